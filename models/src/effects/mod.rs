@@ -1,0 +1,83 @@
+//! Physical effects: what may act on the rod, one file each.
+//!
+//! An effect says *where* it acts and *what* it does there, as a law over a generic scalar. The
+//! shared stencil turns that into generalised forces, tangents and sensitivities; the catalogue,
+//! scenario keys, pages and tests follow from [`About`].
+
+use num_dual::DualNum;
+
+/// The scalar that laws are written over: `f64`, or a dual number that carries derivatives.
+pub trait Real: DualNum<Primitive = f64> + Copy {}
+impl<T: DualNum<Primitive = f64> + Copy> Real for T {}
+
+/// What an effect does to the energy of the rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Stores energy and gives all of it back.
+    Elastic,
+    /// Never feeds energy to the rod.
+    Dissipative,
+    /// Adds mass or rotary inertia.
+    Inertial,
+    /// Acts from outside.
+    Load,
+    /// Changes what is observed, not what happens.
+    Measurement,
+}
+
+/// A part of the rod that an effect can act on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Every bend, root and end fitting included: curvature, its rate, own memory; gives a moment.
+    Bend,
+    /// Every edge, along itself: stretch and its rate; gives a tension.
+    Edge,
+    /// Every edge, from outside: velocity of its midpoint; gives a force per unit length.
+    Flow,
+    /// Everything that has mass: gives an acceleration and a rate of decay of velocity.
+    Mass,
+    /// The end of the active length: position, angle and their rates; gives a force and a moment.
+    Tip,
+    /// The rigid body at the end of the active length: gives mass, centre of mass, rotary inertia.
+    Body,
+    /// The clamp: gives a rotational compliance in series with the root bend.
+    Clamp,
+}
+
+/// One parameter of an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// Scenario key, `snake_case`, without unit.
+    pub name: &'static str,
+    /// What it is, as a phrase.
+    pub meaning: &'static str,
+    /// SI unit, such as `kg m^2`; empty if dimensionless. Scenario values must have its dimension.
+    pub unit: &'static str,
+    /// Value when the effect is switched on and the parameter is not given.
+    pub default: f64,
+    /// Smallest and largest admissible value, both included.
+    pub range: (f64, f64),
+    /// A typical size: step of finite differences, scale of fits.
+    pub scale: f64,
+    /// Value at which the effect is exactly zero, if this parameter alone can switch it off.
+    pub off: Option<f64>,
+}
+
+/// What the catalogue knows of an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct About {
+    /// Stable name: scenario key, file name.
+    pub name: &'static str,
+    /// One sentence.
+    pub meaning: &'static str,
+    /// What it does to the energy.
+    pub kind: Kind,
+    /// Where it acts.
+    pub places: &'static [Place],
+    /// Its parameters, in the order in which laws receive them.
+    pub parameters: &'static [Parameter],
+    /// What it looks like in a recording.
+    pub looks_like: &'static str,
+    /// Names of effects with which recordings confound it.
+    pub confounded_with: &'static [&'static str],
+}

@@ -1,0 +1,3 @@
+//! What the world does: a planar discrete elastic rod, clamped at one end, with a rigid body at the other.
+pub mod effects;
+pub mod snapshot;

@@ -1,0 +1,2 @@
+//! The program `efam`.
+fn main() {}
