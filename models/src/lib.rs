@@ -1,3 +1,9 @@
 //! What the world does: a planar discrete elastic rod, clamped at one end, with a rigid body at the other.
+pub mod banded;
 pub mod effects;
+pub mod error;
+pub mod kinematics;
+pub mod model;
 pub mod snapshot;
+pub mod system;
+mod tangent;

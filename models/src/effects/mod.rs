@@ -4,7 +4,43 @@
 //! shared stencil turns that into generalised forces, tangents and sensitivities; the catalogue,
 //! scenario keys, pages and tests follow from [`About`].
 
+mod erased;
+mod law;
+
 use num_dual::DualNum;
+
+pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Registered, Scalar};
+pub use law::{BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, MassLoad, Moment, Rod, Tip, TipLoad};
+
+/// Declares the effects' files and the catalogue that holds them.
+macro_rules! catalogue {
+    ($($file:ident :: $law:ident,)*) => {
+        $(pub mod $file;)*
+
+        /// Every effect that a model can have, in the order in which pages list them.
+        pub static CATALOGUE: &[&dyn Effect] =
+            &[$(&Registered::<$file::$law>::new(include_str!(concat!(stringify!($file), ".rs"))),)*];
+    };
+}
+
+catalogue! {
+    stretch::Stretch,
+    bend::Bending,
+    gravity::Gravity,
+    end_fitting::EndFitting,
+    payload::Payload,
+    rayleigh_mass::RayleighMass,
+    rayleigh_stiffness::RayleighStiffness,
+    tip_load::TipForce,
+    air_drag::AirDrag,
+    viscoelastic::Viscoelastic,
+    clamp_compliance::ClampCompliance,
+}
+
+/// The effect of that name.
+pub fn by_name(name: &str) -> Option<&'static dyn Effect> {
+    CATALOGUE.iter().copied().find(|effect| effect.about().name == name)
+}
 
 /// The scalar that laws are written over: `f64`, or a dual number that carries derivatives.
 pub trait Real: DualNum<Primitive = f64> + Copy {}
@@ -74,6 +110,10 @@ pub struct About {
     pub kind: Kind,
     /// Where it acts.
     pub places: &'static [Place],
+    /// Whether each bend carries a memory of the effect's own.
+    pub memory: bool,
+    /// Whether its law names the time.
+    pub timed: bool,
     /// Its parameters, in the order in which laws receive them.
     pub parameters: &'static [Parameter],
     /// What it looks like in a recording.

@@ -1,0 +1,224 @@
+//! Square matrices with a narrow band, and their factors.
+
+use std::ops::{Index, IndexMut};
+
+/// Entries to each side of the diagonal. A bend joins three nodes, six coordinates; the last but
+/// one joins two nodes with the three coordinates of the end body, hence one more.
+pub const HALF_BANDWIDTH: usize = 6;
+const WIDTH: usize = 2 * HALF_BANDWIDTH + 1;
+
+/// A square matrix whose entries stand within [`HALF_BANDWIDTH`] of the diagonal.
+#[derive(Clone, Debug, Default)]
+pub struct Banded {
+    rows: Vec<[f64; WIDTH]>,
+}
+
+impl Banded {
+    /// Zero, of `n` rows.
+    pub fn zeros(n: usize) -> Self {
+        Self { rows: vec![[0.0; WIDTH]; n] }
+    }
+
+    /// Number of rows.
+    pub fn dim(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Sets every entry to zero.
+    pub fn clear(&mut self) {
+        self.rows.fill([0.0; WIDTH]);
+    }
+
+    /// The entry, zero outside the band.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        if row.abs_diff(column) > HALF_BANDWIDTH { 0.0 } else { self[(row, column)] }
+    }
+
+    /// `self = a² diag + a damping + stiffness`, the matrix of an implicit step.
+    pub fn combine(&mut self, a: f64, diagonal: &[f64], damping: &Banded, stiffness: &Banded) {
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            for (k, entry) in row.iter_mut().enumerate() {
+                *entry = a * damping.rows[i][k] + stiffness.rows[i][k];
+            }
+            row[HALF_BANDWIDTH] += a * a * diagonal[i];
+        }
+    }
+
+    /// Adds `scale · diagonal`.
+    pub fn add_diagonal(&mut self, scale: f64, diagonal: &[f64]) {
+        for (row, d) in self.rows.iter_mut().zip(diagonal) {
+            row[HALF_BANDWIDTH] += scale * d;
+        }
+    }
+
+    /// `y += self · x`.
+    pub fn multiply_add(&self, x: &[f64], y: &mut [f64]) {
+        let n = self.dim();
+        for i in 0..n {
+            let first = i.saturating_sub(HALF_BANDWIDTH);
+            let last = (i + HALF_BANDWIDTH + 1).min(n);
+            let row = &self.rows[i][first + HALF_BANDWIDTH - i..last + HALF_BANDWIDTH - i];
+            y[i] += row.iter().zip(&x[first..last]).map(|(a, b)| a * b).sum::<f64>();
+        }
+    }
+
+    /// Factors in place without pivoting: `L` below the diagonal, `U` on and above it. The matrices
+    /// of implicit steps are dominated by mass and stiffness; near a singular one a pivot
+    /// collapses, which is reported.
+    /// # Errors
+    /// [`Singular`] with the row whose pivot is not finite or vanishes against the row.
+    pub fn factorize(&mut self) -> Result<(), Singular> {
+        let n = self.dim();
+        for k in 0..n {
+            let (head, tail) = self.rows.split_at_mut(k + 1);
+            let pivot_row = &mut head[k];
+            let pivot = pivot_row[HALF_BANDWIDTH];
+            let largest = pivot_row[HALF_BANDWIDTH..].iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+            if !pivot.is_finite() || pivot.abs() <= 1e-14 * largest || pivot == 0.0 {
+                return Err(Singular { row: k });
+            }
+            let per_pivot = 1.0 / pivot;
+            let upper: [f64; HALF_BANDWIDTH] = std::array::from_fn(|c| pivot_row[HALF_BANDWIDTH + 1 + c]);
+            pivot_row[HALF_BANDWIDTH] = per_pivot;
+            for (r, row) in tail.iter_mut().take(HALF_BANDWIDTH).enumerate() {
+                let at = HALF_BANDWIDTH - 1 - r;
+                let factor = row[at] * per_pivot;
+                row[at] = factor;
+                for (entry, u) in row[at + 1..at + 1 + HALF_BANDWIDTH].iter_mut().zip(&upper) {
+                    *entry -= factor * u;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves with the factors of [`factorize`](Self::factorize), in place.
+    pub fn solve(&self, x: &mut [f64]) {
+        let n = self.dim();
+        for i in 0..n {
+            let first = i.saturating_sub(HALF_BANDWIDTH);
+            let row = &self.rows[i][first + HALF_BANDWIDTH - i..HALF_BANDWIDTH];
+            let sum: f64 = row.iter().zip(&x[first..i]).map(|(a, b)| a * b).sum();
+            x[i] -= sum;
+        }
+        for i in (0..n).rev() {
+            let last = (i + HALF_BANDWIDTH + 1).min(n);
+            let row = &self.rows[i][HALF_BANDWIDTH + 1..last + HALF_BANDWIDTH - i];
+            let sum: f64 = row.iter().zip(&x[i + 1..last]).map(|(a, b)| a * b).sum();
+            x[i] = (x[i] - sum) * self.rows[i][HALF_BANDWIDTH];
+        }
+    }
+
+    /// Solves for `P` right-hand sides at once, which costs little more than one.
+    pub fn solve_many<const P: usize>(&self, x: &mut [[f64; P]]) {
+        let n = self.dim();
+        for i in 0..n {
+            let mut sum = x[i];
+            for j in i.saturating_sub(HALF_BANDWIDTH)..i {
+                let a = self.rows[i][j + HALF_BANDWIDTH - i];
+                for p in 0..P {
+                    sum[p] -= a * x[j][p];
+                }
+            }
+            x[i] = sum;
+        }
+        for i in (0..n).rev() {
+            let mut sum = x[i];
+            for j in i + 1..(i + HALF_BANDWIDTH + 1).min(n) {
+                let a = self.rows[i][j + HALF_BANDWIDTH - i];
+                for p in 0..P {
+                    sum[p] -= a * x[j][p];
+                }
+            }
+            let per_pivot = self.rows[i][HALF_BANDWIDTH];
+            x[i] = sum.map(|s| s * per_pivot);
+        }
+    }
+
+    /// `y += self · x` for `P` columns at once.
+    pub fn multiply_add_many<const P: usize>(&self, x: &[[f64; P]], y: &mut [[f64; P]]) {
+        let n = self.dim();
+        for i in 0..n {
+            let mut sum = y[i];
+            for j in i.saturating_sub(HALF_BANDWIDTH)..(i + HALF_BANDWIDTH + 1).min(n) {
+                let a = self.rows[i][j + HALF_BANDWIDTH - i];
+                for p in 0..P {
+                    sum[p] += a * x[j][p];
+                }
+            }
+            y[i] = sum;
+        }
+    }
+}
+
+impl Index<(usize, usize)> for Banded {
+    type Output = f64;
+
+    fn index(&self, (row, column): (usize, usize)) -> &f64 {
+        &self.rows[row][column + HALF_BANDWIDTH - row]
+    }
+}
+
+impl IndexMut<(usize, usize)> for Banded {
+    fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut f64 {
+        &mut self.rows[row][column + HALF_BANDWIDTH - row]
+    }
+}
+
+/// A pivot vanished.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the matrix is singular at row {row}")]
+pub struct Singular {
+    /// The row.
+    pub row: usize,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    fn sample(n: usize) -> Banded {
+        let mut a = Banded::zeros(n);
+        for i in 0..n {
+            for j in i.saturating_sub(HALF_BANDWIDTH)..(i + HALF_BANDWIDTH + 1).min(n) {
+                a[(i, j)] = ((i * 7 + j * 13) % 11) as f64 - 5.0 + if i == j { 40.0 } else { 0.0 };
+            }
+        }
+        a
+    }
+
+    #[test]
+    fn solves_what_a_dense_matrix_solves() {
+        let n = 23;
+        let a = sample(n);
+        let dense = DMatrix::from_fn(n, n, |i, j| a.get(i, j));
+        let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+        let expected = dense.clone().lu().solve(&nalgebra::DVector::from_vec(b.clone())).unwrap();
+        let mut factors = a.clone();
+        factors.factorize().unwrap();
+        let mut x = b.clone();
+        factors.solve(&mut x);
+        let mut many: Vec<[f64; 3]> = b.iter().map(|b| [*b, 2.0 * b, -b]).collect();
+        factors.solve_many(&mut many);
+        for i in 0..n {
+            assert!((x[i] - expected[i]).abs() < 1e-13);
+            assert!((many[i][1] - 2.0 * expected[i]).abs() < 1e-13);
+        }
+        let mut y = vec![0.0; n];
+        a.multiply_add(&x, &mut y);
+        let mut y_many = vec![[0.0; 3]; n];
+        a.multiply_add_many(&many, &mut y_many);
+        for i in 0..n {
+            assert!((y[i] - b[i]).abs() < 1e-12);
+            assert!((y_many[i][2] + b[i]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_vanishing_pivot_is_reported() {
+        let mut a = Banded::zeros(8);
+        a[(0, 0)] = 1.0;
+        assert_eq!(a.factorize(), Err(Singular { row: 1 }));
+    }
+}

@@ -1,0 +1,45 @@
+//! Clamp compliance: the clamp gives way in rotation.
+//!
+//! Law:      φ_c = C M
+//!
+//!   φ_c   rotation of the clamp         rad
+//!   C     rotational compliance         rad/(N m)
+//!   M     moment at the root            N m
+//!
+//! Assumes:  Elastic and without mass. Clamp and root bend stand in series: they share the root's
+//!           rotation in the ratio of their elastic stiffnesses, and that share is kept for all
+//!           that acts in the root bend, damping included.
+//! Off:      compliance = 0.
+//! Silent:   Any motion without a moment at the root.
+//! Source:   Two springs in series.
+
+use super::{About, Kind, Law, Parameter, Place, Real};
+
+/// A clamp that gives way.
+pub struct ClampCompliance;
+
+impl Law for ClampCompliance {
+    const ABOUT: About = About {
+        name: "clamp_compliance",
+        meaning: "the clamp gives way in rotation",
+        kind: Kind::Elastic,
+        places: &[Place::Clamp],
+        memory: false,
+        timed: false,
+        parameters: &[Parameter {
+            name: "compliance",
+            meaning: "rotation of the clamp per moment",
+            unit: "rad/(N m)",
+            default: 0.1,
+            range: (0.0, 1e6),
+            scale: 0.1,
+            off: Some(0.0),
+        }],
+        looks_like: "the whole rod turns about the clamp as if it were hinged: markers near the root move too much",
+        confounded_with: &["bend"],
+    };
+
+    fn clamp<T: Real>(theta: &[T]) -> T {
+        theta[0]
+    }
+}

@@ -1,0 +1,43 @@
+//! Gravity: everything that has mass is pulled down.
+//!
+//! Law:      F = −m g ẑ
+//!
+//!   F   force on a mass m            N
+//!   g   acceleration of free fall    m/s²
+//!
+//! Assumes:  Uniform; z points up. A clamp that is not level is `rod.base_angle`.
+//! Off:      acceleration = 0.
+//! Silent:   Never, while there is mass.
+//! Source:   Garbulinski and Wereley (2022), Table 1: 9.81 m/s².
+
+use super::{About, Kind, Law, MassLoad, Parameter, Place, Real};
+
+/// Weight.
+pub struct Gravity;
+
+impl Law for Gravity {
+    const ABOUT: About = About {
+        name: "gravity",
+        meaning: "everything that has mass is pulled down",
+        kind: Kind::Load,
+        places: &[Place::Mass],
+        memory: false,
+        timed: false,
+        parameters: &[Parameter {
+            name: "acceleration",
+            meaning: "acceleration of free fall",
+            unit: "m/s^2",
+            default: 9.81,
+            range: (0.0, 1000.0),
+            scale: 9.81,
+            off: Some(0.0),
+        }],
+        looks_like: "the rod sags, and swings about the sagged posture",
+        confounded_with: &["bend"],
+    };
+
+    fn mass<T: Real>(_time: T, theta: &[T]) -> MassLoad<T> {
+        let zero = T::from(0.0);
+        MassLoad { acceleration: [zero, -theta[0]], rate: zero }
+    }
+}

@@ -1,0 +1,235 @@
+//! What an effect's author writes: a law over a generic scalar, and what it is given to see.
+
+use super::{About, Parameter, Real};
+
+/// The rod as it is now; with a pressure that changes it follows the pressure.
+#[derive(Clone, Copy, Debug)]
+pub struct Rod<T> {
+    /// Active length without load, m.
+    pub length: T,
+    /// Distributed mass in all, kg.
+    pub mass: T,
+    /// Bending stiffness EI, N m².
+    pub bending_stiffness: T,
+    /// Axial stiffness EA, N.
+    pub axial_stiffness: T,
+    /// Outer diameter, m.
+    pub diameter: T,
+}
+
+impl<T: Copy> Rod<T> {
+    /// The same rod over another scalar.
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> Rod<U> {
+        Rod {
+            length: f(self.length),
+            mass: f(self.mass),
+            bending_stiffness: f(self.bending_stiffness),
+            axial_stiffness: f(self.axial_stiffness),
+            diameter: f(self.diameter),
+        }
+    }
+}
+
+/// A bend, as a law sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Bend<'a, T> {
+    /// Curvature: integrated curvature over the Voronoi length, 1/m; positive towards +z.
+    pub kappa: T,
+    /// Its rate, 1/(m s).
+    pub kappa_rate: T,
+    /// The effect's own memory at this bend.
+    pub memory: T,
+    /// Place along the rod, from 0 at the clamp to 1 at the end fitting.
+    pub position: f64,
+    /// Time since release, s.
+    pub time: T,
+    /// The rod as it is now.
+    pub rod: &'a Rod<T>,
+}
+
+/// What a law says of a bend.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<T> {
+    /// Resisting moment, N m: of the sign of the curvature that it resists.
+    pub moment: T,
+    /// Rate of the memory, own unit per s.
+    pub memory_rate: T,
+}
+
+impl<T: Real> Moment<T> {
+    /// A moment without memory.
+    pub fn of(moment: T) -> Self {
+        let memory_rate = T::from(0.0);
+        Self { moment, memory_rate }
+    }
+}
+
+/// An edge along itself, as a law sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge<'a, T> {
+    /// Current over rest length, minus one.
+    pub stretch: T,
+    /// Its rate, 1/s.
+    pub stretch_rate: T,
+    /// Place of the midpoint along the rod, from 0 at the clamp to 1 at the end fitting.
+    pub position: f64,
+    /// Time since release, s.
+    pub time: T,
+    /// The rod as it is now.
+    pub rod: &'a Rod<T>,
+}
+
+/// The surroundings of an edge, as a law sees them.
+#[derive(Clone, Copy, Debug)]
+pub struct Flow<'a, T> {
+    /// Velocity of the midpoint along the edge, m/s, positive towards the tip.
+    pub tangential_velocity: T,
+    /// Velocity of the midpoint across the edge, m/s, positive to the left when looking to the tip.
+    pub normal_velocity: T,
+    /// Place of the midpoint along the rod, from 0 at the clamp to 1 at the end fitting.
+    pub position: f64,
+    /// Time since release, s.
+    pub time: T,
+    /// The rod as it is now.
+    pub rod: &'a Rod<T>,
+}
+
+/// A load that goes with mass: `force = mass (acceleration − rate · velocity)`, and likewise
+/// `moment = −rotary inertia · rate · angular velocity`.
+#[derive(Clone, Copy, Debug)]
+pub struct MassLoad<T> {
+    /// Uniform acceleration in W, m/s².
+    pub acceleration: [T; 2],
+    /// Rate at which velocities decay, 1/s.
+    pub rate: T,
+}
+
+/// The end of the active length, as a law sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Tip<'a, T> {
+    /// Position of the last node in W, m.
+    pub position: [T; 2],
+    /// Its velocity, m/s.
+    pub velocity: [T; 2],
+    /// Angle of the end body, rad, from x towards z.
+    pub angle: T,
+    /// Its rate, rad/s.
+    pub angular_velocity: T,
+    /// Time since release, s.
+    pub time: T,
+    /// The rod as it is now.
+    pub rod: &'a Rod<T>,
+}
+
+/// What acts on the end body at the last node.
+#[derive(Clone, Copy, Debug)]
+pub struct TipLoad<T> {
+    /// Force in W, N.
+    pub force: [T; 2],
+    /// Moment, N m, positive from x towards z.
+    pub moment: T,
+}
+
+/// A rigid body fixed to the end of the active length.
+#[derive(Clone, Copy, Debug)]
+pub struct Body<T> {
+    /// Mass, kg.
+    pub mass: T,
+    /// Centre of mass beyond the end of the active length, along the end fitting's axis, m.
+    pub center_of_mass: T,
+    /// Rotary inertia about its own centre of mass, kg m².
+    pub rotary_inertia: T,
+}
+
+impl<T: Copy> Body<T> {
+    /// A body from the values of [`BODY_PARAMETERS`].
+    pub fn of(theta: &[T]) -> Self {
+        Self { mass: theta[0], center_of_mass: theta[1], rotary_inertia: theta[2] }
+    }
+}
+
+/// Parameters of an effect that is a [`Body`].
+pub const BODY_PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "mass",
+        meaning: "mass of the body",
+        unit: "kg",
+        default: 0.0,
+        range: (0.0, 100.0),
+        scale: 0.05,
+        off: None,
+    },
+    Parameter {
+        name: "center_of_mass",
+        meaning: "its centre of mass beyond the end of the active length",
+        unit: "m",
+        default: 0.0,
+        range: (-1.0, 10.0),
+        scale: 0.01,
+        off: None,
+    },
+    Parameter {
+        name: "rotary_inertia",
+        meaning: "its rotary inertia about its centre of mass",
+        unit: "kg m^2",
+        default: 0.0,
+        range: (0.0, 100.0),
+        scale: 1e-5,
+        off: None,
+    },
+];
+
+/// A physical effect as its author writes it: [`ABOUT`](Law::ABOUT) and the laws of the places
+/// where it acts. Derivatives are taken by dual numbers; `theta` are the parameters, in the order
+/// of `ABOUT.parameters`, SI.
+///
+/// Where a law has an energy, its force must be the gradient of it, or what is left over must not
+/// feed energy: the energy budget takes the difference as dissipation.
+pub trait Law: Sync + 'static {
+    /// What the catalogue knows.
+    const ABOUT: About;
+
+    /// Moment at a bend.
+    fn bend<T: Real>(_at: &Bend<T>, _theta: &[T]) -> Moment<T> {
+        Moment::of(T::from(0.0))
+    }
+    /// Energy stored at a bend, J per metre of rod; its derivative by `kappa` is a moment.
+    fn bend_energy<T: Real>(_at: &Bend<T>, _theta: &[T]) -> T {
+        T::from(0.0)
+    }
+    /// Tension in an edge, N, positive where it pulls the ends together.
+    fn edge<T: Real>(_at: &Edge<T>, _theta: &[T]) -> T {
+        T::from(0.0)
+    }
+    /// Energy stored in an edge, J per metre of rest length.
+    fn edge_energy<T: Real>(_at: &Edge<T>, _theta: &[T]) -> T {
+        T::from(0.0)
+    }
+    /// Force on an edge from outside, tangential and normal, N per metre of rest length.
+    fn flow<T: Real>(_at: &Flow<T>, _theta: &[T]) -> [T; 2] {
+        [T::from(0.0); 2]
+    }
+    /// Load that goes with mass, at time `time`, s.
+    fn mass<T: Real>(_time: T, _theta: &[T]) -> MassLoad<T> {
+        let zero = T::from(0.0);
+        MassLoad { acceleration: [zero; 2], rate: zero }
+    }
+    /// Load on the end body.
+    fn tip<T: Real>(_at: &Tip<T>, _theta: &[T]) -> TipLoad<T> {
+        let zero = T::from(0.0);
+        TipLoad { force: [zero; 2], moment: zero }
+    }
+    /// Potential energy of the load on the end body, J.
+    fn tip_energy<T: Real>(_at: &Tip<T>, _theta: &[T]) -> T {
+        T::from(0.0)
+    }
+    /// Body at the end of the active length.
+    fn body<T: Real>(_theta: &[T]) -> Body<T> {
+        let zero = T::from(0.0);
+        Body { mass: zero, center_of_mass: zero, rotary_inertia: zero }
+    }
+    /// Rotational compliance of the clamp, rad/(N m).
+    fn clamp<T: Real>(_theta: &[T]) -> T {
+        T::from(0.0)
+    }
+}

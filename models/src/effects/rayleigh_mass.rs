@@ -1,0 +1,43 @@
+//! Rayleigh mass damping: everything that has mass loses velocity at one rate.
+//!
+//! Law:      F = −α m v,   M = −α J ω
+//!
+//!   F, M   force on a mass, moment on the end body      N, N m
+//!   α      rate                                         1/s
+//!   v, ω   velocity, angular velocity                   m/s, rad/s
+//!
+//! Assumes:  Nothing physical: a linear loss that is largest for slow modes, ζ = α / (2ω).
+//! Off:      alpha = 0.
+//! Silent:   Rest.
+//! Source:   Rayleigh (1877), The Theory of Sound; Clough and Penzien (2003), section 12-3.
+
+use super::{About, Kind, Law, MassLoad, Parameter, Place, Real};
+
+/// Loss in proportion to momentum.
+pub struct RayleighMass;
+
+impl Law for RayleighMass {
+    const ABOUT: About = About {
+        name: "rayleigh_mass",
+        meaning: "everything that has mass loses velocity at one rate",
+        kind: Kind::Dissipative,
+        places: &[Place::Mass],
+        memory: false,
+        timed: false,
+        parameters: &[Parameter {
+            name: "alpha",
+            meaning: "rate at which velocity is lost",
+            unit: "1/s",
+            default: 0.0,
+            range: (0.0, 1e6),
+            scale: 1.0,
+            off: Some(0.0),
+        }],
+        looks_like: "a straight line of log amplitude over time, of the same slope for every mode",
+        confounded_with: &["rayleigh_stiffness"],
+    };
+
+    fn mass<T: Real>(_time: T, theta: &[T]) -> MassLoad<T> {
+        MassLoad { acceleration: [T::from(0.0); 2], rate: theta[0] }
+    }
+}

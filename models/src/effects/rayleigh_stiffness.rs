@@ -1,0 +1,51 @@
+//! Rayleigh stiffness damping: stretch and bending resist their rates as they resist themselves.
+//!
+//! Law:      T = β EA ε̇,   M = β EI κ̇
+//!
+//!   T, M     tension of an edge, moment of a bend                  N, N m
+//!   β        time                                                  s
+//!   EA, EI   `rod.axial_stiffness`, `rod.bending_stiffness`          N, N m²
+//!   ε̇, κ̇     rates of stretch and of curvature                     1/s, 1/(m s)
+//!
+//! Assumes:  Kelvin and Voigt's solid. In generalised coordinates the force is −β Gᵀ C G v, with G
+//!           the strain-displacement matrix of the present posture and C the material stiffness:
+//!           the material part of the tangent, so that a rigid rotation is never damped.
+//! Off:      beta = 0.
+//! Silent:   Any rigid motion.
+//! Source:   Clough and Penzien (2003), section 12-3, ζ = β ω / 2; rate form as in
+//!           Garbulinski and Wereley's (2022) eq. 5 with strains replaced by their rates.
+
+use super::{About, Bend, Edge, Kind, Law, Moment, Parameter, Place, Real};
+
+/// Loss in proportion to strain rate.
+pub struct RayleighStiffness;
+
+impl Law for RayleighStiffness {
+    const ABOUT: About = About {
+        name: "rayleigh_stiffness",
+        meaning: "stretch and bending resist their rates as they resist themselves",
+        kind: Kind::Dissipative,
+        places: &[Place::Bend, Place::Edge],
+        memory: false,
+        timed: false,
+        parameters: &[Parameter {
+            name: "beta",
+            meaning: "time that turns stiffness into damping",
+            unit: "s",
+            default: 0.0,
+            range: (0.0, 1e3),
+            scale: 0.01,
+            off: Some(0.0),
+        }],
+        looks_like: "higher modes die first; log amplitude falls on a straight line, steeper the faster the mode",
+        confounded_with: &["rayleigh_mass", "viscoelastic"],
+    };
+
+    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        Moment::of(theta[0] * at.rod.bending_stiffness * at.kappa_rate)
+    }
+
+    fn edge<T: Real>(at: &Edge<T>, theta: &[T]) -> T {
+        theta[0] * at.rod.axial_stiffness * at.stretch_rate
+    }
+}

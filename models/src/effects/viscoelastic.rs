@@ -1,0 +1,66 @@
+//! Viscoelastic bending: a spring and a dashpot in series stand beside the bending stiffness.
+//!
+//! Law:      M = g EI (κ − z),   ż = (κ − z) / τ
+//!
+//!   M    moment of the Maxwell branch                           N m
+//!   g    its stiffness over the static one                      –
+//!   EI   bending stiffness at rest, `rod.bending_stiffness`      N m²
+//!   κ    curvature                                              1/m
+//!   z    curvature to which the dashpot has crept               1/m
+//!   τ    relaxation time                                        s
+//!
+//! Assumes:  One relaxation time. The branch is relaxed when the rod is let go.
+//! Off:      branch_stiffness = 0.
+//! Silent:   Motion much slower than τ. Much faster than τ it only stiffens: EI (1 + g).
+//! Source:   Zener's standard linear solid: Christensen (2003), Theory of Viscoelasticity, ch. 1.
+
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Real};
+
+/// A Maxwell branch in bending.
+pub struct Viscoelastic;
+
+impl Law for Viscoelastic {
+    const ABOUT: About = About {
+        name: "viscoelastic",
+        meaning: "a spring and a dashpot in series stand beside the bending stiffness",
+        kind: Kind::Dissipative,
+        places: &[Place::Bend],
+        memory: true,
+        timed: false,
+        parameters: &[
+            Parameter {
+                name: "branch_stiffness",
+                meaning: "stiffness of the branch over the static bending stiffness",
+                unit: "",
+                default: 0.1,
+                range: (0.0, 100.0),
+                scale: 0.1,
+                off: Some(0.0),
+            },
+            Parameter {
+                name: "relaxation_time",
+                meaning: "relaxation time of the branch",
+                unit: "s",
+                default: 0.2,
+                range: (1e-4, 1e4),
+                scale: 0.1,
+                off: None,
+            },
+        ],
+        looks_like: "the rod is stiffer in motion than at rest, and loses most at frequencies near 1/τ",
+        confounded_with: &["rayleigh_stiffness", "bend"],
+    };
+
+    fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
+        let strain = at.kappa - at.memory;
+        Moment {
+            moment: theta[0] * at.rod.bending_stiffness * strain,
+            memory_rate: strain / theta[1],
+        }
+    }
+
+    fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+        let strain = at.kappa - at.memory;
+        theta[0] * at.rod.bending_stiffness * strain * strain * 0.5
+    }
+}

@@ -1,0 +1,63 @@
+//! What can be wrong with a model.
+
+use thiserror::Error;
+
+/// A model that cannot be built, or an equilibrium that was not found.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ModelError {
+    /// Too few or too many nodes.
+    #[error("rod.nodes = {nodes}: must lie in 4..=2000; 32 is what the paper used")]
+    Nodes {
+        /// Value met.
+        nodes: usize,
+    },
+    /// A parameter outside its range, or not a number.
+    #[error("{path} = {value}: must lie in {low}..={high}{unit}")]
+    OutOfRange {
+        /// Path of the parameter, such as `effects.air_drag.drag_coefficient`.
+        path: String,
+        /// Value met, SI.
+        value: f64,
+        /// Smallest admissible value.
+        low: f64,
+        /// Largest admissible value.
+        high: f64,
+        /// SI unit, with a space before it.
+        unit: String,
+    },
+    /// No such parameter.
+    #[error("{path}: no such parameter; the model has {known}")]
+    UnknownParameter {
+        /// Path met.
+        path: String,
+        /// Paths that there are.
+        known: String,
+    },
+    /// No such effect.
+    #[error("effects.{name}: no such effect; `efam effects` lists them")]
+    UnknownEffect {
+        /// Name met.
+        name: String,
+    },
+    /// An effect that needs the rod's diameter, and a rod without one.
+    #[error("effects.{effect} needs the diameter of the rod; give rod.diameter, such as \"27 mm\"")]
+    DiameterMissing {
+        /// Name of the effect.
+        effect: &'static str,
+    },
+    /// Newton's method for the equilibrium gave up.
+    #[error(
+        "no equilibrium found: stalled at {load_percent:.1} % of the load after {iterations} iterations, \
+         |imbalance| = {imbalance:.2e} N near node {node}; try a finer mesh (rod.nodes) or a stiffer rod"
+    )]
+    Equilibrium {
+        /// Share of the load that was reached, per cent.
+        load_percent: f64,
+        /// Newton iterations so far.
+        iterations: usize,
+        /// Largest imbalance, N.
+        imbalance: f64,
+        /// Where it stands.
+        node: usize,
+    },
+}

@@ -1,0 +1,261 @@
+//! From generalised coordinates to edges and bends, and from moments and tensions back to forces.
+//!
+//! Nodes `0..=N`, edges `0..N`; bend `i` sits at node `i`, with the clamp before the first edge and
+//! the end body after the last one, so that there are `N+1` bends. Coordinates `q`, shape `[2N+1]`:
+//! `x, z` of the nodes `1..N`, then `x, z` of the end body's centre of mass and its angle. The
+//! last node is a point of the end body, so the mass matrix is constant and diagonal.
+
+use crate::effects::Real;
+use crate::system::Context;
+
+/// Where edge and bend quantities of one posture stand, and what the laws say of them.
+#[derive(Clone, Debug, Default)]
+pub struct Fields<T> {
+    /// Node positions in W, m, shape `[N+1]`.
+    pub position: Vec<[T; 2]>,
+    /// Node velocities, m/s, shape `[N+1]`.
+    pub velocity: Vec<[T; 2]>,
+    /// Direction of the end body.
+    pub body_axis: [T; 2],
+    /// Its angular velocity, rad/s.
+    pub body_rate: T,
+    /// Unit tangents, shape `[N]`.
+    pub tangent: Vec<[T; 2]>,
+    /// One over current edge length, 1/m, shape `[N]`.
+    pub per_length: Vec<T>,
+    /// Angular velocity of the edge, rad/s, shape `[N]`.
+    pub edge_rate: Vec<T>,
+    /// Stretch and its rate (1/s), shape `[N]`.
+    pub stretch: Vec<T>,
+    /// Rate of stretch, 1/s, shape `[N]`.
+    pub stretch_rate: Vec<T>,
+    /// Integrated curvature `2 tan(φ/2)`, shape `[N+1]`; the root holds the rod's share of it.
+    pub kappa: Vec<T>,
+    /// Its derivative by the turning angle.
+    pub kappa_slope: Vec<T>,
+    /// Its rate, 1/s.
+    pub kappa_rate: Vec<T>,
+    /// Resisting moment of each bend, N m, shape `[N+1]`.
+    pub moment: Vec<T>,
+    /// Tension of each edge, N, shape `[N]`.
+    pub tension: Vec<T>,
+    /// Outer force on each edge in W, N, shape `[N]`.
+    pub outer: Vec<[T; 2]>,
+    /// Force on the last node in W, N, and moment on the end body, N m.
+    pub tip: [T; 3],
+    /// Acceleration of everything that has mass, m/s².
+    pub acceleration: [T; 2],
+    /// Rate at which its velocity decays, 1/s.
+    pub decay_rate: T,
+}
+
+/// A quarter turn from x towards z.
+pub(crate) fn left<T: Real>([x, z]: [T; 2]) -> [T; 2] {
+    [-z, x]
+}
+
+pub(crate) fn dot<T: Real>(a: [T; 2], b: [T; 2]) -> T {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn cross<T: Real>(a: [T; 2], b: [T; 2]) -> T {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn minus<T: Real>(a: [T; 2], b: [T; 2]) -> [T; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+impl<T: Real> Fields<T> {
+    /// Room for `edges` edges.
+    pub fn new(edges: usize) -> Self {
+        let zero = T::from(0.0);
+        let per_edge = vec![zero; edges];
+        let per_bend = vec![zero; edges + 1];
+        Self {
+            position: vec![[zero; 2]; edges + 1],
+            velocity: vec![[zero; 2]; edges + 1],
+            body_axis: [zero; 2],
+            body_rate: zero,
+            tangent: vec![[zero; 2]; edges],
+            per_length: per_edge.clone(),
+            edge_rate: per_edge.clone(),
+            stretch: per_edge.clone(),
+            stretch_rate: per_edge.clone(),
+            kappa: per_bend.clone(),
+            kappa_slope: per_bend.clone(),
+            kappa_rate: per_bend.clone(),
+            moment: per_bend,
+            tension: per_edge,
+            outer: vec![[zero; 2]; edges],
+            tip: [zero; 3],
+            acceleration: [zero; 2],
+            decay_rate: zero,
+        }
+    }
+
+    /// Puts the rod at coordinates `q` and velocities `v`, shape `[2N+1]` each, and clears what the
+    /// laws have said.
+    pub fn place(&mut self, c: &Context<T>, q: &[T], v: &[T]) {
+        self.place_nodes(c, q, v);
+        self.place_edges(c);
+        self.place_bends(c);
+        self.clear();
+    }
+
+    fn place_nodes(&mut self, c: &Context<T>, q: &[T], v: &[T]) {
+        let zero = T::from(0.0);
+        let n = c.edges;
+        self.position[0] = [zero; 2];
+        self.velocity[0] = [zero; 2];
+        for i in 1..n {
+            self.position[i] = [q[2 * i - 2], q[2 * i - 1]];
+            self.velocity[i] = [v[2 * i - 2], v[2 * i - 1]];
+        }
+        let angle = q[2 * n];
+        let rate = v[2 * n];
+        let axis = [angle.cos(), angle.sin()];
+        let across = left(axis);
+        let arm = c.body.center_of_mass;
+        self.body_axis = axis;
+        self.body_rate = rate;
+        for k in 0..2 {
+            self.position[n][k] = q[2 * n - 2 + k] - arm * axis[k];
+            self.velocity[n][k] = v[2 * n - 2 + k] - arm * rate * across[k];
+        }
+    }
+
+    fn place_edges(&mut self, c: &Context<T>) {
+        let per_rest_length = c.per_rest_length;
+        for j in 0..c.edges {
+            let edge = minus(self.position[j + 1], self.position[j]);
+            let rate = minus(self.velocity[j + 1], self.velocity[j]);
+            let length = dot(edge, edge).sqrt();
+            let per_length = length.recip();
+            let tangent = [edge[0] * per_length, edge[1] * per_length];
+            self.tangent[j] = tangent;
+            self.per_length[j] = per_length;
+            self.edge_rate[j] = cross(tangent, rate) * per_length;
+            self.stretch[j] = length * per_rest_length - 1.0;
+            self.stretch_rate[j] = dot(tangent, rate) * per_rest_length;
+        }
+    }
+
+    /// Source of the curvature: Garbulinski and Wereley (2022), eq. 4, with unit tangents.
+    fn place_bends(&mut self, c: &Context<T>) {
+        let n = c.edges;
+        let mut before = c.base_axis;
+        let mut rate_before = T::from(0.0);
+        for i in 0..=n {
+            let (after, rate_after) =
+                if i < n { (self.tangent[i], self.edge_rate[i]) } else { (self.body_axis, self.body_rate) };
+            let kappa = cross(before, after) * 2.0 / (dot(before, after) + 1.0);
+            let slope = kappa * kappa * 0.25 + 1.0;
+            self.kappa[i] = kappa;
+            self.kappa_slope[i] = slope;
+            self.kappa_rate[i] = slope * (rate_after - rate_before);
+            (before, rate_before) = (after, rate_after);
+        }
+        self.kappa[0] *= c.root_share;
+        self.kappa_slope[0] *= c.root_share;
+        self.kappa_rate[0] *= c.root_share;
+    }
+
+    /// Forgets moments, tensions and loads.
+    pub fn clear(&mut self) {
+        let zero = T::from(0.0);
+        self.moment.fill(zero);
+        self.tension.fill(zero);
+        self.outer.fill([zero; 2]);
+        self.tip = [zero; 3];
+        self.acceleration = [zero; 2];
+        self.decay_rate = zero;
+    }
+
+    /// Velocity of an edge's midpoint along and across it, m/s.
+    pub fn midpoint_velocity(&self, j: usize) -> [T; 2] {
+        let sum = [0, 1].map(|k| (self.velocity[j][k] + self.velocity[j + 1][k]) * 0.5);
+        [dot(self.tangent[j], sum), cross(self.tangent[j], sum)]
+    }
+
+    /// Adds an outer force along and across edge `j`, N.
+    pub fn add_outer_force(&mut self, j: usize, along: T, across: T) {
+        let tangent = self.tangent[j];
+        let normal = left(tangent);
+        for k in 0..2 {
+            self.outer[j][k] += tangent[k] * along + normal[k] * across;
+        }
+    }
+
+    /// Difference of the bending torques at the ends of edge `j`, N m: its shear force times its
+    /// length.
+    pub fn torque(&self, j: usize) -> T {
+        self.moment[j] * self.kappa_slope[j] - self.moment[j + 1] * self.kappa_slope[j + 1]
+    }
+
+    /// Gradient of stored and dissipated power by the edge vector, N: tension along, shear across.
+    pub fn edge_force(&self, j: usize) -> [T; 2] {
+        let tangent = self.tangent[j];
+        let normal = left(tangent);
+        let shear = self.torque(j) * self.per_length[j];
+        [0, 1].map(|k| tangent[k] * self.tension[j] + normal[k] * shear)
+    }
+
+    /// Generalised forces, shape `[2N+1]`, of all that the laws have said.
+    pub fn gather(&self, c: &Context<T>, v: &[T], force: &mut [T]) {
+        let n = c.edges;
+        let mut before = [T::from(0.0); 2];
+        let mut outer_before = before;
+        for i in 0..n {
+            let after = self.edge_force(i);
+            let outer = self.outer[i];
+            if i > 0 {
+                for k in 0..2 {
+                    let dof = 2 * i - 2 + k;
+                    let weight = self.acceleration[k] - self.decay_rate * v[dof];
+                    force[dof] = after[k] - before[k] + (outer[k] + outer_before[k]) * 0.5 + weight * c.node_mass;
+                }
+            }
+            (before, outer_before) = (after, outer);
+        }
+        let last = [0, 1].map(|k| self.tip[k] - before[k] + outer_before[k] * 0.5);
+        for k in 0..2 {
+            let dof = 2 * n - 2 + k;
+            let weight = self.acceleration[k] - self.decay_rate * v[dof];
+            force[dof] = last[k] + weight * c.body.mass;
+        }
+        force[2 * n] = self.tip[2]
+            - self.moment[n] * self.kappa_slope[n]
+            - dot(last, left(self.body_axis)) * c.body.center_of_mass
+            - self.decay_rate * v[2 * n] * c.body.rotary_inertia;
+    }
+
+    /// Force on each node in W, N, shape `[N+1]`, the end body's loads at the last node: for
+    /// observers.
+    pub fn node_forces(&self, c: &Context<T>) -> Vec<[T; 2]> {
+        let n = c.edges;
+        let zero = [T::from(0.0); 2];
+        let mut force = vec![zero; n + 1];
+        for j in 0..n {
+            let inner = self.edge_force(j);
+            for k in 0..2 {
+                force[j][k] += inner[k] + self.outer[j][k] * 0.5;
+                force[j + 1][k] += self.outer[j][k] * 0.5 - inner[k];
+            }
+        }
+        for i in 0..=n {
+            let mass = match i {
+                0 => c.node_mass * 0.5,
+                i if i < n => c.node_mass,
+                _ => c.body.mass,
+            };
+            for k in 0..2 {
+                force[i][k] += (self.acceleration[k] - self.decay_rate * self.velocity[i][k]) * mass;
+            }
+        }
+        for k in 0..2 {
+            force[n][k] += self.tip[k];
+        }
+        force
+    }
+}

@@ -1,0 +1,296 @@
+//! A model: a rod, its clamp, its effects, and one flat list of named parameters.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::effects::{self, Effect, EffectFor, Flow, Place, Rod};
+use crate::error::ModelError;
+
+/// How the rod leaves the clamp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Root {
+    /// Half a Voronoi length belongs to the root bend: second order in the edge length.
+    #[default]
+    Consistent,
+    /// A whole Voronoi length belongs to it, as a ghost edge behind the wall gives: the paper's.
+    /// Bending stiffnesses of its Table 2 belong to this root.
+    Paper,
+}
+
+/// A parameter of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelParameter {
+    /// Where it stands, such as `rod.length` or `effects.air_drag.drag_coefficient`.
+    pub path: String,
+    /// What it is.
+    pub meaning: &'static str,
+    /// SI unit; empty if dimensionless.
+    pub unit: &'static str,
+    /// Smallest and largest admissible value.
+    pub range: (f64, f64),
+    /// A typical size.
+    pub scale: f64,
+    /// Value at which its effect vanishes.
+    pub off: Option<f64>,
+}
+
+/// An effect that is part of a model.
+#[derive(Clone)]
+pub struct Active {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    /// Where its parameters stand in `theta`.
+    pub theta: Range<usize>,
+    /// Where its memory stands, if it has one.
+    pub memory: Range<usize>,
+}
+
+/// A rod whose properties change with time because the pressure does.
+pub trait Schedule: Send + Sync {
+    /// Length, bending stiffness, axial stiffness and diameter relative to the model's own, each
+    /// with its rate, 1/s.
+    fn factors(&self, time: f64) -> [(f64, f64); 4];
+    /// Times at which a rate jumps, s, ascending.
+    fn breakpoints(&self) -> &[f64];
+}
+
+/// What a model is built from.
+#[derive(Clone)]
+pub struct ModelSpec {
+    /// Number of nodes, clamp and end fitting included.
+    pub nodes: usize,
+    /// The rod at release.
+    pub rod: Rod<f64>,
+    /// Angle of the clamp above the horizontal, rad.
+    pub base_angle: f64,
+    /// Angle above the horizontal at which the straight rod is let go, rad.
+    pub release_angle: f64,
+    /// Angular velocity with which it is let go, rad/s.
+    pub release_rate: f64,
+    /// How the rod leaves the clamp.
+    pub root: Root,
+    /// Distance of the observed tip beyond the end of the active length, m.
+    pub tip_distance: f64,
+    /// Effects beside the baseline, and parameters of any effect that differ from its defaults.
+    pub effects: Vec<(String, Vec<(String, f64)>)>,
+    /// A pressure that changes.
+    pub schedule: Option<Arc<dyn Schedule>>,
+}
+
+/// Effects that every model has. Without payload, damping and so on their parameters are at off.
+pub const BASELINE: [&str; 7] =
+    ["stretch", "bend", "gravity", "end_fitting", "payload", "rayleigh_mass", "rayleigh_stiffness"];
+
+pub(crate) const LENGTH: usize = 0;
+pub(crate) const MASS: usize = 1;
+pub(crate) const BENDING_STIFFNESS: usize = 2;
+pub(crate) const AXIAL_STIFFNESS: usize = 3;
+pub(crate) const DIAMETER: usize = 4;
+pub(crate) const BASE_ANGLE: usize = 5;
+/// Where `release.angle` stands in `theta`.
+pub const RELEASE_ANGLE: usize = 6;
+/// Where `release.angular_velocity` stands in `theta`.
+pub const RELEASE_RATE: usize = 7;
+
+type RodParameter = (&'static str, &'static str, &'static str, (f64, f64), f64);
+
+/// Path, meaning, unit, range and scale of what a rod itself has, in the order of `theta`.
+const ROD_PARAMETERS: [RodParameter; 8] = [
+    ("rod.length", "active length without load", "m", (1e-3, 100.0), 0.1),
+    ("rod.mass", "distributed mass in all", "kg", (1e-9, 1e4), 0.01),
+    ("rod.bending_stiffness", "bending stiffness EI", "N m^2", (0.0, 1e9), 1e-3),
+    ("rod.axial_stiffness", "axial stiffness EA", "N", (1e-6, 1e12), 10.0),
+    ("rod.diameter", "outer diameter", "m", (0.0, 10.0), 0.01),
+    ("rod.base_angle", "angle of the clamp above the horizontal", "rad", (-6.3, 6.3), 0.1),
+    ("release.angle", "angle above the horizontal at which the rod is let go", "rad", (-6.3, 6.3), 0.1),
+    ("release.angular_velocity", "angular velocity with which it is let go", "rad/s", (-1e3, 1e3), 0.1),
+];
+
+/// A rod with its clamp, its end body and its effects.
+#[derive(Clone)]
+pub struct Model {
+    /// Number of edges `N`.
+    pub edges: usize,
+    /// How the rod leaves the clamp.
+    pub root: Root,
+    /// Distance of the observed tip beyond the end of the active length, m.
+    pub tip_distance: f64,
+    /// What the parameters are, in the order of `theta`.
+    pub parameters: Vec<ModelParameter>,
+    /// Their values, SI.
+    pub theta: Vec<f64>,
+    /// The effects.
+    pub effects: Vec<Active>,
+    /// A pressure that changes.
+    pub schedule: Option<Arc<dyn Schedule>>,
+    memory: usize,
+}
+
+impl Model {
+    /// Builds and checks a model.
+    /// # Errors
+    /// [`ModelError`] for a node count, effect, or parameter that cannot be.
+    pub fn new(spec: &ModelSpec) -> Result<Self, ModelError> {
+        if !(4..=2000).contains(&spec.nodes) {
+            return Err(ModelError::Nodes { nodes: spec.nodes });
+        }
+        let rod = &spec.rod;
+        let mut model = Self {
+            edges: spec.nodes - 1,
+            root: spec.root,
+            tip_distance: spec.tip_distance,
+            parameters: ROD_PARAMETERS.map(rod_parameter).to_vec(),
+            theta: vec![
+                rod.length,
+                rod.mass,
+                rod.bending_stiffness,
+                rod.axial_stiffness,
+                if rod.diameter.is_nan() { 0.0 } else { rod.diameter },
+                spec.base_angle,
+                spec.release_angle,
+                spec.release_rate,
+            ],
+            effects: Vec::new(),
+            schedule: spec.schedule.clone(),
+            memory: 0,
+        };
+        for name in BASELINE {
+            model.switch_on(name)?;
+        }
+        for (name, values) in &spec.effects {
+            model.switch_on(name)?;
+            for (key, value) in values {
+                model.set(&format!("effects.{name}.{key}"), *value)?;
+            }
+        }
+        model.check()?;
+        if rod.diameter.is_nan() {
+            model.check_without_diameter()?;
+        }
+        Ok(model)
+    }
+
+    /// Adds an effect with its defaults, unless the model has it.
+    fn switch_on(&mut self, name: &str) -> Result<(), ModelError> {
+        let Some(effect) = effects::by_name(name) else {
+            return Err(ModelError::UnknownEffect { name: name.to_owned() });
+        };
+        if self.effect(name).is_some() {
+            return Ok(());
+        }
+        let about = effect.about();
+        let first = self.theta.len();
+        for p in about.parameters {
+            self.parameters.push(ModelParameter {
+                path: format!("effects.{name}.{}", p.name),
+                meaning: p.meaning,
+                unit: p.unit,
+                range: p.range,
+                scale: p.scale,
+                off: p.off,
+            });
+            self.theta.push(p.default);
+        }
+        let memory = self.memory..self.memory + if about.memory { self.edges + 1 } else { 0 };
+        self.memory = memory.end;
+        self.effects.push(Active { effect, theta: first..self.theta.len(), memory });
+        Ok(())
+    }
+
+    /// The active effect of that name.
+    pub fn effect(&self, name: &str) -> Option<&Active> {
+        self.effects.iter().find(|active| active.effect.about().name == name)
+    }
+
+    /// Number of generalised coordinates: two for each free node but the last, three for the end
+    /// body.
+    pub fn dof(&self) -> usize {
+        2 * self.edges + 1
+    }
+
+    /// Number of memory variables of all effects.
+    pub fn memory(&self) -> usize {
+        self.memory
+    }
+
+    /// Place of a parameter in `theta`.
+    /// # Errors
+    /// [`ModelError::UnknownParameter`], with the paths that there are.
+    pub fn index(&self, path: &str) -> Result<usize, ModelError> {
+        self.parameters.iter().position(|p| p.path == path).ok_or_else(|| {
+            let known: Vec<_> = self.parameters.iter().map(|p| p.path.as_str()).collect();
+            ModelError::UnknownParameter { path: path.to_owned(), known: known.join(", ") }
+        })
+    }
+
+    /// Sets a parameter, SI.
+    /// # Errors
+    /// [`ModelError::UnknownParameter`] or [`ModelError::OutOfRange`].
+    pub fn set(&mut self, path: &str, value: f64) -> Result<(), ModelError> {
+        let k = self.index(path)?;
+        self.theta[k] = value;
+        self.check_parameter(k)
+    }
+
+    fn check(&self) -> Result<(), ModelError> {
+        (0..self.theta.len()).try_for_each(|k| self.check_parameter(k))
+    }
+
+    fn check_parameter(&self, k: usize) -> Result<(), ModelError> {
+        let ModelParameter { path, unit, range: (low, high), .. } = &self.parameters[k];
+        let value = self.theta[k];
+        if (*low..=*high).contains(&value) {
+            return Ok(());
+        }
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        Err(ModelError::OutOfRange { path: path.clone(), value, low: *low, high: *high, unit })
+    }
+
+    /// An effect that needs a diameter answers with not-a-number when the diameter is none.
+    fn check_without_diameter(&self) -> Result<(), ModelError> {
+        let rod = Rod { diameter: f64::NAN, ..self.rod() };
+        let at = Flow { tangential_velocity: 1.0, normal_velocity: 1.0, position: 0.5, time: 0.0, rod: &rod };
+        for active in &self.effects {
+            let theta = &self.theta[active.theta.clone()];
+            if EffectFor::<f64>::flow(active.effect, &at, theta).iter().any(|force| force.is_nan()) {
+                return Err(ModelError::DiameterMissing { effect: active.effect.about().name });
+            }
+        }
+        Ok(())
+    }
+
+    /// The rod at release.
+    pub fn rod(&self) -> Rod<f64> {
+        Rod {
+            length: self.theta[LENGTH],
+            mass: self.theta[MASS],
+            bending_stiffness: self.theta[BENDING_STIFFNESS],
+            axial_stiffness: self.theta[AXIAL_STIFFNESS],
+            diameter: self.theta[DIAMETER],
+        }
+    }
+
+    /// Whether a law or the rod depends on the time itself.
+    pub fn is_timed(&self) -> bool {
+        self.schedule.is_some() || self.effects.iter().any(|active| active.effect.about().timed)
+    }
+
+    /// The effects that act at a place and are not at off. An effect with memory always counts:
+    /// its memory goes on even where its force is off.
+    pub(crate) fn acting(&self, place: Place, keep_off: bool) -> Vec<usize> {
+        let acts = |active: &Active| {
+            let about = active.effect.about();
+            let at_off = about
+                .parameters
+                .iter()
+                .zip(&self.theta[active.theta.clone()])
+                .any(|(p, value)| p.off == Some(*value));
+            about.places.contains(&place) && (keep_off || about.memory || !at_off)
+        };
+        (0..self.effects.len()).filter(|&k| acts(&self.effects[k])).collect()
+    }
+}
+
+fn rod_parameter((path, meaning, unit, range, scale): RodParameter) -> ModelParameter {
+    ModelParameter { path: path.to_owned(), meaning, unit, range, scale, off: None }
+}

@@ -1,0 +1,545 @@
+//! The equations of motion `q̇ = v`, `M v̇ = f(q, v, z, t; theta)`, `ż = g(q, v, z, t; theta)`.
+
+use crate::effects::{Body, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
+use crate::kinematics::{Fields, left};
+use crate::model::{AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, Root};
+use crate::tangent::Tangent;
+
+/// What the laws and the stencil take from the parameters at one time.
+#[derive(Clone, Debug)]
+pub struct Context<T> {
+    /// Number of edges `N`.
+    pub edges: usize,
+    /// One over it.
+    pub per_edges: f64,
+    /// Time since release, s.
+    pub time: T,
+    /// The rod as it is now.
+    pub rod: Rod<T>,
+    /// All parameters, in the order of the model.
+    pub theta: Vec<T>,
+    /// Direction of the clamp.
+    pub base_axis: [T; 2],
+    /// The rigid end body, the last half cell of the rod included: its centre of mass is measured
+    /// from the last node along the body axis.
+    pub body: Body<T>,
+    /// Mass of an interior node, kg.
+    pub node_mass: T,
+    /// Rest length of an edge, m.
+    pub rest_length: T,
+    /// One over it, 1/m.
+    pub per_rest_length: T,
+    /// One over the Voronoi length of each bend, 1/m, shape `[N+1]`.
+    pub per_voronoi: Vec<T>,
+    /// Share of the root's integrated curvature that the rod itself takes; the clamp takes the rest.
+    pub root_share: T,
+    /// Moment that the clamp adds at the root per integrated curvature of the rod's share, N m.
+    pub clamp_moment: T,
+}
+
+impl<T: Scalar> Context<T> {
+    fn new(model: &Model, theta: Vec<T>) -> Self {
+        let zero = T::from(0.0);
+        let edges = model.edges;
+        let per_edges = 1.0 / edges as f64;
+        let node_mass = theta[MASS] * per_edges;
+        let base = theta[BASE_ANGLE];
+        let mut context = Self {
+            edges,
+            per_edges,
+            time: zero,
+            rod: Rod {
+                length: theta[LENGTH],
+                mass: theta[MASS],
+                bending_stiffness: theta[BENDING_STIFFNESS],
+                axial_stiffness: theta[AXIAL_STIFFNESS],
+                diameter: theta[DIAMETER],
+            },
+            base_axis: [base.cos(), base.sin()],
+            body: end_body(model, &theta, node_mass * 0.5, theta[LENGTH] * (0.5 * per_edges)),
+            node_mass,
+            rest_length: zero,
+            per_rest_length: zero,
+            per_voronoi: vec![zero; edges + 1],
+            root_share: zero,
+            clamp_moment: zero,
+            theta,
+        };
+        context.set_time(model, zero);
+        context
+    }
+
+    /// Lets the rod follow its schedule.
+    fn set_time(&mut self, model: &Model, time: T) {
+        self.time = time;
+        if let Some(schedule) = &model.schedule {
+            let now = time.re();
+            let factors = schedule
+                .factors(now)
+                .map(|(value, rate)| T::from(value) + (time - now) * rate);
+            self.rod.length = self.theta[LENGTH] * factors[0];
+            self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * factors[1];
+            self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * factors[2];
+            self.rod.diameter = self.theta[DIAMETER] * factors[3];
+        }
+        let n = self.edges;
+        self.rest_length = self.rod.length * self.per_edges;
+        self.per_rest_length = self.rest_length.recip();
+        self.per_voronoi.fill(self.per_rest_length);
+        self.per_voronoi[n] = self.per_rest_length * 2.0;
+        if model.root == Root::Consistent {
+            self.per_voronoi[0] = self.per_rest_length * 2.0;
+        }
+        // A clamp in series with the root bend: both carry the elastic moment, which fixes how
+        // they share the rotation. The split is kept for every other moment of the root bend.
+        let mut compliance = T::from(0.0);
+        for active in &model.effects {
+            if active.effect.about().places.contains(&Place::Clamp) {
+                let effect = T::laws(active.effect);
+                compliance += effect.clamp(&self.theta[active.theta.clone()]);
+            }
+        }
+        let stiffness = self.rod.bending_stiffness * self.per_voronoi[0];
+        self.root_share = (compliance * stiffness + 1.0).recip();
+        self.clamp_moment = compliance * stiffness * stiffness;
+    }
+
+    /// Diagonal of the mass matrix, kg and, for the angle of the end body, kg m².
+    pub fn mass(&self) -> Vec<T> {
+        let mut mass = vec![self.node_mass; 2 * self.edges + 1];
+        mass[2 * self.edges - 2] = self.body.mass;
+        mass[2 * self.edges - 1] = self.body.mass;
+        mass[2 * self.edges] = self.body.rotary_inertia;
+        mass
+    }
+}
+
+/// End fitting, payload and the rod's last half cell as one rigid body. The half cell's mass sits
+/// at the last node, and turns with the body as a thin rod.
+fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: T, half_length: T) -> Body<T> {
+    let zero = T::from(0.0);
+    let mut bodies =
+        vec![Body { mass: half_cell, center_of_mass: zero, rotary_inertia: half_cell * half_length * half_length / 3.0 }];
+    for active in &model.effects {
+        if active.effect.about().places.contains(&Place::Body) {
+            let effect = T::laws(active.effect);
+            bodies.push(effect.body(&theta[active.theta.clone()]));
+        }
+    }
+    let mass = bodies.iter().fold(zero, |sum, b| sum + b.mass);
+    let center_of_mass = bodies.iter().fold(zero, |sum, b| sum + b.mass * b.center_of_mass) / mass;
+    let rotary_inertia = bodies.iter().fold(zero, |sum, b| {
+        let arm = b.center_of_mass - center_of_mass;
+        sum + b.rotary_inertia + b.mass * arm * arm
+    });
+    Body { mass, center_of_mass, rotary_inertia }
+}
+
+/// Which effects act where.
+#[derive(Clone, Debug)]
+pub(crate) struct Acting {
+    pub bend: Vec<usize>,
+    pub edge: Vec<usize>,
+    pub flow: Vec<usize>,
+    pub mass: Vec<usize>,
+    pub tip: Vec<usize>,
+}
+
+impl Acting {
+    fn new(model: &Model, keep_off: bool) -> Self {
+        let at = |place| model.acting(place, keep_off);
+        Self {
+            bend: at(Place::Bend),
+            edge: at(Place::Edge),
+            flow: at(Place::Flow),
+            mass: at(Place::Mass),
+            tip: at(Place::Tip),
+        }
+    }
+
+    fn only(model: &Model, k: usize) -> Self {
+        let mut all = Self::new(model, true);
+        for list in [&mut all.bend, &mut all.edge, &mut all.flow, &mut all.mass, &mut all.tip] {
+            list.retain(|&other| other == k);
+        }
+        all
+    }
+}
+
+/// Kinematics and laws over one scalar.
+#[derive(Clone, Debug)]
+pub struct Assembly<T> {
+    /// Parameters as the laws see them.
+    pub context: Context<T>,
+    /// Posture, and what the laws say of it.
+    pub fields: Fields<T>,
+    pub(crate) acting: Acting,
+}
+
+impl<T: Scalar> Assembly<T> {
+    fn new(model: &Model, theta: Vec<T>, keep_off: bool) -> Self {
+        Self {
+            context: Context::new(model, theta),
+            fields: Fields::new(model.edges),
+            acting: Acting::new(model, keep_off),
+        }
+    }
+
+    /// Puts the rod at a state.
+    pub fn place(&mut self, model: &Model, time: T, q: &[T], v: &[T]) {
+        if model.schedule.is_some() {
+            self.context.set_time(model, time);
+        }
+        self.context.time = time;
+        self.fields.place(&self.context, q, v);
+    }
+
+    /// The last node and the end body, as laws at the tip see them.
+    pub fn tip(&self, q: &[T]) -> Tip<'_, T> {
+        let n = self.context.edges;
+        Tip {
+            position: self.fields.position[n],
+            velocity: self.fields.velocity[n],
+            angle: q[2 * n],
+            angular_velocity: self.fields.body_rate,
+            time: self.context.time,
+            rod: &self.context.rod,
+        }
+    }
+
+    fn add_loads(&mut self, model: &Model, q: &[T]) {
+        for &k in &self.acting.mass {
+            let active = &model.effects[k];
+            let effect = T::laws(active.effect);
+            let MassLoad { acceleration, rate } =
+                effect.mass(self.context.time, &self.context.theta[active.theta.clone()]);
+            self.fields.acceleration[0] += acceleration[0];
+            self.fields.acceleration[1] += acceleration[1];
+            self.fields.decay_rate += rate;
+        }
+        for &k in &self.acting.tip {
+            let active = &model.effects[k];
+            let effect = T::laws(active.effect);
+            let load = effect.tip(&self.tip(q), &self.context.theta[active.theta.clone()]);
+            self.fields.tip[0] += load.force[0];
+            self.fields.tip[1] += load.force[1];
+            self.fields.tip[2] += load.moment;
+        }
+    }
+
+    /// Generalised forces, shape `[2N+1]`, and rates of the memory at a state.
+    #[expect(clippy::too_many_arguments, reason = "a state and its two rates")]
+    pub fn force(&mut self, model: &Model, time: T, q: &[T], v: &[T], z: &[T], force: &mut [T], z_rate: &mut [T]) {
+        self.place(model, time, q, v);
+        let Self { context: c, fields: f, acting } = self;
+        for &k in &acting.bend {
+            let active = &model.effects[k];
+            let effect = T::laws(active.effect);
+            let own = active.memory.clone();
+            effect.add_moments(c, &c.theta[active.theta.clone()], f, &z[own.clone()], &mut z_rate[own]);
+        }
+        f.moment[0] += c.clamp_moment * f.kappa[0];
+        for &k in &acting.edge {
+            let active = &model.effects[k];
+            let effect = T::laws(active.effect);
+            effect.add_tensions(c, &c.theta[active.theta.clone()], f);
+        }
+        for &k in &acting.flow {
+            let active = &model.effects[k];
+            let effect = T::laws(active.effect);
+            effect.add_flows(c, &c.theta[active.theta.clone()], f);
+        }
+        self.add_loads(model, q);
+        self.fields.gather(&self.context, v, force);
+    }
+
+    /// Stored energy of all effects and of weight at a state, J: `(elastic, potential)`.
+    pub fn energy(&mut self, model: &Model, time: T, q: &[T], v: &[T], z: &[T]) -> (T, T) {
+        self.place(model, time, q, v);
+        self.add_loads(model, q);
+        let (c, f) = (&self.context, &self.fields);
+        let tip = self.tip(q);
+        let mut elastic = f.kappa[0] * f.kappa[0] * c.clamp_moment * 0.5;
+        let mut potential = T::from(0.0);
+        for active in &model.effects {
+            let about = active.effect.about();
+            let effect = T::laws(active.effect);
+            let theta = &c.theta[active.theta.clone()];
+            let energy = effect.energy(c, theta, f, &z[active.memory.clone()], &tip);
+            if about.places.contains(&Place::Tip) {
+                potential += energy;
+            } else {
+                elastic += energy;
+            }
+        }
+        let n = c.edges;
+        for k in 0..2 {
+            let mut moment = q[2 * n - 2 + k] * c.body.mass;
+            for i in 1..n {
+                moment += q[2 * i - 2 + k] * c.node_mass;
+            }
+            potential -= f.acceleration[k] * moment;
+        }
+        (elastic, potential)
+    }
+
+    /// Coordinates and velocities of the straight rod, let go at its release angle and turning
+    /// about the clamp at its release rate.
+    pub fn straight(&self, angle: T, rate: T) -> (Vec<T>, Vec<T>) {
+        let c = &self.context;
+        let n = c.edges;
+        let axis = [angle.cos(), angle.sin()];
+        let across = left(axis);
+        let mut q = Vec::with_capacity(2 * n + 1);
+        let mut v = Vec::with_capacity(2 * n + 1);
+        for i in 1..=n {
+            let end = if i == n { c.body.center_of_mass } else { T::from(0.0) };
+            let radius = c.rest_length * i as f64 + end;
+            for k in 0..2 {
+                q.push(axis[k] * radius);
+                v.push(across[k] * radius * rate);
+            }
+        }
+        q.push(angle);
+        v.push(rate);
+        (q, v)
+    }
+}
+
+/// The equations of motion of one model, with room to evaluate them: one for each thread.
+#[derive(Clone)]
+pub struct System<'m> {
+    /// The model.
+    pub model: &'m Model,
+    /// Kinematics and laws over plain numbers.
+    pub assembly: Assembly<f64>,
+    /// Diagonal of the mass matrix, shape `[2N+1]`, kg and kg m².
+    pub mass: Vec<f64>,
+    pub(crate) tangent: Tangent,
+    lanes: Vec<LanePass>,
+}
+
+/// A pass over [`LANES`] parameters at once.
+#[derive(Clone)]
+struct LanePass {
+    assembly: Assembly<Lanes>,
+    mass: Vec<Lanes>,
+    q: Vec<Lanes>,
+    v: Vec<Lanes>,
+    z: Vec<Lanes>,
+    force: Vec<Lanes>,
+    z_rate: Vec<Lanes>,
+}
+
+impl<'m> System<'m> {
+    /// Sets up the equations of a model.
+    pub fn new(model: &'m Model) -> Self {
+        let assembly = Assembly::new(model, model.theta.clone(), false);
+        let mass = assembly.context.mass();
+        let tangent = Tangent::new(model);
+        Self { model, assembly, mass, tangent, lanes: Vec::new() }
+    }
+
+    /// Generalised forces, shape `[2N+1]`, and rates of the memory.
+    pub fn force(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64], force: &mut [f64], z_rate: &mut [f64]) {
+        self.assembly.force(self.model, time, q, v, z, force, z_rate);
+    }
+
+    /// Makes room for derivatives by parameters: `indices` into `theta`, in groups of [`LANES`].
+    pub fn watch(&mut self, indices: &[usize]) {
+        self.lanes = indices.chunks(LANES).map(|group| LanePass::new(self.model, group)).collect();
+    }
+
+    /// Derivative by the `group`-th [`LANES`] watched parameters of `f − M a` at fixed state and
+    /// accelerations `a = f/M`, and of the rates of memory.
+    #[expect(clippy::too_many_arguments, reason = "a state and the derivatives of its two rates")]
+    pub fn by_parameters(
+        &mut self,
+        group: usize,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        z: &[f64],
+        force: &mut [[f64; LANES]],
+        z_rate: &mut [[f64; LANES]],
+    ) {
+        let pass = &mut self.lanes[group];
+        pass.evaluate(self.model, time.into(), q, v, z);
+        for ((out, f), m) in force.iter_mut().zip(&pass.force).zip(&pass.mass) {
+            let acceleration = f.re / m.re;
+            *out = slopes(&(*f - *m * acceleration));
+        }
+        for (out, rate) in z_rate.iter_mut().zip(&pass.z_rate) {
+            *out = slopes(rate);
+        }
+    }
+
+    /// Derivatives by the `group`-th [`LANES`] watched parameters of the coordinates and velocities
+    /// of the straight rod at its release.
+    pub fn straight_by_parameters(&self, group: usize) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
+        let assembly = &self.lanes[group].assembly;
+        let theta = &assembly.context.theta;
+        let (q, v) = assembly.straight(theta[crate::model::RELEASE_ANGLE], theta[crate::model::RELEASE_RATE]);
+        (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
+    }
+
+    /// The straight rod at its release, with the derivative of its observed tip.
+    pub fn tip_by_parameters(&mut self, group: usize, time: f64, q: &[f64], v: &[f64]) -> [[f64; LANES]; 2] {
+        let pass = &mut self.lanes[group];
+        pass.lift(q, v, &[]);
+        pass.assembly.place(self.model, time.into(), &pass.q, &pass.v);
+        let n = self.model.edges;
+        let distance = self.model.tip_distance;
+        let fields = &pass.assembly.fields;
+        [0, 1].map(|k| slopes(&(fields.position[n][k] + fields.body_axis[k] * distance)))
+    }
+
+    /// Rate of forces and of memory rates by time alone, at a fixed state.
+    #[expect(clippy::too_many_arguments, reason = "a state and the derivatives of its two rates")]
+    pub fn by_time(
+        &self,
+        pass: &mut TimePass,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        z: &[f64],
+        force: &mut [f64],
+        z_rate: &mut [f64],
+    ) {
+        let now = seeded(time, 0);
+        pass.0.evaluate(self.model, now, q, v, z);
+        for (out, f) in force.iter_mut().zip(&pass.0.force) {
+            *out = slopes(f)[0];
+        }
+        for (out, rate) in z_rate.iter_mut().zip(&pass.0.z_rate) {
+            *out = slopes(rate)[0];
+        }
+    }
+
+    /// Power that the effects dissipate and power that a changing pressure supplies, W.
+    pub fn powers(&mut self, pass: &mut TimePass, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> (f64, f64) {
+        let mut force = std::mem::take(&mut pass.0.force);
+        let mut z_rate = std::mem::take(&mut pass.0.z_rate);
+        pass.0.lift(q, v, z);
+        pass.0.assembly.force(self.model, time.into(), &pass.0.q, &pass.0.v, &pass.0.z, &mut force, &mut z_rate);
+        let work: f64 = force.iter().zip(v).map(|(f, v)| f.re * v).sum();
+        for (q, v) in pass.0.q.iter_mut().zip(v) {
+            *q += seeded(0.0, 0) * *v;
+        }
+        for (z, rate) in pass.0.z.iter_mut().zip(&z_rate) {
+            *z += seeded(0.0, 0) * rate.re;
+        }
+        let (elastic, potential) =
+            pass.0.assembly.energy(self.model, seeded(time, 1), &pass.0.q, &pass.0.v, &pass.0.z);
+        pass.0.force = force;
+        pass.0.z_rate = z_rate;
+        let rates = slopes(&(elastic + potential));
+        (-work - rates[0], rates[1])
+    }
+
+    /// Kinetic, elastic and potential energy, J.
+    pub fn energy(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> (f64, f64, f64) {
+        let kinetic = self.mass.iter().zip(v).map(|(m, v)| 0.5 * m * v * v).sum();
+        let (elastic, potential) = self.assembly.energy(self.model, time, q, v, z);
+        (kinetic, elastic, potential)
+    }
+
+    /// Force of each active effect on the nodes.
+    pub fn effect_forces(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> Vec<(&'static str, Vec<[f64; 2]>)> {
+        let mut force = vec![0.0; self.model.dof()];
+        let mut z_rate = vec![0.0; self.model.memory()];
+        let all = self.assembly.acting.clone();
+        let mut forces = Vec::new();
+        for (k, active) in self.model.effects.iter().enumerate() {
+            let own = Acting::only(self.model, k);
+            let acts = [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip].iter().any(|list| !list.is_empty());
+            if acts {
+                self.assembly.acting = own;
+                self.force(time, q, v, z, &mut force, &mut z_rate);
+                forces.push((active.effect.about().name, self.assembly.fields.node_forces(&self.assembly.context)));
+            }
+        }
+        self.assembly.acting = all;
+        forces
+    }
+
+    /// The memory that each bend would have if the posture had always been this one: found by
+    /// Newton's method on a rate of zero; where the rate does not depend on the memory it stays.
+    pub fn relax_memory(&mut self, time: f64, q: &[f64], z: &mut [f64]) {
+        if z.is_empty() {
+            return;
+        }
+        let v = vec![0.0; q.len()];
+        let mut force = vec![0.0; q.len()];
+        for _ in 0..20 {
+            let rate = self.linearise(time, q, &v, z, &mut force);
+            let mut largest: f64 = 0.0;
+            for (z, (rate, slope)) in z.iter_mut().zip(rate.into_iter().zip(self.tangent.memory_slopes())) {
+                if slope.abs() > 1e-9 {
+                    *z -= rate / slope;
+                    largest = largest.max((rate / slope).abs() / (1.0 + z.abs()));
+                }
+            }
+            if largest < 1e-13 {
+                break;
+            }
+        }
+    }
+}
+
+/// Room for derivatives by time and by the state's own motion.
+#[derive(Clone)]
+pub struct TimePass(LanePass);
+
+impl TimePass {
+    /// Makes the room.
+    pub fn new(model: &Model) -> Self {
+        Self(LanePass::new(model, &[]))
+    }
+}
+
+impl LanePass {
+    fn new(model: &Model, group: &[usize]) -> Self {
+        let mut theta: Vec<Lanes> = model.theta.iter().map(|value| Lanes::from(*value)).collect();
+        for (lane, &k) in group.iter().enumerate() {
+            theta[k] = seeded(model.theta[k], lane);
+        }
+        let assembly = Assembly::new(model, theta, true);
+        let zero = Lanes::from(0.0);
+        let (dof, memory) = (model.dof(), model.memory());
+        Self {
+            mass: assembly.context.mass(),
+            assembly,
+            q: vec![zero; dof],
+            v: vec![zero; dof],
+            z: vec![zero; memory],
+            force: vec![zero; dof],
+            z_rate: vec![zero; memory],
+        }
+    }
+
+    fn lift(&mut self, q: &[f64], v: &[f64], z: &[f64]) {
+        for (lifted, plain) in [(&mut self.q, q), (&mut self.v, v), (&mut self.z, z)] {
+            for (lifted, plain) in lifted.iter_mut().zip(plain) {
+                *lifted = Lanes::from(*plain);
+            }
+        }
+    }
+
+    fn evaluate(&mut self, model: &Model, time: Lanes, q: &[f64], v: &[f64], z: &[f64]) {
+        self.lift(q, v, z);
+        let Self { assembly, q, v, z, force, z_rate, .. } = self;
+        assembly.force(model, time, q, v, z, force, z_rate);
+    }
+}
+
+/// A value with derivative one in one lane.
+fn seeded(value: f64, lane: usize) -> Lanes {
+    let mut eps = nalgebra::SVector::zeros();
+    eps[lane] = 1.0;
+    Lanes::new(value, num_dual::Derivative::some(eps))
+}
+
+fn slopes(x: &Lanes) -> [f64; LANES] {
+    x.eps.0.map_or([0.0; LANES], |eps| eps.data.0[0])
+}

@@ -1,0 +1,479 @@
+//! Linearised equations of motion: tangent stiffness and damping, with the memory condensed out.
+//!
+//! An implicit step solves `(a²M + a D + K) u_q = r_f + (a M + D) r_q` with `a = 1/(γh)`. Memory
+//! is a scalar of one bend and one effect, so `(a − ∂g/∂z) u_z = r_z + ∂g/∂q u_q + ∂g/∂v u_v` is
+//! eliminated bend by bend before assembly: the tangents by curvature and rate gain
+//! `m_z g_κ/(a − g_z)` and `m_z g_κ̇/(a − g_z)`, and the band stays as narrow as without memory.
+
+use crate::banded::Banded;
+use crate::effects::{BendTangent, Effect};
+use crate::kinematics::{dot, left};
+use crate::model::Model;
+use crate::system::System;
+
+/// Tangents of the laws and geometry of the posture at which they were taken.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tangent {
+    by_kappa: Vec<f64>,
+    by_kappa_rate: Vec<f64>,
+    by_stretch: Vec<f64>,
+    by_stretch_rate: Vec<f64>,
+    flow: Vec<[[f64; 2]; 2]>,
+    tip: [[f64; 6]; 3],
+    /// One entry a bend and effect with memory, in the order of the memory.
+    memory: Vec<BendTangent>,
+    /// Gradient of an edge's angle by the edge vector, 1/m, and of its rate, 1/(m s).
+    angle_by_edge: Vec<[f64; 2]>,
+    rate_by_edge: Vec<[f64; 2]>,
+    kappa: Vec<f64>,
+    kappa_slope: Vec<f64>,
+    kappa_rate: Vec<f64>,
+    moment: Vec<f64>,
+    tension: Vec<f64>,
+    tangent: Vec<[f64; 2]>,
+    per_length: Vec<f64>,
+    edge_rate: Vec<f64>,
+    outer: Vec<[f64; 2]>,
+    midpoint_velocity: Vec<[f64; 2]>,
+    body_axis: [f64; 2],
+    body_rate: f64,
+    last_force: [f64; 2],
+    decay_rate: f64,
+    /// Turning moments' tangents by turning angle and its rate, memory condensed, shape `[N+1]`.
+    by_angle: Vec<f64>,
+    by_angle_rate: Vec<f64>,
+    stiffness: Banded,
+    damping: Banded,
+}
+
+impl Tangent {
+    pub(crate) fn new(model: &Model) -> Self {
+        let n = model.edges;
+        let bends = vec![0.0; n + 1];
+        let edges = vec![0.0; n];
+        let vectors = vec![[0.0; 2]; n];
+        Self {
+            by_kappa: bends.clone(),
+            by_kappa_rate: bends.clone(),
+            by_stretch: edges.clone(),
+            by_stretch_rate: edges.clone(),
+            flow: vec![[[0.0; 2]; 2]; n],
+            memory: vec![BendTangent::default(); model.memory()],
+            angle_by_edge: vectors.clone(),
+            rate_by_edge: vectors.clone(),
+            kappa: bends.clone(),
+            kappa_slope: bends.clone(),
+            kappa_rate: bends.clone(),
+            moment: bends.clone(),
+            tension: edges.clone(),
+            tangent: vectors.clone(),
+            per_length: edges.clone(),
+            edge_rate: edges,
+            outer: vectors.clone(),
+            midpoint_velocity: vectors,
+            by_angle: bends.clone(),
+            by_angle_rate: bends,
+            stiffness: Banded::zeros(model.dof()),
+            damping: Banded::zeros(model.dof()),
+            ..Self::default()
+        }
+    }
+
+    /// `∂g/∂z` of every memory variable, 1/s.
+    pub(crate) fn memory_slopes(&self) -> impl Iterator<Item = f64> + '_ {
+        self.memory.iter().map(|tangent| tangent.memory_rate[2])
+    }
+}
+
+impl System<'_> {
+    /// Evaluates forces and tangents of the laws at a state; returns the rates of the memory.
+    /// [`condense`](Self::condense) then makes the matrices.
+    pub fn linearise(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64], force: &mut [f64]) -> Vec<f64> {
+        let mut z_rate = vec![0.0; z.len()];
+        self.linearise_into(time, q, v, z, force, &mut z_rate);
+        z_rate
+    }
+
+    /// [`linearise`](Self::linearise) without allocation.
+    pub fn linearise_into(
+        &mut self,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        z: &[f64],
+        force: &mut [f64],
+        z_rate: &mut [f64],
+    ) {
+        let model = self.model;
+        self.force(time, q, v, z, force, z_rate);
+        let last = {
+            let f = &self.assembly.fields;
+            let inner = f.edge_force(model.edges - 1);
+            [0, 1].map(|k| f.tip[k] - inner[k] + 0.5 * f.outer[model.edges - 1][k])
+        };
+        let decay_rate = self.assembly.fields.decay_rate;
+        let t = &mut self.tangent;
+        t.last_force = last;
+        t.decay_rate = decay_rate;
+        self.assembly.fields.clear();
+        for list in [&mut t.by_kappa, &mut t.by_kappa_rate, &mut t.by_stretch, &mut t.by_stretch_rate] {
+            list.fill(0.0);
+        }
+        t.flow.fill([[0.0; 2]; 2]);
+        t.tip = [[0.0; 6]; 3];
+        let acting = std::mem::replace(&mut self.assembly.acting.bend, Vec::new());
+        for &k in &acting {
+            let active = &model.effects[k];
+            let own = active.memory.clone();
+            active.effect.linearise_moments(
+                &self.assembly.context,
+                &model.theta[active.theta.clone()],
+                &mut self.assembly.fields,
+                &z[own.clone()],
+                &mut t.by_kappa,
+                &mut t.by_kappa_rate,
+                &mut t.memory[own],
+            );
+        }
+        self.assembly.acting.bend = acting;
+        let (c, f) = (&self.assembly.context, &mut self.assembly.fields);
+        f.moment[0] += c.clamp_moment * f.kappa[0];
+        t.by_kappa[0] += c.clamp_moment;
+        for &k in &self.assembly.acting.edge {
+            let active = &model.effects[k];
+            let theta = &model.theta[active.theta.clone()];
+            active.effect.linearise_tensions(c, theta, f, &mut t.by_stretch, &mut t.by_stretch_rate);
+        }
+        for &k in &self.assembly.acting.flow {
+            let active = &model.effects[k];
+            active.effect.linearise_flows(c, &model.theta[active.theta.clone()], f, &mut t.flow);
+        }
+        let has_flow = !self.assembly.acting.flow.is_empty();
+        for j in 0..model.edges {
+            let tangent = f.tangent[j];
+            let normal = left(tangent);
+            let per_length = f.per_length[j];
+            let along = f.stretch_rate[j] * c.rest_length * per_length;
+            let turn = f.edge_rate[j];
+            t.angle_by_edge[j] = normal.map(|n| n * per_length);
+            t.rate_by_edge[j] = [0, 1].map(|k| -(tangent[k] * turn + normal[k] * along) * per_length);
+            if has_flow {
+                t.midpoint_velocity[j] = f.midpoint_velocity(j);
+            }
+        }
+        t.kappa.copy_from_slice(&f.kappa);
+        t.kappa_slope.copy_from_slice(&f.kappa_slope);
+        t.kappa_rate.copy_from_slice(&f.kappa_rate);
+        t.moment.copy_from_slice(&f.moment);
+        t.tension.copy_from_slice(&f.tension);
+        t.tangent.copy_from_slice(&f.tangent);
+        t.per_length.copy_from_slice(&f.per_length);
+        t.edge_rate.copy_from_slice(&f.edge_rate);
+        t.outer.copy_from_slice(&f.outer);
+        t.body_axis = f.body_axis;
+        t.body_rate = f.body_rate;
+        for &k in &self.assembly.acting.tip {
+            let active = &model.effects[k];
+            let effect: &dyn Effect = active.effect;
+            let slopes = effect.linearise_tip(&self.assembly.tip(q), &model.theta[active.theta.clone()]);
+            for (row, add) in t.tip.iter_mut().zip(slopes) {
+                for (entry, slope) in row.iter_mut().zip(add) {
+                    *entry += slope;
+                }
+            }
+        }
+    }
+
+    /// Makes tangent stiffness `−∂f/∂q` and damping `−∂f/∂v` for a step with `a = 1/(γh)`, 1/s, at
+    /// the state of the last [`linearise`](Self::linearise). At `a = 0` the memory is relaxed: statics.
+    pub fn condense(&mut self, a: f64) {
+        let c = &self.assembly.context;
+        let n = c.edges;
+        let share = c.root_share;
+        let t = &mut self.tangent;
+        for i in 0..=n {
+            let mut by_kappa = t.by_kappa[i];
+            let mut by_rate = t.by_kappa_rate[i];
+            for memory in t.memory.iter().skip(i).step_by(n + 1) {
+                let [g_kappa, g_rate, g_z] = memory.memory_rate;
+                let response = memory.moment[2] * response(a, g_z);
+                by_kappa += response * g_kappa;
+                by_rate += response * g_rate;
+            }
+            // κ'' = κ κ'/2, of which the root holds the rod's share.
+            let half_kappa = 0.5 * t.kappa[i] / if i == 0 { share } else { 1.0 };
+            let slope = t.kappa_slope[i];
+            t.by_angle[i] = (by_kappa * slope + by_rate * half_kappa * t.kappa_rate[i]) * slope
+                + t.moment[i] * half_kappa * slope;
+            t.by_angle_rate[i] = by_rate * slope * slope;
+        }
+        t.stiffness.clear();
+        t.damping.clear();
+        t.assemble_edges(n, c.per_rest_length);
+        if !self.assembly.acting.flow.is_empty() {
+            t.assemble_flows(n);
+        }
+        t.assemble_tip(n);
+        t.turn_to_body(n, c.body.center_of_mass);
+        t.damping.add_diagonal(t.decay_rate, &self.mass);
+    }
+
+    /// Tangent stiffness `−∂f/∂q`.
+    pub fn stiffness(&self) -> &Banded {
+        &self.tangent.stiffness
+    }
+
+    /// Tangent damping `−∂f/∂v`.
+    pub fn damping(&self) -> &Banded {
+        &self.tangent.damping
+    }
+
+    /// Adds to the residuals of force what the residuals of memory do there, for `P` columns.
+    pub fn condense_residual<const P: usize>(&self, a: f64, r_z: &[[f64; P]], r_f: &mut [[f64; P]]) {
+        let t = &self.tangent;
+        if t.memory.is_empty() {
+            return;
+        }
+        let n = self.model.edges;
+        let torque = |i: usize, p: usize| {
+            let bend = t.memory.iter().zip(r_z).skip(i).step_by(n + 1);
+            let moment: f64 =
+                bend.map(|(memory, r)| memory.moment[2] * r[p] * response(a, memory.memory_rate[2])).sum();
+            moment * t.kappa_slope[i]
+        };
+        for p in 0..P {
+            let mut before = torque(0, p);
+            let mut pull_before = [0.0; 2];
+            for j in 0..n {
+                let after = torque(j + 1, p);
+                let pull = t.angle_by_edge[j].map(|g| g * (before - after));
+                if j > 0 {
+                    for k in 0..2 {
+                        r_f[2 * j - 2 + k][p] += pull[k] - pull_before[k];
+                    }
+                }
+                (before, pull_before) = (after, pull);
+            }
+            let last = pull_before.map(|f| -f);
+            for k in 0..2 {
+                r_f[2 * n - 2 + k][p] += last[k];
+            }
+            let arm = self.assembly.context.body.center_of_mass;
+            r_f[2 * n][p] -= before + arm * dot(last, left(t.body_axis));
+        }
+    }
+
+    /// Memory increments that belong to increments of coordinates and velocities, for `P` columns:
+    /// overwrites the residuals of memory.
+    pub fn recover_memory<const P: usize>(&self, a: f64, u_q: &[[f64; P]], u_v: &[[f64; P]], r_z: &mut [[f64; P]]) {
+        let t = &self.tangent;
+        if t.memory.is_empty() {
+            return;
+        }
+        let n = self.model.edges;
+        let share = self.assembly.context.root_share;
+        let arm = self.assembly.context.body.center_of_mass;
+        let across = left(t.body_axis);
+        for p in 0..P {
+            let node = |i: usize| -> ([f64; 2], [f64; 2]) {
+                if i == 0 {
+                    return ([0.0; 2], [0.0; 2]);
+                }
+                let mut at = [0, 1].map(|k| u_q[2 * i - 2 + k][p]);
+                let mut rate = [0, 1].map(|k| u_v[2 * i - 2 + k][p]);
+                if i == n {
+                    for k in 0..2 {
+                        at[k] -= arm * across[k] * u_q[2 * n][p];
+                        rate[k] -= arm
+                            * (across[k] * u_v[2 * n][p] - t.body_axis[k] * t.body_rate * u_q[2 * n][p]);
+                    }
+                }
+                (at, rate)
+            };
+            let mut start = node(0);
+            let mut turn_before = [0.0; 2];
+            for i in 0..=n {
+                let turn = if i < n {
+                    let end = node(i + 1);
+                    let edge = [0, 1].map(|k| end.0[k] - start.0[k]);
+                    let rate = [0, 1].map(|k| end.1[k] - start.1[k]);
+                    start = end;
+                    let g = t.angle_by_edge[i];
+                    [dot(g, edge), dot(g, rate) + dot(t.rate_by_edge[i], edge)]
+                } else {
+                    [u_q[2 * n][p], u_v[2 * n][p]]
+                };
+                let [angle, rate] = [turn[0] - turn_before[0], turn[1] - turn_before[1]];
+                turn_before = turn;
+                let half_kappa = 0.5 * t.kappa[i] / if i == 0 { share } else { 1.0 };
+                let kappa = t.kappa_slope[i] * angle;
+                let kappa_rate = half_kappa * t.kappa_rate[i] * angle + t.kappa_slope[i] * rate;
+                for k in (i..t.memory.len()).step_by(n + 1) {
+                    let [g_kappa, g_rate, g_z] = t.memory[k].memory_rate;
+                    r_z[k][p] = (r_z[k][p] + g_kappa * kappa + g_rate * kappa_rate) * response(a, g_z);
+                }
+            }
+        }
+    }
+}
+
+/// `1/(a − g_z)`; zero where the memory does not move at all.
+fn response(a: f64, g_z: f64) -> f64 {
+    let pole = a - g_z;
+    if pole.abs() < 1e-12 { 0.0 } else { 1.0 / pole }
+}
+
+type Block = [[f64; 2]; 2];
+
+fn outer(a: [f64; 2], b: [f64; 2]) -> Block {
+    [[a[0] * b[0], a[0] * b[1]], [a[1] * b[0], a[1] * b[1]]]
+}
+
+fn add(sum: &mut Block, scale: f64, block: Block) {
+    for (row, other) in sum.iter_mut().zip(block) {
+        for (entry, value) in row.iter_mut().zip(other) {
+            *entry += scale * value;
+        }
+    }
+}
+
+/// Adds `scale · block` at a pair of nodes; the clamped node 0 has no row.
+fn scatter(matrix: &mut Banded, row: usize, column: usize, scale: f64, block: &Block) {
+    if row == 0 || column == 0 {
+        return;
+    }
+    for (k, entries) in block.iter().enumerate() {
+        for (l, entry) in entries.iter().enumerate() {
+            matrix[(2 * row - 2 + k, 2 * column - 2 + l)] += scale * entry;
+        }
+    }
+}
+
+/// Adds the derivative of the gradient by edge `a` by edge vector `b`, at the four node pairs.
+fn scatter_edges(matrix: &mut Banded, a: usize, b: usize, block: &Block) {
+    scatter(matrix, a + 1, b + 1, 1.0, block);
+    scatter(matrix, a + 1, b, -1.0, block);
+    scatter(matrix, a, b + 1, -1.0, block);
+    scatter(matrix, a, b, 1.0, block);
+}
+
+impl Tangent {
+    /// Stretch, bending and their geometric stiffness, with the last node in the place of the
+    /// body's centre of mass.
+    fn assemble_edges(&mut self, n: usize, per_rest_length: f64) {
+        let (a, b) = (&self.by_angle, &self.by_angle_rate);
+        let damped = b.iter().chain(&self.by_stretch_rate).any(|slope| *slope != 0.0);
+        for j in 0..n {
+            let tangent = self.tangent[j];
+            let normal = left(tangent);
+            let g = self.angle_by_edge[j];
+            let h = self.rate_by_edge[j];
+            let per_length = self.per_length[j];
+            let torque = self.moment[j] * self.kappa_slope[j] - self.moment[j + 1] * self.kappa_slope[j + 1];
+            let turn = torque * per_length * per_length;
+            let rate_stiffness = self.by_stretch_rate[j] * per_rest_length;
+            let mut own = outer(tangent, tangent).map(|row| row.map(|x| x * self.by_stretch[j] * per_rest_length));
+            add(&mut own, rate_stiffness * self.edge_rate[j], outer(tangent, normal));
+            add(&mut own, self.tension[j] * per_length, outer(normal, normal));
+            add(&mut own, -turn, outer(tangent, normal));
+            add(&mut own, -turn, outer(normal, tangent));
+            add(&mut own, a[j] + a[j + 1], outer(g, g));
+            add(&mut own, b[j] + b[j + 1], outer(g, h));
+            scatter_edges(&mut self.stiffness, j, j, &own);
+            if damped {
+                let mut own = outer(tangent, tangent).map(|row| row.map(|x| x * rate_stiffness));
+                add(&mut own, b[j] + b[j + 1], outer(g, g));
+                scatter_edges(&mut self.damping, j, j, &own);
+            }
+            if j + 1 < n {
+                let (g_next, h_next) = (self.angle_by_edge[j + 1], self.rate_by_edge[j + 1]);
+                let coupling = |from: [f64; 2], to: [f64; 2], rate: [f64; 2]| {
+                    let mut block = outer(from, to).map(|row| row.map(|x| -a[j + 1] * x));
+                    add(&mut block, -b[j + 1], outer(from, rate));
+                    block
+                };
+                scatter_edges(&mut self.stiffness, j, j + 1, &coupling(g, g_next, h_next));
+                scatter_edges(&mut self.stiffness, j + 1, j, &coupling(g_next, g, h));
+                if damped {
+                    let block = outer(g, g_next).map(|row| row.map(|x| -b[j + 1] * x));
+                    let transposed = [[block[0][0], block[1][0]], [block[0][1], block[1][1]]];
+                    scatter_edges(&mut self.damping, j, j + 1, &block);
+                    scatter_edges(&mut self.damping, j + 1, j, &transposed);
+                }
+            }
+        }
+        let (a, b, g, h) = (a[n], b[n], self.angle_by_edge[n - 1], self.rate_by_edge[n - 1]);
+        let angle = 2 * n;
+        self.stiffness[(angle, angle)] += a;
+        self.damping[(angle, angle)] += b;
+        for k in 0..2 {
+            for (node, sign) in [(n, 1.0), (n - 1, -1.0)] {
+                let dof = 2 * node - 2 + k;
+                self.stiffness[(dof, angle)] -= sign * a * g[k];
+                self.stiffness[(angle, dof)] -= sign * (a * g[k] + b * h[k]);
+                self.damping[(dof, angle)] -= sign * b * g[k];
+                self.damping[(angle, dof)] -= sign * b * g[k];
+            }
+        }
+    }
+
+    /// Outer forces on edges, half on each end.
+    fn assemble_flows(&mut self, n: usize) {
+        for j in 0..n {
+            let tangent = self.tangent[j];
+            let normal = left(tangent);
+            let [along, across] = self.midpoint_velocity[j];
+            let axes = [tangent, normal];
+            let mut by_velocity = [[0.0; 2]; 2];
+            for (k, row) in self.flow[j].iter().enumerate() {
+                for (l, slope) in row.iter().enumerate() {
+                    add(&mut by_velocity, *slope, outer(axes[k], axes[l]));
+                }
+            }
+            // Turning the edge turns the force with it, and the velocity that it sees against it.
+            let seen = [0, 1].map(|k| {
+                self.flow[j].iter().zip(axes).map(|(row, axis)| (row[0] * across - row[1] * along) * axis[k]).sum::<f64>()
+            });
+            let turned = left(self.outer[j]);
+            let by_angle = [0, 1].map(|k| turned[k] + seen[k]);
+            let by_edge = outer(by_angle, self.angle_by_edge[j]);
+            for row in [j, j + 1] {
+                scatter(&mut self.stiffness, row, j + 1, -0.5, &by_edge);
+                scatter(&mut self.stiffness, row, j, 0.5, &by_edge);
+                scatter(&mut self.damping, row, j, -0.25, &by_velocity);
+                scatter(&mut self.damping, row, j + 1, -0.25, &by_velocity);
+            }
+        }
+    }
+
+    /// Loads at the tip; the angle's coordinate follows the last node's.
+    fn assemble_tip(&mut self, n: usize) {
+        for (k, row) in self.tip.iter().enumerate() {
+            for l in 0..3 {
+                self.stiffness[(2 * n - 2 + k, 2 * n - 2 + l)] -= row[l];
+                self.damping[(2 * n - 2 + k, 2 * n - 2 + l)] -= row[3 + l];
+            }
+        }
+    }
+
+    /// From the last node to the body's centre of mass: `x_N = X − c d(φ)`, by the chain rule.
+    fn turn_to_body(&mut self, n: usize, arm: f64) {
+        let angle = 2 * n;
+        let last = 2 * n - 2;
+        let axis = self.body_axis;
+        let across = left(axis);
+        for row in last.saturating_sub(4)..=angle {
+            let damping = [0, 1].map(|k| self.damping[(row, last + k)]);
+            let stiffness = [0, 1].map(|k| self.stiffness[(row, last + k)]);
+            self.stiffness[(row, angle)] += arm * (self.body_rate * dot(damping, axis) - dot(stiffness, across));
+            self.damping[(row, angle)] -= arm * dot(damping, across);
+        }
+        for column in last.saturating_sub(4)..=angle {
+            let stiffness = [0, 1].map(|k| self.stiffness[(last + k, column)]);
+            let damping = [0, 1].map(|k| self.damping[(last + k, column)]);
+            self.stiffness[(angle, column)] -= arm * dot(stiffness, across);
+            self.damping[(angle, column)] -= arm * dot(damping, across);
+        }
+        self.stiffness[(angle, angle)] -= arm * dot(self.last_force, axis);
+    }
+}
