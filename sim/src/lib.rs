@@ -1,1 +1,2 @@
 //! What we do with the models.
+pub mod integrate;
