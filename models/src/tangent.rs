@@ -44,6 +44,8 @@ pub(crate) struct Tangent {
     by_angle_rate: Vec<f64>,
     stiffness: Banded,
     damping: Banded,
+    /// Whether damping has more than the decay of momenta.
+    couples_rates: bool,
 }
 
 impl Tangent {
@@ -215,6 +217,8 @@ impl System<'_> {
         }
         t.assemble_tip(n);
         t.turn_to_body(n, c.body.center_of_mass);
+        t.couples_rates = !(self.assembly.acting.flow.is_empty() && self.assembly.acting.tip.is_empty())
+            || t.by_angle_rate.iter().chain(&t.by_stretch_rate).any(|slope| *slope != 0.0);
         t.damping.add_diagonal(t.decay_rate, &self.mass);
     }
 
@@ -226,6 +230,17 @@ impl System<'_> {
     /// Tangent damping `−∂f/∂v`.
     pub fn damping(&self) -> &Banded {
         &self.tangent.damping
+    }
+
+    /// Adds tangent damping times a velocity: `sum += D v`.
+    pub fn add_damping(&self, v: &[f64], sum: &mut [f64]) {
+        if self.tangent.couples_rates {
+            self.tangent.damping.multiply_add(v, sum);
+        } else if self.tangent.decay_rate != 0.0 {
+            for ((sum, v), mass) in sum.iter_mut().zip(v).zip(&self.mass) {
+                *sum += self.tangent.decay_rate * mass * v;
+            }
+        }
     }
 
     /// Adds to the residuals of force what the residuals of memory do there, for `P` columns.

@@ -1,7 +1,12 @@
 //! Integrators of the equations of motion behind one seam: [`Stepper`].
 
+mod rosenbrock;
+pub mod tableau;
+
 use models::model::Model;
 use thiserror::Error;
+
+use rosenbrock::Rosenbrock;
 
 /// Coordinates, velocities and memory at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -117,6 +122,10 @@ pub enum IntegrateError {
 }
 
 /// Starts an integrator at a state.
-pub fn start<'m>(_method: Method, _model: &'m Model, _state: State, _control: Control) -> Box<dyn Stepper + 'm> {
-    unimplemented!("replaced by the integrators' commit")
+pub fn start<'m>(method: Method, model: &'m Model, state: State, control: Control) -> Box<dyn Stepper + 'm> {
+    let tableau = match method {
+        Method::Rodas5p => &tableau::RODAS5P,
+        _ => &tableau::RODAS4,
+    };
+    Box::new(Rosenbrock::new(tableau, model, state, control))
 }
