@@ -2,4 +2,5 @@
 pub mod effects;
 pub mod interpolate;
 pub mod nearest;
+pub mod quantity;
 pub mod snapshot;
