@@ -220,6 +220,8 @@ mod tests {
     #[test]
     fn agrees_with_scipy() {
         let (uneven, turning) = (rpn_15a(), zigzag());
+        // Turns so sharply that the slope at its first end is limited.
+        let sharp = Pchip::new(vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 1.0, -4.0, 5.0]).unwrap();
         let reference = [
             (&uneven, 8.0, 2.767433863187248e-7, 5.534518408242687e-5),
             (&uneven, 8.15, 0.023528278365786123, 0.5891170393088024),
@@ -231,6 +233,8 @@ mod tests {
             (&turning, 1.5, 0.5, -1.5),
             (&turning, 2.5, 1.5, 5.5),
             (&turning, 3.0, 5.0, 8.0),
+            (&sharp, 0.0, 0.0, 3.0),
+            (&sharp, 0.25, 0.578125, 1.6875),
         ];
         for (curve, x, value, slope) in reference {
             let found = curve.value_and_slope(x);

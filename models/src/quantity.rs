@@ -364,6 +364,7 @@ mod tests {
         assert!((si("180 deg", "rad") - std::f64::consts::PI).abs() < 1e-15);
         assert!((si("15 psi", "kPa") - 103.421359).abs() < 1e-6);
         // The e of a unit is no exponent.
+        assert!(error("5em", "m").starts_with("unknown unit `em`"));
         assert_eq!(
             error("5 em", "m"),
             "unknown unit `em`; known are g, m, s, rad, N, Pa, J, W, Hz with or without an SI prefix, and in, ft, lb, oz, lbf, psi, bar, mbar, atm, mmHg, min, h, deg, °, rpm, %"
