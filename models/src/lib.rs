@@ -2,8 +2,12 @@
 pub mod banded;
 pub mod effects;
 pub mod error;
+pub mod interpolate;
 pub mod kinematics;
 pub mod model;
+pub mod muscle;
+pub mod nearest;
+pub mod quantity;
 pub mod snapshot;
 pub mod system;
 mod tangent;

@@ -74,9 +74,7 @@ impl<T: Scalar> Context<T> {
         self.time = time;
         if let Some(schedule) = &model.schedule {
             let now = time.re();
-            let factors = schedule
-                .factors(now)
-                .map(|(value, rate)| T::from(value) + (time - now) * rate);
+            let factors = schedule.factors(now).map(|(value, rate)| T::from(value) + (time - now) * rate);
             self.rod.length = self.theta[LENGTH] * factors[0];
             self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * factors[1];
             self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * factors[2];
@@ -118,8 +116,11 @@ impl<T: Scalar> Context<T> {
 /// at the last node, and turns with the body as a thin rod.
 fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: T, half_length: T) -> Body<T> {
     let zero = T::from(0.0);
-    let mut bodies =
-        vec![Body { mass: half_cell, center_of_mass: zero, rotary_inertia: half_cell * half_length * half_length / 3.0 }];
+    let mut bodies = vec![Body {
+        mass: half_cell,
+        center_of_mass: zero,
+        rotary_inertia: half_cell * half_length * half_length / 3.0,
+    }];
     for active in &model.effects {
         if active.effect.about().places.contains(&Place::Body) {
             let effect = T::laws(active.effect);
@@ -229,7 +230,16 @@ impl<T: Scalar> Assembly<T> {
 
     /// Generalised forces, shape `[2N+1]`, and rates of the memory at a state.
     #[expect(clippy::too_many_arguments, reason = "a state and its two rates")]
-    pub fn force(&mut self, model: &Model, time: T, q: &[T], v: &[T], z: &[T], force: &mut [T], z_rate: &mut [T]) {
+    pub fn force(
+        &mut self,
+        model: &Model,
+        time: T,
+        q: &[T],
+        v: &[T],
+        z: &[T],
+        force: &mut [T],
+        z_rate: &mut [T],
+    ) {
         self.place(model, time, q, v);
         let Self { context: c, fields: f, acting } = self;
         for &k in &acting.bend {
@@ -341,7 +351,15 @@ impl<'m> System<'m> {
     }
 
     /// Generalised forces, shape `[2N+1]`, and rates of the memory.
-    pub fn force(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64], force: &mut [f64], z_rate: &mut [f64]) {
+    pub fn force(
+        &mut self,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        z: &[f64],
+        force: &mut [f64],
+        z_rate: &mut [f64],
+    ) {
         self.assembly.force(self.model, time, q, v, z, force, z_rate);
     }
 
@@ -421,7 +439,15 @@ impl<'m> System<'m> {
         let mut force = std::mem::take(&mut pass.0.force);
         let mut z_rate = std::mem::take(&mut pass.0.z_rate);
         pass.0.lift(q, v, z);
-        pass.0.assembly.force(self.model, time.into(), &pass.0.q, &pass.0.v, &pass.0.z, &mut force, &mut z_rate);
+        pass.0.assembly.force(
+            self.model,
+            time.into(),
+            &pass.0.q,
+            &pass.0.v,
+            &pass.0.z,
+            &mut force,
+            &mut z_rate,
+        );
         let work: f64 = force.iter().zip(v).map(|(f, v)| f.re * v).sum();
         for (q, v) in pass.0.q.iter_mut().zip(v) {
             *q += seeded(0.0, 0) * *v;
@@ -445,18 +471,28 @@ impl<'m> System<'m> {
     }
 
     /// Force of each active effect on the nodes.
-    pub fn effect_forces(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> Vec<(&'static str, Vec<[f64; 2]>)> {
+    pub fn effect_forces(
+        &mut self,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        z: &[f64],
+    ) -> Vec<(&'static str, Vec<[f64; 2]>)> {
         let mut force = vec![0.0; self.model.dof()];
         let mut z_rate = vec![0.0; self.model.memory()];
         let all = self.assembly.acting.clone();
         let mut forces = Vec::new();
         for (k, active) in self.model.effects.iter().enumerate() {
             let own = Acting::only(self.model, k);
-            let acts = [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip].iter().any(|list| !list.is_empty());
+            let acts =
+                [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip].iter().any(|list| !list.is_empty());
             if acts {
                 self.assembly.acting = own;
                 self.force(time, q, v, z, &mut force, &mut z_rate);
-                forces.push((active.effect.about().name, self.assembly.fields.node_forces(&self.assembly.context)));
+                forces.push((
+                    active.effect.about().name,
+                    self.assembly.fields.node_forces(&self.assembly.context),
+                ));
             }
         }
         self.assembly.acting = all;

@@ -280,7 +280,13 @@ impl System<'_> {
 
     /// Memory increments that belong to increments of coordinates and velocities, for `P` columns:
     /// overwrites the residuals of memory.
-    pub fn recover_memory<const P: usize>(&self, a: f64, u_q: &[[f64; P]], u_v: &[[f64; P]], r_z: &mut [[f64; P]]) {
+    pub fn recover_memory<const P: usize>(
+        &self,
+        a: f64,
+        u_q: &[[f64; P]],
+        u_v: &[[f64; P]],
+        r_z: &mut [[f64; P]],
+    ) {
         let t = &self.tangent;
         if t.memory.is_empty() {
             return;
@@ -299,8 +305,8 @@ impl System<'_> {
                 if i == n {
                     for k in 0..2 {
                         at[k] -= arm * across[k] * u_q[2 * n][p];
-                        rate[k] -= arm
-                            * (across[k] * u_v[2 * n][p] - t.body_axis[k] * t.body_rate * u_q[2 * n][p]);
+                        rate[k] -=
+                            arm * (across[k] * u_v[2 * n][p] - t.body_axis[k] * t.body_rate * u_q[2 * n][p]);
                     }
                 }
                 (at, rate)
@@ -387,7 +393,8 @@ impl Tangent {
             let torque = self.moment[j] * self.kappa_slope[j] - self.moment[j + 1] * self.kappa_slope[j + 1];
             let turn = torque * per_length * per_length;
             let rate_stiffness = self.by_stretch_rate[j] * per_rest_length;
-            let mut own = outer(tangent, tangent).map(|row| row.map(|x| x * self.by_stretch[j] * per_rest_length));
+            let mut own =
+                outer(tangent, tangent).map(|row| row.map(|x| x * self.by_stretch[j] * per_rest_length));
             add(&mut own, rate_stiffness * self.edge_rate[j], outer(tangent, normal));
             add(&mut own, self.tension[j] * per_length, outer(normal, normal));
             add(&mut own, -turn, outer(tangent, normal));
@@ -447,7 +454,11 @@ impl Tangent {
             }
             // Turning the edge turns the force with it, and the velocity that it sees against it.
             let seen = [0, 1].map(|k| {
-                self.flow[j].iter().zip(axes).map(|(row, axis)| (row[0] * across - row[1] * along) * axis[k]).sum::<f64>()
+                self.flow[j]
+                    .iter()
+                    .zip(axes)
+                    .map(|(row, axis)| (row[0] * across - row[1] * along) * axis[k])
+                    .sum::<f64>()
             });
             let turned = left(self.outer[j]);
             let by_angle = [0, 1].map(|k| turned[k] + seen[k]);
@@ -480,7 +491,8 @@ impl Tangent {
         for row in last.saturating_sub(4)..=angle {
             let damping = [0, 1].map(|k| self.damping[(row, last + k)]);
             let stiffness = [0, 1].map(|k| self.stiffness[(row, last + k)]);
-            self.stiffness[(row, angle)] += arm * (self.body_rate * dot(damping, axis) - dot(stiffness, across));
+            self.stiffness[(row, angle)] +=
+                arm * (self.body_rate * dot(damping, axis) - dot(stiffness, across));
             self.damping[(row, angle)] -= arm * dot(damping, across);
         }
         for column in last.saturating_sub(4)..=angle {

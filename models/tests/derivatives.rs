@@ -19,7 +19,13 @@ fn model_with_everything(root: Root) -> Model {
     });
     Model::new(&ModelSpec {
         nodes: NODES,
-        rod: Rod { length: 0.2, mass: 0.03, bending_stiffness: 0.008, axial_stiffness: 40.0, diameter: 0.027 },
+        rod: Rod {
+            length: 0.2,
+            mass: 0.03,
+            bending_stiffness: 0.008,
+            axial_stiffness: 40.0,
+            diameter: 0.027,
+        },
         base_angle: 0.1,
         release_angle: 0.2,
         release_rate: 0.3,
@@ -159,7 +165,12 @@ fn derivatives_by_every_parameter_match_differences() {
             }
             for i in 0..nz {
                 let expected = (gp[i] - gm[i]) / (2.0 * step);
-                assert_close(rate_by_theta[i][lane], expected, expected.abs() * 10.0 + 1e-3, &model.parameters[k].path);
+                assert_close(
+                    rate_by_theta[i][lane],
+                    expected,
+                    expected.abs() * 10.0 + 1e-3,
+                    &model.parameters[k].path,
+                );
             }
         }
     }

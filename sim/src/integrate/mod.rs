@@ -86,7 +86,9 @@ pub enum Method {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum IntegrateError {
     /// The step shrank to nothing.
-    #[error("the step shrank to {step:.1e} s at t = {time:.4} s near node {node}; try a stiffer rod, more damping, or a looser tolerance")]
+    #[error(
+        "the step shrank to {step:.1e} s at t = {time:.4} s near node {node}; try a stiffer rod, more damping, or a looser tolerance"
+    )]
     StepTooSmall {
         /// Time, s.
         time: f64,
@@ -104,7 +106,9 @@ pub enum IntegrateError {
         node: usize,
     },
     /// Newton's method did not converge.
-    #[error("Newton stalled at t = {time:.4} s with a step of {step:.1e} s; try method = \"rodas4\", or a looser tolerance")]
+    #[error(
+        "Newton stalled at t = {time:.4} s with a step of {step:.1e} s; try method = \"rodas4\", or a looser tolerance"
+    )]
     Stalled {
         /// Time, s.
         time: f64,
@@ -112,7 +116,9 @@ pub enum IntegrateError {
         step: f64,
     },
     /// More steps than admitted.
-    #[error("{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, or loosen the tolerance")]
+    #[error(
+        "{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, or loosen the tolerance"
+    )]
     TooManySteps {
         /// Time, s.
         time: f64,
