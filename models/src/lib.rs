@@ -7,6 +7,8 @@ pub mod kinematics;
 pub mod model;
 pub mod muscle;
 pub mod nearest;
+pub mod posture;
+pub mod pressure;
 pub mod quantity;
 pub mod snapshot;
 pub mod system;

@@ -1,8 +1,11 @@
 //! The equations of motion `q̇ = v`, `M v̇ = f(q, v, z, t; theta)`, `ż = g(q, v, z, t; theta)`.
 
 use crate::effects::{Body, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
-use crate::kinematics::{Fields, left};
-use crate::model::{AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, Root};
+use crate::kinematics::Fields;
+use crate::model::{
+    AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, RELEASE_ANGLE, RELEASE_RATE, Root,
+};
+use crate::posture::Posture;
 use crate::tangent::Tangent;
 
 /// What the laws and the stencil take from the parameters at one time.
@@ -292,28 +295,6 @@ impl<T: Scalar> Assembly<T> {
         }
         (elastic, potential)
     }
-
-    /// Coordinates and velocities of the straight rod, let go at its release angle and turning
-    /// about the clamp at its release rate.
-    pub fn straight(&self, angle: T, rate: T) -> (Vec<T>, Vec<T>) {
-        let c = &self.context;
-        let n = c.edges;
-        let axis = [angle.cos(), angle.sin()];
-        let across = left(axis);
-        let mut q = Vec::with_capacity(2 * n + 1);
-        let mut v = Vec::with_capacity(2 * n + 1);
-        for i in 1..=n {
-            let end = if i == n { c.body.center_of_mass } else { T::from(0.0) };
-            let radius = c.rest_length * i as f64 + end;
-            for k in 0..2 {
-                q.push(axis[k] * radius);
-                v.push(across[k] * radius * rate);
-            }
-        }
-        q.push(angle);
-        v.push(rate);
-        (q, v)
-    }
 }
 
 /// The equations of motion of one model, with room to evaluate them: one for each thread.
@@ -363,8 +344,9 @@ impl<'m> System<'m> {
         self.assembly.force(self.model, time, q, v, z, force, z_rate);
     }
 
-    /// Makes room for derivatives by parameters: `indices` into `theta`, in groups of [`LANES`].
-    pub fn watch(&mut self, indices: &[usize]) {
+    /// Makes room for derivatives by parameters: `indices` into `theta`, in groups of [`LANES`];
+    /// `None` leaves a lane at zero.
+    pub fn watch(&mut self, indices: &[Option<usize>]) {
         self.lanes = indices.chunks(LANES).map(|group| LanePass::new(self.model, group)).collect();
     }
 
@@ -392,24 +374,45 @@ impl<'m> System<'m> {
         }
     }
 
-    /// Derivatives by the `group`-th [`LANES`] watched parameters of the coordinates and velocities
-    /// of the straight rod at its release.
+    /// Coordinates and velocities of the straight rod at its release, with their derivatives by the
+    /// `group`-th [`LANES`] watched parameters.
     pub fn straight_by_parameters(&self, group: usize) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
         let assembly = &self.lanes[group].assembly;
         let theta = &assembly.context.theta;
-        let (q, v) = assembly.straight(theta[crate::model::RELEASE_ANGLE], theta[crate::model::RELEASE_RATE]);
+        let (q, v) = assembly.straight(theta[RELEASE_ANGLE], theta[RELEASE_RATE]);
         (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
     }
 
-    /// The straight rod at its release, with the derivative of its observed tip.
-    pub fn tip_by_parameters(&mut self, group: usize, time: f64, q: &[f64], v: &[f64]) -> [[f64; LANES]; 2] {
+    /// A posture at rest of this system with the derivatives of its coordinates.
+    pub fn posture_by_parameters(&mut self, group: usize, q: &[f64], by_theta: &[[f64; LANES]]) -> Posture<Lanes> {
         let pass = &mut self.lanes[group];
-        pass.lift(q, v, &[]);
-        pass.assembly.place(self.model, time.into(), &pass.q, &pass.v);
-        let n = self.model.edges;
-        let distance = self.model.tip_distance;
-        let fields = &pass.assembly.fields;
-        [0, 1].map(|k| slopes(&(fields.position[n][k] + fields.body_axis[k] * distance)))
+        for (lifted, (q, by_theta)) in pass.q.iter_mut().zip(q.iter().zip(by_theta)) {
+            *lifted = Lanes::new(*q, num_dual::Derivative::some((*by_theta).into()));
+        }
+        let at_rest = vec![Lanes::from(0.0); q.len()];
+        pass.assembly.posture(&pass.q, &at_rest)
+    }
+
+    /// Derivatives of the coordinates and velocities of a posture.
+    pub fn coordinates_by_parameters(
+        &self,
+        group: usize,
+        posture: &Posture<Lanes>,
+    ) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
+        let (q, v) = self.lanes[group].assembly.coordinates(posture);
+        (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
+    }
+
+    /// Derivatives of the position of a point of the end body, `beyond` the last node along the body
+    /// axis, m.
+    pub fn tip_by_parameters(&self, group: usize, beyond: f64, q: &[f64], by_theta: &[[f64; LANES]]) -> [[f64; LANES]; 2] {
+        let last = q.len() - 1;
+        let arm = slopes(&self.lanes[group].assembly.context.body.center_of_mass);
+        let reach = beyond - self.assembly.context.body.center_of_mass;
+        let (sin, cos) = q[last].sin_cos();
+        [(last - 2, cos, -sin), (last - 1, sin, cos)].map(|(k, axis, across)| {
+            std::array::from_fn(|p| by_theta[k][p] - arm[p] * axis + reach * across * by_theta[last][p])
+        })
     }
 
     /// Rate of forces and of memory rates by time alone, at a fixed state.
@@ -535,10 +538,12 @@ impl TimePass {
 }
 
 impl LanePass {
-    fn new(model: &Model, group: &[usize]) -> Self {
+    fn new(model: &Model, group: &[Option<usize>]) -> Self {
         let mut theta: Vec<Lanes> = model.theta.iter().map(|value| Lanes::from(*value)).collect();
-        for (lane, &k) in group.iter().enumerate() {
-            theta[k] = seeded(model.theta[k], lane);
+        for (lane, k) in group.iter().enumerate() {
+            if let Some(k) = *k {
+                theta[k] = seeded(model.theta[k], lane);
+            }
         }
         let assembly = Assembly::new(model, theta, true);
         let zero = Lanes::from(0.0);

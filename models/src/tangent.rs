@@ -232,13 +232,15 @@ impl System<'_> {
         &self.tangent.damping
     }
 
-    /// Adds tangent damping times a velocity: `sum += D v`.
-    pub fn add_damping(&self, v: &[f64], sum: &mut [f64]) {
+    /// Adds tangent damping times velocities, for `P` columns: `sum += D v`.
+    pub fn add_damping<const P: usize>(&self, v: &[[f64; P]], sum: &mut [[f64; P]]) {
         if self.tangent.couples_rates {
             self.tangent.damping.multiply_add(v, sum);
         } else if self.tangent.decay_rate != 0.0 {
             for ((sum, v), mass) in sum.iter_mut().zip(v).zip(&self.mass) {
-                *sum += self.tangent.decay_rate * mass * v;
+                for (sum, v) in sum.iter_mut().zip(v) {
+                    *sum += self.tangent.decay_rate * mass * v;
+                }
             }
         }
     }

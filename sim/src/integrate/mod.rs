@@ -2,6 +2,7 @@
 
 mod rosenbrock;
 pub mod tableau;
+pub mod variational;
 
 use models::model::Model;
 use thiserror::Error;

@@ -133,7 +133,7 @@ impl<'m> Rosenbrock<'m> {
                 add(&mut self.rhs, h * tableau.d[i], &self.force_by_time);
                 add(u_z, h * tableau.d[i], &self.z_rate_by_time);
             }
-            system.add_damping(u_v, &mut self.rhs);
+            system.add_damping(columns(u_v), columns_mut(&mut self.rhs));
             system.condense_residual(a, columns(u_z), columns_mut(&mut self.rhs));
             u_q.copy_from_slice(&self.rhs);
             self.matrix.solve(u_q);
