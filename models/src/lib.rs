@@ -11,5 +11,6 @@ pub mod posture;
 pub mod pressure;
 pub mod quantity;
 pub mod snapshot;
+pub mod statics;
 pub mod system;
 mod tangent;

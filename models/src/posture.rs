@@ -36,7 +36,8 @@ impl Posture<f64> {
     /// The posture of a curve through the clamp, sampled at `edges + 1` nodes in equal shares of its
     /// length; the end body continues the last piece.
     pub fn along(curve: &[[f64; 2]], velocities: &[[f64; 2]], edges: usize) -> Self {
-        let pieces: Vec<f64> = curve.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).collect();
+        let pieces: Vec<f64> =
+            curve.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).collect();
         let length: f64 = pieces.iter().sum();
         let mut nodes = Vec::with_capacity(edges + 1);
         let mut rates = Vec::with_capacity(edges + 1);
@@ -48,7 +49,8 @@ impl Posture<f64> {
                 piece += 1;
             }
             let share = if pieces[piece] > 0.0 { ((at - before) / pieces[piece]).min(1.0) } else { 0.0 };
-            let between = |of: &[[f64; 2]]| [0, 1].map(|k| of[piece][k] + share * (of[piece + 1][k] - of[piece][k]));
+            let between =
+                |of: &[[f64; 2]]| [0, 1].map(|k| of[piece][k] + share * (of[piece + 1][k] - of[piece][k]));
             nodes.push(between(curve));
             rates.push(between(velocities));
         }

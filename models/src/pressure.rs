@@ -31,7 +31,10 @@ impl PressureSchedule {
         extrapolation: Extrapolation,
         rows: &[(f64, f64)],
     ) -> Result<Self, MuscleError> {
-        assert!(rows.windows(2).all(|w| w[0].0 < w[1].0), "the reader of the scenario sees to ascending times");
+        assert!(
+            rows.windows(2).all(|w| w[0].0 < w[1].0),
+            "the reader of the scenario sees to ascending times"
+        );
         for (_, pressure) in rows {
             muscle.at(*pressure, stiffness_source, extrapolation)?;
         }

@@ -3,7 +3,8 @@
 use crate::effects::{Body, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
 use crate::kinematics::Fields;
 use crate::model::{
-    AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, RELEASE_ANGLE, RELEASE_RATE, Root,
+    AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, RELEASE_ANGLE,
+    RELEASE_RATE, Root,
 };
 use crate::posture::Posture;
 use crate::tangent::Tangent;
@@ -384,7 +385,12 @@ impl<'m> System<'m> {
     }
 
     /// A posture at rest of this system with the derivatives of its coordinates.
-    pub fn posture_by_parameters(&mut self, group: usize, q: &[f64], by_theta: &[[f64; LANES]]) -> Posture<Lanes> {
+    pub fn posture_by_parameters(
+        &mut self,
+        group: usize,
+        q: &[f64],
+        by_theta: &[[f64; LANES]],
+    ) -> Posture<Lanes> {
         let pass = &mut self.lanes[group];
         for (lifted, (q, by_theta)) in pass.q.iter_mut().zip(q.iter().zip(by_theta)) {
             *lifted = Lanes::new(*q, num_dual::Derivative::some((*by_theta).into()));
@@ -405,7 +411,13 @@ impl<'m> System<'m> {
 
     /// Derivatives of the position of a point of the end body, `beyond` the last node along the body
     /// axis, m.
-    pub fn tip_by_parameters(&self, group: usize, beyond: f64, q: &[f64], by_theta: &[[f64; LANES]]) -> [[f64; LANES]; 2] {
+    pub fn tip_by_parameters(
+        &self,
+        group: usize,
+        beyond: f64,
+        q: &[f64],
+        by_theta: &[[f64; LANES]],
+    ) -> [[f64; LANES]; 2] {
         let last = q.len() - 1;
         let arm = slopes(&self.lanes[group].assembly.context.body.center_of_mass);
         let reach = beyond - self.assembly.context.body.center_of_mass;

@@ -1,0 +1,11 @@
+//! stub
+#![allow(missing_docs)]
+use crate::error::ModelError;
+use crate::model::Model;
+pub struct Equilibrium {
+    pub q: Vec<f64>,
+    pub z: Vec<f64>,
+}
+pub fn equilibrium(_m: &Model, _s: Option<&[f64]>) -> Result<Equilibrium, ModelError> {
+    unimplemented!()
+}
