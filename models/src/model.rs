@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::effects::{self, Effect, EffectFor, Flow, Place, Rod};
+use crate::effects::{self, Effect, EffectFor, Flow, Kind, Place, Rod};
 use crate::error::ModelError;
 
 /// How the rod leaves the clamp.
@@ -275,17 +275,24 @@ impl Model {
         self.schedule.is_some() || self.effects.iter().any(|active| active.effect.about().timed)
     }
 
+    /// Whether the model keeps its energy: nothing dissipates, remembers or depends on time.
+    pub fn is_conservative(&self) -> bool {
+        let loses = |active: &Active| active.effect.about().kind == Kind::Dissipative && !self.is_off(active);
+        !self.is_timed() && self.memory == 0 && !self.effects.iter().any(loses)
+    }
+
+    /// Whether a parameter of the effect stands where the effect vanishes.
+    fn is_off(&self, active: &Active) -> bool {
+        let values = &self.theta[active.theta.clone()];
+        active.effect.about().parameters.iter().zip(values).any(|(p, value)| p.off == Some(*value))
+    }
+
     /// The effects that act at a place and are not at off. An effect with memory always counts:
     /// its memory goes on even where its force is off.
     pub(crate) fn acting(&self, place: Place, keep_off: bool) -> Vec<usize> {
         let acts = |active: &Active| {
             let about = active.effect.about();
-            let at_off = about
-                .parameters
-                .iter()
-                .zip(&self.theta[active.theta.clone()])
-                .any(|(p, value)| p.off == Some(*value));
-            about.places.contains(&place) && (keep_off || about.memory || !at_off)
+            about.places.contains(&place) && (keep_off || about.memory || !self.is_off(active))
         };
         (0..self.effects.len()).filter(|&k| acts(&self.effects[k])).collect()
     }
