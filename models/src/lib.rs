@@ -5,5 +5,6 @@ pub mod error;
 pub mod kinematics;
 pub mod model;
 pub mod snapshot;
+pub mod statics;
 pub mod system;
 mod tangent;
