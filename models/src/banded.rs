@@ -51,17 +51,6 @@ impl Banded {
         }
     }
 
-    /// `y += self · x`.
-    pub fn multiply_add(&self, x: &[f64], y: &mut [f64]) {
-        let n = self.dim();
-        for i in 0..n {
-            let first = i.saturating_sub(HALF_BANDWIDTH);
-            let last = (i + HALF_BANDWIDTH + 1).min(n);
-            let row = &self.rows[i][first + HALF_BANDWIDTH - i..last + HALF_BANDWIDTH - i];
-            y[i] += row.iter().zip(&x[first..last]).map(|(a, b)| a * b).sum::<f64>();
-        }
-    }
-
     /// Factors in place without pivoting: `L` below the diagonal, `U` on and above it. The matrices
     /// of implicit steps are dominated by mass and stiffness; near a singular one a pivot
     /// collapses, which is reported.
@@ -141,8 +130,8 @@ impl Banded {
         }
     }
 
-    /// `y += self · x` for `P` columns at once.
-    pub fn multiply_add_many<const P: usize>(&self, x: &[[f64; P]], y: &mut [[f64; P]]) {
+    /// `y += self · x`, for `P` columns at once.
+    pub fn multiply_add<const P: usize>(&self, x: &[[f64; P]], y: &mut [[f64; P]]) {
         let n = self.dim();
         for i in 0..n {
             let mut sum = y[i];
@@ -211,13 +200,10 @@ mod tests {
             assert!((x[i] - expected[i]).abs() < 1e-13);
             assert!((many[i][1] - 2.0 * expected[i]).abs() < 1e-13);
         }
-        let mut y = vec![0.0; n];
-        a.multiply_add(&x, &mut y);
-        let mut y_many = vec![[0.0; 3]; n];
-        a.multiply_add_many(&many, &mut y_many);
+        let mut y = vec![[0.0; 3]; n];
+        a.multiply_add(&many, &mut y);
         for i in 0..n {
-            assert!((y[i] - b[i]).abs() < 1e-12);
-            assert!((y_many[i][2] + b[i]).abs() < 1e-12);
+            assert!((y[i][2] + b[i]).abs() < 1e-12);
         }
     }
 

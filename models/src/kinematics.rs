@@ -213,7 +213,8 @@ impl<T: Real> Fields<T> {
                 for k in 0..2 {
                     let dof = 2 * i - 2 + k;
                     let weight = self.acceleration[k] - self.decay_rate * v[dof];
-                    force[dof] = after[k] - before[k] + (outer[k] + outer_before[k]) * 0.5 + weight * c.node_mass;
+                    force[dof] =
+                        after[k] - before[k] + (outer[k] + outer_before[k]) * 0.5 + weight * c.node_mass;
                 }
             }
             (before, outer_before) = (after, outer);

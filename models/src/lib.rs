@@ -2,8 +2,14 @@
 pub mod banded;
 pub mod effects;
 pub mod error;
+pub mod interpolate;
 pub mod kinematics;
 pub mod model;
+pub mod muscle;
+pub mod nearest;
+pub mod posture;
+pub mod pressure;
+pub mod quantity;
 pub mod snapshot;
 pub mod statics;
 pub mod system;

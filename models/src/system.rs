@@ -1,8 +1,12 @@
 //! The equations of motion `q̇ = v`, `M v̇ = f(q, v, z, t; theta)`, `ż = g(q, v, z, t; theta)`.
 
 use crate::effects::{Body, Effect, Kind, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
-use crate::kinematics::{Fields, left};
-use crate::model::{AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, Root};
+use crate::kinematics::Fields;
+use crate::model::{
+    AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, RELEASE_ANGLE,
+    RELEASE_RATE, Root,
+};
+use crate::posture::Posture;
 use crate::tangent::Tangent;
 
 /// What the laws and the stencil take from the parameters at one time.
@@ -74,9 +78,7 @@ impl<T: Scalar> Context<T> {
         self.time = time;
         if let Some(schedule) = &model.schedule {
             let now = time.re();
-            let factors = schedule
-                .factors(now)
-                .map(|(value, rate)| T::from(value) + (time - now) * rate);
+            let factors = schedule.factors(now).map(|(value, rate)| T::from(value) + (time - now) * rate);
             self.rod.length = self.theta[LENGTH] * factors[0];
             self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * factors[1];
             self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * factors[2];
@@ -118,8 +120,11 @@ impl<T: Scalar> Context<T> {
 /// at the last node, and turns with the body as a thin rod.
 fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: T, half_length: T) -> Body<T> {
     let zero = T::from(0.0);
-    let mut bodies =
-        vec![Body { mass: half_cell, center_of_mass: zero, rotary_inertia: half_cell * half_length * half_length / 3.0 }];
+    let mut bodies = vec![Body {
+        mass: half_cell,
+        center_of_mass: zero,
+        rotary_inertia: half_cell * half_length * half_length / 3.0,
+    }];
     for active in &model.effects {
         if active.effect.about().places.contains(&Place::Body) {
             let effect = T::laws(active.effect);
@@ -239,7 +244,16 @@ impl<T: Scalar> Assembly<T> {
 
     /// Generalised forces, shape `[2N+1]`, and rates of the memory at a state.
     #[expect(clippy::too_many_arguments, reason = "a state and its two rates")]
-    pub fn force(&mut self, model: &Model, time: T, q: &[T], v: &[T], z: &[T], force: &mut [T], z_rate: &mut [T]) {
+    pub fn force(
+        &mut self,
+        model: &Model,
+        time: T,
+        q: &[T],
+        v: &[T],
+        z: &[T],
+        force: &mut [T],
+        z_rate: &mut [T],
+    ) {
         self.place(model, time, q, v);
         let Self { context: c, fields: f, acting, .. } = self;
         for &k in &acting.bend {
@@ -292,28 +306,6 @@ impl<T: Scalar> Assembly<T> {
         }
         (elastic, potential)
     }
-
-    /// Coordinates and velocities of the straight rod, let go at its release angle and turning
-    /// about the clamp at its release rate.
-    pub fn straight(&self, angle: T, rate: T) -> (Vec<T>, Vec<T>) {
-        let c = &self.context;
-        let n = c.edges;
-        let axis = [angle.cos(), angle.sin()];
-        let across = left(axis);
-        let mut q = Vec::with_capacity(2 * n + 1);
-        let mut v = Vec::with_capacity(2 * n + 1);
-        for i in 1..=n {
-            let end = if i == n { c.body.center_of_mass } else { T::from(0.0) };
-            let radius = c.rest_length * i as f64 + end;
-            for k in 0..2 {
-                q.push(axis[k] * radius);
-                v.push(across[k] * radius * rate);
-            }
-        }
-        q.push(angle);
-        v.push(rate);
-        (q, v)
-    }
 }
 
 /// The equations of motion of one model, with room to evaluate them: one for each thread.
@@ -351,12 +343,21 @@ impl<'m> System<'m> {
     }
 
     /// Generalised forces, shape `[2N+1]`, and rates of the memory.
-    pub fn force(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64], force: &mut [f64], z_rate: &mut [f64]) {
+    pub fn force(
+        &mut self,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        z: &[f64],
+        force: &mut [f64],
+        z_rate: &mut [f64],
+    ) {
         self.assembly.force(self.model, time, q, v, z, force, z_rate);
     }
 
-    /// Makes room for derivatives by parameters: `indices` into `theta`, in groups of [`LANES`].
-    pub fn watch(&mut self, indices: &[usize]) {
+    /// Makes room for derivatives by parameters: `indices` into `theta`, in groups of [`LANES`];
+    /// `None` leaves a lane at zero.
+    pub fn watch(&mut self, indices: &[Option<usize>]) {
         self.lanes = indices.chunks(LANES).map(|group| LanePass::new(self.model, group)).collect();
     }
 
@@ -384,24 +385,56 @@ impl<'m> System<'m> {
         }
     }
 
-    /// Derivatives by the `group`-th [`LANES`] watched parameters of the coordinates and velocities
-    /// of the straight rod at its release.
+    /// Coordinates and velocities of the straight rod at its release, with their derivatives by the
+    /// `group`-th [`LANES`] watched parameters.
     pub fn straight_by_parameters(&self, group: usize) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
         let assembly = &self.lanes[group].assembly;
         let theta = &assembly.context.theta;
-        let (q, v) = assembly.straight(theta[crate::model::RELEASE_ANGLE], theta[crate::model::RELEASE_RATE]);
+        let (q, v) = assembly.straight(theta[RELEASE_ANGLE], theta[RELEASE_RATE]);
         (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
     }
 
-    /// The straight rod at its release, with the derivative of its observed tip.
-    pub fn tip_by_parameters(&mut self, group: usize, time: f64, q: &[f64], v: &[f64]) -> [[f64; LANES]; 2] {
+    /// A posture at rest of this system with the derivatives of its coordinates.
+    pub fn posture_by_parameters(
+        &mut self,
+        group: usize,
+        q: &[f64],
+        by_theta: &[[f64; LANES]],
+    ) -> Posture<Lanes> {
         let pass = &mut self.lanes[group];
-        pass.lift(q, v, &[]);
-        pass.assembly.place(self.model, time.into(), &pass.q, &pass.v);
-        let n = self.model.edges;
-        let distance = self.model.tip_distance;
-        let fields = &pass.assembly.fields;
-        [0, 1].map(|k| slopes(&(fields.position[n][k] + fields.body_axis[k] * distance)))
+        for (lifted, (q, by_theta)) in pass.q.iter_mut().zip(q.iter().zip(by_theta)) {
+            *lifted = Lanes::new(*q, num_dual::Derivative::some((*by_theta).into()));
+        }
+        let at_rest = vec![Lanes::from(0.0); q.len()];
+        pass.assembly.posture(&pass.q, &at_rest)
+    }
+
+    /// Derivatives of the coordinates and velocities of a posture.
+    pub fn coordinates_by_parameters(
+        &self,
+        group: usize,
+        posture: &Posture<Lanes>,
+    ) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
+        let (q, v) = self.lanes[group].assembly.coordinates(posture);
+        (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
+    }
+
+    /// Derivatives of the position of a point of the end body, `beyond` the last node along the body
+    /// axis, m.
+    pub fn tip_by_parameters(
+        &self,
+        group: usize,
+        beyond: f64,
+        q: &[f64],
+        by_theta: &[[f64; LANES]],
+    ) -> [[f64; LANES]; 2] {
+        let last = q.len() - 1;
+        let arm = slopes(&self.lanes[group].assembly.context.body.center_of_mass);
+        let reach = beyond - self.assembly.context.body.center_of_mass;
+        let (sin, cos) = q[last].sin_cos();
+        [(last - 2, cos, -sin), (last - 1, sin, cos)].map(|(k, axis, across)| {
+            std::array::from_fn(|p| by_theta[k][p] - arm[p] * axis + reach * across * by_theta[last][p])
+        })
     }
 
     /// Rate of forces and of memory rates by time alone, at a fixed state.
@@ -431,7 +464,15 @@ impl<'m> System<'m> {
         let mut force = std::mem::take(&mut pass.0.force);
         let mut z_rate = std::mem::take(&mut pass.0.z_rate);
         pass.0.lift(q, v, z);
-        pass.0.assembly.force(self.model, time.into(), &pass.0.q, &pass.0.v, &pass.0.z, &mut force, &mut z_rate);
+        pass.0.assembly.force(
+            self.model,
+            time.into(),
+            &pass.0.q,
+            &pass.0.v,
+            &pass.0.z,
+            &mut force,
+            &mut z_rate,
+        );
         let work: f64 = force.iter().zip(v).map(|(f, v)| f.re * v).sum();
         for (q, v) in pass.0.q.iter_mut().zip(v) {
             *q += seeded(0.0, 0) * *v;
@@ -455,18 +496,28 @@ impl<'m> System<'m> {
     }
 
     /// Force of each active effect on the nodes.
-    pub fn effect_forces(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> Vec<(&'static str, Vec<[f64; 2]>)> {
+    pub fn effect_forces(
+        &mut self,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        z: &[f64],
+    ) -> Vec<(&'static str, Vec<[f64; 2]>)> {
         let mut force = vec![0.0; self.model.dof()];
         let mut z_rate = vec![0.0; self.model.memory()];
         let all = self.assembly.acting.clone();
         let mut forces = Vec::new();
         for (k, active) in self.model.effects.iter().enumerate() {
             let own = Acting::only(self.model, k);
-            let acts = [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip].iter().any(|list| !list.is_empty());
+            let acts =
+                [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip].iter().any(|list| !list.is_empty());
             if acts {
                 self.assembly.acting = own;
                 self.force(time, q, v, z, &mut force, &mut z_rate);
-                forces.push((active.effect.about().name, self.assembly.fields.node_forces(&self.assembly.context)));
+                forces.push((
+                    active.effect.about().name,
+                    self.assembly.fields.node_forces(&self.assembly.context),
+                ));
             }
         }
         self.assembly.acting = all;
@@ -509,10 +560,12 @@ impl TimePass {
 }
 
 impl LanePass {
-    fn new(model: &Model, group: &[usize]) -> Self {
+    fn new(model: &Model, group: &[Option<usize>]) -> Self {
         let mut theta: Vec<Lanes> = model.theta.iter().map(|value| Lanes::from(*value)).collect();
-        for (lane, &k) in group.iter().enumerate() {
-            theta[k] = seeded(model.theta[k], lane);
+        for (lane, k) in group.iter().enumerate() {
+            if let Some(k) = *k {
+                theta[k] = seeded(model.theta[k], lane);
+            }
         }
         let assembly = Assembly::new(model, theta, true);
         let zero = Lanes::from(0.0);

@@ -44,6 +44,8 @@ pub(crate) struct Tangent {
     by_angle_rate: Vec<f64>,
     stiffness: Banded,
     damping: Banded,
+    /// Whether damping has more than the decay of momenta.
+    couples_rates: bool,
 }
 
 impl Tangent {
@@ -242,6 +244,8 @@ impl System<'_> {
         }
         t.assemble_tip(n);
         t.turn_to_body(n, c.body.center_of_mass);
+        t.couples_rates = !(self.assembly.acting.flow.is_empty() && self.assembly.acting.tip.is_empty())
+            || t.by_angle_rate.iter().chain(&t.by_stretch_rate).any(|slope| *slope != 0.0);
         t.damping.add_diagonal(t.decay_rate, &self.mass);
     }
 
@@ -253,6 +257,19 @@ impl System<'_> {
     /// Tangent damping `−∂f/∂v`.
     pub fn damping(&self) -> &Banded {
         &self.tangent.damping
+    }
+
+    /// Adds tangent damping times velocities, for `P` columns: `sum += D v`.
+    pub fn add_damping<const P: usize>(&self, v: &[[f64; P]], sum: &mut [[f64; P]]) {
+        if self.tangent.couples_rates {
+            self.tangent.damping.multiply_add(v, sum);
+        } else if self.tangent.decay_rate != 0.0 {
+            for ((sum, v), mass) in sum.iter_mut().zip(v).zip(&self.mass) {
+                for (sum, v) in sum.iter_mut().zip(v) {
+                    *sum += self.tangent.decay_rate * mass * v;
+                }
+            }
+        }
     }
 
     /// Adds to the residuals of force what the residuals of memory do there, for `P` columns.
@@ -292,7 +309,13 @@ impl System<'_> {
 
     /// Memory increments that belong to increments of coordinates and velocities, for `P` columns:
     /// overwrites the residuals of memory.
-    pub fn recover_memory<const P: usize>(&self, a: f64, u_q: &[[f64; P]], u_v: &[[f64; P]], r_z: &mut [[f64; P]]) {
+    pub fn recover_memory<const P: usize>(
+        &self,
+        a: f64,
+        u_q: &[[f64; P]],
+        u_v: &[[f64; P]],
+        r_z: &mut [[f64; P]],
+    ) {
         let t = &self.tangent;
         if t.memory.is_empty() {
             return;
@@ -311,8 +334,8 @@ impl System<'_> {
                 if i == n {
                     for k in 0..2 {
                         at[k] -= arm * across[k] * u_q[2 * n][p];
-                        rate[k] -= arm
-                            * (across[k] * u_v[2 * n][p] - t.body_axis[k] * t.body_rate * u_q[2 * n][p]);
+                        rate[k] -=
+                            arm * (across[k] * u_v[2 * n][p] - t.body_axis[k] * t.body_rate * u_q[2 * n][p]);
                     }
                 }
                 (at, rate)
@@ -399,7 +422,8 @@ impl Tangent {
             let torque = self.moment[j] * self.kappa_slope[j] - self.moment[j + 1] * self.kappa_slope[j + 1];
             let turn = torque * per_length * per_length;
             let rate_stiffness = self.by_stretch_rate[j] * per_rest_length;
-            let mut own = outer(tangent, tangent).map(|row| row.map(|x| x * self.by_stretch[j] * per_rest_length));
+            let mut own =
+                outer(tangent, tangent).map(|row| row.map(|x| x * self.by_stretch[j] * per_rest_length));
             add(&mut own, rate_stiffness * self.edge_rate[j], outer(tangent, normal));
             add(&mut own, self.tension[j] * per_length, outer(normal, normal));
             add(&mut own, -turn, outer(tangent, normal));
@@ -459,7 +483,11 @@ impl Tangent {
             }
             // Turning the edge turns the force with it, and the velocity that it sees against it.
             let seen = [0, 1].map(|k| {
-                self.flow[j].iter().zip(axes).map(|(row, axis)| (row[0] * across - row[1] * along) * axis[k]).sum::<f64>()
+                self.flow[j]
+                    .iter()
+                    .zip(axes)
+                    .map(|(row, axis)| (row[0] * across - row[1] * along) * axis[k])
+                    .sum::<f64>()
             });
             let turned = left(self.outer[j]);
             let by_angle = [0, 1].map(|k| turned[k] + seen[k]);
@@ -492,7 +520,8 @@ impl Tangent {
         for row in last.saturating_sub(4)..=angle {
             let damping = [0, 1].map(|k| self.damping[(row, last + k)]);
             let stiffness = [0, 1].map(|k| self.stiffness[(row, last + k)]);
-            self.stiffness[(row, angle)] += arm * (self.body_rate * dot(damping, axis) - dot(stiffness, across));
+            self.stiffness[(row, angle)] +=
+                arm * (self.body_rate * dot(damping, axis) - dot(stiffness, across));
             self.damping[(row, angle)] -= arm * dot(damping, across);
         }
         for column in last.saturating_sub(4)..=angle {

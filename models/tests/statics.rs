@@ -4,8 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Root};
-use models::statics::equilibrium::{Equilibrium, equilibrium};
-use models::statics::modes::{Mode, modes};
+use models::statics::{Equilibrium, Mode, equilibrium, modes};
 use models::system::System;
 
 const INCH: f64 = 0.0254;
@@ -489,7 +488,7 @@ fn mass_damping_and_shapes() {
         assert!((mode.damping_ratio / expected - 1.0).abs() < 1e-10, "{k}: {}", mode.damping_ratio);
         let square = mode.angular_frequency.powi(2);
         let mut residual = vec![0.0; model.dof()];
-        system.stiffness().multiply_add(&mode.shape, &mut residual);
+        system.stiffness().multiply_add(mode.shape.as_chunks::<1>().0, residual.as_chunks_mut().0);
         let mut size = 0.0_f64;
         for ((r, x), m) in residual.iter_mut().zip(&mode.shape).zip(&system.mass) {
             *r = (*r - square * m * x) / m.sqrt();

@@ -1,2 +1,4 @@
 //! What we do with the models.
+pub mod forward;
 pub mod integrate;
+pub mod trajectory;

@@ -1,8 +1,11 @@
 //! What needs no time: rest postures, and small vibrations about them.
 //!
-//! [`equilibrium`](equilibrium::equilibrium) finds the posture in which a model hangs, and
-//! [`modes`](modes::modes) its natural frequencies there.
+//! [`equilibrium()`] finds the posture in which a model hangs, and [`modes()`] its natural
+//! frequencies there.
 
-pub mod equilibrium;
-pub mod modes;
+mod equilibrium;
+mod modes;
 mod path;
+
+pub use equilibrium::{Equilibrium, equilibrium};
+pub use modes::{Mode, modes};

@@ -14,7 +14,7 @@ use crate::error::ModelError;
 use crate::model::Model;
 use crate::system::System;
 
-use super::equilibrium::Equilibrium;
+use super::Equilibrium;
 
 /// One small free vibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +49,7 @@ pub fn modes(model: &Model, at: &Equilibrium, count: usize) -> Result<Vec<Mode>,
         }
         let shape = shapes.columns[k].clone();
         let mut damped = vec![0.0; model.dof()];
-        system.damping().multiply_add(&shape, &mut damped);
+        system.damping().multiply_add(shape.as_chunks::<1>().0, damped.as_chunks_mut().0);
         let damping_ratio = dot(&shape, &damped) / (2.0 * angular_frequency);
         modes.push(Mode { angular_frequency, damping_ratio, shape });
     }

@@ -230,7 +230,7 @@ mod tests {
         let mut hessian = system.stiffness().clone();
         add_curve(&system, &force, &mut hessian);
         let mut product = vec![0.0; model.dof()];
-        hessian.multiply_add(&increment, &mut product);
+        hessian.multiply_add(increment.as_chunks::<1>().0, product.as_chunks_mut().0);
         let expected: f64 = product.iter().zip(&increment).map(|(a, b)| a * b).sum();
         let mut path = Path::new(model.edges);
         path.leave(&system, &q, &increment);

@@ -1,7 +1,13 @@
 //! Integrators of the equations of motion behind one seam: [`Stepper`].
 
+mod rosenbrock;
+pub mod tableau;
+pub mod variational;
+
 use models::model::Model;
 use thiserror::Error;
+
+use rosenbrock::Rosenbrock;
 
 /// Coordinates, velocities and memory at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,7 +87,9 @@ pub enum Method {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum IntegrateError {
     /// The step shrank to nothing.
-    #[error("the step shrank to {step:.1e} s at t = {time:.4} s near node {node}; try a stiffer rod, more damping, or a looser tolerance")]
+    #[error(
+        "the step shrank to {step:.1e} s at t = {time:.4} s near node {node}; try a stiffer rod, more damping, or a looser tolerance"
+    )]
     StepTooSmall {
         /// Time, s.
         time: f64,
@@ -99,7 +107,9 @@ pub enum IntegrateError {
         node: usize,
     },
     /// Newton's method did not converge.
-    #[error("Newton stalled at t = {time:.4} s with a step of {step:.1e} s; try method = \"rodas4\", or a looser tolerance")]
+    #[error(
+        "Newton stalled at t = {time:.4} s with a step of {step:.1e} s; try method = \"rodas4\", or a looser tolerance"
+    )]
     Stalled {
         /// Time, s.
         time: f64,
@@ -107,7 +117,9 @@ pub enum IntegrateError {
         step: f64,
     },
     /// More steps than admitted.
-    #[error("{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, or loosen the tolerance")]
+    #[error(
+        "{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, or loosen the tolerance"
+    )]
     TooManySteps {
         /// Time, s.
         time: f64,
@@ -117,6 +129,10 @@ pub enum IntegrateError {
 }
 
 /// Starts an integrator at a state.
-pub fn start<'m>(_method: Method, _model: &'m Model, _state: State, _control: Control) -> Box<dyn Stepper + 'm> {
-    unimplemented!("replaced by the integrators' commit")
+pub fn start<'m>(method: Method, model: &'m Model, state: State, control: Control) -> Box<dyn Stepper + 'm> {
+    let tableau = match method {
+        Method::Rodas5p => &tableau::RODAS5P,
+        _ => &tableau::RODAS4,
+    };
+    Box::new(Rosenbrock::new(tableau, model, state, control))
 }

@@ -1,0 +1,296 @@
+//! A muscle: its constants, and its tables interpolated over pressure.
+//!
+//! Pressure is that inside above ambient, as a gauge shows it. Between the rows of a table lies the
+//! monotone cubic of [`Pchip`]. The data are files of one form, in the units of their source;
+//! `models/muscles/garbulinski-2022.toml` is the example, built in, and [`Muscle::from_toml`] reads
+//! any other.
+
+mod error;
+mod read;
+
+use std::fmt::{self, Display};
+
+use serde::{Deserialize, Serialize};
+
+use crate::interpolate::Pchip;
+
+pub use error::MuscleError;
+
+/// Names of the built-in muscles, and their data.
+pub const BUILT_IN: &[(&str, &str)] =
+    &[("garbulinski-2022", include_str!("../muscles/garbulinski-2022.toml"))];
+
+/// What is known of one muscle, in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Muscle {
+    /// Name in scenarios and messages.
+    pub name: String,
+    /// Where the data come from.
+    pub source: String,
+    /// The muscle without pressure.
+    pub rest: Rest,
+    /// The rigid body at its end.
+    pub end_fitting: EndFitting,
+    /// Gravity where it was measured, m/s².
+    pub gravity: f64,
+    pressure: Vec<f64>,
+    length: Pchip,
+    inner_diameter: Pchip,
+    outer_diameter: Pchip,
+    axial_stiffness: Pchip,
+    /// By source: `axial`, `euler`, `pder_32`, or what a calibration calls its own.
+    bending_stiffness: Vec<(String, Pchip)>,
+    rayleigh_mass: Option<Pchip>,
+    rayleigh_stiffness: Option<Pchip>,
+}
+
+/// The muscle without pressure; what no equation needs may be unknown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// Active length, m.
+    pub length: f64,
+    /// Mass of bladder and braid per active length, kg/m.
+    pub mass_per_length: f64,
+    /// Inner diameter of the bladder, m.
+    pub inner_diameter: Option<f64>,
+    /// Outer diameter, m.
+    pub outer_diameter: Option<f64>,
+    /// Angle between the fibres and the cross-section, rad.
+    pub braid_angle: Option<f64>,
+}
+
+/// The rigid body at the end of the active length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndFitting {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Distance of the centre of mass beyond the end of the active length, m.
+    pub center_of_mass: f64,
+    /// Rotary inertia about the centre of mass, kg m²; zero is a point mass.
+    pub rotary_inertia: f64,
+}
+
+/// Whether a pressure outside the table is an error or extrapolated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Extrapolation {
+    /// It is an error.
+    #[default]
+    Refused,
+    /// Each column goes on along the straight line with which it leaves the table; the result says so.
+    Allowed,
+}
+
+/// A muscle at one pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtPressure {
+    /// Pressure above ambient, Pa.
+    pub pressure: f64,
+    /// Active length, m.
+    pub length: f64,
+    /// Bending stiffness EI of the source that was asked for, N m².
+    pub bending_stiffness: f64,
+    /// Axial stiffness EA, N.
+    pub axial_stiffness: f64,
+    /// Inner diameter of the bladder, m.
+    pub inner_diameter: f64,
+    /// Outer diameter, m.
+    pub outer_diameter: f64,
+    /// Mass-proportional Rayleigh damping, 1/s, if the muscle's table has it.
+    pub rayleigh_mass: Option<f64>,
+    /// Stiffness-proportional Rayleigh damping, s, if the muscle's table has it.
+    pub rayleigh_stiffness: Option<f64>,
+    /// Set if the pressure lies outside the table; its text is the warning to show.
+    pub extrapolated: Option<Extrapolated>,
+}
+
+/// Derivatives of [`AtPressure`] with respect to pressure, each in its unit per Pa.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureSlopes {
+    /// Of the active length, m/Pa.
+    pub length: f64,
+    /// Of the bending stiffness, N m²/Pa.
+    pub bending_stiffness: f64,
+    /// Of the axial stiffness, N/Pa.
+    pub axial_stiffness: f64,
+    /// Of the inner diameter, m/Pa.
+    pub inner_diameter: f64,
+    /// Of the outer diameter, m/Pa.
+    pub outer_diameter: f64,
+    /// Of the mass-proportional damping, 1/(s Pa).
+    pub rayleigh_mass: Option<f64>,
+    /// Of the stiffness-proportional damping, s/Pa.
+    pub rayleigh_stiffness: Option<f64>,
+}
+
+/// That and where a table was left; displays as a warning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extrapolated {
+    /// Pressure that was asked for, Pa.
+    pub pressure: f64,
+    /// Lowest and highest pressure of the table, Pa.
+    pub range: (f64, f64),
+}
+
+impl Muscle {
+    /// The built-in muscle of this name.
+    ///
+    /// # Errors
+    /// [`MuscleError::UnknownMuscle`], with the names that there are.
+    pub fn built_in(name: &str) -> Result<Muscle, MuscleError> {
+        match BUILT_IN.iter().find(|muscle| muscle.0 == name) {
+            Some((_, text)) => Muscle::from_toml(text),
+            None => Err(MuscleError::UnknownMuscle { name: name.to_string() }),
+        }
+    }
+
+    /// The muscle that the text of a muscle file describes.
+    ///
+    /// # Errors
+    /// A [`MuscleError`] that names the key, or column and row, at fault.
+    pub fn from_toml(text: &str) -> Result<Muscle, MuscleError> {
+        read::muscle(text)
+    }
+
+    /// Lowest and highest pressure of the table, Pa.
+    pub fn pressure_range(&self) -> (f64, f64) {
+        self.length.range()
+    }
+
+    /// The pressures at which the muscle was measured, Pa, increasing.
+    pub fn pressures(&self) -> &[f64] {
+        &self.pressure
+    }
+
+    /// Names of the estimates of bending stiffness that the table has.
+    ///
+    /// An estimate belongs to the model that it was fitted with: its root, its number of nodes.
+    pub fn stiffness_sources(&self) -> impl Iterator<Item = &str> {
+        self.bending_stiffness.iter().map(|(source, _)| source.as_str())
+    }
+
+    /// The muscle at `pressure`, Pa, with the bending stiffness of `stiffness_source`.
+    ///
+    /// # Errors
+    /// [`MuscleError::UnknownStiffness`]; [`MuscleError::OutsideTable`] unless `extrapolation` is
+    /// allowed; [`MuscleError::ExtrapolatedTooFar`] where it would give a length or stiffness that
+    /// is not positive; [`MuscleError::PressureNotFinite`].
+    pub fn at(
+        &self,
+        pressure: f64,
+        stiffness_source: &str,
+        extrapolation: Extrapolation,
+    ) -> Result<AtPressure, MuscleError> {
+        let at = self.value_and_slope(pressure, stiffness_source, extrapolation);
+        at.map(|(value, _)| value)
+    }
+
+    /// The muscle at `pressure`, Pa, and how it changes with pressure. The slope is continuous; its
+    /// own derivative jumps at the rows of the table.
+    ///
+    /// # Errors
+    /// As [`Muscle::at`].
+    pub fn value_and_slope(
+        &self,
+        pressure: f64,
+        stiffness_source: &str,
+        extrapolation: Extrapolation,
+    ) -> Result<(AtPressure, PressureSlopes), MuscleError> {
+        let bending_stiffness = self.bending_stiffness(stiffness_source)?;
+        let (pressure, extrapolated) = self.admit(pressure, extrapolation)?;
+        let at = |curve: &Pchip| curve.extrapolate(pressure);
+        let (length, bending, axial) = (at(&self.length), at(bending_stiffness), at(&self.axial_stiffness));
+        let (inner, outer) = (at(&self.inner_diameter), at(&self.outer_diameter));
+        let rayleigh_mass = self.rayleigh_mass.as_ref().map(at);
+        let rayleigh_stiffness = self.rayleigh_stiffness.as_ref().map(at);
+        let value = AtPressure {
+            pressure,
+            length: length.0,
+            bending_stiffness: bending.0,
+            axial_stiffness: axial.0,
+            inner_diameter: inner.0,
+            outer_diameter: outer.0,
+            rayleigh_mass: rayleigh_mass.map(|at| at.0),
+            rayleigh_stiffness: rayleigh_stiffness.map(|at| at.0),
+            extrapolated,
+        };
+        let slope = PressureSlopes {
+            length: length.1,
+            bending_stiffness: bending.1,
+            axial_stiffness: axial.1,
+            inner_diameter: inner.1,
+            outer_diameter: outer.1,
+            rayleigh_mass: rayleigh_mass.map(|at| at.1),
+            rayleigh_stiffness: rayleigh_stiffness.map(|at| at.1),
+        };
+        value.check()?;
+        Ok((value, slope))
+    }
+
+    fn bending_stiffness(&self, source: &str) -> Result<&Pchip, MuscleError> {
+        let known = self.bending_stiffness.iter().find(|(name, _)| name == source);
+        known.map(|(_, curve)| curve).ok_or_else(|| MuscleError::UnknownStiffness {
+            muscle: self.name.clone(),
+            asked: source.to_string(),
+            known: self.stiffness_sources().map(str::to_string).collect(),
+        })
+    }
+
+    /// The pressure to look up, and whether that extrapolates.
+    fn admit(
+        &self,
+        pressure: f64,
+        extrapolation: Extrapolation,
+    ) -> Result<(f64, Option<Extrapolated>), MuscleError> {
+        if !pressure.is_finite() {
+            return Err(MuscleError::PressureNotFinite { pressure });
+        }
+        let range = self.pressure_range();
+        let nearest = pressure.clamp(range.0, range.1);
+        if (pressure - nearest).abs() <= WRITTEN * nearest.abs() {
+            return Ok((nearest, None));
+        }
+        match extrapolation {
+            Extrapolation::Allowed => Ok((pressure, Some(Extrapolated { pressure, range }))),
+            Extrapolation::Refused => {
+                Err(MuscleError::OutsideTable { muscle: self.name.clone(), pressure, range })
+            }
+        }
+    }
+}
+
+/// An end of the table in other units, written with six digits, is still that end: half a unit of
+/// the sixth digit, relative to the pressure.
+const WRITTEN: f64 = 5e-6;
+
+impl AtPressure {
+    /// Inside a table all is positive already.
+    fn check(&self) -> Result<(), MuscleError> {
+        let Some(extrapolated) = self.extrapolated else {
+            return Ok(());
+        };
+        let quantities = [
+            ("length", self.length, "m"),
+            ("bending stiffness", self.bending_stiffness, "N m^2"),
+            ("axial stiffness", self.axial_stiffness, "N"),
+            ("outer diameter", self.outer_diameter, "m"),
+            ("wall thickness", (self.outer_diameter - self.inner_diameter) / 2.0, "m"),
+        ];
+        match quantities.into_iter().find(|(_, value, _)| *value <= 0.0) {
+            None => Ok(()),
+            Some((quantity, value, unit)) => {
+                Err(MuscleError::ExtrapolatedTooFar { extrapolated, quantity, value, unit })
+            }
+        }
+    }
+}
+
+impl Display for Extrapolated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (pressure, range) = (error::pressure_text(self.pressure), error::range_text(self.range));
+        write!(f, "{pressure} lies outside the table, {range}: extrapolated along straight lines")
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,104 @@
+//! A posture by its nodes: what a recording, a file or another model can give.
+
+use crate::effects::{Real, Scalar};
+use crate::kinematics::left;
+use crate::system::Assembly;
+
+/// Nodes and end body of a rod, in W.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Posture<T> {
+    /// Node positions, m, shape `[N+1]`; the first is the origin.
+    pub nodes: Vec<[T; 2]>,
+    /// Node velocities, m/s, shape `[N+1]`.
+    pub velocities: Vec<[T; 2]>,
+    /// Angle of the end body, rad, from x towards z.
+    pub angle: T,
+    /// Its rate, rad/s.
+    pub rate: T,
+}
+
+impl<T: Real> Posture<T> {
+    /// The straight rod at an angle, turning about the clamp.
+    pub fn straight(edges: usize, rest_length: T, angle: T, rate: T) -> Self {
+        let axis = [angle.cos(), angle.sin()];
+        let across = left(axis);
+        let along = |i: usize| rest_length * i as f64;
+        Self {
+            nodes: (0..=edges).map(|i| axis.map(|a| a * along(i))).collect(),
+            velocities: (0..=edges).map(|i| across.map(|a| a * along(i) * rate)).collect(),
+            angle,
+            rate,
+        }
+    }
+}
+
+impl Posture<f64> {
+    /// The posture of a curve through the clamp, sampled at `edges + 1` nodes in equal shares of its
+    /// length; the end body continues the last piece.
+    pub fn along(curve: &[[f64; 2]], velocities: &[[f64; 2]], edges: usize) -> Self {
+        let pieces: Vec<f64> =
+            curve.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).collect();
+        let length: f64 = pieces.iter().sum();
+        let mut nodes = Vec::with_capacity(edges + 1);
+        let mut rates = Vec::with_capacity(edges + 1);
+        let (mut piece, mut before) = (0, 0.0);
+        for i in 0..=edges {
+            let at = length * i as f64 / edges as f64;
+            while piece + 1 < pieces.len() && before + pieces[piece] < at {
+                before += pieces[piece];
+                piece += 1;
+            }
+            let share = if pieces[piece] > 0.0 { ((at - before) / pieces[piece]).min(1.0) } else { 0.0 };
+            let between =
+                |of: &[[f64; 2]]| [0, 1].map(|k| of[piece][k] + share * (of[piece + 1][k] - of[piece][k]));
+            nodes.push(between(curve));
+            rates.push(between(velocities));
+        }
+        let edge = [0, 1].map(|k| nodes[edges][k] - nodes[edges - 1][k]);
+        let turn = [0, 1].map(|k| rates[edges][k] - rates[edges - 1][k]);
+        let square = edge[0] * edge[0] + edge[1] * edge[1];
+        Self {
+            nodes,
+            velocities: rates,
+            angle: edge[1].atan2(edge[0]),
+            rate: (edge[0] * turn[1] - edge[1] * turn[0]) / square,
+        }
+    }
+}
+
+impl<T: Scalar> Assembly<T> {
+    /// Generalised coordinates and velocities of a posture, shape `[2N+1]`.
+    pub fn coordinates(&self, posture: &Posture<T>) -> (Vec<T>, Vec<T>) {
+        let n = self.context.edges;
+        let arm = self.context.body.center_of_mass;
+        let axis = [posture.angle.cos(), posture.angle.sin()];
+        let across = left(axis);
+        let mut q = posture.nodes[1..n].as_flattened().to_vec();
+        let mut v = posture.velocities[1..n].as_flattened().to_vec();
+        for k in 0..2 {
+            q.push(posture.nodes[n][k] + arm * axis[k]);
+            v.push(posture.velocities[n][k] + arm * posture.rate * across[k]);
+        }
+        q.push(posture.angle);
+        v.push(posture.rate);
+        (q, v)
+    }
+
+    /// The posture of generalised coordinates and velocities.
+    pub fn posture(&mut self, q: &[T], v: &[T]) -> Posture<T> {
+        self.fields.place(&self.context, q, v);
+        let n = self.context.edges;
+        Posture {
+            nodes: self.fields.position.clone(),
+            velocities: self.fields.velocity.clone(),
+            angle: q[2 * n],
+            rate: v[2 * n],
+        }
+    }
+
+    /// Coordinates and velocities of the straight rod at an angle, turning about the clamp.
+    pub fn straight(&self, angle: T, rate: T) -> (Vec<T>, Vec<T>) {
+        let context = &self.context;
+        self.coordinates(&Posture::straight(context.edges, context.rest_length, angle, rate))
+    }
+}

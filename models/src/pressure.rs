@@ -1,0 +1,91 @@
+//! A pressure that changes while the rod moves: its length, stiffnesses and diameter follow the
+//! muscle's table at the pressure of the moment.
+//!
+//! Assumed: the muscle has no inertia of its own in filling, so the table of slow pressures holds;
+//! distributed mass stays with the material, that of the air is neglected; the regulator does the
+//! work that changes the energy stored at a fixed posture, see [`Energy::supplied`].
+//!
+//! [`Energy::supplied`]: crate::snapshot::Energy::supplied
+
+use crate::model::Schedule;
+use crate::muscle::{AtPressure, Extrapolation, Muscle, MuscleError};
+
+/// Pressure over time: straight lines between the rows of a table, constant before and after.
+#[derive(Clone, Debug)]
+pub struct PressureSchedule {
+    muscle: Muscle,
+    stiffness_source: String,
+    extrapolation: Extrapolation,
+    times: Vec<f64>,
+    pressures: Vec<f64>,
+    at_release: AtPressure,
+}
+
+impl PressureSchedule {
+    /// Builds a schedule from rows of time (s, ascending) and pressure (Pa).
+    /// # Errors
+    /// [`MuscleError`] if a pressure lies outside the muscle's table.
+    pub fn new(
+        muscle: Muscle,
+        stiffness_source: &str,
+        extrapolation: Extrapolation,
+        rows: &[(f64, f64)],
+    ) -> Result<Self, MuscleError> {
+        assert!(
+            rows.windows(2).all(|w| w[0].0 < w[1].0),
+            "the reader of the scenario sees to ascending times"
+        );
+        for (_, pressure) in rows {
+            muscle.at(*pressure, stiffness_source, extrapolation)?;
+        }
+        let (times, pressures): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
+        let initial = pressure_at(&times, &pressures, 0.0).0;
+        let at_release = muscle.at(initial, stiffness_source, extrapolation)?;
+        let stiffness_source = stiffness_source.to_owned();
+        Ok(Self { muscle, stiffness_source, extrapolation, times, pressures, at_release })
+    }
+
+    /// Pressure, Pa, and its rate, Pa/s.
+    pub fn pressure(&self, time: f64) -> (f64, f64) {
+        pressure_at(&self.times, &self.pressures, time)
+    }
+
+    /// The muscle at release.
+    pub fn at_release(&self) -> &AtPressure {
+        &self.at_release
+    }
+}
+
+fn pressure_at(times: &[f64], pressures: &[f64], time: f64) -> (f64, f64) {
+    let after = times.partition_point(|t| *t <= time);
+    if after == 0 {
+        return (pressures[0], 0.0);
+    }
+    if after == times.len() {
+        return (pressures[after - 1], 0.0);
+    }
+    let rate = (pressures[after] - pressures[after - 1]) / (times[after] - times[after - 1]);
+    (pressures[after - 1] + rate * (time - times[after - 1]), rate)
+}
+
+impl Schedule for PressureSchedule {
+    fn factors(&self, time: f64) -> [(f64, f64); 4] {
+        let (pressure, rate) = self.pressure(time);
+        let (now, slope) = self
+            .muscle
+            .value_and_slope(pressure, &self.stiffness_source, self.extrapolation)
+            .expect("all pressures lie between those that were checked");
+        let at_release = &self.at_release;
+        [
+            (now.length, slope.length, at_release.length),
+            (now.bending_stiffness, slope.bending_stiffness, at_release.bending_stiffness),
+            (now.axial_stiffness, slope.axial_stiffness, at_release.axial_stiffness),
+            (now.outer_diameter, slope.outer_diameter, at_release.outer_diameter),
+        ]
+        .map(|(value, slope, reference)| (value / reference, slope * rate / reference))
+    }
+
+    fn breakpoints(&self) -> &[f64] {
+        &self.times
+    }
+}

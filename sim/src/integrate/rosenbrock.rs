@@ -1,0 +1,305 @@
+//! Linearly implicit (Rosenbrock-Wanner) methods: one tangent and one factorization a step, one
+//! back-substitution a stage, no Newton iteration.
+//!
+//! In transformed stages `u_i`, with `a = 1/(γh)` (Hairer and Wanner, Solving ODEs II, IV.7):
+//! `(a − J) u_i = F(y + Σ a_ij u_j) + Σ (c_ij/h) u_j + h d_i ∂F/∂t`. Rates of coordinates are
+//! velocities, so half of the unknowns drop out before factorization: see `models::tangent`.
+
+use models::banded::Banded;
+use models::model::Model;
+use models::system::{System, TimePass};
+
+use super::tableau::Tableau;
+use super::{Control, Effort, IntegrateError, State, Stepper};
+
+/// A run of a Rosenbrock method.
+pub struct Rosenbrock<'m> {
+    system: System<'m>,
+    tableau: &'static Tableau,
+    control: Control,
+    effort: Effort,
+    state: State,
+    next_stop: usize,
+    step_start: f64,
+    step: f64,
+    last_error: f64,
+    scale_q: f64,
+    scale_v: f64,
+    /// `u_i`, one after another, each `[q, v, z]`.
+    stages: Vec<Vec<f64>>,
+    start: State,
+    trial: State,
+    sum: Vec<f64>,
+    force: Vec<f64>,
+    z_rate: Vec<f64>,
+    start_force: Vec<f64>,
+    start_z_rate: Vec<f64>,
+    force_by_time: Vec<f64>,
+    z_rate_by_time: Vec<f64>,
+    rhs: Vec<f64>,
+    matrix: Banded,
+    time_pass: Option<TimePass>,
+    dense: Vec<Vec<f64>>,
+}
+
+const SMALLEST_STEP: f64 = 1e-12;
+
+impl<'m> Rosenbrock<'m> {
+    /// Starts at a state.
+    pub fn new(tableau: &'static Tableau, model: &'m Model, state: State, control: Control) -> Self {
+        let system = System::new(model);
+        let (nq, nz) = (model.dof(), model.memory());
+        let length = model.rod().length;
+        let width = 2 * nq + nz;
+        Self {
+            tableau,
+            effort: Effort::default(),
+            next_stop: 0,
+            step_start: state.time,
+            step: control.fixed_step.unwrap_or(1e-4),
+            last_error: 1.0,
+            scale_q: control.tolerance * length,
+            // A free fall over the rod's length takes some sqrt(L/g), 0.14 s for 0.2 m.
+            scale_v: control.tolerance * (length * 9.81).sqrt(),
+            stages: vec![vec![0.0; width]; tableau.stages()],
+            start: state.clone(),
+            trial: state.clone(),
+            sum: vec![0.0; width],
+            force: vec![0.0; nq],
+            z_rate: vec![0.0; nz],
+            start_force: vec![0.0; nq],
+            start_z_rate: vec![0.0; nz],
+            force_by_time: vec![0.0; nq],
+            z_rate_by_time: vec![0.0; nz],
+            rhs: vec![0.0; nq],
+            matrix: Banded::zeros(nq),
+            time_pass: model.is_timed().then(|| TimePass::new(model)),
+            dense: vec![vec![0.0; width]; tableau.dense.len()],
+            system,
+            state,
+            control,
+        }
+    }
+
+    /// Solves all stages of a step of size `h`; false if the matrix is singular.
+    fn solve_stages(&mut self, h: f64) -> bool {
+        let tableau = self.tableau;
+        let a = 1.0 / (tableau.gamma * h);
+        let per_h = 1.0 / h;
+        let (nq, time) = (self.rhs.len(), self.state.time);
+        let system = &mut self.system;
+        system.condense(a);
+        self.matrix.combine(a, &system.mass, system.damping(), system.stiffness());
+        self.effort.factorizations += 1;
+        if self.matrix.factorize().is_err() {
+            return false;
+        }
+        for i in 0..tableau.stages() {
+            self.sum.fill(0.0);
+            self.trial.q.copy_from_slice(&self.state.q);
+            self.trial.v.copy_from_slice(&self.state.v);
+            self.trial.z.copy_from_slice(&self.state.z);
+            let (done, rest) = self.stages.split_at_mut(i);
+            for (j, u) in done.iter().enumerate() {
+                let (weight, rate) = (tableau.a[i][j], tableau.c[i][j] * per_h);
+                if weight != 0.0 {
+                    add(&mut self.trial.q, weight, &u[..nq]);
+                    add(&mut self.trial.v, weight, &u[nq..2 * nq]);
+                    add(&mut self.trial.z, weight, &u[2 * nq..]);
+                }
+                add(&mut self.sum, rate, u);
+            }
+            if i == 0 {
+                self.force.copy_from_slice(&self.start_force);
+                self.z_rate.copy_from_slice(&self.start_z_rate);
+            } else {
+                let at = time + tableau.alpha[i] * h;
+                let State { q, v, z, .. } = &self.trial;
+                system.force(at, q, v, z, &mut self.force, &mut self.z_rate);
+                self.effort.evaluations += 1;
+            }
+            let u = &mut rest[0];
+            let (u_q, tail) = u.split_at_mut(nq);
+            let (u_v, u_z) = tail.split_at_mut(nq);
+            // u_v holds r_q, u_z holds r_z until the solve.
+            for k in 0..nq {
+                u_v[k] = self.trial.v[k] + self.sum[k];
+                self.rhs[k] = self.force[k] + system.mass[k] * (self.sum[nq + k] + a * u_v[k]);
+            }
+            for (k, r_z) in u_z.iter_mut().enumerate() {
+                *r_z = self.z_rate[k] + self.sum[2 * nq + k];
+            }
+            if self.time_pass.is_some() {
+                add(&mut self.rhs, h * tableau.d[i], &self.force_by_time);
+                add(u_z, h * tableau.d[i], &self.z_rate_by_time);
+            }
+            system.add_damping(columns(u_v), columns_mut(&mut self.rhs));
+            system.condense_residual(a, columns(u_z), columns_mut(&mut self.rhs));
+            u_q.copy_from_slice(&self.rhs);
+            self.matrix.solve(u_q);
+            for (u_v, u_q) in u_v.iter_mut().zip(&*u_q) {
+                *u_v = a * u_q - *u_v;
+            }
+            system.recover_memory(a, columns(u_q), columns(u_v), columns_mut(u_z));
+        }
+        let last = &self.stages[tableau.stages() - 1];
+        add(&mut self.trial.q, 1.0, &last[..nq]);
+        add(&mut self.trial.v, 1.0, &last[nq..2 * nq]);
+        add(&mut self.trial.z, 1.0, &last[2 * nq..]);
+        true
+    }
+
+    /// Error of the last step against what is admitted, and the node where it is largest.
+    fn error(&self) -> (f64, usize) {
+        let nq = self.rhs.len();
+        let last = &self.stages[self.tableau.stages() - 1];
+        let length = self.scale_q / self.control.tolerance;
+        let mut sum = 0.0;
+        let mut worst = (0.0, 0);
+        for k in 0..nq {
+            // The angle of the end body counts as a length at the rod's radius.
+            let radius = if k == nq - 1 { length } else { 1.0 };
+            let e_q = last[k] * radius / self.scale_q;
+            let e_v = last[nq + k] * radius / self.scale_v;
+            let e = e_q * e_q + e_v * e_v;
+            if !(e <= worst.0) {
+                worst = (e, (k / 2 + 1).min(nq / 2));
+            }
+            sum += e;
+        }
+        ((sum / nq as f64).sqrt(), worst.1)
+    }
+
+    /// Accepts the trial state of a step of size `h`.
+    fn accept(&mut self, h: f64) {
+        std::mem::swap(&mut self.start, &mut self.state);
+        std::mem::swap(&mut self.state, &mut self.trial);
+        self.step_start = self.start.time;
+        self.state.time = self.start.time + h;
+        self.effort.steps += 1;
+        for (dense, weights) in self.dense.iter_mut().zip(self.tableau.dense) {
+            dense.fill(0.0);
+            for (u, weight) in self.stages.iter().zip(*weights) {
+                if *weight != 0.0 {
+                    add(dense, *weight, u);
+                }
+            }
+        }
+    }
+}
+
+impl Stepper for Rosenbrock<'_> {
+    fn advance(&mut self) -> Result<(), IntegrateError> {
+        let Some(&stop) = self.control.stops.get(self.next_stop) else { return Ok(()) };
+        let time = self.state.time;
+        if self.effort.steps >= self.control.most_steps {
+            return Err(IntegrateError::TooManySteps { time, steps: self.effort.steps });
+        }
+        let State { q, v, z, .. } = &self.state;
+        self.system.linearise_into(time, q, v, z, &mut self.start_force, &mut self.start_z_rate);
+        self.effort.linearisations += 1;
+        if let Some(pass) = &mut self.time_pass {
+            let (force, z_rate) = (&mut self.force_by_time, &mut self.z_rate_by_time);
+            self.system.by_time(pass, time, q, v, z, force, z_rate);
+        }
+        let mut rejected = false;
+        loop {
+            let to_stop = stop - time;
+            // The last two steps before a stop share what is left.
+            let h = if self.step >= to_stop * (1.0 - 1e-10) {
+                to_stop
+            } else if self.step > 0.5 * to_stop && self.control.fixed_step.is_none() {
+                0.5 * to_stop
+            } else {
+                self.step
+            };
+            let solved = self.solve_stages(h);
+            let (error, node) = if solved { self.error() } else { (f64::INFINITY, 0) };
+            if self.control.fixed_step.is_some() {
+                if !error.is_finite() {
+                    return Err(IntegrateError::NotFinite { time, node });
+                }
+            } else if !(error <= 1.0) {
+                self.effort.rejected += 1;
+                rejected = true;
+                let order = self.tableau.order as f64;
+                let shrink = if error.is_finite() { 0.9 * error.powf(-1.0 / order) } else { 0.1 };
+                self.step = h * shrink.clamp(0.1, 0.9);
+                if self.step < SMALLEST_STEP {
+                    return Err(IntegrateError::StepTooSmall { time, step: self.step, node });
+                }
+                continue;
+            }
+            self.accept(h);
+            if h == to_stop {
+                self.state.time = stop;
+                self.next_stop += 1;
+            }
+            if self.control.fixed_step.is_none() {
+                self.step = self.next_step(h, error, rejected);
+            }
+            return Ok(());
+        }
+    }
+
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn step_start(&self) -> f64 {
+        self.step_start
+    }
+
+    fn interpolate(&mut self, time: f64, into: &mut State) {
+        let h = self.state.time - self.step_start;
+        let s = if h > 0.0 { (time - self.step_start) / h } else { 1.0 };
+        into.time = time;
+        let nq = self.rhs.len();
+        let parts = [
+            (&mut into.q, &self.start.q, &self.state.q, 0),
+            (&mut into.v, &self.start.v, &self.state.v, nq),
+            (&mut into.z, &self.start.z, &self.state.z, 2 * nq),
+        ];
+        for (into, start, end, offset) in parts {
+            for k in 0..into.len() {
+                let bulge = self.dense.iter().rev().fold(0.0, |sum, dense| sum * s + dense[offset + k]);
+                into[k] = (1.0 - s) * start[k] + s * (end[k] + (1.0 - s) * bulge);
+            }
+        }
+    }
+
+    fn effort(&self) -> Effort {
+        self.effort
+    }
+}
+
+impl Rosenbrock<'_> {
+    /// Step size after an accepted step: Gustafsson's predictive controller.
+    fn next_step(&mut self, h: f64, error: f64, rejected: bool) -> f64 {
+        let order = self.tableau.order as f64;
+        let error = error.max(1e-6);
+        let plain = 0.9 * error.powf(-1.0 / order);
+        let predictive = plain * (h / self.start_step(h)) * (self.last_error / error).powf(1.0 / order);
+        self.last_error = error;
+        let grow = plain.min(predictive.max(0.2)).clamp(0.2, if rejected { 1.0 } else { 5.0 });
+        h * grow
+    }
+
+    fn start_step(&self, h: f64) -> f64 {
+        h
+    }
+}
+
+fn add(sum: &mut [f64], weight: f64, term: &[f64]) {
+    for (sum, term) in sum.iter_mut().zip(term) {
+        *sum += weight * term;
+    }
+}
+
+fn columns(x: &[f64]) -> &[[f64; 1]] {
+    x.as_chunks().0
+}
+
+fn columns_mut(x: &mut [f64]) -> &mut [[f64; 1]] {
+    x.as_chunks_mut().0
+}

@@ -1,0 +1,212 @@
+//! Forward sensitivities: the derivative of a trajectory by parameters, integrated along it.
+//!
+//! The derivatives obey the linearised equations of motion, `M s̈ = −K s − D ṡ + ∂f/∂theta − ∂M/∂theta q̈`,
+//! with coefficients known along the trajectory. A stage of a diagonally implicit method for a
+//! linear equation is one back-substitution, so all parameters share each stage's tangent and its
+//! factors: ten parameters cost about two more plain runs. Every step of the trajectory, whichever
+//! integrator made it, is one step here, of fourth order.
+
+use models::banded::Banded;
+use models::effects::LANES;
+use models::model::Model;
+use models::system::System;
+
+use super::{IntegrateError, State, Stepper};
+
+/// L-stable, stiffly accurate, order 4. Source: Hairer and Wanner (1996), Solving Ordinary
+/// Differential Equations II, Table 6.5.
+const GAMMA: f64 = 0.25;
+const STAGES: usize = 5;
+const NODES: [f64; STAGES] = [0.25, 0.75, 0.55, 0.5, 1.0];
+const WEIGHTS: [&[f64]; STAGES] = [
+    &[],
+    &[0.5],
+    &[17.0 / 50.0, -1.0 / 25.0],
+    &[371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0],
+    &[25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
+];
+
+type Row = [f64; LANES];
+
+/// Derivatives of a state by [`LANES`] parameters.
+#[derive(Clone, Debug, Default)]
+pub struct Slopes {
+    /// Of the coordinates, shape `[2N+1]`.
+    pub q: Vec<Row>,
+    /// Of the velocities.
+    pub v: Vec<Row>,
+    /// Of the memory.
+    pub z: Vec<Row>,
+}
+
+/// Sensitivities of one run by one list of parameters.
+pub struct Variational<'m> {
+    system: System<'m>,
+    /// Derivatives at the end of the last step, one entry a group of [`LANES`] parameters.
+    pub slopes: Vec<Slopes>,
+    start: Vec<Slopes>,
+    /// Stage derivatives, `[group][stage]`.
+    rates: Vec<[Slopes; STAGES]>,
+    at: State,
+    force: Vec<f64>,
+    z_rate: Vec<f64>,
+    matrix: Banded,
+    known: Slopes,
+    residual: Slopes,
+    damped: Vec<Row>,
+}
+
+impl Slopes {
+    fn zeros(model: &Model) -> Self {
+        let zero = [0.0; LANES];
+        Self { q: vec![zero; model.dof()], v: vec![zero; model.dof()], z: vec![zero; model.memory()] }
+    }
+
+    fn parts(&self) -> [&Vec<Row>; 3] {
+        [&self.q, &self.v, &self.z]
+    }
+
+    fn parts_mut(&mut self) -> [&mut Vec<Row>; 3] {
+        [&mut self.q, &mut self.v, &mut self.z]
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        for (own, other) in self.parts_mut().into_iter().zip(other.parts()) {
+            own.copy_from_slice(other);
+        }
+    }
+
+    fn add(&mut self, weight: f64, other: &Self) {
+        for (own, other) in self.parts_mut().into_iter().zip(other.parts()) {
+            for (own, other) in own.iter_mut().zip(other) {
+                for p in 0..LANES {
+                    own[p] += weight * other[p];
+                }
+            }
+        }
+    }
+}
+
+impl<'m> Variational<'m> {
+    /// Starts with the derivatives of the initial state, one entry a group, for a `system` that
+    /// watches the parameters.
+    pub fn new(system: System<'m>, slopes: Vec<Slopes>) -> Self {
+        let model = system.model;
+        let zeros = Slopes::zeros(model);
+        let state = State {
+            time: 0.0,
+            q: vec![0.0; model.dof()],
+            v: vec![0.0; model.dof()],
+            z: vec![0.0; model.memory()],
+        };
+        Self {
+            start: slopes.clone(),
+            rates: vec![std::array::from_fn(|_| zeros.clone()); slopes.len()],
+            force: state.v.clone(),
+            z_rate: state.z.clone(),
+            at: state,
+            matrix: Banded::zeros(model.dof()),
+            known: zeros.clone(),
+            damped: zeros.q.clone(),
+            residual: zeros,
+            slopes,
+            system,
+        }
+    }
+
+    /// The equations that it linearises.
+    pub fn system(&self) -> &System<'m> {
+        &self.system
+    }
+
+    /// Follows the last step of a stepper.
+    /// # Errors
+    /// [`IntegrateError::StepTooSmall`] if a stage's matrix is singular.
+    pub fn follow(&mut self, stepper: &mut dyn Stepper) -> Result<(), IntegrateError> {
+        let (begin, end) = (stepper.step_start(), stepper.state().time);
+        let h = end - begin;
+        let a = 1.0 / (GAMMA * h);
+        for (start, slopes) in self.start.iter_mut().zip(&self.slopes) {
+            start.copy_from(slopes);
+        }
+        for stage in 0..STAGES {
+            let time = begin + NODES[stage] * h;
+            stepper.interpolate(time, &mut self.at);
+            let State { q, v, z, .. } = &self.at;
+            self.system.linearise_into(time, q, v, z, &mut self.force, &mut self.z_rate);
+            self.system.condense(a);
+            self.matrix.combine(a, &self.system.mass, self.system.damping(), self.system.stiffness());
+            if self.matrix.factorize().is_err() {
+                return Err(IntegrateError::StepTooSmall { time, step: h, node: 0 });
+            }
+            for group in 0..self.slopes.len() {
+                self.solve_stage(group, stage, a, h);
+            }
+        }
+        Ok(())
+    }
+
+    /// `(a − J) Z = a known + b`, then the stage's rate is `a (Z − known)`.
+    fn solve_stage(&mut self, group: usize, stage: usize, a: f64, h: f64) {
+        let Self { system, at, known, residual, damped, matrix, .. } = self;
+        known.copy_from(&self.start[group]);
+        for (weight, rate) in WEIGHTS[stage].iter().zip(&self.rates[group]) {
+            known.add(weight * h, rate);
+        }
+        system.by_parameters(group, at.time, &at.q, &at.v, &at.z, &mut residual.v, &mut residual.z);
+        let nq = at.q.len();
+        for k in 0..nq {
+            let mass = system.mass[k];
+            for p in 0..LANES {
+                damped[k][p] = a * known.q[k][p];
+                residual.v[k][p] += a * mass * (known.v[k][p] + damped[k][p]);
+            }
+        }
+        for (r_z, known) in residual.z.iter_mut().zip(&known.z) {
+            for p in 0..LANES {
+                r_z[p] += a * known[p];
+            }
+        }
+        system.add_damping(damped, &mut residual.v);
+        system.condense_residual(a, &residual.z, &mut residual.v);
+        let slopes = &mut self.slopes[group];
+        slopes.q.copy_from_slice(&residual.v);
+        matrix.solve_many(&mut slopes.q);
+        for k in 0..nq {
+            for p in 0..LANES {
+                slopes.v[k][p] = a * (slopes.q[k][p] - known.q[k][p]);
+            }
+        }
+        slopes.z.copy_from_slice(&residual.z);
+        system.recover_memory(a, &slopes.q, &slopes.v, &mut slopes.z);
+        let rate = &mut self.rates[group][stage];
+        for ((rate, found), known) in rate.parts_mut().into_iter().zip(slopes.parts()).zip(known.parts()) {
+            for ((rate, found), known) in rate.iter_mut().zip(found).zip(known) {
+                for p in 0..LANES {
+                    rate[p] = a * (found[p] - known[p]);
+                }
+            }
+        }
+    }
+
+    /// Derivatives of the coordinates at a time within the last step, by Hermite's cubic.
+    pub fn interpolate(&self, group: usize, begin: f64, end: f64, time: f64, q: &mut [Row]) {
+        let h = end - begin;
+        let s = (time - begin) / h;
+        let (start, end) = (&self.start[group], &self.slopes[group]);
+        let weights = [
+            (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s),
+            h * s * (1.0 - s) * (1.0 - s),
+            s * s * (3.0 - 2.0 * s),
+            h * s * s * (s - 1.0),
+        ];
+        for (k, row) in q.iter_mut().enumerate() {
+            for p in 0..LANES {
+                row[p] = weights[0] * start.q[k][p]
+                    + weights[1] * start.v[k][p]
+                    + weights[2] * end.q[k][p]
+                    + weights[3] * end.v[k][p];
+            }
+        }
+    }
+}
