@@ -13,7 +13,11 @@ pub enum Root {
     #[default]
     Consistent,
     /// A whole Voronoi length belongs to it, as a ghost edge behind the wall gives: the paper's.
-    /// Bending stiffnesses of its Table 2 belong to this root.
+    /// Bending stiffnesses of its Table 2 belong to this root, with 32 nodes, the resting mass per
+    /// length and a rod that hardly stretches: its Euler column then follows from its PDER column
+    /// to within 0.3 to 6.1 % (median 3.0 %), against 6 to 15 % with the consistent root. First
+    /// order in the edge length. The bend at the end fitting keeps half a Voronoi length, which the
+    /// tables could not tell from a whole one or from none: the difference is 0.03 % of EI.
     Paper,
 }
 
