@@ -1,5 +1,7 @@
 //! stub
 #![allow(missing_docs)]
+pub mod euler_bernoulli;
+
 use crate::error::ModelError;
 use crate::model::Model;
 pub struct Equilibrium {
