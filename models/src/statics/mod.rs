@@ -1,9 +1,10 @@
 //! What needs no time: rest postures, and small vibrations about them.
 //!
-//! [`equilibrium()`] finds the posture in which a model hangs, and [`modes()`] its natural
-//! frequencies there.
+//! [`equilibrium()`] finds the posture in which a model hangs, [`modes()`] its natural frequencies
+//! there; [`euler_bernoulli`] is the paper's linear beam.
 
 mod equilibrium;
+pub mod euler_bernoulli;
 mod modes;
 mod path;
 
