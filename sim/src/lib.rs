@@ -1,1 +1,3 @@
 //! What we do with the models.
+
+pub mod observe;
