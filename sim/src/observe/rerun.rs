@@ -17,6 +17,7 @@ use models::snapshot::Snapshot;
 
 mod blueprint;
 mod drawing;
+mod scenery;
 mod sink;
 
 use drawing::Drawing;
@@ -39,6 +40,8 @@ pub struct Scene {
     pub run_name: String,
     /// Identity of the recording; runs from the same inputs should share it.
     pub recording_id: String,
+    /// Length of the run, s, if it is known; plots then have room for all of it from the start.
+    pub duration_s: f64,
     /// Length of the undeformed rod, m.
     pub rod_length_m: f64,
     /// Length of the end fitting beyond the last node, along the body's angle, m.

@@ -5,7 +5,9 @@
 
 use ::rerun::external::re_log_types::BlueprintActivationCommand;
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
-use ::rerun::external::re_sdk_types::datatypes::{Range1D, Range2D, Uuid};
+use ::rerun::external::re_sdk_types::datatypes::{
+    Range1D, Range2D, TimeInt, TimeRange, TimeRangeBoundary, Uuid,
+};
 use ::rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
 
 use super::APPLICATION;
@@ -50,7 +52,8 @@ impl Bounds {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     pub bounds: Bounds,
-    pub grid_mm: f64,
+    /// Length of the run, s; 0 if unknown.
+    pub duration: f64,
     pub has_effects: bool,
     pub live: bool,
 }
@@ -79,6 +82,18 @@ impl Layout {
         };
         recording.send_blueprint(messages.take(), activation);
         Ok(())
+    }
+
+    /// The whole run, and room for the legend where it hides nothing.
+    fn time_axis(&self) -> bp::TimeAxis {
+        if self.duration <= 0.0 {
+            return bp::TimeAxis::new().with_link(bc::LinkAxis::LinkToGlobal);
+        }
+        let at = |time: f64| TimeRangeBoundary::Absolute(TimeInt((1e9 * time) as i64));
+        bp::TimeAxis::new().with_view_range(bc::TimeRange(TimeRange {
+            start: at(0.0),
+            end: at(1.2 * self.duration),
+        }))
     }
 
     fn bounds(&self) -> bp::VisualBounds2D {
@@ -143,14 +158,20 @@ impl<'a> Tree<'a> {
     fn rod(&mut self, layout: &Layout) -> RecordingStreamResult<String> {
         let bounds = layout.bounds();
         let bounds: &[Property] = &[("VisualBounds2D", &bounds)];
-        let grid = layout.grid_mm;
         let without_forces = ["+ /world/**".to_owned(), format!("- /{FORCES}/**")];
-        let title = format!("Rod, x right, z up (grid {grid} mm)");
-        let mut tabs = vec![(self.view("2D", &title, &without_forces, bounds)?, 1.0)];
+        let mut tabs = vec![(
+            self.view("2D", "Rod, x right, z up (mm)", &without_forces, bounds)?,
+            1.0,
+        )];
         if layout.has_effects {
             let all = ["+ /world/**".to_owned(), format!("- /{GRID_LABELS}/**")];
             tabs.push((
-                self.view("2D", "Forces on the rod (mN)", &all, bounds)?,
+                self.view(
+                    "2D",
+                    "Forces on the rod (mN; length ~ square root)",
+                    &all,
+                    bounds,
+                )?,
                 1.0,
             ));
         }
@@ -164,12 +185,18 @@ impl<'a> Tree<'a> {
 
     fn plots(&mut self, layout: &Layout) -> RecordingStreamResult<String> {
         let mut rows = vec![
-            self.plot("Tip height z (mm)", TIP_HEIGHT, false)?,
-            self.plot("Energy (mJ)", ENERGY, true)?,
-            self.plot("Bending moment at the root (mN m)", MOMENT_AT_ROOT, false)?,
+            self.plot(layout, "Tip height z (mm)", TIP_HEIGHT, false)?,
+            self.plot(layout, "Energy (mJ)", ENERGY, true)?,
+            self.plot(
+                layout,
+                "Bending moment at the root (mN m)",
+                MOMENT_AT_ROOT,
+                false,
+            )?,
         ];
         if layout.has_effects {
             rows.push(self.plot(
+                layout,
                 "Force of each effect, |f| summed over nodes (mN)",
                 FORCE,
                 true,
@@ -178,13 +205,19 @@ impl<'a> Tree<'a> {
         self.container(bc::ContainerKind::Vertical, &rows)
     }
 
-    fn plot(&mut self, title: &str, path: &str, legend: bool) -> RecordingStreamResult<Piece> {
+    fn plot(
+        &mut self,
+        layout: &Layout,
+        title: &str,
+        path: &str,
+        legend: bool,
+    ) -> RecordingStreamResult<Piece> {
         let legend_at = bp::PlotLegend::new()
-            .with_corner(bc::Corner2D::LeftTop)
+            .with_corner(bc::Corner2D::RightTop)
             .with_visible(legend);
-        let time = bp::TimeAxis::new().with_link(bc::LinkAxis::LinkToGlobal);
+        let time = layout.time_axis();
         let properties: &[Property] = &[("PlotLegend", &legend_at), ("TimeAxis", &time)];
-        let share = if legend { 1.4 } else { 1.0 };
+        let share = if legend { 1.3 } else { 1.1 };
         Ok((
             self.view("TimeSeries", title, &[under(path)], properties)?,
             share,

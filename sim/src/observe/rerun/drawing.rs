@@ -3,13 +3,14 @@
 use std::collections::VecDeque;
 
 use ::rerun::{
-    Arrows2D, BarChart, ComponentIdentifier, DynamicArchetype, LineStrip2D, LineStrips2D, Points2D, Radius,
-    RecordingStream, RecordingStreamResult, Scalars, SeriesLines, Text, Transform3D,
+    Arrows2D, BarChart, LineStrip2D, LineStrips2D, Points2D, RecordingStream,
+    RecordingStreamResult, Scalars,
 };
 use models::snapshot::Snapshot;
 
 use super::Scene;
 use super::blueprint::{Bounds, Layout};
+use super::scenery::{SIM, Scenery, key_place, milli, payload_radius};
 
 pub(super) const TIMELINE: &str = "sim_time";
 pub(super) const TIP_HEIGHT: &str = "plots/tip_height_mm";
@@ -19,24 +20,12 @@ pub(super) const MOMENT_ALONG: &str = "plots/moment_along_rod_mNm";
 pub(super) const FORCE: &str = "plots/effect_force_mN";
 pub(super) const FORCES: &str = "world/fam/sim/forces";
 pub(super) const GRID_LABELS: &str = "world/grid/labels";
-
-const ROD: &str = "world/fam/sim/rod";
-const NODES: &str = "world/fam/sim/nodes";
-const BODY: &str = "world/fam/sim/end_fitting";
-const PAYLOAD: &str = "world/fam/sim/payload";
-const TIP: &str = "world/fam/sim/tip";
-const TRAIL: &str = "world/fam/sim/tip_trail";
-
-/// Colours of Okabe and Ito that can be told apart with any eyes, on dark and light ground.
-const SKY: u32 = 0x56B4_E9FF;
-const ORANGE: u32 = 0xE69F_00FF;
-const GREEN: u32 = 0x009E_73FF;
-const PURPLE: u32 = 0xCC79_A7FF;
-const VERMILION: u32 = 0xD55E_00FF;
-const BLUE: u32 = 0x0072_B2FF;
-const GREY: u32 = 0x9999_99FF;
-const SIM: u32 = SKY;
-const EFFECT_COLORS: [u32; 6] = [SKY, ORANGE, GREEN, PURPLE, VERMILION, BLUE];
+pub(super) const ROD: &str = "world/fam/sim/rod";
+pub(super) const NODES: &str = "world/fam/sim/nodes";
+pub(super) const BODY: &str = "world/fam/sim/end_fitting";
+pub(super) const PAYLOAD: &str = "world/fam/sim/payload";
+pub(super) const TIP: &str = "world/fam/sim/tip";
+pub(super) const TRAIL: &str = "world/fam/sim/tip_trail";
 
 /// Geometry changes no faster than a screen; plots get every sample.
 const GEOMETRY_INTERVAL: f64 = 0.0195; // s, a little below every second sample at 100 Hz
@@ -48,10 +37,11 @@ const TRAIL_TIME: f64 = 1.5;
 pub(super) struct Drawing {
     scene: Scene,
     layout: Layout,
-    trail: VecDeque<[f32; 2]>,
+    /// Where the tip was, and when.
+    trail: VecDeque<(f64, [f32; 2])>,
     next_geometry: f64,
-    /// Force of the longest arrow so far, rounded up, N.
-    arrow_force: f64,
+    /// Force that the longest arrow stands for, N.
+    longest_force: f64,
     knows_mesh: bool,
 }
 
@@ -68,24 +58,25 @@ impl Drawing {
         let reach = 1.15 * (scene.rod_length_m + beyond);
         let layout = Layout {
             bounds: Bounds::hanging(reach),
-            grid_mm: 1e3 * round_up(reach / 5.0),
+            duration: scene.duration_s,
             has_effects: !scene.effects.is_empty(),
             live,
         };
         layout.send(recording)?;
-        let drawing = Self {
+        let scenery = Scenery {
+            recording,
+            scene,
+            layout: &layout,
+        };
+        scenery.draw()?;
+        Ok(Self {
             scene: scene.clone(),
             layout,
             trail: VecDeque::new(),
             next_geometry: f64::NEG_INFINITY,
-            arrow_force: 0.0,
+            longest_force: 0.0,
             knows_mesh: false,
-        };
-        drawing.tell_about_run(recording)?;
-        drawing.draw_surroundings(recording)?;
-        drawing.style_rod(recording)?;
-        drawing.style_plots(recording)?;
-        Ok(drawing)
+        })
     }
 
     /// Draws and plots one instant.
@@ -161,7 +152,7 @@ impl Drawing {
             let payload = single(along_body(self.scene.payload_com_m));
             recording.log(PAYLOAD, &Points2D::new([payload]))?;
         }
-        self.draw_tip(recording, single(snapshot.tip))?;
+        self.draw_tip(recording, snapshot.time, single(snapshot.tip))?;
         self.draw_moment(recording, snapshot)?;
         self.draw_forces(recording, snapshot, &nodes)
     }
@@ -169,14 +160,15 @@ impl Drawing {
     fn draw_tip(
         &mut self,
         recording: &RecordingStream,
+        time: f64,
         tip: [f32; 2],
     ) -> RecordingStreamResult<()> {
         recording.log(TIP, &Points2D::new([tip]))?;
-        self.trail.push_back(tip);
-        if self.trail.len() as f64 > TRAIL_TIME / GEOMETRY_INTERVAL {
+        self.trail.push_back((time, tip));
+        while (self.trail.front()).is_some_and(|(then, _)| *then < time - TRAIL_TIME) {
             self.trail.pop_front();
         }
-        let trail = LineStrip2D::from_iter(self.trail.iter().copied());
+        let trail = LineStrip2D::from_iter(self.trail.iter().map(|(_, tip)| *tip));
         recording.log(TRAIL, &LineStrips2D::new([trail]))
     }
 
@@ -202,7 +194,8 @@ impl Drawing {
         recording.log(path, &BarChart::new(moment))
     }
 
-    /// One length of arrow for all effects; it shrinks when a force exceeds all before.
+    /// The length of an arrow goes with the root of its force, for the end fitting's forces exceed
+    /// those of the other nodes by far. All shrink when a force exceeds all before.
     fn draw_forces(
         &mut self,
         recording: &RecordingStream,
@@ -214,153 +207,35 @@ impl Drawing {
             .map(|[x, z]| x.hypot(*z))
             .filter(|force| force.is_finite())
             .fold(0.0, f64::max);
-        let arrow_length = 0.3 * self.scene.rod_length_m;
-        if longest > self.arrow_force {
-            self.arrow_force = round_up(longest);
-            let scale = Arrows2D::update_fields()
-                .with_vectors([single([arrow_length, 0.0])])
-                .with_origins([single(self.corner(0.0))])
-                .with_labels([format!("{:.4} mN", 1e3 * self.arrow_force)]);
-            recording.log(format!("{FORCES}/scale"), &scale)?;
+        if longest > self.longest_force {
+            self.longest_force = round_up(longest);
+            self.draw_scale(recording)?;
         }
-        if self.arrow_force == 0.0 {
-            return Ok(());
-        }
-        let m_per_n = arrow_length / self.arrow_force;
         for effect in &self.scene.effects {
-            let vectors = (force_of(snapshot, effect).iter())
-                .map(|[x, z]| single([m_per_n * x, m_per_n * z]));
+            let vectors = force_of(snapshot, effect).iter().map(|f| self.arrow(*f));
             let arrows = Arrows2D::from_vectors(vectors).with_origins(nodes.iter().copied());
             recording.log(format!("{FORCES}/{effect}"), &arrows)?;
         }
         Ok(())
     }
 
-    fn tell_about_run(&self, recording: &RecordingStream) -> RecordingStreamResult<()> {
-        recording.send_recording_name(self.scene.run_name.as_str())?;
-        let mut properties = DynamicArchetype::new("run");
-        for (name, value) in &self.scene.properties {
-            if let Ok(name) = ComponentIdentifier::try_new(name) {
-                properties = properties.with_component::<Text>(name, [value.clone()]);
-            }
+    fn draw_scale(&self, recording: &RecordingStream) -> RecordingStreamResult<()> {
+        let forces = [self.longest_force, 0.1 * self.longest_force];
+        let places = [0.0, 1.0].map(|row| single(key_place(&self.layout, row)));
+        let scale = Arrows2D::from_vectors(forces.map(|force| self.arrow([force, 0.0])))
+            .with_origins(places)
+            .with_labels(forces.map(|force| format!("{} mN", milli(force))))
+            .with_show_labels(true);
+        recording.log(format!("{FORCES}/scale"), &scale)
+    }
+
+    fn arrow(&self, [x, z]: [f64; 2]) -> [f32; 2] {
+        let force = x.hypot(z);
+        if force == 0.0 || self.longest_force == 0.0 {
+            return [0.0; 2];
         }
-        recording.send_property("run", &properties)
-    }
-
-    fn draw_surroundings(&self, recording: &RecordingStream) -> RecordingStreamResult<()> {
-        // Data are z up; a 2D view's second axis points down.
-        recording.log_static("world", &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
-
-        let height = 0.3 * self.scene.rod_length_m;
-        let step = height / 6.0;
-        let hatch = (0..=6).map(|k| {
-            let z = -0.5 * height + step * f64::from(k);
-            vec![single([0.0, z]), single([-step, z - step])]
-        });
-        let wall = vec![single([0.0, -0.5 * height]), single([0.0, 0.5 * height])];
-        let clamp = LineStrips2D::new([wall].into_iter().chain(hatch))
-            .with_colors([GREY])
-            .with_radii([2.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0].map(Radius::new_ui_points));
-        recording.log_static("world/clamp", &clamp)?;
-
-        let Bounds { x, z } = self.layout.bounds;
-        let spacing = 1e-3 * self.layout.grid_mm;
-        let inside = |[low, high]: [f64; 2]| {
-            ((low / spacing).ceil() as i32..=(high / spacing).floor() as i32)
-                .map(move |k| f64::from(k) * spacing)
-        };
-        let upright = inside(x).map(|at| [single([at, z[0]]), single([at, z[1]])]);
-        let level = inside(z).map(|at| [single([x[0], at]), single([x[1], at])]);
-        let grid = LineStrips2D::new(upright.chain(level))
-            .with_colors([0x8080_8050_u32])
-            .with_radii([Radius::new_ui_points(0.5)])
-            .with_draw_order(-10.0);
-        recording.log_static("world/grid", &grid)?;
-
-        let below = inside(x).map(|at| ([at, z[0]], format!("{:.0}", 1e3 * at)));
-        let beside = inside(z).map(|at| ([x[0], at], format!("{:.0}", 1e3 * at)));
-        let (points, labels): (Vec<_>, Vec<_>) = below.chain(beside).unzip();
-        let labels = Points2D::new(points.into_iter().map(single))
-            .with_labels(labels)
-            .with_show_labels(true)
-            .with_colors([GREY])
-            .with_radii([Radius::new_ui_points(1.0)]);
-        recording.log_static(GRID_LABELS, &labels)
-    }
-
-    fn style_rod(&self, recording: &RecordingStream) -> RecordingStreamResult<()> {
-        let line = |color: u32, radius: Radius, order: f32| {
-            LineStrips2D::update_fields()
-                .with_colors([color])
-                .with_radii([radius])
-                .with_draw_order(order)
-        };
-        let point = |color: u32, radius: Radius, order: f32| {
-            Points2D::update_fields()
-                .with_colors([color])
-                .with_radii([radius])
-                .with_draw_order(order)
-        };
-        let points = Radius::new_ui_points;
-        let payload = Radius::new_scene_units(payload_radius(&self.scene) as f32);
-        recording.log_static(TRAIL, &line(0xD55E_0080, points(1.0), 5.0))?;
-        recording.log_static(PAYLOAD, &point(PURPLE, payload, 10.0))?;
-        recording.log_static(ROD, &line(SIM, points(3.0), 20.0))?;
-        recording.log_static(BODY, &line(GREY, points(5.0), 25.0))?;
-        recording.log_static(NODES, &point(BLUE, points(2.0), 30.0))?;
-        recording.log_static(TIP, &point(VERMILION, points(5.0), 40.0))?;
-
-        let arrows = |color: u32| {
-            Arrows2D::update_fields()
-                .with_colors([color])
-                .with_radii([points(2.0)])
-                .with_draw_order(35.0)
-        };
-        recording.log_static(format!("{FORCES}/scale"), &arrows(GREY))?;
-        for ((effect, color), row) in self.effects().zip(1..) {
-            recording.log_static(format!("{FORCES}/{effect}"), &arrows(color))?;
-            let key = Points2D::new([single(self.corner(f64::from(row)))])
-                .with_labels([effect])
-                .with_show_labels(true)
-                .with_colors([color])
-                .with_radii([points(4.0)]);
-            recording.log_static(format!("{FORCES}/{effect}/key"), &key)?;
-        }
-        Ok(())
-    }
-
-    fn style_plots(&self, recording: &RecordingStream) -> RecordingStreamResult<()> {
-        let line = |path: &str, name: &str, color: u32| {
-            let line = SeriesLines::new().with_names([name]).with_colors([color]);
-            recording.log_static(path, &line.with_widths([1.5]))
-        };
-        line(&format!("{TIP_HEIGHT}/sim"), "tip z, sim", SIM)?;
-        line(&format!("{MOMENT_AT_ROOT}/sim"), "root moment, sim", SIM)?;
-        line(&format!("{ENERGY}/sim/supplied"), "supplied", BLUE)?;
-        let energies = SeriesLines::new()
-            .with_names(["kinetic", "elastic", "potential", "dissipated", "total"])
-            .with_colors([SKY, ORANGE, GREEN, PURPLE, GREY])
-            .with_widths([1.5; 5]);
-        recording.log_static(format!("{ENERGY}/sim"), &energies)?;
-        let (names, colors): (Vec<_>, Vec<_>) = self.effects().unzip();
-        let widths = vec![1.5; names.len()];
-        let forces = SeriesLines::new()
-            .with_names(names)
-            .with_colors(colors)
-            .with_widths(widths);
-        recording.log_static(format!("{FORCE}/sim"), &forces)
-    }
-
-    fn effects(&self) -> impl Iterator<Item = (&'static str, u32)> {
-        let colors = EFFECT_COLORS.into_iter().cycle();
-        self.scene.effects.iter().copied().zip(colors)
-    }
-
-    /// Place of a line of the key to the forces, W, m.
-    fn corner(&self, row: f64) -> [f64; 2] {
-        let Bounds { x, z } = self.layout.bounds;
-        let size = x[1] - x[0];
-        [x[0] + 0.06 * size, z[1] - (0.06 + 0.07 * row) * size]
+        let length = 0.4 * self.scene.rod_length_m * (force / self.longest_force).sqrt();
+        single([length * x / force, length * z / force])
     }
 }
 
@@ -379,12 +254,6 @@ fn force_of<'a>(snapshot: &'a Snapshot, effect: &str) -> &'a [[f64; 2]] {
         .map_or(&[], |force| &force.force)
 }
 
-/// Radius of a steel ball of the payload's mass, m.
-fn payload_radius(scene: &Scene) -> f64 {
-    let density = 7850.0; // kg/m^3
-    (scene.payload_kg.max(0.0) / density * 0.75 / std::f64::consts::PI).cbrt()
-}
-
 /// Distance of each node from the clamp along the undeformed rod, m.
 fn arc_lengths(nodes: &[[f64; 2]], rod_length: f64) -> Vec<f64> {
     let mut arc = vec![0.0];
@@ -397,7 +266,7 @@ fn arc_lengths(nodes: &[[f64; 2]], rod_length: f64) -> Vec<f64> {
 }
 
 /// Next 1, 2 or 5 times a power of ten.
-fn round_up(value: f64) -> f64 {
+pub(super) fn round_up(value: f64) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
     steps
@@ -406,6 +275,6 @@ fn round_up(value: f64) -> f64 {
         .unwrap_or(value)
 }
 
-fn single([x, z]: [f64; 2]) -> [f32; 2] {
+pub(super) fn single([x, z]: [f64; 2]) -> [f32; 2] {
     [x as f32, z as f32]
 }

@@ -90,6 +90,7 @@ fn save(
     // Tried first because the package would wrap the system's words.
     fs::File::create(&partial).map_err(|error| unwritable(path, error))?;
     let recording = builder
+        .batcher_config(file_batches())
         .save(&partial)
         .map_err(|error| unwritable(path, error))?;
     let path = path.into();
@@ -196,6 +197,14 @@ fn free_port(address: SocketAddr) -> Result<u16, RerunError> {
         .and_then(|listener| listener.local_addr())
         .map(|bound| bound.port())
         .map_err(|source| RerunError::CannotListen { address, source })
+}
+
+/// Cuts by size and never by wall time, so that equal runs give equal files.
+fn file_batches() -> ChunkBatcherConfig {
+    ChunkBatcherConfig {
+        flush_tick: Duration::MAX,
+        ..ChunkBatcherConfig::DEFAULT
+    }
 }
 
 /// Sends soon, and waits for no viewer before 1 GiB lies there.
