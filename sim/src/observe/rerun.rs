@@ -90,7 +90,9 @@ pub enum RerunError {
         seconds: u64,
     },
     /// The viewer's address cannot be understood.
-    #[error("{url}: is no address of a viewer; write rerun+http://HOST:PORT/proxy or HOST:PORT")]
+    #[error(
+        "{url}: is no address of a viewer; write HOST, HOST:PORT or rerun+http://HOST:PORT/proxy"
+    )]
     BadAddress {
         /// As given.
         url: String,

@@ -69,6 +69,7 @@ impl Drawing {
             layout: &layout,
         };
         scenery.draw()?;
+        end_static(recording);
         Ok(Self {
             scene: scene.clone(),
             layout,
@@ -189,6 +190,7 @@ impl Drawing {
                 .with_widths(widths)
                 .with_color(SIM);
             recording.log_static(path.as_str(), &axis)?;
+            end_static(recording);
         }
         let moment: Vec<f64> = snapshot.bending_moment.iter().map(|m| 1e3 * m).collect();
         recording.log(path, &BarChart::new(moment))
@@ -245,6 +247,12 @@ fn log_scalars(
     values: impl IntoIterator<Item = f64>,
 ) -> RecordingStreamResult<()> {
     recording.log(format!("{path}/sim"), &Scalars::new(values))
+}
+
+/// Closes the chunks: one with both static and changing data would be split in random order, and
+/// equal runs should give equal files.
+fn end_static(recording: &RecordingStream) {
+    let _ = recording.flush_async(); // what cannot be delivered is told at the end
 }
 
 /// Force of an effect on each node, N; none if the snapshot does not have it.

@@ -129,7 +129,8 @@ fn connect(
 ) -> Result<(RecordingStream, Destination), RerunError> {
     let url = match url {
         Some(url) if url.contains("://") => url.to_owned(),
-        Some(host) => format!("rerun+http://{host}/proxy"),
+        Some(host) if host.contains(':') => format!("rerun+http://{host}/proxy"),
+        Some(host) => format!("rerun+http://{host}:{DEFAULT_PORT}/proxy"),
         None => format!("rerun+http://127.0.0.1:{DEFAULT_PORT}/proxy"),
     };
     let Ok(RedapUri::Proxy(proxy)) = url.parse() else {
@@ -199,10 +200,12 @@ fn free_port(address: SocketAddr) -> Result<u16, RerunError> {
         .map_err(|source| RerunError::CannotListen { address, source })
 }
 
-/// Cuts by size and never by wall time, so that equal runs give equal files.
+/// Cut by number of samples alone, never by wall time or memory, so that equal runs give equal files.
 fn file_batches() -> ChunkBatcherConfig {
     ChunkBatcherConfig {
         flush_tick: Duration::MAX,
+        flush_num_bytes: u64::MAX,
+        flush_num_rows: 256,
         ..ChunkBatcherConfig::DEFAULT
     }
 }
