@@ -59,7 +59,7 @@ pub struct Scene {
 /// A recording in progress.
 ///
 /// A viewer that is closed or hangs harms no run: what cannot be delivered waits in memory, up to
-/// 1 GiB, some hours of simulated time, and [`finish`](Self::finish) gives up on it after 10 s.
+/// 1 GiB, half an hour of simulated time, and [`finish`](Self::finish) gives up on it after 10 s.
 pub struct Stream {
     recording: Option<RecordingStream>,
     destination: Destination,
@@ -129,9 +129,9 @@ pub enum RerunError {
         /// What the system said.
         reason: String,
     },
-    /// The viewer went away during the run, and did not get all.
+    /// The viewer was closed or hangs, and did not get all.
     #[error(
-        "{url}: the viewer left before the end ({reason}); the run is unharmed, to see it again use `--rerun save`"
+        "{url}: the viewer did not take all of the run ({reason}); the run is unharmed, to see all use `--rerun save`"
     )]
     ViewerLost {
         /// Where it was.
@@ -196,8 +196,10 @@ impl Stream {
 
     /// Serves on until the program is interrupted; returns at once from all sinks but `Serve`.
     pub fn hold(&self) {
-        while matches!(self.destination, Destination::Server { .. }) {
-            thread::park();
+        if matches!(self.destination, Destination::Server { .. }) {
+            loop {
+                thread::park(); // may wake for no reason
+            }
         }
     }
 

@@ -288,3 +288,19 @@ fn id(number: u128) -> Uuid {
 fn under(path: &str) -> String {
     format!("+ /{path}/**")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_grow_once_for_a_rod_that_rises() {
+        let mut bounds = Bounds::hanging(0.2);
+        assert!(!bounds.widen([-0.1, -0.2]) && bounds == Bounds::hanging(0.2));
+        assert!(bounds.widen([0.1, 0.15]));
+        assert!(!bounds.widen([0.1, 0.16]) && bounds.z[1] < 0.2);
+        assert!(bounds.widen([-0.21, 0.0]) && bounds.x[0] < -0.21);
+        let before = bounds;
+        assert!(!bounds.widen([f64::NAN, f64::INFINITY]) && bounds == before);
+    }
+}

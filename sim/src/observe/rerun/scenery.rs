@@ -69,7 +69,8 @@ impl Scenery<'_> {
             .with_radii([2.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0].map(Radius::new_ui_points));
         self.recording.log_static("world/clamp", &clamp)?;
 
-        let Bounds { x, z } = self.layout.bounds;
+        let x = self.layout.bounds.x;
+        let z = x; // for a rod that rises, too
         let spacing = round_up((x[1] - x[0]) / 16.0);
         let inside = |[low, high]: [f64; 2]| {
             ((low / spacing).ceil() as i32..=(high / spacing).floor() as i32)
