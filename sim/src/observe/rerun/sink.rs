@@ -177,7 +177,11 @@ fn serve(
     };
     let url = format!("rerun+http://{seen_from_here}:{port}/proxy");
     #[cfg(feature = "rerun-web")]
-    let page = Page::serve(SocketAddr::new(bind, port + 1), &seen_from_here, &url)?;
+    let page = Page::serve(
+        SocketAddr::new(bind, port.wrapping_add(1)),
+        &seen_from_here,
+        &url,
+    )?;
     let recording = builder
         .batcher_config(live_batches())
         .serve_grpc_opts(listen_on, port, Default::default())
@@ -236,7 +240,7 @@ impl Page {
         };
         let server = ::rerun::web_viewer::WebViewerConfig {
             bind_ip: address.ip().to_string(),
-            web_port: (port.to_string().parse()).map_err(|e| cannot_listen(format!("{e}")))?,
+            web_port: (port.to_string().parse()).map_err(&cannot_listen)?,
             open_browser: false,
             ..Default::default()
         };
