@@ -1,5 +1,7 @@
 //! What we do with the models.
+
 pub mod analysis;
 pub mod forward;
 pub mod integrate;
+pub mod observe;
 pub mod trajectory;
