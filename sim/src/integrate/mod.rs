@@ -1,7 +1,11 @@
 //! Integrators of the equations of motion behind one seam: [`Stepper`].
 
+mod diffsol;
+
 use models::model::Model;
 use thiserror::Error;
+
+pub use self::diffsol::start_diffsol;
 
 /// Coordinates, velocities and memory at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
