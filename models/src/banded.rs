@@ -89,18 +89,22 @@ impl Banded {
 
     /// Solves with the factors of [`factorize`](Self::factorize), in place.
     pub fn solve(&self, x: &mut [f64]) {
-        let n = self.dim();
-        for i in 0..n {
-            let first = i.saturating_sub(HALF_BANDWIDTH);
-            let row = &self.rows[i][first + HALF_BANDWIDTH - i..HALF_BANDWIDTH];
-            let sum: f64 = row.iter().zip(&x[first..i]).map(|(a, b)| a * b).sum();
-            x[i] -= sum;
+        // Each row waits for the one before: the window stays in registers, and its newest value is
+        // taken last. Outside the matrix both the window and the rows are zero.
+        let mut window = [0.0; HALF_BANDWIDTH];
+        for (x, row) in x.iter_mut().zip(&self.rows) {
+            for k in 0..HALF_BANDWIDTH {
+                *x -= row[k] * window[k];
+            }
+            window = std::array::from_fn(|k| if k + 1 < HALF_BANDWIDTH { window[k + 1] } else { *x });
         }
-        for i in (0..n).rev() {
-            let last = (i + HALF_BANDWIDTH + 1).min(n);
-            let row = &self.rows[i][HALF_BANDWIDTH + 1..last + HALF_BANDWIDTH - i];
-            let sum: f64 = row.iter().zip(&x[i + 1..last]).map(|(a, b)| a * b).sum();
-            x[i] = (x[i] - sum) * self.rows[i][HALF_BANDWIDTH];
+        window.fill(0.0);
+        for (x, row) in x.iter_mut().zip(&self.rows).rev() {
+            for k in (0..HALF_BANDWIDTH).rev() {
+                *x -= row[HALF_BANDWIDTH + 1 + k] * window[k];
+            }
+            *x *= row[HALF_BANDWIDTH];
+            window = std::array::from_fn(|k| if k > 0 { window[k - 1] } else { *x });
         }
     }
 

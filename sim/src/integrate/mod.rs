@@ -1,5 +1,6 @@
 //! Integrators of the equations of motion behind one seam: [`Stepper`].
 
+mod diffsol;
 mod rosenbrock;
 pub mod tableau;
 pub mod variational;
@@ -8,6 +9,7 @@ mod verlet;
 use models::model::Model;
 use thiserror::Error;
 
+use diffsol::Implicit;
 use rosenbrock::Rosenbrock;
 use verlet::Verlet;
 
@@ -163,6 +165,8 @@ pub fn start<'m>(
         Method::Verlet if !model.is_conservative() => return Err(IntegrateError::Explicit),
         Method::Verlet => Box::new(Verlet::new(model, state, control)),
         Method::Rodas5p => Box::new(Rosenbrock::new(&tableau::RODAS5P, model, state, control)),
-        _ => Box::new(Rosenbrock::new(&tableau::RODAS4, model, state, control)),
+        Method::TrBdf2 => diffsol::start(Implicit::TrBdf2, model, state, control)?,
+        Method::Esdirk34 => diffsol::start(Implicit::Esdirk34, model, state, control)?,
+        Method::Auto | Method::Rodas4 => Box::new(Rosenbrock::new(&tableau::RODAS4, model, state, control)),
     })
 }
