@@ -129,7 +129,10 @@ struct Rest {
 
 impl Rest {
     fn of(model: &Model) -> Self {
-        let found = equilibrium(model, None).unwrap();
+        Self::at(model, equilibrium(model, None).unwrap())
+    }
+
+    fn at(model: &Model, found: Equilibrium) -> Self {
         let mut system = System::new(model);
         system.assembly.place(model, 0.0, &found.q, &vec![0.0; model.dof()]);
         let f = &system.assembly.fields;
@@ -313,7 +316,7 @@ fn consistent_root_is_of_second_order() {
 }
 
 /// Goal: nothing that is promised fails. Setup: every pressure, 4 to 2000 nodes, without payload
-/// and with 1 kg. Expected: a stable posture, no imbalance beyond rounding, and few iterations.
+/// and with 1 kg. Expected: a stable posture, no imbalance beyond rounding, and few iterations (19; 36 without the bounds on turns).
 #[test]
 fn every_pressure_mesh_and_payload_comes_to_rest() {
     let (mut most, mut most_steps) = (0, 0);
@@ -338,7 +341,7 @@ fn every_pressure_mesh_and_payload_comes_to_rest() {
                     found.imbalance
                 );
                 assert!(
-                    found.iterations <= 40,
+                    found.iterations <= 25,
                     "{} psi, {nodes} nodes, {payload} kg: {}",
                     row[0],
                     found.iterations
@@ -350,7 +353,8 @@ fn every_pressure_mesh_and_payload_comes_to_rest() {
 }
 
 /// Goal: clamps that point up and back, and rods that hardly stretch. Expected: a stable posture,
-/// on the side to which the rod leans, that the same rod mirrored in the vertical finds mirrored.
+/// on the side to which the rod leans, that the same rod mirrored in the vertical finds mirrored; at
+/// most 103 iterations over all load steps (112 without the search along the path).
 #[test]
 fn every_clamp_angle_comes_to_rest() {
     let (mut most, mut most_steps) = (0, 0);
@@ -392,23 +396,72 @@ fn every_clamp_angle_comes_to_rest() {
     println!("clamps: at most {most} iterations, {most_steps} load steps");
 }
 
-/// Goal: a start of one's own is used, and an upright rod below its critical load stays upright.
+/// Goal: any start ends in a stable posture. Setup: rods crumpled by three edge lengths. Expected:
+/// stable; which of several such postures is not asked. Where the start leads nowhere within the
+/// iterations of one step, the straight rod is taken.
 #[test]
-fn upright_rod_below_its_critical_load_stays() {
-    let case = Case { base_angle: FRAC_PI_2, ..Case::unit(20) };
-    // Euler's column, clamped at its foot: π²/4.
-    for (load, upright) in [(0.95, true), (1.05, false)] {
-        let force = -load * PI * PI / 4.0;
-        let rest = case.clone().with("tip_load", &[("force_z", force)]).rest();
-        assert!(rest.found.stable);
-        assert_eq!(rest.end[0].abs() < 1e-9, upright, "{load}: {:?}", rest.end);
+fn crumpled_starts_come_to_rest() {
+    let mut most = 0;
+    for edges in [3, 8, 31, 127] {
+        for payload in [0.0, 1.0] {
+            let case = Case { edges, ..Case::muscle(&PSI_ROWS[2]) }.with("payload", &[("mass", payload)]);
+            let model = case.model();
+            for seed in 0..20 {
+                let mut q = System::new(&model).assembly.straight(0.3 * f64::from(seed), 0.0).0;
+                q.iter_mut().enumerate().for_each(|(k, q)| {
+                    *q += 0.04 * (((k + 1) * (k + 3)) as f64 * (0.7 + f64::from(seed))).sin()
+                });
+                let found = equilibrium(&model, Some(&q))
+                    .unwrap_or_else(|e| panic!("{edges} edges, {payload} kg, {seed}: {e}"));
+                most = most.max(found.iterations);
+                assert!(found.stable, "{edges} edges, {payload} kg, {seed}");
+            }
+        }
     }
-    let mut case = case.with("tip_load", &[("force_z", -3.0)]);
-    case.rod.axial_stiffness = 1e3; // so that rounding stays below the tolerance
-    let model = case.model();
-    let found = equilibrium(&model, None).unwrap();
-    let again = equilibrium(&model, Some(&found.q)).unwrap();
-    assert_eq!((again.iterations, again.q), (1, found.q));
+    println!("crumpled: at most {most} iterations");
+}
+
+/// Goal: a column below its critical load stays straight, above it it gives way although nothing
+/// pushes it aside. Setup: a force along the rod, whose posture has no component across at all.
+/// Expected: Euler's load of a column clamped at its foot, `π² EI/(4 L²)`; the way out is up.
+#[test]
+fn column_gives_way_above_its_critical_load() {
+    for (load, straight) in [(0.95, true), (1.05, false)] {
+        let mut case = Case::unit(20).with("tip_load", &[("force_x", -load * PI * PI / 4.0)]);
+        case.rod.axial_stiffness = 1e4; // so that rounding stays below the tolerance
+        let rest = case.rest();
+        assert!(rest.found.stable);
+        assert_eq!(rest.end[1] == 0.0, straight, "{load}: {:?}", rest.end);
+        assert!(straight || rest.end[1] > 0.1, "{load}: {:?}", rest.end);
+        let again = equilibrium(&case.model(), Some(&rest.found.q)).unwrap();
+        assert_eq!((again.iterations, again.q), (1, rest.found.q));
+    }
+}
+
+/// Goal: a start far from rest does not lead astray. Setup: crooked postures, thrown up. Expected:
+/// the rest posture that the straight rod finds. Tolerance: as for mirrored clamps.
+#[test]
+fn crooked_starts_come_to_the_same_rest() {
+    for row in [&PSI_ROWS[2], &PSI_ROWS[19]] {
+        let case = Case { edges: 15, ..Case::muscle(row) };
+        let model = case.model();
+        let expected = case.rest().tip;
+        let crooked = |angle: f64, size: f64| {
+            let mut q = System::new(&model).assembly.straight(angle, 0.0).0;
+            q.iter_mut().enumerate().for_each(|(k, q)| *q += size * ((k * k) as f64 * 0.7).sin());
+            q
+        };
+        for angle in [-80.0_f64, 0.0, 40.0, 75.0] {
+            for size in [0.0, 2e-3, 8e-3] {
+                let found = equilibrium(&model, Some(&crooked(angle.to_radians(), size))).unwrap();
+                let tip = Rest::at(&model, found.clone()).tip;
+                let gap = (tip[0] - expected[0]).hypot(tip[1] - expected[1]);
+                println!("{angle} {size}: {} iterations, {} load steps", found.iterations, found.load_steps);
+                assert!(gap < 1e-7 && found.stable, "{} psi, {angle}, {size}: {tip:?} {expected:?}", row[0]);
+                assert!(found.load_steps == 1, "{} psi, {angle}, {size}", row[0]);
+            }
+        }
+    }
 }
 
 /// Goal: stiffness from weight alone. Setup: EI = 0, a rod almost without mass, a heavy body.
@@ -504,8 +557,9 @@ fn mass_damping_and_shapes() {
     }
 }
 
-/// Goal: 2000 nodes lose nothing to rounding that matters. Expected: the lowest frequency within
-/// the mesh error of 500 nodes' Richardson limit, of second order: 1e-6.
+/// Goal: 2000 nodes lose nothing to rounding that matters. Expected: frequencies at the limit of 250
+/// and 500 edges. Tolerance: the mesh error there is 1e-7; rounding of the matrix's entries,
+/// `1e-16 · 16 EI/ℓ³` at each node against the `ω² m` of the slowest mode, leaves some 1e-5.
 #[test]
 fn two_thousand_nodes_have_the_same_frequency() {
     let at = |edges: usize| Case { edges, ..Case::muscle(&PSI_ROWS[2]) }.modes(2);

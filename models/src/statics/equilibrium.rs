@@ -39,11 +39,12 @@ pub struct Equilibrium {
 /// rod in the direction of the clamp.
 ///
 /// The load is put on at once. Where that fails, or leads from the straight rod through postures
-/// that are not stable, from which many lead on, it is put on in steps, each as small as a stable
-/// way to the next needs: the rod then comes to the posture into which a hand would lower it, and
-/// does not wind up. Weight and other loads of kind [`Load`](crate::effects::Kind::Load) that go
-/// with mass or act at the tip are put on; all else acts in full from the first step. Every
-/// iteration goes down in energy, and an unstable posture is left where there is a way down.
+/// that are not stable, from which many lead on, it is put on in steps from the straight rod, each
+/// as small as a stable way to the next needs: the rod then comes to the posture into which a hand
+/// would lower it, and does not wind up. A `start` may lead through unstable postures. Weight and
+/// other loads of kind [`Load`](crate::effects::Kind::Load) that go with mass or act at the tip are
+/// put on; all else acts in full from the first step. An unstable posture is left where there is a
+/// way down.
 /// # Errors
 /// [`ModelError::Equilibrium`] where not even small steps of the load lead there.
 /// # Panics
@@ -241,7 +242,8 @@ impl<'m> Search<'m> {
     }
 
     /// Goes along the path, at most to `share`, until the imbalance does not push back much: a
-    /// search on the slope, which needs no energy and does not drown in its rounding.
+    /// search on the slope, which needs no energy and does not drown in its rounding. Beside the
+    /// bounds of [`Path::leave`] it is seldom needed; either alone settles all but a few rods.
     fn search(&mut self, mut share: f64) {
         let slope_before: f64 = self.force.iter().zip(&self.step).map(|(f, step)| f * step).sum();
         let arm = self.system.assembly.context.body.center_of_mass;
