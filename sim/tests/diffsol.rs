@@ -6,7 +6,7 @@ use std::sync::Arc;
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Root, Schedule};
 use models::system::System;
-use sim::integrate::{Control, Effort, IntegrateError, Method, State, Stepper, start};
+use sim::integrate::{Control, Effort, IntegrateError, Method, State, Stepper};
 
 const INCH: f64 = 0.0254;
 const METHODS: [Method; 2] = [Method::TrBdf2, Method::Esdirk34];
@@ -79,7 +79,7 @@ fn start<'m>(model: &'m Model, method: Method, control: Control) -> Box<dyn Step
     let (q, v) = system.assembly.straight(0.0, 0.0);
     let mut z = vec![0.0; model.memory()];
     system.relax_memory(0.0, &q, &mut z);
-    start(method, model, State { time: 0.0, q, v, z }, control).unwrap()
+    sim::integrate::start(method, model, State { time: 0.0, q, v, z }, control).unwrap()
 }
 
 fn control(tolerance: f64, stops: &[f64]) -> Control {
@@ -203,7 +203,7 @@ fn a_run_that_cannot_go_on_says_so() {
     let (mut q, v) = System::new(&model).assembly.straight(0.0, 0.0);
     q[3] = f64::NAN;
     let state = State { time: 0.0, q, v, z: vec![0.0; model.memory()] };
-    let failure = start(Method::TrBdf2, &model, state, control(1e-5, &[1.0])).err().unwrap();
+    let failure = sim::integrate::start(Method::TrBdf2, &model, state, control(1e-5, &[1.0])).err().unwrap();
     assert!(matches!(failure, IntegrateError::NotFinite { .. }), "{failure}");
 
     let model = Model::new(&ModelSpec { schedule: Some(Arc::new(Broken)), ..soft() }).unwrap();

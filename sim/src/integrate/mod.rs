@@ -83,8 +83,6 @@ pub enum Method {
     Verlet,
     /// Linearly implicit, fourth order, six stages, L-stable: ours.
     Rodas4,
-    /// Linearly implicit, fifth order, eight stages, L-stable: ours.
-    Rodas5p,
     /// Implicit, second order: diffsol's.
     TrBdf2,
     /// Implicit, third order: diffsol's.
@@ -164,7 +162,6 @@ pub fn start<'m>(
     Ok(match method.of(model) {
         Method::Verlet if !model.is_conservative() => return Err(IntegrateError::Explicit),
         Method::Verlet => Box::new(Verlet::new(model, state, control)),
-        Method::Rodas5p => Box::new(Rosenbrock::new(&tableau::RODAS5P, model, state, control)),
         Method::TrBdf2 => diffsol::start(Implicit::TrBdf2, model, state, control)?,
         Method::Esdirk34 => diffsol::start(Implicit::Esdirk34, model, state, control)?,
         Method::Auto | Method::Rodas4 => Box::new(Rosenbrock::new(&tableau::RODAS4, model, state, control)),

@@ -192,7 +192,7 @@ impl<'m> Variational<'m> {
     /// Derivatives of the coordinates at a time within the last step, by Hermite's cubic.
     pub fn interpolate(&self, group: usize, begin: f64, end: f64, time: f64, q: &mut [Row]) {
         let h = end - begin;
-        let s = (time - begin) / h;
+        let s = if h > 0.0 { (time - begin) / h } else { 1.0 };
         let (start, end) = (&self.start[group], &self.slopes[group]);
         let weights = [
             (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s),

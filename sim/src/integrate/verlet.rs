@@ -97,7 +97,9 @@ impl Stepper for Verlet<'_> {
             time + self.step
         };
         let h = end - time;
-        self.start.clone_from(&self.state);
+        self.start.time = time;
+        self.start.q.copy_from_slice(&self.state.q);
+        self.start.v.copy_from_slice(&self.state.v);
         self.start_acceleration.copy_from_slice(&self.acceleration);
         self.kick(0.5 * h);
         for (q, v) in self.state.q.iter_mut().zip(&self.state.v) {

@@ -1,0 +1,47 @@
+//! A pressure that changes: the rod follows its table, and the regulator's work closes the budget.
+
+use std::sync::Arc;
+
+use models::model::{Model, ModelSpec};
+use models::muscle::{Extrapolation, Muscle};
+use models::pressure::PressureSchedule;
+use models::statics::equilibrium;
+use models::system::System;
+use sim::forward::Run;
+use tests::{paper, paper_spec, simulate};
+
+const PSI: f64 = 6894.757_293_168_361;
+
+fn drifting(rows: &[(f64, f64)], damping: f64) -> Model {
+    let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
+    let schedule =
+        PressureSchedule::new(muscle, "pder_32", Extrapolation::Refused, rows).expect("in the table");
+    let spec = paper_spec(rows[0].1 / PSI, 24, &[("rayleigh_mass.alpha", damping)]);
+    Model::new(&ModelSpec { schedule: Some(Arc::new(schedule)), ..spec }).expect("valid")
+}
+
+#[test]
+fn ends_at_the_rest_posture_of_the_last_pressure() {
+    let model = drifting(&[(0.0, 15.0 * PSI), (1.0, 15.0 * PSI), (3.0, 60.0 * PSI)], 4.0);
+    let path = simulate(&model, &Run::release(20.0, 10.0));
+    let last = paper(60.0, 24, &[]);
+    let rest = equilibrium(&last, None).expect("it hangs");
+    let tip = sim::forward::tip(&System::new(&last), &rest.q, &vec![0.0; rest.q.len()]).0;
+    let end = path.tip[path.tip.len() - 1];
+    assert!((tip[0] - end[0]).hypot(tip[1] - end[1]) < 1e-6, "{end:?} against {tip:?}");
+}
+
+#[test]
+fn the_work_of_the_regulator_closes_the_budget() {
+    let model = drifting(&[(0.0, 15.0 * PSI), (0.5, 15.0 * PSI), (2.0, 40.0 * PSI)], 1.0);
+    let path = simulate(&model, &Run { energy: true, ..Run::release(5.0, 100.0) });
+    let total = |k: usize| {
+        let e = path.energy[k];
+        e.kinetic + e.elastic + e.potential + e.dissipated + e.supplied
+    };
+    let released = path.energy.iter().map(|e| path.energy[0].potential - e.potential).fold(0.0, f64::max);
+    let worst = (0..path.energy.len()).map(|k| (total(k) - total(0)).abs()).fold(0.0, f64::max) / released;
+    assert!(worst < 1e-6, "{worst:e}");
+    let work = path.energy[path.energy.len() - 1].supplied.abs();
+    assert!(work > 1e-3 * released, "there is work to account for: {work} J");
+}

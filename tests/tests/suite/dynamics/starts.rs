@@ -1,0 +1,67 @@
+//! Where a run may start: at rest it stays; held under another load it is let go from there; a
+//! mirrored posture gives the mirrored swing.
+
+use models::model::Model;
+use models::posture::Posture;
+use models::statics::equilibrium;
+use models::system::System;
+use sim::forward::{Initial, Run};
+use tests::{paper, paper_spec, rms, simulate};
+
+#[test]
+fn at_rest_it_stays() {
+    let model = paper(40.0, 32, &[("rayleigh_mass.alpha", 1.0), ("viscoelastic.branch_stiffness", 0.2)]);
+    let initial = Initial::Equilibrium { hold: Box::new(model.clone()), own: vec![] };
+    let path = simulate(&model, &Run { initial, ..Run::release(2.0, 100.0) });
+    let moved = path
+        .tip
+        .iter()
+        .map(|tip| (tip[0] - path.tip[0][0]).hypot(tip[1] - path.tip[0][1]))
+        .fold(0.0, f64::max);
+    // The equilibrium is found to 1e-10 of the weight; a millionth of a millimetre is a thousand
+    // times what that bends the rod.
+    assert!(moved < 1e-9, "{moved} m");
+}
+
+#[test]
+fn held_under_a_payload_it_starts_from_there() {
+    let model = paper(40.0, 32, &[("rayleigh_mass.alpha", 1.0)]);
+    let hold = paper(40.0, 32, &[("rayleigh_mass.alpha", 1.0), ("payload.mass", 0.1)]);
+    let rest = equilibrium(&hold, None).expect("it hangs");
+    let held = sim::forward::tip(&System::new(&hold), &rest.q, &vec![0.0; rest.q.len()]).0;
+    let own = vec![model.index("effects.payload.mass").expect("baseline")];
+    let initial = Initial::Equilibrium { hold: Box::new(hold), own };
+    let path = simulate(&model, &Run { initial, ..Run::release(2.0, 100.0) });
+    assert!((path.tip[0][0] - held[0]).hypot(path.tip[0][1] - held[1]) < 1e-12);
+    assert!(path.tip.iter().any(|tip| tip[1] > held[1] + 0.01), "let go, it rises");
+}
+
+fn mirrored(model: &Model) -> Posture<f64> {
+    let straight = Posture::straight(model.edges, model.rod().length / model.edges as f64, 0.7, 0.0);
+    Posture {
+        nodes: straight.nodes.iter().map(|x| [-x[0], x[1]]).collect(),
+        velocities: straight.velocities.clone(),
+        angle: std::f64::consts::PI - straight.angle,
+        rate: 0.0,
+    }
+}
+
+/// The mirror image in x of a swing is a swing: all but the clamp's angle are even in it.
+#[test]
+fn mirrored_it_swings_mirrored() {
+    let parameters = [("rayleigh_mass.alpha", 1.0), ("air_drag.drag_coefficient", 1.0)];
+    let spec = paper_spec(40.0, 24, &parameters);
+    let right = Model::new(&models::model::ModelSpec { release_angle: 0.7, ..spec.clone() }).expect("valid");
+    let left =
+        Model::new(&models::model::ModelSpec { base_angle: std::f64::consts::PI, ..spec }).expect("valid");
+    let run = Run { tolerance: 1e-9, ..Run::release(3.0, 100.0) };
+    let there = simulate(&right, &run);
+    let mut here = simulate(&left, &Run { initial: Initial::Posture(mirrored(&left)), ..run });
+    for tip in &mut here.tip {
+        tip[0] = -tip[0];
+    }
+    let distance = rms(&there, &here);
+    // Rounding moves the choice of steps, so that the two differ by the error of the integration:
+    // some ten times the tolerance times the length.
+    assert!(distance < 1e-7, "{distance} m");
+}

@@ -1,0 +1,19 @@
+//! All suites in one binary.
+
+mod dynamics {
+    mod bump;
+    mod energy_budget;
+    mod methods_agree;
+    mod pressure_changes;
+    mod ring_down;
+    mod starts;
+}
+mod order {
+    mod edge_length;
+    mod step;
+}
+mod properties {
+    mod allocation;
+    mod catalogue;
+    mod sensitivities;
+}

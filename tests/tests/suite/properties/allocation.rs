@@ -1,0 +1,43 @@
+//! The step allocates nothing: twice as many steps take as many allocations.
+
+use std::ops::ControlFlow;
+
+use sim::forward::{Run, forward};
+use sim::integrate::Method;
+use tests::paper;
+
+fn allocations(method: Method, duration: f64, sensitivities: Vec<usize>) -> u64 {
+    let effects = [
+        ("rayleigh_mass.alpha", 1.0),
+        ("rayleigh_stiffness.beta", 0.001),
+        ("air_drag.drag_coefficient", 1.2),
+        ("viscoelastic.branch_stiffness", 0.2),
+        ("clamp_compliance.compliance", 1.0),
+    ];
+    let model = paper(15.0, 32, if method == Method::Verlet { &[] } else { &effects });
+    let run = Run {
+        method,
+        sensitivities,
+        samples: vec![],
+        tolerance: 1e-5,
+        fixed_step: (method == Method::Verlet).then_some(2e-5),
+        ..Run::release(duration, 1.0)
+    };
+    let info = allocation_counter::measure(|| {
+        forward(&model, &run, &mut |_| ControlFlow::Continue(())).expect("it runs");
+    });
+    info.count_total
+}
+
+#[test]
+fn in_the_step_of_our_integrators_there_is_none() {
+    for method in [Method::Rodas4, Method::Verlet] {
+        assert_eq!(allocations(method, 0.5, vec![]), allocations(method, 1.0, vec![]), "{method:?}");
+    }
+}
+
+#[test]
+fn in_the_step_of_sensitivities_there_is_none() {
+    let ten = || (0..10).collect();
+    assert_eq!(allocations(Method::Rodas4, 0.5, ten()), allocations(Method::Rodas4, 1.0, ten()));
+}
