@@ -1,4 +1,5 @@
 //! What we do with the models.
 pub mod forward;
 pub mod integrate;
+pub mod scenario;
 pub mod trajectory;
