@@ -1,5 +1,6 @@
 //! What we do with the models.
 pub mod forward;
 pub mod integrate;
+pub mod observe;
 pub mod scenario;
 pub mod trajectory;

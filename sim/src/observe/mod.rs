@@ -1,0 +1,4 @@
+//! What a run shows while it integrates.
+
+#[cfg(feature = "rerun")]
+pub mod rerun;

@@ -1,0 +1,262 @@
+//! The rod in the Rerun viewer while it is integrated: the only door to that package.
+//!
+//! Everything is on the timeline `sim_time` (duration since release). Geometry is in W, metres,
+//! below `world/fam/sim`; numbers are below `plots/<quantity with its unit>/sim`. Beside each `sim`
+//! there is room for a `meas`. The viewer must be of the version of this library, 0.36.3.
+
+use std::fs;
+use std::io;
+use std::mem;
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
+
+use ::rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
+use models::snapshot::Snapshot;
+
+mod blueprint;
+mod drawing;
+mod scenery;
+mod sink;
+
+use drawing::Drawing;
+use sink::Destination;
+pub use sink::{DEFAULT_PORT, Sink};
+
+/// Groups runs in the viewer; they share a layout.
+const APPLICATION: &str = "fam";
+
+/// How long a viewer may take to swallow what is left at the end.
+const VIEWER_PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long the disk may take for the same.
+const DISK_PATIENCE: Duration = Duration::from_secs(60);
+
+/// What stays the same during a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Title of the recording.
+    pub run_name: String,
+    /// Identity of the recording; runs from the same inputs should share it.
+    pub recording_id: String,
+    /// Length of the run, s, if it is known; plots then have room for all of it from the start.
+    pub duration_s: f64,
+    /// Length of the undeformed rod, m.
+    pub rod_length_m: f64,
+    /// Length of the end fitting beyond the last node, along the body's angle, m.
+    pub body_length_m: f64,
+    /// Mass of the payload, kg; drawn if positive.
+    pub payload_kg: f64,
+    /// Distance of the payload's centre of mass from the last node, along the body's angle, m.
+    pub payload_com_m: f64,
+    /// Names of the effects whose forces are drawn.
+    pub effects: Vec<&'static str>,
+    /// What else the viewer should tell about the run, as name and value.
+    pub properties: Vec<(String, String)>,
+}
+
+/// A recording in progress.
+///
+/// A viewer that is closed or hangs harms no run: what cannot be delivered waits in memory, up to
+/// 1 GiB, half an hour of simulated time, and [`finish`](Self::finish) gives up on it after 10 s.
+pub struct Stream {
+    recording: Option<RecordingStream>,
+    destination: Destination,
+    drawing: Drawing,
+}
+
+/// Why a recording cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum RerunError {
+    /// No viewer is installed.
+    #[error(
+        "no program `rerun` on the PATH; install it with `pip install rerun-sdk==0.36.3`, or use `--rerun save`"
+    )]
+    ViewerMissing,
+    /// The viewer's program does not run.
+    #[error(
+        "the viewer `rerun` does not start ({0}); try `rerun --version`, or use `--rerun save`"
+    )]
+    ViewerBroken(io::Error),
+    /// The viewer runs, but opens no port.
+    #[error(
+        "the viewer started, but does not listen on port {port} after {seconds} s; without a display use `--rerun save`"
+    )]
+    ViewerSilent {
+        /// Port it should listen on.
+        port: u16,
+        /// How long we waited, s.
+        seconds: u64,
+    },
+    /// The viewer's address cannot be understood.
+    #[error(
+        "{url}: is no address of a viewer; write HOST, HOST:PORT or rerun+http://HOST:PORT/proxy"
+    )]
+    BadAddress {
+        /// As given.
+        url: String,
+    },
+    /// Nobody answers at the viewer's address.
+    #[error(
+        "{url}: no viewer answers ({source}); start one there with `rerun`, or use `--rerun save`"
+    )]
+    NoAnswer {
+        /// Where we asked.
+        url: String,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The address to serve on cannot be had.
+    #[error("{address}: cannot listen there ({source}); choose another port, 0 for a free one")]
+    CannotListen {
+        /// Where we would listen.
+        address: SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The viewer would not open a file of this name.
+    #[error("{}: a recording's name must end in .rrd; try {}", .path.display(), .path.with_extension("rrd").display())]
+    NotRrd {
+        /// As given.
+        path: PathBuf,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot be written ({reason}); check folder, permissions and free space", .path.display())]
+    Unwritable {
+        /// The recording or its folder.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+    /// The viewer was closed or hangs, and did not get all.
+    #[error(
+        "{url}: the viewer did not take all of the run ({reason}); the run is unharmed, to see all use `--rerun save`"
+    )]
+    ViewerLost {
+        /// Where it was.
+        url: String,
+        /// What is known of it.
+        reason: String,
+    },
+    /// Rerun refused the data.
+    #[error("rerun refused {what} ({source}); run without `--rerun`, and report it")]
+    Refused {
+        /// What was sent.
+        what: &'static str,
+        /// What it said.
+        source: Box<RecordingStreamError>,
+    },
+}
+
+impl Stream {
+    /// Opens a recording, with its layout and all that does not move.
+    /// # Errors
+    /// If the file cannot be written, or the viewer or the port cannot be had.
+    pub fn open(sink: &Sink, scene: &Scene) -> Result<Self, RerunError> {
+        // Enabled whatever the environment variable RERUN says: the user asked for a recording.
+        let builder = RecordingStreamBuilder::new(APPLICATION)
+            .recording_id(scene.recording_id.as_str())
+            .enabled(true);
+        let (recording, destination) = sink.open(builder)?;
+        // Wall time would differ between equal runs, and hide behind the time that matters.
+        recording.set_log_time_enabled(false);
+        let live = !matches!(destination, Destination::File { .. });
+        let drawing = Drawing::begin(&recording, scene, live).map_err(refused("the scene"))?;
+        Ok(Self {
+            recording: Some(recording),
+            destination,
+            drawing,
+        })
+    }
+
+    /// Shows the rod at one instant; call with increasing time.
+    /// # Errors
+    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    pub fn log(&mut self, snapshot: &Snapshot) -> Result<(), RerunError> {
+        match &self.recording {
+            Some(recording) => (self.drawing)
+                .log(recording, snapshot)
+                .map_err(refused("a snapshot")),
+            None => Ok(()),
+        }
+    }
+
+    /// What to type to see it, once it is open or saved; nothing if a viewer shows it already.
+    pub fn how_to_view(&self) -> Option<String> {
+        match &self.destination {
+            Destination::File { path, .. } => Some(format!("rerun {}", path.display())),
+            Destination::Viewer { .. } => None,
+            #[cfg(feature = "rerun-web")]
+            Destination::Server { page, .. } => Some(page.url.clone()),
+            #[cfg(not(feature = "rerun-web"))]
+            Destination::Server { url } => Some(format!("rerun {url}")),
+        }
+    }
+
+    /// Serves on until the program is interrupted; returns at once from all sinks but `Serve`.
+    pub fn hold(&self) {
+        if matches!(self.destination, Destination::Server { .. }) {
+            loop {
+                thread::park(); // may wake for no reason
+            }
+        }
+    }
+
+    /// Delivers what is left and closes; a file gets its footer and its name.
+    /// # Errors
+    /// [`RerunError::Unwritable`] if the disk is full; [`RerunError::ViewerLost`], which is worth a
+    /// warning only.
+    pub fn finish(mut self) -> Result<(), RerunError> {
+        self.close()?;
+        if let Destination::File { partial, path } = &self.destination {
+            fs::rename(partial, path).map_err(|error| unwritable(path, error))?;
+        }
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), RerunError> {
+        let Some(recording) = self.recording.take() else {
+            return Ok(());
+        };
+        let patience = match self.destination {
+            Destination::File { .. } => DISK_PATIENCE,
+            Destination::Viewer { .. } | Destination::Server { .. } => VIEWER_PATIENCE,
+        };
+        let Err(error) = recording.flush_with_timeout(patience) else {
+            return Ok(()); // dropped here, which writes the footer
+        };
+        // Its destructor waits without end for who does not listen.
+        mem::forget(recording);
+        Err(match &self.destination {
+            Destination::File { partial, .. } => unwritable(partial, error),
+            Destination::Viewer { url } | Destination::Server { url, .. } => {
+                RerunError::ViewerLost {
+                    url: url.clone(),
+                    reason: error.to_string(),
+                }
+            }
+        })
+    }
+}
+
+/// An abandoned file keeps its partial name; the viewer opens it.
+impl Drop for Stream {
+    fn drop(&mut self) {
+        let _ = self.close();
+    }
+}
+
+fn refused(what: &'static str) -> impl Fn(RecordingStreamError) -> RerunError {
+    move |source| RerunError::Refused {
+        what,
+        source: Box::new(source),
+    }
+}
+
+fn unwritable(path: &Path, reason: impl ToString) -> RerunError {
+    RerunError::Unwritable {
+        path: path.into(),
+        reason: reason.to_string(),
+    }
+}
