@@ -81,6 +81,12 @@ impl Banded {
         Ok(())
     }
 
+    /// Whether all pivots of the factors are positive: of a symmetric matrix, whether it is positive
+    /// definite.
+    pub fn is_positive(&self) -> bool {
+        self.rows.iter().all(|row| row[HALF_BANDWIDTH] > 0.0)
+    }
+
     /// Solves with the factors of [`factorize`](Self::factorize), in place.
     pub fn solve(&self, x: &mut [f64]) {
         let n = self.dim();

@@ -45,6 +45,9 @@ pub enum ModelError {
         /// Name of the effect.
         effect: &'static str,
     },
+    /// Modes were asked for about a posture that is no stable equilibrium.
+    #[error("the rest posture is not stable, and so has no frequencies; lower the load or stiffen the rod")]
+    Unstable,
     /// Newton's method for the equilibrium gave up.
     #[error(
         "no equilibrium found: stalled at {load_percent:.1} % of the load after {iterations} iterations, \

@@ -1,4 +1,5 @@
 //! What the world does: a planar discrete elastic rod, clamped at one end, with a rigid body at the other.
+pub mod analytical;
 pub mod banded;
 pub mod effects;
 pub mod error;
@@ -10,6 +11,7 @@ pub mod nearest;
 pub mod posture;
 pub mod pressure;
 pub mod quantity;
+mod root;
 pub mod snapshot;
 pub mod statics;
 pub mod system;

@@ -1,6 +1,6 @@
 //! The equations of motion `q̇ = v`, `M v̇ = f(q, v, z, t; theta)`, `ż = g(q, v, z, t; theta)`.
 
-use crate::effects::{Body, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
+use crate::effects::{Body, Effect, Kind, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
 use crate::kinematics::Fields;
 use crate::model::{
     AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, RELEASE_ANGLE,
@@ -178,6 +178,8 @@ pub struct Assembly<T> {
     pub context: Context<T>,
     /// Posture, and what the laws say of it.
     pub fields: Fields<T>,
+    /// Share of the loads with mass and at the tip that acts: 1, except while statics puts them on.
+    pub(crate) load_share: f64,
     pub(crate) acting: Acting,
 }
 
@@ -186,6 +188,7 @@ impl<T: Scalar> Assembly<T> {
         Self {
             context: Context::new(model, theta),
             fields: Fields::new(model.edges),
+            load_share: 1.0,
             acting: Acting::new(model, keep_off),
         }
     }
@@ -212,23 +215,30 @@ impl<T: Scalar> Assembly<T> {
         }
     }
 
+    /// How much of an effect acts.
+    pub(crate) fn share(&self, effect: &dyn Effect) -> f64 {
+        if effect.about().kind == Kind::Load { self.load_share } else { 1.0 }
+    }
+
     fn add_loads(&mut self, model: &Model, q: &[T]) {
         for &k in &self.acting.mass {
             let active = &model.effects[k];
+            let share = self.share(active.effect);
             let effect = T::laws(active.effect);
             let MassLoad { acceleration, rate } =
                 effect.mass(self.context.time, &self.context.theta[active.theta.clone()]);
-            self.fields.acceleration[0] += acceleration[0];
-            self.fields.acceleration[1] += acceleration[1];
+            self.fields.acceleration[0] += acceleration[0] * share;
+            self.fields.acceleration[1] += acceleration[1] * share;
             self.fields.decay_rate += rate;
         }
         for &k in &self.acting.tip {
             let active = &model.effects[k];
+            let share = self.share(active.effect);
             let effect = T::laws(active.effect);
             let load = effect.tip(&self.tip(q), &self.context.theta[active.theta.clone()]);
-            self.fields.tip[0] += load.force[0];
-            self.fields.tip[1] += load.force[1];
-            self.fields.tip[2] += load.moment;
+            self.fields.tip[0] += load.force[0] * share;
+            self.fields.tip[1] += load.force[1] * share;
+            self.fields.tip[2] += load.moment * share;
         }
     }
 
@@ -245,7 +255,7 @@ impl<T: Scalar> Assembly<T> {
         z_rate: &mut [T],
     ) {
         self.place(model, time, q, v);
-        let Self { context: c, fields: f, acting } = self;
+        let Self { context: c, fields: f, acting, .. } = self;
         for &k in &acting.bend {
             let active = &model.effects[k];
             let effect = T::laws(active.effect);

@@ -177,10 +177,11 @@ impl System<'_> {
         for &k in &self.assembly.acting.tip {
             let active = &model.effects[k];
             let effect: &dyn Effect = active.effect;
+            let share = self.assembly.share(effect);
             let slopes = effect.linearise_tip(&self.assembly.tip(q), &model.theta[active.theta.clone()]);
             for (row, add) in t.tip.iter_mut().zip(slopes) {
                 for (entry, slope) in row.iter_mut().zip(add) {
-                    *entry += slope;
+                    *entry += share * slope;
                 }
             }
         }
@@ -189,6 +190,33 @@ impl System<'_> {
     /// Makes tangent stiffness `−∂f/∂q` and damping `−∂f/∂v` for a step with `a = 1/(γh)`, 1/s, at
     /// the state of the last [`linearise`](Self::linearise). At `a = 0` the memory is relaxed: statics.
     pub fn condense(&mut self, a: f64) {
+        self.condense_with(|memory| {
+            let [g_kappa, g_rate, g_z] = memory.memory_rate;
+            let response = memory.moment[2] * response(a, g_z);
+            [response * g_kappa, response * g_rate]
+        });
+    }
+
+    /// Makes tangent stiffness and damping as a small harmonic motion of angular frequency `omega`,
+    /// rad/s, about the state of the last [`linearise`](Self::linearise) sees them: memory answers
+    /// with `1/(iω − g_z)`; what is in phase with the motion is stiffness, what is in phase with its
+    /// rate is damping.
+    ///
+    /// `m_z (g_κ + iω g_κ̇)/(iω − g_z) = m_z [ω² g_κ̇ − g_z g_κ − iω (g_κ + g_z g_κ̇)]/(ω² + g_z²)`
+    /// # Panics
+    /// If `omega` is not positive.
+    pub fn condense_at_frequency(&mut self, omega: f64) {
+        assert!(omega > 0.0, "a harmonic motion needs a frequency: {omega}");
+        let square = omega * omega;
+        self.condense_with(|memory| {
+            let [g_kappa, g_rate, g_z] = memory.memory_rate;
+            let response = memory.moment[2] / (square + g_z * g_z);
+            [response * (square * g_rate - g_z * g_kappa), -response * (g_kappa + g_z * g_rate)]
+        });
+    }
+
+    /// Condenses with what a memory adds to the tangents by curvature and by its rate.
+    fn condense_with(&mut self, add: impl Fn(&BendTangent) -> [f64; 2]) {
         let c = &self.assembly.context;
         let n = c.edges;
         let share = c.root_share;
@@ -197,10 +225,9 @@ impl System<'_> {
             let mut by_kappa = t.by_kappa[i];
             let mut by_rate = t.by_kappa_rate[i];
             for memory in t.memory.iter().skip(i).step_by(n + 1) {
-                let [g_kappa, g_rate, g_z] = memory.memory_rate;
-                let response = memory.moment[2] * response(a, g_z);
-                by_kappa += response * g_kappa;
-                by_rate += response * g_rate;
+                let [stiffness, damping] = add(memory);
+                by_kappa += stiffness;
+                by_rate += damping;
             }
             // κ'' = κ κ'/2, of which the root holds the rod's share.
             let half_kappa = 0.5 * t.kappa[i] / if i == 0 { share } else { 1.0 };

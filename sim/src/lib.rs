@@ -1,4 +1,5 @@
 //! What we do with the models.
+pub mod analysis;
 pub mod forward;
 pub mod integrate;
 pub mod observe;

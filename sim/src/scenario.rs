@@ -22,7 +22,7 @@
 //! duration = "20 s"
 //! rate = "100 Hz"
 //! [integrator]
-//! method = "rodas4"           # rodas5p, tr_bdf2, esdirk34
+//! method = "auto"             # verlet, rodas4, rodas5p, tr_bdf2, esdirk34
 //! tolerance = 3e-5
 //! [effects.payload]           # any effect of `efam effects`, with any of its parameters
 //! mass = "80 g"

@@ -1,11 +1,12 @@
-//! stub
-#![allow(missing_docs)]
-use crate::error::ModelError;
-use crate::model::Model;
-pub struct Equilibrium {
-    pub q: Vec<f64>,
-    pub z: Vec<f64>,
-}
-pub fn equilibrium(_m: &Model, _s: Option<&[f64]>) -> Result<Equilibrium, ModelError> {
-    unimplemented!()
-}
+//! What needs no time: rest postures, and small vibrations about them.
+//!
+//! [`equilibrium()`] finds the posture in which a model hangs, [`modes()`] its natural frequencies
+//! there; [`euler_bernoulli`] is the paper's linear beam.
+
+mod equilibrium;
+pub mod euler_bernoulli;
+mod modes;
+mod path;
+
+pub use equilibrium::{Equilibrium, equilibrium};
+pub use modes::{Mode, modes};

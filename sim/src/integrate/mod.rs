@@ -3,11 +3,13 @@
 mod rosenbrock;
 pub mod tableau;
 pub mod variational;
+mod verlet;
 
 use models::model::Model;
 use thiserror::Error;
 
 use rosenbrock::Rosenbrock;
+use verlet::Verlet;
 
 /// Coordinates, velocities and memory at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,6 +75,10 @@ pub trait Stepper {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
+    /// [`Method::Verlet`] for a model that loses no energy, [`Method::Rodas4`] for all others.
+    Auto,
+    /// Explicit, symplectic, second order: ours, for models that lose no energy.
+    Verlet,
     /// Linearly implicit, fourth order, six stages, L-stable: ours.
     Rodas4,
     /// Linearly implicit, fifth order, eight stages, L-stable: ours.
@@ -116,6 +122,11 @@ pub enum IntegrateError {
         /// Step, s.
         step: f64,
     },
+    /// Verlet for a model with forces that depend on velocity, memory or time.
+    #[error(
+        "method = \"verlet\" is for models without damping, memory or a changing pressure; take \"auto\""
+    )]
+    Explicit,
     /// More steps than admitted.
     #[error(
         "{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, or loosen the tolerance"
@@ -128,11 +139,30 @@ pub enum IntegrateError {
     },
 }
 
+impl Method {
+    /// The method that a run of the model takes.
+    pub fn of(self, model: &Model) -> Self {
+        match self {
+            Method::Auto if model.is_conservative() => Method::Verlet,
+            Method::Auto => Method::Rodas4,
+            other => other,
+        }
+    }
+}
+
 /// Starts an integrator at a state.
-pub fn start<'m>(method: Method, model: &'m Model, state: State, control: Control) -> Box<dyn Stepper + 'm> {
-    let tableau = match method {
-        Method::Rodas5p => &tableau::RODAS5P,
-        _ => &tableau::RODAS4,
-    };
-    Box::new(Rosenbrock::new(tableau, model, state, control))
+/// # Errors
+/// [`IntegrateError::Explicit`] for Verlet and a model that it cannot do.
+pub fn start<'m>(
+    method: Method,
+    model: &'m Model,
+    state: State,
+    control: Control,
+) -> Result<Box<dyn Stepper + 'm>, IntegrateError> {
+    Ok(match method.of(model) {
+        Method::Verlet if !model.is_conservative() => return Err(IntegrateError::Explicit),
+        Method::Verlet => Box::new(Verlet::new(model, state, control)),
+        Method::Rodas5p => Box::new(Rosenbrock::new(&tableau::RODAS5P, model, state, control)),
+        _ => Box::new(Rosenbrock::new(&tableau::RODAS4, model, state, control)),
+    })
 }

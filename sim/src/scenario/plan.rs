@@ -86,7 +86,9 @@ pub(super) const ROD: [(&str, &str); 5] = [
     ("diameter", "m"),
 ];
 
-pub(super) const METHODS: [(&str, Method); 4] = [
+pub(super) const METHODS: [(&str, Method); 6] = [
+    ("auto", Method::Auto),
+    ("verlet", Method::Verlet),
     ("rodas4", Method::Rodas4),
     ("rodas5p", Method::Rodas5p),
     ("tr_bdf2", Method::TrBdf2),

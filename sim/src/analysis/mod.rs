@@ -1,0 +1,24 @@
+//! What a recording of the tip says by itself: frequency, damping, settling, and bending stiffness
+//! of the beam that has the same tip. The paper's method, and what it leaves out.
+//!
+//! ```text
+//! z(t) ─▶ Excursion ─▶ spectrum ─▶ damped frequency ─┐
+//!             │                                       ▼
+//!             ├─────▶ peaks (needs the period) ─▶ decay: eq. 6 and 7; cycle by cycle
+//!             └─────▶ settling
+//! tip at rest ──────▶ bending_stiffness
+//! ```
+//!
+//! Simulated and measured tips take the same way, so that their numbers can be compared.
+
+pub mod bending_stiffness;
+pub mod decay;
+mod error;
+pub mod excursion;
+pub mod nelder_mead;
+pub mod peaks;
+pub mod settling;
+pub mod spectrum;
+
+pub use error::AnalysisError;
+pub use excursion::Excursion;
