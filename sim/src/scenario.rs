@@ -107,6 +107,11 @@ impl Scenario {
         self.plan.is_all_rows()
     }
 
+    /// Name of the muscle, if the rod is one.
+    pub fn muscle_name(&self) -> Option<&str> {
+        self.plan.muscle.as_ref().map(|muscle| muscle.muscle.name.as_str())
+    }
+
     /// The runs that it asks for: one, or one for each row of the muscle's table.
     /// # Errors
     /// [`ScenarioError`] for what the muscle or the model refuses.

@@ -43,10 +43,7 @@ fn wrong_destinations_say_what_to_do() {
     let folder = Folder::new("wrong");
     let missing = folder.0.join("missing").join("run.rrd");
     let text = message(&Sink::Save(missing));
-    assert!(
-        text.contains("missing/run.rrd: cannot be written"),
-        "{text}"
-    );
+    assert!(text.contains("missing/run.rrd: cannot be written"), "{text}");
     let text = message(&Sink::Save(folder.0.join("run.csv")));
     assert!(text.contains("try") && text.ends_with("run.rrd"), "{text}");
 
@@ -54,10 +51,7 @@ fn wrong_destinations_say_what_to_do() {
     let port = taken.local_addr().unwrap().port();
     let bind = Ipv4Addr::LOCALHOST.into();
     let text = message(&Sink::Serve { bind, port });
-    assert!(
-        text.starts_with(&format!("127.0.0.1:{port}: cannot listen")),
-        "{text}"
-    );
+    assert!(text.starts_with(&format!("127.0.0.1:{port}: cannot listen")), "{text}");
     drop(taken);
     let text = message(&Sink::Connect(Some(format!("127.0.0.1:{port}"))));
     assert!(text.contains("no viewer answers"), "{text}");
@@ -140,23 +134,13 @@ fn snapshot(time: f64) -> Snapshot {
     let stiffness = 1.2e-3;
     let edge = LENGTH / EDGES as f64;
     let bending_moment: Vec<_> = (0..=EDGES).map(|i| -stiffness * curvature(i)).collect();
-    let kinetic = (0..=EDGES)
-        .map(|i| 0.5 * mass(i) * velocities[i][0].hypot(velocities[i][1]).powi(2))
-        .sum();
+    let kinetic = (0..=EDGES).map(|i| 0.5 * mass(i) * velocities[i][0].hypot(velocities[i][1]).powi(2)).sum();
     let potential = (0..=EDGES).map(|i| mass(i) * 9.81 * nodes[i][1]).sum();
-    let elastic = (0..=EDGES)
-        .map(|i| 0.5 * stiffness * curvature(i).powi(2) * edge)
-        .sum();
+    let elastic = (0..=EDGES).map(|i| 0.5 * stiffness * curvature(i).powi(2) * edge).sum();
     let tip = along(nodes[EDGES], body_angle, FITTING);
     let force = |law: &dyn Fn(usize) -> [f64; 2]| (0..=EDGES).map(law).collect();
     let forces: [Vec<[f64; 2]>; 4] = [
-        force(&|i| {
-            along(
-                [0.0; 2],
-                angle(i as f64 / EDGES as f64) + 1.57,
-                1e-3 * curvature(i),
-            )
-        }),
+        force(&|i| along([0.0; 2], angle(i as f64 / EDGES as f64) + 1.57, 1e-3 * curvature(i))),
         force(&|i| along([0.0; 2], angle(i as f64 / EDGES as f64), -mass(i) * 6.0)),
         force(&|i| [0.0, -9.81 * mass(i)]),
         force(&|i| velocities[i].map(|v| -3.0 * mass(i) * v)),

@@ -75,9 +75,7 @@ pub enum RerunError {
     )]
     ViewerMissing,
     /// The viewer's program does not run.
-    #[error(
-        "the viewer `rerun` does not start ({0}); try `rerun --version`, or use `--rerun save`"
-    )]
+    #[error("the viewer `rerun` does not start ({0}); try `rerun --version`, or use `--rerun save`")]
     ViewerBroken(io::Error),
     /// The viewer runs, but opens no port.
     #[error(
@@ -90,17 +88,13 @@ pub enum RerunError {
         seconds: u64,
     },
     /// The viewer's address cannot be understood.
-    #[error(
-        "{url}: is no address of a viewer; write HOST, HOST:PORT or rerun+http://HOST:PORT/proxy"
-    )]
+    #[error("{url}: is no address of a viewer; write HOST, HOST:PORT or rerun+http://HOST:PORT/proxy")]
     BadAddress {
         /// As given.
         url: String,
     },
     /// Nobody answers at the viewer's address.
-    #[error(
-        "{url}: no viewer answers ({source}); start one there with `rerun`, or use `--rerun save`"
-    )]
+    #[error("{url}: no viewer answers ({source}); start one there with `rerun`, or use `--rerun save`")]
     NoAnswer {
         /// Where we asked.
         url: String,
@@ -155,19 +149,14 @@ impl Stream {
     /// If the file cannot be written, or the viewer or the port cannot be had.
     pub fn open(sink: &Sink, scene: &Scene) -> Result<Self, RerunError> {
         // Enabled whatever the environment variable RERUN says: the user asked for a recording.
-        let builder = RecordingStreamBuilder::new(APPLICATION)
-            .recording_id(scene.recording_id.as_str())
-            .enabled(true);
+        let builder =
+            RecordingStreamBuilder::new(APPLICATION).recording_id(scene.recording_id.as_str()).enabled(true);
         let (recording, destination) = sink.open(builder)?;
         // Wall time would differ between equal runs, and hide behind the time that matters.
         recording.set_log_time_enabled(false);
         let live = !matches!(destination, Destination::File { .. });
         let drawing = Drawing::begin(&recording, scene, live).map_err(refused("the scene"))?;
-        Ok(Self {
-            recording: Some(recording),
-            destination,
-            drawing,
-        })
+        Ok(Self { recording: Some(recording), destination, drawing })
     }
 
     /// Shows the rod at one instant; call with increasing time.
@@ -175,9 +164,7 @@ impl Stream {
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
     pub fn log(&mut self, snapshot: &Snapshot) -> Result<(), RerunError> {
         match &self.recording {
-            Some(recording) => (self.drawing)
-                .log(recording, snapshot)
-                .map_err(refused("a snapshot")),
+            Some(recording) => (self.drawing).log(recording, snapshot).map_err(refused("a snapshot")),
             None => Ok(()),
         }
     }
@@ -231,10 +218,7 @@ impl Stream {
         Err(match &self.destination {
             Destination::File { partial, .. } => unwritable(partial, error),
             Destination::Viewer { url } | Destination::Server { url, .. } => {
-                RerunError::ViewerLost {
-                    url: url.clone(),
-                    reason: error.to_string(),
-                }
+                RerunError::ViewerLost { url: url.clone(), reason: error.to_string() }
             }
         })
     }
@@ -248,15 +232,9 @@ impl Drop for Stream {
 }
 
 fn refused(what: &'static str) -> impl Fn(RecordingStreamError) -> RerunError {
-    move |source| RerunError::Refused {
-        what,
-        source: Box::new(source),
-    }
+    move |source| RerunError::Refused { what, source: Box::new(source) }
 }
 
 fn unwritable(path: &Path, reason: impl ToString) -> RerunError {
-    RerunError::Unwritable {
-        path: path.into(),
-        reason: reason.to_string(),
-    }
+    RerunError::Unwritable { path: path.into(), reason: reason.to_string() }
 }

@@ -209,14 +209,6 @@ impl<'a> Keys<'a> {
         self.entry(key).is_some()
     }
 
-    /// Names of the keys that are given.
-    pub fn names(&self) -> Vec<&'a str> {
-        match self.item.map(|item| &item.value) {
-            Some(Value::Table(entries)) => entries.iter().map(|entry| entry.key.as_str()).collect(),
-            _ => Vec::new(),
-        }
-    }
-
     /// The table of a key.
     pub fn table(&self, key: &str) -> Result<Keys<'a>, ScenarioError> {
         let entry = self.entry(key);

@@ -25,10 +25,7 @@ pub(super) struct Bounds {
 impl Bounds {
     /// All postures of a rod with this reach that was released below the horizontal or at it.
     pub fn hanging(reach: f64) -> Self {
-        Self {
-            x: [-reach, reach],
-            z: [-reach, 0.35 * reach],
-        }
+        Self { x: [-reach, reach], z: [-reach, 0.35 * reach] }
     }
 
     /// Grows to hold the point with some room to spare; whether that was needed.
@@ -90,10 +87,8 @@ impl Layout {
             return bp::TimeAxis::new().with_link(bc::LinkAxis::LinkToGlobal);
         }
         let at = |time: f64| TimeRangeBoundary::Absolute(TimeInt((1e9 * time) as i64));
-        bp::TimeAxis::new().with_view_range(bc::TimeRange(TimeRange {
-            start: at(0.0),
-            end: at(1.2 * self.duration),
-        }))
+        bp::TimeAxis::new()
+            .with_view_range(bc::TimeRange(TimeRange { start: at(0.0), end: at(1.2 * self.duration) }))
     }
 
     fn bounds(&self) -> bp::VisualBounds2D {
@@ -131,16 +126,14 @@ impl<'a> Tree<'a> {
                 .with_auto_layout(false)
                 .with_auto_views(false),
         )?;
-        for (panel, state) in [
-            ("blueprint_panel", bc::PanelState::Collapsed),
-            ("selection_panel", bc::PanelState::Collapsed),
-        ] {
+        for (panel, state) in
+            [("blueprint_panel", bc::PanelState::Collapsed), ("selection_panel", bc::PanelState::Collapsed)]
+        {
             let panel_state = bp::PanelBlueprint::new().with_state(state);
             self.stream.log(panel, &panel_state)?;
         }
-        let mut time = bp::TimePanelBlueprint::new()
-            .with_state(bc::PanelState::Collapsed)
-            .with_timeline(TIMELINE);
+        let mut time =
+            bp::TimePanelBlueprint::new().with_state(bc::PanelState::Collapsed).with_timeline(TIMELINE);
         if layout.live {
             time = time.with_play_state(bc::PlayState::Following);
         }
@@ -159,21 +152,10 @@ impl<'a> Tree<'a> {
         let bounds = layout.bounds();
         let bounds: &[Property] = &[("VisualBounds2D", &bounds)];
         let without_forces = ["+ /world/**".to_owned(), format!("- /{FORCES}/**")];
-        let mut tabs = vec![(
-            self.view("2D", "Rod, x right, z up (mm)", &without_forces, bounds)?,
-            1.0,
-        )];
+        let mut tabs = vec![(self.view("2D", "Rod, x right, z up (mm)", &without_forces, bounds)?, 1.0)];
         if layout.has_effects {
             let all = ["+ /world/**".to_owned(), format!("- /{GRID_LABELS}/**")];
-            tabs.push((
-                self.view(
-                    "2D",
-                    "Forces on the rod (mN; length ~ square root)",
-                    &all,
-                    bounds,
-                )?,
-                1.0,
-            ));
+            tabs.push((self.view("2D", "Forces on the rod (mN; length ~ square root)", &all, bounds)?, 1.0));
         }
         let rod = self.container(bc::ContainerKind::Tabs, &tabs)?;
         let title = "Bending moment (mN m) along the rod (mm from the clamp)";
@@ -187,20 +169,10 @@ impl<'a> Tree<'a> {
         let mut rows = vec![
             self.plot(layout, "Tip height z (mm)", TIP_HEIGHT, false)?,
             self.plot(layout, "Energy (mJ)", ENERGY, true)?,
-            self.plot(
-                layout,
-                "Bending moment at the root (mN m)",
-                MOMENT_AT_ROOT,
-                false,
-            )?,
+            self.plot(layout, "Bending moment at the root (mN m)", MOMENT_AT_ROOT, false)?,
         ];
         if layout.has_effects {
-            rows.push(self.plot(
-                layout,
-                "Force of each effect, |f| summed over nodes (mN)",
-                FORCE,
-                true,
-            )?);
+            rows.push(self.plot(layout, "Force of each effect, |f| summed over nodes (mN)", FORCE, true)?);
         }
         self.container(bc::ContainerKind::Vertical, &rows)
     }
@@ -212,16 +184,11 @@ impl<'a> Tree<'a> {
         path: &str,
         legend: bool,
     ) -> RecordingStreamResult<Piece> {
-        let legend_at = bp::PlotLegend::new()
-            .with_corner(bc::Corner2D::RightTop)
-            .with_visible(legend);
+        let legend_at = bp::PlotLegend::new().with_corner(bc::Corner2D::RightTop).with_visible(legend);
         let time = layout.time_axis();
         let properties: &[Property] = &[("PlotLegend", &legend_at), ("TimeAxis", &time)];
         let share = if legend { 1.3 } else { 1.1 };
-        Ok((
-            self.view("TimeSeries", title, &[under(path)], properties)?,
-            share,
-        ))
+        Ok((self.view("TimeSeries", title, &[under(path)], properties)?, share))
     }
 
     fn view(
@@ -232,26 +199,17 @@ impl<'a> Tree<'a> {
         properties: &[Property],
     ) -> RecordingStreamResult<String> {
         let path = self.next("view");
-        let view = bp::ViewBlueprint::new(class)
-            .with_display_name(title)
-            .with_space_origin("/");
+        let view = bp::ViewBlueprint::new(class).with_display_name(title).with_space_origin("/");
         self.stream.log(path.as_str(), &view)?;
         let queries = contents.iter().map(String::as_str);
-        self.stream.log(
-            format!("{path}/ViewContents"),
-            &bp::ViewContents::new(queries),
-        )?;
+        self.stream.log(format!("{path}/ViewContents"), &bp::ViewContents::new(queries))?;
         for (name, property) in properties {
             self.stream.log(format!("{path}/{name}"), *property)?;
         }
         Ok(path)
     }
 
-    fn container(
-        &mut self,
-        kind: bc::ContainerKind,
-        pieces: &[Piece],
-    ) -> RecordingStreamResult<String> {
+    fn container(&mut self, kind: bc::ContainerKind, pieces: &[Piece]) -> RecordingStreamResult<String> {
         let path = self.next("container");
         let paths = pieces.iter().map(|(path, _)| path.as_str());
         let shares = || pieces.iter().map(|&(_, share)| share);
@@ -268,21 +226,13 @@ impl<'a> Tree<'a> {
     fn next(&mut self, kind: &str) -> String {
         self.pieces += 1;
         let hex = format!("{:032x}", self.pieces);
-        let (a, b, c, d, e) = (
-            &hex[..8],
-            &hex[8..12],
-            &hex[12..16],
-            &hex[16..20],
-            &hex[20..],
-        );
+        let (a, b, c, d, e) = (&hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..]);
         format!("{kind}/{a}-{b}-{c}-{d}-{e}")
     }
 }
 
 fn id(number: u128) -> Uuid {
-    Uuid {
-        bytes: number.to_be_bytes(),
-    }
+    Uuid { bytes: number.to_be_bytes() }
 }
 
 fn under(path: &str) -> String {

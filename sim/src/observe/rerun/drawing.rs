@@ -3,8 +3,7 @@
 use std::collections::VecDeque;
 
 use ::rerun::{
-    Arrows2D, BarChart, LineStrip2D, LineStrips2D, Points2D, RecordingStream,
-    RecordingStreamResult, Scalars,
+    Arrows2D, BarChart, LineStrip2D, LineStrips2D, Points2D, RecordingStream, RecordingStreamResult, Scalars,
 };
 use models::snapshot::Snapshot;
 
@@ -47,14 +46,8 @@ pub(super) struct Drawing {
 
 impl Drawing {
     /// Sends the layout and all that does not move.
-    pub fn begin(
-        recording: &RecordingStream,
-        scene: &Scene,
-        live: bool,
-    ) -> RecordingStreamResult<Self> {
-        let beyond = scene
-            .body_length_m
-            .max(scene.payload_com_m + payload_radius(scene));
+    pub fn begin(recording: &RecordingStream, scene: &Scene, live: bool) -> RecordingStreamResult<Self> {
+        let beyond = scene.body_length_m.max(scene.payload_com_m + payload_radius(scene));
         let reach = 1.15 * (scene.rod_length_m + beyond);
         let layout = Layout {
             bounds: Bounds::hanging(reach),
@@ -63,11 +56,7 @@ impl Drawing {
             live,
         };
         layout.send(recording)?;
-        let scenery = Scenery {
-            recording,
-            scene,
-            layout: &layout,
-        };
+        let scenery = Scenery { recording, scene, layout: &layout };
         scenery.draw()?;
         end_static(recording);
         Ok(Self {
@@ -81,11 +70,7 @@ impl Drawing {
     }
 
     /// Draws and plots one instant.
-    pub fn log(
-        &mut self,
-        recording: &RecordingStream,
-        snapshot: &Snapshot,
-    ) -> RecordingStreamResult<()> {
+    pub fn log(&mut self, recording: &RecordingStream, snapshot: &Snapshot) -> RecordingStreamResult<()> {
         recording.set_duration_secs(TIMELINE, snapshot.time);
         self.plot(recording, snapshot)?;
         if snapshot.time >= self.next_geometry {
@@ -102,10 +87,7 @@ impl Drawing {
         log_scalars(recording, TIP_HEIGHT, [1e3 * snapshot.tip[1]])?;
         log_scalars(recording, ENERGY, energies.map(|energy| 1e3 * energy))?;
         if e.supplied != 0.0 {
-            recording.log(
-                format!("{ENERGY}/sim/supplied"),
-                &Scalars::single(1e3 * e.supplied),
-            )?;
+            recording.log(format!("{ENERGY}/sim/supplied"), &Scalars::single(1e3 * e.supplied))?;
         }
         if let Some(root) = snapshot.bending_moment.first() {
             log_scalars(recording, MOMENT_AT_ROOT, [1e3 * root])?;
@@ -120,11 +102,7 @@ impl Drawing {
         Ok(())
     }
 
-    fn draw(
-        &mut self,
-        recording: &RecordingStream,
-        snapshot: &Snapshot,
-    ) -> RecordingStreamResult<()> {
+    fn draw(&mut self, recording: &RecordingStream, snapshot: &Snapshot) -> RecordingStreamResult<()> {
         let Some(&end) = snapshot.nodes.last() else {
             return Ok(());
         };
@@ -133,17 +111,12 @@ impl Drawing {
         let fitting_end = along_body(self.scene.body_length_m);
 
         let seen = (snapshot.nodes.iter()).chain([&fitting_end, &snapshot.tip]);
-        if seen.fold(false, |grown, &point| {
-            self.layout.bounds.widen(point) | grown
-        }) {
+        if seen.fold(false, |grown, &point| self.layout.bounds.widen(point) | grown) {
             self.layout.send(recording)?;
         }
 
         let nodes: Vec<[f32; 2]> = snapshot.nodes.iter().copied().map(single).collect();
-        recording.log(
-            ROD,
-            &LineStrips2D::new([LineStrip2D::from_iter(nodes.iter().copied())]),
-        )?;
+        recording.log(ROD, &LineStrips2D::new([LineStrip2D::from_iter(nodes.iter().copied())]))?;
         recording.log(NODES, &Points2D::new(nodes.iter().copied()))?;
         if self.scene.body_length_m > 0.0 {
             let fitting = [single(end), single(fitting_end)];
@@ -173,11 +146,7 @@ impl Drawing {
         recording.log(TRAIL, &LineStrips2D::new([trail]))
     }
 
-    fn draw_moment(
-        &mut self,
-        recording: &RecordingStream,
-        snapshot: &Snapshot,
-    ) -> RecordingStreamResult<()> {
+    fn draw_moment(&mut self, recording: &RecordingStream, snapshot: &Snapshot) -> RecordingStreamResult<()> {
         let path = format!("{MOMENT_ALONG}/sim");
         if !self.knows_mesh {
             self.knows_mesh = true;
@@ -185,10 +154,7 @@ impl Drawing {
             let width = (0.8e3 * self.scene.rod_length_m) as f32 / arc.len().max(2) as f32;
             let widths = vec![width; arc.len()];
             let arc: Vec<f64> = arc.iter().map(|length| 1e3 * length).collect();
-            let axis = BarChart::update_fields()
-                .with_abscissa(arc)
-                .with_widths(widths)
-                .with_color(SIM);
+            let axis = BarChart::update_fields().with_abscissa(arc).with_widths(widths).with_color(SIM);
             recording.log_static(path.as_str(), &axis)?;
             end_static(recording);
         }
@@ -257,9 +223,7 @@ fn end_static(recording: &RecordingStream) {
 
 /// Force of an effect on each node, N; none if the snapshot does not have it.
 fn force_of<'a>(snapshot: &'a Snapshot, effect: &str) -> &'a [[f64; 2]] {
-    (snapshot.effect_forces.iter())
-        .find(|force| force.effect == effect)
-        .map_or(&[], |force| &force.force)
+    (snapshot.effect_forces.iter()).find(|force| force.effect == effect).map_or(&[], |force| &force.force)
 }
 
 /// Distance of each node from the clamp along the undeformed rod, m.
@@ -277,10 +241,7 @@ fn arc_lengths(nodes: &[[f64; 2]], rod_length: f64) -> Vec<f64> {
 pub(super) fn round_up(value: f64) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
-    steps
-        .into_iter()
-        .find(|step| *step >= value)
-        .unwrap_or(value)
+    steps.into_iter().find(|step| *step >= value).unwrap_or(value)
 }
 
 pub(super) fn single([x, z]: [f64; 2]) -> [f32; 2] {

@@ -1,15 +1,15 @@
 //! What does not move: who the run is, clamp, grid, keys, and the colours of what moves.
 
 use ::rerun::{
-    Arrows2D, ComponentIdentifier, DynamicArchetype, LineStrips2D, Points2D, Radius,
-    RecordingStream, RecordingStreamResult, SeriesLines, Text, Transform3D,
+    Arrows2D, ComponentIdentifier, DynamicArchetype, LineStrips2D, Points2D, Radius, RecordingStream,
+    RecordingStreamResult, SeriesLines, Text, Transform3D,
 };
 
 use super::Scene;
 use super::blueprint::{Bounds, Layout};
 use super::drawing::{
-    BODY, ENERGY, FORCE, FORCES, GRID_LABELS, MOMENT_AT_ROOT, NODES, PAYLOAD, ROD, TIP, TIP_HEIGHT,
-    TRAIL, round_up, single,
+    BODY, ENERGY, FORCE, FORCES, GRID_LABELS, MOMENT_AT_ROOT, NODES, PAYLOAD, ROD, TIP, TIP_HEIGHT, TRAIL,
+    round_up, single,
 };
 
 /// Colours of Okabe and Ito that can be told apart with any eyes, on dark and light ground.
@@ -41,8 +41,7 @@ impl Scenery<'_> {
     }
 
     fn tell_about_run(&self) -> RecordingStreamResult<()> {
-        self.recording
-            .send_recording_name(self.scene.run_name.as_str())?;
+        self.recording.send_recording_name(self.scene.run_name.as_str())?;
         let mut properties = DynamicArchetype::new("run");
         for (name, value) in &self.scene.properties {
             if let Ok(name) = ComponentIdentifier::try_new(name) {
@@ -54,8 +53,7 @@ impl Scenery<'_> {
 
     fn draw_surroundings(&self) -> RecordingStreamResult<()> {
         // Data are z up; a 2D view's second axis points down.
-        self.recording
-            .log_static("world", &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
+        self.recording.log_static("world", &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
 
         let height = 0.3 * self.scene.rod_length_m;
         let step = height / 6.0;
@@ -86,10 +84,8 @@ impl Scenery<'_> {
 
         let margin = 0.04 * (x[1] - x[0]);
         let (left, bottom) = (x[0] + margin, z[0] + margin);
-        let below =
-            (inside(x).filter(|at| *at > left + margin)).map(|at| ([at, bottom], milli(at)));
-        let beside =
-            (inside(z).filter(|at| *at > bottom + margin)).map(|at| ([left, at], milli(at)));
+        let below = (inside(x).filter(|at| *at > left + margin)).map(|at| ([at, bottom], milli(at)));
+        let beside = (inside(z).filter(|at| *at > bottom + margin)).map(|at| ([left, at], milli(at)));
         let (points, labels): (Vec<_>, Vec<_>) = below.chain(beside).unzip();
         let labels = Points2D::new(points.into_iter().map(single))
             .with_labels(labels)
@@ -101,31 +97,19 @@ impl Scenery<'_> {
 
     fn style_rod(&self) -> RecordingStreamResult<()> {
         let line = |color: u32, radius: Radius, order: f32| {
-            LineStrips2D::update_fields()
-                .with_colors([color])
-                .with_radii([radius])
-                .with_draw_order(order)
+            LineStrips2D::update_fields().with_colors([color]).with_radii([radius]).with_draw_order(order)
         };
         let point = |color: u32, radius: Radius, order: f32| {
-            Points2D::update_fields()
-                .with_colors([color])
-                .with_radii([radius])
-                .with_draw_order(order)
+            Points2D::update_fields().with_colors([color]).with_radii([radius]).with_draw_order(order)
         };
         let points = Radius::new_ui_points;
         let payload = Radius::new_scene_units(payload_radius(self.scene) as f32);
-        self.recording
-            .log_static(TRAIL, &line(0xD55E_0080, points(1.0), 5.0))?;
-        self.recording
-            .log_static(PAYLOAD, &point(PURPLE, payload, 10.0))?;
-        self.recording
-            .log_static(ROD, &line(SIM, points(3.0), 20.0))?;
-        self.recording
-            .log_static(BODY, &line(GREY, points(5.0), 25.0))?;
-        self.recording
-            .log_static(NODES, &point(BLUE, points(2.0), 30.0))?;
-        self.recording
-            .log_static(TIP, &point(VERMILION, points(5.0), 40.0))
+        self.recording.log_static(TRAIL, &line(0xD55E_0080, points(1.0), 5.0))?;
+        self.recording.log_static(PAYLOAD, &point(PURPLE, payload, 10.0))?;
+        self.recording.log_static(ROD, &line(SIM, points(3.0), 20.0))?;
+        self.recording.log_static(BODY, &line(GREY, points(5.0), 25.0))?;
+        self.recording.log_static(NODES, &point(BLUE, points(2.0), 30.0))?;
+        self.recording.log_static(TIP, &point(VERMILION, points(5.0), 40.0))
     }
 
     fn style_forces(&self) -> RecordingStreamResult<()> {
@@ -134,8 +118,7 @@ impl Scenery<'_> {
                 .with_colors([color])
                 .with_radii([Radius::new_ui_points(2.0)])
                 .with_draw_order(35.0);
-            self.recording
-                .log_static(format!("{FORCES}/{path}"), &arrows)
+            self.recording.log_static(format!("{FORCES}/{path}"), &arrows)
         };
         arrows("scale", GREY)?;
         for (row, (effect, color)) in self.effects().enumerate() {
@@ -163,14 +146,10 @@ impl Scenery<'_> {
             .with_names(["kinetic", "elastic", "potential", "dissipated", "total"])
             .with_colors([SKY, ORANGE, GREEN, PURPLE, GREY])
             .with_widths([1.5; 5]);
-        self.recording
-            .log_static(format!("{ENERGY}/sim"), &energies)?;
+        self.recording.log_static(format!("{ENERGY}/sim"), &energies)?;
         let (names, colors): (Vec<_>, Vec<_>) = self.effects().unzip();
         let widths = vec![1.5; names.len()];
-        let forces = SeriesLines::new()
-            .with_names(names)
-            .with_colors(colors)
-            .with_widths(widths);
+        let forces = SeriesLines::new().with_names(names).with_colors(colors).with_widths(widths);
         self.recording.log_static(format!("{FORCE}/sim"), &forces)
     }
 

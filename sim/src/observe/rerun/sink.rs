@@ -40,10 +40,7 @@ pub enum Sink {
 impl Sink {
     /// Serves viewers on this machine.
     pub fn serve_here() -> Self {
-        Self::Serve {
-            bind: Ipv4Addr::LOCALHOST.into(),
-            port: DEFAULT_PORT,
-        }
+        Self::Serve { bind: Ipv4Addr::LOCALHOST.into(), port: DEFAULT_PORT }
     }
 
     /// Opens it.
@@ -76,10 +73,7 @@ pub(super) enum Destination {
     },
 }
 
-fn save(
-    builder: RecordingStreamBuilder,
-    path: &Path,
-) -> Result<(RecordingStream, Destination), RerunError> {
+fn save(builder: RecordingStreamBuilder, path: &Path) -> Result<(RecordingStream, Destination), RerunError> {
     if path.extension().is_none_or(|extension| extension != "rrd") {
         return Err(RerunError::NotRrd { path: path.into() });
     }
@@ -89,20 +83,15 @@ fn save(
     let partial = path.with_extension("partial.rrd");
     // Tried first because the package would wrap the system's words.
     fs::File::create(&partial).map_err(|error| unwritable(path, error))?;
-    let recording = builder
-        .batcher_config(file_batches())
-        .save(&partial)
-        .map_err(|error| unwritable(path, error))?;
+    let recording =
+        builder.batcher_config(file_batches()).save(&partial).map_err(|error| unwritable(path, error))?;
     let path = path.into();
     Ok((recording, Destination::File { partial, path }))
 }
 
 fn spawn(builder: RecordingStreamBuilder) -> Result<(RecordingStream, Destination), RerunError> {
-    let options = ::rerun::SpawnOptions {
-        port: DEFAULT_PORT,
-        hide_welcome_screen: true,
-        ..Default::default()
-    };
+    let options =
+        ::rerun::SpawnOptions { port: DEFAULT_PORT, hide_welcome_screen: true, ..Default::default() };
     ::rerun::spawn(&options).map_err(|error| match error {
         SpawnError::Io(error) => RerunError::ViewerBroken(error),
         SpawnError::ExecutableNotFoundInPath { .. } | SpawnError::ExecutableNotFound { .. } => {
@@ -113,10 +102,7 @@ fn spawn(builder: RecordingStreamBuilder) -> Result<(RecordingStream, Destinatio
     let started = Instant::now();
     while try_port(&options.connect_addr().to_string()).is_err() {
         if started.elapsed() > START_PATIENCE {
-            return Err(RerunError::ViewerSilent {
-                port: options.port,
-                seconds: START_PATIENCE.as_secs(),
-            });
+            return Err(RerunError::ViewerSilent { port: options.port, seconds: START_PATIENCE.as_secs() });
         }
         thread::sleep(Duration::from_millis(100));
     }
@@ -177,11 +163,7 @@ fn serve(
     };
     let url = format!("rerun+http://{seen_from_here}:{port}/proxy");
     #[cfg(feature = "rerun-web")]
-    let page = Page::serve(
-        SocketAddr::new(bind, port.wrapping_add(1)),
-        &seen_from_here,
-        &url,
-    )?;
+    let page = Page::serve(SocketAddr::new(bind, port.wrapping_add(1)), &seen_from_here, &url)?;
     let recording = builder
         .batcher_config(live_batches())
         .serve_grpc_opts(listen_on, port, Default::default())
@@ -216,10 +198,7 @@ fn file_batches() -> ChunkBatcherConfig {
 
 /// Sends soon, and waits for no viewer before 1 GiB lies there.
 fn live_batches() -> ChunkBatcherConfig {
-    ChunkBatcherConfig {
-        max_bytes_in_flight: 1 << 30,
-        ..ChunkBatcherConfig::LOW_LATENCY
-    }
+    ChunkBatcherConfig { max_bytes_in_flight: 1 << 30, ..ChunkBatcherConfig::LOW_LATENCY }
 }
 
 /// The viewer as a web page.
@@ -234,19 +213,15 @@ pub(super) struct Page {
 impl Page {
     fn serve(address: SocketAddr, host: &str, data: &str) -> Result<Self, RerunError> {
         let port = free_port(address)?;
-        let cannot_listen = |error: String| RerunError::CannotListen {
-            address,
-            source: io::Error::other(error),
-        };
+        let cannot_listen =
+            |error: String| RerunError::CannotListen { address, source: io::Error::other(error) };
         let server = ::rerun::web_viewer::WebViewerConfig {
             bind_ip: address.ip().to_string(),
             web_port: (port.to_string().parse()).map_err(&cannot_listen)?,
             open_browser: false,
             ..Default::default()
         };
-        let server = server
-            .host_web_viewer()
-            .map_err(|error| cannot_listen(error.to_string()))?;
+        let server = server.host_web_viewer().map_err(|error| cannot_listen(error.to_string()))?;
         Ok(Self {
             url: format!("http://{host}:{port}/?url={}", data.replace('+', "%2B")),
             _server: Box::new(server),
