@@ -17,6 +17,8 @@ pub enum Failure {
     Diverged(String),
     /// Results that could not be written or shown.
     Output(String),
+    /// Nobody reads stdout any longer, as behind `| head`: no failure at all.
+    Unread,
 }
 
 impl From<ScenarioError> for Failure {
@@ -33,6 +35,9 @@ impl From<ModelError> for Failure {
 
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return Failure::Unread;
+        }
         Failure::Output(format!("stdout: cannot be written ({error}); check where it is piped to"))
     }
 }
@@ -40,6 +45,7 @@ impl From<io::Error> for Failure {
 impl Failure {
     fn code(&self) -> u8 {
         match self {
+            Failure::Unread => 0,
             Failure::Output(_) => 1,
             Failure::Scenario(error) if error.is_data() => 3,
             Failure::Scenario(_) | Failure::Usage(_) => 2,
@@ -51,6 +57,7 @@ impl Failure {
     pub fn report(&self) -> ExitCode {
         let mut stderr = io::stderr();
         let text = match self {
+            Failure::Unread => String::new(),
             Failure::Scenario(error) if stderr.is_terminal() => excerpt(error),
             Failure::Scenario(error) => format!("error: {error}\n"),
             Failure::Usage(text) | Failure::Diverged(text) | Failure::Output(text) => {

@@ -79,7 +79,7 @@ pub fn modes(source: &Source, count: usize, json: bool) -> Result<ExitCode, Fail
             out,
             "{:24}{:>6}{:>14}{:>16.4}",
             row["name"].as_str().unwrap_or_default(),
-            row["mode"],
+            row["mode"].to_string(),
             format_si(number("frequency_hz"), "Hz"),
             number("damping_ratio")
         )?;

@@ -139,7 +139,7 @@ fn tell(
             summary["name"].as_str().unwrap_or_default(),
             text("pressure_pa", "Pa"),
             text("damped_frequency_hz", "Hz"),
-            summary["effort"]["steps"],
+            summary["effort"]["steps"].to_string(),
             if *status == Status::Complete { "" } else { "  not to its end" }
         )?;
     }
