@@ -82,7 +82,8 @@ impl Scenario {
     pub fn load(path: &Path, overrides: &[String]) -> Result<Scenario, ScenarioError> {
         let text = fs::read_to_string(path).map_err(|error| ScenarioError {
             at: None,
-            problem: Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() },
+            problem: Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() }
+                .into(),
         })?;
         Scenario::parse(path, &text, overrides)
     }

@@ -254,7 +254,7 @@ impl Builder<'_> {
                 let path = format!("effects.{effect}");
                 document.error_of(&path, Problem::Model(error))
             }
-            error => ScenarioError { at: None, problem: Problem::Model(error) },
+            error => ScenarioError { at: None, problem: Problem::Model(error).into() },
         }
     }
 }

@@ -140,7 +140,7 @@ impl Document {
                 span: place.span.clone(),
                 key: key.to_owned(),
             }),
-            problem,
+            problem: problem.into(),
         }
     }
 
@@ -165,7 +165,7 @@ impl Document {
                     span: 0..0,
                     key: path.to_owned(),
                 }),
-                problem,
+                problem: problem.into(),
             },
         }
     }

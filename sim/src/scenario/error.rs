@@ -15,7 +15,7 @@ pub struct ScenarioError {
     /// Where; none if there is no text to point to.
     pub at: Option<At>,
     /// What.
-    pub problem: Problem,
+    pub problem: Box<Problem>,
 }
 
 /// A place in the text of a scenario, or of a `--set`.
@@ -131,7 +131,7 @@ pub enum Problem {
 impl ScenarioError {
     /// Whether data are at fault, and not the scenario.
     pub fn is_data(&self) -> bool {
-        matches!(self.problem, Problem::MuscleFile { .. } | Problem::PostureFile { .. })
+        matches!(*self.problem, Problem::MuscleFile { .. } | Problem::PostureFile { .. })
     }
 
     /// The message without its place.
@@ -139,7 +139,7 @@ impl ScenarioError {
         let problem = self.problem.to_string();
         let Some(at) = self.at.as_ref().filter(|at| !at.key.is_empty()) else { return problem };
         let key = &at.key;
-        match &self.problem {
+        match &*self.problem {
             Problem::UnknownKey { .. }
             | Problem::Missing { .. }
             | Problem::Quantity(_)

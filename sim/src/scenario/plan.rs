@@ -238,7 +238,7 @@ fn read_from(document: &Document, release: &Keys, has_muscle: bool) -> Result<Fr
     if release.has("posture") {
         let (file, text) = read_file(document, release, "posture")?;
         return (posture::read(&file, &text).map(From::Points))
-            .map_err(|error| release.wrong("posture", error));
+            .map_err(|error| release.wrong("posture", *error));
     }
     if let Some(rows) = release.rows("nodes", &["m", "m", "m/s", "m/s"], "a row of x, z, vx, vz")? {
         let points: Vec<_> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();

@@ -4,10 +4,12 @@ use super::error::Problem;
 
 /// Points with velocities, from lines `x_m,z_m` or `x_m,z_m,vx_m_s,vz_m_s`; a first line of names,
 /// empty lines and lines that begin with `#` are passed over.
-pub(super) fn read(file: &str, text: &str) -> Result<Vec<[f64; 4]>, Problem> {
+pub(super) fn read(file: &str, text: &str) -> Result<Vec<[f64; 4]>, Box<Problem>> {
     let mut points = Vec::new();
     let mut lines = Vec::new();
-    let wrong = |line: usize, message: String| Problem::PostureFile { file: file.to_owned(), line, message };
+    let wrong = |line: usize, message: String| {
+        Box::new(Problem::PostureFile { file: file.to_owned(), line, message })
+    };
     for (index, line) in text.lines().enumerate() {
         let line_number = index + 1;
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
