@@ -4,4 +4,5 @@ pub mod analysis;
 pub mod forward;
 pub mod integrate;
 pub mod observe;
+pub mod scenario;
 pub mod trajectory;

@@ -1,2 +1,7 @@
 //! The program `efam`.
-fn main() {}
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

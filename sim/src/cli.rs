@@ -1,0 +1,134 @@
+//! The command line: parse, call one function, print, exit code. The only file that names clap.
+
+mod effects;
+mod failure;
+mod interrupt;
+mod live;
+mod output;
+mod rest;
+mod simulate;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use live::Rerun;
+
+/// Exit codes, as the help prints them.
+const EXIT_CODES: &str = "Exit codes:
+    0  all is well
+    1  results could not be written or shown
+    2  the command line or the scenario is wrong
+    3  a muscle file or other data are wrong
+    4  the simulation or the search for a rest posture could not go on
+  130  interrupted; what was integrated is saved (a second Ctrl-C exits at once, and saves nothing)
+
+Results and tables go to stdout; progress, warnings and errors to stderr. NO_COLOR is respected.";
+
+/// A cantilevered fluidic artificial muscle, simulated in the time domain.
+#[derive(Parser)]
+#[command(name = "efam", version, after_help = EXIT_CODES, after_long_help = EXIT_CODES)]
+struct Efam {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Simulate a scenario; the results go to a folder of their own.
+    Simulate(Simulate),
+    /// List the physical effects, or show the page of one.
+    Effects {
+        /// An effect.
+        name: Option<String>,
+        /// One JSON object instead.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Show the posture in which a scenario's rod hangs.
+    Statics {
+        #[command(flatten)]
+        source: Source,
+        /// One JSON object instead.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Show the small vibrations about the rest posture.
+    Modes {
+        #[command(flatten)]
+        source: Source,
+        /// How many, from the slowest.
+        #[arg(long, default_value_t = 3, value_name = "N")]
+        count: usize,
+        /// One JSON object instead.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+/// A scenario and what is set over it.
+#[derive(Args)]
+struct Source {
+    /// Scenario, a TOML file.
+    scenario: PathBuf,
+    /// Set a value over the scenario's, such as effects.payload.mass="50 g"; may be repeated.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Muscle file to use instead of the scenario's muscle.
+    #[arg(long, value_name = "FILE")]
+    muscle: Option<String>,
+    /// Pressure to use instead of the scenario's, such as 40psi.
+    #[arg(long)]
+    pressure: Option<String>,
+}
+
+#[derive(Args)]
+struct Simulate {
+    #[command(flatten)]
+    source: Source,
+    /// Folder for the results [default: outputs/ and the scenario's name].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace a folder that is there.
+    #[arg(long)]
+    overwrite: bool,
+    /// Also write CSV.
+    #[arg(long)]
+    csv: bool,
+    /// One JSON object on stdout, and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// Show the rod in Rerun: save, spawn, connect, connect=URL or serve.
+    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
+    rerun: Option<Rerun>,
+    /// No progress, no table.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl Source {
+    /// All overrides as `path=value`.
+    fn overrides(&self) -> Vec<String> {
+        let quoted = |path: &str, value: &Option<String>| {
+            value.as_ref().map(|value| format!("{path}={}", serde_json::Value::from(value.as_str())))
+        };
+        let muscle = quoted("muscle.file", &self.muscle);
+        let pressure = quoted("muscle.pressure", &self.pressure);
+        muscle.into_iter().chain(pressure).chain(self.set.iter().cloned()).collect()
+    }
+}
+
+pub fn main() -> ExitCode {
+    let done = match Efam::parse().command {
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Effects { name: None, json } => effects::list(json),
+        Command::Effects { name: Some(name), json } => effects::page(&name, json),
+        Command::Statics { source, json } => rest::statics(&source, json),
+        Command::Modes { source, count, json } => rest::modes(&source, count, json),
+    };
+    match done {
+        Ok(code) => code,
+        Err(failure) => failure.report(),
+    }
+}

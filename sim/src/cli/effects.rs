@@ -1,0 +1,90 @@
+//! `efam effects`: the catalogue as a table, and the page of an effect.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
+use models::nearest::nearest;
+use models::quantity::format_si;
+use serde_json::{Value, json};
+
+use super::failure::Failure;
+
+const KINDS: [(Kind, &str); 5] = [
+    (Kind::Elastic, "elastic: gives back what it stores"),
+    (Kind::Dissipative, "dissipative: never feeds energy"),
+    (Kind::Inertial, "inertial: adds mass"),
+    (Kind::Load, "load: acts from outside"),
+    (Kind::Measurement, "measurement: changes what is observed"),
+];
+
+/// Lists all effects, kind by kind.
+pub fn list(json: bool) -> Result<ExitCode, Failure> {
+    let mut out = io::stdout().lock();
+    let abouts = || CATALOGUE.iter().map(|effect| effect.about());
+    if json {
+        let effects: Vec<_> = abouts().map(of_about).collect();
+        writeln!(out, "{}", json!({ "effects": effects }))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    for (kind, title) in KINDS {
+        if abouts().all(|about| about.kind != kind) {
+            continue;
+        }
+        writeln!(out, "{title}")?;
+        for about in abouts().filter(|about| about.kind == kind) {
+            writeln!(out, "  {:20}{}", about.name, about.meaning)?;
+            for p in about.parameters {
+                writeln!(out, "    {:20}{}", p.name, of_parameter(p))?;
+            }
+        }
+        writeln!(out)?;
+    }
+    writeln!(out, "A scenario switches an effect on by [effects.NAME]; `efam effects NAME` shows its page.")?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Shows the page of an effect.
+pub fn page(name: &str, json: bool) -> Result<ExitCode, Failure> {
+    let Some(effect) = by_name(name) else {
+        let names: Vec<_> = CATALOGUE.iter().map(|effect| effect.about().name).collect();
+        let meant = nearest(name, names.iter().copied())
+            .map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
+        return Err(Failure::Usage(format!("no effect `{name}`{meant}; there are {}", names.join(", "))));
+    };
+    let mut out = io::stdout().lock();
+    if json {
+        let mut value = of_about(effect.about());
+        value["page"] = effect.page().into();
+        writeln!(out, "{value}")?;
+    } else {
+        write!(out, "{}", effect.page())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn of_parameter(p: &Parameter) -> String {
+    let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+    let off = p.off.map_or(String::new(), |off| format!(", off at {off}"));
+    let default = format_si(p.default, p.unit);
+    format!("{}; default {default}, {:e}..={:e}{unit}{off}", p.meaning, p.range.0, p.range.1)
+}
+
+fn of_about(about: &About) -> Value {
+    let parameters: Vec<_> = (about.parameters.iter())
+        .map(|p| {
+            json!({
+                "name": p.name, "meaning": p.meaning, "unit": p.unit, "default": p.default,
+                "range": [p.range.0, p.range.1], "off": p.off,
+            })
+        })
+        .collect();
+    json!({
+        "name": about.name,
+        "meaning": about.meaning,
+        "kind": format!("{:?}", about.kind).to_lowercase(),
+        "parameters": parameters,
+        "looks_like": about.looks_like,
+        "confounded_with": about.confounded_with,
+    })
+}

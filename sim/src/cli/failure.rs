@@ -1,0 +1,88 @@
+//! What makes the program fail: its exit code, and its message on stderr.
+
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
+use models::error::ModelError;
+use sim::scenario::ScenarioError;
+
+/// Why a command ended before its time.
+pub enum Failure {
+    /// The scenario.
+    Scenario(Box<ScenarioError>),
+    /// The command line.
+    Usage(String),
+    /// The model: a rest posture that was not found, an integration that gave up.
+    Diverged(String),
+    /// Results that could not be written or shown.
+    Output(String),
+    /// Nobody reads stdout any longer, as behind `| head`: no failure at all.
+    Unread,
+}
+
+impl From<ScenarioError> for Failure {
+    fn from(error: ScenarioError) -> Self {
+        Failure::Scenario(Box::new(error))
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Failure::Diverged(error.to_string())
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return Failure::Unread;
+        }
+        Failure::Output(format!("stdout: cannot be written ({error}); check where it is piped to"))
+    }
+}
+
+impl Failure {
+    fn code(&self) -> u8 {
+        match self {
+            Failure::Unread => 0,
+            Failure::Output(_) => 1,
+            Failure::Scenario(error) if error.is_data() => 3,
+            Failure::Scenario(_) | Failure::Usage(_) => 2,
+            Failure::Diverged(_) => 4,
+        }
+    }
+
+    /// Prints the message, with an excerpt of the scenario on a terminal.
+    pub fn report(&self) -> ExitCode {
+        let mut stderr = io::stderr();
+        let text = match self {
+            Failure::Unread => String::new(),
+            Failure::Scenario(error) if stderr.is_terminal() => excerpt(error),
+            Failure::Scenario(error) => format!("error: {error}\n"),
+            Failure::Usage(text) | Failure::Diverged(text) | Failure::Output(text) => {
+                format!("error: {text}\n")
+            }
+        };
+        let _ = stderr.write_all(text.as_bytes());
+        ExitCode::from(self.code())
+    }
+}
+
+/// The message with the line at fault and a mark under it.
+fn excerpt(error: &ScenarioError) -> String {
+    let Some(at) = error.at.as_ref().filter(|at| !at.text.is_empty()) else {
+        return format!("error: {error}\n");
+    };
+    let label = LabeledSpan::new_with_span(Some("here".to_owned()), at.span.clone());
+    let diagnostic = MietteDiagnostic::new(error.message()).with_label(label);
+    let source = NamedSource::new(at.file.clone(), at.text.to_string());
+    let report = Report::new(diagnostic).with_source_code(source);
+    let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    let theme = if plain { GraphicalTheme::unicode_nocolor() } else { GraphicalTheme::unicode() };
+    let mut text = String::new();
+    match GraphicalReportHandler::new_themed(theme).render_report(&mut text, report.as_ref()) {
+        Ok(()) => text,
+        Err(_) => format!("error: {error}\n"),
+    }
+}

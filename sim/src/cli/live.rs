@@ -1,0 +1,126 @@
+//! `--rerun`: the rod in the viewer while it is integrated.
+
+use std::path::Path;
+
+use models::snapshot::Snapshot;
+use sim::scenario::Case;
+
+use super::failure::Failure;
+
+/// How to show the rod.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rerun {
+    /// Into the results.
+    Save,
+    /// In a viewer that is started.
+    Spawn,
+    /// In a viewer that runs already, here or at an address.
+    Connect(Option<String>),
+    /// On a port to which viewers may connect.
+    Serve,
+}
+
+impl Rerun {
+    pub fn parse(text: &str) -> Result<Rerun, String> {
+        match text.split_once('=') {
+            None if text == "save" => Ok(Rerun::Save),
+            None if text == "spawn" => Ok(Rerun::Spawn),
+            None if text == "serve" => Ok(Rerun::Serve),
+            None if text == "connect" => Ok(Rerun::Connect(None)),
+            Some(("connect", url)) => Ok(Rerun::Connect(Some(url.to_owned()))),
+            _ => Err("write save, spawn, connect, connect=URL or serve".to_owned()),
+        }
+    }
+}
+
+#[cfg(feature = "rerun")]
+pub use with_rerun::Live;
+#[cfg(not(feature = "rerun"))]
+pub use without::Live;
+
+#[cfg(feature = "rerun")]
+mod with_rerun {
+    use sim::observe::rerun::{RerunError, Scene, Sink, Stream};
+
+    use super::*;
+
+    /// A recording in progress.
+    pub struct Live(Stream);
+
+    impl Live {
+        pub fn open(how: &Rerun, case: &Case, folder: &Path) -> Result<Live, Failure> {
+            let sink = match how {
+                Rerun::Save => Sink::Save(folder.join("run.rrd")),
+                Rerun::Spawn => Sink::Spawn,
+                Rerun::Connect(url) => Sink::Connect(url.clone()),
+                Rerun::Serve => Sink::serve_here(),
+            };
+            let stream = Stream::open(&sink, &scene(case)).map_err(failure)?;
+            if let Some(how) = stream.how_to_view().filter(|_| *how == Rerun::Serve) {
+                eprintln!("to see it: {how}");
+            }
+            Ok(Live(stream))
+        }
+
+        pub fn log(&mut self, snapshot: &Snapshot) -> Result<(), Failure> {
+            self.0.log(snapshot).map_err(failure)
+        }
+
+        /// Delivers what is left; a server goes on until it is interrupted.
+        pub fn finish(self, hold: bool) -> Result<(), Failure> {
+            if hold {
+                self.0.hold();
+            }
+            match self.0.finish() {
+                Err(error @ RerunError::ViewerLost { .. }) => {
+                    eprintln!("warning: {error}");
+                    Ok(())
+                }
+                done => done.map_err(failure),
+            }
+        }
+    }
+
+    fn failure(error: RerunError) -> Failure {
+        Failure::Output(error.to_string())
+    }
+
+    fn scene(case: &Case) -> Scene {
+        let model = &case.model;
+        let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
+        Scene {
+            run_name: case.name.clone(),
+            recording_id: super::super::output::hash(&case.resolved),
+            duration_s: case.run.duration,
+            rod_length_m: model.rod().length,
+            body_length_m: model.tip_distance,
+            payload_kg: value("effects.payload.mass"),
+            payload_com_m: value("effects.payload.center_of_mass"),
+            effects: model.effects.iter().map(|active| active.effect.about().name).collect(),
+            properties: case.warnings.iter().map(|text| ("warning".to_owned(), text.clone())).collect(),
+        }
+    }
+}
+
+#[cfg(not(feature = "rerun"))]
+mod without {
+    use super::*;
+
+    /// There is none in a program that was built without Rerun.
+    pub enum Live {}
+
+    impl Live {
+        pub fn open(_: &Rerun, _: &Case, _: &Path) -> Result<Live, Failure> {
+            let message = "this efam was built without Rerun; build it with `--features rerun`";
+            Err(Failure::Usage(message.to_owned()))
+        }
+
+        pub fn log(&mut self, _: &Snapshot) -> Result<(), Failure> {
+            match *self {}
+        }
+
+        pub fn finish(self, _: bool) -> Result<(), Failure> {
+            match self {}
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! `efam statics` and `efam modes`: what a scenario's rod does without being let go.
+
+use std::f64::consts::TAU;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use models::quantity::format_si;
+use models::statics::{self, equilibrium};
+use models::system::System;
+use serde_json::json;
+use sim::forward::tip;
+use sim::scenario::{Case, Scenario};
+
+use super::Source;
+use super::failure::Failure;
+
+/// Shows the rest posture.
+pub fn statics(source: &Source, json: bool) -> Result<ExitCode, Failure> {
+    let mut rows = Vec::new();
+    for case in cases(source)? {
+        let rest = equilibrium(&case.model, None)?;
+        let mut system = System::new(&case.model);
+        let at_rest = vec![0.0; rest.q.len()];
+        let (mut force, mut z_rate) = (vec![0.0; rest.q.len()], vec![0.0; rest.z.len()]);
+        system.force(0.0, &rest.q, &at_rest, &rest.z, &mut force, &mut z_rate);
+        let fields = &system.assembly.fields;
+        let root_moment = fields.moment[0] * fields.kappa_slope[0];
+        let angle = rest.q[rest.q.len() - 1];
+        let tip = tip(&system, &rest.q, &at_rest).0;
+        rows.push(json!({
+            "name": case.name, "pressure_pa": case.pressure, "tip_x_m": tip[0], "tip_z_m": tip[1],
+            "tip_angle_rad": angle, "root_moment_n_m": root_moment, "imbalance_n": rest.imbalance,
+            "iterations": rest.iterations, "stable": rest.stable, "warnings": case.warnings,
+        }));
+    }
+    let mut out = io::stdout().lock();
+    if json {
+        writeln!(out, "{}", json!({ "statics": rows }))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    writeln!(out, "{:24}{:>12}{:>12}{:>14}{:>16}", "", "tip x", "tip z", "end angle", "root moment")?;
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
+        let angle = format!("{:.2} deg", number("tip_angle_rad").to_degrees());
+        writeln!(
+            out,
+            "{:24}{:>12}{:>12}{angle:>14}{:>16}{}",
+            row["name"].as_str().unwrap_or_default(),
+            format_si(number("tip_x_m"), "m"),
+            format_si(number("tip_z_m"), "m"),
+            format_si(number("root_moment_n_m"), "N m"),
+            if row["stable"] == true { "" } else { "  not stable" }
+        )?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Shows the slowest vibrations about the rest posture.
+pub fn modes(source: &Source, count: usize, json: bool) -> Result<ExitCode, Failure> {
+    let mut rows = Vec::new();
+    for case in cases(source)? {
+        let rest = equilibrium(&case.model, None)?;
+        for (index, mode) in statics::modes(&case.model, &rest, count)?.iter().enumerate() {
+            rows.push(json!({
+                "name": case.name, "pressure_pa": case.pressure, "mode": index + 1,
+                "frequency_hz": mode.angular_frequency / TAU, "damping_ratio": mode.damping_ratio,
+            }));
+        }
+    }
+    let mut out = io::stdout().lock();
+    if json {
+        writeln!(out, "{}", json!({ "modes": rows }))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    writeln!(out, "{:24}{:>6}{:>14}{:>16}", "", "mode", "frequency", "damping ratio")?;
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
+        writeln!(
+            out,
+            "{:24}{:>6}{:>14}{:>16.4}",
+            row["name"].as_str().unwrap_or_default(),
+            row["mode"].to_string(),
+            format_si(number("frequency_hz"), "Hz"),
+            number("damping_ratio")
+        )?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn cases(source: &Source) -> Result<Vec<Case>, Failure> {
+    let cases = Scenario::load(&source.scenario, &source.overrides())?.cases()?;
+    for warning in cases.iter().flat_map(|case| &case.warnings) {
+        eprintln!("warning: {warning}");
+    }
+    Ok(cases)
+}

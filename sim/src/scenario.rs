@@ -1,0 +1,125 @@
+//! Scenarios: what to simulate, as a TOML file says it.
+//!
+//! ```toml
+//! [muscle]
+//! name = "garbulinski-2022"   # built in; or file = "mine.toml", relative to the scenario
+//! pressure = "15 psi"         # or [["0 s", "15 psi"], ["5 s", "20 psi"]], or "all rows" of its table
+//! stiffness = "pder_32"       # which estimate of the bending stiffness
+//! extrapolation = "refused"   # or "allowed": pressures outside the table
+//! mass = "conserved"          # or "per_length": the resting mass per length at every pressure
+//! [rod]                       # without a muscle length, mass and both stiffnesses must stand here
+//! nodes = 32
+//! root = "consistent"         # or "paper"
+//! base_angle = "0 deg"
+//! tip = "0.662 in"            # the observed point beyond the active length
+//! [release]
+//! angle = "0 deg"
+//! angular_velocity = "0 rad/s"
+//! from = "straight"           # or "equilibrium", or posture = "points.csv"
+//! [release.hold]              # pressure, rod.…, effects.… under which it rests before an "equilibrium"
+//! pressure = "20 psi"
+//! [run]
+//! duration = "20 s"
+//! rate = "100 Hz"
+//! [integrator]
+//! method = "auto"             # verlet, rodas4, tr_bdf2, esdirk34
+//! tolerance = 3e-5
+//! [effects.payload]           # any effect of `efam effects`, with any of its parameters
+//! mass = "80 g"
+//! ```
+//!
+//! Every quantity carries its unit. What is left out has the value above, except the payload.
+
+mod case;
+mod document;
+mod error;
+mod plan;
+mod posture;
+mod resolved;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use models::model::Model;
+
+use crate::forward::Run;
+use document::Document;
+pub use error::{At, Problem, ScenarioError};
+use plan::Plan;
+
+/// What to simulate, read and checked.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Name: as given, or that of the file.
+    pub name: String,
+    /// Its file.
+    pub path: PathBuf,
+    document: Document,
+    plan: Plan,
+}
+
+/// One run of a scenario.
+#[derive(Clone)]
+pub struct Case {
+    /// Name of the scenario, with the pressure if there are several.
+    pub name: String,
+    /// The model.
+    pub model: Model,
+    /// How to run it; the energies are followed.
+    pub run: Run,
+    /// What a reader of the results must know, such as extrapolation.
+    pub warnings: Vec<String>,
+    /// The case as a scenario in SI units that needs no other file and gives the same bits.
+    pub resolved: String,
+    /// Pressure at release, Pa.
+    pub pressure: Option<f64>,
+}
+
+impl Scenario {
+    /// Reads a scenario and sets `overrides` over it, each as `path=value`.
+    /// # Errors
+    /// [`ScenarioError`], with file, line and column where there is one.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Scenario, ScenarioError> {
+        let text = fs::read_to_string(path).map_err(|error| ScenarioError {
+            at: None,
+            problem: Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() }
+                .into(),
+        })?;
+        Scenario::parse(path, &text, overrides)
+    }
+
+    /// The scenario that a text describes; `path` names it, and files in it are relative to that.
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Scenario, ScenarioError> {
+        let base = path.parent().unwrap_or(Path::new(""));
+        let mut document = Document::parse(&path.display().to_string(), text, base)?;
+        for argument in overrides {
+            document.set(argument)?;
+        }
+        let plan = Plan::read(&document)?;
+        let stem = || path.file_stem().map_or("scenario".to_owned(), |stem| stem.to_string_lossy().into());
+        let name = plan.name.clone().unwrap_or_else(stem);
+        Ok(Scenario { name, path: path.to_owned(), document, plan })
+    }
+
+    /// Whether it asks for every pressure of a muscle's table.
+    pub fn is_all_rows(&self) -> bool {
+        self.plan.is_all_rows()
+    }
+
+    /// Name of the muscle, if the rod is one.
+    pub fn muscle_name(&self) -> Option<&str> {
+        self.plan.muscle.as_ref().map(|muscle| muscle.muscle.name.as_str())
+    }
+
+    /// The runs that it asks for: one, or one for each row of the muscle's table.
+    /// # Errors
+    /// [`ScenarioError`] for what the muscle or the model refuses.
+    pub fn cases(&self) -> Result<Vec<Case>, ScenarioError> {
+        case::cases(self)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,311 @@
+//! From what a scenario says to models and runs.
+
+use std::sync::Arc;
+
+use models::effects::{CATALOGUE, Rod, by_name};
+use models::error::ModelError;
+use models::model::{Model, ModelSpec};
+use models::muscle::AtPressure;
+use models::posture::Posture;
+use models::pressure::PressureSchedule;
+use models::quantity::{Quantity, format_si};
+
+use super::error::{Problem, ScenarioError};
+use super::plan::{From, Hold, MassPlan, MusclePlan, Plan, Pressure, ROD};
+use super::{Case, Scenario, resolved};
+use crate::forward::{Initial, Run};
+
+/// Share of its length by which a posture may be longer or shorter than the rod, without a warning
+/// and at all.
+const STRETCH: [f64; 2] = [0.01, 0.5];
+
+pub(super) fn cases(scenario: &Scenario) -> Result<Vec<Case>, ScenarioError> {
+    let builder = Builder { scenario, plan: &scenario.plan };
+    let Some(muscle) = &scenario.plan.muscle else {
+        return Ok(vec![builder.case(scenario.name.clone(), None)?]);
+    };
+    match &muscle.pressure {
+        Pressure::Constant(pressure) => Ok(vec![builder.case(scenario.name.clone(), Some(*pressure))?]),
+        Pressure::Schedule(_) => Ok(vec![builder.case(scenario.name.clone(), None)?]),
+        Pressure::AllRows => (muscle.muscle.pressures().iter())
+            .map(|pressure| builder.case(format!("{}-{}", scenario.name, psi(*pressure)), Some(*pressure)))
+            .collect(),
+    }
+}
+
+/// `005psi`: sorts as the pressures do.
+fn psi(pressure: f64) -> String {
+    let psi = Quantity::parse("1 psi").map_or(1.0, |psi| psi.si());
+    let psi = (pressure / psi * 1e3).round() / 1e3;
+    let digits = if psi.fract() == 0.0 { 3 } else { 7 };
+    format!("{psi:0digits$.decimals$}psi", decimals = digits - 3 - usize::from(digits > 3))
+}
+
+struct Builder<'a> {
+    scenario: &'a Scenario,
+    plan: &'a Plan,
+}
+
+impl Builder<'_> {
+    fn case(&self, name: String, pressure: Option<f64>) -> Result<Case, ScenarioError> {
+        let plan = self.plan;
+        let mut warnings = Vec::new();
+        let mut effects: Vec<(String, Vec<(String, f64)>)> = Vec::new();
+        let mut schedule = None;
+        let mut at = None;
+        let rod = match &plan.muscle {
+            None => self.plain_rod()?,
+            Some(muscle) => {
+                let at_release = match &muscle.pressure {
+                    Pressure::Schedule(rows) => {
+                        let built = self.schedule(muscle, rows, &mut warnings)?;
+                        let at_release = *built.at_release();
+                        schedule = Some(built);
+                        at_release
+                    }
+                    _ => self.at(muscle, pressure.unwrap_or_default(), "muscle.pressure", &mut warnings)?,
+                };
+                at = Some(at_release.pressure);
+                effects = of_muscle(muscle, &at_release);
+                overridden(rod_of(muscle, &at_release), &plan.rod)
+            }
+        };
+        for (name, values) in &plan.effects {
+            let values = values.iter().map(|(parameter, value)| (parameter.name.to_owned(), *value));
+            effects.push(((*name).to_owned(), values.collect()));
+        }
+        if let From::Equilibrium(hold) = &plan.from {
+            self.let_go(hold, &mut effects)?;
+        }
+        // The order of `theta` is that of the catalogue, however a scenario comes by its effects.
+        effects.sort_by_key(|(name, _)| CATALOGUE.iter().position(|effect| effect.about().name == name));
+        let spec = ModelSpec {
+            nodes: plan.nodes,
+            rod,
+            base_angle: plan.base_angle,
+            release_angle: plan.angle,
+            release_rate: plan.angular_velocity,
+            root: plan.root,
+            tip_distance: 0.0,
+            effects,
+            schedule: schedule.map(|schedule| schedule as _),
+        };
+        let mut model = Model::new(&spec).map_err(|error| self.of_model("", error))?;
+        let center = model.index("effects.end_fitting.center_of_mass").map(|k| model.theta[k]);
+        model.tip_distance = plan.tip.unwrap_or(center.unwrap_or_default());
+        let initial = match &plan.from {
+            From::Straight => Initial::Straight,
+            From::Equilibrium(hold) => self.held(hold, &model, &mut warnings)?,
+            From::Points(points) => Initial::Posture(self.posture(points, &model, &mut warnings)?),
+        };
+        let run = Run { initial, ..plan.run.clone() };
+        let resolved = resolved::text(&name, plan, &model, &run);
+        Ok(Case { name, model, run, warnings, resolved, pressure: at })
+    }
+
+    fn plain_rod(&self) -> Result<Rod<f64>, ScenarioError> {
+        let needed = |k: usize, example: &'static str| {
+            let missing =
+                || self.scenario.document.keys().table("rod").map(|rod| rod.missing(ROD[k].0, example));
+            match self.plan.rod[k] {
+                Some(value) => Ok(value),
+                None => Err(missing()?),
+            }
+        };
+        Ok(Rod {
+            length: needed(0, "length = \"300 mm\", or a [muscle]")?,
+            mass: needed(1, "mass = \"30 g\"")?,
+            bending_stiffness: needed(2, "bending_stiffness = \"0.05 N m^2\"")?,
+            axial_stiffness: needed(3, "axial_stiffness = \"1000 N\"")?,
+            diameter: self.plan.rod[4].unwrap_or(f64::NAN),
+        })
+    }
+
+    fn at(
+        &self,
+        muscle: &MusclePlan,
+        pressure: f64,
+        key: &str,
+        warnings: &mut Vec<String>,
+    ) -> Result<AtPressure, ScenarioError> {
+        let at = muscle.muscle.at(pressure, &muscle.stiffness, muscle.extrapolation);
+        let at = at.map_err(|error| self.scenario.document.error_of(key, Problem::Muscle(error)))?;
+        if let Some(extrapolated) = at.extrapolated {
+            warnings.push(format!("{key}: {extrapolated}"));
+        }
+        Ok(at)
+    }
+
+    fn schedule(
+        &self,
+        muscle: &MusclePlan,
+        rows: &[(f64, f64)],
+        warnings: &mut Vec<String>,
+    ) -> Result<Arc<PressureSchedule>, ScenarioError> {
+        for (_, pressure) in rows {
+            self.at(muscle, *pressure, "muscle.pressure", warnings)?;
+        }
+        warnings.dedup();
+        PressureSchedule::new(muscle.muscle.clone(), &muscle.stiffness, muscle.extrapolation, rows)
+            .map(Arc::new)
+            .map_err(|error| self.scenario.document.error_of("muscle.pressure", Problem::Muscle(error)))
+    }
+
+    /// Effects that only hold the rod are part of the model, but off, once it is let go.
+    fn let_go(
+        &self,
+        hold: &Hold,
+        effects: &mut Vec<(String, Vec<(String, f64)>)>,
+    ) -> Result<(), ScenarioError> {
+        for (name, _) in &hold.effects {
+            if models::model::BASELINE.contains(name) || effects.iter().any(|(known, _)| known == name) {
+                continue;
+            }
+            let parameters = by_name(name).map_or(&[][..], |effect| effect.about().parameters);
+            let off: Vec<_> =
+                (parameters.iter()).filter_map(|p| p.off.map(|off| (p.name.to_owned(), off))).collect();
+            let is_zero = parameters.iter().all(|p| p.default == 0.0);
+            if off.is_empty() && !is_zero {
+                let message = format!("say what it is after the release; add [effects.{name}]");
+                let path = format!("release.hold.effects.{name}");
+                return Err(self.scenario.document.error_of(&path, Problem::Other { message }));
+            }
+            effects.push(((*name).to_owned(), off));
+        }
+        Ok(())
+    }
+
+    fn held(&self, hold: &Hold, model: &Model, warnings: &mut Vec<String>) -> Result<Initial, ScenarioError> {
+        let mut held = model.clone();
+        // The equilibrium is that of the pressure at release, or of the hold's own.
+        held.schedule = None;
+        let mut own: Vec<(String, f64)> = Vec::new();
+        if let (Some(pressure), Some(muscle)) = (hold.pressure, &self.plan.muscle) {
+            let at = self.at(muscle, pressure, "release.hold.pressure", warnings)?;
+            for (k, value) in parts(&rod_of(muscle, &at)).into_iter().enumerate() {
+                let is_same =
+                    value == model.theta[k] && muscle.mass == MassPlan::Conserved && ROD[k].0 == "mass";
+                if self.plan.rod[k].is_none() && hold.rod[k].is_none() && !is_same {
+                    own.push((format!("rod.{}", ROD[k].0), value));
+                }
+            }
+        }
+        for (value, (key, _)) in hold.rod.iter().zip(ROD) {
+            own.extend(value.map(|value| (format!("rod.{key}"), value)));
+        }
+        for (name, values) in &hold.effects {
+            own.extend(values.iter().map(|(p, value)| (format!("effects.{name}.{}", p.name), *value)));
+        }
+        let mut indices = Vec::new();
+        for (path, value) in &own {
+            held.set(path, *value).map_err(|error| self.of_model("release.hold.", error))?;
+            indices.extend(held.index(path));
+        }
+        indices.sort_unstable();
+        Ok(Initial::Equilibrium { hold: Box::new(held), own: indices })
+    }
+
+    fn posture(
+        &self,
+        points: &[[f64; 4]],
+        model: &Model,
+        warnings: &mut Vec<String>,
+    ) -> Result<Posture<f64>, ScenarioError> {
+        let curve: Vec<_> = points.iter().map(|p| [p[0], p[1]]).collect();
+        let velocities: Vec<_> = points.iter().map(|p| [p[2], p[3]]).collect();
+        let length: f64 = curve.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).sum();
+        let rod = model.rod().length;
+        let stretch = (length / rod - 1.0).abs();
+        if stretch > STRETCH[0] {
+            let message = format!(
+                "the posture is {} long, the rod {}; a rod of this stretch springs back along itself",
+                format_si(length, "m"),
+                format_si(rod, "m")
+            );
+            if stretch > STRETCH[1] {
+                let message = format!("{message}; give points of the whole active length, in metres");
+                return Err(self.scenario.document.error_of("release.posture", Problem::Other { message }));
+            }
+            warnings.push(format!("release.posture: {message}"));
+        }
+        Ok(Posture::along(&curve, &velocities, model.edges))
+    }
+
+    /// Says where in the scenario the value stands that a model refuses.
+    fn of_model(&self, prefix: &str, error: ModelError) -> ScenarioError {
+        let document = &self.scenario.document;
+        match error {
+            ModelError::OutOfRange { path, value, low, high, unit } => {
+                let unit = unit.trim();
+                let key = format!("{prefix}{path}");
+                let mut range = format!("{low}..={high} {unit}");
+                if unit == "rad" {
+                    range += &format!(" ({:.0}..={:.0} deg)", low.to_degrees(), high.to_degrees());
+                }
+                let mut error = document.error_of(&key, Problem::OutOfRange { range: range.trim().into() });
+                // Where the scenario does not say the value, the message does.
+                if let Some(at) = error.at.as_mut().filter(|at| at.text.is_empty()) {
+                    at.key = format!("{key} = {value} {unit}").trim_end().to_owned();
+                }
+                error
+            }
+            ModelError::Nodes { .. } => document.error_of("rod.nodes", Problem::Model(error)),
+            ModelError::DiameterMissing { effect } => {
+                let path = format!("effects.{effect}");
+                document.error_of(&path, Problem::Model(error))
+            }
+            error => ScenarioError { at: None, problem: Problem::Model(error).into() },
+        }
+    }
+}
+
+fn rod_of(muscle: &MusclePlan, at: &AtPressure) -> Rod<f64> {
+    let rest = &muscle.muscle.rest;
+    let length = match muscle.mass {
+        MassPlan::Conserved => rest.length,
+        MassPlan::PerLength => at.length,
+    };
+    Rod {
+        length: at.length,
+        mass: rest.mass_per_length * length,
+        bending_stiffness: at.bending_stiffness,
+        axial_stiffness: at.axial_stiffness,
+        diameter: at.outer_diameter,
+    }
+}
+
+/// What the muscle's file says of effects.
+fn of_muscle(muscle: &MusclePlan, at: &AtPressure) -> Vec<(String, Vec<(String, f64)>)> {
+    let fitting = &muscle.muscle.end_fitting;
+    let of = |name: &str, values: &[(&str, f64)]| {
+        (name.to_owned(), values.iter().map(|(key, value)| ((*key).to_owned(), *value)).collect())
+    };
+    let mut effects = vec![
+        of("gravity", &[("acceleration", muscle.muscle.gravity)]),
+        of(
+            "end_fitting",
+            &[
+                ("mass", fitting.mass),
+                ("center_of_mass", fitting.center_of_mass),
+                ("rotary_inertia", fitting.rotary_inertia),
+            ],
+        ),
+    ];
+    effects.extend(at.rayleigh_mass.map(|alpha| of("rayleigh_mass", &[("alpha", alpha)])));
+    effects.extend(at.rayleigh_stiffness.map(|beta| of("rayleigh_stiffness", &[("beta", beta)])));
+    effects
+}
+
+/// In the order of [`ROD`].
+fn parts(rod: &Rod<f64>) -> [f64; 5] {
+    [rod.length, rod.mass, rod.bending_stiffness, rod.axial_stiffness, rod.diameter]
+}
+
+fn overridden(rod: Rod<f64>, own: &[Option<f64>; 5]) -> Rod<f64> {
+    let mut values = parts(&rod);
+    for (value, own) in values.iter_mut().zip(own) {
+        *value = own.unwrap_or(*value);
+    }
+    let [length, mass, bending_stiffness, axial_stiffness, diameter] = values;
+    Rod { length, mass, bending_stiffness, axial_stiffness, diameter }
+}

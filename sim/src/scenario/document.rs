@@ -1,0 +1,385 @@
+//! A TOML text of which every value knows where it stands, and values that are set over it.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use models::nearest::nearest;
+use models::quantity::Quantity;
+use toml::de::{DeTable, DeValue};
+
+use super::error::{At, Problem, ScenarioError};
+
+/// A scenario's text and what was set over it.
+#[derive(Clone, Debug)]
+pub(super) struct Document {
+    sources: Vec<Source>,
+    root: Item,
+}
+
+/// A file, or the argument of a `--set`.
+#[derive(Clone, Debug)]
+struct Source {
+    name: String,
+    text: Arc<str>,
+    /// What file names in it are relative to.
+    base: PathBuf,
+}
+
+/// Where something stands.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    source: usize,
+    span: Range<usize>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Item {
+    place: Place,
+    value: Value,
+}
+
+#[derive(Clone, Debug)]
+enum Value {
+    Text(String),
+    /// Of an integer or a float, as written.
+    Number(String),
+    /// What no key takes.
+    Other,
+    Array(Vec<Item>),
+    Table(Vec<Entry>),
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    key: String,
+    key_place: Place,
+    item: Item,
+}
+
+/// Keys of which only one can be meant: one that is set pushes the others out.
+const ALTERNATIVES: [&[&str]; 2] = [&["name", "file", "text"], &["from", "posture", "nodes"]];
+
+impl Document {
+    pub fn parse(name: &str, text: &str, base: &Path) -> Result<Document, ScenarioError> {
+        let source = Source { name: name.to_owned(), text: text.into(), base: base.to_owned() };
+        let place = Place { source: 0, span: 0..0 };
+        let mut document =
+            Document { sources: vec![source], root: Item { place, value: Value::Table(Vec::new()) } };
+        match DeTable::parse(text) {
+            Ok(table) => {
+                document.root.value =
+                    Value::Table(entries(table.get_ref(), &|span| Place { source: 0, span }));
+                Ok(document)
+            }
+            Err(error) => {
+                let place = Place { source: 0, span: error.span().unwrap_or(0..0) };
+                Err(document.error(&place, "", Problem::Toml { message: error.message().to_owned() }))
+            }
+        }
+    }
+
+    /// Sets `path=value`, as an argument `--set` gives it; file names in it are relative to the
+    /// working directory. What is no TOML value is taken as text, so `payload.mass=50 g` needs no
+    /// quotes.
+    pub fn set(&mut self, argument: &str) -> Result<(), ScenarioError> {
+        let source = self.sources.len();
+        let (name, base) = ("--set".to_owned(), PathBuf::new());
+        self.sources.push(Source { name, text: argument.into(), base });
+        let whole = Place { source, span: 0..argument.len() };
+        let parts = argument.split_once('=').map(|(path, value)| (path.trim(), value));
+        let Some((path, value)) = parts.filter(|(path, _)| path.split('.').all(is_key)) else {
+            return Err(self.error(&whole, "", Problem::Override));
+        };
+        let at = argument.len() - value.len();
+        let place = Place { source, span: at..argument.len() };
+        let item = match DeValue::parse(value.trim()) {
+            Ok(parsed) => Item { value: of(parsed.get_ref(), &|_| place.clone()), place },
+            Err(_) => Item { place, value: Value::Text(value.trim().to_owned()) },
+        };
+        let key_place = Place { source, span: 0..path.len() };
+        let mut table = &mut self.root;
+        let mut keys: Vec<&str> = path.split('.').collect();
+        let last = keys.pop().unwrap_or_default();
+        for key in keys {
+            let Value::Table(entries) = &mut table.value else {
+                return Err(self.error(&key_place, path, Problem::WrongType { due: "a table" }));
+            };
+            let known = entries.iter().position(|entry| entry.key == key);
+            let index = known.unwrap_or_else(|| {
+                let item = Item { place: key_place.clone(), value: Value::Table(Vec::new()) };
+                entries.push(Entry { key: key.to_owned(), key_place: key_place.clone(), item });
+                entries.len() - 1
+            });
+            table = &mut entries[index].item;
+        }
+        let Value::Table(entries) = &mut table.value else {
+            return Err(self.error(&key_place, path, Problem::WrongType { due: "a table" }));
+        };
+        let pushed_out = |key: &str| {
+            let of_one = |all: &[&str]| all.contains(&key) && all.contains(&last);
+            key == last || (path.contains('.') && ALTERNATIVES.into_iter().any(of_one))
+        };
+        entries.retain(|entry| !pushed_out(&entry.key));
+        entries.push(Entry { key: last.to_owned(), key_place, item });
+        Ok(())
+    }
+
+    /// The whole document.
+    pub fn keys(&self) -> Keys<'_> {
+        Keys { document: self, path: String::new(), item: Some(&self.root), key_place: None }
+    }
+
+    /// The error that something is wrong at a place.
+    pub fn error(&self, place: &Place, key: &str, problem: Problem) -> ScenarioError {
+        let source = &self.sources[place.source];
+        ScenarioError {
+            at: Some(At {
+                file: source.name.clone(),
+                text: source.text.clone(),
+                span: place.span.clone(),
+                key: key.to_owned(),
+            }),
+            problem: problem.into(),
+        }
+    }
+
+    /// The error that the value of `path` is wrong, wherever it comes from.
+    pub fn error_of(&self, path: &str, problem: Problem) -> ScenarioError {
+        let mut keys = self.keys();
+        let mut place = None;
+        for key in path.split('.') {
+            let Some(entry) = keys.entry(key) else {
+                place = None;
+                break;
+            };
+            place = Some(entry.item.place.clone());
+            keys = Keys { item: Some(&entry.item), ..keys };
+        }
+        match place {
+            Some(place) => self.error(&place, path, problem),
+            None => ScenarioError {
+                at: Some(At {
+                    file: self.sources[0].name.clone(),
+                    text: "".into(),
+                    span: 0..0,
+                    key: path.to_owned(),
+                }),
+                problem: problem.into(),
+            },
+        }
+    }
+
+    /// Where a file that is named at a place lies.
+    pub fn file(&self, place: &Place, name: &str) -> PathBuf {
+        self.sources[place.source].base.join(name)
+    }
+}
+
+/// A table of a document, or none where it is not given.
+#[derive(Clone)]
+pub(super) struct Keys<'a> {
+    document: &'a Document,
+    /// Path of the table, empty for the root.
+    pub path: String,
+    item: Option<&'a Item>,
+    key_place: Option<Place>,
+}
+
+impl<'a> Keys<'a> {
+    fn entry(&self, key: &str) -> Option<&'a Entry> {
+        match self.item.map(|item| &item.value) {
+            Some(Value::Table(entries)) => entries.iter().find(|entry| entry.key == key),
+            _ => None,
+        }
+    }
+
+    /// Path of a key in this table.
+    pub fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+
+    /// Whether the table is given.
+    pub fn is_given(&self) -> bool {
+        self.item.is_some()
+    }
+
+    /// Whether a key is given.
+    pub fn has(&self, key: &str) -> bool {
+        self.entry(key).is_some()
+    }
+
+    /// The table of a key.
+    pub fn table(&self, key: &str) -> Result<Keys<'a>, ScenarioError> {
+        let entry = self.entry(key);
+        if let Some(Entry { item: Item { value: Value::Table(_), .. }, .. }) | None = entry {
+            return Ok(Keys {
+                document: self.document,
+                path: self.path_of(key),
+                item: entry.map(|entry| &entry.item),
+                key_place: entry.map(|entry| entry.key_place.clone()),
+            });
+        }
+        let path = self.path_of(key);
+        let due = format!("a table is due; write [{path}] on a line of its own, and the keys under it");
+        Err(self.wrong(key, Problem::Other { message: due }))
+    }
+
+    /// Refuses keys that are not known.
+    pub fn only(&self, known: &[&str]) -> Result<(), ScenarioError> {
+        let Some(Value::Table(entries)) = self.item.map(|item| &item.value) else {
+            return Ok(());
+        };
+        let Some(entry) = entries.iter().find(|entry| !known.contains(&entry.key.as_str())) else {
+            return Ok(());
+        };
+        let problem = Problem::UnknownKey {
+            nearest: nearest(&entry.key, known.iter().copied()).map(str::to_owned),
+            known: known.iter().map(|key| (*key).to_owned()).collect(),
+        };
+        Err(self.document.error(&entry.key_place, &self.path_of(&entry.key), problem))
+    }
+
+    /// The error that the value of a key is wrong.
+    pub fn wrong(&self, key: &str, problem: Problem) -> ScenarioError {
+        match self.entry(key) {
+            Some(entry) => self.document.error(&entry.item.place, &self.path_of(key), problem),
+            None => self.document.error_of(&self.path_of(key), problem),
+        }
+    }
+
+    /// The error that a key is missing.
+    pub fn missing(&self, key: &'static str, example: &'static str) -> ScenarioError {
+        let place = self.key_place.clone().unwrap_or(Place { source: 0, span: 0..0 });
+        self.document.error(&place, &self.path_of(key), Problem::Missing { example })
+    }
+
+    /// A quantity in `unit`.
+    pub fn quantity(&self, key: &str, unit: &str) -> Result<Option<f64>, ScenarioError> {
+        match self.entry(key) {
+            Some(entry) => self.quantity_of(&entry.item, key, unit).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// A quantity in `unit` that satisfies a condition.
+    pub fn quantity_that(
+        &self,
+        key: &str,
+        unit: &str,
+        must: &'static str,
+        holds: impl Fn(f64) -> bool,
+    ) -> Result<Option<f64>, ScenarioError> {
+        match self.quantity(key, unit)? {
+            Some(value) if !holds(value) => Err(self.wrong(key, Problem::Must { must })),
+            value => Ok(value),
+        }
+    }
+
+    fn quantity_of(&self, item: &Item, key: &str, unit: &str) -> Result<f64, ScenarioError> {
+        let text = match &item.value {
+            Value::Text(text) | Value::Number(text) => text.as_str(),
+            _ => {
+                let due = if unit.is_empty() { "a number" } else { "a number with its unit" };
+                return Err(self.document.error(&item.place, &self.path_of(key), Problem::WrongType { due }));
+            }
+        };
+        let quantity = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
+        quantity.map_err(|problem| {
+            let problem = Problem::Quantity(problem);
+            self.document.error(&item.place, &self.path_of(key), problem)
+        })
+    }
+
+    /// A whole number.
+    pub fn count(&self, key: &str) -> Result<Option<usize>, ScenarioError> {
+        let Some(entry) = self.entry(key) else { return Ok(None) };
+        let count = match &entry.item.value {
+            Value::Number(text) => text.parse().ok(),
+            _ => None,
+        };
+        count.map(Some).ok_or_else(|| self.wrong(key, Problem::WrongType { due: "a whole number" }))
+    }
+
+    /// A text.
+    pub fn text(&self, key: &str) -> Result<Option<(&'a str, &'a Place)>, ScenarioError> {
+        match self.entry(key).map(|entry| &entry.item) {
+            None => Ok(None),
+            Some(Item { value: Value::Text(text), place }) => Ok(Some((text, place))),
+            Some(_) => Err(self.wrong(key, Problem::WrongType { due: "a text in quotes" })),
+        }
+    }
+
+    /// One of a few words.
+    pub fn word<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, ScenarioError> {
+        let Some((text, _)) = self.text(key)? else { return Ok(None) };
+        match words.iter().find(|(word, _)| *word == text) {
+            Some((_, meaning)) => Ok(Some(*meaning)),
+            None => Err(self.wrong(
+                key,
+                Problem::UnknownWord {
+                    nearest: nearest(text, words.iter().map(|(word, _)| *word)).map(str::to_owned),
+                    known: words.iter().map(|(word, _)| (*word).to_owned()).collect(),
+                },
+            )),
+        }
+    }
+
+    /// Rows of quantities in `units`, if the key has an array; a row may be shorter by whole `units`
+    /// that are optional.
+    pub fn rows(
+        &self,
+        key: &str,
+        units: &[&str],
+        form: &'static str,
+    ) -> Result<Option<Vec<Vec<f64>>>, ScenarioError> {
+        let Some(Item { value: Value::Array(rows), .. }) = self.entry(key).map(|entry| &entry.item) else {
+            return Ok(None);
+        };
+        let row = |row: &Item| match &row.value {
+            Value::Array(row) if row.len() == units.len() => {
+                row.iter().zip(units).map(|(item, unit)| self.quantity_of(item, key, unit)).collect()
+            }
+            _ => {
+                let problem = Problem::WrongType { due: form };
+                Err(self.document.error(&row.place, &self.path_of(key), problem))
+            }
+        };
+        rows.iter().map(row).collect::<Result<_, _>>().map(Some)
+    }
+}
+
+fn is_key(key: &str) -> bool {
+    !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
+}
+
+fn entries(table: &DeTable, place: &dyn Fn(Range<usize>) -> Place) -> Vec<Entry> {
+    let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<DeValue>)| {
+        let key: (&std::borrow::Cow<str>, _) = (key.get_ref(), place(key.span()));
+        let item = Item { place: place(value.span()), value: of(value.get_ref(), place) };
+        Entry { key: key.0.to_string(), key_place: key.1, item }
+    };
+    table.iter().map(entry).collect()
+}
+
+fn of(value: &DeValue, place: &dyn Fn(Range<usize>) -> Place) -> Value {
+    match value {
+        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::Integer(number) => {
+            let digits = number.as_str().replace('_', "");
+            match i128::from_str_radix(&digits, number.radix()) {
+                Ok(number) => Value::Number(number.to_string()),
+                Err(_) => Value::Number(digits),
+            }
+        }
+        DeValue::Float(number) => Value::Number(number.as_str().replace('_', "")),
+        DeValue::Array(items) => Value::Array(
+            items
+                .iter()
+                .map(|item| Item { place: place(item.span()), value: of(item.get_ref(), place) })
+                .collect(),
+        ),
+        DeValue::Table(table) => Value::Table(entries(table, place)),
+        DeValue::Boolean(_) | DeValue::Datetime(_) => Value::Other,
+    }
+}

@@ -1,0 +1,322 @@
+//! The keys of a scenario, read and checked one by one.
+
+use std::fs;
+
+use models::effects::{self, CATALOGUE, Parameter};
+use models::model::Root;
+use models::muscle::{Extrapolation, Muscle};
+
+use super::document::{Document, Keys};
+use super::error::{Problem, ScenarioError};
+use super::posture;
+use crate::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
+use crate::integrate::Method;
+
+/// What a scenario says, in SI units; `None` where it says nothing.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub name: Option<String>,
+    pub muscle: Option<MusclePlan>,
+    /// Values of [`ROD`].
+    pub rod: [Option<f64>; 5],
+    pub nodes: usize,
+    pub root: Root,
+    pub base_angle: f64,
+    pub tip: Option<f64>,
+    pub angle: f64,
+    pub angular_velocity: f64,
+    pub from: From,
+    pub rate: f64,
+    /// Everything but where it starts.
+    pub run: Run,
+    pub effects: Vec<EffectPlan>,
+}
+
+/// An effect and the parameters that are given.
+pub(super) type EffectPlan = (&'static str, Vec<(&'static Parameter, f64)>);
+
+#[derive(Clone, Debug)]
+pub(super) struct MusclePlan {
+    pub muscle: Muscle,
+    /// Its file.
+    pub text: String,
+    pub pressure: Pressure,
+    pub stiffness: String,
+    pub extrapolation: Extrapolation,
+    pub mass: MassPlan,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum MassPlan {
+    Conserved,
+    PerLength,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Pressure {
+    Constant(f64),
+    /// Rows of time and pressure.
+    Schedule(Vec<(f64, f64)>),
+    AllRows,
+}
+
+/// Where the rod starts.
+#[derive(Clone, Debug)]
+pub(super) enum From {
+    Straight,
+    Equilibrium(Hold),
+    /// Points with velocities: x, z, vx, vz.
+    Points(Vec<[f64; 4]>),
+}
+
+/// What is different while the rod is held.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hold {
+    pub pressure: Option<f64>,
+    pub rod: [Option<f64>; 5],
+    pub effects: Vec<EffectPlan>,
+}
+
+/// Keys and units of what a rod itself has.
+pub(super) const ROD: [(&str, &str); 5] = [
+    ("length", "m"),
+    ("mass", "kg"),
+    ("bending_stiffness", "N m^2"),
+    ("axial_stiffness", "N"),
+    ("diameter", "m"),
+];
+
+pub(super) const METHODS: [(&str, Method); 6] = [
+    ("auto", Method::Auto),
+    ("verlet", Method::Verlet),
+    ("rodas4", Method::Rodas4),
+    ("tr_bdf2", Method::TrBdf2),
+    ("esdirk34", Method::Esdirk34),
+];
+
+/// Samples that a run may have: more is a slip of the rate or the duration.
+const MOST_SAMPLES: f64 = 1e7;
+
+impl Plan {
+    pub fn read(document: &Document) -> Result<Plan, ScenarioError> {
+        let keys = document.keys();
+        keys.only(&["name", "muscle", "rod", "release", "run", "integrator", "effects"])?;
+        let rod = keys.table("rod")?;
+        rod.only(&[&["nodes", "root", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat())?;
+        let release = keys.table("release")?;
+        release.only(&["angle", "angular_velocity", "from", "posture", "nodes", "hold"])?;
+        let (rate, run) = read_run(&keys)?;
+        let roots = [("consistent", Root::Consistent), ("paper", Root::Paper)];
+        let muscle = read_muscle(document, &keys.table("muscle")?)?;
+        Ok(Plan {
+            name: read_name(&keys)?,
+            rod: read_rod(&rod)?,
+            nodes: rod.count("nodes")?.unwrap_or(32),
+            root: rod.word("root", &roots)?.unwrap_or_default(),
+            base_angle: rod.quantity("base_angle", "rad")?.unwrap_or(0.0),
+            tip: rod.quantity_that("tip", "m", "lie in -1..=10 m", |tip| (-1.0..=10.0).contains(&tip))?,
+            angle: release.quantity("angle", "rad")?.unwrap_or(0.0),
+            angular_velocity: release.quantity("angular_velocity", "rad/s")?.unwrap_or(0.0),
+            from: read_from(document, &release, muscle.is_some())?,
+            rate,
+            run,
+            effects: read_effects(&keys.table("effects")?)?,
+            muscle,
+        })
+    }
+
+    pub fn is_all_rows(&self) -> bool {
+        self.muscle.as_ref().is_some_and(|muscle| matches!(muscle.pressure, Pressure::AllRows))
+    }
+}
+
+fn read_name(keys: &Keys) -> Result<Option<String>, ScenarioError> {
+    let Some((name, _)) = keys.text("name")? else { return Ok(None) };
+    let fit = |c: char| c.is_alphanumeric() || "-_.+ ".contains(c);
+    if name.trim().is_empty() || name.starts_with('.') || !name.chars().all(fit) {
+        let must = "be made of letters, digits and - _ + . because folders are named after it";
+        return Err(keys.wrong("name", Problem::Must { must }));
+    }
+    Ok(Some(name.to_owned()))
+}
+
+fn read_rod(rod: &Keys) -> Result<[Option<f64>; 5], ScenarioError> {
+    let mut values = [None; 5];
+    for (value, (key, unit)) in values.iter_mut().zip(ROD) {
+        *value = rod.quantity(key, unit)?;
+    }
+    Ok(values)
+}
+
+fn read_muscle(document: &Document, keys: &Keys) -> Result<Option<MusclePlan>, ScenarioError> {
+    if !keys.is_given() {
+        return Ok(None);
+    }
+    keys.only(&["name", "file", "text", "pressure", "stiffness", "extrapolation", "mass"])?;
+    let given: Vec<_> = ["name", "file", "text"].into_iter().filter(|key| keys.has(key)).collect();
+    let text = match given[..] {
+        ["name"] => {
+            let name = keys.text("name")?.map_or("", |name| name.0);
+            // Asked for first, for its message with the names that there are.
+            Muscle::built_in(name).map_err(|error| keys.wrong("name", Problem::Muscle(error)))?;
+            models::muscle::BUILT_IN
+                .iter()
+                .find(|muscle| muscle.0 == name)
+                .map_or("", |muscle| muscle.1)
+                .into()
+        }
+        ["file"] => read_file(document, keys, "file")?.1,
+        [_text] => keys.text("text")?.map_or(String::new(), |text| text.0.to_owned()),
+        [] => return Err(keys.missing("name", "name = \"garbulinski-2022\", or file = \"mine.toml\"")),
+        [_, second, ..] => {
+            let message = "a muscle has one source; keep one of name, file and text".to_owned();
+            return Err(keys.wrong(second, Problem::Other { message }));
+        }
+    };
+    let muscle = Muscle::from_toml(&text).map_err(|error| {
+        let file = keys.text(given[0]).ok().flatten().filter(|_| given[0] != "text");
+        let file = file.map_or("its text".to_owned(), |file| file.0.to_owned());
+        let problem = Problem::MuscleFile { file, error };
+        document.error_of(&keys.path_of(given[0]), problem)
+    })?;
+    let sources: Vec<_> = muscle.stiffness_sources().collect();
+    let stiffness = match keys.text("stiffness")? {
+        Some((stiffness, _)) => stiffness.to_owned(),
+        None if sources.contains(&"pder_32") => "pder_32".to_owned(),
+        None if sources.len() == 1 => sources[0].to_owned(),
+        None => return Err(keys.missing("stiffness", "stiffness = with the column that you mean")),
+    };
+    let extrapolation = [("refused", Extrapolation::Refused), ("allowed", Extrapolation::Allowed)];
+    let extrapolation = keys.word("extrapolation", &extrapolation)?.unwrap_or_default();
+    let middle = muscle.pressures()[0];
+    (muscle.at(middle, &stiffness, extrapolation))
+        .map_err(|error| keys.wrong("stiffness", Problem::Muscle(error)))?;
+    let masses = [("conserved", MassPlan::Conserved), ("per_length", MassPlan::PerLength)];
+    Ok(Some(MusclePlan {
+        text,
+        pressure: read_pressure(keys)?,
+        stiffness,
+        extrapolation,
+        mass: keys.word("mass", &masses)?.unwrap_or(MassPlan::Conserved),
+        muscle,
+    }))
+}
+
+fn read_pressure(keys: &Keys) -> Result<Pressure, ScenarioError> {
+    if !keys.has("pressure") {
+        return Err(keys.missing("pressure", "pressure = \"15 psi\""));
+    }
+    let form = "a row of time and pressure, such as [\"5 s\", \"20 psi\"],";
+    if let Some(rows) = keys.rows("pressure", &["s", "Pa"], form)? {
+        let rows: Vec<_> = rows.iter().map(|row| (row[0], row[1])).collect();
+        if rows.is_empty() || rows.windows(2).any(|pair| pair[0].0 >= pair[1].0) {
+            let must = "have one row at least, and each time later than the one before";
+            return Err(keys.wrong("pressure", Problem::Must { must }));
+        }
+        return Ok(Pressure::Schedule(rows));
+    }
+    if keys.text("pressure").is_ok_and(|text| text.is_some_and(|(text, _)| text == "all rows")) {
+        return Ok(Pressure::AllRows);
+    }
+    Ok(Pressure::Constant(keys.quantity("pressure", "Pa")?.unwrap_or_default()))
+}
+
+fn read_from(document: &Document, release: &Keys, has_muscle: bool) -> Result<From, ScenarioError> {
+    let hold = release.table("hold")?;
+    let from = release.word("from", &[("straight", false), ("equilibrium", true)])?;
+    if hold.is_given() && from != Some(true) {
+        let message = "only an equilibrium is held; write from = \"equilibrium\" in [release]".to_owned();
+        return Err(document.error_of("release.hold", Problem::Other { message }));
+    }
+    for key in ["posture", "nodes"] {
+        if from.is_some() && release.has(key) {
+            let message = "a release has one start; keep either this or from".to_owned();
+            return Err(release.wrong(key, Problem::Other { message }));
+        }
+    }
+    if release.has("posture") {
+        let (file, text) = read_file(document, release, "posture")?;
+        return (posture::read(&file, &text).map(From::Points))
+            .map_err(|error| release.wrong("posture", *error));
+    }
+    if let Some(rows) = release.rows("nodes", &["m", "m", "m/s", "m/s"], "a row of x, z, vx, vz")? {
+        let points: Vec<_> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
+        posture::check(&points).map_err(|(_, message)| release.wrong("nodes", Problem::Other { message }))?;
+        return Ok(From::Points(points));
+    }
+    if release.has("nodes") {
+        return Err(release.wrong("nodes", Problem::WrongType { due: "rows of x, z, vx, vz" }));
+    }
+    if from != Some(true) {
+        return Ok(From::Straight);
+    }
+    hold.only(&["pressure", "rod", "effects"])?;
+    if hold.has("pressure") && !has_muscle {
+        let message = "a rod without [muscle] has no pressure; give release.hold.rod instead".to_owned();
+        return Err(hold.wrong("pressure", Problem::Other { message }));
+    }
+    let rod = hold.table("rod")?;
+    rod.only(&ROD.map(|(key, _)| key))?;
+    Ok(From::Equilibrium(Hold {
+        pressure: hold.quantity("pressure", "Pa")?,
+        rod: read_rod(&rod)?,
+        effects: read_effects(&hold.table("effects")?)?,
+    }))
+}
+
+fn read_run(keys: &Keys) -> Result<(f64, Run), ScenarioError> {
+    let run = keys.table("run")?;
+    run.only(&["duration", "rate"])?;
+    let duration =
+        run.quantity_that("duration", "s", "be positive", |duration| duration > 0.0)?.unwrap_or(20.0);
+    let rate = run.quantity_that("rate", "Hz", "be positive", |rate| rate > 0.0)?.unwrap_or(100.0);
+    if duration * rate > MOST_SAMPLES {
+        let must = "give no more than ten million samples; lower run.rate or run.duration";
+        return Err(run.wrong("rate", Problem::Must { must }));
+    }
+    let integrator = keys.table("integrator")?;
+    integrator.only(&["method", "tolerance", "most_steps", "fixed_step"])?;
+    let mut settings = Run::release(duration, rate);
+    let admitted = |tolerance: f64| (1e-12..=0.1).contains(&tolerance);
+    settings.method = integrator.word("method", &METHODS)?.unwrap_or(DEFAULT_METHOD);
+    settings.tolerance = (integrator.quantity_that("tolerance", "", "lie in 1e-12..=0.1", admitted)?)
+        .unwrap_or(DEFAULT_TOLERANCE);
+    settings.fixed_step = integrator.quantity_that("fixed_step", "s", "be positive", |step| step > 0.0)?;
+    settings.most_steps = integrator.count("most_steps")?.unwrap_or(settings.most_steps);
+    if settings.most_steps == 0 {
+        return Err(integrator.wrong("most_steps", Problem::Must { must: "be at least 1" }));
+    }
+    settings.energy = true;
+    Ok((rate, settings))
+}
+
+/// Effects in the order of the catalogue, whatever that of the file.
+fn read_effects(keys: &Keys) -> Result<Vec<EffectPlan>, ScenarioError> {
+    keys.only(&CATALOGUE.iter().map(|effect| effect.about().name).collect::<Vec<_>>())?;
+    let mut plans = Vec::new();
+    for about in CATALOGUE.iter().map(|effect| effect.about()).filter(|about| keys.has(about.name)) {
+        let effect = keys.table(about.name)?;
+        effect.only(&about.parameters.iter().map(|p| p.name).collect::<Vec<_>>())?;
+        let mut values = Vec::new();
+        for parameter in about.parameters {
+            if let Some(value) = effect.quantity(parameter.name, parameter.unit)? {
+                values.push((parameter, value));
+            }
+        }
+        debug_assert!(effects::by_name(about.name).is_some());
+        plans.push((about.name, values));
+    }
+    Ok(plans)
+}
+
+/// Name and text of a file that a key names.
+fn read_file(document: &Document, keys: &Keys, key: &str) -> Result<(String, String), ScenarioError> {
+    let Some((name, place)) = keys.text(key)? else { return Ok(Default::default()) };
+    match fs::read_to_string(document.file(place, name)) {
+        Ok(text) => Ok((name.to_owned(), text)),
+        Err(error) => {
+            let problem = Problem::Unreadable { file: name.to_owned(), reason: error.to_string() };
+            Err(keys.wrong(key, problem))
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A case as a scenario in SI units that needs no other file and gives the same bits.
+
+use std::fmt::Write;
+
+use models::model::{Model, Root};
+use models::muscle::Extrapolation;
+
+use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD};
+use crate::forward::{Initial, Run};
+
+pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String {
+    let mut out = String::from(
+        "# What was simulated, in SI units and with nothing left to defaults: written by efam,\n\
+         # and run again by `efam simulate` to the same bits.\n",
+    );
+    put(&mut out, "name", quoted(name));
+    muscle(&mut out, plan);
+    let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
+    out += "\n[rod]\n";
+    put(&mut out, "nodes", model.edges + 1);
+    put(&mut out, "root", quoted(if model.root == Root::Paper { "paper" } else { "consistent" }));
+    put(&mut out, "base_angle", si(value("rod.base_angle"), "rad"));
+    put(&mut out, "tip", si(model.tip_distance, "m"));
+    for (k, (key, unit)) in ROD.into_iter().enumerate() {
+        let is_none = key == "diameter" && plan.muscle.is_none() && plan.rod[k].is_none();
+        if !is_none {
+            put(&mut out, key, si(value(&format!("rod.{key}")), unit));
+        }
+    }
+    out += "\n[release]\n";
+    put(&mut out, "angle", si(value("release.angle"), "rad"));
+    put(&mut out, "angular_velocity", si(value("release.angular_velocity"), "rad/s"));
+    match &plan.from {
+        From::Straight => put(&mut out, "from", quoted("straight")),
+        From::Equilibrium(_) => put(&mut out, "from", quoted("equilibrium")),
+        From::Points(points) => {
+            out += "nodes = [\n";
+            for [x, z, vx, vz] in points {
+                let row = [si(*x, "m"), si(*z, "m"), si(*vx, "m/s"), si(*vz, "m/s")].join(", ");
+                let _ = writeln!(out, "  [{row}],");
+            }
+            out += "]\n";
+        }
+    }
+    if let Initial::Equilibrium { hold, own } = &run.initial {
+        parameters(&mut out, "release.hold.", hold, own);
+    }
+    out += "\n[run]\n";
+    put(&mut out, "duration", si(run.duration, "s"));
+    put(&mut out, "rate", si(plan.rate, "Hz"));
+    out += "\n[integrator]\n";
+    let method = METHODS.iter().find(|(_, method)| *method == run.method);
+    put(&mut out, "method", quoted(method.map_or("", |method| method.0)));
+    put(&mut out, "tolerance", si(run.tolerance, ""));
+    put(&mut out, "most_steps", run.most_steps);
+    if let Some(step) = run.fixed_step {
+        put(&mut out, "fixed_step", si(step, "s"));
+    }
+    let effects: Vec<_> = model.effects.iter().flat_map(|active| active.theta.clone()).collect();
+    parameters(&mut out, "", model, &effects);
+    out
+}
+
+/// With a pressure that changes the model needs the muscle itself.
+fn muscle(out: &mut String, plan: &Plan) {
+    let Some(muscle) = &plan.muscle else { return };
+    let Pressure::Schedule(rows) = &muscle.pressure else { return };
+    *out += "\n[muscle]\n";
+    *out += "pressure = [\n";
+    for (time, pressure) in rows {
+        let _ = writeln!(out, "  [{}, {}],", si(*time, "s"), si(*pressure, "Pa"));
+    }
+    *out += "]\n";
+    put(out, "stiffness", quoted(&muscle.stiffness));
+    let allowed = muscle.extrapolation == Extrapolation::Allowed;
+    put(out, "extrapolation", quoted(if allowed { "allowed" } else { "refused" }));
+    let conserved = muscle.mass == MassPlan::Conserved;
+    put(out, "mass", quoted(if conserved { "conserved" } else { "per_length" }));
+    put(out, "text", quoted(&muscle.text));
+}
+
+/// Parameters of a model, table by table; all belong to tables behind one another in `theta`.
+fn parameters(out: &mut String, prefix: &str, model: &Model, which: &[usize]) {
+    let mut open = String::new();
+    for k in which {
+        let parameter = &model.parameters[*k];
+        let (table, key) = parameter.path.rsplit_once('.').unwrap_or_default();
+        if table != open {
+            let _ = write!(out, "\n[{prefix}{table}]\n");
+            open = table.to_owned();
+        }
+        put(out, key, si(model.theta[*k], parameter.unit));
+    }
+}
+
+fn put(out: &mut String, key: &str, value: impl std::fmt::Display) {
+    let _ = writeln!(out, "{key} = {value}");
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}
+
+/// A number that is read back to the same bits: the shortest that does, in a unit of scale 1.
+fn si(value: f64, unit: &str) -> String {
+    if unit.is_empty() { format!("{value:?}") } else { format!("\"{value:?} {unit}\"") }
+}

@@ -1,0 +1,353 @@
+//! The program from outside: exit codes, messages, and what is left on the disk.
+//!
+//! Goal: whatever is wrong with the input is said with its place and the next move, and no run
+//! leaves anything half-written. Expected: the texts below; they are golden.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const MUSCLE: &str = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n";
+/// A run of a tenth of a second.
+const SHORT: &str = "[run]\nduration = \"0.1 s\"\n";
+
+/// A folder of its own for each test.
+struct Bench(PathBuf);
+
+impl Bench {
+    fn new(name: &str) -> Bench {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("the target folder can be written");
+        Bench(folder)
+    }
+
+    fn file(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).expect("the target folder can be written");
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_efam"));
+        command.args(arguments).current_dir(&self.0);
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> (i32, String, String) {
+        let Output { status, stdout, stderr } = self.command(arguments).output().expect("efam runs");
+        let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+        (status.code().unwrap_or(-1), text(stdout), text(stderr))
+    }
+
+    /// Exit code and stderr of `efam simulate s.toml` with that text.
+    fn simulate(&self, scenario: &str, arguments: &[&str]) -> (i32, String) {
+        self.file("s.toml", scenario);
+        let (code, _, stderr) = self.run(&[&["simulate", "s.toml", "--out", "out"], arguments].concat());
+        (code, stderr)
+    }
+
+    fn summary(&self) -> serde_json::Value {
+        let text = fs::read_to_string(self.0.join("out/summary.json")).expect("there is a summary");
+        serde_json::from_str(&text).expect("it is JSON")
+    }
+
+    /// Names of what lies in the folder.
+    fn left(&self) -> Vec<String> {
+        let mut names: Vec<_> = (fs::read_dir(&self.0).expect("the folder is there"))
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+#[test]
+fn every_slip_in_a_scenario_has_its_message_and_code_2() {
+    let bench = Bench::new("slips");
+    let with = |text: &str| format!("{MUSCLE}{text}\n");
+    for (scenario, expected) in [
+        (
+            with("presure = 1"),
+            "error: s.toml:4:1: muscle.presure: unknown key; did you mean `pressure`?; known here are name, file, text, pressure, stiffness, extrapolation, mass\n",
+        ),
+        (
+            with("[effects.payload]\nmass = \"80 psi\""),
+            "error: s.toml:5:8: effects.payload.mass: \"80 psi\" is a pressure, but a mass is due, such as \"80 g\" or \"80 kg\"\n",
+        ),
+        (
+            with("[effects.payload]\nmass = \"-80 g\""),
+            "error: s.toml:5:8: effects.payload.mass = \"-80 g\": must lie in 0..=100 kg\n",
+        ),
+        (
+            with("[effects.payload]\nmass = 80"),
+            "error: s.toml:5:8: effects.payload.mass: 80: needs a unit of mass, such as \"80 g\" or \"80 kg\"\n",
+        ),
+        (
+            with("[effects.payload]\nmass = nan"),
+            "error: s.toml:5:8: effects.payload.mass: nan: the number must be finite\n",
+        ),
+        (
+            with("[integrator]\ntolerance = nan"),
+            "error: s.toml:5:13: integrator.tolerance: nan: the number must be finite\n",
+        ),
+        (
+            with("[rod]\nnodes = 3"),
+            "error: s.toml:5:9: rod.nodes = 3: must lie in 4..=2000; 32 is what the paper used\n",
+        ),
+        (with("[rod]\nnodes = 32.5"), "error: s.toml:5:9: rod.nodes = 32.5: a whole number is due\n"),
+        (
+            with("[integrator]\nmethod = \"rodas\""),
+            "error: s.toml:5:10: integrator.method = \"rodas\": unknown; did you mean `rodas4`?; known here are auto, verlet, rodas4, tr_bdf2, esdirk34\n",
+        ),
+        (
+            MUSCLE.replace("15 psi", "140 psi"),
+            "error: s.toml:3:12: muscle.pressure = 140 psi (965.266 kPa): outside the table of garbulinski-2022, 5 to 100 psi (34.474 to 689.476 kPa); choose a pressure inside, or set extrapolation = \"allowed\"\n",
+        ),
+        (
+            MUSCLE.replace("name = \"garbulinski-2022\"", "file = \"mine.toml\""),
+            "error: s.toml:2:8: muscle.file: mine.toml: cannot be read (No such file or directory (os error 2)); check the path\n",
+        ),
+    ] {
+        let (code, stderr) = bench.simulate(&scenario, &[]);
+        assert_eq!((code, stderr.as_str()), (2, expected), "{scenario}");
+    }
+    // The reader of TOML may word it otherwise one day; the place is ours.
+    let (code, stderr) = bench.simulate(&with("[rod\n"), &[]);
+    assert_eq!(code, 2);
+    assert!(stderr.starts_with("error: s.toml:4:5: "), "{stderr}");
+    assert_eq!(bench.left(), ["s.toml"]);
+}
+
+#[test]
+fn a_missing_scenario_and_broken_data_are_told_apart() {
+    let bench = Bench::new("missing");
+    let (code, _, stderr) = bench.run(&["simulate", "none.toml"]);
+    assert_eq!(code, 2);
+    assert_eq!(
+        stderr,
+        "error: none.toml: cannot be read (No such file or directory (os error 2)); check the path\n"
+    );
+    bench.file("mine.toml", "name = 3\n");
+    let (code, stderr) = bench.simulate(MUSCLE, &["--muscle", "mine.toml"]);
+    assert_eq!(code, 3, "{stderr}");
+    assert!(
+        stderr.starts_with("error: --set muscle.file=\"mine.toml\": muscle.file: mine.toml: "),
+        "{stderr}"
+    );
+    bench.file("points.csv", "0,0\n0.1\n");
+    let (code, stderr) = bench.simulate(MUSCLE, &["--set", "release.posture=points.csv"]);
+    assert_eq!(code, 3);
+    assert!(stderr.contains("points.csv:2: 1 values, not 2 or 4; the form is x_m,z_m"), "{stderr}");
+}
+
+#[test]
+fn a_run_leaves_its_results_and_one_object_on_stdout() {
+    let bench = Bench::new("run");
+    bench.file("s.toml", &format!("{MUSCLE}{SHORT}"));
+    let run = |out: &str, more: &[&str]| {
+        let (code, stdout, stderr) =
+            bench.run(&[&["simulate", "s.toml", "--json", "--csv", "--out", out], more].concat());
+        assert_eq!((code, stderr.as_str()), (0, ""));
+        serde_json::from_str::<serde_json::Value>(&stdout).expect("one JSON object")
+    };
+    let first = run("one", &["--pressure", "40psi", "--set", "effects.payload.mass=50 g"]);
+    assert_eq!(first["runs"][0]["status"]["kind"], "complete");
+    assert_eq!(first["runs"][0]["samples"], 11);
+    // What was resolved is a scenario, and gives the same bits.
+    fs::copy(bench.0.join("one/scenario.resolved.toml"), bench.0.join("s.toml")).expect("copied");
+    run("two", &[]);
+    for file in ["tip.csv", "scenario.resolved.toml"] {
+        let read = |run: &str| fs::read_to_string(bench.0.join(run).join(file)).expect("written");
+        assert_eq!(read("one"), read("two"));
+    }
+    let (code, _, stderr) = bench.run(&["simulate", "s.toml", "--out", "one"]);
+    assert_eq!(code, 2);
+    assert_eq!(stderr, "error: one: is there already; choose another --out, or replace it by --overwrite\n");
+    assert_eq!(bench.run(&["simulate", "s.toml", "--out", "one", "--overwrite", "-q"]).0, 0);
+    assert!(!bench.0.join("one/tip.csv").exists());
+}
+
+#[test]
+fn extrapolation_warns_on_stderr_and_in_the_summary() {
+    let bench = Bench::new("extrapolation");
+    let (code, stderr) = bench.simulate(
+        &format!("{MUSCLE}extrapolation = \"allowed\"\n{SHORT}"),
+        &["--set", "muscle.pressure=140 psi"],
+    );
+    let text = "muscle.pressure: 140 psi (965.266 kPa) lies outside the table, 5 to 100 psi \
+                (34.474 to 689.476 kPa): extrapolated along straight lines";
+    assert_eq!((code, stderr), (0, format!("warning: {text}\n")));
+    assert_eq!(bench.summary()["warnings"][0], text);
+}
+
+#[test]
+fn a_run_that_cannot_go_on_keeps_what_there_is() {
+    let bench = Bench::new("steps");
+    let (code, stderr) = bench.simulate(MUSCLE, &["--set", "integrator.most_steps=50"]);
+    assert_eq!(code, 4);
+    assert!(stderr.starts_with("error: 50 steps brought the run only to t = "), "{stderr}");
+    assert!(stderr.contains("raise integrator.most_steps"), "{stderr}");
+    assert!(stderr.trim_end().ends_with("are in out, marked in summary.json"), "{stderr}");
+    assert_eq!(bench.summary()["status"]["kind"], "failed");
+}
+
+#[test]
+fn more_damping_than_any_muscle_has_is_only_slow() {
+    let bench = Bench::new("damping");
+    let damped =
+        "[effects.rayleigh_mass]\nalpha = \"1e6 1/s\"\n[effects.rayleigh_stiffness]\nbeta = \"1e3 s\"\n";
+    let (code, stderr) = bench.simulate(&format!("{MUSCLE}{SHORT}{damped}"), &[]);
+    assert!(matches!((code, stderr.as_str()), (0, "")) || code == 4, "{code}: {stderr}");
+    let kind = bench.summary()["status"]["kind"].clone();
+    assert!(if code == 0 { kind == "complete" } else { kind == "failed" }, "{kind}");
+}
+
+#[test]
+fn outputs_that_cannot_be_written_leave_nothing() {
+    let bench = Bench::new("unwritable");
+    bench.file("outputs", "a file where the folder should be");
+    bench.file("s.toml", &format!("{MUSCLE}{SHORT}"));
+    let (code, stdout, stderr) = bench.run(&["simulate", "s.toml"]);
+    assert_eq!((code, stdout.as_str()), (1, ""));
+    assert!(stderr.starts_with("error: outputs/s: cannot be written ("), "{stderr}");
+    assert!(stderr.ends_with("check folder, permissions and free space\n"), "{stderr}");
+    assert_eq!(bench.left(), ["outputs", "s.toml"]);
+    // A full device in place of stdout.
+    #[cfg(target_os = "linux")]
+    {
+        let full = fs::File::options().write(true).open("/dev/full").expect("Linux has it");
+        let output = bench.command(&["effects"]).stdout(full).output().expect("efam runs");
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: stdout: cannot be written ("));
+    }
+}
+
+/// A disk of 32 kB, where this user may mount one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_nothing_half_written() {
+    let bench = Bench::new("full");
+    bench.file("s.toml", MUSCLE);
+    let disk = bench.0.join("disk");
+    fs::create_dir(&disk).expect("made");
+    let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=32k", "tmpfs"]).arg(&disk).output();
+    if !mount.is_ok_and(|mount| mount.status.success()) {
+        println!("skipped: no small disk can be mounted here");
+        return;
+    }
+    let (code, stdout, stderr) = bench.run(&["simulate", "s.toml", "--csv", "--out", "disk/out"]);
+    let left = fs::read_dir(&disk).expect("the disk is there").count();
+    let _ = Command::new("umount").arg(&disk).status();
+    assert_eq!((code, stdout.as_str(), left), (1, "", 0), "{stderr}");
+    assert!(stderr.starts_with("error: disk/out: cannot be written ("), "{stderr}");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_saves_what_was_integrated() {
+    let bench = Bench::new("interrupt");
+    // Hours of work.
+    bench.file(
+        "s.toml",
+        &format!("{MUSCLE}[run]\nduration = \"3600 s\"\n[integrator]\nfixed_step = \"10 us\"\n"),
+    );
+    let mut child = bench
+        .command(&["simulate", "s.toml", "--json", "--out", "out"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("efam runs");
+    let begin = Instant::now();
+    // It listens from when its folder is there on; a moment more for samples.
+    while bench.left().len() < 2 && begin.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.is_ok_and(|kill| kill.success()));
+    while child.try_wait().expect("a child").is_none() {
+        if begin.elapsed() > Duration::from_secs(60) {
+            let _ = child.kill();
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let Output { status, stdout, stderr } = child.wait_with_output().expect("it ended");
+    let stderr = String::from_utf8_lossy(&stderr);
+    assert_eq!(status.code(), Some(130), "{stderr}");
+    assert!(stderr.starts_with("interrupted: s: the "), "{stderr}");
+    let object: serde_json::Value = serde_json::from_slice(&stdout).expect("one JSON object");
+    assert_eq!(object["runs"][0]["status"]["kind"], "cut_short");
+    assert_eq!(bench.summary()["status"]["kind"], "cut_short");
+    assert_eq!(bench.left(), ["out", "s.toml"]);
+}
+
+#[test]
+fn all_rows_are_the_same_on_any_number_of_threads() {
+    let bench = Bench::new("threads");
+    bench.file("s.toml", &format!("{}{SHORT}", MUSCLE.replace("15 psi", "all rows")));
+    for threads in ["1", "3"] {
+        let run = bench
+            .command(&["simulate", "s.toml", "--csv", "-q", "--out", threads])
+            .env("RAYON_NUM_THREADS", threads)
+            .status();
+        assert!(run.is_ok_and(|run| run.success()));
+    }
+    for case in ["s-005psi", "s-040psi", "s-100psi"] {
+        for file in ["tip.csv", "summary.json", "scenario.resolved.toml"] {
+            let read = |threads: &str| {
+                fs::read_to_string(bench.0.join(threads).join(case).join(file)).expect("it was written")
+            };
+            assert_eq!(read("1"), read("3"));
+        }
+    }
+}
+
+#[test]
+fn effects_are_listed_and_their_pages_shown() {
+    let bench = Bench::new("effects");
+    let (code, stdout, _) = bench.run(&["effects"]);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("elastic: gives back what it stores\n  stretch "), "{stdout}");
+    assert!(stdout.contains("default 1.2 kg/m^3, 0e0..=2e3 kg/m^3, off at 0"), "{stdout}");
+    let (code, stdout, _) = bench.run(&["effects", "payload"]);
+    assert_eq!(code, 0);
+    assert!(stdout.starts_with("Payload: a rigid body is carried at the tip."), "{stdout}");
+    let (code, stdout, stderr) = bench.run(&["effects", "payoad"]);
+    assert_eq!((code, stdout.as_str()), (2, ""));
+    assert!(stderr.starts_with("error: no effect `payoad`; did you mean `payload`?; there are "), "{stderr}");
+    let (_, stdout, _) = bench.run(&["effects", "--json"]);
+    let object: serde_json::Value = serde_json::from_str(&stdout).expect("one JSON object");
+    assert_eq!(object["effects"][0]["name"], "stretch");
+}
+
+#[test]
+fn the_command_line_itself_is_checked() {
+    let bench = Bench::new("usage");
+    assert_eq!(bench.run(&["simulat"]).0, 2);
+    assert_eq!(bench.run(&["simulate", "s.toml", "--rerun", "show"]).0, 2);
+    let (code, stdout, _) = bench.run(&["--help"]);
+    assert_eq!(code, 0);
+    assert!(stdout.contains("130  interrupted"), "{stdout}");
+}
+
+#[test]
+fn statics_and_modes_of_a_ruler() {
+    let bench = Bench::new("ruler");
+    // A light steel ruler is a linear cantilever: m g l^3 / 8 EI down, 3.516 / 2 pi sqrt(EI / m l^3).
+    bench.file(
+        "s.toml",
+        "[rod]\nlength = \"0.1 m\"\nmass = \"1 g\"\nbending_stiffness = \"0.05 N m^2\"\naxial_stiffness = \"1e6 N\"\n",
+    );
+    let object = |command: &str| {
+        let (code, stdout, stderr) = bench.run(&[command, "s.toml", "--json"]);
+        assert_eq!((code, stderr.as_str()), (0, ""));
+        serde_json::from_str::<serde_json::Value>(&stdout).expect("one JSON object")
+    };
+    let sag = object("statics")["statics"][0]["tip_z_m"].as_f64().expect("a number");
+    let expected = -1e-3 * 9.81 * 1e-3 / (8.0 * 0.05);
+    // Second order in the edge length, 31 edges.
+    assert!((sag / expected - 1.0).abs() < 2e-3, "{sag} {expected}");
+    let frequency = object("modes")["modes"][0]["frequency_hz"].as_f64().expect("a number");
+    let expected = 3.516 / std::f64::consts::TAU * (0.05_f64 / (1e-3 * 1e-3)).sqrt();
+    assert!((frequency / expected - 1.0).abs() < 2e-3, "{frequency} {expected}");
+}
