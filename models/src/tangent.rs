@@ -123,7 +123,7 @@ impl System<'_> {
         }
         t.flow.fill([[0.0; 2]; 2]);
         t.tip = [[0.0; 6]; 3];
-        let acting = std::mem::replace(&mut self.assembly.acting.bend, Vec::new());
+        let acting = std::mem::take(&mut self.assembly.acting.bend);
         for &k in &acting {
             let active = &model.effects[k];
             let own = active.memory.clone();

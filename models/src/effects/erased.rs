@@ -74,6 +74,7 @@ pub trait Effect: EffectFor<f64> + EffectFor<Lanes> {
     fn page(&self) -> String;
     /// Adds the effect's moment and its tangents by curvature and rate, all of integrated
     /// curvature; for an effect with memory, writes all its tangents.
+    #[expect(clippy::too_many_arguments, reason = "what goes in, and three lists that come out")]
     fn linearise_moments(
         &self,
         c: &Context<f64>,

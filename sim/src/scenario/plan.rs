@@ -86,7 +86,7 @@ pub(super) const ROD: [(&str, &str); 5] = [
     ("diameter", "m"),
 ];
 
-pub(super) const METHODS: [(&str, Method); 6] = [
+pub(super) const METHODS: [(&str, Method); 5] = [
     ("auto", Method::Auto),
     ("verlet", Method::Verlet),
     ("rodas4", Method::Rodas4),
