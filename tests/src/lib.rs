@@ -8,7 +8,8 @@ use models::muscle::{Extrapolation, Muscle};
 use sim::forward::{Run, forward};
 use sim::trajectory::Trajectory;
 
-const PSI: f64 = 6894.757_293_168_361;
+/// One pound-force per square inch, Pa.
+pub const PSI: f64 = 6_894.757_293_168_361;
 
 /// The paper's muscle at a pressure, released from the horizontal, with parameters of effects set:
 /// `("rayleigh_mass.alpha", 1.0)`.

@@ -165,7 +165,7 @@ impl<'m> Rosenbrock<'m> {
             let e_q = last[k] * radius / self.scale_q;
             let e_v = last[nq + k] * radius / self.scale_v;
             let e = e_q * e_q + e_v * e_v;
-            if !(e <= worst.0) {
+            if e > worst.0 || e.is_nan() {
                 worst = (e, (k / 2 + 1).min(nq / 2));
             }
             sum += e;
@@ -222,7 +222,7 @@ impl Stepper for Rosenbrock<'_> {
                 if !error.is_finite() {
                     return Err(IntegrateError::NotFinite { time, node });
                 }
-            } else if !(error <= 1.0) {
+            } else if error > 1.0 || error.is_nan() {
                 self.effort.rejected += 1;
                 rejected = true;
                 let order = self.tableau.order as f64;

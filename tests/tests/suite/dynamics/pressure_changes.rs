@@ -8,9 +8,7 @@ use models::pressure::PressureSchedule;
 use models::statics::equilibrium;
 use models::system::System;
 use sim::forward::Run;
-use tests::{paper, paper_spec, simulate};
-
-const PSI: f64 = 6894.757_293_168_361;
+use tests::{PSI, paper, paper_spec, simulate};
 
 fn drifting(rows: &[(f64, f64)], damping: f64) -> Model {
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
