@@ -1,5 +1,7 @@
 //! The equations of motion `q̇ = v`, `M v̇ = f(q, v, z, t; theta)`, `ż = g(q, v, z, t; theta)`.
 
+use num_dual::Dual64;
+
 use crate::effects::{Body, Effect, Kind, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
 use crate::kinematics::Fields;
 use crate::model::{
@@ -318,19 +320,19 @@ pub struct System<'m> {
     /// Diagonal of the mass matrix, shape `[2N+1]`, kg and kg m².
     pub mass: Vec<f64>,
     pub(crate) tangent: Tangent,
-    lanes: Vec<LanePass>,
+    lanes: Vec<Pass<Lanes>>,
 }
 
-/// A pass over [`LANES`] parameters at once.
+/// An evaluation of the equations over a scalar that carries derivatives.
 #[derive(Clone)]
-struct LanePass {
-    assembly: Assembly<Lanes>,
-    mass: Vec<Lanes>,
-    q: Vec<Lanes>,
-    v: Vec<Lanes>,
-    z: Vec<Lanes>,
-    force: Vec<Lanes>,
-    z_rate: Vec<Lanes>,
+struct Pass<T> {
+    assembly: Assembly<T>,
+    mass: Vec<T>,
+    q: Vec<T>,
+    v: Vec<T>,
+    z: Vec<T>,
+    force: Vec<T>,
+    z_rate: Vec<T>,
 }
 
 impl<'m> System<'m> {
@@ -358,7 +360,7 @@ impl<'m> System<'m> {
     /// Makes room for derivatives by parameters: `indices` into `theta`, in groups of [`LANES`];
     /// `None` leaves a lane at zero.
     pub fn watch(&mut self, indices: &[Option<usize>]) {
-        self.lanes = indices.chunks(LANES).map(|group| LanePass::new(self.model, group)).collect();
+        self.lanes = indices.chunks(LANES).map(|group| Pass::for_parameters(self.model, group)).collect();
     }
 
     /// Derivative by the `group`-th [`LANES`] watched parameters of `f − M a` at fixed state and
@@ -449,43 +451,37 @@ impl<'m> System<'m> {
         force: &mut [f64],
         z_rate: &mut [f64],
     ) {
-        let now = seeded(time, 0);
-        pass.0.evaluate(self.model, now, q, v, z);
-        for (out, f) in force.iter_mut().zip(&pass.0.force) {
-            *out = slopes(f)[0];
+        let pass = &mut pass.pass;
+        pass.evaluate(self.model, Dual64::from(time).derivative(), q, v, z);
+        for (out, f) in force.iter_mut().zip(&pass.force) {
+            *out = f.eps;
         }
-        for (out, rate) in z_rate.iter_mut().zip(&pass.0.z_rate) {
-            *out = slopes(rate)[0];
+        for (out, rate) in z_rate.iter_mut().zip(&pass.z_rate) {
+            *out = rate.eps;
         }
     }
 
-    /// Power that the effects dissipate and power that a changing pressure supplies, W.
-    pub fn powers(&mut self, pass: &mut TimePass, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> (f64, f64) {
-        let mut force = std::mem::take(&mut pass.0.force);
-        let mut z_rate = std::mem::take(&mut pass.0.z_rate);
-        pass.0.lift(q, v, z);
-        pass.0.assembly.force(
-            self.model,
-            time.into(),
-            &pass.0.q,
-            &pass.0.v,
-            &pass.0.z,
-            &mut force,
-            &mut z_rate,
-        );
-        let work: f64 = force.iter().zip(v).map(|(f, v)| f.re * v).sum();
-        for (q, v) in pass.0.q.iter_mut().zip(v) {
-            *q += seeded(0.0, 0) * *v;
+    /// Power that the effects dissipate and power that a changing pressure supplies, W: what the
+    /// forces do that the energies do not take, and how the energies change at a fixed state.
+    pub fn powers(&mut self, room: &mut TimePass, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> (f64, f64) {
+        self.force(time, q, v, z, &mut room.force, &mut room.z_rate);
+        let work: f64 = room.force.iter().zip(v).map(|(f, v)| f * v).sum();
+        let pass = &mut room.pass;
+        for (moving, (q, v)) in pass.q.iter_mut().zip(q.iter().zip(v)) {
+            *moving = Dual64::new(*q, *v);
         }
-        for (z, rate) in pass.0.z.iter_mut().zip(&z_rate) {
-            *z += seeded(0.0, 0) * rate.re;
+        for (moving, (z, rate)) in pass.z.iter_mut().zip(z.iter().zip(&room.z_rate)) {
+            *moving = Dual64::new(*z, *rate);
         }
-        let (elastic, potential) =
-            pass.0.assembly.energy(self.model, seeded(time, 1), &pass.0.q, &pass.0.v, &pass.0.z);
-        pass.0.force = force;
-        pass.0.z_rate = z_rate;
-        let rates = slopes(&(elastic + potential));
-        (-work - rates[0], rates[1])
+        let (elastic, potential) = pass.assembly.energy(self.model, time.into(), &pass.q, &pass.v, &pass.z);
+        let dissipated = -work - (elastic + potential).eps;
+        if !self.model.is_timed() {
+            return (dissipated, 0.0);
+        }
+        pass.lift(q, v, z);
+        let now = Dual64::from(time).derivative();
+        let (elastic, potential) = pass.assembly.energy(self.model, now, &pass.q, &pass.v, &pass.z);
+        (dissipated, (elastic + potential).eps)
     }
 
     /// Kinetic, elastic and potential energy, J.
@@ -550,25 +546,40 @@ impl<'m> System<'m> {
 
 /// Room for derivatives by time and by the state's own motion.
 #[derive(Clone)]
-pub struct TimePass(LanePass);
+pub struct TimePass {
+    pass: Pass<Dual64>,
+    force: Vec<f64>,
+    z_rate: Vec<f64>,
+}
 
 impl TimePass {
     /// Makes the room.
     pub fn new(model: &Model) -> Self {
-        Self(LanePass::new(model, &[]))
+        let theta = model.theta.iter().map(|value| Dual64::from(*value)).collect();
+        Self {
+            pass: Pass::new(model, theta),
+            force: vec![0.0; model.dof()],
+            z_rate: vec![0.0; model.memory()],
+        }
     }
 }
 
-impl LanePass {
-    fn new(model: &Model, group: &[Option<usize>]) -> Self {
+impl Pass<Lanes> {
+    fn for_parameters(model: &Model, group: &[Option<usize>]) -> Self {
         let mut theta: Vec<Lanes> = model.theta.iter().map(|value| Lanes::from(*value)).collect();
         for (lane, k) in group.iter().enumerate() {
             if let Some(k) = *k {
                 theta[k] = seeded(model.theta[k], lane);
             }
         }
+        Self::new(model, theta)
+    }
+}
+
+impl<T: Scalar> Pass<T> {
+    fn new(model: &Model, theta: Vec<T>) -> Self {
         let assembly = Assembly::new(model, theta, true);
-        let zero = Lanes::from(0.0);
+        let zero = T::from(0.0);
         let (dof, memory) = (model.dof(), model.memory());
         Self {
             mass: assembly.context.mass(),
@@ -584,12 +595,12 @@ impl LanePass {
     fn lift(&mut self, q: &[f64], v: &[f64], z: &[f64]) {
         for (lifted, plain) in [(&mut self.q, q), (&mut self.v, v), (&mut self.z, z)] {
             for (lifted, plain) in lifted.iter_mut().zip(plain) {
-                *lifted = Lanes::from(*plain);
+                *lifted = T::from(*plain);
             }
         }
     }
 
-    fn evaluate(&mut self, model: &Model, time: Lanes, q: &[f64], v: &[f64], z: &[f64]) {
+    fn evaluate(&mut self, model: &Model, time: T, q: &[f64], v: &[f64], z: &[f64]) {
         self.lift(q, v, z);
         let Self { assembly, q, v, z, force, z_rate, .. } = self;
         assembly.force(model, time, q, v, z, force, z_rate);

@@ -69,8 +69,8 @@ impl std::fmt::Debug for Initial {
 
 /// The integrator that a run takes unless told otherwise.
 pub const DEFAULT_METHOD: Method = Method::Auto;
-/// Default of [`Run::tolerance`]: on the paper's muscle it closes the budget of energy to 1e-6.
-pub const DEFAULT_TOLERANCE: f64 = 1e-7;
+/// Default of [`Run::tolerance`]: on the paper's muscle the budget of energy closes to some 1e-6.
+pub const DEFAULT_TOLERANCE: f64 = 1e-6;
 /// Tolerance of fits and sweeps: the tip of the paper's muscle stays within 0.05 mm rms.
 pub const FAST_TOLERANCE: f64 = 3e-5;
 

@@ -4,7 +4,7 @@
 use std::marker::PhantomData;
 
 use nalgebra::SVector;
-use num_dual::{Derivative, DualSVec64};
+use num_dual::{Derivative, Dual64, DualSVec64};
 
 use super::law::{Bend, Body, Edge, Flow, Law, MassLoad, Tip, TipLoad};
 use super::{About, Real};
@@ -51,6 +51,12 @@ impl Scalar for f64 {
     }
 }
 
+impl Scalar for Dual64 {
+    fn laws(effect: &'static dyn Effect) -> &'static dyn EffectFor<Self> {
+        effect
+    }
+}
+
 impl Scalar for Lanes {
     fn laws(effect: &'static dyn Effect) -> &'static dyn EffectFor<Self> {
         effect
@@ -67,7 +73,7 @@ pub struct BendTangent {
 }
 
 /// A registered effect.
-pub trait Effect: EffectFor<f64> + EffectFor<Lanes> {
+pub trait Effect: EffectFor<f64> + EffectFor<Dual64> + EffectFor<Lanes> {
     /// What the catalogue knows.
     fn about(&self) -> &'static About;
     /// Its page: law, symbols, assumptions, source.

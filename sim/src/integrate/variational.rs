@@ -3,8 +3,8 @@
 //! The derivatives obey the linearised equations of motion, `M s̈ = −K s − D ṡ + ∂f/∂theta − ∂M/∂theta q̈`,
 //! with coefficients known along the trajectory. A stage of a diagonally implicit method for a
 //! linear equation is one back-substitution, so all parameters share each stage's tangent and its
-//! factors: ten parameters cost about two more plain runs. Every step of the trajectory, whichever
-//! integrator made it, is one step here, of fourth order.
+//! factors. Every step of the trajectory, whichever
+//! integrator made it, is one step here, of third order.
 
 use models::banded::Banded;
 use models::effects::LANES;
@@ -13,17 +13,15 @@ use models::system::System;
 
 use super::{IntegrateError, State, Stepper};
 
-/// L-stable, stiffly accurate, order 4. Source: Hairer and Wanner (1996), Solving Ordinary
-/// Differential Equations II, Table 6.5.
-const GAMMA: f64 = 0.25;
-const STAGES: usize = 5;
-const NODES: [f64; STAGES] = [0.25, 0.75, 0.55, 0.5, 1.0];
+/// L-stable, stiffly accurate, order 3. Source: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021;
+/// `gamma` is the root of `γ³ − 3γ² + 3γ/2 − 1/6` near 0.44.
+const GAMMA: f64 = 0.435_866_521_508_459;
+const STAGES: usize = 3;
+const NODES: [f64; STAGES] = [GAMMA, 0.5 * (1.0 + GAMMA), 1.0];
 const WEIGHTS: [&[f64]; STAGES] = [
     &[],
-    &[0.5],
-    &[17.0 / 50.0, -1.0 / 25.0],
-    &[371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0],
-    &[25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
+    &[0.5 * (1.0 - GAMMA)],
+    &[-0.25 * (6.0 * GAMMA * GAMMA - 16.0 * GAMMA + 1.0), 0.25 * (6.0 * GAMMA * GAMMA - 20.0 * GAMMA + 5.0)],
 ];
 
 type Row = [f64; LANES];
