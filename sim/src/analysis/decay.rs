@@ -35,6 +35,18 @@ pub struct Decay {
     pub rms_residual: f64,
 }
 
+impl Decay {
+    /// A(t) of eq. 6, m, at a time since release, s.
+    pub fn envelope(&self, time: f64) -> f64 {
+        eq_6(self.initial_amplitude, self.damping_ratio, self.damped_frequency, time)
+    }
+}
+
+fn eq_6(amplitude: f64, ratio: f64, damped_frequency: f64, time: f64) -> f64 {
+    let root = (1.0 - ratio * ratio).sqrt();
+    amplitude / root * (-ratio * damped_frequency * time / root).exp()
+}
+
 /// Eq. 6 fitted by least squares to the peaks above rest; damped frequency in rad/s.
 ///
 /// # Errors
@@ -43,12 +55,9 @@ pub struct Decay {
 pub fn fit_decay(peaks: &[Peak], damped_frequency: f64) -> Result<Decay, AnalysisError> {
     let peaks = above_rest(peaks, 3)?;
     let (first, last) = (peaks[0], peaks[peaks.len() - 1]);
-    let model = |amplitude: f64, ratio: f64, time: f64| {
-        let root = (1.0 - ratio * ratio).sqrt();
-        amplitude / root * (-ratio * damped_frequency * time / root).exp()
-    };
     let squares = |amplitude: f64, ratio: f64| -> f64 {
-        peaks.iter().map(|peak| (peak.height - model(amplitude, ratio, peak.time)).powi(2)).sum()
+        let model = |time| eq_6(amplitude, ratio, damped_frequency, time);
+        peaks.iter().map(|peak| (peak.height - model(peak.time)).powi(2)).sum()
     };
 
     // First and last peak give a start; parameters and cost are then of order one.

@@ -1,0 +1,312 @@
+//! What a run leaves on disk, for people and for programs.
+//!
+//! ```text
+//! outputs/<UTC>_<name>_<hash8>/
+//!   scenario.resolved.toml   what was run, with every default written out
+//!   summary.json             what it comes to: rest, peaks, frequencies, damping, energy, effort
+//!   trajectory.parquet       every sample (trajectory.csv on request)
+//!   release.svg              the picture
+//! ```
+//!
+//! [`write()`] makes the folder: complete, or not at all. Many runs go into one by [`begin`] and
+//! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
+
+mod error;
+pub mod folder;
+pub mod picture;
+pub mod report;
+pub mod rest;
+pub mod summary;
+pub mod table;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use models::model::Model;
+use models::snapshot::Energy;
+use sha2::{Digest, Sha256};
+
+use crate::forward::Run;
+use crate::trajectory::{Status, Trajectory};
+
+pub use error::ResultsError;
+pub use folder::{Folder, MARK};
+pub use summary::Summary;
+
+use folder::{OUTPUTS, Target};
+use table::Table;
+
+/// File names of a run folder.
+pub const SCENARIO: &str = "scenario.resolved.toml";
+/// The trajectory.
+pub const PARQUET: &str = "trajectory.parquet";
+/// The trajectory, if asked for.
+pub const CSV: &str = "trajectory.csv";
+/// The picture.
+pub const PICTURE: &str = "release.svg";
+
+/// What is to be written beside the trajectory.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// Name of the run; becomes part of the folder's, without what leads elsewhere.
+    pub name: String,
+    /// The folder, or else a new one under `outputs/`.
+    pub out: Option<PathBuf>,
+    /// Whether `out` may replace a run that is there.
+    pub overwrite: bool,
+    /// Whether to write the trajectory as CSV too.
+    pub csv: bool,
+    /// The scenario with every default written out.
+    pub resolved_scenario: String,
+    /// Further files, by name, such as the muscle's.
+    pub extra_files: Vec<(String, Vec<u8>)>,
+    /// What the user should know before trusting the run.
+    pub warnings: Vec<String>,
+    /// SHA-256 of what was read, hexadecimal, by name; that of the resolved scenario is added.
+    pub input_hashes: BTreeMap<String, String>,
+    /// The command.
+    pub argv: Vec<String>,
+    /// Wall-clock time of the simulation, s.
+    pub wall_time_s: f64,
+}
+
+/// What was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// The run folder.
+    pub folder: PathBuf,
+    /// What stands in its `summary.json`.
+    pub summary: Summary,
+}
+
+/// Writes the folder of a run, also of one that was cut short or failed.
+/// # Errors
+/// [`ResultsError`]; nothing half-written stays.
+pub fn write(
+    request: &Request,
+    model: &Model,
+    run: &Run,
+    trajectory: &Trajectory,
+) -> Result<Written, ResultsError> {
+    let folder = begin(request)?;
+    let summary = write_run(&folder, None, request, model, run, trajectory)?;
+    Ok(Written { folder: folder.finish()?, summary })
+}
+
+/// Opens the folder of a request, to be finished after its runs: before a long simulation, so that
+/// what stands in the way is said first, and recordings find their place; or for many runs.
+/// # Errors
+/// [`ResultsError`].
+pub fn begin(request: &Request) -> Result<Folder, ResultsError> {
+    let hash = sha256(request.resolved_scenario.as_bytes());
+    Folder::begin(match &request.out {
+        Some(folder) => Target::Given { folder, overwrite: request.overwrite },
+        None => Target::Dated {
+            root: Path::new(OUTPUTS),
+            name: &request.name,
+            hash: &hash,
+            at: SystemTime::now(),
+        },
+    })
+}
+
+/// Writes the files of a run into an open folder, or into a folder `within` it: one of many runs. The
+/// folder of many has a [`MARK`] of its own to be written, by which it can be replaced.
+/// # Errors
+/// [`ResultsError::FileName`], [`ResultsError::Write`].
+pub fn write_run(
+    folder: &Folder,
+    within: Option<&str>,
+    request: &Request,
+    model: &Model,
+    run: &Run,
+    trajectory: &Trajectory,
+) -> Result<Summary, ResultsError> {
+    let within = within.map_or(String::new(), |name| folder::plain_name(name) + "/");
+    let place = |file: &str| format!("{within}{file}");
+    for (name, bytes) in &request.extra_files {
+        let is_ours = [SCENARIO, PARQUET, CSV, PICTURE, MARK].contains(&name.as_str());
+        if is_ours || folder::plain_name(name) != *name {
+            return Err(ResultsError::FileName { name: name.clone() });
+        }
+        folder.write(&place(name), bytes)?;
+    }
+
+    let end = trajectory.times.last().copied().unwrap_or(0.0);
+    let rest = rest::rest(model, end, summary::MODES);
+    let (numbers, swing) = summary::summarise(model, run, trajectory, &rest);
+    let hash = sha256(request.resolved_scenario.as_bytes());
+    let mut inputs_sha256 = request.input_hashes.clone();
+    inputs_sha256.insert(SCENARIO.to_owned(), hash.clone());
+    let summary = Summary {
+        name: request.name.clone(),
+        warnings: request.warnings.clone(),
+        wall_time_s: request.wall_time_s,
+        real_time_factor: (request.wall_time_s > 0.0).then(|| end / request.wall_time_s),
+        inputs_sha256,
+        argv: request.argv.clone(),
+        written_utc: folder::utc(SystemTime::now()),
+        ..numbers
+    };
+
+    folder.write(&place(SCENARIO), request.resolved_scenario.as_bytes())?;
+    let table = Table::new(model, trajectory, run.energy);
+    let about = [
+        ("run", request.name.clone()),
+        ("status", status_word(&trajectory.status).to_owned()),
+        ("scenario_sha256", hash),
+        ("efam", summary.versions.efam.clone()),
+    ];
+    folder.write_with(&place(PARQUET), |file| table.write_parquet(file, &about))?;
+    if request.csv {
+        folder.write_with(&place(CSV), |file| table.write_csv(file))?;
+    }
+    let picture = picture::release(&picture::Release {
+        model,
+        trajectory,
+        energy_followed: run.energy,
+        rest: rest.as_ref().ok(),
+        summary: &summary,
+        swing: &swing,
+    });
+    folder.write(&place(PICTURE), picture.as_bytes())?;
+    let json = serde_json::to_string_pretty(&summary).expect("a summary has nothing that JSON has not");
+    folder.write(&place(MARK), json.as_bytes())?;
+    Ok(summary)
+}
+
+/// SHA-256 in hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// All energy that a run accounts for, J: constant, but for the error of integration.
+fn total(energy: &Energy) -> f64 {
+    energy.kinetic + energy.elastic + energy.potential + energy.dissipated + energy.supplied
+}
+
+fn status_word(status: &Status) -> &'static str {
+    match status {
+        Status::Complete => "complete",
+        Status::CutShort { .. } => "cut_short",
+        Status::Failed { .. } => "failed",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::ops::ControlFlow;
+
+    use models::effects::Rod;
+    use models::model::{ModelSpec, Root};
+
+    use super::*;
+    use crate::forward::{FAST_TOLERANCE, forward};
+
+    /// Table 1 and the 15 psi row of Table 2, with 1/s of mass damping.
+    pub fn muscle_at_15_psi() -> Model {
+        let end_fitting = vec![("mass".to_owned(), 0.05492), ("center_of_mass".to_owned(), 0.0168)];
+        Model::new(&ModelSpec {
+            nodes: 32,
+            rod: Rod {
+                length: 0.20295,
+                mass: 0.02418,
+                bending_stiffness: 0.00709,
+                axial_stiffness: 325.0,
+                diameter: 0.0269,
+            },
+            base_angle: 0.0,
+            release_angle: 0.0,
+            release_rate: 0.0,
+            root: Root::Consistent,
+            tip_distance: 0.0168,
+            effects: vec![
+                ("end_fitting".to_owned(), end_fitting),
+                ("rayleigh_mass".to_owned(), vec![("alpha".to_owned(), 1.0)]),
+            ],
+            schedule: None,
+        })
+        .unwrap()
+    }
+
+    /// A straight release, sampled a hundred times a second, with its energy.
+    pub fn released(model: &Model, duration: f64) -> (Run, Trajectory) {
+        let run = Run { energy: true, tolerance: FAST_TOLERANCE, ..Run::release(duration, 100.0) };
+        let trajectory = forward(model, &run, &mut |_| ControlFlow::Continue(())).unwrap();
+        (run, trajectory)
+    }
+
+    #[test]
+    fn a_run_folder_has_all_its_files_and_they_agree() {
+        let model = muscle_at_15_psi();
+        let (run, trajectory) = released(&model, 20.0);
+        let out = std::env::temp_dir().join(format!("efam-results-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&out);
+        let request = Request {
+            name: "15 psi release".to_owned(),
+            out: Some(out.clone()),
+            csv: true,
+            resolved_scenario: "abc".to_owned(),
+            extra_files: vec![("muscle.toml".to_owned(), b"name = \"m\"".to_vec())],
+            wall_time_s: 0.1,
+            ..Request::default()
+        };
+        let written = write(&request, &model, &run, &trajectory).unwrap();
+        assert_eq!(written.folder.file_name(), out.file_name());
+        let mut files: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        files.sort();
+        assert_eq!(files, ["muscle.toml", PICTURE, SCENARIO, MARK, CSV, PARQUET]);
+        let json: serde_json::Value = serde_json::from_slice(&fs::read(out.join(MARK)).unwrap()).unwrap();
+        assert_eq!(json["real_time_factor"], 20.0 / 0.1);
+        // FIPS 180-2, appendix B.1.
+        let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(json["inputs_sha256"][SCENARIO], abc);
+        assert!(matches!(write(&request, &model, &run, &trajectory), Err(ResultsError::Exists { .. })));
+        for name in ["summary.json", "../muscle.toml", ""] {
+            let extra_files = vec![(name.to_owned(), Vec::new())];
+            let bad = Request { extra_files, overwrite: true, ..request.clone() };
+            let error = write(&bad, &model, &run, &trajectory).unwrap_err();
+            assert!(matches!(error, ResultsError::FileName { .. }), "{error}");
+        }
+        assert!(out.join(PARQUET).is_file(), "a failed replacement keeps the old run");
+        fs::remove_dir_all(&out).unwrap();
+    }
+
+    #[test]
+    fn many_runs_share_a_folder_that_can_be_replaced_as_one() {
+        let model = muscle_at_15_psi();
+        let (run, trajectory) = released(&model, 0.1);
+        let out = std::env::temp_dir().join(format!("efam-results-many-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&out);
+        let request = Request { out: Some(out.clone()), overwrite: true, ..Request::default() };
+        for names in [["5 psi", "10 psi"], ["5 psi", "../15 psi"]] {
+            let folder = begin(&request).unwrap();
+            for name in names {
+                write_run(&folder, Some(name), &request, &model, &run, &trajectory).unwrap();
+            }
+            folder.write(MARK, b"[]").unwrap();
+            folder.finish().unwrap();
+        }
+        assert!(out.join("5-psi").join(PARQUET).is_file() && out.join("15-psi").join(MARK).is_file());
+        assert!(!out.join("10-psi").exists());
+        fs::remove_dir_all(&out).unwrap();
+    }
+
+    #[test]
+    fn a_run_that_failed_at_once_still_leaves_a_folder() {
+        let model = muscle_at_15_psi();
+        let (run, _) = released(&model, 0.0);
+        let out = std::env::temp_dir().join(format!("efam-results-failed-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&out);
+        let status = Status::Failed { time: 0.0, reason: "it broke".to_owned() };
+        let mut nothing = Trajectory::default();
+        nothing.status = status;
+        let request = Request { name: "broken".to_owned(), out: Some(out.clone()), ..Request::default() };
+        let written = write(&request, &model, &run, &nothing).unwrap();
+        assert!(report::report(&written.summary).contains("broken, failed at 0.0000 s: it broke"));
+        assert!(fs::read_to_string(out.join(PICTURE)).unwrap().contains("</svg>"));
+        fs::remove_dir_all(&out).unwrap();
+    }
+}

@@ -1,0 +1,373 @@
+//! Pictures of runs, as SVG: readable without colour, and told apart by those who see few.
+
+mod panel;
+mod pressures;
+
+use models::model::Model;
+use models::snapshot::Energy;
+use models::system::System;
+use plotters::coord::Shift;
+use plotters::prelude::{DrawingArea, IntoDrawingArea, RGBColor, SVGBackend};
+
+use super::report::significant;
+use super::rest::Rest;
+use super::summary::{Summary, Swing};
+use super::total;
+use crate::trajectory::{Status, Trajectory};
+use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
+
+pub use pressures::{PressureRow, pressures};
+
+const BLACK: RGBColor = RGBColor(0, 0, 0);
+const GREY: RGBColor = RGBColor(110, 110, 110);
+// Source: Okabe and Ito (2008), Color universal design.
+const BLUE: RGBColor = RGBColor(0, 114, 178);
+const VERMILION: RGBColor = RGBColor(213, 94, 0);
+const GREEN: RGBColor = RGBColor(0, 158, 115);
+const ORANGE: RGBColor = RGBColor(230, 159, 0);
+
+const MILLI: f64 = 1e3;
+/// Postures drawn in the first swing.
+const SHAPES: usize = 24;
+/// Swings over which the energies are drawn.
+const ENERGY_SWINGS: f64 = 6.0;
+/// Time over which the height is drawn, in times of settling to 2 %.
+const SETTLED_TIMES: f64 = 1.5;
+/// Frequencies drawn, in damped frequencies.
+const SPECTRUM_REACH: f64 = 3.5;
+
+/// What the picture of a run shows.
+#[derive(Clone, Copy)]
+pub struct Release<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Its run.
+    pub trajectory: &'a Trajectory,
+    /// Whether the run followed its energy.
+    pub energy_followed: bool,
+    /// Where it comes to rest, if that is known.
+    pub rest: Option<&'a Rest>,
+    /// Its numbers.
+    pub summary: &'a Summary,
+    /// Its spectrum and decay.
+    pub swing: &'a Swing,
+}
+
+/// Four panels of one run: shapes, height of the tip, energies, spectrum.
+pub fn release(of: &Release) -> String {
+    drawn((1200, 820), |page| {
+        heading(page, &title(of.summary))?;
+        let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((2, 2));
+        shapes(of, &panels[0])?;
+        height(of, &panels[1])?;
+        energies(of, &panels[2])?;
+        spectrum(of, &panels[3])
+    })
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Draws on a page of that size.
+fn drawn(size: (u32, u32), draw: impl FnOnce(&Area) -> Drawn) -> String {
+    let mut text = String::new();
+    let fine = (size.0 * SCALE as u32, size.1 * SCALE as u32);
+    let page = SVGBackend::with_string(&mut text, fine).into_drawing_area();
+    let done = page.fill(&plotters::style::WHITE).and_then(|()| draw(&page)).and_then(|()| page.present());
+    done.expect("writing to memory does not fail");
+    drop(page);
+    // Plotters places in whole pixels: it draws on a finer page, shown at the size that was asked for.
+    let shown = |(width, height): (u32, u32)| format!("width=\"{width}\" height=\"{height}\" viewBox");
+    text.replacen(&shown(fine), &shown(size), 1)
+}
+
+fn title(summary: &Summary) -> String {
+    let status = match &summary.status {
+        Status::Complete => String::new(),
+        Status::CutShort { time } => format!(", cut short at {time:.2} s"),
+        Status::Failed { time, .. } => format!(", failed at {time:.4} s"),
+    };
+    let swing = match (summary.natural_frequency_hz, summary.damping_ratio) {
+        (Some(hz), Some(ratio)) => {
+            format!(": natural frequency {hz:.3} Hz, damping ratio {}", significant(ratio, 3))
+        }
+        _ => String::new(),
+    };
+    format!("{}{status}{swing}", summary.name)
+}
+
+fn shapes(of: &Release, area: &Area) -> Drawn {
+    let trajectory = of.trajectory;
+    let title = "Shape in the first swing";
+    if trajectory.times.len() < 2 {
+        return Panel::without_data(area, title, "no samples");
+    }
+    let end =
+        of.summary.peaks.as_ref().and_then(|peaks| peaks.first()).map_or(f64::INFINITY, |peak| peak.time_s);
+    let count = trajectory.times.iter().take_while(|time| **time <= end).count();
+    let every = count.div_ceil(SHAPES).max(1);
+    let mut system = System::new(of.model);
+    let mut posture = |sample: usize| -> Vec<[f64; 2]> {
+        let state = trajectory.state(sample);
+        let mut nodes = system.assembly.posture(&state.q, &state.v).nodes;
+        nodes.push(trajectory.tip[sample]);
+        nodes
+    };
+    let least_angle = |&a: &usize, &b: &usize| {
+        let angle = |sample: usize| trajectory.state(sample).q[2 * of.model.edges];
+        angle(a).total_cmp(&angle(b))
+    };
+    let turn = (0..count).min_by(least_angle).unwrap_or(0);
+    let drawn: Vec<usize> = (0..count).step_by(every).collect();
+    let postures: Vec<(usize, Vec<[f64; 2]>)> = drawn.iter().map(|&k| (k, posture(k))).collect();
+
+    let spacing = MILLI * every as f64 * (trajectory.times[1] - trajectory.times[0]);
+    let down = |alpha| Stroke { alpha, ..Stroke::new(BLUE, 1.6) };
+    let up = |alpha| Stroke { alpha, ..Stroke::dashed(VERMILION, 1.6, 7.0, 4.0) };
+    let (rest_stroke, trail) = (Stroke::new(BLACK, 3.5), Stroke::dashed(GREY, 1.4, 1.5, 3.5));
+    let keys = [
+        Key::line(down(1.0), format!("down, every {} ms", tick(spacing))),
+        Key::line(up(1.0), "and back"),
+        Key::line(rest_stroke, "rest"),
+        Key::line(trail, "tip"),
+    ];
+    let length = of.model.rod().length;
+    let every_point = || {
+        let rest = of.rest.iter().flat_map(|rest| rest.nodes.iter().chain([&rest.tip]));
+        postures.iter().flat_map(|(_, nodes)| nodes).chain(&trajectory.tip[..count]).chain(rest)
+    };
+    let corners = [[-0.12 * length; 2], [0.12 * length; 2]];
+    let range = |k: usize| padded(every_point().chain(&corners).map(|point| MILLI * point[k]), 0.03);
+    let (x, z) = equal_scale(range(0), range(1), plot_size(area, &keys));
+    let mut panel = Panel::new(area, title, &Axis(x, "x, mm"), &Axis(z, "z, mm"), &keys)?;
+
+    clamp(&mut panel, of.model, length)?;
+    panel.line(trajectory.tip[..count].iter().map(in_milli), &trail)?;
+    for (sample, nodes) in &postures {
+        let (stroke, from, to) =
+            if *sample <= turn { (down as fn(f64) -> Stroke, 0, turn) } else { (up as _, turn, count) };
+        let share = (*sample - from) as f64 / (to - from).max(1) as f64;
+        panel.line(nodes.iter().map(in_milli), &stroke(0.3 + 0.7 * share))?;
+        panel.dots(nodes.last().map(in_milli), &stroke(0.3 + 0.7 * share), 2.5)?;
+    }
+    if let Some(rest) = of.rest {
+        panel.line(rest.nodes.iter().map(in_milli), &rest_stroke)?;
+        let fitting = [rest.nodes[rest.nodes.len() - 1], rest.tip];
+        panel.line(fitting.iter().map(in_milli), &Stroke::new(BLACK, 7.0))?;
+    }
+    Ok(())
+}
+
+fn in_milli(point: &[f64; 2]) -> (f64, f64) {
+    (MILLI * point[0], MILLI * point[1])
+}
+
+/// A hatched wall behind the root, normal to the direction of the clamp.
+fn clamp(panel: &mut Panel, model: &Model, length: f64) -> Drawn {
+    let angle =
+        model.parameters.iter().position(|p| p.path == "rod.base_angle").map_or(0.0, |k| model.theta[k]);
+    let (sin, cos) = angle.sin_cos();
+    let at = |along: f64, across: f64| {
+        (MILLI * length * (along * cos - across * sin), MILLI * length * (along * sin + across * cos))
+    };
+    panel.line([at(0.0, -0.1), at(0.0, 0.1)].into_iter(), &Stroke::new(BLACK, 3.0))?;
+    for k in -4..=4 {
+        let across = 0.022 * f64::from(k);
+        panel
+            .line([at(-0.04, across - 0.02), at(0.0, across + 0.01)].into_iter(), &Stroke::new(BLACK, 1.0))?;
+    }
+    Ok(())
+}
+
+fn height(of: &Release, area: &Area) -> Drawn {
+    let trajectory = of.trajectory;
+    let settled = of.summary.settling_2_percent_s.map_or(f64::INFINITY, |time| SETTLED_TIMES * time);
+    let end = of.summary.simulated_s.min(settled);
+    let title =
+        if end < of.summary.simulated_s { "Height of the tip until it settles" } else { "Height of the tip" };
+    if trajectory.times.len() < 2 {
+        return Panel::without_data(area, title, "no samples");
+    }
+    let rest = of.rest.map(|rest| rest.tip[1]);
+    let envelope: Vec<(f64, f64)> = match (&of.swing.decay, rest) {
+        (Some(decay), Some(rest)) => (0..=200)
+            .map(|k| k as f64 / 200.0 * end)
+            .map(|time| (time, MILLI * (rest + decay.envelope(time))))
+            .collect(),
+        _ => Vec::new(),
+    };
+    let peaks: Vec<(f64, f64)> = match (&of.summary.peaks, rest) {
+        (Some(peaks), Some(rest)) => peaks
+            .iter()
+            .map(|peak| (peak.time_s, MILLI * (rest + peak.height_m)))
+            .filter(|peak| peak.0 <= end)
+            .collect(),
+        _ => Vec::new(),
+    };
+    let tip = || {
+        let all = trajectory.times.iter().zip(&trajectory.tip);
+        all.map(|(time, tip)| (*time, MILLI * tip[1])).take_while(|point| point.0 <= end)
+    };
+    let (line, rest_stroke) = (Stroke::new(BLUE, 1.4), Stroke::dashed(BLACK, 1.4, 9.0, 5.0));
+    let (top, curve) = (Stroke::new(VERMILION, 1.0), Stroke::dashed(GREEN, 2.0, 12.0, 4.0));
+    let mut keys = vec![Key::line(line, "z(t)")];
+    if rest.is_some() {
+        keys.push(Key::line(rest_stroke, "rest"));
+    }
+    if !peaks.is_empty() {
+        keys.push(Key::dot(top, "upper peaks"));
+    }
+    if !envelope.is_empty() {
+        keys.push(Key::line(curve, "eq. 6 fitted to them"));
+    }
+    let all = tip().chain(envelope.iter().copied()).map(|point| point.1).chain(rest.map(|rest| MILLI * rest));
+    let mut panel =
+        Panel::new(area, title, &Axis(0.0..end, "time, s"), &Axis(padded(all, 0.05), "z, mm"), &keys)?;
+    panel.line(envelope.iter().copied(), &curve)?;
+    panel.line(tip(), &line)?;
+    panel.line(rest.into_iter().flat_map(|rest| [(0.0, MILLI * rest), (end, MILLI * rest)]), &rest_stroke)?;
+    panel.dots(peaks, &top, 3.5)
+}
+
+fn energies(of: &Release, area: &Area) -> Drawn {
+    let trajectory = of.trajectory;
+    let period = of.summary.damped_frequency_hz.map_or(f64::INFINITY, f64::recip);
+    let end = of.summary.simulated_s.min(ENERGY_SWINGS * period);
+    let title = if end < of.summary.simulated_s {
+        "Energy in the first swings, potential since release"
+    } else {
+        "Energy, potential since release"
+    };
+    if trajectory.times.len() < 2 || !of.energy_followed {
+        let why = if of.energy_followed { "no samples" } else { "the run did not follow its energy" };
+        return Panel::without_data(area, title, why);
+    }
+    let first = trajectory.energy[0];
+    let supplied = trajectory.energy.iter().any(|energy| energy.supplied != 0.0);
+    type Part<'a> = (Stroke, &'a str, Box<dyn Fn(&Energy) -> f64 + 'a>);
+    let mut parts: Vec<Part> = vec![
+        (Stroke::new(BLACK, 3.0), "total", Box::new(|energy| total(energy) - first.potential)),
+        (Stroke::new(BLUE, 1.6), "kinetic", Box::new(|energy| energy.kinetic)),
+        (Stroke::dashed(VERMILION, 1.8, 9.0, 3.0), "elastic", Box::new(|energy| energy.elastic)),
+        (
+            Stroke::dashed(GREEN, 1.8, 5.0, 3.0),
+            "potential",
+            Box::new(|energy| energy.potential - first.potential),
+        ),
+        (Stroke::dashed(ORANGE, 2.4, 2.5, 3.0), "dissipated", Box::new(|energy| energy.dissipated)),
+    ];
+    if supplied {
+        parts.push((Stroke::dashed(GREY, 2.0, 12.0, 6.0), "supplied", Box::new(|energy| energy.supplied)));
+    }
+    let keys: Vec<Key> = parts.iter().map(|(stroke, name, _)| Key::line(*stroke, *name)).collect();
+    let count = trajectory.times.iter().take_while(|time| **time <= end).count();
+    let all = parts
+        .iter()
+        .flat_map(|(_, _, of)| trajectory.energy[..count].iter().map(move |energy| MILLI * of(energy)));
+    let y = padded(all, 0.05);
+    let mut panel = Panel::new(area, title, &Axis(0.0..end, "time, s"), &Axis(y, "energy, mJ"), &keys)?;
+    for (stroke, _, of) in &parts {
+        let line = trajectory.times.iter().zip(&trajectory.energy).take(count);
+        panel.line(line.map(|(time, energy)| (*time, MILLI * of(energy))), stroke)?;
+    }
+    Ok(())
+}
+
+fn spectrum(of: &Release, area: &Area) -> Drawn {
+    let title = "Amplitude spectrum of z(t)";
+    let (Some(spectrum), Some(damped)) = (&of.swing.spectrum, of.summary.damped_frequency_hz) else {
+        let why = of.summary.missing.get("damped_frequency_hz").map_or("no spectrum", String::as_str);
+        return Panel::without_data(area, title, why);
+    };
+    let modes = of.summary.modes.as_deref().unwrap_or_default();
+    let reach = SPECTRUM_REACH * damped.max(modes.first().map_or(0.0, |mode| mode.natural_frequency_hz));
+    let step = spectrum.frequency_step / std::f64::consts::TAU;
+    let line = || {
+        let bins =
+            spectrum.amplitude.iter().enumerate().map(|(k, amplitude)| (step * k as f64, MILLI * amplitude));
+        bins.take_while(|bin| bin.0 <= reach)
+    };
+    let (curve, at_peak) = (Stroke::new(BLUE, 1.8), Stroke::new(VERMILION, 2.5));
+    let of_mode = Stroke::dashed(BLACK, 1.2, 6.0, 4.0);
+    let shown = modes.iter().filter(|mode| mode.natural_frequency_hz <= reach);
+    let hertz: Vec<String> = modes.iter().map(|mode| significant(mode.natural_frequency_hz, 3)).collect();
+    let mut keys = vec![Key::line(curve, "amplitude"), Key::line(at_peak, format!("damped {damped:.3} Hz"))];
+    if !modes.is_empty() {
+        keys.push(Key::line(of_mode, format!("modes {} Hz", hertz.join(", "))));
+    }
+    let y = 0.0..1.08 * line().map(|bin| bin.1).fold(f64::MIN_POSITIVE, f64::max);
+    let (low, high) = (y.start, y.end);
+    let mut panel =
+        Panel::new(area, title, &Axis(0.0..reach, "frequency, Hz"), &Axis(y, "amplitude, mm"), &keys)?;
+    panel.line([(damped, low), (damped, high)].into_iter(), &at_peak)?;
+    for mode in shown {
+        let hz = mode.natural_frequency_hz;
+        panel.line([(hz, low), (hz, high)].into_iter(), &of_mode)?;
+    }
+    panel.line(line(), &curve)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::rest::rest;
+    use crate::results::summary::{MODES, summarise};
+    use crate::results::tests::{muscle_at_15_psi, released};
+
+    fn picture(duration: f64) -> String {
+        let model = muscle_at_15_psi();
+        let (run, trajectory) = released(&model, duration);
+        let rest = rest(&model, duration, MODES);
+        let (mut summary, swing) = summarise(&model, &run, &trajectory, &rest);
+        summary.name = "15 psi <release>".to_owned();
+        release(&Release {
+            model: &model,
+            trajectory: &trajectory,
+            energy_followed: true,
+            rest: rest.as_ref().ok(),
+            summary: &summary,
+            swing: &swing,
+        })
+    }
+
+    /// How a picture looks no test sees; what it must say, this one does.
+    #[test]
+    fn the_picture_names_its_quantities_with_units_and_has_no_negative_zero() {
+        let svg = picture(20.0);
+        if let Ok(folder) = std::env::var("EFAM_LOOK") {
+            std::fs::write(format!("{folder}/release.svg"), &svg).unwrap();
+        }
+        assert!(
+            svg.starts_with("<svg width=\"1200\" height=\"820\" viewBox=\"0 0 4800 3280\""),
+            "{}",
+            &svg[..90]
+        );
+        for text in [
+            "x, mm",
+            "z, mm",
+            "time, s",
+            "energy, mJ",
+            "frequency, Hz",
+            "amplitude, mm",
+            "rest",
+            "upper peaks",
+        ] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert!(svg.contains("15 psi &lt;release&gt;: natural frequency"));
+        let labels =
+            svg.lines().filter(|line| matches!(*line, "-0" | "−0" | "-0.0" | "−0.0" | "NaN" | "inf"));
+        assert_eq!(labels.count(), 0);
+    }
+
+    #[test]
+    fn a_short_run_says_what_it_cannot_draw() {
+        for duration in [0.0, 0.01, 0.3] {
+            let svg = picture(duration);
+            if let Ok(folder) = std::env::var("EFAM_LOOK") {
+                std::fs::write(format!("{folder}/short-{duration}.svg"), &svg).unwrap();
+            }
+            assert!(svg.contains("try a longer run") || svg.contains(" samples"), "{duration}");
+            assert!(!svg.contains("NaN"), "{duration}");
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Where a run comes to rest, and how it swings about it: what statics says, for reports.
+
+use models::error::ModelError;
+use models::model::Model;
+use models::statics::{equilibrium, modes};
+use models::system::System;
+
+use crate::forward;
+
+/// The posture in which a model hangs.
+#[derive(Clone, Debug)]
+pub struct Rest {
+    /// Node positions in W, m, shape `[N+1]`.
+    pub nodes: Vec<[f64; 2]>,
+    /// The observed tip in W, m.
+    pub tip: [f64; 2],
+    /// Angle of the end body, rad.
+    pub tip_angle: f64,
+    /// Undamped frequency, Hz, and damping ratio of the slowest modes.
+    pub modes: Result<Vec<(f64, f64)>, ModelError>,
+}
+
+/// The rest under the pressure of a time, s, and `count` modes about it.
+/// # Errors
+/// [`ModelError::Equilibrium`], or a pressure at which there is no rod.
+pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> {
+    let model = &frozen(model, time)?;
+    let found = equilibrium(model, None)?;
+    let at_rest = vec![0.0; found.q.len()];
+    let mut system = System::new(model);
+    let posture = system.assembly.posture(&found.q, &at_rest);
+    let (tip, _) = forward::tip(&system, &found.q, &at_rest);
+    let in_hertz =
+        |mode: &models::statics::Mode| (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio);
+    let modes = modes(model, &found, count).map(|modes| modes.iter().map(in_hertz).collect());
+    Ok(Rest { nodes: posture.nodes, tip, tip_angle: posture.angle, modes })
+}
+
+/// The model with the rod that its pressure makes of it at a time.
+fn frozen(model: &Model, time: f64) -> Result<Model, ModelError> {
+    let mut frozen = model.clone();
+    let Some(schedule) = frozen.schedule.take() else {
+        return Ok(frozen);
+    };
+    let paths = ["rod.length", "rod.bending_stiffness", "rod.axial_stiffness", "rod.diameter"];
+    for (path, (factor, _)) in paths.into_iter().zip(schedule.factors(time)) {
+        let value = factor * frozen.theta[frozen.index(path)?];
+        frozen.set(path, value)?;
+    }
+    Ok(frozen)
+}
