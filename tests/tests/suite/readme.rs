@@ -29,8 +29,8 @@ fn its_files_are_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let named = README.split(['`', '(', ')', ' ', '\n']).filter(|word| {
         let ending = word.rsplit('.').next().unwrap_or_default();
-        ["scenarios/", "models/", "sim/", "tests/", "docs/"].iter().any(|folder| word.starts_with(folder))
-            && ["rs", "toml", "svg", "png"].contains(&ending)
+        ["scenarios/", "models/", "sim/", "tests/"].iter().any(|folder| word.starts_with(folder))
+            && ["rs", "toml"].contains(&ending)
             && !word.contains('*')
     });
     let missing: Vec<_> = named.filter(|file| !root.join(file).is_file()).collect();
