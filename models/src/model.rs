@@ -291,12 +291,13 @@ impl Model {
         active.effect.about().parameters.iter().zip(values).any(|(p, value)| p.off == Some(*value))
     }
 
-    /// The effects that act at a place and are not at off. An effect with memory always counts:
-    /// its memory goes on even where its force is off.
-    pub(crate) fn acting(&self, place: Place, keep_off: bool) -> Vec<usize> {
+    /// The effects that act at a place and are not at off, or have one of the `watched` parameters.
+    /// An effect with memory always counts: its memory goes on even where its force is off.
+    pub(crate) fn acting(&self, place: Place, watched: &[Option<usize>]) -> Vec<usize> {
         let acts = |active: &Active| {
             let about = active.effect.about();
-            about.places.contains(&place) && (keep_off || about.memory || !self.is_off(active))
+            let is_watched = || watched.iter().flatten().any(|k| active.theta.contains(k));
+            about.places.contains(&place) && (about.memory || !self.is_off(active) || is_watched())
         };
         (0..self.effects.len()).filter(|&k| acts(&self.effects[k])).collect()
     }

@@ -153,8 +153,8 @@ pub(crate) struct Acting {
 }
 
 impl Acting {
-    fn new(model: &Model, keep_off: bool) -> Self {
-        let at = |place| model.acting(place, keep_off);
+    fn new(model: &Model, watched: &[Option<usize>]) -> Self {
+        let at = |place| model.acting(place, watched);
         Self {
             bend: at(Place::Bend),
             edge: at(Place::Edge),
@@ -165,7 +165,7 @@ impl Acting {
     }
 
     fn only(model: &Model, k: usize) -> Self {
-        let mut all = Self::new(model, true);
+        let mut all = Self::new(model, &[]);
         for list in [&mut all.bend, &mut all.edge, &mut all.flow, &mut all.mass, &mut all.tip] {
             list.retain(|&other| other == k);
         }
@@ -186,12 +186,12 @@ pub struct Assembly<T> {
 }
 
 impl<T: Scalar> Assembly<T> {
-    fn new(model: &Model, theta: Vec<T>, keep_off: bool) -> Self {
+    fn new(model: &Model, theta: Vec<T>, watched: &[Option<usize>]) -> Self {
         Self {
             context: Context::new(model, theta),
             fields: Fields::new(model.edges),
             load_share: 1.0,
-            acting: Acting::new(model, keep_off),
+            acting: Acting::new(model, watched),
         }
     }
 
@@ -338,7 +338,7 @@ struct Pass<T> {
 impl<'m> System<'m> {
     /// Sets up the equations of a model.
     pub fn new(model: &'m Model) -> Self {
-        let assembly = Assembly::new(model, model.theta.clone(), false);
+        let assembly = Assembly::new(model, model.theta.clone(), &[]);
         let mass = assembly.context.mass();
         let tangent = Tangent::new(model);
         Self { model, assembly, mass, tangent, lanes: Vec::new() }
@@ -557,7 +557,7 @@ impl TimePass {
     pub fn new(model: &Model) -> Self {
         let theta = model.theta.iter().map(|value| Dual64::from(*value)).collect();
         Self {
-            pass: Pass::new(model, theta),
+            pass: Pass::new(model, theta, &[]),
             force: vec![0.0; model.dof()],
             z_rate: vec![0.0; model.memory()],
         }
@@ -572,13 +572,13 @@ impl Pass<Lanes> {
                 theta[k] = seeded(model.theta[k], lane);
             }
         }
-        Self::new(model, theta)
+        Self::new(model, theta, group)
     }
 }
 
 impl<T: Scalar> Pass<T> {
-    fn new(model: &Model, theta: Vec<T>) -> Self {
-        let assembly = Assembly::new(model, theta, true);
+    fn new(model: &Model, theta: Vec<T>, watched: &[Option<usize>]) -> Self {
+        let assembly = Assembly::new(model, theta, watched);
         let zero = T::from(0.0);
         let (dof, memory) = (model.dof(), model.memory());
         Self {

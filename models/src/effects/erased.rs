@@ -11,8 +11,9 @@ use super::{About, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
 
-/// How many parameters one pass of sensitivities carries.
-pub const LANES: usize = 8;
+/// How many parameters one pass of sensitivities carries: with its value a dual number then fills
+/// one cache line.
+pub const LANES: usize = 6;
 /// Scalar with [`LANES`] derivatives.
 pub type Lanes = DualSVec64<LANES>;
 
