@@ -559,6 +559,19 @@ mod tests {
         assert!(given >= 10, "{given} of 20");
     }
 
+    /// A swing whose bump is higher in the spectrum than the swing itself.
+    #[test]
+    fn a_harmonic_is_not_taken_for_the_swing() {
+        let z: Vec<f64> = (0..1000)
+            .map(|k| 9.0 * 0.01 * f64::from(k))
+            .map(|phase| (-0.02 * phase).exp() * (0.1 * phase.cos() + 0.15 * (2.0 * phase).cos() - 0.1))
+            .collect();
+        let excursion = Excursion::about(0.0, &z, 0.01).unwrap();
+        let (damped, upper) = swing(&excursion, &swing_spectrum(&excursion));
+        assert!(damped.unwrap_err().ends_with("upper peaks are 0.698 s apart; try a longer run"));
+        assert!(upper.is_err());
+    }
+
     #[test]
     fn a_run_that_failed_at_once_and_uneven_samples_are_no_panic() {
         let model = muscle_at_15_psi();
