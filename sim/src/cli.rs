@@ -4,7 +4,6 @@ mod effects;
 mod failure;
 mod interrupt;
 mod live;
-mod output;
 mod rest;
 mod simulate;
 

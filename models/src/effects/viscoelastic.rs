@@ -53,10 +53,7 @@ impl Law for Viscoelastic {
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
         let strain = at.kappa - at.memory;
-        Moment {
-            moment: theta[0] * at.rod.bending_stiffness * strain,
-            memory_rate: strain / theta[1],
-        }
+        Moment { moment: theta[0] * at.rod.bending_stiffness * strain, memory_rate: strain / theta[1] }
     }
 
     fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {

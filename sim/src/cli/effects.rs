@@ -58,7 +58,7 @@ pub fn page(name: &str, json: bool) -> Result<ExitCode, Failure> {
         value["page"] = effect.page().into();
         writeln!(out, "{value}")?;
     } else {
-        write!(out, "{}", effect.page())?;
+        writeln!(out, "{}", effect.page())?;
     }
     Ok(ExitCode::SUCCESS)
 }

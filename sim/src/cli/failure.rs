@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use models::error::ModelError;
+use sim::results::ResultsError;
 use sim::scenario::ScenarioError;
 
 /// Why a command ended before its time.
@@ -30,6 +31,15 @@ impl From<ScenarioError> for Failure {
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         Failure::Diverged(error.to_string())
+    }
+}
+
+impl From<ResultsError> for Failure {
+    fn from(error: ResultsError) -> Self {
+        match error {
+            ResultsError::Write { .. } | ResultsError::FileName { .. } => Failure::Output(error.to_string()),
+            _ => Failure::Usage(error.to_string()),
+        }
     }
 }
 

@@ -1,22 +1,33 @@
 //! `efam simulate`: one run, or one for each row of a muscle's table.
 
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
+use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use models::quantity::format_si;
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use sim::forward::{ForwardError, forward};
+use sim::results::folder::{Folder, MARK};
+use sim::results::picture::{PressureRow, pressures};
+use sim::results::report::report;
+use sim::results::{self, Request, Summary};
 use sim::scenario::{Case, Scenario};
 use sim::trajectory::{Status, Trajectory};
 
 use super::failure::Failure;
 use super::live::{Live, Rerun};
-use super::output::{Folder, summary};
 use super::{Simulate, interrupt};
+
+/// The picture of a sweep over pressures.
+const PRESSURES: &str = "pressures.svg";
+
+/// A simulated case: its summary, and its pressure above ambient, Pa.
+type Done = (Summary, Option<f64>);
 
 pub fn run(args: &Simulate) -> Result<ExitCode, Failure> {
     let scenario = Scenario::load(&args.source.scenario, &args.source.overrides())?;
@@ -29,40 +40,83 @@ pub fn run(args: &Simulate) -> Result<ExitCode, Failure> {
     for warning in cases.iter().flat_map(|case| &case.warnings) {
         eprintln!("warning: {warning}");
     }
-    let path = args.out.clone().unwrap_or_else(|| Path::new("outputs").join(&scenario.name));
-    let folder = Folder::open(&path, args.overwrite)?;
+    let request = request(args, &scenario, &cases[0]);
+    let folder = results::begin(&request)?;
     interrupt::listen();
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
     let progress = progress(args, samples);
-    let runs: Vec<Result<Trajectory, Failure>> = match &args.rerun {
-        Some(how) => vec![shown(how, &cases[0], &folder, &progress)],
-        None => cases.par_iter().map(|case| follow(case, &progress, &mut |_| Ok(()))).collect(),
+    let runs: Vec<_> = match &args.rerun {
+        Some(how) => vec![timed(|| shown(how, &cases[0], &folder, &progress))],
+        None => cases.par_iter().map(|case| timed(|| follow(case, &progress, &mut |_| Ok(())))).collect(),
     };
     progress.finish_and_clear();
-    let mut summaries = Vec::with_capacity(runs.len());
-    for (case, run) in cases.iter().zip(runs) {
-        let trajectory = run?;
-        let summary = summary(case, &trajectory);
-        let own = is_sweep.then_some(case.name.as_str());
-        folder.write(own, case, &trajectory, &summary, args.csv)?;
-        summaries.push((trajectory.status, summary));
+    let mut done: Vec<Done> = Vec::with_capacity(runs.len());
+    for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
+        let own = Request {
+            name: case.name.clone(),
+            resolved_scenario: case.resolved.clone(),
+            warnings: case.warnings.clone(),
+            wall_time_s,
+            ..request.clone()
+        };
+        let within = is_sweep.then_some(case.name.as_str());
+        let summary = results::write_run(&folder, within, &own, &case.model, &case.run, &run?)?;
+        done.push((summary, case.pressure));
+    }
+    if is_sweep {
+        write_sweep(&folder, &scenario, &done)?;
     }
     let folder = folder.finish()?;
-    tell(args, &scenario, &folder, &summaries)?;
-    outcome(&folder, &summaries)
+    tell(args, &scenario, &folder, &done)?;
+    outcome(&folder, &done)
+}
+
+fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
+    let mut input_hashes = BTreeMap::new();
+    if let Ok(text) = std::fs::read(&scenario.path) {
+        input_hashes.insert(scenario.path.display().to_string(), results::sha256(&text));
+    }
+    Request {
+        name: scenario.name.clone(),
+        out: args.out.clone(),
+        overwrite: args.overwrite,
+        csv: args.csv,
+        resolved_scenario: first.resolved.clone(),
+        input_hashes,
+        argv: std::env::args().collect(),
+        ..Request::default()
+    }
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let begin = Instant::now();
+    let done = work();
+    (done, begin.elapsed().as_secs_f64())
+}
+
+/// What belongs to all runs of a sweep: the picture over pressures, and one summary.
+fn write_sweep(folder: &Folder, scenario: &Scenario, done: &[Done]) -> Result<(), Failure> {
+    let row = |(summary, pressure): &Done| pressure.map(|pressure| PressureRow::new(pressure, summary));
+    let rows: Vec<PressureRow> = done.iter().filter_map(row).collect();
+    folder.write(PRESSURES, pressures(&scenario.name, &rows).as_bytes())?;
+    let runs: Vec<_> =
+        done.iter().map(|(summary, pressure)| json!({ "pressure_pa": pressure, "run": summary })).collect();
+    let mark = json!({ "name": scenario.name, "runs": runs });
+    folder.write(MARK, format!("{mark:#}\n").as_bytes())?;
+    Ok(())
 }
 
 /// What the statuses say: interrupted, diverged, or well.
-fn outcome(folder: &Path, summaries: &[(Status, Value)]) -> Result<ExitCode, Failure> {
+fn outcome(folder: &Path, done: &[Done]) -> Result<ExitCode, Failure> {
     let saved = |time: f64| {
         let time = format_si(time, "s");
         format!("the {time} before that are in {}, marked in summary.json", folder.display())
     };
-    for (status, summary) in summaries {
-        match status {
+    for (summary, _) in done {
+        match &summary.status {
             Status::Complete => {}
             Status::CutShort { time } => {
-                eprintln!("interrupted: {}: {}", summary["name"].as_str().unwrap_or_default(), saved(*time));
+                eprintln!("interrupted: {}: {}", summary.name, saved(*time));
                 return Ok(ExitCode::from(interrupt::EXIT_CODE));
             }
             Status::Failed { time, reason } => {
@@ -106,56 +160,55 @@ fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajecto
 
 /// Runs a case with a viewer or a recording that sees every sample.
 fn shown(how: &Rerun, case: &Case, folder: &Folder, progress: &ProgressBar) -> Result<Trajectory, Failure> {
-    let mut live = Live::open(how, case, folder.partial())?;
+    let mut live = Live::open(how, case, folder.path())?;
     let trajectory = follow(case, progress, &mut |sample| live.log(&sample.snapshot()))?;
     live.finish(*how == Rerun::Serve && !interrupt::is_asked())?;
     Ok(trajectory)
 }
 
-fn tell(
-    args: &Simulate,
-    scenario: &Scenario,
-    folder: &Path,
-    summaries: &[(Status, Value)],
-) -> Result<(), Failure> {
+fn tell(args: &Simulate, scenario: &Scenario, folder: &Path, done: &[Done]) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     if args.json {
-        let runs: Vec<_> = summaries.iter().map(|(_, summary)| summary).collect();
-        let folder: PathBuf = folder.to_owned();
+        let runs: Vec<_> = done.iter().map(|(summary, _)| summary).collect();
         writeln!(out, "{}", json!({ "scenario": scenario.name, "folder": folder, "runs": runs }))?;
         return Ok(());
     }
     if args.quiet {
         return Ok(());
     }
-    writeln!(out, "{:24}{:>12}{:>12}{:>16}{:>10}", "", "pressure", "frequency", "damping ratio", "steps")?;
-    for (status, summary) in summaries {
-        let number = |key: &str| summary[key].as_f64();
-        let text = |key: &str, unit: &str| number(key).map_or("-".to_owned(), |value| format_si(value, unit));
-        let ratio = number("damping_ratio").map_or("-".to_owned(), |ratio| format!("{ratio:.4}"));
-        writeln!(
-            out,
-            "{:24}{:>12}{:>12}{ratio:>16}{:>10}{}",
-            summary["name"].as_str().unwrap_or_default(),
-            text("pressure_pa", "Pa"),
-            text("damped_frequency_hz", "Hz"),
-            summary["effort"]["steps"].to_string(),
-            if *status == Status::Complete { "" } else { "  not to its end" }
-        )?;
+    match done {
+        [(summary, _)] => writeln!(out, "{}", report(summary))?,
+        _ => write!(out, "{}", over_pressure(done))?,
     }
     if scenario.is_all_rows() && scenario.muscle_name() == Some("garbulinski-2022") {
-        write!(out, "\n{}", beside_the_paper(summaries))?;
+        write!(out, "\n{}", beside_the_paper(done))?;
     }
     writeln!(out, "\nresults in {}", folder.display())?;
     Ok(())
 }
 
-/// The trends that the paper measured beside those simulated, and what would make up the difference.
-fn beside_the_paper(summaries: &[(Status, Value)]) -> String {
-    let at = |(_, summary): &(Status, Value)| {
-        Some((summary["damped_frequency_hz"].as_f64()?, summary["pressure_pa"].as_f64()?))
+/// A line a run.
+fn over_pressure(done: &[Done]) -> String {
+    let line = |name: &str, cells: [String; 4]| {
+        let [pressure, frequency, ratio, steps] = cells;
+        format!("{name:24}{pressure:>12}{frequency:>12}{ratio:>16}{steps:>10}\n")
     };
-    let mut swings: Vec<_> = summaries.iter().filter_map(at).collect();
+    let mut table = line("", ["pressure", "frequency", "damping ratio", "steps"].map(str::to_owned));
+    for (summary, pressure) in done {
+        let text =
+            |value: Option<f64>, unit: &str| value.map_or("-".to_owned(), |value| format_si(value, unit));
+        let ratio = summary.damping_ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.4}"));
+        let frequency = text(summary.damped_frequency_hz, "Hz");
+        table +=
+            &line(&summary.name, [text(*pressure, "Pa"), frequency, ratio, summary.effort.steps.to_string()]);
+    }
+    table
+}
+
+/// The trends that the paper measured beside those simulated, and what would make up the difference.
+fn beside_the_paper(done: &[Done]) -> String {
+    let at = |(summary, pressure): &Done| Some((summary.damped_frequency_hz?, (*pressure)?));
+    let mut swings: Vec<_> = done.iter().filter_map(at).collect();
     swings.sort_by(|a, b| a.0.total_cmp(&b.0));
     let psi = |pascal: f64| (pascal / 6894.757).round();
     let ours = match swings[..] {
@@ -169,8 +222,8 @@ fn beside_the_paper(summaries: &[(Status, Value)]) -> String {
         ),
         _ => "no swing".to_owned(),
     };
-    let ratio = |(_, summary): &(Status, Value)| summary["damping_ratio"].as_f64();
-    let damping = match (summaries.first().and_then(ratio), summaries.last().and_then(ratio)) {
+    let ratio = |(summary, _): &Done| summary.damping_ratio;
+    let damping = match (done.first().and_then(ratio), done.last().and_then(ratio)) {
         (Some(first), Some(last)) => format!("from {first:.3} to {last:.3}, {:.1} times", last / first),
         _ => "unknown".to_owned(),
     };

@@ -1,5 +1,7 @@
 //! All suites in one binary.
 
+mod architecture;
+mod readme;
 mod dynamics {
     mod bump;
     mod energy_budget;

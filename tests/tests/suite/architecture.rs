@@ -1,0 +1,245 @@
+//! How the code is laid out: each outside package has one door, `models` knows no file, clock,
+//! thread or random number, every effect is registered, files stay short, scenarios say what they
+//! are for. A rule that is in the way is changed here, with its reason.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::iter::Peekable;
+use std::path::{Path, PathBuf};
+use std::str::Chars;
+
+use models::effects::CATALOGUE;
+
+/// The files, by the beginning of their path, that may name an outside package. A package of its own
+/// kind of work has one door; the two that need more room have a file and a folder of the same name.
+const DOORS: [(&str, &[&str]); 13] = [
+    ("argmin", &["sim/src/analysis/nelder_mead.rs"]),
+    ("arrow", &["sim/src/results/table.rs"]),
+    ("clap", &["sim/src/cli.rs"]),
+    ("ctrlc", &["sim/src/cli/interrupt.rs"]),
+    ("diffsol", &["sim/src/integrate/diffsol.rs", "sim/src/integrate/diffsol/"]),
+    ("indicatif", &["sim/src/cli/simulate.rs"]),
+    ("miette", &["sim/src/cli/failure.rs"]),
+    ("parquet", &["sim/src/results/table.rs"]),
+    ("plotters", &["sim/src/results/picture.rs", "sim/src/results/picture/"]),
+    ("realfft", &["sim/src/analysis/spectrum.rs"]),
+    ("rerun", &["sim/src/observe/rerun.rs", "sim/src/observe/rerun/"]),
+    ("sha2", &["sim/src/results/mod.rs"]),
+    ("strsim", &["models/src/nearest.rs"]),
+];
+
+/// Packages that are part of the language here: linear algebra, dual numbers, errors, the reading and
+/// writing of data, parallel loops.
+const EVERYWHERE: [&str; 7] = ["nalgebra", "num_dual", "rayon", "serde", "serde_json", "thiserror", "toml"];
+
+/// What `models` must not name: it is a function of its inputs.
+const NOT_IN_MODELS: [&str; 9] = [
+    "std::env",
+    "std::fs",
+    "std::net",
+    "std::process",
+    "std::thread",
+    "std::time::Instant",
+    "std::time::SystemTime",
+    "rand",
+    "rayon",
+];
+
+const MOST_LINES: usize = 450;
+/// Files that are longer, and why.
+const LONG: [(&str, &str); 5] = [
+    ("models/src/quantity.rs", "half of it tests of its messages"),
+    ("models/src/system.rs", "the equations of motion, their energies and derivatives share one assembly"),
+    ("models/src/tangent.rs", "one stencil, with each block beside the formula that it belongs to"),
+    ("models/tests/statics.rs", "one case builder for all closed forms"),
+    ("sim/src/results/summary.rs", "most of it says what each entry of summary.json means"),
+];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Files below a folder of the project whose name ends so, with their path from the root and text.
+fn files(folder: &str, ending: &str) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let mut folders = vec![root().join(folder)];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder of the project") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.to_string_lossy().ends_with(ending) {
+                let name = path.strip_prefix(root()).expect("below the root").to_string_lossy();
+                found.push((name.replace('\\', "/"), fs::read_to_string(&path).expect("text")));
+            }
+        }
+    }
+    found.sort();
+    assert!(!found.is_empty(), "{folder} has files *{ending}");
+    found
+}
+
+fn sources() -> Vec<(String, String)> {
+    ["models", "sim", "tests"].into_iter().flat_map(|member| files(member, ".rs")).collect()
+}
+
+/// Every path of a source text, such as `std::fs::read`, with the braces of `use` multiplied out;
+/// without comments and string literals.
+fn paths(text: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    walk(&mut text.chars().peekable(), "", &mut found);
+    found
+}
+
+/// Up to the brace that closes `prefix::{`, or to the end.
+fn walk(text: &mut Peekable<Chars>, prefix: &str, found: &mut BTreeSet<String>) {
+    let mut last = ' ';
+    while let Some(c) = text.next() {
+        match c {
+            '}' if !prefix.is_empty() => return,
+            '/' if text.peek() == Some(&'/') => while text.next().is_some_and(|c| c != '\n') {},
+            '"' if last == '#' => while text.next().is_some_and(|c| c != '"' || text.peek() != Some(&'#')) {},
+            '"' if last != '\'' => skip_string(text),
+            c if c.is_alphabetic() || "_:".contains(c) => {
+                let mut path = format!("{prefix}{c}");
+                while let Some(c) = text.next_if(|c| c.is_alphanumeric() || "_:".contains(*c)) {
+                    path.push(c);
+                }
+                if path.ends_with("::") && text.next_if_eq(&'{').is_some() {
+                    walk(text, &path, found);
+                }
+                found.insert(path);
+            }
+            _ => {}
+        }
+        last = c;
+    }
+}
+
+fn skip_string(text: &mut Peekable<Chars>) {
+    while let Some(c) = text.next() {
+        match c {
+            '\\' => drop(text.next()),
+            '"' => return,
+            _ => {}
+        }
+    }
+}
+
+/// Whether a file names an outside package, and not a module of ours that is called the same.
+fn names(paths: &BTreeSet<String>, text: &str, package: &str) -> bool {
+    let has_own = text.contains(&format!("mod {package};"));
+    paths.iter().any(|path| {
+        let (outside, path) = path.strip_prefix("::").map_or((false, path.as_str()), |path| (true, path));
+        let first = path.split("::").next().unwrap_or_default();
+        // Packages of one family, such as diffsol_la.
+        let family =
+            first == package || first.strip_prefix(package).is_some_and(|rest| rest.starts_with('_'));
+        path.contains("::") && family && (outside || !has_own)
+    })
+}
+
+#[test]
+fn paths_are_found_where_they_stand() {
+    let text = r#"
+        use std::{fs, io::{self, Write}}; // not std::thread::spawn
+        /// See clap::Parser.
+        const S: &str = "plotters::prelude \" ctrlc::x \\"; const Q: char = '"';
+        fn f(x: ::rerun::Y) { argmin::core::go() }
+    "#;
+    let found = paths(text);
+    for path in ["std::fs", "std::io::self", "std::io::Write", "::rerun::Y", "argmin::core::go"] {
+        assert!(found.contains(path), "{path} in {found:?}");
+    }
+    for package in ["clap", "plotters", "ctrlc"] {
+        assert!(!names(&found, text, package), "{package} stands in a comment or a string");
+    }
+    assert!(names(&found, "mod rerun;", "rerun"), ":: leads outside");
+    assert!(!names(&paths("rerun::Stream"), "mod rerun;", "rerun"), "a module of ours");
+    assert!(names(&paths("use diffsol_la::LinearSolver;"), "", "diffsol"), "of one family");
+}
+
+#[test]
+fn each_outside_package_has_one_door() {
+    for (file, text) in sources() {
+        let paths = paths(&text);
+        for (package, doors) in DOORS {
+            let is_door = doors.iter().any(|door| file.starts_with(door));
+            assert!(
+                is_door || !names(&paths, &text, package),
+                "{file} names {package}, whose door is {}",
+                doors[0]
+            );
+        }
+    }
+}
+
+#[test]
+fn every_dependency_has_a_door_or_is_for_all() {
+    let own = ["models", "sim"];
+    for member in ["models", "sim"] {
+        let text = fs::read_to_string(root().join(member).join("Cargo.toml")).expect("a manifest");
+        let manifest: toml::Table = text.parse().expect("TOML");
+        for package in manifest["dependencies"].as_table().expect("a table").keys() {
+            let package = package.replace('-', "_");
+            let has_door = DOORS.iter().any(|(door, _)| package.split('_').next() == Some(door));
+            assert!(
+                has_door || EVERYWHERE.contains(&package.as_str()) || own.contains(&package.as_str()),
+                "{member}/Cargo.toml: {package} has no door; give it one in DOORS"
+            );
+        }
+    }
+}
+
+#[test]
+fn models_knows_no_file_clock_thread_or_random_number() {
+    for (file, text) in files("models/src", ".rs") {
+        let paths = paths(&text);
+        for name in NOT_IN_MODELS {
+            let within = |path: &str| path == name || path.starts_with(&format!("{name}::"));
+            // A word alone is no path: `rand` may be anything.
+            let named =
+                paths.iter().find(|path| path.contains("::") && within(path.trim_start_matches("::")));
+            assert!(named.is_none(), "{file} names {named:?}");
+        }
+    }
+}
+
+#[test]
+fn every_effect_is_registered() {
+    let of_the_contract = ["erased", "law", "mod"];
+    for (file, _) in files("models/src/effects", ".rs") {
+        let name = file.rsplit('/').next().and_then(|name| name.strip_suffix(".rs")).expect("a file name");
+        let is_registered = CATALOGUE.iter().any(|effect| effect.about().name == name);
+        assert!(
+            is_registered || of_the_contract.contains(&name),
+            "{file}: no effect of this name is registered; add it to catalogue! in effects/mod.rs"
+        );
+    }
+}
+
+#[test]
+fn files_stay_short() {
+    for (file, text) in sources() {
+        let lines = text.lines().count();
+        let reason = LONG.iter().find(|(long, _)| *long == file);
+        assert!(
+            lines <= MOST_LINES || reason.is_some(),
+            "{file} has {lines} lines; look for the second idea in it"
+        );
+        assert!(lines > MOST_LINES || reason.is_none(), "{file} is short; it needs no entry in LONG");
+    }
+}
+
+#[test]
+fn every_scenario_says_what_it_is_for() {
+    for (file, text) in files("scenarios", ".toml") {
+        let head: Vec<_> = text.lines().take_while(|line| line.starts_with('#')).collect();
+        let says = |word: &str| head.iter().any(|line| line.starts_with(&format!("# {word}: ")));
+        assert!(
+            head.first().is_some_and(|line| line.starts_with("# Purpose: ")),
+            "{file}: first its purpose"
+        );
+        assert!(says("Expected"), "{file}: then what to expect of it");
+    }
+}
