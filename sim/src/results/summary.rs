@@ -268,7 +268,7 @@ pub fn summarise(
         first_low: missing.note("first_low", first_low.map(place)),
         lowest: missing.note("lowest", lowest.map(place)),
         beyond_straight_down: missing
-            .note("beyond_straight_down", least_angle.as_ref().map(|angle| *angle < -1.5 * FRAC_PI_2)),
+            .note("beyond_straight_down", least_angle.as_ref().map(|angle| *angle < -FRAC_PI_2)),
         least_tip_angle_rad: missing.note("least_tip_angle_rad", least_angle.as_ref().copied()),
         damped_frequency_hz: missing.note("damped_frequency_hz", damped.as_ref().map(|omega| omega / TAU)),
         natural_frequency_hz: missing
