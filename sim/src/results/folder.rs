@@ -307,6 +307,7 @@ mod tests {
         let scratch = Scratch::new("overwrite");
         let out = scratch.0.join("run");
         put(&out, false, "first").unwrap();
+        assert!(admit(&out, false).is_err() && admit(&out, true).is_ok());
         let error = put(&out, false, "second").unwrap_err();
         assert!(matches!(&error, ResultsError::Exists { folder } if *folder == out), "{error}");
         assert!(

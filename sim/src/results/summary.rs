@@ -268,7 +268,7 @@ pub fn summarise(
         first_low: missing.note("first_low", first_low.map(place)),
         lowest: missing.note("lowest", lowest.map(place)),
         beyond_straight_down: missing
-            .note("beyond_straight_down", least_angle.as_ref().map(|angle| *angle < -1.5 * FRAC_PI_2)),
+            .note("beyond_straight_down", least_angle.as_ref().map(|angle| *angle < -FRAC_PI_2)),
         least_tip_angle_rad: missing.note("least_tip_angle_rad", least_angle.as_ref().copied()),
         damped_frequency_hz: missing.note("damped_frequency_hz", damped.as_ref().map(|omega| omega / TAU)),
         natural_frequency_hz: missing
@@ -557,6 +557,19 @@ mod tests {
             }
         }
         assert!(given >= 10, "{given} of 20");
+    }
+
+    /// A swing whose bump is higher in the spectrum than the swing itself.
+    #[test]
+    fn a_harmonic_is_not_taken_for_the_swing() {
+        let z: Vec<f64> = (0..1000)
+            .map(|k| 9.0 * 0.01 * f64::from(k))
+            .map(|phase| (-0.02 * phase).exp() * (0.1 * phase.cos() + 0.15 * (2.0 * phase).cos() - 0.1))
+            .collect();
+        let excursion = Excursion::about(0.0, &z, 0.01).unwrap();
+        let (damped, upper) = swing(&excursion, &swing_spectrum(&excursion));
+        assert!(damped.unwrap_err().ends_with("upper peaks are 0.698 s apart; try a longer run"));
+        assert!(upper.is_err());
     }
 
     #[test]
