@@ -23,7 +23,7 @@
 //! rate = "100 Hz"
 //! [integrator]
 //! method = "auto"             # verlet, rodas4, tr_bdf2, esdirk34
-//! tolerance = 3e-5
+//! tolerance = 1e-6
 //! [effects.payload]           # any effect of `efam effects`, with any of its parameters
 //! mass = "80 g"
 //! ```
