@@ -30,8 +30,8 @@ fn stiffness_damped(bencher: Bencher, (method, tolerance): (Method, f64)) {
 /// Tip within 0.05 mm rms of the converged answer, mesh included.
 #[divan::bench]
 fn converged(bencher: Bencher) {
-    let model = paper(15.0, 56, &[("rayleigh_mass.alpha", 1.0)]);
-    bencher.bench_local(|| simulate(&model, &release(Method::Rodas4, 2e-5)));
+    let model = paper(15.0, 72, &[("rayleigh_mass.alpha", 1.0)]);
+    bencher.bench_local(|| simulate(&model, &release(Method::Rodas4, 1.5e-5)));
 }
 
 /// Default settings, with the energy budget.

@@ -3,6 +3,7 @@
 mod architecture;
 mod readme;
 mod dynamics {
+    mod accuracy;
     mod bump;
     mod energy_budget;
     mod methods_agree;
