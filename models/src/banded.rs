@@ -110,43 +110,39 @@ impl Banded {
 
     /// Solves for `P` right-hand sides at once, which costs little more than one.
     pub fn solve_many<const P: usize>(&self, x: &mut [[f64; P]]) {
-        let n = self.dim();
-        for i in 0..n {
-            let mut sum = x[i];
-            for j in i.saturating_sub(HALF_BANDWIDTH)..i {
-                let a = self.rows[i][j + HALF_BANDWIDTH - i];
-                for p in 0..P {
-                    sum[p] -= a * x[j][p];
-                }
+        for (i, row) in self.rows.iter().enumerate() {
+            let first = i.saturating_sub(HALF_BANDWIDTH);
+            let (done, rest) = x.split_at_mut(i);
+            let mut sum = rest[0];
+            for (a, x) in row[first + HALF_BANDWIDTH - i..HALF_BANDWIDTH].iter().zip(&done[first..]) {
+                add_scaled(&mut sum, -a, x);
             }
-            x[i] = sum;
+            rest[0] = sum;
         }
-        for i in (0..n).rev() {
-            let mut sum = x[i];
-            for j in i + 1..(i + HALF_BANDWIDTH + 1).min(n) {
-                let a = self.rows[i][j + HALF_BANDWIDTH - i];
-                for p in 0..P {
-                    sum[p] -= a * x[j][p];
-                }
+        for (i, row) in self.rows.iter().enumerate().rev() {
+            let (rest, done) = x.split_at_mut(i + 1);
+            let mut sum = rest[i];
+            for (a, x) in row[HALF_BANDWIDTH + 1..].iter().zip(&*done) {
+                add_scaled(&mut sum, -a, x);
             }
-            let per_pivot = self.rows[i][HALF_BANDWIDTH];
-            x[i] = sum.map(|s| s * per_pivot);
+            rest[i] = sum.map(|s| s * row[HALF_BANDWIDTH]);
         }
     }
 
     /// `y += self · x`, for `P` columns at once.
     pub fn multiply_add<const P: usize>(&self, x: &[[f64; P]], y: &mut [[f64; P]]) {
-        let n = self.dim();
-        for i in 0..n {
-            let mut sum = y[i];
-            for j in i.saturating_sub(HALF_BANDWIDTH)..(i + HALF_BANDWIDTH + 1).min(n) {
-                let a = self.rows[i][j + HALF_BANDWIDTH - i];
-                for p in 0..P {
-                    sum[p] += a * x[j][p];
-                }
+        for (i, (row, y)) in self.rows.iter().zip(y).enumerate() {
+            let first = i.saturating_sub(HALF_BANDWIDTH);
+            for (a, x) in row[first + HALF_BANDWIDTH - i..].iter().zip(&x[first..]) {
+                add_scaled(y, *a, x);
             }
-            y[i] = sum;
         }
+    }
+}
+
+fn add_scaled<const P: usize>(sum: &mut [f64; P], a: f64, x: &[f64; P]) {
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum += a * x;
     }
 }
 
