@@ -291,6 +291,15 @@ impl Model {
         active.effect.about().parameters.iter().zip(values).any(|(p, value)| p.off == Some(*value))
     }
 
+    /// Names of the effects that exert a force as the model stands.
+    pub fn exerting(&self) -> Vec<&'static str> {
+        let places = [Place::Bend, Place::Edge, Place::Flow, Place::Mass, Place::Tip];
+        let mut all: Vec<usize> = places.iter().flat_map(|place| self.acting(*place, &[])).collect();
+        all.sort_unstable();
+        all.dedup();
+        all.into_iter().map(|k| self.effects[k].effect.about().name).collect()
+    }
+
     /// The effects that act at a place and are not at off, or have one of the `watched` parameters.
     /// An effect with memory always counts: its memory goes on even where its force is off.
     pub(crate) fn acting(&self, place: Place, watched: &[Option<usize>]) -> Vec<usize> {

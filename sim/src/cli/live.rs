@@ -96,7 +96,7 @@ mod with_rerun {
             body_length_m: model.tip_distance,
             payload_kg: value("effects.payload.mass"),
             payload_com_m: value("effects.payload.center_of_mass"),
-            effects: model.effects.iter().map(|active| active.effect.about().name).collect(),
+            effects: model.exerting(),
             properties: case.warnings.iter().map(|text| ("warning".to_owned(), text.clone())).collect(),
         }
     }
