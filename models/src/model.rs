@@ -293,7 +293,7 @@ impl Model {
 
     /// Names of the effects that exert a force as the model stands.
     pub fn exerting(&self) -> Vec<&'static str> {
-        let places = [Place::Bend, Place::Edge, Place::Flow, Place::Mass, Place::Tip];
+        let places = [Place::Bend, Place::Edge, Place::Flow, Place::Mass, Place::Tip, Place::Clamp];
         let mut all: Vec<usize> = places.iter().flat_map(|place| self.acting(*place, &[])).collect();
         all.sort_unstable();
         all.dedup();

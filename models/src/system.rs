@@ -150,6 +150,7 @@ pub(crate) struct Acting {
     pub flow: Vec<usize>,
     pub mass: Vec<usize>,
     pub tip: Vec<usize>,
+    pub clamp: Vec<usize>,
 }
 
 impl Acting {
@@ -161,12 +162,14 @@ impl Acting {
             flow: at(Place::Flow),
             mass: at(Place::Mass),
             tip: at(Place::Tip),
+            clamp: at(Place::Clamp),
         }
     }
 
     fn only(model: &Model, k: usize) -> Self {
         let mut all = Self::new(model, &[]);
-        for list in [&mut all.bend, &mut all.edge, &mut all.flow, &mut all.mass, &mut all.tip] {
+        for list in [&mut all.bend, &mut all.edge, &mut all.flow, &mut all.mass, &mut all.tip, &mut all.clamp]
+        {
             list.retain(|&other| other == k);
         }
         all
@@ -264,7 +267,9 @@ impl<T: Scalar> Assembly<T> {
             let own = active.memory.clone();
             effect.add_moments(c, &c.theta[active.theta.clone()], f, &z[own.clone()], &mut z_rate[own]);
         }
-        f.moment[0] += c.clamp_moment * f.kappa[0];
+        if !acting.clamp.is_empty() {
+            f.moment[0] += c.clamp_moment * f.kappa[0];
+        }
         for &k in &acting.edge {
             let active = &model.effects[k];
             let effect = T::laws(active.effect);
@@ -505,8 +510,9 @@ impl<'m> System<'m> {
         let mut forces = Vec::new();
         for (k, active) in self.model.effects.iter().enumerate() {
             let own = Acting::only(self.model, k);
-            let acts =
-                [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip].iter().any(|list| !list.is_empty());
+            let acts = [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip, &own.clamp]
+                .iter()
+                .any(|list| !list.is_empty());
             if acts {
                 self.assembly.acting = own;
                 self.force(time, q, v, z, &mut force, &mut z_rate);
