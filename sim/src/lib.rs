@@ -1,9 +1,11 @@
 //! What we do with the models.
 
 pub mod analysis;
+pub mod experiment;
 pub mod forward;
 pub mod integrate;
 pub mod observe;
+pub mod recording;
 pub mod results;
 pub mod scenario;
 pub mod trajectory;

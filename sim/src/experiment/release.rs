@@ -1,0 +1,43 @@
+//! One release as the fit sees it: tracks of points in the plane of the swing, masked, not filled in.
+
+/// A release, cut out of a recording and turned into the frame W at the clamp.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Release {
+    /// Recording and number within it, such as `15psi.csv#3`.
+    pub name: String,
+    /// Time of each sample after the estimated instant of release, s, ascending; samples of the hold
+    /// before it are negative.
+    pub time: Vec<f64>,
+    /// Standard error of the release instant, s.
+    pub release_uncertainty: f64,
+    /// What was tracked.
+    pub tracks: Vec<Track>,
+    /// Gauge pressure, Pa, if it is known.
+    pub pressure: Option<f64>,
+    /// Mass of the payload, kg.
+    pub payload: f64,
+    /// Locked away from every fit.
+    pub held_out: bool,
+}
+
+/// The path of one observed point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Name of the marker, or of the group whose centroid it is.
+    pub marker: String,
+    /// Where on the rod it sits.
+    pub at: Point,
+    /// Position `[x, z]` in W, m, shape `[samples]`; nothing where it was lost or masked.
+    pub position: Vec<Option<[f64; 2]>>,
+    /// Standard deviation of the noise of each coordinate, m.
+    pub noise: f64,
+}
+
+/// A point that a marker observes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Point {
+    /// The observed tip of the model, [`models::model::Model::tip_distance`] beyond the last node.
+    Tip,
+    /// A point of the rod's axis, as a share of the active length, 0 at the clamp.
+    Along(f64),
+}
