@@ -34,6 +34,13 @@ impl Banded {
         if row.abs_diff(column) > HALF_BANDWIDTH { 0.0 } else { self[(row, column)] }
     }
 
+    /// Overwrites a row: `entries` from the `start`-th of the band on, zero elsewhere.
+    pub(crate) fn set_row<const P: usize>(&mut self, row: usize, start: usize, entries: [f64; P]) {
+        let band = &mut self.rows[row];
+        *band = [0.0; WIDTH];
+        band[start..start + P].copy_from_slice(&entries);
+    }
+
     /// `self = a² diag + a damping + stiffness`, the matrix of an implicit step.
     pub fn combine(&mut self, a: f64, diagonal: &[f64], damping: &Banded, stiffness: &Banded) {
         for (i, row) in self.rows.iter_mut().enumerate() {
@@ -111,39 +118,61 @@ impl Banded {
     /// Solves for `P` right-hand sides at once, which costs little more than one.
     pub fn solve_many<const P: usize>(&self, x: &mut [[f64; P]]) {
         for (i, row) in self.rows.iter().enumerate() {
-            let first = i.saturating_sub(HALF_BANDWIDTH);
             let (done, rest) = x.split_at_mut(i);
-            let mut sum = rest[0];
-            for (a, x) in row[first + HALF_BANDWIDTH - i..HALF_BANDWIDTH].iter().zip(&done[first..]) {
-                add_scaled(&mut sum, -a, x);
+            let below = &row[..HALF_BANDWIDTH];
+            match done.last_chunk::<HALF_BANDWIDTH>() {
+                Some(done) => subtract_product(&mut rest[0], below, done),
+                None => subtract_product(&mut rest[0], &below[HALF_BANDWIDTH - i..], done),
             }
-            rest[0] = sum;
         }
         for (i, row) in self.rows.iter().enumerate().rev() {
             let (rest, done) = x.split_at_mut(i + 1);
-            let mut sum = rest[i];
-            for (a, x) in row[HALF_BANDWIDTH + 1..].iter().zip(&*done) {
-                add_scaled(&mut sum, -a, x);
+            let above = &row[HALF_BANDWIDTH + 1..];
+            match done.first_chunk::<HALF_BANDWIDTH>() {
+                Some(done) => subtract_product(&mut rest[i], above, done),
+                None => subtract_product(&mut rest[i], above, done),
             }
-            rest[i] = sum.map(|s| s * row[HALF_BANDWIDTH]);
+            rest[i] = rest[i].map(|x| x * row[HALF_BANDWIDTH]);
         }
     }
 
     /// `y += self · x`, for `P` columns at once.
     pub fn multiply_add<const P: usize>(&self, x: &[[f64; P]], y: &mut [[f64; P]]) {
         for (i, (row, y)) in self.rows.iter().zip(y).enumerate() {
-            let first = i.saturating_sub(HALF_BANDWIDTH);
-            for (a, x) in row[first + HALF_BANDWIDTH - i..].iter().zip(&x[first..]) {
-                add_scaled(y, *a, x);
+            let window = i.checked_sub(HALF_BANDWIDTH).and_then(|first| x[first..].first_chunk::<WIDTH>());
+            match window {
+                Some(x) => add_product(y, row, x),
+                None => {
+                    let first = i.saturating_sub(HALF_BANDWIDTH);
+                    add_product(y, &row[first + HALF_BANDWIDTH - i..], &x[first..]);
+                }
             }
         }
     }
 }
 
-fn add_scaled<const P: usize>(sum: &mut [f64; P], a: f64, x: &[f64; P]) {
-    for (sum, x) in sum.iter_mut().zip(x) {
-        *sum += a * x;
+/// `sum += Σ row x`, as far as both go; inlined, so that the length of a window is known.
+#[inline(always)]
+fn add_product<const P: usize>(sum: &mut [f64; P], row: &[f64], x: &[[f64; P]]) {
+    let mut own = *sum;
+    for (a, x) in row.iter().zip(x) {
+        for p in 0..P {
+            own[p] += a * x[p];
+        }
     }
+    *sum = own;
+}
+
+/// `sum −= Σ row x`, likewise.
+#[inline(always)]
+fn subtract_product<const P: usize>(sum: &mut [f64; P], row: &[f64], x: &[[f64; P]]) {
+    let mut own = *sum;
+    for (a, x) in row.iter().zip(x) {
+        for p in 0..P {
+            own[p] -= a * x[p];
+        }
+    }
+    *sum = own;
 }
 
 impl Index<(usize, usize)> for Banded {

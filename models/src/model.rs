@@ -300,6 +300,19 @@ impl Model {
         all.into_iter().map(|k| self.effects[k].effect.about().name).collect()
     }
 
+    /// Whether a parameter, as an index into `theta`, moves points of the rod at fixed coordinates or
+    /// changes the mass matrix, and not only what the laws say.
+    pub fn is_geometric(&self, parameter: usize) -> bool {
+        let of_effect = self.effects.iter().find(|active| active.theta.contains(&parameter));
+        match of_effect {
+            Some(active) => {
+                let places = active.effect.about().places;
+                places.contains(&Place::Body) || places.contains(&Place::Clamp)
+            }
+            None => [LENGTH, MASS, BASE_ANGLE].contains(&parameter),
+        }
+    }
+
     /// The effects that act at a place and are not at off, or have one of the `watched` parameters.
     /// An effect with memory always counts: its memory goes on even where its force is off.
     pub(crate) fn acting(&self, place: Place, watched: &[Option<usize>]) -> Vec<usize> {

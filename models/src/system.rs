@@ -225,7 +225,7 @@ impl<T: Scalar> Assembly<T> {
         if effect.about().kind == Kind::Load { self.load_share } else { 1.0 }
     }
 
-    fn add_loads(&mut self, model: &Model, q: &[T]) {
+    pub(crate) fn add_loads(&mut self, model: &Model, q: &[T]) {
         for &k in &self.acting.mass {
             let active = &model.effects[k];
             let share = self.share(active.effect);

@@ -5,11 +5,13 @@
 //! eliminated bend by bend before assembly: the tangents by curvature and rate gain
 //! `m_z g_κ/(a − g_z)` and `m_z g_κ̇/(a − g_z)`, and the band stays as narrow as without memory.
 
+use nalgebra::{Matrix2, Vector2};
+
 use crate::banded::Banded;
-use crate::effects::{BendTangent, Effect};
-use crate::kinematics::{dot, left};
+use crate::effects::BendTangent;
+use crate::kinematics::{Fields, dot, left};
 use crate::model::Model;
-use crate::system::System;
+use crate::system::{Assembly, Context, System};
 
 /// Tangents of the laws and geometry of the posture at which they were taken.
 #[derive(Clone, Debug, Default)]
@@ -81,6 +83,37 @@ impl Tangent {
         }
     }
 
+    /// Keeps what the matrices need of the posture and of what the laws say there.
+    fn keep_geometry(&mut self, c: &Context<f64>, f: &Fields<f64>, has_flow: bool) {
+        let n = c.edges;
+        for j in 0..n {
+            let tangent = f.tangent[j];
+            let normal = left(tangent);
+            let per_length = f.per_length[j];
+            let along = f.stretch_rate[j] * c.rest_length * per_length;
+            let turn = f.edge_rate[j];
+            self.angle_by_edge[j] = normal.map(|n| n * per_length);
+            self.rate_by_edge[j] = [0, 1].map(|k| -(tangent[k] * turn + normal[k] * along) * per_length);
+            if has_flow {
+                self.midpoint_velocity[j] = f.midpoint_velocity(j);
+            }
+        }
+        let inner = f.edge_force(n - 1);
+        self.last_force = [0, 1].map(|k| f.tip[k] - inner[k] + 0.5 * f.outer[n - 1][k]);
+        self.decay_rate = f.decay_rate;
+        self.kappa.copy_from_slice(&f.kappa);
+        self.kappa_slope.copy_from_slice(&f.kappa_slope);
+        self.kappa_rate.copy_from_slice(&f.kappa_rate);
+        self.moment.copy_from_slice(&f.moment);
+        self.tension.copy_from_slice(&f.tension);
+        self.tangent.copy_from_slice(&f.tangent);
+        self.per_length.copy_from_slice(&f.per_length);
+        self.edge_rate.copy_from_slice(&f.edge_rate);
+        self.outer.copy_from_slice(&f.outer);
+        self.body_axis = f.body_axis;
+        self.body_rate = f.body_rate;
+    }
+
     /// `∂g/∂z` of every memory variable, 1/s.
     pub(crate) fn memory_slopes(&self) -> impl Iterator<Item = f64> + '_ {
         self.memory.iter().map(|tangent| tangent.memory_rate[2])
@@ -107,84 +140,54 @@ impl System<'_> {
         z_rate: &mut [f64],
     ) {
         let model = self.model;
-        self.force(time, q, v, z, force, z_rate);
-        let last = {
-            let f = &self.assembly.fields;
-            let inner = f.edge_force(model.edges - 1);
-            [0, 1].map(|k| f.tip[k] - inner[k] + 0.5 * f.outer[model.edges - 1][k])
-        };
-        let decay_rate = self.assembly.fields.decay_rate;
         let t = &mut self.tangent;
-        t.last_force = last;
-        t.decay_rate = decay_rate;
-        self.assembly.fields.clear();
         for list in [&mut t.by_kappa, &mut t.by_kappa_rate, &mut t.by_stretch, &mut t.by_stretch_rate] {
             list.fill(0.0);
         }
         t.flow.fill([[0.0; 2]; 2]);
         t.tip = [[0.0; 6]; 3];
-        let acting = std::mem::take(&mut self.assembly.acting.bend);
-        for &k in &acting {
+        self.assembly.place(model, time, q, v);
+        let Assembly { context: c, fields: f, acting, .. } = &mut self.assembly;
+        for &k in &acting.bend {
             let active = &model.effects[k];
             let own = active.memory.clone();
             active.effect.linearise_moments(
-                &self.assembly.context,
+                c,
                 &model.theta[active.theta.clone()],
-                &mut self.assembly.fields,
+                f,
                 &z[own.clone()],
                 &mut t.by_kappa,
                 &mut t.by_kappa_rate,
-                &mut t.memory[own],
+                &mut t.memory[own.clone()],
+                &mut z_rate[own],
             );
         }
-        self.assembly.acting.bend = acting;
-        let (c, f) = (&self.assembly.context, &mut self.assembly.fields);
         f.moment[0] += c.clamp_moment * f.kappa[0];
         t.by_kappa[0] += c.clamp_moment;
-        for &k in &self.assembly.acting.edge {
+        for &k in &acting.edge {
             let active = &model.effects[k];
             let theta = &model.theta[active.theta.clone()];
             active.effect.linearise_tensions(c, theta, f, &mut t.by_stretch, &mut t.by_stretch_rate);
         }
-        for &k in &self.assembly.acting.flow {
+        for &k in &acting.flow {
             let active = &model.effects[k];
             active.effect.linearise_flows(c, &model.theta[active.theta.clone()], f, &mut t.flow);
         }
-        let has_flow = !self.assembly.acting.flow.is_empty();
-        for j in 0..model.edges {
-            let tangent = f.tangent[j];
-            let normal = left(tangent);
-            let per_length = f.per_length[j];
-            let along = f.stretch_rate[j] * c.rest_length * per_length;
-            let turn = f.edge_rate[j];
-            t.angle_by_edge[j] = normal.map(|n| n * per_length);
-            t.rate_by_edge[j] = [0, 1].map(|k| -(tangent[k] * turn + normal[k] * along) * per_length);
-            if has_flow {
-                t.midpoint_velocity[j] = f.midpoint_velocity(j);
-            }
-        }
-        t.kappa.copy_from_slice(&f.kappa);
-        t.kappa_slope.copy_from_slice(&f.kappa_slope);
-        t.kappa_rate.copy_from_slice(&f.kappa_rate);
-        t.moment.copy_from_slice(&f.moment);
-        t.tension.copy_from_slice(&f.tension);
-        t.tangent.copy_from_slice(&f.tangent);
-        t.per_length.copy_from_slice(&f.per_length);
-        t.edge_rate.copy_from_slice(&f.edge_rate);
-        t.outer.copy_from_slice(&f.outer);
-        t.body_axis = f.body_axis;
-        t.body_rate = f.body_rate;
+        self.assembly.add_loads(model, q);
         for &k in &self.assembly.acting.tip {
             let active = &model.effects[k];
-            let effect: &dyn Effect = active.effect;
-            let share = self.assembly.share(effect);
-            let slopes = effect.linearise_tip(&self.assembly.tip(q), &model.theta[active.theta.clone()]);
+            let share = self.assembly.share(active.effect);
+            let slopes =
+                active.effect.linearise_tip(&self.assembly.tip(q), &model.theta[active.theta.clone()]);
             for (row, add) in t.tip.iter_mut().zip(slopes) {
                 for (entry, slope) in row.iter_mut().zip(add) {
                     *entry += share * slope;
                 }
             }
         }
+        let (c, f) = (&self.assembly.context, &self.assembly.fields);
+        f.gather(c, v, force);
+        t.keep_geometry(c, f, !self.assembly.acting.flow.is_empty());
     }
 
     /// Makes tangent stiffness `−∂f/∂q` and damping `−∂f/∂v` for a step with `a = 1/(γh)`, 1/s, at
@@ -236,8 +239,6 @@ impl System<'_> {
                 + t.moment[i] * half_kappa * slope;
             t.by_angle_rate[i] = by_rate * slope * slope;
         }
-        t.stiffness.clear();
-        t.damping.clear();
         t.assemble_edges(n, c.per_rest_length);
         if !self.assembly.acting.flow.is_empty() {
             t.assemble_flows(n);
@@ -373,18 +374,10 @@ fn response(a: f64, g_z: f64) -> f64 {
     if pole.abs() < 1e-12 { 0.0 } else { 1.0 / pole }
 }
 
-type Block = [[f64; 2]; 2];
+type Block = Matrix2<f64>;
 
 fn outer(a: [f64; 2], b: [f64; 2]) -> Block {
-    [[a[0] * b[0], a[0] * b[1]], [a[1] * b[0], a[1] * b[1]]]
-}
-
-fn add(sum: &mut Block, scale: f64, block: Block) {
-    for (row, other) in sum.iter_mut().zip(block) {
-        for (entry, value) in row.iter_mut().zip(other) {
-            *entry += scale * value;
-        }
-    }
+    Vector2::from(a) * Vector2::from(b).transpose()
 }
 
 /// Adds `scale · block` at a pair of nodes; the clamped node 0 has no row.
@@ -392,68 +385,64 @@ fn scatter(matrix: &mut Banded, row: usize, column: usize, scale: f64, block: &B
     if row == 0 || column == 0 {
         return;
     }
-    for (k, entries) in block.iter().enumerate() {
-        for (l, entry) in entries.iter().enumerate() {
-            matrix[(2 * row - 2 + k, 2 * column - 2 + l)] += scale * entry;
+    for k in 0..2 {
+        for l in 0..2 {
+            matrix[(2 * row - 2 + k, 2 * column - 2 + l)] += scale * block[(k, l)];
         }
     }
 }
 
-/// Adds the derivative of the gradient by edge `a` by edge vector `b`, at the four node pairs.
-fn scatter_edges(matrix: &mut Banded, a: usize, b: usize, block: &Block) {
-    scatter(matrix, a + 1, b + 1, 1.0, block);
-    scatter(matrix, a + 1, b, -1.0, block);
-    scatter(matrix, a, b + 1, -1.0, block);
-    scatter(matrix, a, b, 1.0, block);
+/// An edge's row of a matrix over edge vectors: the blocks with the edge before, itself, and the
+/// edge after.
+#[derive(Clone, Copy, Default)]
+struct EdgeRow {
+    before: Block,
+    own: Block,
+    after: Block,
+}
+
+/// Overwrites a matrix over coordinates by one over edge vectors, given row by row: `e = x[j+1] − x[j]`,
+/// so that each block of two nodes joins up to four of two edges. The angle's row becomes zero.
+fn place_edges(matrix: &mut Banded, n: usize, row: impl Fn(usize) -> EdgeRow) {
+    let mut inner = row(0);
+    for i in 1..=n {
+        let outer = if i < n { row(i) } else { EdgeRow::default() };
+        let mut blocks = [
+            -inner.before,
+            inner.before - inner.own + outer.before,
+            inner.own - inner.after - outer.before + outer.own,
+            inner.after - outer.own + outer.after,
+            -outer.after,
+        ];
+        // Node 0 is clamped.
+        for block in blocks.iter_mut().take(3_usize.saturating_sub(i)) {
+            *block = Block::zeros();
+        }
+        for k in 0..2 {
+            let entries = std::array::from_fn(|at| blocks[at / 2][(k, at % 2)]);
+            matrix.set_row::<10>(2 * i - 2 + k, 2 - k, entries);
+        }
+        inner = outer;
+    }
+    matrix.set_row(2 * n, 0, []);
 }
 
 impl Tangent {
     /// Stretch, bending and their geometric stiffness, with the last node in the place of the
     /// body's centre of mass.
     fn assemble_edges(&mut self, n: usize, per_rest_length: f64) {
-        let (a, b) = (&self.by_angle, &self.by_angle_rate);
-        let damped = b.iter().chain(&self.by_stretch_rate).any(|slope| *slope != 0.0);
-        for j in 0..n {
-            let tangent = self.tangent[j];
-            let normal = left(tangent);
-            let g = self.angle_by_edge[j];
-            let h = self.rate_by_edge[j];
-            let per_length = self.per_length[j];
-            let torque = self.moment[j] * self.kappa_slope[j] - self.moment[j + 1] * self.kappa_slope[j + 1];
-            let turn = torque * per_length * per_length;
-            let rate_stiffness = self.by_stretch_rate[j] * per_rest_length;
-            let mut own =
-                outer(tangent, tangent).map(|row| row.map(|x| x * self.by_stretch[j] * per_rest_length));
-            add(&mut own, rate_stiffness * self.edge_rate[j], outer(tangent, normal));
-            add(&mut own, self.tension[j] * per_length, outer(normal, normal));
-            add(&mut own, -turn, outer(tangent, normal));
-            add(&mut own, -turn, outer(normal, tangent));
-            add(&mut own, a[j] + a[j + 1], outer(g, g));
-            add(&mut own, b[j] + b[j + 1], outer(g, h));
-            scatter_edges(&mut self.stiffness, j, j, &own);
-            if damped {
-                let mut own = outer(tangent, tangent).map(|row| row.map(|x| x * rate_stiffness));
-                add(&mut own, b[j] + b[j + 1], outer(g, g));
-                scatter_edges(&mut self.damping, j, j, &own);
-            }
-            if j + 1 < n {
-                let (g_next, h_next) = (self.angle_by_edge[j + 1], self.rate_by_edge[j + 1]);
-                let coupling = |from: [f64; 2], to: [f64; 2], rate: [f64; 2]| {
-                    let mut block = outer(from, to).map(|row| row.map(|x| -a[j + 1] * x));
-                    add(&mut block, -b[j + 1], outer(from, rate));
-                    block
-                };
-                scatter_edges(&mut self.stiffness, j, j + 1, &coupling(g, g_next, h_next));
-                scatter_edges(&mut self.stiffness, j + 1, j, &coupling(g_next, g, h));
-                if damped {
-                    let block = outer(g, g_next).map(|row| row.map(|x| -b[j + 1] * x));
-                    let transposed = [[block[0][0], block[1][0]], [block[0][1], block[1][1]]];
-                    scatter_edges(&mut self.damping, j, j + 1, &block);
-                    scatter_edges(&mut self.damping, j + 1, j, &transposed);
-                }
-            }
+        let mut stiffness = std::mem::take(&mut self.stiffness);
+        place_edges(&mut stiffness, n, |j| self.edge_stiffness(j, per_rest_length));
+        self.stiffness = stiffness;
+        let mut damping = std::mem::take(&mut self.damping);
+        if self.by_angle_rate.iter().chain(&self.by_stretch_rate).any(|slope| *slope != 0.0) {
+            place_edges(&mut damping, n, |j| self.edge_damping(j, per_rest_length));
+        } else {
+            damping.clear();
         }
-        let (a, b, g, h) = (a[n], b[n], self.angle_by_edge[n - 1], self.rate_by_edge[n - 1]);
+        self.damping = damping;
+        let (a, b) = (self.by_angle[n], self.by_angle_rate[n]);
+        let (g, h) = (self.angle_by_edge[n - 1], self.rate_by_edge[n - 1]);
         let angle = 2 * n;
         self.stiffness[(angle, angle)] += a;
         self.damping[(angle, angle)] += b;
@@ -468,6 +457,45 @@ impl Tangent {
         }
     }
 
+    /// Derivative of the force in edge `j` by the edge vectors.
+    fn edge_stiffness(&self, j: usize, per_rest_length: f64) -> EdgeRow {
+        let (a, b) = (&self.by_angle, &self.by_angle_rate);
+        let tangent = self.tangent[j];
+        let normal = left(tangent);
+        let (g, h) = (self.angle_by_edge[j], self.rate_by_edge[j]);
+        let per_length = self.per_length[j];
+        let torque = self.moment[j] * self.kappa_slope[j] - self.moment[j + 1] * self.kappa_slope[j + 1];
+        let across = outer(tangent, normal);
+        let own = outer(tangent, tangent) * (self.by_stretch[j] * per_rest_length)
+            + across * (self.by_stretch_rate[j] * per_rest_length * self.edge_rate[j])
+            + outer(normal, normal) * (self.tension[j] * per_length)
+            - (across + across.transpose()) * (torque * per_length * per_length)
+            + outer(g, g) * (a[j] + a[j + 1])
+            + outer(g, h) * (b[j] + b[j + 1]);
+        let with = |other: usize, bend: usize| {
+            outer(g, self.angle_by_edge[other]) * -a[bend] - outer(g, self.rate_by_edge[other]) * b[bend]
+        };
+        EdgeRow {
+            before: if j > 0 { with(j - 1, j) } else { Block::zeros() },
+            own,
+            after: if j + 1 < self.tangent.len() { with(j + 1, j + 1) } else { Block::zeros() },
+        }
+    }
+
+    /// Derivative of the force in edge `j` by the rates of the edge vectors.
+    fn edge_damping(&self, j: usize, per_rest_length: f64) -> EdgeRow {
+        let b = &self.by_angle_rate;
+        let g = self.angle_by_edge[j];
+        let tangent = self.tangent[j];
+        let with = |other: usize, bend: usize| outer(g, self.angle_by_edge[other]) * -b[bend];
+        EdgeRow {
+            before: if j > 0 { with(j - 1, j) } else { Block::zeros() },
+            own: outer(tangent, tangent) * (self.by_stretch_rate[j] * per_rest_length)
+                + outer(g, g) * (b[j] + b[j + 1]),
+            after: if j + 1 < self.tangent.len() { with(j + 1, j + 1) } else { Block::zeros() },
+        }
+    }
+
     /// Outer forces on edges, half on each end.
     fn assemble_flows(&mut self, n: usize) {
         for j in 0..n {
@@ -475,10 +503,10 @@ impl Tangent {
             let normal = left(tangent);
             let [along, across] = self.midpoint_velocity[j];
             let axes = [tangent, normal];
-            let mut by_velocity = [[0.0; 2]; 2];
+            let mut by_velocity = Block::zeros();
             for (k, row) in self.flow[j].iter().enumerate() {
                 for (l, slope) in row.iter().enumerate() {
-                    add(&mut by_velocity, *slope, outer(axes[k], axes[l]));
+                    by_velocity += outer(axes[k], axes[l]) * *slope;
                 }
             }
             // Turning the edge turns the force with it, and the velocity that it sees against it.

@@ -210,3 +210,24 @@ fn dissipated_power_is_never_negative_and_vanishes_at_rest() {
     let (lost, _) = system.powers(&mut pass, 0.1, &s.q, &s.v, &s.z);
     assert!(lost.abs() < 1e-15, "{lost}");
 }
+
+/// What observers show of each effect adds up to what acts: no force is shown twice or not at all,
+/// the clamp's moment included.
+#[test]
+fn forces_of_effects_add_up() {
+    let model = model_with_everything(Root::Consistent);
+    let s = state(&model);
+    let mut system = System::new(&model);
+    let (mut force, mut rate) = (vec![0.0; model.dof()], vec![0.0; model.memory()]);
+    let each = system.effect_forces(0.1, &s.q, &s.v, &s.z);
+    system.force(0.1, &s.q, &s.v, &s.z, &mut force, &mut rate);
+    let all = system.assembly.fields.node_forces(&system.assembly.context);
+    for (i, total) in all.iter().enumerate() {
+        for k in 0..2 {
+            let (sum, scale) = each.iter().fold((0.0, 0.0), |(sum, scale): (f64, f64), (_, nodes)| {
+                (sum + nodes[i][k], scale + nodes[i][k].abs())
+            });
+            assert!((sum - total[k]).abs() <= 1e-12 * scale, "node {i}: {sum} against {}", total[k]);
+        }
+    }
+}

@@ -14,7 +14,7 @@ use models::statics::equilibrium;
 use models::system::{System, TimePass};
 use thiserror::Error;
 
-use crate::integrate::variational::{Slopes, Variational};
+use crate::integrate::variational::{Slopes, Variational, lane_order};
 use crate::integrate::{self, Control, IntegrateError, Method, State, Stepper};
 use crate::trajectory::{Status, Trajectory};
 
@@ -257,7 +257,8 @@ fn initial_state(system: &mut System, initial: &Initial) -> Result<State, ModelE
 
 /// Derivatives of the initial state by the watched parameters.
 fn initial_slopes<'m>(model: &'m Model, run: &Run, state: &State) -> Variational<'m> {
-    let watched: Vec<_> = run.sensitivities.iter().map(|k| Some(*k)).collect();
+    let order = lane_order(model, &run.sensitivities);
+    let watched: Vec<_> = order.iter().map(|k| Some(*k)).collect();
     let mut system = System::new(model);
     system.watch(&watched);
     let groups = watched.len().div_ceil(LANES);
@@ -283,7 +284,7 @@ fn initial_slopes<'m>(model: &'m Model, run: &Run, state: &State) -> Variational
         let z = relaxed_memory_slopes(&mut system, group, state, &q);
         all.push(Slopes { q, v, z });
     }
-    Variational::new(system, all)
+    Variational::new(system, &order, all)
 }
 
 /// The equilibrium of the hold with its derivatives, by the implicit function theorem.

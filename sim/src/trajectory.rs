@@ -6,7 +6,7 @@ use models::snapshot::Energy;
 use models::system::System;
 
 use crate::forward::{self, Run};
-use crate::integrate::variational::Variational;
+use crate::integrate::variational::{Variational, lane_order};
 use crate::integrate::{Effort, State};
 
 /// Whether a run came to its end.
@@ -52,7 +52,8 @@ pub struct Trajectory {
     pub status: Status,
     dof: usize,
     memory: usize,
-    parameters: usize,
+    /// Lane of each parameter of [`Run::sensitivities`], counted over all groups.
+    lanes: Vec<usize>,
     row: Vec<[f64; LANES]>,
 }
 
@@ -60,12 +61,14 @@ impl Trajectory {
     pub(crate) fn new(model: &Model, run: &Run) -> Self {
         let (dof, memory) = (model.dof(), model.memory());
         let samples = run.samples.len();
+        let order = lane_order(model, &run.sensitivities);
+        let lane = |k: &usize| order.iter().position(|other| other == k).expect("the same parameters");
         Self {
             times: Vec::with_capacity(samples),
             states: Vec::with_capacity(samples * (2 * dof + memory)),
             tip: Vec::with_capacity(samples),
             tip_velocity: Vec::with_capacity(samples),
-            parameters: run.sensitivities.len(),
+            lanes: run.sensitivities.iter().map(lane).collect(),
             row: vec![[0.0; LANES]; dof],
             dof,
             memory,
@@ -84,13 +87,14 @@ impl Trajectory {
 
     pub(crate) fn record_slopes(&mut self, variational: &Variational, state: &State, begin: f64, end: f64) {
         let system = variational.system();
-        let mut slopes = Vec::with_capacity(self.parameters);
+        let mut slopes = Vec::with_capacity(variational.slopes.len() * LANES);
         for group in 0..variational.slopes.len() {
-            variational.interpolate(group, begin, end, state.time, &mut self.row);
+            // The tip hangs on the end body alone.
+            variational.interpolate(group, [begin, end], state.time, self.dof - 3, &mut self.row);
             let [x, z] = system.tip_by_parameters(group, system.model.tip_distance, &state.q, &self.row);
-            slopes.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]).take(self.parameters - slopes.len()));
+            slopes.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]));
         }
-        self.tip_by_parameters.push(slopes);
+        self.tip_by_parameters.push(self.lanes.iter().map(|lane| slopes[*lane]).collect());
     }
 
     /// The state of a sample.

@@ -80,8 +80,8 @@ pub trait Effect: EffectFor<f64> + EffectFor<Dual64> + EffectFor<Lanes> {
     /// Its page: law, symbols, assumptions, source.
     fn page(&self) -> String;
     /// Adds the effect's moment and its tangents by curvature and rate, all of integrated
-    /// curvature; for an effect with memory, writes all its tangents.
-    #[expect(clippy::too_many_arguments, reason = "what goes in, and three lists that come out")]
+    /// curvature; for an effect with memory, writes all its tangents and the memory's rates.
+    #[expect(clippy::too_many_arguments, reason = "what goes in, and four lists that come out")]
     fn linearise_moments(
         &self,
         c: &Context<f64>,
@@ -91,6 +91,7 @@ pub trait Effect: EffectFor<f64> + EffectFor<Dual64> + EffectFor<Lanes> {
         by_kappa: &mut [f64],
         by_rate: &mut [f64],
         memory: &mut [BendTangent],
+        z_rate: &mut [f64],
     );
     /// Adds tensions and their tangents by stretch and its rate.
     fn linearise_tensions(
@@ -248,6 +249,7 @@ impl<L: Law> Effect for Registered<L> {
         by_kappa: &mut [f64],
         by_rate: &mut [f64],
         memory: &mut [BendTangent],
+        z_rate: &mut [f64],
     ) {
         let rod = c.rod.map(DualSVec64::<3>::from);
         let theta = lifted(theta);
@@ -276,6 +278,7 @@ impl<L: Law> Effect for Registered<L> {
                 let [g_kappa, g_rate, g_z] = derivative(&law.memory_rate);
                 tangent.moment = [a, b, m_z];
                 tangent.memory_rate = [g_kappa * per_length, g_rate * per_length, g_z];
+                z_rate[i] = law.memory_rate.re;
             }
         }
     }

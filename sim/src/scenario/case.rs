@@ -18,6 +18,8 @@ use crate::forward::{Initial, Run};
 /// Share of its length by which a posture may be longer or shorter than the rod, without a warning
 /// and at all.
 const STRETCH: [f64; 2] = [0.01, 0.5];
+/// Share of its length that a hold may differ by without a warning.
+const HELD_STRETCH: f64 = 1e-3;
 
 pub(super) fn cases(scenario: &Scenario) -> Result<Vec<Case>, ScenarioError> {
     let builder = Builder { scenario, plan: &scenario.plan };
@@ -202,6 +204,15 @@ impl Builder<'_> {
             indices.extend(held.index(path));
         }
         indices.sort_unstable();
+        let [held_length, length] = [held.rod().length, model.rod().length];
+        if (held_length / length - 1.0).abs() > HELD_STRETCH {
+            warnings.push(format!(
+                "release.hold: the rod is {} long while it is held and {} when it is let go; it will ring \
+                 along itself, which takes very many steps unless stiffness damping calms it",
+                format_si(held_length, "m"),
+                format_si(length, "m")
+            ));
+        }
         Ok(Initial::Equilibrium { hold: Box::new(held), own: indices })
     }
 

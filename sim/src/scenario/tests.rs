@@ -126,6 +126,30 @@ fn a_hold_may_use_a_load_that_the_release_does_not_have() {
 }
 
 #[test]
+fn a_rod_that_springs_back_along_itself_warns() {
+    let held = "[release]\nfrom = \"equilibrium\"\n[release.hold]\npressure = \"40 psi\"\n";
+    let case = one(&format!("{MUSCLE}{held}"), &[]);
+    let [warning] = &case.warnings[..] else { panic!("{:?}", case.warnings) };
+    assert!(
+        warning.starts_with("release.hold: the rod is 294.4 mm long while it is held and 202.9 mm"),
+        "{warning}"
+    );
+
+    let points = std::env::temp_dir().join(format!("efam-posture-{}.csv", std::process::id()));
+    let posture = |length: f64| {
+        std::fs::write(&points, format!("x_m,z_m\n0,0\n{length},0\n")).unwrap();
+        format!("{MUSCLE}[release]\nposture = {points:?}\n")
+    };
+    assert_eq!(one(&posture(1.005 * 7.99 * 0.0254), &[]).warnings, [] as [&str; 0]);
+    let case = one(&posture(1.06 * 7.99 * 0.0254), &[]);
+    let [warning] = &case.warnings[..] else { panic!("{:?}", case.warnings) };
+    assert!(warning.contains("springs back along itself"), "{warning}");
+    let message = error(&posture(2.0 * 7.99 * 0.0254), &[]);
+    assert!(message.contains("give points of the whole active length"), "{message}");
+    std::fs::remove_file(&points).unwrap();
+}
+
+#[test]
 fn an_extrapolated_pressure_warns() {
     let case = one(MUSCLE, &["muscle.pressure=140 psi", "muscle.extrapolation=allowed"]);
     assert_eq!(
