@@ -1,6 +1,7 @@
 //! What we do with the models.
 
 pub mod analysis;
+pub mod cleaning;
 pub mod experiment;
 pub mod forward;
 pub mod integrate;
