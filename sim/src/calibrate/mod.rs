@@ -125,7 +125,7 @@ fn fit<'a>(
         let moved = (&better.x - &found.x).zip_map(&errors, |x, error| x / error.max(1e-300).sqrt());
         shift.iter_mut().zip(moved.iter()).for_each(|(shift, moved)| *shift += moved);
         found.evaluations += better.evaluations;
-        found.steps += better.evaluations * better.at.carried.steps;
+        found.steps += better.evaluations * better.at.carried.step_count();
         (found.x, found.at, found.converged) = (better.x, better.at, better.converged);
         found.predicted = better.predicted;
         if !is_first || moved.amax() < FAR {

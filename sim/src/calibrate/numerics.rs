@@ -39,16 +39,17 @@ pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
             // A posture has nodes of its own: only the step can be made finer.
             let is_posture = matches!(objective.part.members[r].run.initial, Initial::Posture(_));
             let fine = Fidelity { refinement: if is_posture { 1 } else { 2 }, ..tight };
-            let run = |fidelity| one(objective, r, x, view.counts[r], fidelity);
+            let run = |fidelity| one(objective, r, x, view.counts[r], fidelity, None);
+            let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
             let same = run(tight)?;
             let finer = if is_posture { same.clone() } else { run(fine)? };
-            Some([run(view.fidelity)?, same, finer])
+            Some([one(objective, r, x, view.counts[r], view.fidelity, steps)?, same, finer])
         })
         .collect();
     let mut correction = Correction::default();
     for one in each {
         let [own, same, fine] = one?;
-        correction.steps += own.steps + same.steps + fine.steps;
+        correction.steps += own.steps.len() + same.steps.len() + fine.steps.len();
         let (mut all, mut error, mut left) = (Vec::new(), Mean::default(), Mean::default());
         for track in 0..own.position.len() {
             let of = |k: usize| {
@@ -78,9 +79,10 @@ fn one(
     x: &DVector<f64>,
     count: usize,
     fidelity: Fidelity,
+    steps: Option<&[f64]>,
 ) -> Option<Prediction> {
     let (part, measured) = (objective.part, objective.measured[r]);
-    predict(part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, false).ok()
+    predict(part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, steps, false).ok()
 }
 
 #[derive(Default)]
