@@ -18,6 +18,7 @@ mod prediction;
 mod problem;
 mod profile;
 mod search;
+mod section;
 mod starts;
 mod uncertainty;
 mod unknowns;
@@ -30,6 +31,7 @@ pub use error::CalibrateError;
 pub use outcome::{Curve, Outcome};
 pub use problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
 pub use search::Stage;
+pub use section::{SectionError, problem};
 
 use numerics::{Correction, correction};
 use objective::Objective;

@@ -16,6 +16,10 @@ use crate::forward::Initial;
 /// Step errors of the corrected prediction, against those of the fit.
 const TIGHTER: f64 = 0.1;
 
+/// What Richardson's term leaves of itself: on the paper's muscle with 32 nodes a twentieth was seen
+/// against 160 nodes.
+const LEFT: f64 = 0.2;
+
 /// What a finer run says of each release.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Correction {
@@ -23,7 +27,7 @@ pub(super) struct Correction {
     pub corrections: Vec<Vec<Vec<[f64; 2]>>>,
     /// Root mean square of that, m, of each release.
     pub error: Vec<f64>,
-    /// Root mean square of Richardson's term, m: more than is left of the mesh's error.
+    /// What may be left of the mesh's error, m, root mean square: a share of Richardson's term.
     pub left: Vec<f64>,
     /// Steps of the integrator.
     pub steps: usize,
@@ -68,7 +72,7 @@ pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
         }
         correction.corrections.push(all);
         correction.error.push(error.root());
-        correction.left.push(left.root());
+        correction.left.push(LEFT * left.root());
     }
     Some(correction)
 }

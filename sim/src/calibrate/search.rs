@@ -62,7 +62,7 @@ const GROWTH: f64 = 2.0;
 const LEAST_GROWTH: f64 = 1.2;
 /// Predicted decrease, for residuals of unit spread, at which a stage and the last one stop.
 const STAGE_TOLERANCE: f64 = 5e-2;
-const LAST_TOLERANCE: f64 = 1e-3;
+const LAST_TOLERANCE: f64 = 5e-3;
 const MOST_EVALUATIONS: usize = 30;
 /// Rounds in which the threshold of the loss follows the residuals.
 const MOST_ROUNDS: usize = 4;
