@@ -1,6 +1,8 @@
 //! The command line: parse, call one function, print, exit code. The only file that names clap.
 
+mod analyse;
 mod effects;
+mod experiment;
 mod failure;
 mod interrupt;
 mod live;
@@ -45,6 +47,19 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Write an experiment file from recordings, or check one: what is kept of its recordings.
+    Experiment {
+        #[command(subcommand)]
+        what: OnExperiment,
+    },
+    /// Clean an experiment's recordings and analyse each release: frequency, damping, stiffness.
+    Analyse {
+        #[command(flatten)]
+        of: OfExperiment,
+        /// Numbers of nodes with which to fit the tip at rest.
+        #[arg(long, value_delimiter = ',', value_name = "N,…", default_values_t = sim::analysis::static_stiffness::NODES)]
+        nodes: Vec<usize>,
+    },
     /// Show the posture in which a scenario's rod hangs.
     Statics {
         #[command(flatten)]
@@ -64,6 +79,48 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+}
+
+#[derive(Subcommand)]
+enum OnExperiment {
+    /// Write a first experiment file from the recordings themselves.
+    Init(Init),
+    /// Clean the recordings, and show what was cut, masked and decided.
+    Check(OfExperiment),
+}
+
+#[derive(Args)]
+struct Init {
+    /// Recordings, in any format that can be read.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// The file to write.
+    #[arg(long, value_name = "FILE", default_value = "experiment.toml")]
+    out: PathBuf,
+    /// Replace a file that is there.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+#[derive(Args)]
+struct OfExperiment {
+    /// Experiment, a TOML file.
+    experiment: PathBuf,
+    /// Set a value over the experiment's, such as recording[1].up="+z"; may be repeated.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Folder for the results [default: outputs/ and the experiment's name].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace a folder that is there.
+    #[arg(long)]
+    overwrite: bool,
+    /// List every decision, with the key that decides otherwise.
+    #[arg(long)]
+    decisions: bool,
+    /// One JSON object on stdout, and nothing else.
+    #[arg(long)]
+    json: bool,
 }
 
 /// A scenario and what is set over it.
@@ -123,6 +180,9 @@ pub fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
+        Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),
+        Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args),
+        Command::Analyse { of, nodes } => analyse::run(&of, &nodes),
         Command::Statics { source, json } => rest::statics(&source, json),
         Command::Modes { source, count, json } => rest::modes(&source, count, json),
     };

@@ -12,6 +12,7 @@
 //! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
 
 mod error;
+pub mod experiment;
 pub mod folder;
 pub mod picture;
 pub mod report;
@@ -195,7 +196,7 @@ fn status_word(status: &Status) -> &'static str {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::fs;
     use std::ops::ControlFlow;
 
