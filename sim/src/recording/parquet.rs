@@ -6,7 +6,7 @@ use arrow_array::{Array, Float32Array, Float64Array, Int32Array, Int64Array, Rec
 use arrow_schema::{DataType, Schema};
 use bytes::Bytes;
 use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 
 use super::Marker;
 use super::draft::Draft;

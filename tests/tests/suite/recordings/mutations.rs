@@ -151,3 +151,15 @@ proptest! {
         holds(start.bytes().chain(rest).collect(), "csv")?;
     }
 }
+
+/// Found: arrow-ipc panics at a broken schema of Arrow, which stands before the end of a Parquet file.
+#[test]
+fn a_broken_schema_of_arrow() {
+    let whole = parquet();
+    for from_end in 1..400 {
+        let mut file = whole.clone();
+        let at = file.len() - from_end;
+        file[at] = b'E';
+        holds(file, "parquet").unwrap();
+    }
+}
