@@ -4,6 +4,7 @@ mod analyse;
 mod effects;
 mod experiment;
 mod failure;
+mod inspect;
 mod interrupt;
 mod live;
 mod rest;
@@ -15,13 +16,14 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use live::Rerun;
+use sim::recording::{Length, ReadOptions};
 
 /// Exit codes, as the help prints them.
 const EXIT_CODES: &str = "Exit codes:
     0  all is well
     1  results could not be written or shown
     2  the command line or the scenario is wrong
-    3  a muscle file or other data are wrong
+    3  a muscle file, a recording or other data are wrong
     4  the simulation or the search for a rest posture could not go on
   130  interrupted; what was integrated is saved (a second Ctrl-C exits at once, and saves nothing)
 
@@ -59,6 +61,17 @@ enum Command {
         /// Numbers of nodes with which to fit the tip at rest.
         #[arg(long, value_delimiter = ',', value_name = "N,…", default_values_t = sim::analysis::static_stiffness::NODES)]
         nodes: Vec<usize>,
+    },
+    /// Say what is in recordings of a motion-capture system.
+    Inspect {
+        /// Recordings: tables as text or Parquet, Vicon, Motive, Qualisys, TRC, C3D.
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+        #[command(flatten)]
+        overrides: Overrides,
+        /// One JSON object instead.
+        #[arg(long)]
+        json: bool,
     },
     /// Show the posture in which a scenario's rod hangs.
     Statics {
@@ -139,6 +152,23 @@ struct Source {
     pressure: Option<String>,
 }
 
+/// What stands above a recording's own statements.
+#[derive(Args)]
+struct Overrides {
+    /// Unit of the positions: m, cm, mm, um, in or ft.
+    #[arg(long)]
+    unit: Option<Length>,
+    /// Samples a second.
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+}
+
+impl Overrides {
+    fn options(&self) -> ReadOptions {
+        ReadOptions { unit: self.unit, rate_hz: self.rate }
+    }
+}
+
 #[derive(Args)]
 struct Simulate {
     #[command(flatten)]
@@ -183,6 +213,7 @@ pub fn main() -> ExitCode {
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),
         Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args),
         Command::Analyse { of, nodes } => analyse::run(&of, &nodes),
+        Command::Inspect { files, overrides, json } => inspect::run(&files, &overrides.options(), json),
         Command::Statics { source, json } => rest::statics(&source, json),
         Command::Modes { source, count, json } => rest::modes(&source, count, json),
     };

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use models::error::ModelError;
 use sim::experiment::ExperimentError;
+use sim::recording::RecordingError;
 use sim::results::ResultsError;
 use sim::scenario::ScenarioError;
 
@@ -15,10 +16,10 @@ pub enum Failure {
     Scenario(Box<ScenarioError>),
     /// The command line.
     Usage(String),
-    /// A recording.
-    Data(String),
     /// The model: a rest posture that was not found, an integration that gave up.
     Diverged(String),
+    /// Recordings or other data.
+    Data(String),
     /// Results that could not be written or shown.
     Output(String),
     /// Nobody reads stdout any longer, as behind `| head`: no failure at all.
@@ -46,6 +47,12 @@ impl From<ModelError> for Failure {
     }
 }
 
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Failure::Data(error.to_string())
+    }
+}
+
 impl From<ResultsError> for Failure {
     fn from(error: ResultsError) -> Self {
         match error {
@@ -70,8 +77,8 @@ impl Failure {
             Failure::Unread => 0,
             Failure::Output(_) => 1,
             Failure::Scenario(error) if error.is_data() => 3,
-            Failure::Scenario(_) | Failure::Usage(_) => 2,
             Failure::Data(_) => 3,
+            Failure::Scenario(_) | Failure::Usage(_) => 2,
             Failure::Diverged(_) => 4,
         }
     }
@@ -83,7 +90,7 @@ impl Failure {
             Failure::Unread => String::new(),
             Failure::Scenario(error) if stderr.is_terminal() => excerpt(error),
             Failure::Scenario(error) => format!("error: {error}\n"),
-            Failure::Usage(text) | Failure::Data(text) | Failure::Diverged(text) | Failure::Output(text) => {
+            Failure::Usage(text) | Failure::Diverged(text) | Failure::Data(text) | Failure::Output(text) => {
                 format!("error: {text}\n")
             }
         };
