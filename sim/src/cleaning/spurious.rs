@@ -104,6 +104,20 @@ fn bends(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<Option<f64>>
     bends
 }
 
+/// Distance of a point from the straight line between the samples that are left on either side, m.
+pub(super) fn from_neighbours(
+    time: &[f64],
+    path: &[Option<[f64; 3]>],
+    i: usize,
+    point: Option<[f64; 3]>,
+) -> Option<f64> {
+    let before = (0..i).rev().find(|&k| path[k].is_some())?;
+    let after = (i + 1..path.len()).find(|&k| path[k].is_some())?;
+    let (a, b) = (path[before]?, path[after]?);
+    let share = (time[i] - time[before]) / (time[after] - time[before]);
+    Some(super::distance(point?, std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))))
+}
+
 /// The value below which a share of all lies; none of nothing.
 pub(super) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     if values.is_empty() {

@@ -96,6 +96,10 @@ fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                 };
                 line(out, "  cycle by cycle", format!("{} to {}", at(first), at(last)))?;
             }
+            if measured.since > 0.0 {
+                let text = "the first, large swings have another frequency";
+                line(out, "  counted from", format!("{:.2} s on: {text}", measured.since))?;
+            }
             let bridged = &measured.bridged;
             if bridged.filled > 0 {
                 let longest = 1e3 * bridged.longest;

@@ -128,7 +128,7 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
     let wide = cleaned.releases.iter().map(|of| of.release.name.chars().count()).max().unwrap_or(0).max(8);
     writeln!(
         out,
-        "{:wide$}{:>10}{:>20}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}  ",
+        "{:wide$}{:>10}{:>20}{:>9}{:>9}{:>9}{:>10}{:>14}{:>10}  ",
         "release",
         "pressure",
         "instant s",
@@ -152,7 +152,7 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
         };
         writeln!(
             out,
-            "{:wide$}{pressure:>10}{instant:>20}{:>9.1}{:>9.2}{:>9}{:>10.2}{out_of_plane:>12}{:>10.4}  {kept}",
+            "{:wide$}{pressure:>10}{instant:>20}{:>9.1}{:>9.2}{:>9}{:>10.2}{out_of_plane:>14}{:>10.4}  {kept}",
             of.release.name,
             s.hold_angle.to_degrees(),
             1e3 * s.static_drop,

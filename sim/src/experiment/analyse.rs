@@ -74,6 +74,7 @@ impl Analysed<'_> {
                 value["damping_ratio"] = json!(decay.ok().map(|decay| decay.damping_ratio));
                 value["decay_residual_m"] = json!(decay.ok().map(|decay| decay.rms_residual));
                 value["why_no_decay"] = json!(decay.err());
+                value["counted_from_s"] = measured.since.into();
                 value["bridged_samples"] = measured.bridged.filled.into();
                 value["longest_bridge_s"] = measured.bridged.longest.into();
                 value["left_out_after_s"] = json!(measured.bridged.cut_at);
