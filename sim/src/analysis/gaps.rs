@@ -12,7 +12,7 @@ pub struct Bridged {
     pub values: Vec<f64>,
     /// Time between samples, s.
     pub step: f64,
-    /// Samples that fall into gaps.
+    /// Samples that were lost and are bridged.
     pub filled: usize,
     /// Longest gap that was bridged, s; 0 if there is none.
     pub longest: f64,
@@ -48,11 +48,15 @@ pub fn bridge(
             bridged.cut_at = Some(before);
             break;
         }
-        if gap > 1.5 * step && at > before + 0.25 * step && at < seen[next].0 - 0.25 * step {
-            bridged.filled += 1;
+        bridged.values.push(cubic(&seen[next.saturating_sub(2)..(next + 2).min(seen.len())], at));
+    }
+    let until = bridged.cut_at.unwrap_or(end);
+    for pair in seen.windows(2).filter(|pair| pair[1].0 > 0.0 && pair[1].0 <= until) {
+        let gap = pair[1].0 - pair[0].0;
+        if gap > 1.5 * step {
+            bridged.filled += (gap / step).round() as usize - 1;
             bridged.longest = bridged.longest.max(gap);
         }
-        bridged.values.push(cubic(&seen[next.saturating_sub(2)..(next + 2).min(seen.len())], at));
     }
     match bridged.values.len() {
         samples @ 0..4 => Err(AnalysisError::TooShort { samples, least: 4 }),

@@ -25,7 +25,10 @@ pub struct Measured {
     pub side: f64,
     /// The coordinate times `side` on an even clock from the release on.
     pub bridged: Bridged,
-    /// Of the excursion up to where it is over.
+    /// Time after the release from which on spectrum and peaks count, s: 0, unless the first, large
+    /// swings have so different a frequency that they and the rest have none in common.
+    pub since: f64,
+    /// Of the excursion from then on, up to where it is over.
     pub spectrum: Spectrum,
     /// Damped angular frequency, rad/s.
     pub damped_frequency: Result<f64, String>,
@@ -80,27 +83,63 @@ pub fn analyse(release: &Release, rest: [f64; 2]) -> Result<Measured, AnalysisEr
             (bridged, excursion) = about((LONGEST_GAP * TAU / peak.frequency).max(SHORT_GAP * step))?;
         }
     }
-    let spectrum = swing_spectrum(&excursion);
-    let (damped, upper) = swing(&excursion, &spectrum);
-    let mut peaks = upper.clone().unwrap_or_default();
-    let least = LEAST_PEAK * tip.noise;
-    peaks.truncate(peaks.iter().position(|peak| peak.height < least).unwrap_or(peaks.len()));
-    let decay = match &damped {
-        Ok(damped) => decay::fit_decay(&peaks, *damped).map_err(|error| error.to_string()),
-        Err(why) => Err(why.clone()),
-    };
-    let cycles = upper.and_then(|_| decay::cycles(&peaks).map_err(|error| error.to_string()));
+    let mut swing = one_swing(&excursion, 0.0, tip.noise);
+    // Where the first, large swings have another frequency than the rest, they are left out.
+    let period = swing.spectrum.peak().map_or(0.0, |peak| TAU / peak.frequency);
+    for skipped in 1..=MOST_SKIPPED {
+        if swing.decay.is_ok() || period == 0.0 {
+            break;
+        }
+        let since = 0.5 * skipped as f64 * period;
+        let first = (since / step).round() as usize;
+        let Some(values) = excursion.values().get(first..) else { break };
+        let Ok(later) = Excursion::about(0.0, values, step) else { break };
+        let other = one_swing(&later, first as f64 * step, tip.noise);
+        if other.decay.is_ok() {
+            swing = other;
+        }
+    }
+    let OneSwing { since, spectrum, damped_frequency, peaks, decay, cycles } = swing;
     Ok(Measured {
         coordinate,
         rest: rest[k],
         side: sign,
         bridged,
+        since,
         spectrum,
-        damped_frequency: damped,
+        damped_frequency,
         peaks,
         decay,
         cycles,
     })
+}
+
+/// Half periods that may be left out at the start.
+const MOST_SKIPPED: usize = 6;
+
+struct OneSwing {
+    since: f64,
+    spectrum: Spectrum,
+    damped_frequency: Result<f64, String>,
+    peaks: Vec<Peak>,
+    decay: Result<Decay, String>,
+    cycles: Result<Vec<Cycle>, String>,
+}
+
+/// The swing of an excursion that begins `since` after the release, s.
+fn one_swing(excursion: &Excursion, since: f64, noise: f64) -> OneSwing {
+    let spectrum = swing_spectrum(excursion);
+    let (damped_frequency, upper) = swing(excursion, &spectrum);
+    let mut peaks = upper.clone().unwrap_or_default();
+    let least = LEAST_PEAK * noise;
+    peaks.truncate(peaks.iter().position(|peak| peak.height < least).unwrap_or(peaks.len()));
+    peaks.iter_mut().for_each(|peak| peak.time += since);
+    let decay = match &damped_frequency {
+        Ok(damped) => decay::fit_decay(&peaks, *damped).map_err(|error| error.to_string()),
+        Err(why) => Err(why.clone()),
+    };
+    let cycles = upper.and_then(|_| decay::cycles(&peaks).map_err(|error| error.to_string()));
+    OneSwing { since, spectrum, damped_frequency, peaks, decay, cycles }
 }
 
 impl Coordinate {

@@ -218,3 +218,114 @@ fn normal(block: &[Series], locals: usize, loss: Huber) -> (DVector<f64>, DMatri
     hessian.fill_upper_triangle_with_lower_triangle();
     (gradient, hessian)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+    use crate::calibrate::part::parts;
+    use crate::calibrate::unknowns::Unknowns;
+    use crate::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
+    use crate::experiment::release::{Point, Release, Track};
+    use crate::forward::{Run, forward, uniform};
+    use crate::results::tests::muscle_at_15_psi;
+
+    /// Two releases that share EI and have a loss each, seen at the tip and half-way, with a ghost.
+    fn problem() -> Problem {
+        let mut model = muscle_at_15_psi();
+        model.set("effects.rayleigh_stiffness.beta", 0.004).unwrap();
+        let trial = |number: usize| {
+            let points = vec![Point::Tip, Point::Along(0.5)];
+            let run = Run { points, ..Run::release(1.0, 20.0) };
+            let path = forward(&model, &run, &mut |_| ControlFlow::Continue(())).unwrap();
+            let track = |p: usize, at: Point| Track {
+                marker: format!("marker {p}"),
+                at,
+                position: (path.points.iter().enumerate())
+                    .map(|(k, seen)| {
+                        let far = if k == 9 { 0.1 } else { 0.001 * (k as f64).sin() };
+                        (k != 7).then_some([seen[p][0] + far, seen[p][1] - far])
+                    })
+                    .collect(),
+                noise: 5e-4,
+            };
+            let release = Release {
+                name: format!("made-up#{number}"),
+                time: uniform(1.0, 20.0),
+                release_uncertainty: 0.01,
+                tracks: vec![track(0, Point::Tip), track(1, Point::Along(0.5))],
+                pressure: None,
+                payload: 0.0,
+                held_out: false,
+            };
+            Trial { release, model: model.clone(), run: Run::release(1.0, 20.0) }
+        };
+        let prior = Some(Prior { mean: 0.008, deviation: 0.001 });
+        let stiffness = Parameter { prior, ..Parameter::new("rod.bending_stiffness", Scope::Shared) };
+        Problem {
+            trials: vec![trial(1), trial(2)],
+            parameters: vec![
+                stiffness,
+                Parameter::new("effects.rayleigh_mass.alpha", Scope::PerRelease),
+                Parameter::new("rod.base_angle", Scope::Shared),
+            ],
+            nuisances: Nuisances::default(),
+        }
+    }
+
+    /// The slopes hold to the third order of their steps; with steps of a tolerance of 1e-8 that is far
+    /// below the tolerance here.
+    #[test]
+    fn the_gradient_is_that_of_the_cost() {
+        let problem = problem();
+        let unknowns = Unknowns::of(&problem).unwrap();
+        let measured: Vec<Measured> =
+            problem.trials.iter().map(|trial| Measured::of(trial).unwrap()).collect();
+        let parts = parts(&problem, &unknowns);
+        assert_eq!(parts.len(), 1, "EI joins the two");
+        let objective = Objective { part: &parts[0], measured: measured.iter().collect() };
+        // EI, two losses, base angle; instant, angle and two offsets of two tracks of two releases.
+        let mut x = objective.start();
+        assert_eq!(x.len(), 4 + 2 * (2 + 4));
+        for (k, x) in x.iter_mut().enumerate() {
+            *x += 0.01 * (k as f64 + 1.0);
+        }
+        let mut view = View {
+            fidelity: Fidelity { tolerance: 1e-8, refinement: 1 },
+            counts: measured.iter().map(|measured| measured.samples.len()).collect(),
+            steps: None,
+            loss: vec![Huber::for_spread(2.0); 2],
+            corrections: None,
+        };
+        let seen = objective.see(&x, &view, false).unwrap();
+        view.steps = Some(seen.steps.clone());
+        assert!(seen.blocks[0][0].lengths().any(|length| length > view.loss[0].threshold), "the ghost");
+        let found = objective.evaluate(&x, &view).unwrap();
+        for k in 0..x.len() {
+            let cost = |sign: f64| {
+                let mut moved = x.clone();
+                moved[k] += sign * 1e-4;
+                objective.cost(&objective.see(&moved, &view, false).unwrap(), &moved, &view)
+            };
+            let slope = (cost(1.0) - cost(-1.0)) / 2e-4;
+            let tolerance = 1e-4 * found.hessian[(k, k)].sqrt() * found.cost.sqrt();
+            let name = &parts[0].unknowns[k].name;
+            assert!(
+                (found.gradient[k] - slope).abs() < tolerance,
+                "{name}: {} against {slope}",
+                found.gradient[k]
+            );
+        }
+    }
+
+    #[test]
+    fn without_the_shared_stiffness_the_releases_are_apart() {
+        let mut problem = problem();
+        problem.parameters.remove(2);
+        problem.parameters[0].scope = Scope::PerRelease;
+        let unknowns = Unknowns::of(&problem).unwrap();
+        let parts = parts(&problem, &unknowns);
+        assert_eq!(parts.iter().map(|part| part.trials.clone()).collect::<Vec<_>>(), [[0], [1]]);
+    }
+}

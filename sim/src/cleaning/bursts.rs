@@ -105,7 +105,7 @@ fn leads(time: &[f64], path: &[Option<[f64; 3]>], a: &Piece, b: &Piece, step: f6
         (None, None) => return super::distance(from, to) < 3.0 * most * steps,
     };
     let expected = std::array::from_fn(|k| from[k] + 0.5 * (leaving[k] + coming[k]) * gap);
-    super::distance(to, expected) < most * (1.0 + 0.25 * steps * steps).min(6.0)
+    super::distance(to, expected) < most * (1.0 + 0.25 * steps * steps)
 }
 
 fn at(path: &[Option<[f64; 3]>], i: usize) -> [f64; 3] {

@@ -2,7 +2,7 @@
 
 use models::nearest::nearest;
 
-use super::decision::Log;
+use super::decision::{Log, mm};
 use super::{bursts, noise, spurious};
 use crate::experiment::{Entry, Experiment, ExperimentError};
 use crate::recording::{Marker, Recording};
@@ -86,13 +86,16 @@ fn mask_ghosts(marker: &Marker, time: &[f64], step: f64, path: &mut [Option<[f64
     }
     if single + in_bursts > 0 {
         let seen = marker.position.iter().flatten().count();
+        let left = |i: usize| super::spurious::from_neighbours(time, path, i, marker.position[i]);
+        let farthest = (0..path.len()).filter(|&i| path[i].is_none()).filter_map(left).fold(0.0, f64::max);
         let percent = 1e2 * (single + in_bursts) as f64 / seen.max(1) as f64;
         log.say(
             "spurious",
             format!(
-                "{}: {single} single samples and {in_bursts} in bursts lie where the marker cannot have been, and \
-                 are masked ({percent:.2} %)",
-                marker.name
+                "{}: {single} single samples and {in_bursts} in bursts lie where the marker cannot have been, up \
+                 to {} away, and are masked ({percent:.2} %)",
+                marker.name,
+                mm(farthest)
             ),
         );
     }

@@ -15,7 +15,7 @@ const OF_NOISE: f64 = 1.394;
 /// Noise that may be, in standard deviations.
 const MOST_NOISE: f64 = 8.0;
 /// Share of the prediction errors nearby (their upper quartile) that may be.
-const MOST_LOCAL: f64 = 5.0;
+const MOST_LOCAL: f64 = 4.0;
 /// Share of the second differences nearby (nine tenths of them lie below) that may be: the jump of
 /// acceleration at a release shows with 0.11 of it.
 const MOST_BEND: f64 = 0.25;
@@ -58,7 +58,7 @@ fn is_far(errors: &[Option<f64>], bends: &[Option<f64>], i: usize, sigma: f64) -
         quantile(others.collect(), share).unwrap_or(0.0)
     };
     let noise = MOST_NOISE * OF_NOISE * sigma;
-    error > noise && error > noise + MOST_LOCAL * nearby(errors, 0.75) + MOST_BEND * nearby(bends, 0.9)
+    error > noise.max(MOST_LOCAL * nearby(errors, 0.75)) + MOST_BEND * nearby(bends, 0.9)
 }
 
 fn is_top(errors: &[Option<f64>], i: usize) -> bool {
@@ -102,6 +102,20 @@ fn bends(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<Option<f64>>
         }
     }
     bends
+}
+
+/// Distance of a point from the straight line between the samples that are left on either side, m.
+pub(super) fn from_neighbours(
+    time: &[f64],
+    path: &[Option<[f64; 3]>],
+    i: usize,
+    point: Option<[f64; 3]>,
+) -> Option<f64> {
+    let before = (0..i).rev().find(|&k| path[k].is_some())?;
+    let after = (i + 1..path.len()).find(|&k| path[k].is_some())?;
+    let (a, b) = (path[before]?, path[after]?);
+    let share = (time[i] - time[before]) / (time[after] - time[before]);
+    Some(super::distance(point?, std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))))
 }
 
 /// The value below which a share of all lies; none of nothing.

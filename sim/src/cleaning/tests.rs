@@ -1,9 +1,5 @@
 //! Recordings made up for the tests of cleaning.
 
-use std::path::{Path, PathBuf};
-
-use super::*;
-
 /// Reproducible noise.
 pub struct Noise(u64);
 

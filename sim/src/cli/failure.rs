@@ -7,6 +7,7 @@ use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnost
 use models::error::ModelError;
 use sim::calibrate::{CalibrateError, SectionError};
 use sim::experiment::ExperimentError;
+use sim::recording::RecordingError;
 use sim::results::ResultsError;
 use sim::scenario::ScenarioError;
 
@@ -16,10 +17,10 @@ pub enum Failure {
     Scenario(Box<ScenarioError>),
     /// The command line.
     Usage(String),
-    /// A recording.
-    Data(String),
     /// The model: a rest posture that was not found, an integration that gave up.
     Diverged(String),
+    /// Recordings or other data.
+    Data(String),
     /// Results that could not be written or shown.
     Output(String),
     /// Nobody reads stdout any longer, as behind `| head`: no failure at all.
@@ -69,6 +70,12 @@ impl From<ModelError> for Failure {
     }
 }
 
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Failure::Data(error.to_string())
+    }
+}
+
 impl From<ResultsError> for Failure {
     fn from(error: ResultsError) -> Self {
         match error {
@@ -106,7 +113,7 @@ impl Failure {
             Failure::Unread => String::new(),
             Failure::Scenario(error) if stderr.is_terminal() => excerpt(error),
             Failure::Scenario(error) => format!("error: {error}\n"),
-            Failure::Usage(text) | Failure::Data(text) | Failure::Diverged(text) | Failure::Output(text) => {
+            Failure::Usage(text) | Failure::Diverged(text) | Failure::Data(text) | Failure::Output(text) => {
                 format!("error: {text}\n")
             }
         };

@@ -35,9 +35,11 @@
 //! [calibrate]                    # read by the calibration
 //! ```
 
+pub mod analyse;
 mod direction;
 mod entry;
 mod error;
+pub mod init;
 pub mod release;
 
 use std::fs;
@@ -120,9 +122,22 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError::Document`] for what the muscle or the model refuses.
     pub fn case(&self, recording: usize, angle: Option<f64>) -> Result<Option<Case>, ExperimentError> {
+        self.case_with(recording, angle, None)
+    }
+
+    /// The same with another number of nodes.
+    /// # Errors
+    /// As [`Self::case`].
+    pub fn case_with(
+        &self,
+        recording: usize,
+        angle: Option<f64>,
+        nodes: Option<usize>,
+    ) -> Result<Option<Case>, ExperimentError> {
         let Some(plan) = &self.plan else { return Ok(None) };
         let entry = &self.recordings[recording];
         let mut plan = plan.clone();
+        plan.nodes = nodes.unwrap_or(plan.nodes);
         plan.angle = angle.or(entry.angle).unwrap_or(0.0);
         let payload = entry.payload.effect();
         match plan.effects.iter_mut().find(|(name, _)| *name == payload.0) {

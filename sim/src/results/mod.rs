@@ -13,6 +13,7 @@
 
 pub mod calibrated;
 mod error;
+pub mod experiment;
 pub mod folder;
 pub mod picture;
 pub mod report;
@@ -196,7 +197,7 @@ fn status_word(status: &Status) -> &'static str {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::fs;
     use std::ops::ControlFlow;
 

@@ -118,7 +118,7 @@ impl Document {
                 };
                 let Some(item) = found else {
                     let message = format!("there is no {part}; members count from one");
-                    return Err(self.error(&key_place, path, Problem::Other { message }));
+                    return Err(self.error(&key_place, "", Problem::Other { message }));
                 };
                 table = item;
                 continue;

@@ -111,11 +111,11 @@ impl Plan {
         if ["muscle", "rod"].into_iter().any(|key| keys.has(key)) {
             return Plan::of(document, false).map(Some);
         }
-        match ["effects", "integrator"].into_iter().find(|key| keys.has(key)) {
-            None => Ok(None),
-            Some(key) => {
-                let message = "belongs to a model; add [rod] or [muscle]".to_owned();
-                Err(keys.wrong(key, Problem::Other { message }))
+        match ["effects", "integrator"].into_iter().any(|key| keys.has(key)) {
+            false => Ok(None),
+            true => {
+                Err(keys
+                    .missing("rod", "[rod] or [muscle], for [effects] and [integrator] belong to a model"))
             }
         }
     }
