@@ -1,9 +1,14 @@
 //! The command line: parse, call one function, print, exit code. The only file that names clap.
 
+mod analyse;
+mod calibrate;
 mod effects;
+mod experiment;
 mod failure;
+mod inspect;
 mod interrupt;
 mod live;
+mod progress;
 mod rest;
 mod simulate;
 
@@ -13,13 +18,14 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use live::Rerun;
+use sim::recording::{Length, ReadOptions};
 
 /// Exit codes, as the help prints them.
 const EXIT_CODES: &str = "Exit codes:
     0  all is well
     1  results could not be written or shown
     2  the command line or the scenario is wrong
-    3  a muscle file or other data are wrong
+    3  a muscle file, a recording or other data are wrong
     4  the simulation or the search for a rest posture could not go on
   130  interrupted; what was integrated is saved (a second Ctrl-C exits at once, and saves nothing)
 
@@ -37,10 +43,36 @@ struct Efam {
 enum Command {
     /// Simulate a scenario; the results go to a folder of their own.
     Simulate(Simulate),
+    /// Find parameters of a model from the releases of an experiment.
+    Calibrate(Calibrate),
     /// List the physical effects, or show the page of one.
     Effects {
         /// An effect.
         name: Option<String>,
+        /// One JSON object instead.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Write an experiment file from recordings, or check one: what is kept of its recordings.
+    Experiment {
+        #[command(subcommand)]
+        what: OnExperiment,
+    },
+    /// Clean an experiment's recordings and analyse each release: frequency, damping, stiffness.
+    Analyse {
+        #[command(flatten)]
+        of: OfExperiment,
+        /// Numbers of nodes with which to fit the tip at rest.
+        #[arg(long, value_delimiter = ',', value_name = "N,…", default_values_t = sim::analysis::static_stiffness::NODES)]
+        nodes: Vec<usize>,
+    },
+    /// Say what is in recordings of a motion-capture system.
+    Inspect {
+        /// Recordings: tables as text or Parquet, Vicon, Motive, Qualisys, TRC, C3D.
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+        #[command(flatten)]
+        overrides: Overrides,
         /// One JSON object instead.
         #[arg(long)]
         json: bool,
@@ -66,6 +98,48 @@ enum Command {
     },
 }
 
+#[derive(Subcommand)]
+enum OnExperiment {
+    /// Write a first experiment file from the recordings themselves.
+    Init(Init),
+    /// Clean the recordings, and show what was cut, masked and decided.
+    Check(OfExperiment),
+}
+
+#[derive(Args)]
+struct Init {
+    /// Recordings, in any format that can be read.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// The file to write.
+    #[arg(long, value_name = "FILE", default_value = "experiment.toml")]
+    out: PathBuf,
+    /// Replace a file that is there.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+#[derive(Args)]
+struct OfExperiment {
+    /// Experiment, a TOML file.
+    experiment: PathBuf,
+    /// Set a value over the experiment's, such as recording[1].up="+z"; may be repeated.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Folder for the results [default: outputs/ and the experiment's name].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace a folder that is there.
+    #[arg(long)]
+    overwrite: bool,
+    /// List every decision, with the key that decides otherwise.
+    #[arg(long)]
+    decisions: bool,
+    /// One JSON object on stdout, and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
 /// A scenario and what is set over it.
 #[derive(Args)]
 struct Source {
@@ -80,6 +154,23 @@ struct Source {
     /// Pressure to use instead of the scenario's, such as 40psi.
     #[arg(long)]
     pressure: Option<String>,
+}
+
+/// What stands above a recording's own statements.
+#[derive(Args)]
+struct Overrides {
+    /// Unit of the positions: m, cm, mm, um, in or ft.
+    #[arg(long)]
+    unit: Option<Length>,
+    /// Samples a second.
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+}
+
+impl Overrides {
+    fn options(&self) -> ReadOptions {
+        ReadOptions { unit: self.unit, rate_hz: self.rate }
+    }
 }
 
 #[derive(Args)]
@@ -106,6 +197,30 @@ struct Simulate {
     quiet: bool,
 }
 
+#[derive(Args)]
+struct Calibrate {
+    /// Experiment, a TOML file.
+    experiment: PathBuf,
+    /// Set a value over the experiment's, such as calibrate.offset="1 mm"; may be repeated.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Folder for the results [default: outputs/ and the experiment's name].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace a folder that is there.
+    #[arg(long)]
+    overwrite: bool,
+    /// Also find intervals by the profile of the likelihood, which takes longer.
+    #[arg(long)]
+    profile: bool,
+    /// One JSON object on stdout, and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// No progress, no table.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
 impl Source {
     /// All overrides as `path=value`.
     fn overrides(&self) -> Vec<String> {
@@ -121,8 +236,13 @@ impl Source {
 pub fn main() -> ExitCode {
     let done = match Efam::parse().command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Calibrate(args) => calibrate::run(&args),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
+        Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),
+        Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args),
+        Command::Analyse { of, nodes } => analyse::run(&of, &nodes),
+        Command::Inspect { files, overrides, json } => inspect::run(&files, &overrides.options(), json),
         Command::Statics { source, json } => rest::statics(&source, json),
         Command::Modes { source, count, json } => rest::modes(&source, count, json),
     };

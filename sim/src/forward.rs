@@ -14,6 +14,7 @@ use models::statics::equilibrium;
 use models::system::{System, TimePass};
 use thiserror::Error;
 
+use crate::experiment::release::Point;
 use crate::integrate::variational::{Slopes, Variational, lane_order};
 use crate::integrate::{self, Control, IntegrateError, Method, State, Stepper};
 use crate::trajectory::{Status, Trajectory};
@@ -37,8 +38,13 @@ pub struct Run {
     pub most_steps: usize,
     /// Whether to follow dissipated and supplied energy.
     pub energy: bool,
-    /// Parameters, as indices into `theta`, by which to differentiate the tip's path.
+    /// Parameters, as indices into `theta`, by which to differentiate the paths of tip and points.
     pub sensitivities: Vec<usize>,
+    /// Further points whose paths are recorded.
+    pub points: Vec<Point>,
+    /// Times at which a step has to end, s, ascending. With a fixed step longer than what lies
+    /// between them they are the steps, so that a run can be repeated on those of another.
+    pub stops: Vec<f64>,
 }
 
 /// Where a run starts; the memory of the effects is relaxed there.
@@ -87,6 +93,8 @@ impl Run {
             most_steps: 10_000_000,
             energy: false,
             sensitivities: Vec::new(),
+            points: Vec::new(),
+            stops: Vec::new(),
         }
     }
 }
@@ -158,8 +166,13 @@ impl Sample<'_, '_> {
 
 /// Position and velocity of the observed tip.
 pub fn tip(system: &System, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
+    beyond(system, system.model.tip_distance, q, v)
+}
+
+/// Position and velocity of the point of the end body that lies `distance` beyond the last node, m.
+pub(crate) fn beyond(system: &System, distance: f64, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
     let last = q.len() - 1;
-    let reach = system.model.tip_distance - system.assembly.context.body.center_of_mass;
+    let reach = distance - system.assembly.context.body.center_of_mass;
     let (sin, cos) = q[last].sin_cos();
     (
         [q[last - 2] + reach * cos, q[last - 1] + reach * sin],
@@ -186,8 +199,11 @@ pub fn forward(
     let mut trajectory = Trajectory::new(model, run);
     let mut at = state.clone();
     let breakpoints = model.schedule.as_ref().map_or(&[][..], |schedule| schedule.breakpoints());
-    let mut stops: Vec<f64> = breakpoints.iter().copied().filter(|t| *t > 0.0 && *t < run.duration).collect();
+    let stops = breakpoints.iter().chain(&run.stops).copied();
+    let mut stops: Vec<f64> = stops.filter(|t| *t > 0.0 && *t < run.duration).collect();
     stops.push(run.duration);
+    stops.sort_by(f64::total_cmp);
+    stops.dedup();
     let control =
         Control { tolerance: run.tolerance, fixed_step: run.fixed_step, stops, most_steps: run.most_steps };
     // A trajectory that is to be differentiated is integrated in steps that a stage can span.
@@ -227,6 +243,7 @@ pub fn forward(
             None => Ok(()),
         });
         trajectory.effort = stepper.effort();
+        trajectory.steps.push(stepper.state().time);
         if let Err(error) = stepped {
             trajectory.status = Status::Failed { time: stepper.state().time, reason: error.to_string() };
             return Err(ForwardError::Integrate { error, trajectory: Box::new(trajectory) });

@@ -11,7 +11,9 @@
 //! [`write()`] makes the folder: complete, or not at all. Many runs go into one by [`begin`] and
 //! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
 
+pub mod calibrated;
 mod error;
+pub mod experiment;
 pub mod folder;
 pub mod picture;
 pub mod report;
@@ -195,7 +197,7 @@ fn status_word(status: &Status) -> &'static str {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::fs;
     use std::ops::ControlFlow;
 

@@ -1,0 +1,161 @@
+//! `efam analyse`: the paper's analysis of every release of an experiment.
+
+use std::f64::consts::TAU;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+use sim::analysis::AnalysisError;
+use sim::analysis::bending_stiffness::StiffnessFit;
+use sim::cleaning::clean;
+use sim::experiment::Experiment;
+use sim::experiment::analyse::{Analysed, analyse};
+use sim::results::experiment::{picture_name, row, write};
+use sim::results::picture;
+
+use super::OfExperiment;
+use super::experiment::{decisions, open, table};
+use super::failure::Failure;
+
+pub fn run(args: &OfExperiment, nodes: &[usize]) -> Result<ExitCode, Failure> {
+    if let Some(wrong) = nodes.iter().find(|nodes| !(4..=2000).contains(*nodes)) {
+        return Err(Failure::Usage(format!("--nodes {wrong}: must lie in 4..=2000")));
+    }
+    let experiment = Experiment::load(&args.experiment, &args.set)?;
+    let folder = open(args, &experiment)?;
+    let cleaned = clean(&experiment)?;
+    let analysed = analyse(&experiment, &cleaned, nodes)?;
+    let values: Vec<Value> = analysed.iter().map(Analysed::json).collect();
+    for one in &analysed {
+        if let Ok(measured) = &one.measured {
+            let svg = picture::measured(&one.of.release.name, measured);
+            folder.write(&picture_name(one.of), svg.as_bytes())?;
+        }
+    }
+    write(&folder, &experiment, &cleaned, Some(values.clone().into()))?;
+    let folder = folder.finish()?;
+    let mut out = io::stdout().lock();
+    if args.json {
+        let releases: Vec<Value> = cleaned.releases.iter().map(row).collect();
+        let folder = folder.display().to_string();
+        let value = json!({
+            "releases": releases, "analysis": values, "decisions": cleaned.decisions, "folder": folder,
+        });
+        writeln!(out, "{value}")?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    table(&mut out, &cleaned)?;
+    if args.decisions {
+        decisions(&mut out, &cleaned)?;
+    }
+    for one in &analysed {
+        tell(&mut out, one)?;
+    }
+    if !experiment.has_model() {
+        writeln!(out, "\nno [rod] or [muscle] in the experiment: no stiffness is claimed")?;
+    }
+    writeln!(out, "\n{}", folder.display())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
+    writeln!(out, "\n{}", one.of.release.name)?;
+    let line = |out: &mut dyn Write, name: &str, text: String| writeln!(out, "  {name:<22}{text}");
+    line(out, "static drop", format!("{:.2} mm", 1e3 * one.of.statistics.static_drop))?;
+    match &one.measured {
+        Err(error) => line(out, "frequency", error.to_string())?,
+        Ok(measured) => {
+            match &measured.damped_frequency {
+                Ok(omega) => {
+                    let error = measured
+                        .frequency_error()
+                        .map_or(String::new(), |error| format!(", cycles agree to {:.2} %", 1e2 * error));
+                    let letter = measured.coordinate.name();
+                    line(
+                        out,
+                        "damped frequency",
+                        format!("{:.3} Hz, spectrum of {letter}(t){error}", omega / TAU),
+                    )?;
+                }
+                Err(why) => line(out, "damped frequency", why.clone())?,
+            }
+            if let Ok(decay) = &measured.decay {
+                let (natural, ratio) = (decay.natural_frequency / TAU, decay.damping_ratio);
+                let count = measured.peaks.len();
+                line(out, "natural frequency", format!("{natural:.3} Hz by eq. 7"))?;
+                let residual = 1e3 * decay.rms_residual;
+                line(
+                    out,
+                    "damping ratio",
+                    format!("{ratio:.4} by eq. 6 on {count} upper peaks, which leave {residual:.3} mm rms"),
+                )?;
+            }
+            if let Some([first, .., last]) = measured.cycles.as_deref().ok() {
+                let at = |cycle: &sim::analysis::decay::Cycle| {
+                    format!("{:.4} at {:.2} mm", cycle.damping_ratio, 1e3 * cycle.amplitude)
+                };
+                line(out, "  cycle by cycle", format!("{} to {}", at(first), at(last)))?;
+            }
+            if measured.since > 0.0 {
+                let text = "the first, large swings have another frequency";
+                line(out, "  counted from", format!("{:.2} s on: {text}", measured.since))?;
+            }
+            let bridged = &measured.bridged;
+            if bridged.filled > 0 {
+                let longest = 1e3 * bridged.longest;
+                line(
+                    out,
+                    "bridged",
+                    format!(
+                        "{} samples, gaps of up to {longest:.0} ms, for the spectrum and peaks only",
+                        bridged.filled
+                    ),
+                )?;
+            }
+            if let Some(at) = bridged.cut_at {
+                line(out, "left out", format!("all after {at:.2} s, where a gap is too long to be bridged"))?;
+            }
+        }
+    }
+    match &one.in_motion {
+        None => {}
+        Some(Ok(found)) => line(
+            out,
+            "EI from the frequency",
+            format!(
+                "{:.5} N m^2 ({:.2} % for each % of frequency)",
+                found.bending_stiffness, found.sensitivity
+            ),
+        )?,
+        Some(Err(error)) => line(out, "EI from the frequency", error.to_string())?,
+    }
+    if one.at_rest.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "  {:<22}{:>14}{:>14}{:>12}{:>14}",
+        "EI from the tip", "Nelder-Mead", "Gauss-Newton", "off mm", "evaluations"
+    )?;
+    let ei = |fit: &Result<StiffnessFit, AnalysisError>| {
+        fit.as_ref().map_or("-".to_owned(), |fit| format!("{:.5}", fit.bending_stiffness))
+    };
+    for row in &one.at_rest {
+        let name = row.nodes.map_or("  Euler-Bernoulli".to_owned(), |nodes| format!("  PDER, {nodes} nodes"));
+        let fits = (&row.nelder_mead, &row.gauss_newton);
+        let off = fits
+            .1
+            .as_ref()
+            .or(fits.0.as_ref())
+            .map_or("-".to_owned(), |fit| format!("{:.2}", 1e3 * fit.residual[0].hypot(fit.residual[1])));
+        let count = |fit: &Result<StiffnessFit, AnalysisError>| {
+            fit.as_ref().map_or("-".to_owned(), |fit| fit.evaluations.to_string())
+        };
+        let counts = format!("{} / {}", count(fits.0), count(fits.1));
+        writeln!(out, "  {name:<22}{:>14}{:>14}{off:>12}{counts:>14}", ei(fits.0), ei(fits.1))?;
+        if let (Err(error), Err(_)) = fits {
+            writeln!(out, "    {error}")?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,252 @@
+//! A first experiment file, written from the recordings themselves: what is guessed says so, and how.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::Experiment;
+use crate::cleaning::clean_all;
+use crate::recording::Recording;
+
+/// Motion of base markers in that of the most moving one, at most.
+const STILL: f64 = 0.04;
+/// The same of markers that are named like a base.
+const STILL_BY_NAME: f64 = 0.25;
+/// Names of what stands still.
+const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
+/// Motion of tip markers, likewise, at least.
+const TIP: f64 = 0.8;
+/// By how much the distance of two markers of one body may vary, in the motion of the tip.
+const RIGID: f64 = 0.1;
+/// Hold within which the rod is guessed to be level, rad.
+const LEVEL: f64 = 20.0 / 180.0 * std::f64::consts::PI;
+
+/// What the markers of a recording seem to be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guess {
+    /// Most moving, and as one body.
+    pub tip: Vec<String>,
+    /// Least moving.
+    pub base: Vec<String>,
+    /// All between, with their share of the way from base to tip.
+    pub body: Vec<(String, f64)>,
+    /// How far each marker moves, m, in the order of the recording.
+    pub moves: Vec<(String, f64)>,
+}
+
+/// Tells tip, base and body by how much they move; nothing if no marker is seen.
+pub fn guess(recording: &Recording) -> Option<Guess> {
+    let moves: Vec<f64> = recording.markers.iter().map(|marker| reach(&marker.position)).collect();
+    let most =
+        (0..moves.len()).max_by(|&a, &b| moves[a].total_cmp(&moves[b])).filter(|&k| moves[k] >= 0.0)?;
+    let path = |k: usize| &recording.markers[k].position;
+    let of_tip = |k: usize| {
+        k == most || (moves[k] > TIP * moves[most] && spread(path(k), path(most)) < RIGID * moves[most])
+    };
+    let tip: Vec<usize> = (0..moves.len()).filter(|&k| of_tip(k)).collect();
+    let is_base = |k: usize| {
+        let name = recording.markers[k].name.to_lowercase();
+        let limit = if BASES.iter().any(|base| name.contains(base)) { STILL_BY_NAME } else { STILL };
+        !tip.contains(&k) && moves[k] >= 0.0 && moves[k] < limit * moves[most]
+    };
+    let base: Vec<usize> = (0..moves.len()).filter(|&k| is_base(k)).collect();
+    let place = |of: &[usize]| -> [f64; 3] {
+        let first: Vec<[f64; 3]> =
+            of.iter().filter_map(|&k| path(k).iter().flatten().next().copied()).collect();
+        std::array::from_fn(|c| first.iter().map(|at| at[c]).sum::<f64>() / first.len().max(1) as f64)
+    };
+    let (from, to) = (place(&base), place(&tip));
+    let far = |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt();
+    let share = |k: usize| (far(place(&[k]), from) / far(to, from).max(1e-9)).clamp(0.0, 1.0);
+    let mut body: Vec<usize> =
+        (0..moves.len()).filter(|k| moves[*k] >= 0.0 && !tip.contains(k) && !base.contains(k)).collect();
+    body.sort_by(|&a, &b| share(a).total_cmp(&share(b)));
+    let name = |k: usize| recording.markers[k].name.clone();
+    Some(Guess {
+        tip: tip.iter().map(|&k| name(k)).collect(),
+        base: base.iter().map(|&k| name(k)).collect(),
+        body: body.iter().map(|&k| (name(k), share(k))).collect(),
+        moves: (0..moves.len()).map(|k| (name(k), moves[k])).collect(),
+    })
+}
+
+/// Distance from its median place within which a marker is 98 % of the time, m; −1 if it is never seen.
+fn reach(path: &[Option<[f64; 3]>]) -> f64 {
+    let seen: Vec<[f64; 3]> = path.iter().flatten().copied().collect();
+    if seen.is_empty() {
+        return -1.0;
+    }
+    let middle: [f64; 3] = std::array::from_fn(|c| at_share(seen.iter().map(|at| at[c]).collect(), 0.5));
+    let away = seen.iter().map(|at| (0..3).map(|c| (at[c] - middle[c]).powi(2)).sum::<f64>().sqrt());
+    at_share(away.collect(), 0.98)
+}
+
+/// By how much the distance of two markers varies, 96 % of the time, m.
+fn spread(a: &[Option<[f64; 3]>], b: &[Option<[f64; 3]>]) -> f64 {
+    let both = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+    let apart: Vec<f64> =
+        both.map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt()).collect();
+    if apart.is_empty() {
+        return f64::INFINITY;
+    }
+    at_share(apart.clone(), 0.98) - at_share(apart, 0.02)
+}
+
+fn at_share(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[((values.len() - 1) as f64 * share).round() as usize]
+}
+
+/// A text that loads: recordings with the file names to be written into it. What is unknown is marked
+/// `FILL IN`, what is guessed `GUESS`.
+pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
+    let mut angles = vec![None; recordings.len()];
+    let mut found = vec![Vec::new(); recordings.len()];
+    let plain = text(name, recordings, &angles, &found);
+    let all = recordings.iter().map(|(_, recording)| recording.clone());
+    let cleaned = Experiment::parse(Path::new("experiment.toml"), &plain, &[])
+        .and_then(|experiment| clean_all(&experiment, all.collect()));
+    match cleaned {
+        Ok(cleaned) => {
+            for release in &cleaned.releases {
+                let s = &release.statistics;
+                let held = s.hold_angle.to_degrees();
+                found[release.recording].push(format!(
+                    "release {} at {:.3} s: the tip is held {held:.1} deg above the level and sinks by {:.2} mm",
+                    release.number,
+                    release.instant,
+                    1e3 * s.static_drop
+                ));
+                if s.hold_angle.abs() < LEVEL {
+                    angles[release.recording] = Some(s.hold_angle);
+                }
+            }
+            for decision in cleaned.decisions.iter().filter(|decision| decision.key == "up") {
+                if let Some(k) = recordings.iter().position(|(file, _)| file.ends_with(&decision.about)) {
+                    found[k].push(decision.what.clone());
+                }
+            }
+        }
+        Err(error) => found.iter_mut().for_each(|found| found.push(format!("NOT YET USABLE: {error}"))),
+    }
+    text(name, recordings, &angles, &found)
+}
+
+fn text(
+    name: &str,
+    recordings: &[(String, Recording)],
+    angles: &[Option<f64>],
+    found: &[Vec<String>],
+) -> String {
+    let mut out = format!(
+        "# An experiment, written by `efam experiment init` from the recordings themselves.\n\
+         # Look at every line with GUESS, and at those with FILL IN; then `efam experiment check` and\n\
+         # `efam analyse` take this file. `#` switches a line off.\n\
+         name = {}\n\n\
+         # FILL IN, if a model is to be compared: the rod, in its own units. Without it only what needs no\n\
+         # model is done. A built-in muscle instead: [muscle] with name = \"garbulinski-2022\".\n\
+         # [rod]\n\
+         # length = \"… mm\"               # active length, from the clamp\n\
+         # mass = \"… g\"                  # distributed mass in all\n\
+         # bending_stiffness = \"… N m^2\" # a first value; it is fitted\n\
+         # axial_stiffness = \"… N\"       # Young's modulus times section\n\
+         # tip = \"… mm\"                  # tip marker beyond the active length\n\
+         # [effects.end_fitting]\n\
+         # mass = \"… g\"\n\
+         # center_of_mass = \"… mm\"       # beyond the active length\n",
+        quoted(name)
+    );
+    for (k, (file, recording)) in recordings.iter().enumerate() {
+        let _ = writeln!(out, "\n[[recording]]\nfile = {}", quoted(file));
+        for found in &found[k] {
+            let _ = writeln!(out, "# found: {}", found.replace('\n', " "));
+        }
+        pressure_and_payload(&mut out, file);
+        markers(&mut out, recording);
+        match angles[k] {
+            Some(held) => {
+                let _ = writeln!(
+                    out,
+                    "angle = \"0 deg\"   # GUESS: held straight and level (seen at {:.1} deg); what the tip marker stands off\n\
+                     \x20                 # the rod's end is then taken off. Switch off if it was not held straight.",
+                    held.to_degrees()
+                );
+            }
+            None => {
+                out += "# angle = \"0 deg\"   # FILL IN, if the rod was held straight: its angle above the level\n"
+            }
+        }
+        out += "# up = \"+z\"         # against gravity; found from the fall of the tip unless it stands here\n\
+                # clamp = [\"0 mm\", \"0 mm\", \"0 mm\"]   # where the rod leaves the clamp, in the file's frame\n\
+                # held_out = true   # locked away from every fit\n";
+    }
+    out
+}
+
+fn pressure_and_payload(out: &mut String, file: &str) {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    match number_before(name, &["psi", "kpa", "mbar", "bar"]) {
+        Some((number, unit)) => {
+            let unit = if unit == "kpa" { "kPa" } else { unit };
+            let _ = writeln!(out, "pressure = \"{number} {unit}\"   # GUESS: from the file's name");
+        }
+        None => *out += "# pressure = \"… psi\"   # FILL IN, if there is one: gauge pressure\n",
+    }
+    match number_before(name, &["kg", "g"]) {
+        Some((number, unit)) => {
+            let _ = writeln!(out, "payload = \"{number} {unit}\"   # GUESS: from the file's name");
+        }
+        None => *out += "# payload = \"… g\"      # what hung on the tip beside its end fitting\n",
+    }
+}
+
+/// A number right before one of some units that end a word, such as `15psi` or `300g`.
+fn number_before<'a>(name: &str, units: &[&'a str]) -> Option<(String, &'a str)> {
+    let lower = name.to_lowercase();
+    for unit in units {
+        for (at, _) in lower.match_indices(unit) {
+            let ends = lower[at + unit.len()..].chars().next().is_none_or(|c| !c.is_alphanumeric());
+            let before = lower[..at].trim_end_matches([' ', '_', '-']);
+            let digits = before.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
+            let number = before[digits.len()..].trim_start_matches('.');
+            if ends && !number.is_empty() && number.parse::<f64>().is_ok() {
+                return Some((number.to_owned(), unit));
+            }
+        }
+    }
+    None
+}
+
+fn markers(out: &mut String, recording: &Recording) {
+    let list = |names: &[String]| match names {
+        [only] => quoted(only),
+        all => format!("[{}]", all.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(", ")),
+    };
+    let Some(guess) = guess(recording) else {
+        *out += "tip = \"?\"   # FILL IN: no marker is seen in this file\n";
+        return;
+    };
+    let moves: Vec<_> = guess.moves.iter().map(|(name, m)| format!("{name} {:.1}", 1e3 * m)).collect();
+    let _ = writeln!(out, "# how far each marker moves, mm: {}", moves.join(", "));
+    let _ = writeln!(out, "tip = {}   # GUESS: what moves most, as one body", list(&guess.tip));
+    match guess.base.is_empty() {
+        false => {
+            let _ = writeln!(out, "base = {}   # GUESS: what hardly moves", list(&guess.base));
+        }
+        true => {
+            *out += "# base = [\"…\"]   # none found: that it stands still is assumed, and the clamp at the file's origin\n"
+        }
+    }
+    for (k, (name, share)) in guess.body.iter().enumerate() {
+        let open = if k == 0 {
+            "body = [   # GUESS: by what they move; `at` by distance, FILL IN, such as \"120 mm\"\n"
+        } else {
+            ""
+        };
+        let close = if k + 1 == guess.body.len() { "]\n" } else { "" };
+        let _ = write!(out, "{open}  {{ marker = {}, at = {share:.2} }},\n{close}", quoted(name));
+    }
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}

@@ -1,0 +1,117 @@
+//! What the cleaning and the analysis of an experiment leave on disk.
+//!
+//! ```text
+//! outputs/<UTC>_<name>_<hash8>/
+//!   summary.json        recordings, releases with their numbers, decisions; the analysis, if it was asked for
+//!   <recording>.svg     what was cut and masked
+//!   <release>.csv       the cleaned release: t_s, <marker>_x_m, <marker>_z_m in the frame at the clamp
+//!   <release>.svg       its swing, spectrum and damping, if it was analysed
+//! ```
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+
+use super::folder::{Folder, MARK, plain_name};
+use super::{ResultsError, picture};
+use crate::cleaning::{CleanRelease, Cleaned};
+use crate::experiment::Experiment;
+use crate::experiment::release::Release;
+
+/// Writes recordings, releases and decisions into an open folder; `analysis` is added to the summary.
+/// # Errors
+/// [`ResultsError::Write`].
+pub fn write(
+    folder: &Folder,
+    experiment: &Experiment,
+    cleaned: &Cleaned,
+    analysis: Option<Value>,
+) -> Result<(), ResultsError> {
+    let mut names = Vec::new();
+    for (k, recording) in cleaned.recordings.iter().enumerate() {
+        let releases: Vec<_> = cleaned.releases.iter().filter(|release| release.recording == k).collect();
+        let name = unique(&plain_name(&recording.name), &mut names);
+        folder.write(&format!("{name}.svg"), picture::recording(recording, &releases).as_bytes())?;
+        for release in releases {
+            let text = csv(&release.release);
+            folder.write(&format!("{name}-{}.csv", release.number), text.as_bytes())?;
+        }
+    }
+    let mut summary = json!({
+        "name": experiment.name,
+        "experiment": experiment.path.display().to_string(),
+        "recordings": cleaned.recordings.iter().map(|recording| json!({
+            "name": recording.name,
+            "samples": recording.recording.time.len(),
+            "rate_hz": recording.recording.rate_hz,
+            "origin_m": recording.frame.origin,
+            "axes": recording.frame.axes,
+            "base_moved_m": recording.base.as_ref().map(|base| base.moved),
+            "base_turned_rad": recording.base.as_ref().map(|base| base.turned),
+        })).collect::<Vec<_>>(),
+        "releases": cleaned.releases.iter().map(row).collect::<Vec<_>>(),
+        "decisions": cleaned.decisions,
+        "efam": env!("CARGO_PKG_VERSION"),
+    });
+    if let Some(analysis) = analysis {
+        summary["analysis"] = analysis;
+    }
+    folder.write(MARK, format!("{summary:#}").as_bytes())
+}
+
+/// File name of a release's picture.
+pub fn picture_name(release: &CleanRelease) -> String {
+    format!("{}.svg", plain_name(&release.release.name.replace('#', "-")))
+}
+
+/// A release as one JSON object.
+pub fn row(release: &CleanRelease) -> Value {
+    json!({
+        "name": release.release.name,
+        "pressure_pa": release.release.pressure,
+        "payload_kg": release.release.payload,
+        "instant_s": release.instant,
+        "instant_error_s": release.release.release_uncertainty,
+        "angle_rad": release.angle,
+        "held_out": release.release.held_out,
+        "dropped": release.dropped,
+        "representative": release.representative,
+        "statistics": release.statistics,
+    })
+}
+
+/// Numbers read back to the same bits; an empty cell is a sample that was lost or masked.
+fn csv(release: &Release) -> String {
+    let mut text = String::from("t_s");
+    for track in &release.tracks {
+        let name = track.marker.replace([',', '"'], "_");
+        let _ = write!(text, ",{name}_x_m,{name}_z_m");
+    }
+    text.push('\n');
+    for (i, time) in release.time.iter().enumerate() {
+        let _ = write!(text, "{time:?}");
+        for track in &release.tracks {
+            match track.position[i] {
+                Some([x, z]) => {
+                    let _ = write!(text, ",{x:?},{z:?}");
+                }
+                None => text.push_str(",,"),
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Two recordings of one name in several folders.
+fn unique(name: &str, taken: &mut Vec<String>) -> String {
+    let mut unique = name.to_owned();
+    for number in 2.. {
+        if !taken.contains(&unique) {
+            break;
+        }
+        unique = format!("{name}-{number}");
+    }
+    taken.push(unique.clone());
+    unique
+}

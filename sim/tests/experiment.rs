@@ -1,0 +1,305 @@
+//! From recordings to releases and numbers, by the program itself.
+//!
+//! Goal: `experiment init`, `check` and `analyse` on recordings of others, read where they lie, and on
+//! made-up ones of the paper's kind. Expected values of the silicone beam are those that its own
+//! description states; where the recordings are not there, the test says so and passes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// A folder of its own for each test.
+struct Bench(PathBuf);
+
+impl Bench {
+    fn new(name: &str) -> Bench {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("experiment-{name}"));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("the target folder can be written");
+        Bench(folder)
+    }
+
+    fn file(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).expect("the target folder can be written");
+    }
+
+    fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.0.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    fn run(&self, arguments: &[&str]) -> (i32, String, String) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_efam"));
+        let output = command.args(arguments).current_dir(&self.0).output().expect("efam runs");
+        let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+        (output.status.code().unwrap_or(-1), text(output.stdout), text(output.stderr))
+    }
+
+    fn json(&self, arguments: &[&str]) -> Value {
+        let (code, stdout, stderr) = self.run(arguments);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str(&stdout).expect("JSON on stdout")
+    }
+}
+
+fn recordings(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings").join(name);
+    if !path.exists() {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// What is published of the beam; axial stiffness is E times the section.
+const BEAM: &str = "[rod]\nlength = \"100 mm\"\nmass = \"96.3 g\"\nbending_stiffness = \"0.03 N m^2\"\n\
+    axial_stiffness = \"237 N\"\n[effects.gravity]\nacceleration = \"9.80709 m/s^2\"\n";
+
+#[test]
+fn the_silicone_beam_has_its_published_numbers() {
+    for name in ["gravity.c3d", "gravity_clamp_frame.csv"] {
+        let Some(file) = recordings(&format!("silicone_beam/{name}")) else { return };
+        let bench = Bench::new(&name.replace('.', "-"));
+        let (code, _, stderr) = bench.run(&["experiment", "init", &file.to_string_lossy()]);
+        assert_eq!(code, 0, "{stderr}");
+        let draft = bench.text("experiment.toml");
+        bench.file(
+            "experiment.toml",
+            &draft.replacen("\n[[recording]]", &format!("\n{BEAM}\n[[recording]]"), 1),
+        );
+        let value = bench.json(&["analyse", "experiment.toml", "--json", "--out", "out"]);
+        let (release, analysis) = (&value["releases"][0], &value["analysis"][0]);
+        assert_eq!(value["releases"].as_array().map(Vec::len), Some(1), "one release in {name}");
+        let near = |value: &Value, expected: f64, within: f64| {
+            let found = number(value);
+            assert!((found - expected).abs() < within, "{name}: {found} for {expected} within {within}");
+        };
+        // "Near 0.71 s": a sample.
+        near(&release["instant_s"], 0.71, 0.01);
+        // The rest creeps by half a millimetre; its mean of the last second is within a tenth of that.
+        near(&release["statistics"]["static_drop"], 6.4e-3, 0.1e-3);
+        // Stated to three digits.
+        near(&analysis["damped_frequency_hz"], 7.75, 0.02);
+        // "Near 0.05", and not constant over the swing.
+        near(&analysis["damping_ratio"], 0.05, 0.005);
+        // Its EI comes from another fit, on other data of the same beam.
+        near(&analysis["dynamic_stiffness"]["bending_stiffness_n_m2"], 0.01781, 0.05 * 0.01781);
+        near(&release["statistics"]["noise"], 2.5e-6, 2e-6);
+        // Both searches minimise the same.
+        for row in analysis["static_stiffness"].as_array().expect("rows") {
+            let ei = |search: &str| number(&row[search]["bending_stiffness_n_m2"]);
+            assert!((ei("nelder_mead") / ei("gauss_newton") - 1.0).abs() < 1e-5, "{row}");
+        }
+        for file in
+            ["summary.json", &format!("{name}.svg"), &format!("{name}-1.csv"), &format!("{name}-1.svg")]
+        {
+            assert!(bench.0.join("out").join(file).is_file(), "{file}");
+        }
+    }
+}
+
+#[test]
+fn the_trunk_has_frequency_and_decay_and_no_stiffness() {
+    let Some(folder) = recordings("trunk") else { return };
+    let bench = Bench::new("trunk");
+    let files: Vec<String> = (0..3)
+        .map(|k| folder.join(format!("manual_decay_300g_id0{k}.csv")).to_string_lossy().into_owned())
+        .collect();
+    let arguments: Vec<&str> =
+        ["experiment", "init"].into_iter().chain(files.iter().map(String::as_str)).collect();
+    assert_eq!(bench.run(&arguments).0, 0);
+    let value = bench.json(&["analyse", "experiment.toml", "--json", "--out", "out"]);
+    assert_eq!(value["releases"].as_array().map(Vec::len), Some(3));
+    for analysis in value["analysis"].as_array().expect("rows") {
+        // It hangs, and swings level at some 2 Hz when the swing is small; the first swing is slower.
+        assert_eq!(analysis["coordinate"], "x");
+        let hz = number(&analysis["damped_frequency_hz"]);
+        assert!((1.2..2.6).contains(&hz), "{analysis}");
+        assert!((0.01..0.3).contains(&number(&analysis["damping_ratio"])), "{analysis}");
+        assert_eq!(analysis["dynamic_stiffness"], Value::Null);
+        assert_eq!(analysis["static_stiffness"].as_array().map(Vec::len), Some(0));
+    }
+    for release in value["releases"].as_array().expect("rows") {
+        // Pulled aside in a hand, and let go near half a second.
+        assert!((0.35..0.65).contains(&number(&release["instant_s"])), "{release}");
+    }
+}
+
+/// Time and place of a tip that is raised and let go `cycles` times, with a marker at the base: level
+/// hold at 200 mm, swings of 8 rad/s about 120 mm below.
+fn made_up(cycles: usize, lost: impl Fn(usize) -> bool, ghost: impl Fn(usize) -> f64) -> String {
+    let mut state = 1u64;
+    let mut noise = || {
+        let mut sum = -6.0;
+        for _ in 0..12 {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            sum += (state >> 33) as f64 / (1u64 << 31) as f64;
+        }
+        2e-4 * sum
+    };
+    let mut text = String::from("t_s,Tip_x_m,Tip_y_m,Tip_z_m,Base_x_m,Base_y_m,Base_z_m\n");
+    for i in 0..1200 * cycles {
+        let time = 0.01 * i as f64;
+        let t = time % 12.0;
+        let u = if t < 1.0 {
+            1.0
+        } else if t < 2.4 {
+            0.5 + 0.5 * (std::f64::consts::PI * (t - 1.0) / 1.4).cos()
+        } else if t < INSTANT {
+            0.0
+        } else {
+            let t = t - INSTANT;
+            1.0 - (-0.4 * t).exp() * ((8.0 * t).cos() + 0.05 * (8.0 * t).sin())
+        };
+        let [x, y, z] = [1.2 - 0.05 * u * u + noise(), 0.3 + 0.003 * u + noise(), 0.5 - 0.12 * u + noise()];
+        let tip = if lost(i) { ",,".to_owned() } else { format!("{x},{y},{}", z + ghost(i)) };
+        text += &format!("{time:.2},{tip},{},{},{}\n", 1.0 + noise(), 0.3 + noise(), 0.5 + noise());
+    }
+    text
+}
+
+const INSTANT: f64 = 3.2043;
+
+#[test]
+fn six_noisy_cycles_with_ghosts_and_dropouts_become_six_releases() {
+    let bench = Bench::new("six");
+    let lost = |i: usize| (i / 20) % 33 == 7 && i % 20 < 15;
+    let ghost = |i: usize| match i % 331 {
+        17 => 0.15,
+        200 => -0.04,
+        _ if (2500..2506).contains(&i) => 0.1,
+        _ => 0.0,
+    };
+    bench.file("15psi.csv", &made_up(6, lost, ghost));
+    assert_eq!(bench.run(&["experiment", "init", "15psi.csv"]).0, 0);
+    let draft = bench.text("experiment.toml");
+    for line in ["file = \"15psi.csv\"", "tip = \"Tip\"", "base = \"Base\"", "pressure = \"15 psi\""] {
+        assert!(draft.contains(line), "{line} in\n{draft}");
+    }
+    let value = bench.json(&["analyse", "experiment.toml", "--json", "--out", "out"]);
+    let releases = value["releases"].as_array().expect("rows");
+    assert_eq!(releases.len(), 6);
+    for (k, release) in releases.iter().enumerate() {
+        let expected = INSTANT + 12.0 * k as f64;
+        let (instant, error) = (number(&release["instant_s"]), number(&release["instant_error_s"]));
+        // A third of a sample, under noise of a fifth of a millimetre; three standard errors.
+        assert!(
+            (instant - expected).abs() < f64::max(0.0035, 3.0 * error),
+            "{instant} ± {error} for {expected}"
+        );
+        let statistics = &release["statistics"];
+        assert!((number(&statistics["static_drop"]) - 0.12).abs() < 5e-4, "{statistics}");
+        assert!((number(&statistics["noise"]) / 2e-4 - 1.0).abs() < 0.15, "{statistics}");
+        assert!(number(&statistics["masked_share"]) < 0.06, "{statistics}");
+        // Three millimetres sideways in the first swing.
+        assert!((1e-3..6e-3).contains(&number(&statistics["out_of_plane"])), "{statistics}");
+    }
+    assert_eq!(releases.iter().filter(|release| release["representative"] == true).count(), 1);
+    // Every ghost of the swings is masked: a ghost of 40 mm at least would show.
+    for number in 1..=6 {
+        let text = bench.text(&format!("out/15psi.csv-{number}.csv"));
+        let z: Vec<Option<f64>> =
+            text.lines().skip(1).map(|line| line.split(',').nth(2)?.parse().ok()).collect();
+        for pair in z.windows(2).filter_map(|pair| Some((pair[0]?, pair[1]?))) {
+            assert!(
+                (pair.1 - pair.0).abs() < 0.03,
+                "a jump from {} to {} m in release {number}",
+                pair.0,
+                pair.1
+            );
+        }
+    }
+    for analysis in value["analysis"].as_array().expect("rows") {
+        assert!(
+            (number(&analysis["damped_frequency_hz"]) / (8.0 / std::f64::consts::TAU) - 1.0).abs() < 2e-3,
+            "{analysis}"
+        );
+        assert!((number(&analysis["damping_ratio"]) / 0.05 - 1.0).abs() < 0.05, "{analysis}");
+    }
+    // Every decision can be decided otherwise.
+    let dropped =
+        ["check", "experiment.toml", "--json", "--set", "recording[1].keep=[2, 5]", "--out", "kept"];
+    let value = bench.json(&[&["experiment"], &dropped[..]].concat());
+    let kept =
+        value["releases"].as_array().expect("rows").iter().filter(|release| release["dropped"].is_null());
+    assert_eq!(kept.count(), 2);
+}
+
+#[test]
+fn an_experiment_file_is_never_overwritten_unasked() {
+    let bench = Bench::new("overwrite");
+    bench.file("a.csv", &made_up(1, |_| false, |_| 0.0));
+    bench.file("experiment.toml", "# mine\n");
+    let (code, _, stderr) = bench.run(&["experiment", "init", "a.csv"]);
+    assert_eq!((code, bench.text("experiment.toml").as_str()), (2, "# mine\n"));
+    assert!(stderr.contains("experiment.toml: exists already; choose another --out"), "{stderr}");
+    assert_eq!(bench.run(&["experiment", "init", "a.csv", "--overwrite"]).0, 0);
+    assert!(bench.text("experiment.toml").contains("[[recording]]"));
+}
+
+#[test]
+fn what_is_wrong_with_a_recording_is_said() {
+    let bench = Bench::new("wrong");
+    bench.file("a.csv", &made_up(1, |_| false, |_| 0.0));
+    bench.file("lost.csv", &made_up(1, |i| i > 9, |_| 0.0));
+    let still: String = (0..300).map(|i| format!("{:.2},0.1,0,0\n", 0.01 * f64::from(i))).collect();
+    bench.file("still.csv", &format!("t_s,Tip_x_m,Tip_y_m,Tip_z_m\n{still}"));
+    for (recording, code, expected) in [
+        (
+            "file = \"a.csv\"\ntip = \"Tipp\"",
+            2,
+            "e.toml:3:7: recording[1].tip = \"Tipp\": a.csv has no marker `Tipp`; did you mean `Tip`?; it has Tip, Base",
+        ),
+        (
+            "file = \"a.csv\"\ntip = \"Tip\"\nbase = [\"Bas\"]",
+            2,
+            "recording[1].base = [\"Bas\"]: a.csv has no marker `Bas`; did you mean `Base`?",
+        ),
+        ("file = \"b.csv\"\ntip = \"Tip\"", 2, "e.toml:2:8: recording[1].file: b.csv: cannot be read"),
+        (
+            "file = \"lost.csv\"\ntip = \"Tip\"",
+            3,
+            "lost.csv: the tip (Tip) is seen in 10 of 1200 samples; a release needs at least 20",
+        ),
+        (
+            "file = \"still.csv\"\ntip = \"Tip\"",
+            3,
+            "still.csv: no release in it: the tip moves at 0.0 mm/s at most",
+        ),
+        ("file = \"a.csv\"\ntip = \"Base\"", 3, "a.csv: no release in it:"),
+        (
+            "file = \"a.csv\"\ntip = \"Tip\"\nkeep = [3]",
+            3,
+            "a.csv: recording[1].keep: there is no release 3; 1 were found",
+        ),
+        (
+            "file = \"a.csv\"\ntip = \"Tip\"\ninstants = [\"99 s\"]",
+            3,
+            "a.csv: recording[1].instants: 99 s is not inside the recording",
+        ),
+        (
+            "file = \"a.csv\"\ntipp = \"Tip\"",
+            2,
+            "e.toml:3:1: recording[1].tipp: unknown key; did you mean `tip`?",
+        ),
+        (
+            "file = \"a.csv\"\ntip = \"Tip\"\npressure = \"15 mm\"",
+            2,
+            "recording[1].pressure: \"15 mm\" is a length, but a pressure is due",
+        ),
+    ] {
+        bench.file("e.toml", &format!("[[recording]]\n{recording}\n"));
+        let (found, _, stderr) = bench.run(&["experiment", "check", "e.toml", "--out", "out"]);
+        assert_eq!(
+            (found, stderr.contains(expected)),
+            (code, true),
+            "expected {expected}\n   found {stderr}"
+        );
+        assert!(!bench.0.join("out").exists(), "nothing half-written");
+    }
+}
