@@ -76,8 +76,17 @@ pub fn clean_recording(
         None => None,
     };
     check_numbers(entry, cuts.len())?;
-    let context =
-        Context { entry, time: &time, step, tip: &tip, body: &body, frame: &frame, rod, recording: k };
+    let context = Context {
+        entry,
+        time: &time,
+        step,
+        tip: &tip,
+        body: &body,
+        frame: &frame,
+        cuts: &cuts,
+        rod,
+        recording: k,
+    };
     let releases = (cuts.iter().enumerate())
         .map(|(number, cut)| context.release(cut, number + 1, &mut log.release(number + 1)))
         .collect();
@@ -118,13 +127,13 @@ fn base_pose(
             .say("base", "the base is never seen whole: it is left out, and that it stands still is assumed"),
         Some(pose) => {
             let turn = match pose.orientation {
-                Some(_) => format!("and turns by at most {:.2} deg", pose.turned.to_degrees()),
+                Some(_) => format!(" and turns by at most {:.2} deg", pose.turned.to_degrees()),
                 None => "; its turns are not seen with fewer than three markers".to_owned(),
             };
             log.say(
                 "base",
                 format!(
-                    "the base moves by at most {} {turn}, over {} frames; its mean pose is used",
+                    "the base moves by at most {}{turn}, over {} frames; its mean pose is used",
                     mm(pose.moved),
                     pose.frames
                 ),
@@ -200,6 +209,7 @@ struct Context<'a> {
     tip: &'a Seen,
     body: &'a [(Seen, At)],
     frame: &'a Frame,
+    cuts: &'a [Cut],
     rod: Option<Rod>,
     recording: usize,
 }
@@ -216,13 +226,12 @@ impl Context<'_> {
         let far = held[0].hypot(held[1]);
         let length = self.rod.map_or(far, |rod| rod.length);
         let offset = self.offset(angle, held, log);
-        let noise = |seen: &Seen| self.noise(seen, cut);
         let mut tracks = vec![self.track(
             &self.tip.name,
             Point::Tip,
             &self.tip.path[samples.clone()],
             offset,
-            noise(self.tip),
+            self.noise(self.tip),
         )];
         for (seen, at) in self.body {
             let share = match at {
@@ -231,7 +240,7 @@ impl Context<'_> {
             };
             let off = self.body_offset(seen, cut, share, angle, log);
             let path = &seen.path[samples.clone()];
-            tracks.push(self.track(&seen.name, Point::Along(share), path, off, noise(seen)));
+            tracks.push(self.track(&seen.name, Point::Along(share), path, off, self.noise(seen)));
         }
         let lost = tracks[0].position.iter().filter(|at| at.is_none()).count();
         let masked_samples =
@@ -346,10 +355,12 @@ impl Context<'_> {
                 [0.0; 2]
             }
             (Offset::None, _) => {
-                log.say(
-                    "offset",
-                    "no static bias is taken off: the angle of the straight rod at the hold is not given",
-                );
+                let why = match (self.entry.offset, reach) {
+                    (Some(_), _) => "as the experiment says",
+                    (None, None) => "without a [rod] or [muscle] it is not known where the tip must be",
+                    (None, Some(_)) => "the angle of the straight rod at the hold is not given",
+                };
+                log.say("offset", format!("no static bias is taken off the tip: {why}"));
                 [0.0; 2]
             }
         }
@@ -382,14 +393,14 @@ impl Context<'_> {
         Track { marker: name.to_owned(), at, position, noise }
     }
 
-    /// Noise of a point: where it rests, else over the release.
-    fn noise(&self, seen: &Seen, cut: &Cut) -> f64 {
+    /// Noise of a point: while it is held and late in every swing, else over the whole recording.
+    fn noise(&self, seen: &Seen) -> f64 {
         if let Some(noise) = self.entry.noise {
             return noise;
         }
         let path: Vec<Option<[f64; 2]>> = seen.path.iter().map(|at| at.map(|at| self.in_plane(at))).collect();
-        let late = cut.swing.start + 2 * cut.swing.len() / 3;
-        let still = |i: usize| cut.hold.contains(&i) || (late..cut.swing.end).contains(&i);
+        let late = |cut: &Cut| cut.swing.start + 2 * cut.swing.len() / 3..cut.swing.end;
+        let still = |i: usize| self.cuts.iter().any(|cut| cut.hold.contains(&i) || late(cut).contains(&i));
         let found = noise::of_samples(self.time, &path, self.step, still)
             .or_else(|| noise::of_samples(self.time, &path, self.step, |_| true));
         found.unwrap_or(LEAST_NOISE).max(LEAST_NOISE)
