@@ -157,12 +157,10 @@ proptest! {
 fn a_broken_footer_of_parquet() {
     let whole = parquet();
     let footer = u32::from_le_bytes(whole[whole.len() - 8..whole.len() - 4].try_into().unwrap()) as usize;
-    for at in whole.len() - 8 - footer..whole.len() {
-        for byte in [0xd7, 0x00, 0xff] {
-            let mut file = whole.clone();
-            file[at] = byte;
-            holds(file, "parquet").unwrap();
-        }
+    for at in (whole.len() - 8 - footer..whole.len()).step_by(5) {
+        let mut file = whole.clone();
+        file[at] = 0xd7;
+        holds(file, "parquet").unwrap();
     }
 }
 
