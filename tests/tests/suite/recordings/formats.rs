@@ -225,6 +225,9 @@ fn c3d_in_all_six_encodings() {
             let recording = read(file, "a.bin");
             is_the_swing(&recording, Format::C3d, ["tip", "base"]);
             says(&recording, "frame 1 is time 0");
+            let is_coarse =
+                recording.findings.iter().any(|finding| finding.contains("whole multiples of 0.1250"));
+            assert_eq!(is_coarse, !floats);
         }
     }
     let silent = C3d { units: String::new(), ..C3d::small(84, true) }.bytes(millimetres);
