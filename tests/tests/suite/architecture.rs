@@ -11,16 +11,19 @@ use std::str::Chars;
 use models::effects::CATALOGUE;
 
 /// The files, by the beginning of their path, that may name an outside package. A package of its own
-/// kind of work has one door; the two that need more room have a file and a folder of the same name.
-const DOORS: [(&str, &[&str]); 13] = [
+/// kind of work has one door; the two that need more room have a file and a folder of the same name, and
+/// Parquet is written in one file and read in another.
+const DOORS: [(&str, &[&str]); 15] = [
     ("argmin", &["sim/src/analysis/nelder_mead.rs"]),
-    ("arrow", &["sim/src/results/table.rs"]),
+    ("arrow", &["sim/src/results/table.rs", "sim/src/recording/columnar.rs"]),
+    ("bytes", &["sim/src/results/table.rs", "sim/src/recording/columnar.rs"]),
     ("clap", &["sim/src/cli.rs"]),
+    ("csv", &["sim/src/recording/cells.rs"]),
     ("ctrlc", &["sim/src/cli/interrupt.rs"]),
     ("diffsol", &["sim/src/integrate/diffsol.rs", "sim/src/integrate/diffsol/"]),
     ("indicatif", &["sim/src/cli/simulate.rs"]),
     ("miette", &["sim/src/cli/failure.rs"]),
-    ("parquet", &["sim/src/results/table.rs"]),
+    ("parquet", &["sim/src/results/table.rs", "sim/src/recording/columnar.rs"]),
     ("plotters", &["sim/src/results/picture.rs", "sim/src/results/picture/"]),
     ("realfft", &["sim/src/analysis/spectrum.rs"]),
     ("rerun", &["sim/src/observe/rerun.rs", "sim/src/observe/rerun/"]),

@@ -20,3 +20,9 @@ mod properties {
     mod catalogue;
     mod sensitivities;
 }
+mod recordings {
+    mod errors;
+    mod formats;
+    mod mutations;
+    mod samples;
+}

@@ -1,0 +1,276 @@
+//! Text to rows of cells: encoding, delimiter, decimal sign. The only file that names csv.
+
+use csv::{Reader, ReaderBuilder, StringRecord};
+
+use super::error::Problem;
+
+/// Lines that are looked at to find the delimiter.
+const SAMPLE: usize = 16;
+/// Characters of a line that messages show.
+const SHOWN: usize = 60;
+/// What programs write in place of a number that is not there.
+const LOST: [&str; 9] = ["na", "n/a", "#n/a", "null", "none", "-", "--", "#value!", "missing"];
+
+/// Bytes as text; with what is to be said about its encoding.
+pub(super) fn decode(bytes: &[u8]) -> Result<(String, Option<String>), Problem> {
+    let wide = |from: fn([u8; 2]) -> u16| {
+        let words: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| from([pair[0], pair[1]])).collect();
+        (String::from_utf16_lossy(&words), Some("encoding: UTF-16, as its first bytes say".to_owned()))
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => return Ok(wide(u16::from_le_bytes)),
+        [0xfe, 0xff, ..] => return Ok(wide(u16::from_be_bytes)),
+        _ => {}
+    }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let is_text =
+        |byte: u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\r' | b'\n' | 0x0c | 0x1a);
+    if let Some(offset) = bytes.iter().position(|byte| !is_text(*byte)) {
+        return Err(Problem::NotText { offset, byte: bytes[offset] });
+    }
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Ok((text.to_owned(), None)),
+        Err(_) => {
+            let text = bytes.iter().map(|byte| char::from(*byte)).collect();
+            Ok((text, Some("encoding: not UTF-8; letters beyond ASCII were read as Latin-1".to_owned())))
+        }
+    }
+}
+
+/// The delimiter of a text: tab, semicolon or comma, whichever first stands in most of its first lines.
+fn delimiter(text: &str) -> u8 {
+    let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).take(SAMPLE).collect();
+    let with = |mark: char| lines.iter().filter(|line| line.contains(mark)).count();
+    let is_common = |mark: char| 2 * with(mark) >= lines.len().max(1) || with(mark) > with(',');
+    // Commas may be decimal signs beside the other two, but not the other way round.
+    if is_common('\t') {
+        b'\t'
+    } else if is_common(';') {
+        b';'
+    } else {
+        b','
+    }
+}
+
+/// The rows of a text, one at a time.
+pub(super) struct Rows<'t> {
+    text: &'t str,
+    reader: Reader<&'t [u8]>,
+    record: StringRecord,
+    is_held: bool,
+    line: u64,
+    /// Between cells.
+    pub delimiter: u8,
+}
+
+impl<'t> Rows<'t> {
+    pub(super) fn new(text: &'t str) -> Self {
+        let delimiter = delimiter(text);
+        let mut builder = ReaderBuilder::new();
+        let builder = builder.has_headers(false).flexible(true).delimiter(delimiter);
+        let reader = builder.from_reader(text.as_bytes());
+        Self { text, reader, record: StringRecord::new(), is_held: false, line: 1, delimiter }
+    }
+
+    /// Goes on to the next row that is not an empty line; false at the end.
+    pub(super) fn read(&mut self) -> Result<bool, Problem> {
+        if std::mem::take(&mut self.is_held) {
+            return Ok(true);
+        }
+        let unreadable = |error: csv::Error| Problem::Unreadable(std::io::Error::other(error));
+        let is_row = self.reader.read_record(&mut self.record).map_err(unreadable)?;
+        if is_row {
+            self.line = self.find_line();
+        }
+        Ok(is_row)
+    }
+
+    /// Goes on to the next row that is not blank; false at the end.
+    pub(super) fn read_filled(&mut self) -> Result<bool, Problem> {
+        while self.read()? {
+            if !self.is_blank() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Lets the next reading return this row again.
+    pub(super) fn hold(&mut self) {
+        self.is_held = true;
+    }
+
+    /// All cells, to keep.
+    pub(super) fn keep(&self) -> Vec<String> {
+        self.cells().map(str::to_owned).collect()
+    }
+
+    /// Whether the first cell is a number.
+    pub(super) fn is_numeric(&self) -> bool {
+        matches!(Numbers::default().read(self.cell(0), 0), Ok(Some(_)))
+    }
+
+    /// Line of the row, from 1; after the end, that of the last row.
+    pub(super) fn line(&self) -> u64 {
+        self.line
+    }
+
+    fn find_line(&self) -> u64 {
+        let Some(start) = self.record.position() else { return 1 };
+        // The position is that of the end of the row before: line ends and empty lines follow it.
+        let after = self.text.as_bytes().get(start.byte() as usize..).unwrap_or_default();
+        let ends = after.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
+        start.line() + ends.filter(|byte| **byte == b'\n').count() as u64
+    }
+
+    /// A cell without blanks around it; empty beyond the end of the row.
+    pub(super) fn cell(&self, column: usize) -> &str {
+        self.record.get(column).unwrap_or_default().trim()
+    }
+
+    /// All cells without blanks around them.
+    pub(super) fn cells(&self) -> impl Iterator<Item = &str> {
+        self.record.iter().map(str::trim)
+    }
+
+    /// Cells in the row.
+    pub(super) fn width(&self) -> usize {
+        self.record.len()
+    }
+
+    /// Whether all cells are empty.
+    pub(super) fn is_blank(&self) -> bool {
+        self.cells().all(str::is_empty)
+    }
+
+    /// The first cell, if it is a word and the only one.
+    pub(super) fn title(&self) -> Option<&str> {
+        let first = self.cell(0);
+        let is_word = first.starts_with(char::is_alphabetic);
+        (is_word && self.cells().skip(1).all(str::is_empty)).then_some(first)
+    }
+
+    /// The row as it stands there, cut short for a message.
+    pub(super) fn start(&self) -> String {
+        let separator = if self.delimiter == b'\t' { " " } else { "," };
+        let mut text = String::new();
+        for cell in self.cells() {
+            if text.len() > SHOWN {
+                break;
+            }
+            let before = if text.is_empty() { "" } else { separator };
+            text = text + before + cell;
+        }
+        short(&text)
+    }
+
+    /// Length of the whole text, bytes.
+    pub(super) fn length(&self) -> usize {
+        self.text.len()
+    }
+}
+
+/// A text cut short for a message.
+pub(super) fn short(text: &str) -> String {
+    match text.char_indices().nth(SHOWN) {
+        None => text.to_owned(),
+        Some((end, _)) => format!("{}…", &text[..end]),
+    }
+}
+
+/// Reads cells as numbers, and watches their decimal signs.
+#[derive(Default)]
+pub(super) struct Numbers {
+    point: Option<(u64, String)>,
+    comma: Option<(u64, String)>,
+}
+
+/// A cell that is no number.
+#[derive(Debug)]
+pub(super) struct NotANumber;
+
+impl Numbers {
+    /// The number in a cell; nothing where it is blank or says that there is none.
+    pub(super) fn read(&mut self, cell: &str, line: u64) -> Result<Option<f64>, NotANumber> {
+        if cell.is_empty() {
+            return Ok(None);
+        }
+        if let Ok(number) = cell.parse::<f64>() {
+            if self.point.is_none() && cell.contains('.') {
+                self.point = Some((line, cell.to_owned()));
+            }
+            return Ok(number.is_finite().then_some(number));
+        }
+        if let Some((whole, rest)) = cell.split_once(',')
+            && !whole.contains('.')
+            && let Ok(number) = format!("{whole}.{rest}").parse::<f64>()
+        {
+            if self.comma.is_none() {
+                self.comma = Some((line, cell.to_owned()));
+            }
+            return Ok(Some(number));
+        }
+        match LOST.iter().any(|word| cell.eq_ignore_ascii_case(word)) {
+            true => Ok(None),
+            false => Err(NotANumber),
+        }
+    }
+
+    /// What is to be said about decimal signs.
+    pub(super) fn finding(self) -> Result<Option<String>, Problem> {
+        match (self.point, self.comma) {
+            (Some((point_line, point)), Some((comma_line, comma))) => {
+                Err(Problem::MixedDecimals { point, point_line, comma, comma_line })
+            }
+            (None, Some((line, value))) => {
+                Ok(Some(format!("decimal sign: a comma, as in `{value}` in line {line}")))
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_counted_over_empty_ones_and_all_line_ends() {
+        for end in ["\n", "\r\n"] {
+            let text = ["a,b", "", "c,d", "", "", "e,f"].join(end);
+            let mut rows = Rows::new(&text);
+            let mut lines = Vec::new();
+            while rows.read().unwrap() {
+                lines.push(rows.line());
+            }
+            assert_eq!(lines, [1, 3, 6], "{end:?}");
+        }
+    }
+
+    #[test]
+    fn delimiters_are_told_from_decimal_commas() {
+        assert_eq!(delimiter("t_s;x_m\n0,0;0,1\n0,1;0,2\n"), b';');
+        assert_eq!(delimiter("t_s\tx_m\n0,0\t0,1\n"), b'\t');
+        assert_eq!(delimiter("Title\nDate:\n\nTRAJECTORIES\n100,Hz\n,LFHD,,\n"), b',');
+        assert_eq!(delimiter(""), b',');
+    }
+
+    #[test]
+    fn numbers_are_told_from_words() {
+        let mut numbers = Numbers::default();
+        for (cell, value) in
+            [("-1e-3", Some(-1e-3)), ("", None), ("NaN", None), ("n/a", None), ("7", Some(7.0))]
+        {
+            assert_eq!(numbers.read(cell, 1).unwrap(), value, "{cell}");
+        }
+        assert!(numbers.read("1.2.3", 1).is_err() && numbers.read("1.234,5", 1).is_err());
+        assert_eq!(numbers.read("0,25", 4).unwrap(), Some(0.25));
+        assert!(numbers.finding().unwrap().unwrap().contains("line 4"));
+
+        let mut both = Numbers::default();
+        both.read("1,234", 2).unwrap();
+        both.read("0.5", 3).unwrap();
+        let message = both.finding().unwrap_err().to_string();
+        assert!(message.starts_with("mixes decimal signs: `0.5` in line 3, `1,234` in line 2"), "{message}");
+    }
+}

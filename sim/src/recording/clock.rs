@@ -1,0 +1,221 @@
+//! When samples were taken: from times, from frame numbers, or from the rate alone.
+
+use super::error::Problem;
+
+/// Share of a step by which times may be off before they count as uneven.
+const EVEN: f64 = 0.02;
+/// Share by which the stated rate may differ from what times show.
+const AGREES: f64 = 0.01;
+
+/// What a file states about its clock; empty where it states nothing.
+pub(super) struct Stated<'a> {
+    pub frames: &'a [f64],
+    /// s
+    pub times: &'a [f64],
+    /// Hz, positive.
+    pub rate: Option<f64>,
+    pub samples: usize,
+}
+
+/// Time of each sample, s, ascending; and samples a second.
+#[derive(Debug)]
+pub(super) struct Clock {
+    pub rate_hz: f64,
+    pub time: Vec<f64>,
+}
+
+impl Stated<'_> {
+    /// The clock, with a wanted rate over the stated one; `place` says where a sample stands.
+    pub(super) fn clock(
+        &self,
+        wanted: Option<f64>,
+        place: &dyn Fn(usize) -> String,
+        findings: &mut Vec<String>,
+    ) -> Result<Clock, Problem> {
+        if let Some(value) = wanted.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
+            return Err(Problem::Rate { value });
+        }
+        if !self.frames.is_empty() {
+            ascending(self.frames, "frame", place)?;
+        }
+        if !self.times.is_empty() {
+            ascending(self.times, "time in s", place)?;
+        }
+        let clock = match (wanted, self.rate) {
+            (None, _) if !self.times.is_empty() => self.by_times(findings)?,
+            (Some(rate), _) | (None, Some(rate)) => {
+                let frame = |sample: usize| match self.frames.first() {
+                    None => sample as f64,
+                    Some(first) => self.frames[sample] - first,
+                };
+                let time = (0..self.samples).map(|sample| frame(sample) / rate).collect();
+                let source = match (wanted, self.frames.first()) {
+                    (Some(_), _) if !self.times.is_empty() => {
+                        "as asked for; the file's own times are set aside".to_owned()
+                    }
+                    (Some(_), _) => "as asked for".to_owned(),
+                    (None, Some(first)) => {
+                        format!("as the file states; it has no times: frame {first} is time 0")
+                    }
+                    (None, None) => {
+                        "as the file states; it has no times: the first sample is time 0".to_owned()
+                    }
+                };
+                findings.push(format!("rate: {} Hz, {source}", plain(rate)));
+                Clock { rate_hz: rate, time }
+            }
+            (None, None) => return Err(Problem::NoRate),
+        };
+        // Rates beyond all measure can leave no difference between times.
+        ascending(&clock.time, "time in s", place)?;
+        clock.steps(self.frames, place, findings);
+        Ok(clock)
+    }
+
+    fn by_times(&self, findings: &mut Vec<String>) -> Result<Clock, Problem> {
+        let shown = rate_of(self.times);
+        let (rate_hz, finding) = match self.rate {
+            None => (shown, format!("{} Hz, as the times show", plain(shown))),
+            Some(stated) if (stated / shown - 1.0).abs() <= AGREES => {
+                (stated, format!("{} Hz, as the file states and its times show", plain(stated)))
+            }
+            Some(stated) => {
+                let (stated, is) = (plain(stated), plain(shown));
+                (shown, format!("{is} Hz, as the times show, though the file states {stated} Hz"))
+            }
+        };
+        findings.push(format!("rate: {finding}"));
+        match rate_hz.is_finite() && rate_hz > 0.0 {
+            true => Ok(Clock { rate_hz, time: self.times.to_vec() }),
+            false => Err(Problem::NoRate),
+        }
+    }
+}
+
+impl Clock {
+    /// Says where samples are missing, and whether the others are evenly spaced.
+    fn steps(&self, frames: &[f64], place: &dyn Fn(usize) -> String, findings: &mut Vec<String>) {
+        let (mut jumps, mut missing, mut longest) = (0, 0.0, (0.0, 0));
+        let (mut least, mut most, mut worst) = (f64::INFINITY, 0.0_f64, 0.0_f64);
+        for (sample, pair) in self.time.windows(2).enumerate() {
+            let step = (pair[1] - pair[0]) * self.rate_hz;
+            let whole = step.round().max(1.0);
+            worst = worst.max((step - whole).abs());
+            if whole > 1.0 {
+                jumps += 1;
+                missing += whole - 1.0;
+                longest = if whole > longest.0 { (whole, sample + 1) } else { longest };
+            } else {
+                (least, most) = (least.min(step), most.max(step));
+            }
+        }
+        if jumps > 0 {
+            let (whole, sample) = longest;
+            let from_to = match frames.is_empty() {
+                true => format!("{} s to {} s", plain(self.time[sample - 1]), plain(self.time[sample])),
+                false => format!("frame {} to {}", frames[sample - 1], frames[sample]),
+            };
+            findings.push(format!(
+                "samples are left out in {jumps} places, {missing} in all; the longest jump is {} samples, \
+                 from {from_to} ({})",
+                whole - 1.0,
+                place(sample)
+            ));
+        }
+        if worst > EVEN {
+            let ms = |steps: f64| plain(1e3 * steps / self.rate_hz);
+            let range = match least.is_finite() {
+                true => format!("between {} and {} ms", ms(least), ms(most)),
+                false => "of no common measure".to_owned(),
+            };
+            findings.push(format!("times are not even: steps are {range}, {} ms on the whole", ms(1.0)));
+        }
+    }
+}
+
+fn ascending(values: &[f64], what: &'static str, place: &dyn Fn(usize) -> String) -> Result<(), Problem> {
+    // What is no number does not ascend, either.
+    let ascends = |pair: &[f64]| pair[1] > pair[0];
+    let Some(at) = values.windows(2).position(|pair| !ascends(pair)) else { return Ok(()) };
+    Err(Problem::Order { place: place(at + 1), what, before: values[at], after: values[at + 1] })
+}
+
+/// Samples a second: whole steps over the time that they take, where most steps agree on one.
+fn rate_of(times: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    // Times may be rounded to the step's own size: those between neighbours say what a step is on
+    // the whole, and that step how many a jump has.
+    let single: Vec<f64> = steps.into_iter().filter(|step| *step < 1.5 * median).collect();
+    let step = single.iter().sum::<f64>() / single.len() as f64;
+    let whole: f64 = times.windows(2).map(|pair| ((pair[1] - pair[0]) / step).round().max(1.0)).sum();
+    let rate = whole / (times[times.len() - 1] - times[0]);
+    // Times are decimal: 99.99999999999 Hz is 100 Hz.
+    if (rate - rate.round()).abs() <= 1e-6 * rate { rate.round() } else { rate }
+}
+
+/// A number with six digits at most, without zeros at its end.
+pub(super) fn plain(value: f64) -> String {
+    let magnitude = value.abs();
+    if magnitude != 0.0 && !(1e-3..1e6).contains(&magnitude) {
+        return format!("{value:.4e}");
+    }
+    let digits = 5 - magnitude.max(1e-3).log10().floor() as i32;
+    let text = format!("{value:.*}", digits.clamp(0, 9) as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn clock(stated: &Stated, wanted: Option<f64>) -> (Clock, Vec<String>) {
+        let mut findings = Vec::new();
+        let clock = stated.clock(wanted, &|sample| format!("line {}", sample + 2), &mut findings).unwrap();
+        (clock, findings)
+    }
+
+    #[test]
+    fn a_rate_comes_from_rounded_times_and_over_jumps() {
+        // 120 Hz to three decimals, as spreadsheets round it; ten samples are left out.
+        let times: Vec<f64> =
+            (0..600).filter(|k| !(100..110).contains(k)).map(|k| (k as f64 / 0.12).round() / 1e3).collect();
+        let (clock, findings) = clock(&Stated { frames: &[], times: &times, rate: None, samples: 590 }, None);
+        // The last time is rounded by at most 0.5 ms of 5 s.
+        assert!((clock.rate_hz - 120.0).abs() < 120.0 * 1e-4, "{}", clock.rate_hz);
+        assert!(findings[1].starts_with("samples are left out in 1 places, 10 in all"), "{findings:?}");
+        assert!(findings[2].starts_with("times are not even: steps are between 8 and 9 ms"), "{findings:?}");
+    }
+
+    #[test]
+    fn a_jump_of_frames_is_one_of_time() {
+        let frames = [695.0, 696.0, 700.0];
+        let stated = Stated { frames: &frames, times: &[], rate: Some(100.0), samples: 3 };
+        let (from_file, findings) = clock(&stated, None);
+        assert_eq!(from_file.time, [0.0, 0.01, 0.05]);
+        assert!(findings[1].ends_with("from frame 696 to 700 (line 4)"), "{findings:?}");
+        assert_eq!(clock(&stated, Some(50.0)).0.time, [0.0, 0.02, 0.1]);
+    }
+
+    #[test]
+    fn a_stated_rate_that_times_contradict_is_said() {
+        let times: Vec<f64> = (0..5).map(|k| k as f64 * 0.02).collect();
+        let stated = Stated { frames: &[], times: &times, rate: Some(100.0), samples: 5 };
+        let (clock, findings) = clock(&stated, None);
+        assert_eq!(clock.rate_hz, 50.0);
+        assert_eq!(findings, ["rate: 50 Hz, as the times show, though the file states 100 Hz"]);
+    }
+
+    #[test]
+    fn numbers_are_printed_plainly() {
+        for (value, text) in
+            [(100.0, "100"), (119.88, "119.88"), (8.333333333, "8.33333"), (0.0, "0"), (1e9, "1.0000e9")]
+        {
+            assert_eq!(plain(value), text);
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! What can be wrong with a recording.
+
+use std::io;
+use std::path::PathBuf;
+
+use super::length::Length;
+
+/// Why a recording was not read: the file, and what is wrong with it.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {problem}", file.display())]
+pub struct RecordingError {
+    /// The file.
+    pub file: PathBuf,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+/// What is wrong with a recording. Lines, frames and columns count as the file's own programs count
+/// them: lines and columns from 1.
+#[derive(Debug, thiserror::Error)]
+pub enum Problem {
+    /// The file system refused.
+    #[error("cannot be read: {0}; check the path and its permissions")]
+    Unreadable(io::Error),
+    /// A folder or a device.
+    #[error("is no file; name a recording, such as the trajectory.parquet in a run's folder")]
+    NotAFile,
+    /// More than this program takes into memory.
+    #[error("has {bytes} bytes; at most {most} are read; export a shorter piece")]
+    TooLarge {
+        /// Its length.
+        bytes: u64,
+        /// The limit.
+        most: u64,
+    },
+    /// Nothing in it.
+    #[error("is empty; export the recording again")]
+    Empty,
+    /// Binary, and none of the binary formats.
+    #[error(
+        "is binary (byte {offset} is {byte:#04x}), and neither C3D nor Parquet; \
+         export as C3D, or as text in UTF-8"
+    )]
+    NotText {
+        /// Place of the first byte that no text has, from 0.
+        offset: usize,
+        /// That byte.
+        byte: u8,
+    },
+    /// Text that begins as none of the formats does.
+    #[error(
+        "is in no known format: line {line} is `{text}`; known are {known}; \
+         a table needs a first line of names, such as t_s,tip_x_m,tip_y_m,tip_z_m"
+    )]
+    UnknownFormat {
+        /// First line that is not blank.
+        line: u64,
+        /// What stands there, cut short.
+        text: String,
+        /// Names of the formats.
+        known: String,
+    },
+    /// A Nexus export of other things than trajectories.
+    #[error(
+        "holds {sections} and no `Trajectories`, so there are no marker positions in it; \
+         export again from Nexus with Trajectories ticked"
+    )]
+    NoTrajectories {
+        /// Titles of its sections.
+        sections: String,
+    },
+    /// A kind of data of a known format that is not read.
+    #[error("holds {what}, which is not read; {remedy}")]
+    NotRead {
+        /// The kind of data.
+        what: String,
+        /// What to export instead.
+        remedy: &'static str,
+    },
+    /// The header is not as its format has it.
+    #[error("line {line}: expected {expected}, met {met}; export it again, or repair that line")]
+    Header {
+        /// Where.
+        line: u64,
+        /// What should stand there.
+        expected: String,
+        /// What stands there.
+        met: String,
+    },
+    /// A header, and nothing after it.
+    #[error("ends after its header (line {line}): no samples; export the recording again")]
+    HeaderOnly {
+        /// Last line of the header.
+        line: u64,
+    },
+    /// Too little to be a recording.
+    #[error("has one sample; at least 2 are needed; export a longer piece")]
+    OneSample,
+    /// No column names a position.
+    #[error("names no marker; expected columns such as tip_x_m, tip_y_m, tip_z_m, met {met}")]
+    NoMarkers {
+        /// Columns met.
+        met: String,
+    },
+    /// A marker without all of its coordinates.
+    #[error("marker `{marker}` has no {axis} (x and z are needed, only y may be missing); {remedy}")]
+    MissingAxis {
+        /// The marker.
+        marker: String,
+        /// `x` or `z`.
+        axis: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// Two columns for one thing.
+    #[error("columns {first} and {second} both give {what}; leave one of them out")]
+    Twice {
+        /// Number of the first column.
+        first: usize,
+        /// Number of the second column.
+        second: usize,
+        /// What both give.
+        what: String,
+    },
+    /// Every sample of every marker is lost.
+    #[error("all {markers} markers are lost in all {samples} samples; check them in the capture program")]
+    AllLost {
+        /// Markers.
+        markers: usize,
+        /// Samples.
+        samples: usize,
+    },
+    /// Positions in different units.
+    #[error("mixes units: {first} is in {}, {other} in {}; export all positions in one unit",
+        units[0].symbol(), units[1].symbol())]
+    MixedUnits {
+        /// A column.
+        first: String,
+        /// A column in another unit.
+        other: String,
+        /// Their units.
+        units: [Length; 2],
+    },
+    /// A unit that is none of length.
+    #[error("{place}: `{value}` is no unit of length; it must be one of {}", Length::symbols())]
+    UnknownUnit {
+        /// Where it stands.
+        place: String,
+        /// What stands there.
+        value: String,
+    },
+    /// No unit, in a format that has no fixed one.
+    #[error("{place} states no unit of length; name it, such as tip_x_mm, or say --unit mm")]
+    NoUnit {
+        /// What is silent.
+        place: String,
+    },
+    /// No clock at all.
+    #[error("states neither times nor a sampling rate; add a column t_s, or say --rate with the rate in Hz")]
+    NoRate,
+    /// A rate that is none.
+    #[error("--rate {value}: must be a positive number of samples a second")]
+    Rate {
+        /// What was asked for.
+        value: f64,
+    },
+    /// A cell that should be a number.
+    #[error(
+        "line {line}, column {column} ({name}): `{value}` is no number; correct it, or leave it blank if it was lost"
+    )]
+    NotANumber {
+        /// Its line.
+        line: u64,
+        /// Its column.
+        column: usize,
+        /// What the column holds.
+        name: String,
+        /// What stands there.
+        value: String,
+    },
+    /// Decimal points and decimal commas.
+    #[error(
+        "mixes decimal signs: `{point}` in line {point_line}, `{comma}` in line {comma_line}; \
+         save it with one of them, and without separators of thousands"
+    )]
+    MixedDecimals {
+        /// A number with a point.
+        point: String,
+        /// Its line.
+        point_line: u64,
+        /// A number with a comma.
+        comma: String,
+        /// Its line.
+        comma_line: u64,
+    },
+    /// Time does not go on.
+    #[error(
+        "{place}: {what} is {after} after {before}: it must ascend; sort the samples, or leave out the repeated ones"
+    )]
+    Order {
+        /// Line, row or sample.
+        place: String,
+        /// `time` or `frame`, with its unit.
+        what: &'static str,
+        /// Value of the sample before.
+        before: f64,
+        /// Value met.
+        after: f64,
+    },
+    /// Rows so short that a small file would fill the memory.
+    #[error(
+        "has {markers} markers and {samples} samples in only {bytes} bytes: most rows are cut short; \
+         export it again"
+    )]
+    ShortRows {
+        /// Markers that the header names.
+        markers: usize,
+        /// Samples up to here.
+        samples: usize,
+        /// Length of the file.
+        bytes: usize,
+    },
+    /// A column of Parquet that holds no numbers.
+    #[error("column {column} is of type {kind}; it must hold numbers; convert it before saving")]
+    ColumnType {
+        /// Its name.
+        column: String,
+        /// Its type.
+        kind: String,
+    },
+    /// Parquet that does not hold together.
+    #[error("cannot be read as Parquet: {0}; write it again, uncompressed or with Snappy")]
+    Parquet(String),
+    /// C3D that does not hold together.
+    #[error("cannot be read as C3D: {0}; export it again from the capture program")]
+    C3d(String),
+}

@@ -1,0 +1,267 @@
+//! What a header says about the rows below it, and the reading of those rows: the same for all text.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Marker;
+use super::cells::{NotANumber, Numbers, Rows, short};
+use super::draft::{Draft, Unit};
+use super::error::Problem;
+use super::format::Format;
+use super::length::Length;
+
+/// Where things stand in each row below a header. Columns count from 0.
+pub(super) struct Layout {
+    pub format: Format,
+    pub unit: Unit,
+    /// Samples a second, if stated.
+    pub rate: Option<f64>,
+    /// Column of frame numbers.
+    pub frame: Option<usize>,
+    /// Column of times, and the length of their unit, s.
+    pub time: Option<(usize, f64)>,
+    pub points: Vec<Columns>,
+    /// Whether the format writes three zeros for a lost point.
+    pub zero_is_lost: bool,
+    /// Whether another section may follow below the rows.
+    pub sections: bool,
+    /// Samples that the header states.
+    pub samples: Option<f64>,
+    pub findings: Vec<String>,
+}
+
+/// Columns of a marker.
+#[derive(Debug)]
+pub(super) struct Columns {
+    pub name: String,
+    /// x, y, z; without one the coordinate is 0.
+    pub position: [Option<usize>; 3],
+    /// w, x, y, z.
+    pub orientation: Option<[usize; 4]>,
+}
+
+/// What is counted while rows are read.
+#[derive(Default)]
+struct Tally {
+    partial: usize,
+    zero: usize,
+    short: usize,
+    first_short: u64,
+    off_unit: usize,
+}
+
+impl Layout {
+    /// Reads all rows that follow.
+    pub(super) fn read(self, rows: &mut Rows) -> Result<Draft, Problem> {
+        let header_line = rows.line();
+        let mut numbers = Numbers::default();
+        let mut tally = Tally::default();
+        let mut draft = Draft::new(self.format, self.unit.clone(), "line");
+        draft.rate = self.rate;
+        draft.findings = self.findings.clone();
+        draft.markers = self.points.iter().map(|columns| columns.marker()).collect();
+        let width = 1 + self.last_column();
+        while rows.read_filled()? {
+            let line = rows.line();
+            if let Some(title) = rows.title().filter(|_| self.sections) {
+                draft.findings.push(format!("section `{title}` from line {line} on was passed over"));
+                break;
+            }
+            if rows.width() < width {
+                tally.short += 1;
+                tally.first_short = if tally.short == 1 { line } else { tally.first_short };
+            }
+            self.row(rows, line, &mut numbers, &mut draft, &mut tally)?;
+            // A whole row has a byte or more for each point; so memory follows from the file's length.
+            let samples = draft.places.len();
+            if samples * self.points.len() > rows.length() {
+                let (markers, bytes) = (self.points.len(), rows.length());
+                return Err(Problem::ShortRows { markers, samples, bytes });
+            }
+        }
+        if draft.places.is_empty() {
+            return Err(Problem::HeaderOnly { line: header_line });
+        }
+        draft.findings.extend(numbers.finding()?);
+        self.say(&tally, &mut draft);
+        Ok(draft)
+    }
+
+    fn row(
+        &self,
+        rows: &Rows,
+        line: u64,
+        numbers: &mut Numbers,
+        draft: &mut Draft,
+        tally: &mut Tally,
+    ) -> Result<(), Problem> {
+        let mut number = |column: usize, name: &dyn Fn() -> String| {
+            let cell = rows.cell(column);
+            let wrong = |NotANumber| Problem::NotANumber {
+                line,
+                column: column + 1,
+                name: name(),
+                value: short(cell),
+            };
+            numbers.read(cell, line).map_err(wrong)
+        };
+        draft.places.push(line);
+        if let Some(column) = self.frame {
+            let name = || "frame".to_owned();
+            let frame = number(column, &name)?.filter(|frame| frame.abs() < 1e15 && frame.fract() == 0.0);
+            draft.frames.push(frame.ok_or_else(|| wrong_clock(rows, line, column, "frame"))?);
+        }
+        if let Some((column, second)) = self.time {
+            let time = number(column, &|| "time".to_owned())?;
+            draft.times.push(second * time.ok_or_else(|| wrong_clock(rows, line, column, "time"))?);
+        }
+        for (columns, marker) in self.points.iter().zip(&mut draft.markers) {
+            let mut position = [0.0; 3];
+            let (mut there, mut wanted) = (0, 0);
+            for axis in 0..3 {
+                let Some(column) = columns.position[axis] else { continue };
+                wanted += 1;
+                if let Some(value) =
+                    number(column, &|| format!("{} {}", columns.name, ["x", "y", "z"][axis]))?
+                {
+                    position[axis] = value;
+                    there += 1;
+                }
+            }
+            let is_zero = self.zero_is_lost && there == wanted && position == [0.0; 3];
+            tally.zero += usize::from(is_zero);
+            tally.partial += usize::from(there > 0 && there < wanted);
+            marker.position.push((there == wanted && !is_zero).then_some(position));
+            if let (Some(columns_of_q), Some(orientation)) = (columns.orientation, &mut marker.orientation) {
+                let mut q = [0.0; 4];
+                let mut there = 0;
+                for (value, column) in q.iter_mut().zip(columns_of_q) {
+                    if let Some(read) = number(column, &|| format!("{} orientation", columns.name))? {
+                        *value = read;
+                        there += 1;
+                    }
+                }
+                let rotation = (there == 4).then_some(q).and_then(unit_quaternion);
+                tally.off_unit += usize::from(there == 4 && rotation.is_none());
+                orientation.push(rotation);
+            }
+        }
+        Ok(())
+    }
+
+    /// The last column that a row must have.
+    fn last_column(&self) -> usize {
+        let points = self.points.iter().flat_map(|columns| {
+            let orientation = columns.orientation.into_iter().flatten();
+            columns.position.into_iter().flatten().chain(orientation)
+        });
+        points.chain(self.frame).chain(self.time.map(|time| time.0)).max().unwrap_or(0)
+    }
+
+    fn say(&self, tally: &Tally, draft: &mut Draft) {
+        let samples = draft.places.len();
+        let findings = &mut draft.findings;
+        if let Some(stated) = self.samples.filter(|stated| *stated != samples as f64) {
+            findings.push(format!("the header states {stated} samples, the file has {samples}: an excerpt?"));
+        }
+        if tally.short > 0 {
+            findings.push(format!(
+                "{} rows have fewer cells than the header, the first in line {}; what is missing counts as lost",
+                tally.short, tally.first_short
+            ));
+        }
+        if tally.partial > 0 {
+            findings.push(format!(
+                "{} times only some of a marker's coordinates were there; it counts as lost",
+                tally.partial
+            ));
+        }
+        if tally.zero > 0 {
+            findings.push(format!(
+                "{} times a marker stood at exactly 0, 0, 0, which {} writes for a lost point; it counts as lost",
+                tally.zero, self.format
+            ));
+        }
+        if tally.off_unit > 0 {
+            findings.push(format!(
+                "{} quaternions are no rotations (their norm is not 1 within a tenth); they count as lost",
+                tally.off_unit
+            ));
+        }
+    }
+}
+
+impl Columns {
+    /// The marker, still without samples.
+    fn marker(&self) -> Marker {
+        let orientation = self.orientation.map(|_| Vec::new());
+        Marker { name: self.name.clone(), position: Vec::new(), orientation }
+    }
+}
+
+/// A quaternion scaled to the norm 1, from which it may be off by a tenth; nothing beyond.
+pub(super) fn unit_quaternion(q: [f64; 4]) -> Option<[f64; 4]> {
+    let norm = q.iter().map(|value| value * value).sum::<f64>().sqrt();
+    ((norm - 1.0).abs() < 0.1).then(|| q.map(|value| value / norm))
+}
+
+fn wrong_clock(rows: &Rows, line: u64, column: usize, name: &str) -> Problem {
+    let value = short(rows.cell(column));
+    Problem::NotANumber { line, column: column + 1, name: name.to_owned(), value }
+}
+
+/// The one unit of positions whose columns state their own.
+pub(super) fn one_unit<'a>(
+    stated: impl IntoIterator<Item = (&'a str, Length)>,
+    place: &str,
+) -> Result<Option<Unit>, Problem> {
+    let mut first: Option<(&str, Length)> = None;
+    for (name, unit) in stated {
+        match first {
+            None => first = Some((name, unit)),
+            Some((before, length)) if length != unit => {
+                let (first, other) = (before.to_owned(), name.to_owned());
+                return Err(Problem::MixedUnits { first, other, units: [length, unit] });
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(first.map(|(_, length)| Unit::Stated(length, place.to_owned())))
+}
+
+/// Names that may come twice, made different.
+pub(super) fn distinct(names: impl IntoIterator<Item = String>, findings: &mut Vec<String>) -> Vec<String> {
+    let mut seen = BTreeMap::<String, usize>::new();
+    let mut taken = BTreeSet::new();
+    let mut again = Vec::new();
+    let mut distinct = Vec::new();
+    for name in names {
+        let count = seen.entry(name.clone()).or_default();
+        *count += 1;
+        let mut unique = if *count == 1 { name.clone() } else { format!("{name} ({count})") };
+        while !taken.insert(unique.clone()) {
+            *count += 1;
+            unique = format!("{name} ({count})");
+        }
+        if unique != name {
+            again.push(unique.clone());
+        }
+        distinct.push(unique);
+    }
+    if !again.is_empty() {
+        findings.push(format!(
+            "{} markers have the name of another; they are called {} here",
+            again.len(),
+            some(&again)
+        ));
+    }
+    distinct
+}
+
+/// Some names for a finding, and how many more there are.
+pub(super) fn some(names: &[String]) -> String {
+    const SHOWN: usize = 6;
+    let shown: Vec<_> = names.iter().take(SHOWN).map(|name| format!("`{}`", short(name))).collect();
+    let more = names.len().saturating_sub(SHOWN);
+    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+    shown.join(", ") + &tail
+}

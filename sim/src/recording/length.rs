@@ -1,0 +1,99 @@
+//! Units of length in which recordings give positions.
+
+use std::str::FromStr;
+
+use super::error::Problem;
+
+/// A unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Length {
+    /// m
+    Metre,
+    /// cm
+    Centimetre,
+    /// mm
+    Millimetre,
+    /// um
+    Micrometre,
+    /// in
+    Inch,
+    /// ft
+    Foot,
+}
+
+/// Each with its symbol, its length in metres, and what else files call it.
+const LENGTHS: [(Length, &str, f64, &[&str]); 6] = [
+    (Length::Metre, "m", 1.0, &["meter", "meters", "metre", "metres"]),
+    (Length::Centimetre, "cm", 1e-2, &["centimeter", "centimeters", "centimetre", "centimetres"]),
+    (Length::Millimetre, "mm", 1e-3, &["millimeter", "millimeters", "millimetre", "millimetres"]),
+    (Length::Micrometre, "um", 1e-6, &["µm", "μm", "micrometer", "micrometers", "micrometre", "micrometres"]),
+    (Length::Inch, "in", 0.0254, &["inch", "inches"]),
+    (Length::Foot, "ft", 0.3048, &["foot", "feet"]),
+];
+
+impl Length {
+    /// Its length, m.
+    pub fn metres(self) -> f64 {
+        self.row().2
+    }
+
+    /// A length in this unit, in metres, with one rounding.
+    pub(super) fn to_metres(self, value: f64) -> f64 {
+        let metres = self.metres();
+        let per_metre = (1.0 / metres).round();
+        // 0.001 is no exact number, 1000 is.
+        let divides = (per_metre * metres - 1.0).abs() < f64::EPSILON;
+        if divides { value / per_metre } else { value * metres }
+    }
+
+    /// Its symbol, such as `mm`.
+    pub fn symbol(self) -> &'static str {
+        self.row().1
+    }
+
+    /// All symbols, for messages.
+    pub(super) fn symbols() -> String {
+        LENGTHS.map(|row| row.1).join(", ")
+    }
+
+    /// The unit of a symbol or name, in any case.
+    pub(super) fn named(word: &str) -> Option<Self> {
+        let word = word.trim().to_lowercase();
+        let row = LENGTHS.iter().find(|row| row.1 == word || row.3.contains(&word.as_str()));
+        row.map(|row| row.0)
+    }
+
+    fn row(self) -> &'static (Length, &'static str, f64, &'static [&'static str]) {
+        LENGTHS.iter().find(|row| row.0 == self).expect("every unit has a row")
+    }
+}
+
+impl FromStr for Length {
+    type Err = Problem;
+
+    fn from_str(word: &str) -> Result<Self, Problem> {
+        let unknown = || Problem::UnknownUnit { place: "unit".to_owned(), value: word.to_owned() };
+        Length::named(word).ok_or_else(unknown)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_all_systems_are_known() {
+        for (word, metres) in
+            [("mm", 1e-3), ("Meters", 1.0), (" MM ", 1e-3), ("Inches", 0.0254), ("µm", 1e-6)]
+        {
+            assert_eq!(Length::named(word).map(Length::metres), Some(metres), "{word}");
+        }
+        assert_eq!(Length::named("deg"), None);
+        assert_eq!(Length::Millimetre.to_metres(4.35), 4.35 / 1e3);
+        assert_eq!(Length::Foot.to_metres(2.0), 2.0 * 0.3048);
+        assert_eq!(
+            "furlong".parse::<Length>().unwrap_err().to_string(),
+            "unit: `furlong` is no unit of length; it must be one of m, cm, mm, um, in, ft"
+        );
+    }
+}

@@ -1,0 +1,144 @@
+//! OptiTrack Motive's CSV.
+//!
+//! ```text
+//! Format Version,1.23,…,Export Frame Rate,120,…,Rotation Type,Quaternion,Length Units,Meters,…
+//!
+//! ,Type,Rigid Body,…        what each column belongs to: row by row its type, name, number,
+//! ,Name,Base,…              then Rotation or Position
+//! ,ID,1,…
+//! ,,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,…
+//! Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,…
+//! 0,0.000000,…
+//! ```
+//! A lost body leaves its cells blank. Source: OptiTrack, Motive documentation, Data Export: CSV.
+
+use std::collections::HashMap;
+
+use super::cells::Rows;
+use super::draft::{Draft, Unit};
+use super::error::Problem;
+use super::format::Format;
+use super::layout::{Columns, Layout, distinct};
+use super::length::Length;
+
+/// Rows of the header at most, so that a long file without one is soon refused.
+const MOST_ROWS: usize = 12;
+
+/// Reads an export.
+pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
+    rows.read_filled()?;
+    let pairs = rows.keep();
+    let value = |key: &str| {
+        let at = pairs.iter().step_by(2).position(|cell| cell == key)?;
+        pairs.get(2 * at + 1).map(String::as_str)
+    };
+    let number = |key: &str| value(key).and_then(|value| value.replace(',', ".").parse::<f64>().ok());
+    let unit = match value("Length Units") {
+        None | Some("") => Unit::Assumed(Length::Metre, "Motive writes metres"),
+        Some(word) => {
+            let place = "Length Units in line 1".to_owned();
+            match Length::named(word) {
+                Some(length) => Unit::Stated(length, place),
+                None => return Err(Problem::UnknownUnit { place, value: word.to_owned() }),
+            }
+        }
+    };
+
+    let mut above: Vec<Vec<String>> = Vec::new();
+    loop {
+        if !rows.read_filled()? || above.len() > MOST_ROWS {
+            let (line, expected) = (rows.line(), "a row `Frame,Time (Seconds),X,Y,Z,…`".to_owned());
+            return Err(Problem::Header { line, expected, met: "none".to_owned() });
+        }
+        if rows.cell(0) == "Frame" {
+            break;
+        }
+        above.push(rows.keep());
+    }
+    let row = |label: &str| above.iter().find(|row| row.iter().take(2).any(|cell| cell == label));
+    let cell = |label: &str, at: usize| row(label).and_then(|row| row.get(at)).map_or("", String::as_str);
+    let kinds = above.last().filter(|row| row.iter().any(|cell| cell == "Position"));
+    let Some(kinds) = kinds.filter(|_| row("Name").is_some()) else {
+        let (line, expected) = (rows.line(), "rows of names and of Rotation or Position above it".to_owned());
+        return Err(Problem::Header { line, expected, met: "others".to_owned() });
+    };
+
+    let (mut bodies, mut index) = (Vec::<Body>::new(), HashMap::new());
+    for at in 2..rows.width() {
+        let kind = kinds.get(at).map_or("", String::as_str);
+        let axis = ["X", "Y", "Z", "W"].iter().position(|axis| rows.cell(at) == *axis);
+        let (Some(axis), "Position" | "Rotation") = (axis, kind) else { continue };
+        let key = (cell("Type", at), cell("Name", at), cell("ID", at));
+        let body = *index.entry(key).or_insert_with(|| {
+            bodies.push(Body { kind: key.0, name: key.1, position: [None; 4], rotation: [None; 4] });
+            bodies.len() - 1
+        });
+        let place = if kind == "Position" { &mut bodies[body].position } else { &mut bodies[body].rotation };
+        if let Some(first) = place[axis].replace(at) {
+            let what = format!("{} {} of `{}`", kind.to_lowercase(), rows.cell(at), key.1);
+            return Err(Problem::Twice { first: first + 1, second: at + 1, what });
+        }
+    }
+    let mut findings =
+        vec!["axes: Motive's own have y upwards, unless others were chosen in the export".to_owned()];
+    let points = points(&bodies, &mut findings)?;
+    if points.is_empty() {
+        return Err(Problem::NoMarkers { met: format!("`{}`", rows.start()) });
+    }
+    let time = rows.cell(1).to_lowercase().starts_with("time").then_some((1, 1.0));
+    Layout {
+        format: Format::Motive,
+        unit,
+        rate: number("Export Frame Rate").or_else(|| number("Capture Frame Rate")),
+        frame: Some(0),
+        time,
+        points,
+        zero_is_lost: false,
+        sections: false,
+        samples: number("Total Exported Frames"),
+        findings,
+    }
+    .read(rows)
+}
+
+/// A marker or rigid body, and its columns: X, Y, Z, W.
+struct Body<'a> {
+    kind: &'a str,
+    name: &'a str,
+    position: [Option<usize>; 4],
+    rotation: [Option<usize>; 4],
+}
+
+fn points(bodies: &[Body], findings: &mut Vec<String>) -> Result<Vec<Columns>, Problem> {
+    let names = distinct(bodies.iter().map(|body| body.name.to_owned()), findings);
+    let (mut points, mut euler) = (Vec::new(), 0);
+    for (body, name) in bodies.iter().zip(names) {
+        let [x, y, z, _] = body.position;
+        if let Some(axis) = [x, y, z].iter().position(Option::is_none) {
+            let axis = ["x", "y", "z"][axis];
+            return Err(Problem::MissingAxis { marker: name, axis, remedy: "export it again" });
+        }
+        let orientation = match body.rotation {
+            [Some(x), Some(y), Some(z), Some(w)] => Some([w, x, y, z]),
+            [None, None, None, None] => None,
+            _ => {
+                euler += 1;
+                None
+            }
+        };
+        points.push(Columns { name, position: [x, y, z], orientation });
+    }
+    if euler > 0 {
+        findings.push(format!(
+            "{euler} orientations are angles and were passed over; export with Rotation Type Quaternion to have them"
+        ));
+    }
+    let expected =
+        bodies.iter().filter(|body| matches!(body.kind, "Rigid Body Marker" | "Bone Marker")).count();
+    if expected > 0 {
+        findings.push(format!(
+            "{expected} markers are of a rigid body: where Motive expects them, which may not be where they were seen"
+        ));
+    }
+    Ok(points)
+}

@@ -1,0 +1,95 @@
+//! Text of Qualisys Track Manager: lines of a key and its values, then perhaps a line of column
+//! names, then one line a sample. The unit is never stated.
+
+use std::collections::HashMap;
+
+use super::cells::Rows;
+use super::draft::{Draft, Unit};
+use super::error::Problem;
+use super::format::Format;
+use super::layout::{Columns, Layout, distinct};
+use super::length::Length;
+
+/// Reads an export of 3D data.
+pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
+    let mut keys = HashMap::<String, Vec<String>>::new();
+    let mut columns = None;
+    let mut line = 1;
+    loop {
+        if !rows.read_filled()? {
+            return Err(Problem::HeaderOnly { line });
+        }
+        line = rows.line();
+        if rows.is_numeric() {
+            rows.hold();
+            break;
+        }
+        if matches!(rows.cell(0), "Frame" | "Time") || rows.cell(0).ends_with(" X") {
+            columns = Some(rows.keep());
+            break;
+        }
+        let mut cells = rows.keep();
+        let values = cells.split_off(1.min(cells.len()));
+        keys.insert(cells.concat(), values);
+    }
+    let number = |key: &str| keys.get(key)?.first()?.replace(',', ".").parse::<f64>().ok();
+    let included = keys.get("DATA_INCLUDED").and_then(|values| values.first()).map_or("3D", String::as_str);
+    if included != "3D" || keys.contains_key("BODY_NAMES") {
+        let what = format!("{included} data of Qualisys");
+        return Err(Problem::NotRead { what, remedy: "export 3D data of markers as TSV, or C3D" });
+    }
+    let Some(names) = keys.get("MARKER_NAMES") else {
+        let expected = "a line MARKER_NAMES above the samples".to_owned();
+        return Err(Problem::Header { line, expected, met: "none".to_owned() });
+    };
+    let mut names: Vec<String> = names.clone();
+    while names.last().is_some_and(String::is_empty) {
+        names.pop();
+    }
+    if names.is_empty() {
+        return Err(Problem::NoMarkers { met: "an empty line MARKER_NAMES".to_owned() });
+    }
+
+    let mut findings = Vec::new();
+    let (frame, time, first) = match &columns {
+        Some(columns) => {
+            let at = |name: &str| columns.iter().position(|column| column == name);
+            let (frame, time) = (at("Frame"), at("Time"));
+            (frame, time, [frame, time].into_iter().flatten().count())
+        }
+        None => {
+            let filled = rows.cells().collect::<Vec<_>>();
+            let width = filled.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+            match width as i64 - 3 * names.len() as i64 {
+                0 => (None, None, 0),
+                1 => (Some(0), None, 1),
+                2 => (Some(0), Some(1), 2),
+                _ => {
+                    let expected = format!("3 numbers for each of {} markers", names.len());
+                    return Err(Problem::Header { line, expected, met: format!("{width} cells") });
+                }
+            }
+        }
+    };
+    if let Some(stated) = number("NO_OF_MARKERS").filter(|stated| *stated != names.len() as f64) {
+        findings.push(format!("the header states {stated} markers and names {}", names.len()));
+    }
+    let names = distinct(names, &mut findings);
+    let point = |(k, name): (usize, String)| {
+        let at = first + 3 * k;
+        Columns { name, position: [Some(at), Some(at + 1), Some(at + 2)], orientation: None }
+    };
+    Layout {
+        format: Format::Qualisys,
+        unit: Unit::Assumed(Length::Millimetre, "Qualisys Track Manager writes millimetres"),
+        rate: number("FREQUENCY"),
+        frame,
+        time: time.map(|time| (time, 1.0)),
+        points: names.into_iter().enumerate().map(point).collect(),
+        zero_is_lost: true,
+        sections: false,
+        samples: number("NO_OF_FRAMES"),
+        findings,
+    }
+    .read(rows)
+}

@@ -1,0 +1,243 @@
+//! Tidy tables: one line of names, `t_s,tip_x_m,tip_y_m,tip_z_m,…`, then one line a sample.
+//!
+//! A position is `<marker>_<axis>_<unit>`, or `<marker>_<axis> (<unit>)`; an orientation is
+//! `<body>_qw` to `<body>_qz`; time is `t_s`, `time_s`, `t_ms`, …. The columns `x_07_m`, `z_07_m` of a
+//! run's own trajectory are the marker `node_07`. Other columns are passed over.
+
+use std::collections::HashMap;
+
+use super::cells::Rows;
+use super::draft::{Draft, Unit};
+use super::error::Problem;
+use super::format::Format;
+use super::layout::{Columns, Layout, one_unit, some};
+use super::length::Length;
+
+/// What a column holds.
+#[derive(Debug, PartialEq)]
+enum Column {
+    /// Time, with the length of its unit, s, and whether that is stated.
+    Time(f64, bool),
+    Frame,
+    Position {
+        marker: String,
+        axis: usize,
+        unit: Option<Length>,
+    },
+    Orientation {
+        body: String,
+        part: usize,
+    },
+    Other,
+}
+
+/// Reads a table from its first line.
+pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
+    while rows.read_filled()? {
+        if !rows.cell(0).starts_with('#') {
+            let names = rows.keep();
+            return layout(&names, Format::Tidy)?.read(rows);
+        }
+    }
+    Err(Problem::Empty)
+}
+
+/// Whether a row names columns of such a table.
+pub(super) fn is_header(rows: &Rows) -> bool {
+    rows.cells().any(|name| matches!(column(name), Column::Time(..) | Column::Position { .. }))
+}
+
+/// Where things stand, by the names of the columns; those without a name have none.
+pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Problem> {
+    let columns: Vec<Column> = names.iter().map(|name| column(name)).collect();
+    let with_unit = columns.iter().zip(names).filter_map(|(column, name)| match column {
+        Column::Position { unit: Some(unit), .. } => Some((name.as_str(), *unit)),
+        _ => None,
+    });
+    let unit = one_unit(with_unit, "the line of names")?;
+    let is_stated = unit.is_some();
+
+    let (mut points, mut index) = (Vec::<Columns>::new(), HashMap::new());
+    let (mut time, mut frame, mut passed_over, mut bodies) = (None, None, Vec::new(), Vec::new());
+    let (mut silent, mut findings) = (None, Vec::new());
+    for (at, (column, name)) in columns.into_iter().zip(names).enumerate() {
+        match column {
+            Column::Time(second, is_stated) if time.is_none() => {
+                time = Some((at, second));
+                if !is_stated {
+                    findings.push(format!("time: s is assumed, for column `{name}` states no unit"));
+                }
+            }
+            Column::Frame if frame.is_none() => frame = Some(at),
+            Column::Position { marker, axis, unit } if unit.is_some() == is_stated => {
+                silent.get_or_insert_with(|| format!("column `{name}`"));
+                let point = *index.entry(marker.clone()).or_insert_with(|| {
+                    points.push(Columns { name: marker, position: [None; 3], orientation: None });
+                    points.len() - 1
+                });
+                if let Some(first) = points[point].position[axis].replace(at) {
+                    let what = format!("{} of marker `{}`", AXES[axis], points[point].name);
+                    return Err(Problem::Twice { first: first + 1, second: at + 1, what });
+                }
+            }
+            Column::Orientation { body, part } => bodies.push((body, part, at)),
+            _ if name.is_empty() => {}
+            _ => passed_over.push(name.clone()),
+        }
+    }
+    orient(&mut points, &index, &bodies, names, &mut passed_over);
+    if points.is_empty() {
+        return Err(Problem::NoMarkers { met: some(names) });
+    }
+    flat(&points, &mut findings)?;
+    if !passed_over.is_empty() {
+        findings.push(format!(
+            "{} columns hold neither time nor position and were passed over: {}",
+            passed_over.len(),
+            some(&passed_over)
+        ));
+    }
+    let unit = unit.or(silent.map(Unit::Silent)).expect("there are points, with a unit or silent");
+    let (rate, samples) = (None, None);
+    Ok(Layout {
+        format,
+        unit,
+        rate,
+        frame,
+        time,
+        points,
+        zero_is_lost: false,
+        sections: false,
+        samples,
+        findings,
+    })
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Gives bodies their orientations; those without all four parts, or without a position, are passed over.
+fn orient(
+    points: &mut [Columns],
+    index: &HashMap<String, usize>,
+    bodies: &[(String, usize, usize)],
+    names: &[String],
+    passed_over: &mut Vec<String>,
+) {
+    let mut parts = HashMap::<&str, [Option<usize>; 4]>::new();
+    for (body, part, at) in bodies {
+        parts.entry(body).or_default()[*part] = Some(*at);
+    }
+    for (body, _, at) in bodies {
+        match (parts[body.as_str()], index.get(body)) {
+            ([Some(w), Some(x), Some(y), Some(z)], Some(point)) => {
+                points[*point].orientation = Some([w, x, y, z]);
+            }
+            _ => passed_over.push(names[*at].clone()),
+        }
+    }
+}
+
+/// Checks that x and z are there, and says where y is not.
+fn flat(points: &[Columns], findings: &mut Vec<String>) -> Result<(), Problem> {
+    for Columns { name, position, .. } in points {
+        let marker = name.clone();
+        match position {
+            [Some(_), _, Some(_)] => {}
+            [Some(_), Some(_), None] => {
+                let remedy = "in a plane, z is the height: call it so";
+                return Err(Problem::MissingAxis { marker, axis: "z", remedy });
+            }
+            _ => {
+                let axis = if position[0].is_none() { "x" } else { "z" };
+                return Err(Problem::MissingAxis { marker, axis, remedy: "add the column" });
+            }
+        }
+    }
+    let in_plane = points.iter().filter(|point| point.position[1].is_none());
+    let in_plane: Vec<String> = in_plane.map(|point| point.name.clone()).collect();
+    if !in_plane.is_empty() {
+        findings.push(format!("no y is given for {}; it is 0 here", some(&in_plane)));
+    }
+    Ok(())
+}
+
+/// What a column's name says.
+fn column(name: &str) -> Column {
+    let lower = name.to_lowercase();
+    let words: Vec<&str> =
+        lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    match words.as_slice() {
+        ["t" | "time" | "timestamp"] => return Column::Time(1.0, false),
+        ["t" | "time" | "timestamp", unit] => match *unit {
+            "s" | "sec" | "second" | "seconds" => return Column::Time(1.0, true),
+            "ms" | "millisecond" | "milliseconds" => return Column::Time(1e-3, true),
+            "us" | "µs" | "microsecond" | "microseconds" => return Column::Time(1e-6, true),
+            "min" | "minute" | "minutes" => return Column::Time(60.0, true),
+            _ => {}
+        },
+        ["frame"] | ["frame", "number"] => return Column::Frame,
+        _ => {}
+    }
+    if let Some((body, part)) = name.rsplit_once('_')
+        && let Some(part) = ["qw", "qx", "qy", "qz"].iter().position(|q| part.eq_ignore_ascii_case(q))
+    {
+        return Column::Orientation { body: body.to_owned(), part };
+    }
+    position(name).unwrap_or(Column::Other)
+}
+
+fn position(name: &str) -> Option<Column> {
+    let (stem, unit) = match name.strip_suffix([')', ']']) {
+        Some(rest) => {
+            let (stem, unit) = rest.rsplit_once(['(', '['])?;
+            (stem.trim_end_matches([' ', '_']), Some(Length::named(unit)?))
+        }
+        None => match name.rsplit_once('_').map(|(stem, unit)| (stem, Length::named(unit))) {
+            Some((stem, Some(unit))) => (stem, Some(unit)),
+            _ => (name, None),
+        },
+    };
+    let axis = |word: &str| AXES.iter().position(|axis| word.eq_ignore_ascii_case(axis));
+    if let Some(axis) = axis(stem) {
+        return Some(Column::Position { marker: "point".to_owned(), axis, unit });
+    }
+    if let Some((marker, last)) = stem.rsplit_once(['_', '.', ':', ' '])
+        && let Some(axis) = axis(last)
+    {
+        return Some(Column::Position { marker: marker.to_owned(), axis, unit });
+    }
+    let (first, node) = stem.split_once('_')?;
+    let is_number = !node.is_empty() && node.bytes().all(|byte| byte.is_ascii_digit());
+    let axis = axis(first).filter(|_| is_number && unit.is_some())?;
+    Some(Column::Position { marker: format!("node_{node}"), axis, unit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_columns_say_what_they_hold() {
+        let at = |marker: &str, axis, unit| Column::Position { marker: marker.to_owned(), axis, unit };
+        for (name, expected) in [
+            ("t_s", Column::Time(1.0, true)),
+            ("Time (ms)", Column::Time(1e-3, true)),
+            ("time", Column::Time(1.0, false)),
+            ("Frame", Column::Frame),
+            ("tip_x_m", at("tip", 0, Some(Length::Metre))),
+            ("left_arm_Z_mm", at("left_arm", 2, Some(Length::Millimetre))),
+            ("tip_y [cm]", at("tip", 1, Some(Length::Centimetre))),
+            ("tip.x", at("tip", 0, None)),
+            ("z_07_m", at("node_07", 2, Some(Length::Metre))),
+            ("x_m", at("point", 0, Some(Length::Metre))),
+            ("body_qz", Column::Orientation { body: "body".to_owned(), part: 3 }),
+            ("tip_vx_m_s", Column::Other),
+            ("vx_07_m_s", Column::Other),
+            ("kinetic_J", Column::Other),
+            ("body_angle_rad", Column::Other),
+            ("", Column::Other),
+        ] {
+            assert_eq!(column(name), expected, "{name}");
+        }
+    }
+}

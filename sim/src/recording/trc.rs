@@ -1,0 +1,84 @@
+//! TRC, as OpenSim and Cortex use it: three lines of keys and values, a line of names over a line of
+//! axes, then one line a sample, between tabs or commas.
+
+use super::cells::Rows;
+use super::draft::{Draft, Unit};
+use super::error::Problem;
+use super::format::Format;
+use super::layout::{Columns, Layout, distinct};
+use super::length::Length;
+
+/// Reads a file.
+pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
+    let next = |rows: &mut Rows| match rows.read_filled()? {
+        true => Ok(rows.keep()),
+        false => Err(Problem::HeaderOnly { line: rows.line() }),
+    };
+    next(rows)?;
+    let keys = next(rows)?;
+    let values = next(rows)?;
+    let values_line = rows.line();
+    let value = |key: &str| {
+        let at = keys.iter().position(|cell| cell.eq_ignore_ascii_case(key))?;
+        values.get(at).map(String::as_str).filter(|value| !value.is_empty())
+    };
+    let number = |key: &str| value(key).and_then(|value| value.replace(',', ".").parse::<f64>().ok());
+    let unit = match value("Units") {
+        None => Unit::Silent("Units in the header".to_owned()),
+        Some(word) => {
+            let place = format!("Units in line {values_line}");
+            match Length::named(word) {
+                Some(length) => Unit::Stated(length, place),
+                None => return Err(Problem::UnknownUnit { place, value: super::cells::short(word) }),
+            }
+        }
+    };
+    let names = next(rows)?;
+    let first = names.first().map_or("", String::as_str);
+    if !first.to_lowercase().starts_with("frame") {
+        let expected = "a row `Frame#`, `Time` and names".to_owned();
+        return Err(Problem::Header { line: rows.line(), expected, met: format!("`{}`", rows.start()) });
+    }
+    let axes = next(rows)?;
+    let is_named = |at: &usize| names.get(*at).is_some_and(|name| !name.is_empty());
+    let has_axes = |at: &usize| axes.get(*at).is_some_and(|axis| axis.to_lowercase().starts_with('x'));
+    let all = (2..names.len().max(axes.len())).step_by(3);
+    let starts: Vec<usize> = match rows.is_numeric() {
+        // No line of axes: this one is a sample already.
+        true => {
+            rows.hold();
+            all.take_while(is_named).collect()
+        }
+        false => all.take_while(has_axes).collect(),
+    };
+    if starts.is_empty() {
+        return Err(Problem::NoMarkers { met: format!("`{}`", rows.start()) });
+    }
+    let mut findings = Vec::new();
+    if let Some(stated) = number("NumMarkers").filter(|stated| *stated != starts.len() as f64) {
+        findings.push(format!("the header states {stated} markers, the file has {}", starts.len()));
+    }
+    let name = |at: &usize| match is_named(at) {
+        true => names[*at].clone(),
+        false => format!("column {}", at + 1),
+    };
+    let all = distinct(starts.iter().map(name), &mut findings);
+    let point = |(name, at): (String, &usize)| Columns {
+        name,
+        position: [Some(*at), Some(at + 1), Some(at + 2)],
+        orientation: None,
+    };
+    Layout {
+        format: Format::Trc,
+        unit,
+        rate: number("DataRate"),
+        frame: Some(0),
+        time: Some((1, 1.0)),
+        points: all.into_iter().zip(&starts).map(point).collect(),
+        zero_is_lost: true,
+        sections: false,
+        samples: number("NumFrames"),
+        findings,
+    }
+    .read(rows)
+}
