@@ -2,6 +2,7 @@
 
 mod effects;
 mod failure;
+mod inspect;
 mod interrupt;
 mod live;
 mod rest;
@@ -13,13 +14,14 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use live::Rerun;
+use sim::recording::{Length, ReadOptions};
 
 /// Exit codes, as the help prints them.
 const EXIT_CODES: &str = "Exit codes:
     0  all is well
     1  results could not be written or shown
     2  the command line or the scenario is wrong
-    3  a muscle file or other data are wrong
+    3  a muscle file, a recording or other data are wrong
     4  the simulation or the search for a rest posture could not go on
   130  interrupted; what was integrated is saved (a second Ctrl-C exits at once, and saves nothing)
 
@@ -41,6 +43,17 @@ enum Command {
     Effects {
         /// An effect.
         name: Option<String>,
+        /// One JSON object instead.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Say what is in recordings of a motion-capture system.
+    Inspect {
+        /// Recordings: tables as text or Parquet, Vicon, Motive, Qualisys, TRC, C3D.
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+        #[command(flatten)]
+        overrides: Overrides,
         /// One JSON object instead.
         #[arg(long)]
         json: bool,
@@ -80,6 +93,23 @@ struct Source {
     /// Pressure to use instead of the scenario's, such as 40psi.
     #[arg(long)]
     pressure: Option<String>,
+}
+
+/// What stands above a recording's own statements.
+#[derive(Args)]
+struct Overrides {
+    /// Unit of the positions: m, cm, mm, um, in or ft.
+    #[arg(long)]
+    unit: Option<Length>,
+    /// Samples a second.
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+}
+
+impl Overrides {
+    fn options(&self) -> ReadOptions {
+        ReadOptions { unit: self.unit, rate_hz: self.rate }
+    }
 }
 
 #[derive(Args)]
@@ -123,6 +153,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
+        Command::Inspect { files, overrides, json } => inspect::run(&files, &overrides.options(), json),
         Command::Statics { source, json } => rest::statics(&source, json),
         Command::Modes { source, count, json } => rest::modes(&source, count, json),
     };

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use models::error::ModelError;
+use sim::recording::RecordingError;
 use sim::results::ResultsError;
 use sim::scenario::ScenarioError;
 
@@ -16,6 +17,8 @@ pub enum Failure {
     Usage(String),
     /// The model: a rest posture that was not found, an integration that gave up.
     Diverged(String),
+    /// Recordings or other data.
+    Data(String),
     /// Results that could not be written or shown.
     Output(String),
     /// Nobody reads stdout any longer, as behind `| head`: no failure at all.
@@ -31,6 +34,12 @@ impl From<ScenarioError> for Failure {
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         Failure::Diverged(error.to_string())
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Failure::Data(error.to_string())
     }
 }
 
@@ -58,6 +67,7 @@ impl Failure {
             Failure::Unread => 0,
             Failure::Output(_) => 1,
             Failure::Scenario(error) if error.is_data() => 3,
+            Failure::Data(_) => 3,
             Failure::Scenario(_) | Failure::Usage(_) => 2,
             Failure::Diverged(_) => 4,
         }
@@ -70,7 +80,7 @@ impl Failure {
             Failure::Unread => String::new(),
             Failure::Scenario(error) if stderr.is_terminal() => excerpt(error),
             Failure::Scenario(error) => format!("error: {error}\n"),
-            Failure::Usage(text) | Failure::Diverged(text) | Failure::Output(text) => {
+            Failure::Usage(text) | Failure::Diverged(text) | Failure::Data(text) | Failure::Output(text) => {
                 format!("error: {text}\n")
             }
         };

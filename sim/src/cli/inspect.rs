@@ -1,0 +1,119 @@
+//! `efam inspect`: what is in a recording, as a table that can be quoted.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+use sim::recording::{Marker, ReadOptions, Recording, read};
+
+use super::failure::Failure;
+
+/// Markers in a table; all are in the JSON.
+const MOST_ROWS: usize = 100;
+/// Letters of a marker's name in a table.
+const NAME: usize = 24;
+
+/// Shows each file; those that cannot be read are reported after the others.
+pub fn run(files: &[PathBuf], options: &ReadOptions, json: bool) -> Result<ExitCode, Failure> {
+    let (mut values, mut failures) = (Vec::new(), Vec::new());
+    let mut out = io::stdout().lock();
+    for file in files {
+        match read(file, options) {
+            Ok(recording) if json => values.push(of_recording(&recording)),
+            Ok(recording) => table(&mut out, &recording)?,
+            Err(error) => failures.push(error.to_string()),
+        }
+    }
+    if json {
+        writeln!(out, "{}", json!({ "recordings": values }))?;
+    }
+    match failures.is_empty() {
+        true => Ok(ExitCode::SUCCESS),
+        false => Err(Failure::Data(failures.join("\nerror: "))),
+    }
+}
+
+fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {
+    let samples = recording.time.len();
+    writeln!(
+        out,
+        "{}\n  {}, {} Hz, {:.3} s, {samples} samples, {} markers\n",
+        recording.source.display(),
+        recording.format,
+        (recording.rate_hz * 1e3).round() / 1e3,
+        duration(recording),
+        recording.markers.len()
+    )?;
+    let head = ["lost", "longest gap", "x mm", "y mm", "z mm", "noise mm"];
+    let width = recording.markers.iter().take(MOST_ROWS).map(|marker| marker.name.chars().count());
+    let width = width.max().unwrap_or(0).clamp(6, NAME);
+    write!(out, "  {:width$}{:>9}{:>20}", "marker", head[0], head[1])?;
+    writeln!(out, "{:>10}{:>10}{:>10}{:>10}", head[2], head[3], head[4], head[5])?;
+    for marker in recording.markers.iter().take(MOST_ROWS) {
+        let quality = marker.quality();
+        let name: String = marker.name.chars().take(width).collect();
+        let lost = format!("{:.2} %", 100.0 * quality.lost as f64 / samples as f64);
+        let gap = match quality.longest_gap {
+            0 => "-".to_owned(),
+            gap => format!("{gap} ({:.3} s)", gap as f64 / recording.rate_hz),
+        };
+        write!(out, "  {name:width$}{lost:>9}{gap:>20}")?;
+        match quality.extent {
+            None => write!(out, "{:>10}{:>10}{:>10}", "-", "-", "-")?,
+            Some(extent) => {
+                for [low, high] in extent {
+                    write!(out, "{:>10.2}", 1e3 * (high - low))?;
+                }
+            }
+        }
+        match quality.noise {
+            None => writeln!(out, "{:>10}", "-")?,
+            Some(noise) => writeln!(out, "{:>10.4}", 1e3 * noise.into_iter().fold(0.0, f64::max))?,
+        }
+    }
+    if recording.markers.len() > MOST_ROWS {
+        writeln!(out, "  and {} more markers; --json has all", recording.markers.len() - MOST_ROWS)?;
+    }
+    writeln!(
+        out,
+        "\n  x, y, z: how far a marker moves along each axis; noise: that of its worst axis, at most\n"
+    )?;
+    for finding in &recording.findings {
+        writeln!(out, "  - {finding}")?;
+    }
+    writeln!(out)
+}
+
+fn of_recording(recording: &Recording) -> Value {
+    json!({
+        "file": recording.source.display().to_string(),
+        "format": recording.format.name(),
+        "rate_hz": recording.rate_hz,
+        "duration_s": duration(recording),
+        "samples": recording.time.len(),
+        "first_time_s": recording.time.first(),
+        "markers": recording.markers.iter().map(|marker| of_marker(marker, recording)).collect::<Vec<_>>(),
+        "findings": recording.findings,
+    })
+}
+
+fn of_marker(marker: &Marker, recording: &Recording) -> Value {
+    let quality = marker.quality();
+    json!({
+        "name": marker.name,
+        "rigid_body": marker.orientation.is_some(),
+        "lost": quality.lost,
+        "lost_share": quality.lost as f64 / recording.time.len() as f64,
+        "longest_gap_samples": quality.longest_gap,
+        "longest_gap_s": quality.longest_gap as f64 / recording.rate_hz,
+        "lowest_and_highest_m": quality.extent,
+        "noise_m": quality.noise,
+    })
+}
+
+/// From the first sample to the last, s.
+fn duration(recording: &Recording) -> f64 {
+    let ends = recording.time.first().zip(recording.time.last());
+    ends.map_or(0.0, |(first, last)| last - first)
+}
