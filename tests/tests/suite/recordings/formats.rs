@@ -143,6 +143,7 @@ fn nexus_plain_and_resaved() {
     is_the_swing(&recording, Format::ViconNexus, names);
     says(&recording, "frame 695 is time 0");
     says(&recording, "unit: mm, as line 5 states");
+    is_the_swing(&read(format!("\u{feff}{plain}"), "a.csv"), Format::ViconNexus, names);
     // Re-saved by a spreadsheet: all rows of one length, CRLF; or with semicolons.
     let padded: String = plain
         .lines()
