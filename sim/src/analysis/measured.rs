@@ -51,8 +51,8 @@ pub enum Coordinate {
 
 /// Range of the height in that of the level coordinate, late in the swing, below which a tip hangs.
 const HANGS: f64 = 0.3;
-/// Longest gap that is bridged, in periods: a cubic is good to 1 % of the amplitude there.
-const LONGEST_GAP: f64 = 0.2;
+/// Longest gap that is bridged, in periods.
+const LONGEST_GAP: f64 = 0.4;
 /// Shortest gap that may be bridged whatever the period, in samples.
 const SHORT_GAP: f64 = 6.0;
 /// Amplitude at which peaks are no longer counted: so many standard deviations of the noise.
@@ -70,17 +70,18 @@ pub fn analyse(release: &Release, rest: [f64; 2]) -> Result<Measured, AnalysisEr
     // Upper peaks are on the side of the hold.
     let sign = if held_above { 1.0 } else { -1.0 };
     let values: Vec<_> = tip.position.iter().map(|at| at.map(|at| sign * at[k])).collect();
-    let about = |longest: f64| -> Result<(Bridged, Excursion), AnalysisError> {
-        let bridged = bridge(&release.time, &values, step, longest)?;
+    let about = |longest: f64, frequency: Option<f64>| -> Result<(Bridged, Excursion), AnalysisError> {
+        let bridged = bridge(&release.time, &values, step, longest, frequency)?;
         let excursion = Excursion::about(sign * rest[k], &bridged.values, step)?;
         Ok((bridged, excursion))
     };
     // First with short gaps alone, for the period; then with gaps that it admits.
-    let (mut bridged, mut excursion) = about(SHORT_GAP * step)?;
+    let (mut bridged, mut excursion) = about(SHORT_GAP * step, None)?;
     if bridged.cut_at.is_some() || bridged.longest > 0.0 {
-        let wide = about(20.0 * step)?.1;
+        let wide = about(20.0 * step, None)?.1;
         if let Ok(peak) = swing_spectrum(&wide).peak() {
-            (bridged, excursion) = about((LONGEST_GAP * TAU / peak.frequency).max(SHORT_GAP * step))?;
+            let longest = (LONGEST_GAP * TAU / peak.frequency).max(SHORT_GAP * step);
+            (bridged, excursion) = about(longest, Some(peak.frequency))?;
         }
     }
     let mut swing = one_swing(&excursion, 0.0, tip.noise);

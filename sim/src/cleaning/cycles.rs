@@ -40,6 +40,8 @@ const LATE_HOLD: f64 = 0.3;
 const QUIET: f64 = 0.04;
 /// Speed above which it was let go, likewise.
 const FAST: f64 = 0.5;
+/// Speed, m/s, below which nothing was let go, whatever the noise.
+const SLOWEST: f64 = 1e-4;
 /// Shortest hold, s.
 const SHORTEST_HOLD: f64 = 0.08;
 /// Time within which it must be fast, s.
@@ -66,10 +68,10 @@ pub fn cut(
     let quiet = (QUIET * fastest).max(MOST_NOISE * motion.noise);
     let holds = match given {
         Some(instants) => given_holds(time, instants),
-        None if FAST * fastest < 2.0 * quiet => {
+        None if FAST * fastest < (2.0 * quiet).max(SLOWEST) => {
             let (fastest, noise) = (1e3 * fastest, 1e3 * motion.noise);
             return Err(format!(
-                "the tip moves at {fastest:.1} mm/s at most, which its noise ({noise:.1} mm/s) explains"
+                "the tip moves at {fastest:.1} mm/s at most, which is no release (noise explains {noise:.1} mm/s)"
             ));
         }
         None => holds(time, &motion, quiet, FAST * fastest),

@@ -24,6 +24,7 @@ mod noise;
 mod onset;
 mod points;
 mod recording;
+mod release;
 mod representative;
 mod spurious;
 

@@ -32,12 +32,14 @@ pub fn find(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<bool> {
     let mut path = path.to_vec();
     let mut found = vec![false; path.len()];
     let sigma = noise::of_path(time, &path, step).unwrap_or(0.0);
-    // Each round removes what stands out most nearby; a burst of few loses its ends first.
+    // Each round removes what stands out most nearby.
     for _ in 0..12 {
         let errors = prediction_errors(time, &path, step);
         let bends = bends(time, &path, step);
-        let far: Vec<usize> =
-            (0..path.len()).filter(|&i| is_far(&errors, &bends, i, sigma) && is_top(&errors, i)).collect();
+        let far: Vec<usize> = (0..path.len())
+            .filter(|&i| is_far(&errors, &bends, i, sigma) && is_top(&errors, i))
+            .filter(|&i| stands_alone(time, &path, step, i, sigma))
+            .collect();
         if far.is_empty() {
             break;
         }
@@ -59,6 +61,19 @@ fn is_far(errors: &[Option<f64>], bends: &[Option<f64>], i: usize, sigma: f64) -
     };
     let noise = MOST_NOISE * OF_NOISE * sigma;
     error > noise.max(MOST_LOCAL * nearby(errors, 0.75)) + MOST_BEND * nearby(bends, 0.9)
+}
+
+/// Whether the samples beside one agree once it is gone. At the edge of a burst they do not, and nobody
+/// can tell from a few samples which side is the marker.
+fn stands_alone(time: &[f64], path: &[Option<[f64; 3]>], step: f64, i: usize, sigma: f64) -> bool {
+    let low = i.saturating_sub(2 * NEARBY);
+    let high = (i + 2 * NEARBY + 1).min(path.len());
+    let mut without = path[low..high].to_vec();
+    without[i - low] = None;
+    let errors = prediction_errors(&time[low..high], &without, step);
+    let bends = bends(&time[low..high], &without, step);
+    let beside = (i - low).saturating_sub(SPOILT)..(i - low + SPOILT + 1).min(high - low);
+    beside.into_iter().all(|k| !is_far(&errors, &bends, k, sigma))
 }
 
 fn is_top(errors: &[Option<f64>], i: usize) -> bool {

@@ -90,7 +90,7 @@ fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                     format!("{ratio:.4} by eq. 6 on {count} upper peaks, which leave {residual:.3} mm rms"),
                 )?;
             }
-            if let Some([first, .., last]) = measured.cycles.as_deref().ok() {
+            if let Ok([first, .., last]) = measured.cycles.as_deref() {
                 let at = |cycle: &sim::analysis::decay::Cycle| {
                     format!("{:.4} at {:.2} mm", cycle.damping_ratio, 1e3 * cycle.amplitude)
                 };

@@ -250,3 +250,40 @@ fn markers(out: &mut String, recording: &Recording) {
 fn quoted(text: &str) -> String {
     toml::Value::from(text).to_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::{ReadOptions, parse};
+
+    #[test]
+    fn pressure_and_payload_are_read_from_a_files_name_and_nothing_else_is() {
+        for (name, pressure) in [
+            ("15psi.csv", Some(("15", "psi"))),
+            ("run_2.5 bar-b.csv", Some(("2.5", "bar"))),
+            ("100mbar.c3d", Some(("100", "mbar"))),
+            ("psi.csv", None),
+            ("3psia.csv", None),
+        ] {
+            let found = number_before(name, &["psi", "kpa", "mbar", "bar"]);
+            assert_eq!(found, pressure.map(|(number, unit)| (number.to_owned(), unit)), "{name}");
+        }
+        assert_eq!(number_before("manual_300gram.csv", &["kg", "g"]), None, "a word goes on");
+        assert_eq!(number_before("manual_300g_id00.csv", &["kg", "g"]), Some(("300".to_owned(), "g")));
+    }
+
+    /// What cannot be cleaned still gives a file that loads, and says why.
+    #[test]
+    fn a_draft_loads_whatever_the_recording() {
+        for rows in ["0.0,0,0,0,1,1,1\n0.01,0,0,0,1,1,1\n", "0.0,,,,,,\n0.01,,,,1,1,1\n"] {
+            let text = format!("t_s,A_x_m,A_y_m,A_z_m,B_x_m,B_y_m,B_z_m\n{rows}");
+            let Ok(recording) = parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()) else {
+                continue;
+            };
+            let draft = draft("name", &[("a b/\"c\".csv".to_owned(), recording)]);
+            assert!(draft.contains("NOT YET USABLE"), "{draft}");
+            Experiment::parse(Path::new("e.toml"), &draft, &[])
+                .unwrap_or_else(|error| panic!("{error}\n{draft}"));
+        }
+    }
+}

@@ -84,6 +84,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, Problem> {
     }
     draft.frames = (0..shape.frames).map(|frame| (shape.first_frame + frame) as f64).collect();
     draft.places = (1..=shape.frames as u64).collect();
+    if let Some(scale) = shape.scale {
+        findings.push(format!(
+            "positions are whole multiples of {scale:.4} of the unit: the file holds integers"
+        ));
+    }
     let names = names(&parameters, shape.points, &mut findings);
     let positions = points(bytes, &shape);
     draft.markers = (names.into_iter().zip(positions))

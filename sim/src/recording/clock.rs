@@ -42,7 +42,7 @@ impl Stated<'_> {
             ascending(self.times, "time in s", place)?;
         }
         let clock = match (wanted, self.rate) {
-            (None, _) if !self.times.is_empty() => self.from_times(findings)?,
+            (None, _) if !self.times.is_empty() => self.by_times(findings)?,
             (Some(rate), _) | (None, Some(rate)) => {
                 let frame = |sample: usize| match self.frames.first() {
                     None => sample as f64,
@@ -72,7 +72,7 @@ impl Stated<'_> {
         Ok(clock)
     }
 
-    fn from_times(&self, findings: &mut Vec<String>) -> Result<Clock, Problem> {
+    fn by_times(&self, findings: &mut Vec<String>) -> Result<Clock, Problem> {
         let shown = rate_of(self.times);
         let (rate_hz, finding) = match self.rate {
             None => (shown, format!("{} Hz, as the times show", plain(shown))),
@@ -134,8 +134,9 @@ impl Clock {
 }
 
 fn ascending(values: &[f64], what: &'static str, place: &dyn Fn(usize) -> String) -> Result<(), Problem> {
-    // A comparison with no number is no ascent, either.
-    let Some(at) = values.windows(2).position(|pair| !(pair[1] > pair[0])) else { return Ok(()) };
+    // What is no number does not ascend, either.
+    let ascends = |pair: &[f64]| pair[1] > pair[0];
+    let Some(at) = values.windows(2).position(|pair| !ascends(pair)) else { return Ok(()) };
     Err(Problem::Order { place: place(at + 1), what, before: values[at], after: values[at + 1] })
 }
 

@@ -72,7 +72,7 @@ impl FromStr for Length {
     type Err = Problem;
 
     fn from_str(word: &str) -> Result<Self, Problem> {
-        let unknown = || Problem::UnknownUnit { place: "--unit".to_owned(), value: word.to_owned() };
+        let unknown = || Problem::UnknownUnit { place: "unit".to_owned(), value: word.to_owned() };
         Length::named(word).ok_or_else(unknown)
     }
 }
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(Length::Foot.to_metres(2.0), 2.0 * 0.3048);
         assert_eq!(
             "furlong".parse::<Length>().unwrap_err().to_string(),
-            "--unit: `furlong` is no unit of length; it must be one of m, cm, mm, um, in, ft"
+            "unit: `furlong` is no unit of length; it must be one of m, cm, mm, um, in, ft"
         );
     }
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! file ─▶ read ─▶ which format? ─┬─▶ cells ─▶ a header's Layout ─┐
 //!                                ├─▶ c3d                         ├─▶ Draft ─▶ Recording
-//!                                └─▶ parquet ────────────────────┘   (units, clock, checks)
+//!                                └─▶ columnar ───────────────────┘   (units, clock, checks)
 //! ```
 //!
 //! Nothing is guessed silently: what a file leaves open is an error, or is assumed by the convention
@@ -12,13 +12,13 @@
 mod c3d;
 mod cells;
 mod clock;
+mod columnar;
 mod draft;
 mod error;
 mod format;
 mod layout;
 mod length;
 mod motive;
-mod parquet;
 mod qualisys;
 mod quality;
 mod read;

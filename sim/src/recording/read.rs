@@ -8,11 +8,11 @@ use super::cells::{Rows, decode};
 use super::error::{Problem, RecordingError};
 use super::format::{self, Format};
 use super::length::Length;
-use super::{Recording, c3d, motive, parquet, qualisys, tidy, trc, vicon};
+use super::{Recording, c3d, columnar, motive, qualisys, tidy, trc, vicon};
 
 /// The longest file that is read, bytes. A sample of a marker takes 32 bytes, 72 with an orientation,
 /// and each has a byte or more of the file. So reading takes at most some 100 bytes a byte (5 to 8 as a
-/// rule, 2 to 4 of C3D), and [`parquet::MOST_EXPANSION`] of Parquet.
+/// rule, 2 to 4 of C3D), and [`columnar::MOST_EXPANSION`] of Parquet.
 const MOST_BYTES: u64 = 2 << 30;
 
 /// What the person knows better than the file.
@@ -40,8 +40,8 @@ pub fn parse(bytes: Vec<u8>, source: &Path, options: &ReadOptions) -> Result<Rec
     let extension = source.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let draft = if bytes.is_empty() {
         Err(Problem::Empty)
-    } else if bytes.starts_with(parquet::MAGIC) || matches!(&*extension, "parquet" | "pq") {
-        parquet::read(bytes)
+    } else if bytes.starts_with(columnar::MAGIC) || matches!(&*extension, "parquet" | "pq") {
+        columnar::read(bytes)
     } else if c3d::is_c3d(&bytes) || extension == "c3d" {
         c3d::read(&bytes)
     } else {

@@ -15,15 +15,15 @@ use models::effects::CATALOGUE;
 /// Parquet is written in one file and read in another.
 const DOORS: [(&str, &[&str]); 15] = [
     ("argmin", &["sim/src/analysis/nelder_mead.rs"]),
-    ("arrow", &["sim/src/results/table.rs", "sim/src/recording/parquet.rs"]),
-    ("bytes", &["sim/src/results/table.rs", "sim/src/recording/parquet.rs"]),
+    ("arrow", &["sim/src/results/table.rs", "sim/src/recording/columnar.rs"]),
+    ("bytes", &["sim/src/results/table.rs", "sim/src/recording/columnar.rs"]),
     ("clap", &["sim/src/cli.rs"]),
     ("csv", &["sim/src/recording/cells.rs"]),
     ("ctrlc", &["sim/src/cli/interrupt.rs"]),
     ("diffsol", &["sim/src/integrate/diffsol.rs", "sim/src/integrate/diffsol/"]),
     ("indicatif", &["sim/src/cli/progress.rs"]),
     ("miette", &["sim/src/cli/failure.rs"]),
-    ("parquet", &["sim/src/results/table.rs", "sim/src/recording/parquet.rs"]),
+    ("parquet", &["sim/src/results/table.rs", "sim/src/recording/columnar.rs"]),
     ("plotters", &["sim/src/results/picture.rs", "sim/src/results/picture/"]),
     ("realfft", &["sim/src/analysis/spectrum.rs"]),
     ("rerun", &["sim/src/observe/rerun.rs", "sim/src/observe/rerun/"]),

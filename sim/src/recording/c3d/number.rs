@@ -55,15 +55,11 @@ pub(super) fn mips(bytes: &[u8]) -> f32 {
 /// which IEEE gives to the same bits. Without exponent it is 0 or, with a sign, no number.
 pub(super) fn dec(bytes: &[u8]) -> f32 {
     let bits = u32::from_le_bytes([bytes[2], bytes[3], bytes[0], bytes[1]]);
-    let (sign, exponent, fraction) = (bits >> 31, (bits >> 23 & 0xff) as i32, bits & 0x7f_ffff);
-    match (exponent, sign) {
+    match (bits >> 23 & 0xff, bits >> 31) {
         (0, 0) => 0.0,
         (0, _) => f32::NAN,
-        _ => {
-            let magnitude = f64::from(fraction | 0x80_0000) * 2.0_f64.powi(exponent - 128 - 24);
-            let value = magnitude as f32;
-            if sign == 1 { -value } else { value }
-        }
+        (1 | 2, _) => f32::from_bits(bits) * 0.25,
+        _ => f32::from_bits(bits - (2 << 23)),
     }
 }
 
@@ -81,5 +77,7 @@ mod tests {
         assert_eq!(mips(&[0x40, 0x49, 0x0f, 0xdb]), std::f32::consts::PI);
         assert_eq!(dec(&[0, 0, 7, 7]), 0.0);
         assert!(dec(&[0, 0x80, 0, 0]).is_nan());
+        // The largest, which has no exponent that IEEE would know.
+        assert_eq!(dec(&[0xff, 0x7f, 0xff, 0xff]), 1.701_411_7e38);
     }
 }

@@ -143,6 +143,7 @@ fn nexus_plain_and_resaved() {
     is_the_swing(&recording, Format::ViconNexus, names);
     says(&recording, "frame 695 is time 0");
     says(&recording, "unit: mm, as line 5 states");
+    is_the_swing(&read(format!("\u{feff}{plain}"), "a.csv"), Format::ViconNexus, names);
     // Re-saved by a spreadsheet: all rows of one length, CRLF; or with semicolons.
     let padded: String = plain
         .lines()
@@ -225,6 +226,9 @@ fn c3d_in_all_six_encodings() {
             let recording = read(file, "a.bin");
             is_the_swing(&recording, Format::C3d, ["tip", "base"]);
             says(&recording, "frame 1 is time 0");
+            let is_coarse =
+                recording.findings.iter().any(|finding| finding.contains("whole multiples of 0.1250"));
+            assert_eq!(is_coarse, !floats);
         }
     }
     let silent = C3d { units: String::new(), ..C3d::small(84, true) }.bytes(millimetres);

@@ -152,6 +152,18 @@ proptest! {
     }
 }
 
+/// Found: the parquet package panics where the place of a column is negative, anywhere in its footer.
+#[test]
+fn a_broken_footer_of_parquet() {
+    let whole = parquet();
+    let footer = u32::from_le_bytes(whole[whole.len() - 8..whole.len() - 4].try_into().unwrap()) as usize;
+    for at in (whole.len() - 8 - footer..whole.len()).step_by(5) {
+        let mut file = whole.clone();
+        file[at] = 0xd7;
+        holds(file, "parquet").unwrap();
+    }
+}
+
 /// Found: arrow-ipc panics at a broken schema of Arrow, which stands before the end of a Parquet file.
 #[test]
 fn a_broken_schema_of_arrow() {

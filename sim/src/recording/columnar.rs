@@ -7,6 +7,7 @@ use arrow_schema::{DataType, Schema};
 use bytes::Bytes;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use parquet::file::metadata::ParquetMetaData;
 
 use super::Marker;
 use super::draft::Draft;
@@ -23,19 +24,29 @@ pub(super) const MOST_EXPANSION: usize = 1000;
 
 /// Reads a file.
 pub(super) fn read(bytes: Vec<u8>) -> Result<Draft, Problem> {
+    // What is known to make the reader of pages panic is refused before; this is for the rest.
+    let read = std::panic::catch_unwind(|| read_checked(bytes));
+    read.unwrap_or_else(|_| Err(Problem::Parquet("its pages do not hold together".to_owned())))
+}
+
+fn read_checked(bytes: Vec<u8>) -> Result<Draft, Problem> {
     if !bytes.starts_with(MAGIC) {
         let start: Vec<String> = bytes.iter().take(4).map(|byte| format!("{byte:#04x}")).collect();
         return Err(Problem::Parquet(format!("it begins with {}, not with PAR1", start.join(" "))));
     }
     let broken = |error: &dyn std::fmt::Display| Problem::Parquet(error.to_string());
-    let most = bytes.len().saturating_mul(MOST_EXPANSION);
-    let builder =
-        ParquetRecordBatchReaderBuilder::try_new(Bytes::from(bytes)).map_err(|error| broken(&error))?;
+    let length = bytes.len();
+    let most = length.saturating_mul(MOST_EXPANSION);
+    // The schema of Arrow that may stand beside that of Parquet adds nothing here, and its reader
+    // panics where it is broken.
+    let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
+    let builder = ParquetRecordBatchReaderBuilder::try_new_with_options(Bytes::from(bytes), options)
+        .map_err(|error| broken(&error))?;
     let names: Vec<String> = builder.schema().fields().iter().map(|field| field.name().clone()).collect();
     let mut layout = tidy::layout(&names, Format::Parquet)?;
     let wanted = columns(&layout);
     check(builder.schema(), &wanted)?;
-    let rows = usize::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(usize::MAX);
+    let rows = rows(builder.metadata(), length)?;
     if rows.saturating_mul(8 * wanted.len()) > most {
         let columns = wanted.len();
         return Err(Problem::Parquet(format!(
@@ -65,11 +76,37 @@ pub(super) fn read(bytes: Vec<u8>) -> Result<Draft, Problem> {
     for batch in reader {
         let batch = batch.map_err(|error| broken(&error))?;
         add(&layout, &batch, &mut draft)?;
+        if draft.places.len() > rows {
+            return Err(Problem::Parquet(format!("it has more rows than the {rows} that it states")));
+        }
     }
     if draft.places.is_empty() {
         return Err(Problem::Parquet("it has no rows".to_owned()));
     }
     Ok(draft)
+}
+
+/// Rows that are stated, with all places of columns checked against the length of the file.
+fn rows(metadata: &ParquetMetaData, length: usize) -> Result<usize, Problem> {
+    let broken = |what: &str| Problem::Parquet(format!("its {what} is beyond its end"));
+    let within = |value: i64| usize::try_from(value).ok().filter(|value| *value <= length);
+    let mut rows = 0_usize;
+    for group in metadata.row_groups() {
+        let more = usize::try_from(group.num_rows()).map_err(|_| broken("count of rows"))?;
+        rows = rows.saturating_add(more);
+        for column in group.columns() {
+            let first = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
+            let end = within(first).zip(within(column.compressed_size())).map(|(first, size)| first + size);
+            if end.is_none_or(|end| end > length) || within(column.data_page_offset()).is_none() {
+                return Err(broken(&format!("column {}", column.column_path().string())));
+            }
+            if column.num_values() < 0 {
+                return Err(broken("count of values"));
+            }
+        }
+    }
+    let stated = usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(usize::MAX);
+    Ok(rows.max(stated))
 }
 
 /// Columns that are read.
