@@ -234,7 +234,7 @@ mod tests {
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         let found = solve(rosenbrock, &[-1.2, 1.0], &[(f64::NEG_INFINITY, 0.5), free]);
         assert_eq!(found.x[0], 0.5);
-        assert!(found.converged && (found.x[1] - 0.25).abs() < 1e-10, "{found:?}");
+        assert!(found.predicted < 1e-16 && (found.x[1] - 0.25).abs() < 1e-9, "{found:?}");
         let found = solve(rosenbrock, &[-1.2, 0.1], &[(0.0, 2.0), (f64::NEG_INFINITY, 0.3)]);
         assert_eq!(found.x[1], 0.3);
         let x = found.x[0];
