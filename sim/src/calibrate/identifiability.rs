@@ -16,6 +16,8 @@ use super::uncertainty::{Uncertainty, pseudo_inverse};
 const TOGETHER: f64 = 0.95;
 /// Relative standard error that is worth words.
 const VAGUE: f64 = 0.1;
+/// Relative standard error from which on there is nothing to say.
+const NOTHING: f64 = 1.0;
 /// A posterior deviation of this share of the prior's comes from the prior.
 const FROM_PRIOR: f64 = 0.9;
 /// Collinearity from which on a combination is said to be weak.
@@ -72,6 +74,12 @@ fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
         return Some(format!("{label} is known from its prior alone: the data add next to nothing"));
     }
     let relative = parameter.relative_error().filter(|_| parameter.scale == Scale::Logarithmic)?;
+    if relative > NOTHING {
+        let advice = advice(kind(&parameter.name), None);
+        return Some(format!(
+            "of {label} the data say next to nothing, not even its order of magnitude; {advice}"
+        ));
+    }
     (relative > VAGUE).then(|| {
         format!("{label} is known to {:.0} % only; {}", 100.0 * relative, advice(kind(&parameter.name), None))
     })
@@ -90,7 +98,10 @@ fn pair(a: &Calibrated, b: &Calibrated, correlation: f64) -> String {
 }
 
 fn percent(share: Option<f64>) -> String {
-    share.map_or("nothing".to_owned(), |share| format!("{:.2} %", 100.0 * share))
+    match share {
+        Some(share) if share <= NOTHING => format!("{:.2} %", 100.0 * share),
+        _ => "nothing".to_owned(),
+    }
 }
 
 /// The combination of parameters that the data feel least, and how much they feel of it.

@@ -80,6 +80,7 @@ fn held(
         bounds,
         longest: unknowns.iter().map(|unknown| unknown.longest_step()).collect(),
         tolerance: 1e-3,
+        relative: 0.0,
         most_evaluations: 10,
     };
     let solution = minimise(x, &search, &mut |x| objective.evaluate(x, &found.view))?;

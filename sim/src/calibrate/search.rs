@@ -63,6 +63,9 @@ const LEAST_GROWTH: f64 = 1.2;
 /// Predicted decrease, for residuals of unit spread, at which a stage and the last one stop.
 const STAGE_TOLERANCE: f64 = 5e-2;
 const LAST_TOLERANCE: f64 = 5e-3;
+/// The same as shares of the cost: of a stage, and of the whole before mesh and step are removed.
+const STAGE_SHARE: f64 = 1e-3;
+const UNCORRECTED_SHARE: f64 = 1e-5;
 const MOST_EVALUATIONS: usize = 30;
 /// Rounds in which the threshold of the loss follows the residuals.
 const MOST_ROUNDS: usize = 4;
@@ -159,7 +162,7 @@ fn climb(
         let spreads = seen.spreads();
         view.steps = Some(seen.steps.clone());
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
-        let solution = minimise_in(objective, &x, &view, STAGE_TOLERANCE)?;
+        let solution = minimise_in(objective, &x, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
         evaluations += solution.evaluations;
         steps += solution.at.carried.step_count() * solution.evaluations;
         x = solution.x.clone();
@@ -192,10 +195,12 @@ pub(super) fn settle(objective: &Objective, start: &DVector<f64>, view: &mut Vie
         view.steps.get_or_insert(seen.steps);
         spreads
     };
+    // Until mesh and step are removed they move the optimum by more than the search could.
+    let share = if view.corrections.is_none() { UNCORRECTED_SHARE } else { 0.0 };
     let (mut x, mut evaluations) = (start.clone(), 0);
     for round in 0..MOST_ROUNDS {
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
-        let solution = minimise_in(objective, &x, view, LAST_TOLERANCE)?;
+        let solution = minimise_in(objective, &x, view, LAST_TOLERANCE, share)?;
         evaluations += solution.evaluations;
         let now = solution.at.carried.spreads();
         let settled = |(before, now): (&f64, &f64)| (before.max(1.0) / now.max(1.0)).ln().abs() < 0.1;
@@ -213,6 +218,7 @@ pub(super) fn minimise_in(
     x: &DVector<f64>,
     view: &View,
     tolerance: f64,
+    relative: f64,
 ) -> Option<Solution<Seen>> {
     let unknowns = &objective.part.unknowns;
     // The threshold of the loss is three times the spread.
@@ -221,6 +227,7 @@ pub(super) fn minimise_in(
         bounds: unknowns.iter().map(|unknown| unknown.bounds).collect(),
         longest: unknowns.iter().map(|unknown| unknown.longest_step()).collect(),
         tolerance: tolerance * spread * spread,
+        relative,
         most_evaluations: MOST_EVALUATIONS,
     };
     minimise(x, &search, &mut |x| objective.evaluate(x, view))

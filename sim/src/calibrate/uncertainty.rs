@@ -148,6 +148,9 @@ fn add_product(a: &[[f64; 2]], b: &[[f64; 2]], value: f64, sum: &mut DMatrix<f64
 /// Inverse over the directions that are determined, and which unknowns these hold.
 pub(super) fn pseudo_inverse(hessian: &DMatrix<f64>) -> (DMatrix<f64>, Vec<bool>) {
     let n = hessian.nrows();
+    if n == 0 {
+        return (DMatrix::zeros(0, 0), Vec::new());
+    }
     let size = DVector::from_fn(n, |k, _| match hessian[(k, k)] {
         h if h > 0.0 => h.sqrt(),
         _ => 0.0,

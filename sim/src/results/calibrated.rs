@@ -130,9 +130,11 @@ pub fn table(calibration: &Calibration) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{:58} {:>14} {:>10}   95 % interval", "", "value", "error");
     for found in &calibration.parameters {
-        let error = found
-            .relative_error()
-            .map_or("-".to_owned(), |error| format!("{} %", significant(100.0 * error, 2)));
+        let error = match found.relative_error() {
+            Some(error) if error < 1.0 => format!("{} %", significant(100.0 * error, 2)),
+            Some(_) => "> 100 %".to_owned(),
+            None => "-".to_owned(),
+        };
         let interval = found.interval_95.map_or("not determined".to_owned(), |[low, high]| {
             format!("{} to {} {}", significant(low, 5), significant(high, 5), found.unit)
         });

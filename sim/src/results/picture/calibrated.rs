@@ -116,7 +116,8 @@ fn decay(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
     let shown = |points: Vec<(f64, f64)>| points.into_iter().filter(move |p| p.1 >= low).collect::<Vec<_>>();
     let (seen, fitted) = (shown(seen), shown(fitted));
     let (mark, line) = (Stroke::new(BLUE, 1.0), Stroke::dashed(BLACK, 1.4, 7.0, 3.0));
-    let keys = [Key::dot(mark, "measured"), Key::line(line, "fitted, with its envelope below")];
+    let curve = Stroke::dashed(GREEN, 1.6, 2.5, 4.0);
+    let keys = [Key::dot(mark, "measured"), Key::line(line, "fitted"), Key::line(curve, "eq. 6, measured")];
     let end = seen.iter().chain(&fitted).map(|p| p.0).fold(0.0, f64::max);
     let x = Axis(0.0..1.05 * end, "time since release, s");
     let y = padded(seen.iter().chain(&fitted).map(|p| p.1), 0.08);
@@ -125,7 +126,7 @@ fn decay(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
     if let Some(Ok(decay)) = both[0].as_ref().map(|of| &of.decay) {
         let times = (0..=100).map(|k| k as f64 / 100.0 * end);
         let envelope = times.map(|t| (t, (MILLI * decay.envelope(t)).max(1e-9).log10()));
-        panel.line(envelope.filter(|p| y.contains(&p.1)), &Stroke::dashed(GREEN, 1.6, 2.5, 4.0))?;
+        panel.line(envelope.filter(|p| y.contains(&p.1)), &curve)?;
     }
     panel.dots(seen, &mark, 3.5)
 }
@@ -144,7 +145,7 @@ fn damping(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
     let keys = [Key::dot(mark, "measured"), Key::line(line, "fitted")];
     let of_fit = if fitted.is_empty() { &seen } else { &fitted };
     let range = padded(of_fit.iter().map(|p| p.1), 0.4);
-    let y = range.start.min(0.0)..range.end;
+    let y = range.start.min(0.0)..1.6 * range.end;
     let end = seen.iter().chain(&fitted).map(|p| p.0).fold(0.0, f64::max);
     let mut panel = Panel::new(
         area,
