@@ -1,5 +1,7 @@
 //! What the suites share: the paper's muscle, and ways to run it.
 
+pub mod twin;
+
 use std::ops::ControlFlow;
 
 use models::effects::Rod;

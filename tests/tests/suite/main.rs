@@ -20,3 +20,8 @@ mod properties {
     mod catalogue;
     mod sensitivities;
 }
+mod twin {
+    mod agreement;
+    mod beam;
+    mod recording;
+}
