@@ -201,6 +201,22 @@ impl Model {
         Ok(())
     }
 
+    /// The same model on another mesh.
+    /// # Errors
+    /// [`ModelError::Nodes`].
+    pub fn with_nodes(&self, nodes: usize) -> Result<Self, ModelError> {
+        if !(4..=2000).contains(&nodes) {
+            return Err(ModelError::Nodes { nodes });
+        }
+        let mut model = Self { edges: nodes - 1, memory: 0, ..self.clone() };
+        for active in &mut model.effects {
+            let own = if active.effect.about().memory { nodes } else { 0 };
+            active.memory = model.memory..model.memory + own;
+            model.memory = active.memory.end;
+        }
+        Ok(model)
+    }
+
     /// The active effect of that name.
     pub fn effect(&self, name: &str) -> Option<&Active> {
         self.effects.iter().find(|active| active.effect.about().name == name)

@@ -14,6 +14,7 @@ use models::statics::equilibrium;
 use models::system::{System, TimePass};
 use thiserror::Error;
 
+use crate::experiment::release::Point;
 use crate::integrate::variational::{Slopes, Variational};
 use crate::integrate::{self, Control, IntegrateError, Method, State, Stepper};
 use crate::trajectory::{Status, Trajectory};
@@ -37,8 +38,10 @@ pub struct Run {
     pub most_steps: usize,
     /// Whether to follow dissipated and supplied energy.
     pub energy: bool,
-    /// Parameters, as indices into `theta`, by which to differentiate the tip's path.
+    /// Parameters, as indices into `theta`, by which to differentiate the paths of tip and points.
     pub sensitivities: Vec<usize>,
+    /// Further points whose paths are recorded.
+    pub points: Vec<Point>,
 }
 
 /// Where a run starts; the memory of the effects is relaxed there.
@@ -87,6 +90,7 @@ impl Run {
             most_steps: 10_000_000,
             energy: false,
             sensitivities: Vec::new(),
+            points: Vec::new(),
         }
     }
 }
@@ -158,8 +162,13 @@ impl Sample<'_, '_> {
 
 /// Position and velocity of the observed tip.
 pub fn tip(system: &System, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
+    beyond(system, system.model.tip_distance, q, v)
+}
+
+/// Position and velocity of the point of the end body that lies `distance` beyond the last node, m.
+pub(crate) fn beyond(system: &System, distance: f64, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
     let last = q.len() - 1;
-    let reach = system.model.tip_distance - system.assembly.context.body.center_of_mass;
+    let reach = distance - system.assembly.context.body.center_of_mass;
     let (sin, cos) = q[last].sin_cos();
     (
         [q[last - 2] + reach * cos, q[last - 1] + reach * sin],

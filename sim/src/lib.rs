@@ -1,10 +1,12 @@
 //! What we do with the models.
 
 pub mod analysis;
+pub mod calibrate;
 pub mod experiment;
 pub mod forward;
 pub mod integrate;
 pub mod observe;
+mod observed;
 pub mod recording;
 pub mod results;
 pub mod scenario;

@@ -8,6 +8,7 @@ use models::system::System;
 use crate::forward::{self, Run};
 use crate::integrate::variational::Variational;
 use crate::integrate::{Effort, State};
+use crate::observed::Observed;
 
 /// Whether a run came to its end.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -46,6 +47,12 @@ pub struct Trajectory {
     /// Derivative of the tip's position by each parameter of [`Run::sensitivities`], shape
     /// `[samples][parameters]`, m per unit.
     pub tip_by_parameters: Vec<Vec<[f64; 2]>>,
+    /// Positions of the further points of [`Run::points`] in W, m, shape `[samples][points]`.
+    pub points: Vec<Vec<[f64; 2]>>,
+    /// Their velocities, m/s.
+    pub point_velocities: Vec<Vec<[f64; 2]>>,
+    /// Derivatives of their positions, shape `[samples][points][parameters]`, m per unit.
+    pub points_by_parameters: Vec<Vec<Vec<[f64; 2]>>>,
     /// What it cost.
     pub effort: Effort,
     /// Whether it came to its end.
@@ -53,6 +60,7 @@ pub struct Trajectory {
     dof: usize,
     memory: usize,
     parameters: usize,
+    observed: Vec<Observed>,
     row: Vec<[f64; LANES]>,
 }
 
@@ -66,6 +74,7 @@ impl Trajectory {
             tip: Vec::with_capacity(samples),
             tip_velocity: Vec::with_capacity(samples),
             parameters: run.sensitivities.len(),
+            observed: run.points.iter().map(|point| Observed::new(*point, model.edges)).collect(),
             row: vec![[0.0; LANES]; dof],
             dof,
             memory,
@@ -79,18 +88,33 @@ impl Trajectory {
         let (tip, velocity) = forward::tip(system, &state.q, &state.v);
         self.tip.push(tip);
         self.tip_velocity.push(velocity);
+        if !self.observed.is_empty() {
+            let seen = self.observed.iter().map(|point| point.see(system, &state.q, &state.v));
+            let (positions, velocities) = seen.unzip();
+            self.points.push(positions);
+            self.point_velocities.push(velocities);
+        }
         self.energy.push(energy);
     }
 
     pub(crate) fn record_slopes(&mut self, variational: &Variational, state: &State, begin: f64, end: f64) {
         let system = variational.system();
         let mut slopes = Vec::with_capacity(self.parameters);
+        let mut of_points = vec![Vec::with_capacity(self.parameters); self.observed.len()];
         for group in 0..variational.slopes.len() {
             variational.interpolate(group, begin, end, state.time, &mut self.row);
             let [x, z] = system.tip_by_parameters(group, system.model.tip_distance, &state.q, &self.row);
-            slopes.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]).take(self.parameters - slopes.len()));
+            let wanted = self.parameters - slopes.len();
+            slopes.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]).take(wanted));
+            for (point, slopes) in self.observed.iter().zip(&mut of_points) {
+                let [x, z] = point.by_parameters(system, group, &state.q, &self.row);
+                slopes.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]).take(wanted));
+            }
         }
         self.tip_by_parameters.push(slopes);
+        if !of_points.is_empty() {
+            self.points_by_parameters.push(of_points);
+        }
     }
 
     /// The state of a sample.

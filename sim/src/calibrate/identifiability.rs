@@ -1,0 +1,204 @@
+//! What the data cannot tell apart, in plain words with numbers, and which experiment would.
+//!
+//! Source: Brun, Reichert and Künsch (2001), Water Resources Research 37, 1015-1030: the collinearity
+//! index, one over the smallest singular value of the scaled slopes; above some ten, a change of one
+//! parameter is made up for by others to within a tenth.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::calibration::Calibrated;
+use super::objective::Objective;
+use super::problem::Scale;
+use super::search::Found;
+use super::uncertainty::{Uncertainty, pseudo_inverse};
+
+/// Correlation from which on two parameters are said to be told apart badly.
+const TOGETHER: f64 = 0.95;
+/// Relative standard error that is worth words.
+const VAGUE: f64 = 0.1;
+/// A posterior deviation of this share of the prior's comes from the prior.
+const FROM_PRIOR: f64 = 0.9;
+/// Collinearity from which on a combination is said to be weak.
+const COLLINEAR: f64 = 10.0;
+/// Share of the largest from which on a parameter takes part in a combination.
+const TAKES_PART: f64 = 0.2;
+
+/// Words on the parameters of one part; `places` are theirs among its unknowns.
+pub(super) fn words(
+    objective: &Objective,
+    found: &Found,
+    uncertainty: &Uncertainty,
+    parameters: &[Calibrated],
+    places: &[usize],
+) -> Vec<String> {
+    let mut words = Vec::new();
+    for (parameter, place) in parameters.iter().zip(places) {
+        words.extend(alone(parameter, uncertainty.is_determined[*place]));
+    }
+    let told = |a: usize| uncertainty.is_determined[places[a]];
+    let correlation = |a: usize, b: usize| {
+        let of = |i: usize, j: usize| uncertainty.covariance[(places[i], places[j])];
+        of(a, b) / (of(a, a) * of(b, b)).sqrt()
+    };
+    for a in 0..places.len() {
+        for b in 0..a {
+            if told(a) && told(b) && correlation(a, b).abs() > TOGETHER {
+                words.push(pair(&parameters[b], &parameters[a], correlation(a, b)));
+            }
+        }
+    }
+    words.extend(weakest(objective, found, parameters, places));
+    words
+}
+
+/// What is to be said of a parameter by itself.
+fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
+    let label = parameter.label();
+    if parameter.at_bound {
+        let value = significant(parameter);
+        return Some(format!(
+            "{label} stands on its bound, {value}: the data would have it beyond; widen calibrate.parameters bounds, or take it as no more than a bound"
+        ));
+    }
+    if !is_determined {
+        return Some(format!(
+            "{label} is not determined: the data are met equally well by other values together with other parameters; fix it to a measured value, give it a prior, or {}",
+            advice(kind(&parameter.name), None)
+        ));
+    }
+    if let (Some(prior), Some(error)) = (parameter.prior, parameter.standard_error)
+        && error > FROM_PRIOR * prior.deviation
+    {
+        return Some(format!("{label} is known from its prior alone: the data add next to nothing"));
+    }
+    let relative = parameter.relative_error().filter(|_| parameter.scale == Scale::Logarithmic)?;
+    (relative > VAGUE).then(|| {
+        format!("{label} is known to {:.0} % only; {}", 100.0 * relative, advice(kind(&parameter.name), None))
+    })
+}
+
+fn pair(a: &Calibrated, b: &Calibrated, correlation: f64) -> String {
+    let both = if correlation > 0.0 { "rise together" } else { "move against each other" };
+    format!(
+        "{} and {} are hard to tell apart: they {both} with almost the same result (correlation {correlation:.3}), each is known to {} alone and {} with the other given; {}",
+        a.label(),
+        b.label(),
+        percent(a.relative_error()),
+        percent(a.relative_error().map(|error| error * (1.0 - correlation * correlation).sqrt())),
+        advice(kind(&a.name), Some(kind(&b.name)))
+    )
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("nothing".to_owned(), |share| format!("{:.2} %", 100.0 * share))
+}
+
+/// The combination of parameters that the data feel least, and how much they feel of it.
+fn weakest(
+    objective: &Objective,
+    found: &Found,
+    parameters: &[Calibrated],
+    places: &[usize],
+) -> Option<String> {
+    if places.len() < 2 {
+        return None;
+    }
+    // Curvature by the parameters once the nuisances follow them.
+    let n = places.len();
+    let hessian = &found.at.hessian;
+    let others: Vec<usize> = (0..hessian.nrows()).filter(|k| !places.contains(k)).collect();
+    let block = |rows: &[usize], columns: &[usize]| {
+        DMatrix::from_fn(rows.len(), columns.len(), |a, b| hessian[(rows[a], columns[b])])
+    };
+    let across = block(places, &others);
+    let reduced =
+        block(places, places) - &across * pseudo_inverse(&block(&others, &others)).0 * across.transpose();
+    let size: Vec<f64> = (0..n).map(|k| reduced[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let scaled = DMatrix::from_fn(n, n, |a, b| reduced[(a, b)] / (size[a] * size[b]));
+    let eigen = SymmetricEigen::new(scaled);
+    let least = eigen.eigenvalues.imin();
+    let collinearity = eigen.eigenvalues[least].max(1e-16).sqrt().recip();
+    if collinearity < COLLINEAR {
+        return None;
+    }
+    // A step of the logarithms, the largest by a tenth.
+    let mut way: Vec<f64> = (0..n).map(|k| eigen.eigenvectors[(k, least)] / size[k]).collect();
+    let most = way.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    let first = way.iter().copied().find(|v| v.abs() >= TAKES_PART * most).unwrap_or(1.0).signum();
+    way.iter_mut().for_each(|v| *v *= 0.1 * first / most);
+    let mut felt = 0.0;
+    for a in 0..n {
+        for b in 0..n {
+            felt += way[a] * way[b] * reduced[(a, b)];
+        }
+    }
+    let (mut samples, mut noise) = (0usize, 0.0);
+    for (block, measured) in found.at.carried.blocks.iter().zip(&objective.measured) {
+        for (series, own) in block.iter().zip(&measured.noise) {
+            samples += series.residual.len();
+            noise += own * series.residual.len() as f64;
+        }
+    }
+    let noise = noise / samples.max(1) as f64;
+    let rms = noise * (felt.max(0.0) / samples.max(1) as f64).sqrt();
+    let parts: Vec<String> = (parameters.iter().zip(&way))
+        .filter(|(_, v)| v.abs() >= TAKES_PART * 0.1)
+        .map(|(parameter, v)| match parameter.scale {
+            Scale::Logarithmic => format!("{} by {:+.1} %", parameter.label(), 100.0 * v),
+            Scale::Linear => format!("{} by {:+.2} of its typical size", parameter.label(), v),
+        })
+        .collect();
+    Some(format!(
+        "the weakest combination: changing {} moves the fit by {:.3} mm rms, with noise of {:.3} mm (collinearity index {collinearity:.0}, of which 10 and more is much)",
+        parts.join(", "),
+        1e3 * rms,
+        1e3 * noise
+    ))
+}
+
+/// What a parameter does.
+#[derive(Clone, Copy, PartialEq)]
+enum Does {
+    Stiffens,
+    Weighs,
+    Loses,
+    Turns,
+    Other,
+}
+
+fn kind(path: &str) -> Does {
+    let is = |ends: &[&str]| ends.iter().any(|end| path.ends_with(end));
+    match path {
+        _ if is(&["_stiffness", ".compliance"]) => Does::Stiffens,
+        _ if is(&["mass", "center_of_mass", "rotary_inertia"]) && !path.contains("rayleigh") => Does::Weighs,
+        _ if is(&[".alpha", ".beta", "drag_coefficient"]) || path.contains("viscoelastic") => Does::Loses,
+        _ if path.ends_with("angle") => Does::Turns,
+        _ => Does::Other,
+    }
+}
+
+/// The experiment that would tell.
+fn advice(one: Does, other: Option<Does>) -> &'static str {
+    match (one, other) {
+        (Does::Stiffens, Some(Does::Weighs)) | (Does::Weighs, Some(Does::Stiffens)) => {
+            "weigh the body and fix its mass, or add releases with a payload of known mass, which changes the one and not the other"
+        }
+        (Does::Loses, Some(Does::Loses)) => {
+            "a loss at a second frequency would tell: add releases with a payload or at another pressure and let both share the parameters, or excite the second mode by a short push"
+        }
+        (Does::Stiffens, Some(Does::Stiffens)) => {
+            "markers along the rod near the clamp would tell, or releases with a payload of known mass"
+        }
+        (Does::Turns, Some(_)) | (_, Some(Does::Turns)) => {
+            "measure the angle at rest, with the clamp's base markers"
+        }
+        (Does::Loses, None) => "a longer recording, or a release from a greater height, would say more",
+        (Does::Weighs, None) => "weigh it, or add releases with a payload of known mass",
+        (Does::Stiffens, None) => "markers along the rod, or a payload of known mass, would say more",
+        _ => "more markers along the rod, another payload or another pressure would say more",
+    }
+}
+
+fn significant(parameter: &Calibrated) -> String {
+    models::quantity::format_si(parameter.value, &parameter.unit)
+}

@@ -1,0 +1,287 @@
+//! Nonlinear least squares: Levenberg's and Marquardt's method, with bounds.
+//!
+//! A step minimises the quadratic model `cost + gᵀs + sᵀ(H + μ D)s / 2` within the bounds, where H is
+//! Gauss's and Newton's approximation of the second derivatives and D its largest diagonal so far; μ
+//! follows the ratio of actual to predicted decrease. The search stops where the *undamped* model
+//! predicts no decrease worth having: with residuals in units of their noise, a predicted decrease
+//! of `ε² / 2` means that no combination of parameters is more than `ε` standard errors from the
+//! optimum. The length of the last step would say no such thing.
+//!
+//! Ours, because the kept crate (levenberg-marquardt 0.15) is bound to nalgebra 0.34 and knows no bounds.
+//! Sources: Marquardt (1963), J. SIAM 11, 431-441; Moré (1978), Lecture Notes in Mathematics 630, for the
+//! scaling; Nielsen (1999), IMM-REP-1999-05, for μ.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Cost and its derivatives at one point.
+#[derive(Clone, Debug)]
+pub struct Evaluated<T> {
+    /// Half the sum of the squared residuals, or of what a robust loss makes of them.
+    pub cost: f64,
+    /// Its gradient.
+    pub gradient: DVector<f64>,
+    /// `JᵀJ`.
+    pub hessian: DMatrix<f64>,
+    /// What else belongs to the point.
+    pub carried: T,
+}
+
+/// Where to search and when to stop.
+#[derive(Clone, Debug)]
+pub struct Search {
+    /// Smallest and largest admissible value of each variable.
+    pub bounds: Vec<(f64, f64)>,
+    /// Largest change of each variable in one step.
+    pub longest: Vec<f64>,
+    /// Predicted decrease of the cost that is not worth a step.
+    pub tolerance: f64,
+    /// Evaluations after which to give up.
+    pub most_evaluations: usize,
+}
+
+/// Where a search ended.
+#[derive(Clone, Debug)]
+pub struct Solution<T> {
+    /// The variables.
+    pub x: DVector<f64>,
+    /// Cost and derivatives there.
+    pub at: Evaluated<T>,
+    /// Evaluations made.
+    pub evaluations: usize,
+    /// Decrease that the undamped model still predicts.
+    pub predicted: f64,
+    /// Whether that is below the tolerance.
+    pub converged: bool,
+}
+
+/// Steps refused one after another, after which no step helps: what is left is the noise of the
+/// evaluation itself.
+const MOST_REFUSED: usize = 8;
+const FIRST_DAMPING: f64 = 1e-3;
+/// Keeps the undamped system solvable where the data say nothing, relative to D.
+const LEAST_DAMPING: f64 = 1e-12;
+
+/// Minimises a cost from `start`; `evaluate` says nothing where the cost cannot be had. None, if it
+/// cannot be had at the start.
+pub fn minimise<T>(
+    start: &DVector<f64>,
+    search: &Search,
+    evaluate: &mut dyn FnMut(&DVector<f64>) -> Option<Evaluated<T>>,
+) -> Option<Solution<T>> {
+    let mut x = start.clone();
+    for (x, (low, high)) in x.iter_mut().zip(&search.bounds) {
+        *x = x.clamp(*low, *high);
+    }
+    let mut at = evaluate(&x)?;
+    let mut evaluations = 1;
+    let mut diagonal = DVector::zeros(x.len());
+    let (mut damping, mut growth, mut refused) = (FIRST_DAMPING, 2.0, 0);
+    loop {
+        widen(&mut diagonal, &at.hessian);
+        let (_, predicted) = step(&at, &x, &diagonal, LEAST_DAMPING, search, false);
+        let converged = predicted <= search.tolerance;
+        if converged || refused >= MOST_REFUSED || evaluations >= search.most_evaluations {
+            return Some(Solution { x, at, evaluations, predicted, converged });
+        }
+        let (tried, decrease) = step(&at, &x, &diagonal, damping, search, true);
+        let next = (decrease > 0.0).then(|| evaluate(&tried)).flatten();
+        evaluations += usize::from(decrease > 0.0);
+        let ratio = next.as_ref().map_or(-1.0, |next| (at.cost - next.cost) / decrease);
+        match next {
+            Some(next) if ratio > 1e-3 => {
+                (x, at) = (tried, next);
+                damping *= f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3));
+                (growth, refused) = (2.0, 0);
+            }
+            _ => {
+                damping *= growth;
+                growth *= 2.0;
+                refused += 1;
+            }
+        }
+    }
+}
+
+/// The largest diagonal so far; a variable that does nothing counts as the weakest that does.
+fn widen(diagonal: &mut DVector<f64>, hessian: &DMatrix<f64>) {
+    for (d, h) in diagonal.iter_mut().zip(hessian.diagonal().iter()) {
+        *d = d.max(*h);
+    }
+    let least = diagonal.iter().copied().filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
+    let least = if least.is_finite() { least } else { 1.0 };
+    for d in diagonal.iter_mut().filter(|d| **d <= 0.0) {
+        *d = least;
+    }
+}
+
+/// The point that minimises the damped model within the bounds, and the decrease that the model
+/// without damping predicts there. Variables that would leave the bounds are put onto them, and the
+/// others solved again.
+fn step<T>(
+    at: &Evaluated<T>,
+    x: &DVector<f64>,
+    diagonal: &DVector<f64>,
+    damping: f64,
+    search: &Search,
+    is_limited: bool,
+) -> (DVector<f64>, f64) {
+    let n = x.len();
+    let room = |k: usize| {
+        let (low, high) = search.bounds[k];
+        let most = if is_limited { search.longest[k] } else { f64::INFINITY };
+        ((low - x[k]).max(-most), (high - x[k]).min(most))
+    };
+    let mut s = DVector::zeros(n);
+    let mut free: Vec<usize> = (0..n)
+        .filter(|&k| {
+            let (low, high) = room(k);
+            !(low >= 0.0 && at.gradient[k] >= 0.0 || high <= 0.0 && at.gradient[k] <= 0.0)
+        })
+        .collect();
+    while !free.is_empty() {
+        let slope = &at.gradient + &at.hessian * &s;
+        let system = DMatrix::from_fn(free.len(), free.len(), |a, b| {
+            let (i, j) = (free[a], free[b]);
+            at.hessian[(i, j)] + if a == b { damping * diagonal[i] } else { 0.0 }
+        });
+        let known = DVector::from_fn(free.len(), |a, _| -slope[free[a]]);
+        let Some(factors) = system.cholesky() else { break };
+        let found = factors.solve(&known);
+        let mut still = Vec::with_capacity(free.len());
+        for (a, &k) in free.iter().enumerate() {
+            let (low, high) = room(k);
+            if found[a] < low || found[a] > high {
+                s[k] = found[a].clamp(low, high);
+            } else {
+                still.push(k);
+            }
+        }
+        if still.len() == free.len() {
+            for (a, &k) in free.iter().enumerate() {
+                s[k] = found[a];
+            }
+            break;
+        }
+        free = still;
+    }
+    let predicted = -(at.gradient.dot(&s) + 0.5 * s.dot(&(&at.hessian * &s)));
+    let mut tried = x + s;
+    for (value, (low, high)) in tried.iter_mut().zip(&search.bounds) {
+        *value = value.clamp(*low, *high);
+    }
+    (tried, predicted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Residuals = fn(&DVector<f64>) -> (DVector<f64>, DMatrix<f64>);
+
+    fn solve(of: Residuals, start: &[f64], bounds: &[(f64, f64)]) -> Solution<()> {
+        let search = Search {
+            bounds: bounds.to_vec(),
+            longest: vec![f64::INFINITY; start.len()],
+            tolerance: 1e-24,
+            most_evaluations: 200,
+        };
+        let mut evaluate = |x: &DVector<f64>| {
+            let (r, j) = of(x);
+            Some(Evaluated {
+                cost: 0.5 * r.norm_squared(),
+                gradient: j.tr_mul(&r),
+                hessian: j.tr_mul(&j),
+                carried: (),
+            })
+        };
+        minimise(&DVector::from_column_slice(start), &search, &mut evaluate).unwrap()
+    }
+
+    /// Rosenbrock (1960): residuals `10 (y − x²)` and `1 − x`; root at (1, 1).
+    fn rosenbrock(x: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let r = DVector::from_column_slice(&[10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]);
+        (r, DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0]))
+    }
+
+    /// Powell (1962): the Jacobian is singular at the root, so convergence is linear.
+    fn powell(x: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let (a, b) = (x[1] - 2.0 * x[2], x[0] - x[3]);
+        let (s, t) = (5f64.sqrt(), 10f64.sqrt());
+        let r = [x[0] + 10.0 * x[1], s * (x[2] - x[3]), a * a, t * b * b];
+        let (da, db) = (2.0 * a, 2.0 * t * b);
+        #[rustfmt::skip]
+        let j = [
+            1.0, 10.0, 0.0, 0.0,
+            0.0, 0.0, s, -s,
+            0.0, da, -2.0 * da, 0.0,
+            db, 0.0, 0.0, -db,
+        ];
+        (DVector::from_column_slice(&r), DMatrix::from_row_slice(4, 4, &j))
+    }
+
+    #[test]
+    fn rosenbrocks_valley_is_followed_to_its_end() {
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let found = solve(rosenbrock, &[-1.2, 1.0], &free);
+        assert!(found.converged && found.evaluations < 40, "{found:?}");
+        assert!((found.x[0] - 1.0).abs() < 1e-9 && (found.x[1] - 1.0).abs() < 1e-9, "{found:?}");
+    }
+
+    /// With `x ≤ 0.5` the least cost lies at (0.5, 0.25); with `y ≤ 0.3` in the valley where
+    /// `−400 x (y − x²) − 2 (1 − x) = 0`.
+    #[test]
+    fn rosenbrock_within_bounds_ends_on_them() {
+        let free = (f64::NEG_INFINITY, f64::INFINITY);
+        let found = solve(rosenbrock, &[-1.2, 1.0], &[(f64::NEG_INFINITY, 0.5), free]);
+        assert_eq!(found.x[0], 0.5);
+        assert!(found.converged && (found.x[1] - 0.25).abs() < 1e-10, "{found:?}");
+        let found = solve(rosenbrock, &[-1.2, 0.1], &[(0.0, 2.0), (f64::NEG_INFINITY, 0.3)]);
+        assert_eq!(found.x[1], 0.3);
+        let x = found.x[0];
+        assert!((-400.0 * x * (0.3 - x * x) - 2.0 * (1.0 - x)).abs() < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn powells_singular_function_comes_down() {
+        let found = solve(powell, &[3.0, -1.0, 0.0, 1.0], &[(f64::NEG_INFINITY, f64::INFINITY); 4]);
+        assert!(found.converged && found.x.amax() < 1e-4, "{found:?}");
+    }
+
+    /// A linear problem is solved by the damped steps in a handful of evaluations, and a variable
+    /// without influence stays where it is.
+    #[test]
+    fn a_variable_without_influence_stays() {
+        let line: Residuals = |x| {
+            let j = DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 2.0, 0.0, 3.0, 0.0]);
+            (&j * x - DVector::from_column_slice(&[1.0, 2.0, 3.5]), j)
+        };
+        let found = solve(line, &[0.0, 0.7], &[(-10.0, 10.0); 2]);
+        // Sum of products over sum of squares.
+        assert!((found.x[0] - 15.5 / 14.0).abs() < 1e-9 && found.x[1] == 0.7, "{found:?}");
+        assert!(found.evaluations < 10, "{found:?}");
+    }
+
+    /// Where the cost cannot be had, the step is shortened.
+    #[test]
+    fn a_step_into_the_unknown_is_shortened() {
+        let search = Search {
+            bounds: vec![(-10.0, 10.0)],
+            longest: vec![f64::INFINITY],
+            tolerance: 1e-20,
+            most_evaluations: 100,
+        };
+        // The first step would go to −1 + 1.5 / 0.5 = 2.
+        let mut evaluate = |x: &DVector<f64>| {
+            let r = x[0].exp() - 0.6f64.exp();
+            (x[0] < 1.0).then(|| Evaluated {
+                cost: 0.5 * r * r,
+                gradient: DVector::from_element(1, r * x[0].exp()),
+                hessian: DMatrix::from_element(1, 1, (2.0 * x[0]).exp()),
+                carried: (),
+            })
+        };
+        let found = minimise(&DVector::from_element(1, -1.0), &search, &mut evaluate).unwrap();
+        assert!((found.x[0] - 0.6).abs() < 1e-9, "{found:?}");
+        assert!(minimise(&DVector::from_element(1, 2.0), &search, &mut evaluate).is_none());
+    }
+}

@@ -1,0 +1,102 @@
+//! What mesh and step of the integrator do to a fit, and its removal.
+//!
+//! A fit is a weighted mean over thousands of samples, so it feels errors of the model far below the
+//! noise of one. So a finer run corrects the prediction: `d = y_fine − y + (y_fine − y_same) / 3`, with
+//! `y_same` on the fit's own mesh and `y_fine` on one of half the edge length, both with a fraction of
+//! the step error; the last term is Richardson's, for an error of second order in the edge length. The
+//! fit is then repeated with d held fixed, and belongs to a rod without mesh.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::objective::{Objective, View};
+use super::prediction::{Fidelity, Prediction, predict};
+use crate::forward::Initial;
+
+/// Step errors of the corrected prediction, against those of the fit.
+const TIGHTER: f64 = 0.1;
+
+/// What a finer run says of each release.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Correction {
+    /// What to add to each prediction, m, shape `[release][track][sample]`.
+    pub corrections: Vec<Vec<Vec<[f64; 2]>>>,
+    /// Root mean square of that, m, of each release.
+    pub error: Vec<f64>,
+    /// Root mean square of Richardson's term, m: more than is left of the mesh's error.
+    pub left: Vec<f64>,
+    /// Steps of the integrator.
+    pub steps: usize,
+}
+
+/// Compares each release's prediction with finer runs; none where one cannot be made.
+pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -> Option<Correction> {
+    let releases = objective.part.members.len();
+    let each: Vec<Option<[Prediction; 3]>> = (0..releases)
+        .into_par_iter()
+        .map(|r| {
+            let tight = Fidelity { tolerance: TIGHTER * view.fidelity.tolerance, refinement: 1 };
+            // A posture has nodes of its own: only the step can be made finer.
+            let is_posture = matches!(objective.part.members[r].run.initial, Initial::Posture(_));
+            let fine = Fidelity { refinement: if is_posture { 1 } else { 2 }, ..tight };
+            let run = |fidelity| one(objective, r, x, view.counts[r], fidelity);
+            let same = run(tight)?;
+            let finer = if is_posture { same.clone() } else { run(fine)? };
+            Some([run(view.fidelity)?, same, finer])
+        })
+        .collect();
+    let mut correction = Correction::default();
+    for one in each {
+        let [own, same, fine] = one?;
+        correction.steps += own.steps + same.steps + fine.steps;
+        let (mut all, mut error, mut left) = (Vec::new(), Mean::default(), Mean::default());
+        for track in 0..own.position.len() {
+            let of = |k: usize| {
+                let (own, same, fine) =
+                    (own.position[track][k], same.position[track][k], fine.position[track][k]);
+                let richardson = [0, 1].map(|axis| (fine[axis] - same[axis]) / 3.0);
+                let whole = [0, 1].map(|axis| fine[axis] - own[axis] + richardson[axis]);
+                (whole, richardson)
+            };
+            let of_track: Vec<_> = (0..own.position[track].len()).map(of).collect();
+            of_track.iter().for_each(|(whole, richardson)| {
+                error.add(whole);
+                left.add(richardson);
+            });
+            all.push(of_track.into_iter().map(|(whole, _)| whole).collect());
+        }
+        correction.corrections.push(all);
+        correction.error.push(error.root());
+        correction.left.push(left.root());
+    }
+    Some(correction)
+}
+
+fn one(
+    objective: &Objective,
+    r: usize,
+    x: &DVector<f64>,
+    count: usize,
+    fidelity: Fidelity,
+) -> Option<Prediction> {
+    let (part, measured) = (objective.part, objective.measured[r]);
+    predict(part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, false).ok()
+}
+
+#[derive(Default)]
+struct Mean {
+    sum: f64,
+    count: usize,
+}
+
+impl Mean {
+    fn add(&mut self, [x, z]: &[f64; 2]) {
+        self.sum += x * x + z * z;
+        self.count += 1;
+    }
+
+    /// Root mean square distance.
+    fn root(&self) -> f64 {
+        (self.sum / self.count.max(1) as f64).sqrt()
+    }
+}

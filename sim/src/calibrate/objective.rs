@@ -1,0 +1,210 @@
+//! The cost of a part at a point: all its releases simulated side by side, compared, and summed in
+//! the order of their index, so that the number of threads changes no bit.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::error::CalibrateError;
+use super::levenberg_marquardt::Evaluated;
+use super::loss::{Huber, spread};
+use super::part::Part;
+use super::prediction::{Fidelity, Measured, predict};
+use super::unknowns::Acts;
+
+/// How the data are looked at.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    /// How finely the model is run.
+    pub fidelity: Fidelity,
+    /// Samples of each release that count, from the first.
+    pub counts: Vec<usize>,
+    /// Loss of each release.
+    pub loss: Vec<Huber>,
+    /// What a finer run adds to each prediction, m, shape `[release][track][sample]`.
+    pub corrections: Option<Vec<Vec<Vec<[f64; 2]>>>>,
+}
+
+/// Residuals of one track in units of its noise: measurement minus prediction.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Series {
+    /// Places among the samples of the release that are fitted.
+    pub samples: Vec<usize>,
+    /// Residual of each.
+    pub residual: Vec<[f64; 2]>,
+    /// Derivatives of the prediction by the release's unknowns, in units of the noise.
+    pub slopes: Vec<Vec<[f64; 2]>>,
+}
+
+/// What a point was found to be worth.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Seen {
+    /// Residuals, shape `[release][track]`.
+    pub blocks: Vec<Vec<Series>>,
+    /// Steps of the integrator, all releases.
+    pub steps: usize,
+}
+
+/// The cost of a part.
+pub(super) struct Objective<'a> {
+    pub part: &'a Part<'a>,
+    pub measured: Vec<&'a Measured>,
+}
+
+impl Series {
+    pub fn lengths(&self) -> impl Iterator<Item = f64> {
+        self.residual.iter().map(|[x, z]| x.hypot(*z))
+    }
+}
+
+impl Seen {
+    /// Robust spread of the residuals of each release, in units of the noise.
+    pub fn spreads(&self) -> Vec<f64> {
+        let of = |block: &Vec<Series>| spread(block.iter().flat_map(Series::lengths).collect());
+        self.blocks.iter().map(of).collect()
+    }
+}
+
+impl Objective<'_> {
+    /// The unknowns at their start.
+    pub fn start(&self) -> DVector<f64> {
+        let unknowns = &self.part.unknowns;
+        let starts = unknowns.iter().map(|unknown| unknown.scaled.variable(unknown.start));
+        DVector::from_iterator(unknowns.len(), starts)
+    }
+
+    /// Why nothing was found: the start cannot be simulated, or leads nowhere.
+    pub fn refusal(&self, start: &DVector<f64>) -> CalibrateError {
+        let rough = Fidelity { tolerance: 1e-4, refinement: 1 };
+        for (r, trial) in self.part.members.iter().enumerate() {
+            let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
+            let count = self.measured[r].samples.len();
+            let run = predict(trial, self.measured[r], locals, unknowns, start, count, rough, false);
+            if let Err(error) = run {
+                let release = trial.release.name.clone();
+                return CalibrateError::Forward { release, error: error.into() };
+            }
+        }
+        CalibrateError::NoFit { release: self.part.members[0].release.name.clone() }
+    }
+
+    /// Residuals, and slopes if asked for; nothing where a release cannot be simulated.
+    pub fn see(&self, x: &DVector<f64>, view: &View, with_slopes: bool) -> Option<Seen> {
+        let releases = self.part.members.len();
+        let each: Vec<Option<(Vec<Series>, usize)>> =
+            (0..releases).into_par_iter().map(|r| self.see_one(r, x, view, with_slopes)).collect();
+        let mut seen = Seen::default();
+        for one in each {
+            let (block, steps) = one?;
+            seen.blocks.push(block);
+            seen.steps += steps;
+        }
+        Some(seen)
+    }
+
+    fn see_one(
+        &self,
+        r: usize,
+        x: &DVector<f64>,
+        view: &View,
+        with_slopes: bool,
+    ) -> Option<(Vec<Series>, usize)> {
+        let (trial, measured) = (self.part.members[r], self.measured[r]);
+        let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
+        let (count, fidelity) = (view.counts[r], view.fidelity);
+        let prediction = predict(trial, measured, locals, unknowns, x, count, fidelity, with_slopes).ok()?;
+        let mut block = Vec::with_capacity(trial.release.tracks.len());
+        for (t, track) in trial.release.tracks.iter().enumerate() {
+            let mut offset = [0.0; 2];
+            for local in locals {
+                if let Acts::Offset { track, axis } = local.acts
+                    && track == t
+                {
+                    offset[axis] = unknowns[local.unknown].scaled.value(x[local.unknown]);
+                }
+            }
+            let per_noise = measured.noise[t].recip();
+            let mut series = Series::default();
+            for k in 0..count {
+                let Some(seen) = track.position[measured.samples[k]] else { continue };
+                let correction = view.corrections.as_ref().map_or([0.0; 2], |all| all[r][t][k]);
+                let residual = |axis: usize| {
+                    let predicted = prediction.position[t][k][axis] + correction[axis] + offset[axis];
+                    (seen[axis] - predicted) * per_noise
+                };
+                let residual = [residual(0), residual(1)];
+                if !residual.iter().all(|r| r.is_finite()) {
+                    return None;
+                }
+                series.samples.push(k);
+                series.residual.push(residual);
+                if with_slopes {
+                    let scaled = |slope: &[f64; 2]| slope.map(|slope| slope * per_noise);
+                    series.slopes.push(prediction.slopes[t][k].iter().map(scaled).collect());
+                }
+            }
+            block.push(series);
+        }
+        Some((block, prediction.steps))
+    }
+
+    /// Cost alone.
+    pub fn cost(&self, seen: &Seen, x: &DVector<f64>, view: &View) -> f64 {
+        let of_release = |(block, loss): (&Vec<Series>, &Huber)| -> f64 {
+            block.iter().flat_map(Series::lengths).map(|length| loss.cost(length)).sum()
+        };
+        let data: f64 = seen.blocks.iter().zip(&view.loss).map(of_release).sum();
+        data + self.prior_residuals(x).map(|(_, residual, _)| 0.5 * residual * residual).sum::<f64>()
+    }
+
+    /// Cost with its derivatives.
+    pub fn evaluate(&self, x: &DVector<f64>, view: &View) -> Option<Evaluated<Seen>> {
+        let seen = self.see(x, view, true)?;
+        let n = x.len();
+        let (mut gradient, mut hessian) = (DVector::zeros(n), DMatrix::zeros(n, n));
+        for (r, block) in seen.blocks.iter().enumerate() {
+            let locals = &self.part.locals[r];
+            let (own_gradient, own_hessian) = normal(block, locals.len(), view.loss[r]);
+            for (a, local) in locals.iter().enumerate() {
+                gradient[local.unknown] += own_gradient[a];
+                for (b, other) in locals.iter().enumerate() {
+                    hessian[(local.unknown, other.unknown)] += own_hessian[(a, b)];
+                }
+            }
+        }
+        for (k, residual, slope) in self.prior_residuals(x) {
+            gradient[k] -= residual * slope;
+            hessian[(k, k)] += slope * slope;
+        }
+        let cost = self.cost(&seen, x, view);
+        Some(Evaluated { cost, gradient, hessian, carried: seen })
+    }
+
+    /// Of each prior: the unknown, mean minus value over the deviation, and how the value moves.
+    fn prior_residuals(&self, x: &DVector<f64>) -> impl Iterator<Item = (usize, f64, f64)> {
+        let of = |(k, unknown): (usize, &super::unknowns::Unknown)| {
+            let prior = unknown.prior?;
+            let (value, slope) = (unknown.scaled.value(x[k]), unknown.scaled.slope(x[k]));
+            Some((k, (prior.mean - value) / prior.deviation, slope / prior.deviation))
+        };
+        self.part.unknowns.iter().enumerate().filter_map(of).collect::<Vec<_>>().into_iter()
+    }
+}
+
+/// Gradient and `JᵀWJ` of one release by its own unknowns.
+fn normal(block: &[Series], locals: usize, loss: Huber) -> (DVector<f64>, DMatrix<f64>) {
+    let (mut gradient, mut hessian) = (DVector::zeros(locals), DMatrix::zeros(locals, locals));
+    for series in block {
+        for (residual, slopes) in series.residual.iter().zip(&series.slopes) {
+            let weight = loss.weight(residual[0].hypot(residual[1]));
+            for (a, own) in slopes.iter().enumerate() {
+                let own = own.map(|slope| weight * slope);
+                gradient[a] -= own[0] * residual[0] + own[1] * residual[1];
+                for (b, other) in slopes[..=a].iter().enumerate() {
+                    hessian[(a, b)] += own[0] * other[0] + own[1] * other[1];
+                }
+            }
+        }
+    }
+    hessian.fill_upper_triangle_with_lower_triangle();
+    (gradient, hessian)
+}

@@ -1,0 +1,174 @@
+//! What a model predicts that a recording shows, and how that changes with the unknowns.
+
+use std::ops::ControlFlow;
+
+use nalgebra::DVector;
+
+use super::error::CalibrateError;
+use super::problem::Trial;
+use super::unknowns::{Acts, Local, Unknown};
+use crate::experiment::release::Point;
+use crate::forward::{ForwardError, Initial, Run, forward};
+use crate::integrate::Method;
+
+/// The samples of a release that are fitted.
+#[derive(Clone, Debug)]
+pub(super) struct Measured {
+    /// Places in the release's `time`, ascending; each has a track at least.
+    pub samples: Vec<usize>,
+    /// Standard deviation of the noise of each track, m.
+    pub noise: Vec<f64>,
+}
+
+/// How finely a run is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fidelity {
+    /// Error admitted in a step.
+    pub tolerance: f64,
+    /// Edges for each edge of the model.
+    pub refinement: usize,
+}
+
+/// Predicted positions of every track, without offsets.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Prediction {
+    /// Shape `[tracks][samples]`, m.
+    pub position: Vec<Vec<[f64; 2]>>,
+    /// Derivatives by the scaled unknowns of the trial, shape `[tracks][samples][locals]`, m; empty
+    /// unless asked for.
+    pub slopes: Vec<Vec<Vec<[f64; 2]>>>,
+    /// Steps of the integrator.
+    pub steps: usize,
+}
+
+/// Standard errors of the release instant that are left out after it.
+const CLEAR_OF_RELEASE: f64 = 3.0;
+/// Fewest samples that can be fitted.
+const LEAST_SAMPLES: usize = 5;
+/// Noise that is assumed of a track at least, m: no camera is better.
+const LEAST_NOISE: f64 = 1e-7;
+/// Noise of a track that does not say, m.
+const USUAL_NOISE: f64 = 2e-4;
+/// Steps after which a run of a fit is given up.
+const MOST_STEPS: usize = 300_000;
+
+impl Measured {
+    pub fn of(trial: &Trial) -> Result<Self, CalibrateError> {
+        let release = &trial.release;
+        for track in &release.tracks {
+            if let Point::Along(share) = track.at
+                && !(0.0..=1.0).contains(&share)
+            {
+                return Err(CalibrateError::OffTheRod {
+                    release: release.name.clone(),
+                    marker: track.marker.clone(),
+                    share,
+                });
+            }
+        }
+        let clear = CLEAR_OF_RELEASE * release.release_uncertainty;
+        let is_seen = |k: &usize| release.tracks.iter().any(|track| track.position[*k].is_some());
+        let samples: Vec<usize> =
+            (0..release.time.len()).filter(|k| release.time[*k] > clear).filter(is_seen).collect();
+        if samples.len() < LEAST_SAMPLES {
+            return Err(CalibrateError::TooFewSamples {
+                release: release.name.clone(),
+                samples: samples.len(),
+                least: LEAST_SAMPLES,
+            });
+        }
+        let noise = release.tracks.iter().map(|track| match track.noise {
+            noise if noise > 0.0 && noise.is_finite() => noise.max(LEAST_NOISE),
+            _ => USUAL_NOISE,
+        });
+        Ok(Self { noise: noise.collect(), samples })
+    }
+}
+
+/// Values of the unknowns as the model of a trial takes them: parameters, and the release instant, s.
+pub(super) fn values(
+    trial: &Trial,
+    locals: &[Local],
+    unknowns: &[Unknown],
+    x: &DVector<f64>,
+) -> (Vec<(usize, f64)>, f64) {
+    let (mut theta, mut instant) = (Vec::new(), 0.0);
+    for local in locals {
+        let value = unknowns[local.unknown].scaled.value(x[local.unknown]);
+        match local.acts {
+            Acts::Theta(k) => theta.push((k, value)),
+            Acts::OnTheta(k) => theta.push((k, trial.model.theta[k] + value)),
+            Acts::Instant => instant = value,
+            Acts::Offset { .. } => {}
+        }
+    }
+    (theta, instant)
+}
+
+/// Simulates a trial and looks at it as its recording did: at the first `count` of the samples.
+#[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
+pub(super) fn predict(
+    trial: &Trial,
+    measured: &Measured,
+    locals: &[Local],
+    unknowns: &[Unknown],
+    x: &DVector<f64>,
+    count: usize,
+    fidelity: Fidelity,
+    with_slopes: bool,
+) -> Result<Prediction, ForwardError> {
+    let (theta, instant) = values(trial, locals, unknowns, x);
+    let (mut model, mut initial) = trial.with(&theta);
+    if fidelity.refinement > 1 {
+        let finer = |edges: usize| edges * fidelity.refinement + 1;
+        model = model.with_nodes(finer(model.edges))?;
+        if let Initial::Equilibrium { hold, .. } = &mut initial {
+            **hold = hold.with_nodes(finer(hold.edges))?;
+        }
+    }
+    let times: Vec<f64> =
+        (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();
+    let run = Run {
+        initial,
+        duration: times.last().copied().unwrap_or(0.0),
+        samples: times.clone(),
+        method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
+        tolerance: fidelity.tolerance,
+        fixed_step: None,
+        most_steps: trial.run.most_steps.min(MOST_STEPS),
+        energy: false,
+        sensitivities: if with_slopes { theta.iter().map(|(k, _)| *k).collect() } else { Vec::new() },
+        points: trial.release.tracks.iter().map(|track| track.at).collect(),
+    };
+    let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+    let tracks = trial.release.tracks.len();
+    let of_track = |track: usize| path.points.iter().map(|points| points[track]).collect();
+    let mut prediction = Prediction {
+        position: (0..tracks).map(of_track).collect(),
+        slopes: Vec::new(),
+        steps: path.effort.steps,
+    };
+    if with_slopes {
+        let chain: Vec<f64> =
+            locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();
+        for track in 0..tracks {
+            let row = |sample: usize| {
+                let mut by_theta = path.points_by_parameters[sample][track].iter();
+                let is_held = times[sample] <= 0.0;
+                let of_local = |(local, chain): (&Local, &f64)| match local.acts {
+                    Acts::Theta(_) | Acts::OnTheta(_) => {
+                        by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
+                    }
+                    Acts::Instant if is_held => [0.0; 2],
+                    Acts::Instant => path.point_velocities[sample][track].map(|rate| -chain * rate),
+                    Acts::Offset { track: own, axis } => {
+                        [0, 1].map(|k| if own == track && axis == k { *chain } else { 0.0 })
+                    }
+                };
+                locals.iter().zip(&chain).map(of_local).collect()
+            };
+            prediction.slopes.push((0..count).map(row).collect());
+        }
+    }
+    Ok(prediction)
+}

@@ -1,0 +1,126 @@
+//! What is to be calibrated: measured releases, their models, and which parameters are unknown.
+
+use models::model::Model;
+
+use crate::experiment::release::Release;
+use crate::forward::{Initial, Run};
+
+/// Several measured releases and the parameters that they share or have of their own.
+#[derive(Clone)]
+pub struct Problem {
+    /// The releases; those held out are only judged.
+    pub trials: Vec<Trial>,
+    /// What is to be found.
+    pub parameters: Vec<Parameter>,
+    /// What is unknown of each recording, and of no interest.
+    pub nuisances: Nuisances,
+}
+
+/// One measured release with its own model.
+#[derive(Clone)]
+pub struct Trial {
+    /// What was measured.
+    pub release: Release,
+    /// The model at the start of the fit, at the release's pressure and with its payload.
+    pub model: Model,
+    /// Where it starts and how it is run; duration, samples, points and sensitivities are the
+    /// fit's own.
+    pub run: Run,
+}
+
+/// A parameter to be found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its path in the model, such as `rod.bending_stiffness`.
+    pub path: String,
+    /// What shares one value.
+    pub scope: Scope,
+    /// Where the search starts, SI; the model's own value, or the registry's typical size where
+    /// that is zero.
+    pub start: Option<f64>,
+    /// Admissible values, SI; the registry's range.
+    pub bounds: Option<(f64, f64)>,
+    /// What is known beforehand.
+    pub prior: Option<Prior>,
+    /// How it is scaled; logarithmic where only positive values are admissible.
+    pub scale: Option<Scale>,
+}
+
+/// What shares one value of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scope {
+    /// All releases.
+    Shared,
+    /// All releases at one pressure, to a thousandth.
+    PerPressure,
+    /// Each release has its own.
+    PerRelease,
+}
+
+/// Knowledge of a parameter from elsewhere: a normal distribution of its value, SI.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Prior {
+    /// Its mean.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+}
+
+/// How a parameter is scaled in the search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scale {
+    /// By its typical size.
+    Linear,
+    /// Logarithmically.
+    Logarithmic,
+}
+
+/// What is unknown of each recording: fitted with it, under a prior about zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nuisances {
+    /// The instant of release, under the release's own uncertainty.
+    pub release_instant: bool,
+    /// Standard deviation of the angle at which the straight rod is held, rad, about the model's.
+    pub hold_angle: Option<f64>,
+    /// Standard deviation of a constant offset of each track in x and z, m.
+    pub offset: Option<f64>,
+}
+
+impl Default for Nuisances {
+    /// Instant, half a degree of angle, half a millimetre of offset.
+    fn default() -> Self {
+        Self { release_instant: true, hold_angle: Some(0.5f64.to_radians()), offset: Some(5e-4) }
+    }
+}
+
+impl Parameter {
+    /// A parameter with the registry's start, bounds and scale, and no prior.
+    pub fn new(path: &str, scope: Scope) -> Self {
+        Self { path: path.to_owned(), scope, start: None, bounds: None, prior: None, scale: None }
+    }
+}
+
+impl Trial {
+    /// Whether the release is a straight one, so that its angle matters.
+    pub(super) fn is_straight(&self) -> bool {
+        matches!(self.run.initial, Initial::Straight)
+    }
+
+    /// The model and the start of a run with parameters set, `(index in theta, value)`; what holds
+    /// the rod has them as well, but for those of its own.
+    pub(super) fn with(&self, values: &[(usize, f64)]) -> (Model, Initial) {
+        let mut model = self.model.clone();
+        let mut initial = self.run.initial.clone();
+        for &(k, value) in values {
+            model.theta[k] = value;
+            if let Initial::Equilibrium { hold, own } = &mut initial
+                && !own.contains(&k)
+            {
+                hold.theta[k] = value;
+            }
+        }
+        (model, initial)
+    }
+}

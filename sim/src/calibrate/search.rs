@@ -1,0 +1,247 @@
+//! The search of one part: the first swing, then ever longer stretches of the recordings, then all.
+//!
+//! A model whose frequency is off by a per cent has lost its phase after fifty swings, and the cost
+//! of a whole recording then has many minima. So each stage only adds as much as the fit before it
+//! foretells; where it does not, less is added. A search that ends far from the data is begun again
+//! from the next best start. Multiple shooting would free the state at the start of each stretch, some
+//! hundred unknowns of a rod for each, of which a marker or two see little; stages have been enough.
+
+use nalgebra::DVector;
+
+use super::levenberg_marquardt::{Evaluated, Search, Solution, minimise};
+use super::loss::Huber;
+use super::objective::{Objective, Seen, View};
+use super::prediction::Fidelity;
+use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
+
+/// How finely the last stage runs the model; the stages before it are run as fits are.
+pub(super) const FINE: Fidelity = Fidelity { tolerance: 1e-5, refinement: 1 };
+const COARSE: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1 };
+
+/// A stretch of the recordings that was fitted.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Stage {
+    /// Start from which it came, the best by the first swing being 0.
+    pub start: usize,
+    /// How much of each recording, in swings; none for all of it.
+    pub swings: Option<f64>,
+    /// Evaluations of all releases with their sensitivities.
+    pub evaluations: usize,
+    /// Largest robust spread of the residuals of a release, in units of the noise.
+    pub spread: f64,
+    /// Whether the search found its minimum.
+    pub converged: bool,
+}
+
+/// Where a search ended.
+#[derive(Clone)]
+pub(super) struct Found {
+    pub x: DVector<f64>,
+    pub at: Evaluated<Seen>,
+    pub view: View,
+    pub stages: Vec<Stage>,
+    /// Decrease of the cost that is still predicted.
+    pub predicted: f64,
+    pub converged: bool,
+    pub starts: usize,
+    /// Evaluations of all releases, and steps of the integrator in them.
+    pub evaluations: usize,
+    pub steps: usize,
+}
+
+/// Searches begun at most.
+const MOST_STARTS: usize = 4;
+/// Residuals of this spread, in units of the noise, are explained.
+const EXPLAINED: f64 = 2.0;
+/// Residuals of this share of the motion need not come from a search gone astray.
+const NEAR: f64 = 0.05;
+/// A new stretch whose residuals are this share of its motion was not foretold.
+const SLIPPED: f64 = 0.7;
+/// How much longer each stretch is than the one before, and at least where that was not foretold.
+const GROWTH: f64 = 2.0;
+const LEAST_GROWTH: f64 = 1.2;
+/// Predicted decrease, for residuals of unit spread, at which a stage and the last one stop.
+const STAGE_TOLERANCE: f64 = 1e-2;
+const LAST_TOLERANCE: f64 = 1e-4;
+const MOST_EVALUATIONS: usize = 30;
+/// Rounds in which the threshold of the loss follows the residuals.
+const MOST_ROUNDS: usize = 4;
+
+/// Finds the best fit of a part; `tell` hears of each stage.
+pub(super) fn search(
+    objective: &Objective,
+    start: &DVector<f64>,
+    tell: &(dyn Fn(&Stage) + Sync),
+) -> Option<Found> {
+    let starts = ranked(objective, start);
+    let mut best: Option<Found> = None;
+    let mut stages = Vec::new();
+    let (mut evaluations, mut steps, mut begun) = (0, 0, 0);
+    for (k, start) in starts.iter().enumerate().take(MOST_STARTS) {
+        begun = k + 1;
+        let Some(found) = climb(objective, start, k, tell) else { continue };
+        stages.extend(found.stages.iter().cloned());
+        evaluations += found.evaluations;
+        steps += found.steps;
+        let is_near = is_explained(objective, &found);
+        if best.as_ref().is_none_or(|best| common_cost(objective, &found) < common_cost(objective, best)) {
+            best = Some(found);
+        }
+        if is_near {
+            break;
+        }
+    }
+    best.map(|best| Found { stages, evaluations, steps, starts: begun, ..best })
+}
+
+/// Costs of different searches are compared under the loss of the noise itself.
+fn common_cost(objective: &Objective, found: &Found) -> f64 {
+    let loss = vec![Huber::for_spread(1.0); found.view.loss.len()];
+    objective.cost(&found.at.carried, &found.x, &View { loss, ..found.view.clone() })
+}
+
+/// Whether the residuals are noise, or small beside the motion.
+fn is_explained(objective: &Objective, found: &Found) -> bool {
+    let spreads = found.at.carried.spreads();
+    let of = |(r, spread): (usize, &f64)| {
+        let motion = excursion(objective, r, 0, found.view.counts[r]);
+        *spread < EXPLAINED || *spread < NEAR * motion
+    };
+    spreads.iter().enumerate().all(of)
+}
+
+/// Root mean square of the motion of a release about its mean in a stretch, in units of the noise.
+fn excursion(objective: &Objective, r: usize, from: usize, to: usize) -> f64 {
+    let (trial, measured) = (objective.part.members[r], objective.measured[r]);
+    let (mut sum, mut count) = (0.0, 0);
+    for (track, noise) in trial.release.tracks.iter().zip(&measured.noise) {
+        let seen: Vec<_> = measured.samples[from..to].iter().filter_map(|k| track.position[*k]).collect();
+        let n = seen.len() as f64;
+        for axis in 0..2 {
+            let mean = seen.iter().map(|x| x[axis]).sum::<f64>() / n.max(1.0);
+            sum += seen.iter().map(|x| ((x[axis] - mean) / noise).powi(2)).sum::<f64>();
+        }
+        count += seen.len();
+    }
+    (sum / (2 * count).max(1) as f64).sqrt()
+}
+
+/// One search, from the first swing to the whole recordings.
+fn climb(
+    objective: &Objective,
+    start: &DVector<f64>,
+    number: usize,
+    tell: &(dyn Fn(&Stage) + Sync),
+) -> Option<Found> {
+    let all: Vec<usize> = objective.measured.iter().map(|measured| measured.samples.len()).collect();
+    let mut times = swing_times(objective, start);
+    let mut x = start.clone();
+    let mut stages = Vec::new();
+    let (mut evaluations, mut steps) = (0, 0);
+    let (mut swings, mut reached, mut before) = (FIRST_SWINGS, 0.0, vec![0; all.len()]);
+    loop {
+        let mut view = View {
+            fidelity: COARSE,
+            counts: counts(objective, &times, swings),
+            loss: vec![Huber::for_spread(1.0); all.len()],
+            corrections: None,
+        };
+        let seen = objective.see(&x, &view, false)?;
+        let growth = swings / reached;
+        if growth > LEAST_GROWTH && reached > 0.0 && has_slipped(objective, &seen, &before, &view.counts) {
+            swings = reached * growth.sqrt();
+            continue;
+        }
+        if view.counts == all {
+            break;
+        }
+        let spreads = seen.spreads();
+        view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
+        let solution = minimise_in(objective, &x, &view, STAGE_TOLERANCE)?;
+        evaluations += solution.evaluations;
+        steps += solution.at.carried.steps * solution.evaluations;
+        x = solution.x.clone();
+        stages.push(stage(number, Some(swings), &solution));
+        tell(&stages[stages.len() - 1]);
+        if before.iter().all(|count| *count == 0) {
+            times = swing_times(objective, &x);
+        }
+        before = view.counts;
+        (reached, swings) = (swings, GROWTH * swings);
+    }
+    let mut view = View { fidelity: FINE, counts: all.clone(), loss: Vec::new(), corrections: None };
+    let found = settle(objective, &x, &mut view)?;
+    stages.push(stage(number, None, &found));
+    tell(&stages[stages.len() - 1]);
+    evaluations += found.evaluations;
+    steps += found.at.carried.steps * found.evaluations;
+    let Solution { x, at, predicted, converged, .. } = found;
+    Some(Found { x, at, view, stages, predicted, converged, starts: 1, evaluations, steps })
+}
+
+/// Minimises with a loss whose threshold follows the spread of the residuals.
+pub(super) fn settle(objective: &Objective, start: &DVector<f64>, view: &mut View) -> Option<Solution<Seen>> {
+    let mut spreads = {
+        view.loss = vec![Huber::for_spread(1.0); view.counts.len()];
+        objective.see(start, view, false)?.spreads()
+    };
+    let (mut x, mut evaluations) = (start.clone(), 0);
+    for round in 0..MOST_ROUNDS {
+        view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
+        let solution = minimise_in(objective, &x, view, LAST_TOLERANCE)?;
+        evaluations += solution.evaluations;
+        let now = solution.at.carried.spreads();
+        let settled = |(before, now): (&f64, &f64)| (before.max(1.0) / now.max(1.0)).ln().abs() < 0.1;
+        if round + 1 == MOST_ROUNDS || spreads.iter().zip(&now).all(settled) {
+            return Some(Solution { evaluations, ..solution });
+        }
+        (x, spreads) = (solution.x, now);
+    }
+    None
+}
+
+/// Minimises under one view; the tolerance is for residuals of unit spread.
+pub(super) fn minimise_in(
+    objective: &Objective,
+    x: &DVector<f64>,
+    view: &View,
+    tolerance: f64,
+) -> Option<Solution<Seen>> {
+    let unknowns = &objective.part.unknowns;
+    // The threshold of the loss is three times the spread.
+    let spread = view.loss.iter().map(|loss| loss.threshold / 3.0).fold(1.0, f64::max);
+    let search = Search {
+        bounds: unknowns.iter().map(|unknown| unknown.bounds).collect(),
+        longest: unknowns.iter().map(|unknown| unknown.longest_step()).collect(),
+        tolerance: tolerance * spread * spread,
+        most_evaluations: MOST_EVALUATIONS,
+    };
+    minimise(x, &search, &mut |x| objective.evaluate(x, view))
+}
+
+/// Whether the samples that are new are far from what was foretold.
+fn has_slipped(objective: &Objective, seen: &Seen, before: &[usize], counts: &[usize]) -> bool {
+    (0..counts.len()).any(|r| {
+        let (from, to) = (before[r], counts[r]);
+        if from == 0 || to <= from {
+            return false;
+        }
+        let new = seen.blocks[r].iter().flat_map(|series| {
+            let lengths = series.samples.iter().zip(series.lengths());
+            lengths.filter(|(k, _)| **k >= from).map(|(_, length)| length)
+        });
+        let residual = super::loss::spread(new.collect());
+        let motion = excursion(objective, r, from, to);
+        residual > 5.0 && residual > SLIPPED * motion
+    })
+}
+
+fn stage(start: usize, swings: Option<f64>, solution: &Solution<Seen>) -> Stage {
+    Stage {
+        start,
+        swings,
+        evaluations: solution.evaluations,
+        spread: solution.at.carried.spreads().into_iter().fold(0.0, f64::max),
+        converged: solution.converged,
+    }
+}

@@ -1,0 +1,193 @@
+//! How well a fit knows its unknowns.
+//!
+//! The covariance is `H⁻¹ S H⁻¹`: H the curvature of the cost, S the covariance of its gradient, from the
+//! noise that the residuals show and from how they follow one another (`autocorrelation.rs`). For
+//! white noise as large as stated this is `H⁻¹`.
+//! Source: Huber (1967), Proc. Fifth Berkeley Symposium 1, 221-233.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::autocorrelation::Autocovariance;
+use super::loss::Huber;
+use super::objective::{Objective, Series};
+use super::search::Found;
+
+/// What a fit knows of its scaled unknowns, and what its residuals look like.
+#[derive(Clone, Debug)]
+pub(super) struct Uncertainty {
+    /// Covariance of the scaled unknowns; meaningless for those that are not determined.
+    pub covariance: DMatrix<f64>,
+    /// The same if the noise were white and as large as stated.
+    pub plain: DMatrix<f64>,
+    /// Whether the data and priors determine the unknown at all.
+    pub is_determined: Vec<bool>,
+    /// Statistics of the residuals, shape `[release][track]`.
+    pub tracks: Vec<Vec<TrackStatistics>>,
+}
+
+/// Residuals of one track.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TrackStatistics {
+    /// Samples fitted.
+    pub samples: usize,
+    /// Of these, how many the robust loss holds back.
+    pub held_back: usize,
+    /// Standard deviation of a coordinate, m, without what is held back.
+    pub noise: f64,
+    /// Root mean square distance, m, likewise.
+    pub rms: f64,
+    /// Variance over that of the stated noise.
+    pub reduced_chi_squared: f64,
+    /// Autocorrelation at one sample.
+    pub autocorrelation: f64,
+}
+
+/// Curvature in units of the diagonal below which a direction counts as not determined: noise of
+/// the slopes is some 1e-5 of them.
+const FLAT: f64 = 1e-10;
+/// Share of an unknown in such directions from which on it is not determined itself.
+const SHARE: f64 = 1e-3;
+
+pub(super) fn uncertainty(objective: &Objective, found: &Found) -> Uncertainty {
+    let n = found.x.len();
+    let hessian = &found.at.hessian;
+    let (inverse, is_determined) = pseudo_inverse(hessian);
+    let mut spread = DMatrix::zeros(n, n);
+    let mut tracks = Vec::new();
+    for (r, block) in found.at.carried.blocks.iter().enumerate() {
+        let locals = &objective.part.locals[r];
+        let mut own = DMatrix::zeros(locals.len(), locals.len());
+        let mut of_release = Vec::new();
+        for (t, series) in block.iter().enumerate() {
+            let lost = locals.len() as f64 / block.len() as f64;
+            let measured = objective.measured[r];
+            let grid: Vec<usize> = series.samples.iter().map(|k| measured.samples[*k]).collect();
+            of_release.push(add_series(series, &grid, found.view.loss[r], lost, measured.noise[t], &mut own));
+        }
+        tracks.push(of_release);
+        for (a, local) in locals.iter().enumerate() {
+            for (b, other) in locals.iter().enumerate() {
+                spread[(local.unknown, other.unknown)] += own[(a, b)];
+            }
+        }
+    }
+    for (k, unknown) in objective.part.unknowns.iter().enumerate() {
+        if let Some(prior) = unknown.prior {
+            spread[(k, k)] += (unknown.scaled.slope(found.x[k]) / prior.deviation).powi(2);
+        }
+    }
+    let covariance = &inverse * spread * &inverse;
+    Uncertainty { covariance, plain: inverse, is_determined, tracks }
+}
+
+/// Adds what one track's noise does to the gradient; says what its residuals look like. `samples` are
+/// their places in the recording, gaps included.
+fn add_series(
+    series: &Series,
+    samples: &[usize],
+    loss: Huber,
+    lost: f64,
+    noise: f64,
+    spread: &mut DMatrix<f64>,
+) -> TrackStatistics {
+    let count = series.residual.len();
+    let first = samples.first().copied().unwrap_or(0);
+    let last = samples.last().map_or(0, |last| last + 1 - first);
+    let mut grid: Vec<Option<[f64; 2]>> = vec![None; last];
+    let mut place = vec![usize::MAX; last];
+    let (mut sum, mut held_back) = (0.0, 0);
+    for (k, (sample, residual)) in samples.iter().zip(&series.residual).enumerate() {
+        let weight = loss.weight(residual[0].hypot(residual[1]));
+        let counted = residual.map(|r| weight * r);
+        held_back += usize::from(weight < 1.0);
+        sum += counted[0] * counted[0] + counted[1] * counted[1];
+        grid[sample - first] = Some(counted);
+        place[sample - first] = k;
+    }
+    // Degrees of freedom that the unknowns have taken.
+    let left = (2.0 * count as f64 - lost).max(1.0);
+    let variance = sum / left;
+    let found = Autocovariance::of(&grid);
+    let widen = if found.by_lag[0] > 0.0 { variance / found.by_lag[0] } else { 1.0 };
+    for (lag, value) in found.by_lag.iter().enumerate() {
+        let value = widen * value;
+        for sample in 0..last.saturating_sub(lag) {
+            let (a, b) = (place[sample], place[sample + lag]);
+            if a == usize::MAX || b == usize::MAX {
+                continue;
+            }
+            add_product(
+                &series.slopes[a],
+                &series.slopes[b],
+                if lag == 0 { 0.5 * value } else { value },
+                spread,
+            );
+        }
+    }
+    TrackStatistics {
+        samples: count,
+        held_back,
+        noise: noise * variance.sqrt(),
+        rms: noise * (sum / (count.max(1)) as f64).sqrt(),
+        reduced_chi_squared: variance,
+        autocorrelation: found.next,
+    }
+}
+
+/// Adds `value (a bᵀ + b aᵀ)`, both axes.
+fn add_product(a: &[[f64; 2]], b: &[[f64; 2]], value: f64, sum: &mut DMatrix<f64>) {
+    for i in 0..a.len() {
+        for j in 0..b.len() {
+            let product = value * (a[i][0] * b[j][0] + a[i][1] * b[j][1]);
+            sum[(i, j)] += product;
+            sum[(j, i)] += product;
+        }
+    }
+}
+
+/// Inverse over the directions that are determined, and which unknowns these hold.
+pub(super) fn pseudo_inverse(hessian: &DMatrix<f64>) -> (DMatrix<f64>, Vec<bool>) {
+    let n = hessian.nrows();
+    let size = DVector::from_fn(n, |k, _| match hessian[(k, k)] {
+        h if h > 0.0 => h.sqrt(),
+        _ => 0.0,
+    });
+    let unit = |k: usize| if size[k] > 0.0 { size[k].recip() } else { 0.0 };
+    let scaled = DMatrix::from_fn(n, n, |a, b| hessian[(a, b)] * unit(a) * unit(b));
+    let eigen = SymmetricEigen::new(scaled);
+    let most = eigen.eigenvalues.amax();
+    let mut inverse = DMatrix::zeros(n, n);
+    let mut flat_share = vec![0.0; n];
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > FLAT * most {
+            inverse += vector * vector.transpose() / *value;
+        } else {
+            for (share, v) in flat_share.iter_mut().zip(vector.iter()) {
+                *share += v * v;
+            }
+        }
+    }
+    let inverse = DMatrix::from_fn(n, n, |a, b| inverse[(a, b)] * unit(a) * unit(b));
+    let is_determined = (0..n).map(|k| size[k] > 0.0 && flat_share[k] < SHARE).collect();
+    (inverse, is_determined)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_without_curvature_is_not_determined() {
+        // Only the sum of the first two is known; the fourth not at all.
+        #[rustfmt::skip]
+        let hessian = DMatrix::from_row_slice(4, 4, &[
+            4.0, 4.0, 0.0, 0.0,
+            4.0, 4.0, 0.0, 0.0,
+            0.0, 0.0, 9.0, 0.0,
+            0.0, 0.0, 0.0, 0.0,
+        ]);
+        let (inverse, is_determined) = pseudo_inverse(&hessian);
+        assert_eq!(is_determined, [false, false, true, false]);
+        assert!((inverse[(2, 2)] - 1.0 / 9.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,67 @@
+//! What should be known before the numbers of a calibration are used.
+
+use super::Fitted;
+use super::calibration::{Calibrated, ReleaseFit};
+
+/// Variance over that of the stated noise from which on something is missing.
+const MISFIT: f64 = 1.5;
+/// Share of samples held back that is more than chance and a few ghosts.
+const HELD_BACK: f64 = 0.04;
+/// Share of the noise that the errors of mesh and step may have.
+const NUMERICS: f64 = 0.1;
+/// Deviations from which on a nuisance contradicts what was said of it.
+const CONTRADICTS: f64 = 3.0;
+
+pub(super) fn of_search(fit: &Fitted) -> Option<String> {
+    let names: Vec<_> = fit.part.members.iter().map(|trial| trial.release.name.as_str()).collect();
+    (!fit.found.converged).then(|| {
+        format!(
+            "the search for {} did not come to rest after {} evaluations, another step would still lower the cost by {:.2e}; see whether the model can follow these releases at all",
+            names.join(", "),
+            fit.found.evaluations,
+            fit.found.predicted
+        )
+    })
+}
+
+pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
+    let mut words = Vec::new();
+    let name = &fit.name;
+    for track in &fit.tracks {
+        let marker = &track.marker;
+        if track.reduced_chi_squared > MISFIT {
+            words.push(format!(
+                "{name}, {marker}: residuals of {:.3} mm where the noise is {:.3} mm, autocorrelation {:.2}: the model lacks something that the recording shows, or the noise is understated; the intervals are widened for it, but not for a wrong model",
+                track.noise_mm, track.stated_noise_mm, track.autocorrelation
+            ));
+        }
+        if track.held_back as f64 > HELD_BACK * track.samples as f64 {
+            words.push(format!(
+                "{name}, {marker}: {} of {} samples lie so far off that they are held back; look at the residuals",
+                track.held_back, track.samples
+            ));
+        }
+    }
+    let noise = fit.tracks.iter().map(|track| track.noise_mm).fold(f64::INFINITY, f64::min);
+    let left = fit.numerical_error_left_mm;
+    if left > NUMERICS * noise {
+        let finer = (left / (NUMERICS * noise)).sqrt();
+        words.push(format!(
+            "{name}: mesh and step may leave {left:.3} mm, more than a tenth of the noise ({noise:.3} mm); take {finer:.1} times as many nodes (rod.nodes)"
+        ));
+    }
+    words
+}
+
+pub(super) fn of_nuisance(found: &Calibrated) -> Option<String> {
+    let prior = found.prior?;
+    let off = (found.value - prior.mean) / prior.deviation;
+    (off.abs() > CONTRADICTS).then(|| {
+        format!(
+            "{} came out at {}, {:.1} times the deviation that was admitted; check the recording, or admit more in [calibrate]",
+            found.label(),
+            models::quantity::format_si(found.value, &found.unit),
+            off.abs()
+        )
+    })
+}
