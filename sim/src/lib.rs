@@ -2,6 +2,7 @@
 
 pub mod analysis;
 pub mod calibrate;
+pub mod cleaning;
 pub mod experiment;
 pub mod forward;
 pub mod integrate;

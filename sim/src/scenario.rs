@@ -30,10 +30,10 @@
 //!
 //! Every quantity carries its unit. What is left out has the value above, except the payload.
 
-mod case;
-mod document;
+pub(crate) mod case;
+pub(crate) mod document;
 mod error;
-mod plan;
+pub(crate) mod plan;
 mod posture;
 mod resolved;
 

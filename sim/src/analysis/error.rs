@@ -83,4 +83,17 @@ pub enum AnalysisError {
         /// Length of muscle and end fitting, m.
         reach: f64,
     },
+    /// No bending stiffness gives this frequency.
+    #[error(
+        "natural frequency {:.3} Hz: no bending stiffness from 1/{reach} to {reach} times {bending_stiffness:.3e} \
+         N m^2 gives it; check the mass of rod and end fitting", natural_frequency / std::f64::consts::TAU
+    )]
+    FrequencyOutOfReach {
+        /// Natural angular frequency, rad/s.
+        natural_frequency: f64,
+        /// Where the search began, N m².
+        bending_stiffness: f64,
+        /// How far it went, as a factor.
+        reach: f64,
+    },
 }

@@ -6,19 +6,26 @@
 //!             │                                       ▼
 //!             ├─────▶ peaks (needs the period) ─▶ decay: eq. 6 and 7; cycle by cycle
 //!             └─────▶ settling
-//! tip at rest ──────▶ bending_stiffness
+//! tip at rest ──────▶ bending_stiffness, static_stiffness: several models side by side
+//! natural frequency ▶ dynamic_stiffness
+//! Release ─▶ gaps ──▶ measured: all of it for a recording
 //! ```
 //!
 //! Simulated and measured tips take the same way, so that their numbers can be compared.
 
 pub mod bending_stiffness;
 pub mod decay;
+pub mod dynamic_stiffness;
 mod error;
 pub mod excursion;
+pub mod gaps;
+pub mod measured;
 pub mod nelder_mead;
 pub mod peaks;
 pub mod settling;
 pub mod spectrum;
+pub mod static_stiffness;
+pub mod swing;
 
 pub use error::AnalysisError;
 pub use excursion::Excursion;

@@ -1,3 +1,164 @@
 //! An experiment: recordings, what was measured in each, and the releases that are cut out of them.
+//!
+//! ```toml
+//! name = "beam"
+//! [rod]                          # the model: [muscle] without its pressure, [rod], [effects.*] and
+//! length = "100 mm"              # [integrator] as in a scenario; without them only what needs no
+//! …                              # model is done
+//!
+//! [[recording]]
+//! file = "15psi.csv"             # relative to this file
+//! pressure = "15 psi"            # needed with a [muscle]
+//! payload = "80 g"               # or { mass = "80 g", center_of_mass = "1 in", rotary_inertia = … }
+//! tip = ["Tip - 1", "Tip - 2"]   # one marker, or several whose centroid it is
+//! body = [{ marker = "M3", at = "120 mm" }]   # from the clamp, or a share of the active length
+//! base = ["Base - 1", "Base - 2", "Base - 3"] # or one rigid body
+//! unit = "mm"                    # what the file's numbers are in, where it is silent or wrong
+//! rate = "100 Hz"                # likewise
+//! up = "+x"                      # against gravity, in the file's frame: an axis or [x, y, z]
+//! along = "+z"                   # from the clamp along the rod, likewise
+//! clamp = ["0 mm", "0 mm", "0 mm"]            # where the rod leaves the clamp, in the file's frame
+//! angle = "0 deg"                # of the straight rod while it is held; then offset = "hold"
+//! offset = "hold"                # of the tip marker from the rod's end, taken off: "hold", "none",
+//!                                # or ["0 mm", "22 mm"], along and across the rod at the hold
+//! instants = ["0.71 s"]          # of release, on the recording's clock, instead of those found
+//! keep = [1, 3]                  # releases that are used; or drop = [2]
+//! held_out = true                # locked away from every fit; or [3]
+//! noise = "0.1 mm"               # of each coordinate, instead of what is found
+//! spurious = "mask"              # or "keep"
+//! mask = [["1.2 s", "1.3 s"]]    # on the recording's clock: not to be used
+//! [[recording.release]]          # one of them otherwise
+//! number = 2
+//! angle = "10 deg"
+//! instant = "25.31 s"
+//!
+//! [calibrate]                    # read by the calibration
+//! ```
 
+mod direction;
+mod entry;
+mod error;
 pub mod release;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::recording::{ReadOptions, Recording};
+use crate::scenario::document::{Document, Keys};
+use crate::scenario::plan::{self, Plan};
+use crate::scenario::{Case, Problem, ScenarioError, case};
+
+pub use direction::Direction;
+pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Payload};
+pub use error::ExperimentError;
+
+/// An experiment, read and checked; its recordings are not read yet.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// Name: as given, or that of the file.
+    pub name: String,
+    /// Its file.
+    pub path: PathBuf,
+    /// The recordings, in the order of the file.
+    pub recordings: Vec<Entry>,
+    document: Document,
+    plan: Option<Plan>,
+}
+
+impl Experiment {
+    /// Reads an experiment and sets `overrides` over it, each as `path=value`.
+    /// # Errors
+    /// [`ExperimentError::Document`], with file, line and column where there is one.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Experiment, ExperimentError> {
+        let text = fs::read_to_string(path).map_err(|error| ScenarioError {
+            at: None,
+            problem: Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() }
+                .into(),
+        })?;
+        Experiment::parse(path, &text, overrides)
+    }
+
+    /// The experiment that a text describes; files in it are relative to `path`.
+    /// # Errors
+    /// As [`Experiment::load`].
+    pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Experiment, ExperimentError> {
+        let base = path.parent().unwrap_or(Path::new(""));
+        let mut document = Document::parse(&path.display().to_string(), text, base)?;
+        for argument in overrides {
+            document.set(argument)?;
+        }
+        let keys = document.keys();
+        keys.only(&["name", "muscle", "rod", "effects", "integrator", "recording", "calibrate"])?;
+        let plan = Plan::of_experiment(&document)?;
+        let has_muscle = plan.as_ref().is_some_and(|plan| plan.muscle.is_some());
+        let tables = keys.tables("recording")?;
+        if tables.is_empty() {
+            let example = "[[recording]] with file = \"15psi.csv\" and tip = \"Tip\" under it";
+            return Err(keys.missing("recording", example).into());
+        }
+        let recordings = tables
+            .iter()
+            .map(|table| Entry::read(&document, table, has_muscle))
+            .collect::<Result<Vec<_>, _>>()?;
+        let stem = || path.file_stem().map_or("experiment".to_owned(), |stem| stem.to_string_lossy().into());
+        let name = plan::read_name(&keys)?.unwrap_or_else(stem);
+        Ok(Experiment { name, path: path.to_owned(), recordings, document, plan })
+    }
+
+    /// Whether it says what was recorded, so that a model can be compared with it.
+    pub fn has_model(&self) -> bool {
+        self.plan.is_some()
+    }
+
+    /// The model of a recording, counted from 0, with the recording's pressure, payload and `angle` (rad)
+    /// at release, 0 where it is not known; nothing without [`Self::has_model`].
+    /// # Errors
+    /// [`ExperimentError::Document`] for what the muscle or the model refuses.
+    pub fn case(&self, recording: usize, angle: Option<f64>) -> Result<Option<Case>, ExperimentError> {
+        let Some(plan) = &self.plan else { return Ok(None) };
+        let entry = &self.recordings[recording];
+        let mut plan = plan.clone();
+        plan.angle = angle.or(entry.angle).unwrap_or(0.0);
+        let payload = entry.payload.effect();
+        match plan.effects.iter_mut().find(|(name, _)| *name == payload.0) {
+            Some(given) if entry.payload.is_given => *given = payload,
+            Some(_) => {}
+            None => plan.effects.push(payload),
+        }
+        let key = format!("{}.pressure", entry.key);
+        let pressure = plan.muscle.is_some().then_some(entry.pressure).flatten();
+        let case = case::at_pressure(&self.document, &plan, entry.name.clone(), pressure, &key)?;
+        Ok(Some(case))
+    }
+
+    /// Reads the file of a recording, counted from 0.
+    /// # Errors
+    /// [`ExperimentError::Recording`], [`ExperimentError::Document`] for a file that is not there.
+    pub fn read(&self, recording: usize) -> Result<Recording, ExperimentError> {
+        let entry = &self.recordings[recording];
+        if let Err(error) = fs::metadata(&entry.file) {
+            let file = entry.file.display().to_string();
+            let problem = Problem::Unreadable { file, reason: error.to_string() };
+            return Err(self.document.error_of(&format!("{}.file", entry.key), problem).into());
+        }
+        let unit = entry.unit.as_deref().and_then(|unit| unit.parse().ok());
+        let options = ReadOptions { unit, rate_hz: entry.rate };
+        crate::recording::read(&entry.file, &options).map_err(ExperimentError::Recording)
+    }
+
+    /// A table of the file that others read, such as `calibrate`, with its places for messages.
+    /// # Errors
+    /// [`ExperimentError::Document`] if the key is there and no table.
+    #[allow(dead_code)] // the calibration is its reader
+    pub(crate) fn section(&self, key: &str) -> Result<Keys<'_>, ExperimentError> {
+        Ok(self.document.keys().table(key)?)
+    }
+
+    /// The error that the value of a key, such as `recording[1].tip`, is wrong.
+    pub(crate) fn wrong(&self, key: &str, problem: Problem) -> ExperimentError {
+        self.document.error_of(key, problem).into()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -29,3 +29,32 @@ pub struct Marker {
     /// for a point.
     pub orientation: Option<Vec<Option<[f64; 4]>>>,
 }
+
+// STUB
+/// Stub.
+#[derive(Debug, thiserror::Error)]
+#[error("stub")]
+pub struct RecordingError;
+/// Stub.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// Stub.
+    pub unit: Option<Length>,
+    /// Stub.
+    pub rate_hz: Option<f64>,
+}
+/// Stub.
+#[derive(Clone, Copy, Debug)]
+pub struct Length;
+impl std::str::FromStr for Length {
+    type Err = RecordingError;
+    fn from_str(_: &str) -> Result<Self, RecordingError> {
+        Ok(Length)
+    }
+}
+/// Stub.
+/// # Errors
+/// Stub.
+pub fn read(_: &std::path::Path, _: &ReadOptions) -> Result<Recording, RecordingError> {
+    Err(RecordingError)
+}

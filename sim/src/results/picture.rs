@@ -1,7 +1,9 @@
 //! Pictures of runs, as SVG: readable without colour, and told apart by those who see few.
 
+mod measured;
 mod panel;
 mod pressures;
+mod recording;
 
 use models::model::Model;
 use models::snapshot::Energy;
@@ -16,7 +18,9 @@ use super::total;
 use crate::trajectory::{Status, Trajectory};
 use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
 
+pub use measured::measured;
 pub use pressures::{PressureRow, pressures};
+pub use recording::recording;
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);
 const GREY: RGBColor = RGBColor(110, 110, 110);

@@ -10,6 +10,7 @@ use models::posture::Posture;
 use models::pressure::PressureSchedule;
 use models::quantity::{Quantity, format_si};
 
+use super::document::Document;
 use super::error::{Problem, ScenarioError};
 use super::plan::{From, Hold, MassPlan, MusclePlan, Plan, Pressure, ROD};
 use super::{Case, Scenario, resolved};
@@ -20,7 +21,8 @@ use crate::forward::{Initial, Run};
 const STRETCH: [f64; 2] = [0.01, 0.5];
 
 pub(super) fn cases(scenario: &Scenario) -> Result<Vec<Case>, ScenarioError> {
-    let builder = Builder { scenario, plan: &scenario.plan };
+    let builder =
+        Builder { document: &scenario.document, plan: &scenario.plan, pressure_key: "muscle.pressure" };
     let Some(muscle) = &scenario.plan.muscle else {
         return Ok(vec![builder.case(scenario.name.clone(), None)?]);
     };
@@ -30,7 +32,19 @@ pub(super) fn cases(scenario: &Scenario) -> Result<Vec<Case>, ScenarioError> {
         Pressure::AllRows => (muscle.muscle.pressures().iter())
             .map(|pressure| builder.case(format!("{}-{}", scenario.name, psi(*pressure)), Some(*pressure)))
             .collect(),
+        Pressure::Elsewhere => unreachable!("a scenario says its pressure"),
     }
+}
+
+/// The case of an experiment's plan at a pressure, Pa, that stands at `pressure_key`.
+pub(crate) fn at_pressure(
+    document: &Document,
+    plan: &Plan,
+    name: String,
+    pressure: Option<f64>,
+    pressure_key: &str,
+) -> Result<Case, ScenarioError> {
+    Builder { document, plan, pressure_key }.case(name, pressure)
 }
 
 /// `005psi`: sorts as the pressures do.
@@ -42,8 +56,10 @@ fn psi(pressure: f64) -> String {
 }
 
 struct Builder<'a> {
-    scenario: &'a Scenario,
+    document: &'a Document,
     plan: &'a Plan,
+    /// Where the pressure at release stands.
+    pressure_key: &'a str,
 }
 
 impl Builder<'_> {
@@ -63,7 +79,7 @@ impl Builder<'_> {
                         schedule = Some(built);
                         at_release
                     }
-                    _ => self.at(muscle, pressure.unwrap_or_default(), "muscle.pressure", &mut warnings)?,
+                    _ => self.at(muscle, pressure.unwrap_or_default(), self.pressure_key, &mut warnings)?,
                 };
                 at = Some(at_release.pressure);
                 effects = of_muscle(muscle, &at_release);
@@ -105,8 +121,7 @@ impl Builder<'_> {
 
     fn plain_rod(&self) -> Result<Rod<f64>, ScenarioError> {
         let needed = |k: usize, example: &'static str| {
-            let missing =
-                || self.scenario.document.keys().table("rod").map(|rod| rod.missing(ROD[k].0, example));
+            let missing = || self.document.keys().table("rod").map(|rod| rod.missing(ROD[k].0, example));
             match self.plan.rod[k] {
                 Some(value) => Ok(value),
                 None => Err(missing()?),
@@ -129,7 +144,7 @@ impl Builder<'_> {
         warnings: &mut Vec<String>,
     ) -> Result<AtPressure, ScenarioError> {
         let at = muscle.muscle.at(pressure, &muscle.stiffness, muscle.extrapolation);
-        let at = at.map_err(|error| self.scenario.document.error_of(key, Problem::Muscle(error)))?;
+        let at = at.map_err(|error| self.document.error_of(key, Problem::Muscle(error)))?;
         if let Some(extrapolated) = at.extrapolated {
             warnings.push(format!("{key}: {extrapolated}"));
         }
@@ -148,7 +163,7 @@ impl Builder<'_> {
         warnings.dedup();
         PressureSchedule::new(muscle.muscle.clone(), &muscle.stiffness, muscle.extrapolation, rows)
             .map(Arc::new)
-            .map_err(|error| self.scenario.document.error_of("muscle.pressure", Problem::Muscle(error)))
+            .map_err(|error| self.document.error_of("muscle.pressure", Problem::Muscle(error)))
     }
 
     /// Effects that only hold the rod are part of the model, but off, once it is let go.
@@ -168,7 +183,7 @@ impl Builder<'_> {
             if off.is_empty() && !is_zero {
                 let message = format!("say what it is after the release; add [effects.{name}]");
                 let path = format!("release.hold.effects.{name}");
-                return Err(self.scenario.document.error_of(&path, Problem::Other { message }));
+                return Err(self.document.error_of(&path, Problem::Other { message }));
             }
             effects.push(((*name).to_owned(), off));
         }
@@ -224,7 +239,7 @@ impl Builder<'_> {
             );
             if stretch > STRETCH[1] {
                 let message = format!("{message}; give points of the whole active length, in metres");
-                return Err(self.scenario.document.error_of("release.posture", Problem::Other { message }));
+                return Err(self.document.error_of("release.posture", Problem::Other { message }));
             }
             warnings.push(format!("release.posture: {message}"));
         }
@@ -233,7 +248,7 @@ impl Builder<'_> {
 
     /// Says where in the scenario the value stands that a model refuses.
     fn of_model(&self, prefix: &str, error: ModelError) -> ScenarioError {
-        let document = &self.scenario.document;
+        let document = self.document;
         match error {
             ModelError::OutOfRange { path, value, low, high, unit } => {
                 let unit = unit.trim();

@@ -1,5 +1,7 @@
 //! A TOML text of which every value knows where it stands, and values that are set over it.
 
+mod lists;
+
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +14,7 @@ use super::error::{At, Problem, ScenarioError};
 
 /// A scenario's text and what was set over it.
 #[derive(Clone, Debug)]
-pub(super) struct Document {
+pub(crate) struct Document {
     sources: Vec<Source>,
     root: Item,
 }
@@ -28,13 +30,13 @@ struct Source {
 
 /// Where something stands.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(crate) struct Place {
     source: usize,
     span: Range<usize>,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Item {
+pub(crate) struct Item {
     place: Place,
     value: Value,
 }
@@ -44,6 +46,7 @@ enum Value {
     Text(String),
     /// Of an integer or a float, as written.
     Number(String),
+    Flag(bool),
     /// What no key takes.
     Other,
     Array(Vec<Item>),
@@ -101,10 +104,25 @@ impl Document {
         let mut table = &mut self.root;
         let mut keys: Vec<&str> = path.split('.').collect();
         let last = keys.pop().unwrap_or_default();
-        for key in keys {
+        for part in keys {
+            let (key, member) = split_index(part);
             let Value::Table(entries) = &mut table.value else {
                 return Err(self.error(&key_place, path, Problem::WrongType { due: "a table" }));
             };
+            if let Some(member) = member {
+                let list =
+                    entries.iter_mut().find(|entry| entry.key == key).map(|entry| &mut entry.item.value);
+                let found = match list {
+                    Some(Value::Array(items)) => items.get_mut(member.wrapping_sub(1)),
+                    _ => None,
+                };
+                let Some(item) = found else {
+                    let message = format!("there is no {part}; members count from one");
+                    return Err(self.error(&key_place, path, Problem::Other { message }));
+                };
+                table = item;
+                continue;
+            }
             let known = entries.iter().position(|entry| entry.key == key);
             let index = known.unwrap_or_else(|| {
                 let item = Item { place: key_place.clone(), value: Value::Table(Vec::new()) };
@@ -146,17 +164,7 @@ impl Document {
 
     /// The error that the value of `path` is wrong, wherever it comes from.
     pub fn error_of(&self, path: &str, problem: Problem) -> ScenarioError {
-        let mut keys = self.keys();
-        let mut place = None;
-        for key in path.split('.') {
-            let Some(entry) = keys.entry(key) else {
-                place = None;
-                break;
-            };
-            place = Some(entry.item.place.clone());
-            keys = Keys { item: Some(&entry.item), ..keys };
-        }
-        match place {
+        match self.find(path).map(|item| item.place.clone()) {
             Some(place) => self.error(&place, path, problem),
             None => ScenarioError {
                 at: Some(At {
@@ -170,6 +178,21 @@ impl Document {
         }
     }
 
+    /// The item at a path such as `recording[2].tip`; members of a list count from one.
+    fn find(&self, path: &str) -> Option<&Item> {
+        let mut item = &self.root;
+        for part in path.split('.') {
+            let (key, index) = split_index(part);
+            let Value::Table(entries) = &item.value else { return None };
+            item = &entries.iter().find(|entry| entry.key == key)?.item;
+            if let Some(index) = index {
+                let Value::Array(items) = &item.value else { return None };
+                item = items.get(index.checked_sub(1)?)?;
+            }
+        }
+        Some(item)
+    }
+
     /// Where a file that is named at a place lies.
     pub fn file(&self, place: &Place, name: &str) -> PathBuf {
         self.sources[place.source].base.join(name)
@@ -178,7 +201,7 @@ impl Document {
 
 /// A table of a document, or none where it is not given.
 #[derive(Clone)]
-pub(super) struct Keys<'a> {
+pub(crate) struct Keys<'a> {
     document: &'a Document,
     /// Path of the table, empty for the root.
     pub path: String,
@@ -349,7 +372,17 @@ impl<'a> Keys<'a> {
     }
 }
 
-fn is_key(key: &str) -> bool {
+/// `recording[2]` into `recording` and 2.
+fn split_index(part: &str) -> (&str, Option<usize>) {
+    let inside = part.strip_suffix(']').and_then(|part| part.split_once('['));
+    match inside.and_then(|(key, index)| Some((key, index.parse().ok()?))) {
+        Some((key, index)) => (key, Some(index)),
+        None => (part, None),
+    }
+}
+
+fn is_key(part: &str) -> bool {
+    let key = split_index(part).0;
     !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
 }
 
@@ -380,6 +413,7 @@ fn of(value: &DeValue, place: &dyn Fn(Range<usize>) -> Place) -> Value {
                 .collect(),
         ),
         DeValue::Table(table) => Value::Table(entries(table, place)),
-        DeValue::Boolean(_) | DeValue::Datetime(_) => Value::Other,
+        DeValue::Boolean(flag) => Value::Flag(*flag),
+        DeValue::Datetime(_) => Value::Other,
     }
 }

@@ -14,7 +14,7 @@ use crate::integrate::Method;
 
 /// What a scenario says, in SI units; `None` where it says nothing.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     pub name: Option<String>,
     pub muscle: Option<MusclePlan>,
     /// Values of [`ROD`].
@@ -33,10 +33,10 @@ pub(super) struct Plan {
 }
 
 /// An effect and the parameters that are given.
-pub(super) type EffectPlan = (&'static str, Vec<(&'static Parameter, f64)>);
+pub(crate) type EffectPlan = (&'static str, Vec<(&'static Parameter, f64)>);
 
 #[derive(Clone, Debug)]
-pub(super) struct MusclePlan {
+pub(crate) struct MusclePlan {
     pub muscle: Muscle,
     /// Its file.
     pub text: String,
@@ -47,22 +47,24 @@ pub(super) struct MusclePlan {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum MassPlan {
+pub(crate) enum MassPlan {
     Conserved,
     PerLength,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Pressure {
+pub(crate) enum Pressure {
     Constant(f64),
     /// Rows of time and pressure.
     Schedule(Vec<(f64, f64)>),
     AllRows,
+    /// Each recording of an experiment has its own.
+    Elsewhere,
 }
 
 /// Where the rod starts.
 #[derive(Clone, Debug)]
-pub(super) enum From {
+pub(crate) enum From {
     Straight,
     Equilibrium(Hold),
     /// Points with velocities: x, z, vx, vz.
@@ -71,14 +73,14 @@ pub(super) enum From {
 
 /// What is different while the rod is held.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Hold {
+pub(crate) struct Hold {
     pub pressure: Option<f64>,
     pub rod: [Option<f64>; 5],
     pub effects: Vec<EffectPlan>,
 }
 
 /// Keys and units of what a rod itself has.
-pub(super) const ROD: [(&str, &str); 5] = [
+pub(crate) const ROD: [(&str, &str); 5] = [
     ("length", "m"),
     ("mass", "kg"),
     ("bending_stiffness", "N m^2"),
@@ -86,7 +88,7 @@ pub(super) const ROD: [(&str, &str); 5] = [
     ("diameter", "m"),
 ];
 
-pub(super) const METHODS: [(&str, Method); 5] = [
+pub(crate) const METHODS: [(&str, Method); 5] = [
     ("auto", Method::Auto),
     ("verlet", Method::Verlet),
     ("rodas4", Method::Rodas4),
@@ -99,15 +101,34 @@ const MOST_SAMPLES: f64 = 1e7;
 
 impl Plan {
     pub fn read(document: &Document) -> Result<Plan, ScenarioError> {
+        document.keys().only(&["name", "muscle", "rod", "release", "run", "integrator", "effects"])?;
+        Plan::of(document, true)
+    }
+
+    /// The model of an experiment, whose muscle has its pressure elsewhere; none without muscle and rod.
+    pub fn of_experiment(document: &Document) -> Result<Option<Plan>, ScenarioError> {
         let keys = document.keys();
-        keys.only(&["name", "muscle", "rod", "release", "run", "integrator", "effects"])?;
+        if ["muscle", "rod"].into_iter().any(|key| keys.has(key)) {
+            return Plan::of(document, false).map(Some);
+        }
+        match ["effects", "integrator"].into_iter().find(|key| keys.has(key)) {
+            None => Ok(None),
+            Some(key) => {
+                let message = "belongs to a model; add [rod] or [muscle]".to_owned();
+                Err(keys.wrong(key, Problem::Other { message }))
+            }
+        }
+    }
+
+    fn of(document: &Document, has_pressure: bool) -> Result<Plan, ScenarioError> {
+        let keys = document.keys();
         let rod = keys.table("rod")?;
         rod.only(&[&["nodes", "root", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat())?;
         let release = keys.table("release")?;
         release.only(&["angle", "angular_velocity", "from", "posture", "nodes", "hold"])?;
         let (rate, run) = read_run(&keys)?;
         let roots = [("consistent", Root::Consistent), ("paper", Root::Paper)];
-        let muscle = read_muscle(document, &keys.table("muscle")?)?;
+        let muscle = read_muscle(document, &keys.table("muscle")?, has_pressure)?;
         Ok(Plan {
             name: read_name(&keys)?,
             rod: read_rod(&rod)?,
@@ -130,7 +151,7 @@ impl Plan {
     }
 }
 
-fn read_name(keys: &Keys) -> Result<Option<String>, ScenarioError> {
+pub(crate) fn read_name(keys: &Keys) -> Result<Option<String>, ScenarioError> {
     let Some((name, _)) = keys.text("name")? else { return Ok(None) };
     let fit = |c: char| c.is_alphanumeric() || "-_.+ ".contains(c);
     if name.trim().is_empty() || name.starts_with('.') || !name.chars().all(fit) {
@@ -148,7 +169,11 @@ fn read_rod(rod: &Keys) -> Result<[Option<f64>; 5], ScenarioError> {
     Ok(values)
 }
 
-fn read_muscle(document: &Document, keys: &Keys) -> Result<Option<MusclePlan>, ScenarioError> {
+fn read_muscle(
+    document: &Document,
+    keys: &Keys,
+    has_pressure: bool,
+) -> Result<Option<MusclePlan>, ScenarioError> {
     if !keys.is_given() {
         return Ok(None);
     }
@@ -194,12 +219,23 @@ fn read_muscle(document: &Document, keys: &Keys) -> Result<Option<MusclePlan>, S
     let masses = [("conserved", MassPlan::Conserved), ("per_length", MassPlan::PerLength)];
     Ok(Some(MusclePlan {
         text,
-        pressure: read_pressure(keys)?,
+        pressure: if has_pressure { read_pressure(keys)? } else { elsewhere(keys)? },
         stiffness,
         extrapolation,
         mass: keys.word("mass", &masses)?.unwrap_or(MassPlan::Conserved),
         muscle,
     }))
+}
+
+/// Recordings have their pressures.
+fn elsewhere(keys: &Keys) -> Result<Pressure, ScenarioError> {
+    match keys.has("pressure") {
+        false => Ok(Pressure::Elsewhere),
+        true => {
+            let message = "each [[recording]] has its own pressure; move it there".to_owned();
+            Err(keys.wrong("pressure", Problem::Other { message }))
+        }
+    }
 }
 
 fn read_pressure(keys: &Keys) -> Result<Pressure, ScenarioError> {

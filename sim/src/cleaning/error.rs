@@ -1,0 +1,86 @@
+//! What keeps a recording from being cleaned.
+
+/// Why there is nothing to fit in a recording.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CleaningError {
+    /// Too few samples.
+    #[error("{file}: {samples} samples; a release needs at least {least}: export the whole recording")]
+    TooShort {
+        /// The recording.
+        file: String,
+        /// Samples met.
+        samples: usize,
+        /// Samples needed.
+        least: usize,
+    },
+    /// No sample of the tip is left.
+    #[error(
+        "{file}: the tip ({marker}) is seen in {seen} of {samples} samples; \
+         a release needs at least {least}: choose another marker as {key}.tip, or leave the recording out"
+    )]
+    TipLost {
+        /// The recording.
+        file: String,
+        /// The markers.
+        marker: String,
+        /// Samples in which it is seen.
+        seen: usize,
+        /// All samples.
+        samples: usize,
+        /// Samples needed.
+        least: usize,
+        /// Where the recording stands in the experiment file.
+        key: String,
+    },
+    /// No release.
+    #[error(
+        "{file}: no release in it: {why}; check that {key}.tip is the marker at the tip, or give the \
+         instant yourself, such as {key}.instants = [\"0.71 s\"]"
+    )]
+    NoRelease {
+        /// The recording.
+        file: String,
+        /// What was seen instead.
+        why: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+    },
+    /// An instant of release that the recording does not have.
+    #[error(
+        "{file}: {key}.instants: {instant} s is not inside the recording, which lasts from {from:.3} to {to:.3} s"
+    )]
+    InstantOutside {
+        /// The recording.
+        file: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+        /// The instant, s.
+        instant: f64,
+        /// First sample, s.
+        from: f64,
+        /// Last sample, s.
+        to: f64,
+    },
+    /// A release that there is not.
+    #[error("{file}: {key}: there is no release {number}; {found} were found")]
+    NoSuchRelease {
+        /// The recording.
+        file: String,
+        /// Where the number stands in the experiment file.
+        key: String,
+        /// The number, from one.
+        number: usize,
+        /// Releases in the recording.
+        found: usize,
+    },
+    /// Gravity cannot be told from the data.
+    #[error("{file}: which way is up cannot be seen in it: {why}; say it, such as {key}.up = \"+z\"")]
+    NoVertical {
+        /// The recording.
+        file: String,
+        /// What was seen instead.
+        why: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+    },
+}

@@ -1,0 +1,234 @@
+//! The frame at the clamp: x level and away from the clamp in the plane of the swing, z against gravity.
+//!
+//! Up is given, or an axis of the file: systems are calibrated with one axis vertical. Which one shows
+//! in the first fall, which gravity begins, and else in a rod that hangs. The plane is that of the
+//! swing where the tip moves far enough sideways to show it, else that through clamp and held tip.
+
+use nalgebra::{Matrix2, SymmetricEigen, Vector3};
+
+use super::CleaningError;
+use super::base::BasePose;
+use super::cycles::Cut;
+use super::decision::{Log, mm};
+use super::onset::first_fall;
+use crate::experiment::{Direction, Entry};
+
+/// The frame W of a recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// The clamp, m, in the recording's frame.
+    pub origin: [f64; 3],
+    /// Its axes as unit vectors in the recording's frame.
+    pub axes: [[f64; 3]; 3],
+}
+
+/// Largest angle between the first fall and an axis that is taken as vertical, rad.
+const FALL: f64 = 30.0 * DEGREE;
+/// The same of a hanging rod.
+const HANGING: f64 = 15.0 * DEGREE;
+/// The same of the way to the tip and an axis that is taken as the rod's.
+const ALONG: f64 = 10.0 * DEGREE;
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+/// Range of the tip sideways, in its distance from the clamp, from which on its swing shows the plane.
+const SHOWS_PLANE: f64 = 0.15;
+
+impl Frame {
+    /// A point of the recording's frame in this one, m.
+    pub fn place(&self, at: [f64; 3]) -> [f64; 3] {
+        let from = Vector3::from(at) - Vector3::from(self.origin);
+        self.axes.map(|axis| from.dot(&Vector3::from(axis)))
+    }
+}
+
+/// Finds the frame of a recording from its tip.
+pub(super) fn find(
+    entry: &Entry,
+    base: Option<&BasePose>,
+    path: &[Option<[f64; 3]>],
+    cuts: &[Cut],
+    log: &mut Log,
+) -> Result<Frame, CleaningError> {
+    let origin = match (entry.clamp, base) {
+        (Some(clamp), _) => clamp,
+        (None, Some(base)) => {
+            log.say("clamp", format!("the clamp is taken at the mean of the base, {}", point(base.position)));
+            base.position
+        }
+        (None, None) => {
+            log.say("clamp", "without a base the clamp is taken at the origin of the file's frame");
+            [0.0; 3]
+        }
+    };
+    let up = Vector3::from(up(entry, base.is_some(), origin, path, cuts, log)?.unit());
+    let along = along(entry, up, origin, path, cuts, log);
+    Ok(Frame { origin, axes: [along.into(), up.cross(&along).into(), up.into()] })
+}
+
+fn up(
+    entry: &Entry,
+    has_base: bool,
+    origin: [f64; 3],
+    path: &[Option<[f64; 3]>],
+    cuts: &[Cut],
+    log: &mut Log,
+) -> Result<Direction, CleaningError> {
+    if let Some(up) = entry.up {
+        return Ok(up);
+    }
+    let fall: Vector3<f64> = cuts.iter().filter_map(|cut| first_fall(path, cut)).map(Vector3::from).sum();
+    let mut seen = Vec::new();
+    if fall.norm() > 0.0 {
+        let (down, angle) = Direction::nearest(fall.normalize().into());
+        if angle < FALL {
+            let up = opposite(down);
+            let degrees = angle / DEGREE;
+            log.say(
+                "up",
+                format!(
+                    "{} of the file is up: the tip first falls {degrees:.1} deg from its opposite",
+                    up.text()
+                ),
+            );
+            return Ok(up);
+        }
+        seen.push(format!("the tip first moves {:.0} deg from the nearest axis", angle / DEGREE));
+    }
+    let hanging: Vector3<f64> = cuts.iter().map(|cut| Vector3::from(cut.rest) - Vector3::from(origin)).sum();
+    if hanging.norm() > 0.0 {
+        let (down, angle) = Direction::nearest(hanging.normalize().into());
+        if angle < HANGING {
+            let up = opposite(down);
+            let whose = if has_base { "the base" } else { "the origin" };
+            log.say(
+                "up",
+                format!(
+                    "{} of the file is up: the tip rests {:.1} deg from straight below {whose}",
+                    up.text(),
+                    angle / DEGREE
+                ),
+            );
+            return Ok(up);
+        }
+        seen.push(format!("rests {:.0} deg from the nearest", angle / DEGREE));
+    }
+    Err(CleaningError::NoVertical {
+        file: entry.name.clone(),
+        why: seen.join(", and "),
+        key: entry.key.clone(),
+    })
+}
+
+fn opposite(direction: Direction) -> Direction {
+    match direction {
+        Direction::Axis(axis, sign) => Direction::Axis(axis, -sign),
+        Direction::Vector(vector) => Direction::Vector(vector.map(|x| -x)),
+    }
+}
+
+/// The level direction from the clamp to the tip, in the plane of the swing.
+fn along(
+    entry: &Entry,
+    up: Vector3<f64>,
+    origin: [f64; 3],
+    path: &[Option<[f64; 3]>],
+    cuts: &[Cut],
+    log: &mut Log,
+) -> Vector3<f64> {
+    let level = |v: Vector3<f64>| v - up * up.dot(&v);
+    if let Some(along) = entry.along.map(|along| Vector3::from(along.unit())) {
+        let rise = up.dot(&along).clamp(-1.0, 1.0).asin();
+        if rise.abs() > DEGREE {
+            log.say(
+                "along",
+                format!(
+                    "the rod leaves the clamp {:.1} deg above the level; if so, say rod.base_angle",
+                    rise / DEGREE
+                ),
+            );
+        }
+        if level(along).norm() > 1e-6 {
+            return level(along).normalize();
+        }
+    }
+    let mut held = Vector3::zeros();
+    for cut in cuts {
+        held += (Vector3::from(cut.held) - Vector3::from(origin)) / cuts.len() as f64;
+    }
+    let far = held.norm();
+    let held = level(held);
+    let (sideways, range, flat) = plane(up, path, cuts);
+    if range > SHOWS_PLANE * far && flat < 0.5 {
+        let sign = if sideways.dot(&held) < 0.0 { -1.0 } else { 1.0 };
+        log.say(
+            "along",
+            format!(
+                "the plane is that of the swing, which goes {} sideways: x along {}",
+                mm(range),
+                point_of(sign * sideways)
+            ),
+        );
+        return sign * sideways;
+    }
+    if held.norm() < 1e-3 * far.max(1e-9) {
+        log.say(
+            "along",
+            "the tip is held straight above or below the clamp: x is the direction in which it moves most",
+        );
+        return sideways;
+    }
+    let (axis, angle) = Direction::nearest(held.normalize().into());
+    let is_level = up.dot(&Vector3::from(axis.unit())).abs() < 1e-6;
+    if angle < ALONG && is_level {
+        log.say("along", format!(
+            "the swing goes {} sideways, too little to show its plane; {} of the file is {:.1} deg from the way to the held tip, and taken as x",
+            mm(range), axis.text(), angle / DEGREE
+        ));
+        return Vector3::from(axis.unit());
+    }
+    log.say("along", format!(
+        "the swing goes {} sideways, too little to show its plane; x is the level way from the clamp to the held tip, {}",
+        mm(range), point_of(held.normalize())
+    ));
+    held.normalize()
+}
+
+/// The level direction in which the tip moves most while it swings, the range along it, m, and how
+/// far it moves across, as a share of that.
+fn plane(up: Vector3<f64>, path: &[Option<[f64; 3]>], cuts: &[Cut]) -> (Vector3<f64>, f64, f64) {
+    let other = if up.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+    let first = (other - up * up.dot(&other)).normalize();
+    let second = up.cross(&first);
+    let points: Vec<_> = cuts
+        .iter()
+        .flat_map(|cut| cut.swing.clone())
+        .filter_map(|i| path[i])
+        .map(|at| nalgebra::Vector2::new(Vector3::from(at).dot(&first), Vector3::from(at).dot(&second)))
+        .collect();
+    if points.is_empty() {
+        return (first, 0.0, 1.0);
+    }
+    let mean = points.iter().sum::<nalgebra::Vector2<f64>>() / points.len() as f64;
+    let covariance: Matrix2<f64> = points.iter().map(|p| (p - mean) * (p - mean).transpose()).sum();
+    let eigen = SymmetricEigen::new(covariance);
+    let most = eigen.eigenvalues.imax();
+    let direction = eigen.eigenvectors.column(most).into_owned();
+    let ways = points.iter().map(|p| p.dot(&direction));
+    let (low, high) = ways.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), w| (l.min(w), h.max(w)));
+    let flat = (eigen.eigenvalues[1 - most].max(0.0) / eigen.eigenvalues[most].max(f64::MIN_POSITIVE)).sqrt();
+    (first * direction.x + second * direction.y, high - low, flat)
+}
+
+fn point([x, y, z]: [f64; 3]) -> String {
+    format!("({:.1}, {:.1}, {:.1}) mm", 1e3 * x, 1e3 * y, 1e3 * z)
+}
+
+fn point_of(v: Vector3<f64>) -> String {
+    Direction::Vector(v.into()).text()
+}
+
+/// Farthest distance of some samples from the plane through their mean, m.
+pub(super) fn out_of_plane(frame: &Frame, path: &[Option<[f64; 3]>], swing: std::ops::Range<usize>) -> f64 {
+    let across: Vec<f64> = path[swing].iter().flatten().map(|at| frame.place(*at)[1]).collect();
+    let mean = across.iter().sum::<f64>() / across.len().max(1) as f64;
+    across.iter().map(|y| (y - mean).abs()).fold(0.0, f64::max)
+}

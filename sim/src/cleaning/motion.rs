@@ -1,0 +1,71 @@
+//! Velocity of a point, smoothed over a few samples, for finding where it rests and where it moves.
+
+/// Velocity of a path and the noise in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// Velocity, m/s, shape `[samples]`; nothing where too little is seen.
+    pub velocity: Vec<Option<[f64; 3]>>,
+    /// Standard deviation of the noise of each component, m/s.
+    pub noise: f64,
+}
+
+/// Least half width of the window, s.
+const HALF_WIDTH: f64 = 0.03;
+/// Least half width in samples.
+const LEAST_SAMPLES: f64 = 2.5;
+
+impl Motion {
+    /// Slope of the straight line through the samples near each; `sigma` is their noise, m.
+    pub fn new(time: &[f64], path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> Motion {
+        let half = HALF_WIDTH.max(LEAST_SAMPLES * step) * (1.0 + 1e-9);
+        let full = (half / step).floor();
+        let mut low = 0;
+        let velocity = (0..path.len())
+            .map(|i| {
+                while time[i] - time[low] > half {
+                    low += 1;
+                }
+                let near = (low..path.len()).take_while(|&k| time[k] - time[i] <= half);
+                let seen: Vec<_> = near.filter_map(|k| Some((time[k] - time[i], path[k]?))).collect();
+                slope(&seen)
+            })
+            .collect();
+        let samples = 2.0 * full + 1.0;
+        let noise = sigma / (step * (samples * (samples * samples - 1.0) / 12.0).sqrt());
+        Motion { velocity, noise }
+    }
+
+    /// Speed, m/s.
+    pub fn speed(&self, i: usize) -> Option<f64> {
+        self.velocity[i].map(|[x, y, z]| (x * x + y * y + z * z).sqrt())
+    }
+}
+
+/// Slope of the line through points of time and place; none of fewer than three.
+fn slope(seen: &[(f64, [f64; 3])]) -> Option<[f64; 3]> {
+    if seen.len() < 3 {
+        return None;
+    }
+    let mean = seen.iter().map(|(t, _)| t).sum::<f64>() / seen.len() as f64;
+    let square: f64 = seen.iter().map(|(t, _)| (t - mean).powi(2)).sum();
+    Some(std::array::from_fn(|k| seen.iter().map(|(t, p)| (t - mean) * p[k]).sum::<f64>() / square))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_straight_motion_keeps_its_velocity_across_a_gap() {
+        let time: Vec<f64> = (0..30).map(|i| 0.01 * i as f64).collect();
+        let mut path: Vec<_> = time.iter().map(|t| Some([1.0 + 0.3 * t, -2.0 * t, 0.0])).collect();
+        path[9] = None;
+        let motion = Motion::new(&time, &path, 0.01, 1e-4);
+        for velocity in &motion.velocity {
+            let [x, y, z] = velocity.unwrap();
+            assert!((x - 0.3).abs() < 1e-9 && (y + 2.0).abs() < 1e-9 && z.abs() < 1e-9);
+        }
+        // Seven samples, 10 ms apart: σ / (h √28).
+        assert!((motion.noise - 1e-4 / (0.01 * 28f64.sqrt())).abs() < 1e-12);
+    }
+}
