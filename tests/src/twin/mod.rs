@@ -18,6 +18,7 @@ pub mod random;
 pub mod rest;
 pub mod sensor;
 pub mod session;
+pub mod study;
 
 /// The twin of the paper's muscle at a pressure, psi, with Rayleigh damping `alpha`, 1/s, and `beta`,
 /// s. The muscle's tables are data, and are read from `models`.

@@ -11,6 +11,12 @@ mod dynamics {
     mod ring_down;
     mod starts;
 }
+mod inverse {
+    mod chain;
+    mod coverage;
+    mod poor_starts;
+    mod pressures;
+}
 mod order {
     mod edge_length;
     mod step;

@@ -109,7 +109,7 @@ fn one_seed_gives_one_recording_and_its_text_one_line_a_sample() {
 #[test]
 fn releases_carry_times_after_an_estimate_of_the_instant() {
     let session = session(4);
-    let direct = Direct { noise: 0.0, lost: 0.0, instant: 2e-3, ..Direct::usual(0.0, 6.0, TIP) };
+    let direct = Direct { noise: 0.0, lost: 0.0, instant: 2e-3, offset: 0.0, ..Direct::usual(0.0, 6.0, TIP) };
     let releases = direct.see(&session, &mut Random::new(5));
     assert_eq!(releases.len(), 6);
     let share = 1.0 + TIP / session.beam.length;
