@@ -7,6 +7,7 @@
 
 mod error;
 mod read;
+mod write;
 
 use std::fmt::{self, Display};
 
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::interpolate::Pchip;
 
 pub use error::MuscleError;
+pub use write::{CALIBRATED, CalibratedColumn};
 
 /// Names of the built-in muscles, and their data.
 pub const BUILT_IN: &[(&str, &str)] =

@@ -1,9 +1,11 @@
 //! The command line: parse, call one function, print, exit code. The only file that names clap.
 
+mod calibrate;
 mod effects;
 mod failure;
 mod interrupt;
 mod live;
+mod progress;
 mod rest;
 mod simulate;
 
@@ -37,6 +39,8 @@ struct Efam {
 enum Command {
     /// Simulate a scenario; the results go to a folder of their own.
     Simulate(Simulate),
+    /// Find parameters of a model from the releases of an experiment.
+    Calibrate(Calibrate),
     /// List the physical effects, or show the page of one.
     Effects {
         /// An effect.
@@ -106,6 +110,30 @@ struct Simulate {
     quiet: bool,
 }
 
+#[derive(Args)]
+struct Calibrate {
+    /// Experiment, a TOML file.
+    experiment: PathBuf,
+    /// Set a value over the experiment's, such as calibrate.offset="1 mm"; may be repeated.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Folder for the results [default: outputs/ and the experiment's name].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace a folder that is there.
+    #[arg(long)]
+    overwrite: bool,
+    /// Also find intervals by the profile of the likelihood, which takes longer.
+    #[arg(long)]
+    profile: bool,
+    /// One JSON object on stdout, and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// No progress, no table.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
 impl Source {
     /// All overrides as `path=value`.
     fn overrides(&self) -> Vec<String> {
@@ -121,6 +149,7 @@ impl Source {
 pub fn main() -> ExitCode {
     let done = match Efam::parse().command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Calibrate(args) => calibrate::run(&args),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
         Command::Statics { source, json } => rest::statics(&source, json),

@@ -42,6 +42,9 @@ pub struct Run {
     pub sensitivities: Vec<usize>,
     /// Further points whose paths are recorded.
     pub points: Vec<Point>,
+    /// Times at which a step has to end, s, ascending. With a fixed step longer than what lies
+    /// between them they are the steps, so that a run can be repeated on those of another.
+    pub stops: Vec<f64>,
 }
 
 /// Where a run starts; the memory of the effects is relaxed there.
@@ -91,6 +94,7 @@ impl Run {
             energy: false,
             sensitivities: Vec::new(),
             points: Vec::new(),
+            stops: Vec::new(),
         }
     }
 }
@@ -195,8 +199,11 @@ pub fn forward(
     let mut trajectory = Trajectory::new(model, run);
     let mut at = state.clone();
     let breakpoints = model.schedule.as_ref().map_or(&[][..], |schedule| schedule.breakpoints());
-    let mut stops: Vec<f64> = breakpoints.iter().copied().filter(|t| *t > 0.0 && *t < run.duration).collect();
+    let stops = breakpoints.iter().chain(&run.stops).copied();
+    let mut stops: Vec<f64> = stops.filter(|t| *t > 0.0 && *t < run.duration).collect();
     stops.push(run.duration);
+    stops.sort_by(f64::total_cmp);
+    stops.dedup();
     let control =
         Control { tolerance: run.tolerance, fixed_step: run.fixed_step, stops, most_steps: run.most_steps };
     // A trajectory that is to be differentiated is integrated in steps that a stage can span.
@@ -236,6 +243,7 @@ pub fn forward(
             None => Ok(()),
         });
         trajectory.effort = stepper.effort();
+        trajectory.steps.push(stepper.state().time);
         if let Err(error) = stepped {
             trajectory.status = Status::Failed { time: stepper.state().time, reason: error.to_string() };
             return Err(ForwardError::Integrate { error, trajectory: Box::new(trajectory) });

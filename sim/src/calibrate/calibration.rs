@@ -86,7 +86,7 @@ pub struct ReleaseFit {
     pub tracks: Vec<TrackFit>,
     /// Root mean square error of mesh and step, mm, before it was removed.
     pub numerical_error_mm: f64,
-    /// Root mean square of Richardson's term, mm: more than is left of the mesh's error.
+    /// What may be left of it, mm.
     pub numerical_error_left_mm: f64,
 }
 

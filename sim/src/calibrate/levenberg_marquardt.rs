@@ -56,7 +56,7 @@ pub struct Solution<T> {
 
 /// Steps refused one after another, after which no step helps: what is left is the noise of the
 /// evaluation itself.
-const MOST_REFUSED: usize = 8;
+const MOST_REFUSED: usize = 6;
 const FIRST_DAMPING: f64 = 1e-3;
 /// Keeps the undamped system solvable where the data say nothing, relative to D.
 const LEAST_DAMPING: f64 = 1e-12;

@@ -18,6 +18,7 @@ mod prediction;
 mod problem;
 mod profile;
 mod search;
+mod section;
 mod starts;
 mod uncertainty;
 mod unknowns;
@@ -30,6 +31,7 @@ pub use error::CalibrateError;
 pub use outcome::{Curve, Outcome};
 pub use problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
 pub use search::Stage;
+pub use section::{SectionError, problem};
 
 use numerics::{Correction, correction};
 use objective::Objective;
@@ -125,7 +127,7 @@ fn fit<'a>(
         let moved = (&better.x - &found.x).zip_map(&errors, |x, error| x / error.max(1e-300).sqrt());
         shift.iter_mut().zip(moved.iter()).for_each(|(shift, moved)| *shift += moved);
         found.evaluations += better.evaluations;
-        found.steps += better.evaluations * better.at.carried.steps;
+        found.steps += better.evaluations * better.at.carried.step_count();
         (found.x, found.at, found.converged) = (better.x, better.at, better.converged);
         found.predicted = better.predicted;
         if !is_first || moved.amax() < FAR {

@@ -16,6 +16,10 @@ use crate::forward::Initial;
 /// Step errors of the corrected prediction, against those of the fit.
 const TIGHTER: f64 = 0.1;
 
+/// What Richardson's term leaves of itself: on the paper's muscle with 32 nodes a twentieth was seen
+/// against 160 nodes.
+const LEFT: f64 = 0.2;
+
 /// What a finer run says of each release.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Correction {
@@ -23,7 +27,7 @@ pub(super) struct Correction {
     pub corrections: Vec<Vec<Vec<[f64; 2]>>>,
     /// Root mean square of that, m, of each release.
     pub error: Vec<f64>,
-    /// Root mean square of Richardson's term, m: more than is left of the mesh's error.
+    /// What may be left of the mesh's error, m, root mean square: a share of Richardson's term.
     pub left: Vec<f64>,
     /// Steps of the integrator.
     pub steps: usize,
@@ -39,16 +43,17 @@ pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
             // A posture has nodes of its own: only the step can be made finer.
             let is_posture = matches!(objective.part.members[r].run.initial, Initial::Posture(_));
             let fine = Fidelity { refinement: if is_posture { 1 } else { 2 }, ..tight };
-            let run = |fidelity| one(objective, r, x, view.counts[r], fidelity);
+            let run = |fidelity| one(objective, r, x, view.counts[r], fidelity, None);
+            let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
             let same = run(tight)?;
             let finer = if is_posture { same.clone() } else { run(fine)? };
-            Some([run(view.fidelity)?, same, finer])
+            Some([one(objective, r, x, view.counts[r], view.fidelity, steps)?, same, finer])
         })
         .collect();
     let mut correction = Correction::default();
     for one in each {
         let [own, same, fine] = one?;
-        correction.steps += own.steps + same.steps + fine.steps;
+        correction.steps += own.steps.len() + same.steps.len() + fine.steps.len();
         let (mut all, mut error, mut left) = (Vec::new(), Mean::default(), Mean::default());
         for track in 0..own.position.len() {
             let of = |k: usize| {
@@ -67,7 +72,7 @@ pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
         }
         correction.corrections.push(all);
         correction.error.push(error.root());
-        correction.left.push(left.root());
+        correction.left.push(LEFT * left.root());
     }
     Some(correction)
 }
@@ -78,9 +83,10 @@ fn one(
     x: &DVector<f64>,
     count: usize,
     fidelity: Fidelity,
+    steps: Option<&[f64]>,
 ) -> Option<Prediction> {
     let (part, measured) = (objective.part, objective.measured[r]);
-    predict(part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, false).ok()
+    predict(part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, steps, false).ok()
 }
 
 #[derive(Default)]

@@ -18,6 +18,9 @@ pub(super) struct View {
     pub fidelity: Fidelity,
     /// Samples of each release that count, from the first.
     pub counts: Vec<usize>,
+    /// Steps of each release's run. A search keeps them: with steps chosen anew at each point the
+    /// cost is rough, by more than the last steps of the search lower it.
+    pub steps: Option<Vec<Vec<f64>>>,
     /// Loss of each release.
     pub loss: Vec<Huber>,
     /// What a finer run adds to each prediction, m, shape `[release][track][sample]`.
@@ -40,8 +43,8 @@ pub(super) struct Series {
 pub(super) struct Seen {
     /// Residuals, shape `[release][track]`.
     pub blocks: Vec<Vec<Series>>,
-    /// Steps of the integrator, all releases.
-    pub steps: usize,
+    /// Steps of each release's run, s.
+    pub steps: Vec<Vec<f64>>,
 }
 
 /// The cost of a part.
@@ -57,6 +60,11 @@ impl Series {
 }
 
 impl Seen {
+    /// Number of steps of all runs.
+    pub fn step_count(&self) -> usize {
+        self.steps.iter().map(Vec::len).sum()
+    }
+
     /// Robust spread of the residuals of each release, in units of the noise.
     pub fn spreads(&self) -> Vec<f64> {
         let of = |block: &Vec<Series>| spread(block.iter().flat_map(Series::lengths).collect());
@@ -78,7 +86,7 @@ impl Objective<'_> {
         for (r, trial) in self.part.members.iter().enumerate() {
             let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
             let count = self.measured[r].samples.len();
-            let run = predict(trial, self.measured[r], locals, unknowns, start, count, rough, false);
+            let run = predict(trial, self.measured[r], locals, unknowns, start, count, rough, None, false);
             if let Err(error) = run {
                 let release = trial.release.name.clone();
                 return CalibrateError::Forward { release, error: error.into() };
@@ -90,13 +98,13 @@ impl Objective<'_> {
     /// Residuals, and slopes if asked for; nothing where a release cannot be simulated.
     pub fn see(&self, x: &DVector<f64>, view: &View, with_slopes: bool) -> Option<Seen> {
         let releases = self.part.members.len();
-        let each: Vec<Option<(Vec<Series>, usize)>> =
+        let each: Vec<Option<(Vec<Series>, Vec<f64>)>> =
             (0..releases).into_par_iter().map(|r| self.see_one(r, x, view, with_slopes)).collect();
         let mut seen = Seen::default();
         for one in each {
             let (block, steps) = one?;
             seen.blocks.push(block);
-            seen.steps += steps;
+            seen.steps.push(steps);
         }
         Some(seen)
     }
@@ -107,11 +115,13 @@ impl Objective<'_> {
         x: &DVector<f64>,
         view: &View,
         with_slopes: bool,
-    ) -> Option<(Vec<Series>, usize)> {
+    ) -> Option<(Vec<Series>, Vec<f64>)> {
         let (trial, measured) = (self.part.members[r], self.measured[r]);
         let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
         let (count, fidelity) = (view.counts[r], view.fidelity);
-        let prediction = predict(trial, measured, locals, unknowns, x, count, fidelity, with_slopes).ok()?;
+        let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
+        let prediction =
+            predict(trial, measured, locals, unknowns, x, count, fidelity, steps, with_slopes).ok()?;
         let mut block = Vec::with_capacity(trial.release.tracks.len());
         for (t, track) in trial.release.tracks.iter().enumerate() {
             let mut offset = [0.0; 2];

@@ -37,8 +37,8 @@ pub(super) struct Prediction {
     /// Derivatives by the scaled unknowns of the trial, shape `[tracks][samples][locals]`, m; empty
     /// unless asked for.
     pub slopes: Vec<Vec<Vec<[f64; 2]>>>,
-    /// Steps of the integrator.
-    pub steps: usize,
+    /// Where the steps of the integrator ended, s.
+    pub steps: Vec<f64>,
 }
 
 /// Standard errors of the release instant that are left out after it.
@@ -49,6 +49,8 @@ const LEAST_SAMPLES: usize = 5;
 const LEAST_NOISE: f64 = 1e-7;
 /// Noise of a track that does not say, m.
 const USUAL_NOISE: f64 = 2e-4;
+/// Shortest last step of a run on the steps of another, s.
+const LEAST_STEP: f64 = 1e-6;
 /// Steps after which a run of a fit is given up.
 const MOST_STEPS: usize = 300_000;
 
@@ -105,7 +107,8 @@ pub(super) fn values(
     (theta, instant)
 }
 
-/// Simulates a trial and looks at it as its recording did: at the first `count` of the samples.
+/// Simulates a trial and looks at it as its recording did: at the first `count` of the samples; on the
+/// steps of another run, if they are given.
 #[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
 pub(super) fn predict(
     trial: &Trial,
@@ -115,6 +118,7 @@ pub(super) fn predict(
     x: &DVector<f64>,
     count: usize,
     fidelity: Fidelity,
+    steps: Option<&[f64]>,
     with_slopes: bool,
 ) -> Result<Prediction, ForwardError> {
     let (theta, instant) = values(trial, locals, unknowns, x);
@@ -128,13 +132,15 @@ pub(super) fn predict(
     }
     let times: Vec<f64> =
         (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();
+    let duration = times.last().copied().unwrap_or(0.0);
     let run = Run {
         initial,
-        duration: times.last().copied().unwrap_or(0.0),
+        duration,
         samples: times.clone(),
         method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
         tolerance: fidelity.tolerance,
-        fixed_step: None,
+        fixed_step: steps.map(|_| 2.0 * duration + 1.0),
+        stops: steps.into_iter().flatten().copied().filter(|t| *t < duration - LEAST_STEP).collect(),
         most_steps: trial.run.most_steps.min(MOST_STEPS),
         energy: false,
         sensitivities: if with_slopes { theta.iter().map(|(k, _)| *k).collect() } else { Vec::new() },
@@ -146,7 +152,7 @@ pub(super) fn predict(
     let mut prediction = Prediction {
         position: (0..tracks).map(of_track).collect(),
         slopes: Vec::new(),
-        steps: path.effort.steps,
+        steps: path.steps.clone(),
     };
     if with_slopes {
         let chain: Vec<f64> =

@@ -14,8 +14,8 @@ use super::objective::{Objective, Seen, View};
 use super::prediction::Fidelity;
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
 
-/// How finely the last stage runs the model; the stages before it are run as fits are.
-pub(super) const FINE: Fidelity = Fidelity { tolerance: 1e-5, refinement: 1 };
+/// How finely the stages and the last one run the model; what that leaves is removed in the end.
+pub(super) const FINE: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
 const COARSE: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1 };
 
 /// A stretch of the recordings that was fitted.
@@ -61,8 +61,8 @@ const SLIPPED: f64 = 0.7;
 const GROWTH: f64 = 2.0;
 const LEAST_GROWTH: f64 = 1.2;
 /// Predicted decrease, for residuals of unit spread, at which a stage and the last one stop.
-const STAGE_TOLERANCE: f64 = 1e-2;
-const LAST_TOLERANCE: f64 = 1e-4;
+const STAGE_TOLERANCE: f64 = 5e-2;
+const LAST_TOLERANCE: f64 = 5e-3;
 const MOST_EVALUATIONS: usize = 30;
 /// Rounds in which the threshold of the loss follows the residuals.
 const MOST_ROUNDS: usize = 4;
@@ -143,6 +143,7 @@ fn climb(
         let mut view = View {
             fidelity: COARSE,
             counts: counts(objective, &times, swings),
+            steps: None,
             loss: vec![Huber::for_spread(1.0); all.len()],
             corrections: None,
         };
@@ -156,10 +157,11 @@ fn climb(
             break;
         }
         let spreads = seen.spreads();
+        view.steps = Some(seen.steps.clone());
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
         let solution = minimise_in(objective, &x, &view, STAGE_TOLERANCE)?;
         evaluations += solution.evaluations;
-        steps += solution.at.carried.steps * solution.evaluations;
+        steps += solution.at.carried.step_count() * solution.evaluations;
         x = solution.x.clone();
         stages.push(stage(number, Some(swings), &solution));
         tell(&stages[stages.len() - 1]);
@@ -169,21 +171,26 @@ fn climb(
         before = view.counts;
         (reached, swings) = (swings, GROWTH * swings);
     }
-    let mut view = View { fidelity: FINE, counts: all.clone(), loss: Vec::new(), corrections: None };
+    let mut view =
+        View { fidelity: FINE, counts: all.clone(), steps: None, loss: Vec::new(), corrections: None };
     let found = settle(objective, &x, &mut view)?;
     stages.push(stage(number, None, &found));
     tell(&stages[stages.len() - 1]);
     evaluations += found.evaluations;
-    steps += found.at.carried.steps * found.evaluations;
+    steps += found.at.carried.step_count() * found.evaluations;
     let Solution { x, at, predicted, converged, .. } = found;
     Some(Found { x, at, view, stages, predicted, converged, starts: 1, evaluations, steps })
 }
 
-/// Minimises with a loss whose threshold follows the spread of the residuals.
+/// Minimises with a loss whose threshold follows the spread of the residuals, on the steps that the
+/// view has, or else on those of the start.
 pub(super) fn settle(objective: &Objective, start: &DVector<f64>, view: &mut View) -> Option<Solution<Seen>> {
     let mut spreads = {
         view.loss = vec![Huber::for_spread(1.0); view.counts.len()];
-        objective.see(start, view, false)?.spreads()
+        let seen = objective.see(start, view, false)?;
+        let spreads = seen.spreads();
+        view.steps.get_or_insert(seen.steps);
+        spreads
     };
     let (mut x, mut evaluations) = (start.clone(), 0);
     for round in 0..MOST_ROUNDS {

@@ -61,6 +61,7 @@ pub(super) fn ranked(objective: &Objective, start: &DVector<f64>) -> Vec<DVector
     let view = View {
         fidelity: ROUGH,
         counts: counts(objective, &times, FIRST_SWINGS),
+        steps: None,
         loss: vec![Huber { threshold: f64::INFINITY }; times.len()],
         corrections: None,
     };

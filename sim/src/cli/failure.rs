@@ -5,6 +5,8 @@ use std::process::ExitCode;
 
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use models::error::ModelError;
+use sim::calibrate::{CalibrateError, SectionError};
+use sim::experiment::ExperimentError;
 use sim::results::ResultsError;
 use sim::scenario::ScenarioError;
 
@@ -14,6 +16,8 @@ pub enum Failure {
     Scenario(Box<ScenarioError>),
     /// The command line.
     Usage(String),
+    /// A recording.
+    Data(String),
     /// The model: a rest posture that was not found, an integration that gave up.
     Diverged(String),
     /// Results that could not be written or shown.
@@ -25,6 +29,37 @@ pub enum Failure {
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
         Failure::Scenario(Box::new(error))
+    }
+}
+
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Document(error) => error.into(),
+            error => Failure::Data(error.to_string()),
+        }
+    }
+}
+
+impl From<CalibrateError> for Failure {
+    fn from(error: CalibrateError) -> Self {
+        match error {
+            CalibrateError::Forward { .. } | CalibrateError::NoFit { .. } => {
+                Failure::Diverged(error.to_string())
+            }
+            CalibrateError::TooFewSamples { .. } => Failure::Data(error.to_string()),
+            error => Failure::Usage(error.to_string()),
+        }
+    }
+}
+
+impl From<SectionError> for Failure {
+    fn from(error: SectionError) -> Self {
+        match error {
+            SectionError::Experiment(error) => error.into(),
+            SectionError::Calibrate(error) => error.into(),
+            error => Failure::Usage(error.to_string()),
+        }
     }
 }
 
@@ -58,6 +93,7 @@ impl Failure {
             Failure::Unread => 0,
             Failure::Output(_) => 1,
             Failure::Scenario(error) if error.is_data() => 3,
+            Failure::Data(_) => 3,
             Failure::Scenario(_) | Failure::Usage(_) => 2,
             Failure::Diverged(_) => 4,
         }
@@ -70,7 +106,7 @@ impl Failure {
             Failure::Unread => String::new(),
             Failure::Scenario(error) if stderr.is_terminal() => excerpt(error),
             Failure::Scenario(error) => format!("error: {error}\n"),
-            Failure::Usage(text) | Failure::Diverged(text) | Failure::Output(text) => {
+            Failure::Usage(text) | Failure::Data(text) | Failure::Diverged(text) | Failure::Output(text) => {
                 format!("error: {text}\n")
             }
         };

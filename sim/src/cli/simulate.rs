@@ -1,13 +1,12 @@
 //! `efam simulate`: one run, or one for each row of a muscle's table.
 
 use std::collections::BTreeMap;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use models::quantity::format_si;
 use rayon::prelude::*;
 use serde_json::json;
@@ -21,6 +20,7 @@ use sim::trajectory::{Status, Trajectory};
 
 use super::failure::Failure;
 use super::live::{Live, Rerun};
+use super::progress::{self, ProgressBar};
 use super::{Simulate, interrupt};
 
 /// The picture of a sweep over pressures.
@@ -44,7 +44,7 @@ pub fn run(args: &Simulate) -> Result<ExitCode, Failure> {
     let folder = results::begin(&request)?;
     interrupt::listen();
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
-    let progress = progress(args, samples);
+    let progress = progress::bar(args.quiet, samples);
     let runs: Vec<_> = match &args.rerun {
         Some(how) => vec![timed(|| shown(how, &cases[0], &folder, &progress))],
         None => cases.par_iter().map(|case| timed(|| follow(case, &progress, &mut |_| Ok(())))).collect(),
@@ -125,15 +125,6 @@ fn outcome(folder: &Path, done: &[Done]) -> Result<ExitCode, Failure> {
         }
     }
     Ok(ExitCode::SUCCESS)
-}
-
-fn progress(args: &Simulate, samples: usize) -> ProgressBar {
-    if args.quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} {percent} % of simulated time, {eta} left");
-    let bar = ProgressBar::new(samples as u64);
-    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 type See<'a> = dyn FnMut(&mut sim::forward::Sample) -> Result<(), Failure> + 'a;

@@ -110,6 +110,11 @@ impl Experiment {
         self.plan.is_some()
     }
 
+    /// The muscle of the model, if it is one.
+    pub fn muscle(&self) -> Option<&models::muscle::Muscle> {
+        self.plan.as_ref()?.muscle.as_ref().map(|muscle| &muscle.muscle)
+    }
+
     /// The model of a recording, counted from 0, with the recording's pressure, payload and `angle` (rad)
     /// at release, 0 where it is not known; nothing without [`Self::has_model`].
     /// # Errors
@@ -149,7 +154,6 @@ impl Experiment {
     /// A table of the file that others read, such as `calibrate`, with its places for messages.
     /// # Errors
     /// [`ExperimentError::Document`] if the key is there and no table.
-    #[allow(dead_code)] // the calibration is its reader
     pub(crate) fn section(&self, key: &str) -> Result<Keys<'_>, ExperimentError> {
         Ok(self.document.keys().table(key)?)
     }

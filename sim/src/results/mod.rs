@@ -11,6 +11,7 @@
 //! [`write()`] makes the folder: complete, or not at all. Many runs go into one by [`begin`] and
 //! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
 
+pub mod calibrated;
 mod error;
 pub mod folder;
 pub mod picture;

@@ -1,5 +1,6 @@
 //! Pictures of runs, as SVG: readable without colour, and told apart by those who see few.
 
+mod calibrated;
 mod measured;
 mod panel;
 mod pressures;
@@ -18,6 +19,7 @@ use super::total;
 use crate::trajectory::{Status, Trajectory};
 use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
 
+pub use calibrated::{calibrated, over_pressure};
 pub use measured::measured;
 pub use pressures::{PressureRow, pressures};
 pub use recording::recording;

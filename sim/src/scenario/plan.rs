@@ -4,7 +4,7 @@ use std::fs;
 
 use models::effects::{self, CATALOGUE, Parameter};
 use models::model::Root;
-use models::muscle::{Extrapolation, Muscle};
+use models::muscle::{CALIBRATED, Extrapolation, Muscle};
 
 use super::document::{Document, Keys};
 use super::error::{Problem, ScenarioError};
@@ -207,6 +207,7 @@ fn read_muscle(
     let sources: Vec<_> = muscle.stiffness_sources().collect();
     let stiffness = match keys.text("stiffness")? {
         Some((stiffness, _)) => stiffness.to_owned(),
+        None if sources.contains(&CALIBRATED) => CALIBRATED.to_owned(),
         None if sources.contains(&"pder_32") => "pder_32".to_owned(),
         None if sources.len() == 1 => sources[0].to_owned(),
         None => return Err(keys.missing("stiffness", "stiffness = with the column that you mean")),

@@ -18,7 +18,7 @@ const DOORS: [(&str, &[&str]); 14] = [
     ("clap", &["sim/src/cli.rs"]),
     ("ctrlc", &["sim/src/cli/interrupt.rs"]),
     ("diffsol", &["sim/src/integrate/diffsol.rs", "sim/src/integrate/diffsol/"]),
-    ("indicatif", &["sim/src/cli/simulate.rs"]),
+    ("indicatif", &["sim/src/cli/progress.rs"]),
     ("miette", &["sim/src/cli/failure.rs"]),
     ("parquet", &["sim/src/results/table.rs"]),
     ("plotters", &["sim/src/results/picture.rs", "sim/src/results/picture/"]),

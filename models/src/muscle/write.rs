@@ -1,0 +1,161 @@
+//! A muscle file with columns from a calibration.
+
+use std::fmt::Write;
+
+use super::{Extrapolation, Muscle, MuscleError};
+use crate::interpolate::Pchip;
+
+/// Name of the estimate of bending stiffness that a calibration writes.
+pub const CALIBRATED: &str = "calibrated";
+
+/// What a calibration has found of one quantity over pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibratedColumn {
+    /// Name of the column: `bending_stiffness_calibrated`, `rayleigh_mass` or `rayleigh_stiffness`.
+    pub name: &'static str,
+    /// Pressure, Pa, ascending, and value, SI; a single one holds at every pressure.
+    pub values: Vec<(f64, f64)>,
+}
+
+impl CalibratedColumn {
+    fn at(&self, pressure: f64) -> f64 {
+        let (pressures, values) = self.values.iter().copied().unzip();
+        match Pchip::new(pressures, values) {
+            Ok(curve) => {
+                let (low, high) = curve.range();
+                curve.extrapolate(pressure.clamp(low, high)).0
+            }
+            Err(_) => self.values.first().map_or(0.0, |(_, value)| *value),
+        }
+    }
+}
+
+impl Muscle {
+    /// The text of a muscle file, SI, with the columns of a calibration beside what this muscle has.
+    ///
+    /// Its rows are those of this muscle between the lowest and the highest pressure that was
+    /// calibrated, and these pressures themselves: outside them nothing was measured. A calibration
+    /// at one pressure says nothing of others; its values then stand in every row of this muscle.
+    /// # Errors
+    /// [`MuscleError`] for a pressure at which this muscle is none.
+    pub fn calibrated(&self, source: &str, columns: &[CalibratedColumn]) -> Result<String, MuscleError> {
+        let mut measured: Vec<f64> =
+            columns.iter().flat_map(|column| column.values.iter().map(|(pressure, _)| *pressure)).collect();
+        measured.sort_by(f64::total_cmp);
+        measured.dedup();
+        let pressures = match measured[..] {
+            [low, .., high] => {
+                let within = self.pressures().iter().copied().filter(|p| (low..=high).contains(p));
+                let mut all: Vec<f64> = within.chain(measured.iter().copied()).collect();
+                all.sort_by(f64::total_cmp);
+                all.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * b.abs());
+                all
+            }
+            _ => self.pressures().to_vec(),
+        };
+        let mut names = vec!["pressure", "length", "inner_diameter", "outer_diameter", "axial_stiffness"];
+        let mut units = vec!["Pa", "m", "m", "m", "N"];
+        let sources: Vec<&str> = self.stiffness_sources().filter(|source| *source != CALIBRATED).collect();
+        let of_sources: Vec<String> =
+            sources.iter().map(|source| format!("bending_stiffness_{source}")).collect();
+        names.extend(of_sources.iter().map(String::as_str));
+        units.extend(sources.iter().map(|_| "N m^2"));
+        for column in columns {
+            names.push(column.name);
+            units.push(match column.name {
+                "rayleigh_mass" => "1/s",
+                "rayleigh_stiffness" => "s",
+                _ => "N m^2",
+            });
+        }
+        let kept = |name: &str| !columns.iter().any(|column| column.name == name);
+        let first = self.at(pressures[0], self.any_source(), Extrapolation::Allowed)?;
+        let (keeps_mass, keeps_stiffness) = (
+            first.rayleigh_mass.is_some() && kept("rayleigh_mass"),
+            first.rayleigh_stiffness.is_some() && kept("rayleigh_stiffness"),
+        );
+        for (keeps, name, unit) in
+            [(keeps_mass, "rayleigh_mass", "1/s"), (keeps_stiffness, "rayleigh_stiffness", "s")]
+        {
+            if keeps {
+                names.push(name);
+                units.push(unit);
+            }
+        }
+
+        let mut text = String::from("# A muscle with columns from a calibration; written by efam.\n");
+        let quoted = |text: &str| toml::Value::from(text).to_string();
+        let _ = writeln!(text, "name = {}", quoted(&format!("{}-calibrated", self.name)));
+        let _ = writeln!(text, "source = {}", quoted(&format!("{source}; all else: {}", self.source)));
+        let _ = writeln!(text, "gravity = \"{:?} m/s^2\"\n\n[rest]", self.gravity);
+        let _ = writeln!(text, "length = \"{:?} m\"", self.rest.length);
+        let _ = writeln!(text, "mass_per_length = \"{:?} kg/m\"", self.rest.mass_per_length);
+        for (key, value, unit) in [
+            ("inner_diameter", self.rest.inner_diameter, "m"),
+            ("outer_diameter", self.rest.outer_diameter, "m"),
+            ("braid_angle", self.rest.braid_angle, "rad"),
+        ] {
+            if let Some(value) = value {
+                let _ = writeln!(text, "{key} = \"{value:?} {unit}\"");
+            }
+        }
+        let fitting = self.end_fitting;
+        let _ = writeln!(text, "\n[end_fitting]\nmass = \"{:?} kg\"", fitting.mass);
+        let _ = writeln!(text, "center_of_mass = \"{:?} m\"", fitting.center_of_mass);
+        let _ = writeln!(text, "rotary_inertia = \"{:?} kg m^2\"\n\n[table]", fitting.rotary_inertia);
+        let list = |all: &[&str]| all.iter().map(|one| quoted(one)).collect::<Vec<_>>().join(", ");
+        let _ = writeln!(text, "columns = [{}]\nunits = [{}]\nrows = [", list(&names), list(&units));
+        for pressure in pressures {
+            let at = self.at(pressure, self.any_source(), Extrapolation::Allowed)?;
+            let mut row = vec![pressure, at.length, at.inner_diameter, at.outer_diameter, at.axial_stiffness];
+            for source in &sources {
+                row.push(self.at(pressure, source, Extrapolation::Allowed)?.bending_stiffness);
+            }
+            row.extend(columns.iter().map(|column| column.at(pressure)));
+            row.extend(at.rayleigh_mass.filter(|_| keeps_mass));
+            row.extend(at.rayleigh_stiffness.filter(|_| keeps_stiffness));
+            let row: Vec<String> = row.iter().map(|value| format!("{value:?}")).collect();
+            let _ = writeln!(text, "  [{}],", row.join(", "));
+        }
+        text += "]\n";
+        Ok(text)
+    }
+
+    fn any_source(&self) -> &str {
+        self.stiffness_sources().next().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PSI: f64 = 6_894.757_293_168_361;
+
+    #[test]
+    fn a_calibrated_muscle_is_read_back_with_its_columns() {
+        let muscle = Muscle::built_in("garbulinski-2022").unwrap();
+        let at = |psi: f64, value: f64| (psi * PSI, value);
+        let columns = [
+            CalibratedColumn {
+                name: "bending_stiffness_calibrated",
+                values: vec![at(12.0, 0.009), at(40.0, 0.011)],
+            },
+            CalibratedColumn { name: "rayleigh_mass", values: vec![at(12.0, 0.7)] },
+        ];
+        let text = muscle.calibrated("calibration of \"beam\"", &columns).unwrap();
+        let read = Muscle::from_toml(&text).unwrap();
+        assert!(read.source.starts_with("calibration of \"beam\"; all else: Garbulinski"));
+        assert!(read.pressure_range().0 == 12.0 * PSI && read.pressure_range().1 == 40.0 * PSI);
+        let (new, old) = (
+            read.at(15.0 * PSI, CALIBRATED, Extrapolation::Refused).unwrap(),
+            muscle.at(15.0 * PSI, "pder_32", Extrapolation::Refused).unwrap(),
+        );
+        assert!((new.length / old.length - 1.0).abs() < 1e-12);
+        assert!((new.axial_stiffness / old.axial_stiffness - 1.0).abs() < 1e-12);
+        assert!(0.009 < new.bending_stiffness && new.bending_stiffness < 0.011);
+        assert_eq!((new.rayleigh_mass, new.rayleigh_stiffness), (Some(0.7), None));
+        let alone = muscle.calibrated("one", &columns[1..]).unwrap();
+        assert_eq!(Muscle::from_toml(&alone).unwrap().pressures().len(), 20);
+    }
+}

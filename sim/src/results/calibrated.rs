@@ -1,0 +1,171 @@
+//! What a calibration leaves on disk.
+//!
+//! ```text
+//! outputs/<UTC>_<name>_<hash8>/
+//!   calibration.json       parameters, intervals, correlations, fit of each release, warnings
+//!   muscle.toml            the muscle with the calibrated columns, for `efam simulate --muscle`
+//!   experiment.toml        the experiment as it was read
+//!   residuals.csv          measurement and fit, sample by sample
+//!   fit-01.svg …           each track: fit over measurement, residuals, decay, damping
+//!   parameters.svg         parameters over pressure
+//!   summary.json           the parameters alone, and by which command
+//! ```
+
+use std::fmt::Write;
+use std::time::SystemTime;
+
+use models::muscle::{CalibratedColumn, Muscle, MuscleError};
+use serde_json::json;
+
+use super::folder::{self, Folder, MARK};
+use super::picture::{calibrated, over_pressure};
+use super::report::significant;
+use super::{Request, ResultsError};
+use crate::calibrate::calibration::Calibrated;
+use crate::calibrate::{Calibration, Outcome};
+
+/// File names of a calibration's folder.
+pub const CALIBRATION: &str = "calibration.json";
+/// The muscle.
+pub const MUSCLE: &str = "muscle.toml";
+/// The experiment.
+pub const EXPERIMENT: &str = "experiment.toml";
+/// The curves.
+pub const RESIDUALS: &str = "residuals.csv";
+/// The picture over pressure.
+pub const PARAMETERS: &str = "parameters.svg";
+
+/// Parameters that a muscle file has columns for.
+const COLUMNS: [(&str, &str); 3] = [
+    ("rod.bending_stiffness", "bending_stiffness_calibrated"),
+    ("effects.rayleigh_mass.alpha", "rayleigh_mass"),
+    ("effects.rayleigh_stiffness.beta", "rayleigh_stiffness"),
+];
+
+/// Writes a calibration into an open folder; `request.resolved_scenario` is the experiment's text.
+/// # Errors
+/// [`ResultsError::Write`].
+pub fn write_calibration(
+    folder: &Folder,
+    request: &Request,
+    outcome: &Outcome,
+    muscle: Option<&str>,
+) -> Result<(), ResultsError> {
+    let calibration = &outcome.calibration;
+    let text =
+        serde_json::to_string_pretty(calibration).expect("a calibration has nothing that JSON has not");
+    folder.write(CALIBRATION, text.as_bytes())?;
+    folder.write(EXPERIMENT, request.resolved_scenario.as_bytes())?;
+    if let Some(muscle) = muscle {
+        folder.write(MUSCLE, muscle.as_bytes())?;
+    }
+    folder.write(RESIDUALS, residuals(outcome).as_bytes())?;
+    for (k, curve) in outcome.curves.iter().enumerate() {
+        folder.write(&format!("fit-{:02}.svg", k + 1), calibrated(curve).as_bytes())?;
+    }
+    if let Some(picture) = over_pressure(&request.name, calibration) {
+        folder.write(PARAMETERS, picture.as_bytes())?;
+    }
+    let short = |found: &Calibrated| {
+        json!({ "name": found.label(), "value": found.value, "unit": found.unit,
+                "standard_error": found.standard_error, "interval_95": found.interval_95 })
+    };
+    let mark = json!({
+        "kind": "calibration",
+        "name": request.name,
+        "parameters": calibration.parameters.iter().map(short).collect::<Vec<_>>(),
+        "warnings": request.warnings,
+        "inputs_sha256": request.input_hashes,
+        "argv": request.argv,
+        "wall_time_s": request.wall_time_s,
+        "written_utc": folder::utc(SystemTime::now()),
+    });
+    folder.write(MARK, format!("{mark:#}\n").as_bytes())
+}
+
+/// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value
+/// for each release.
+/// # Errors
+/// [`MuscleError`] for a pressure at which the muscle is none.
+pub fn muscle_file(
+    muscle: &Muscle,
+    calibration: &Calibration,
+    source: &str,
+) -> Result<Option<String>, MuscleError> {
+    let mut columns = Vec::new();
+    for (path, name) in COLUMNS {
+        let found = calibration.of(path);
+        if found.is_empty() || found.iter().any(|one| one.release.is_some()) {
+            continue;
+        }
+        // What all pressures share stands at any of them.
+        let anywhere = calibration.releases.iter().find_map(|release| release.pressure_pa).unwrap_or(0.0);
+        let values = found.iter().map(|one| (one.pressure_pa.unwrap_or(anywhere), one.value));
+        columns.push(CalibratedColumn { name, values: values.collect() });
+    }
+    if columns.is_empty() {
+        return Ok(None);
+    }
+    muscle.calibrated(source, &columns).map(Some)
+}
+
+fn residuals(outcome: &Outcome) -> String {
+    let mut text = String::from("release,marker,time_s,x_m,z_m,fitted_x_m,fitted_z_m\n");
+    let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
+    for curve in &outcome.curves {
+        let (release, marker) = (quoted(&curve.release), quoted(&curve.marker));
+        for ((time, seen), fitted) in curve.time.iter().zip(&curve.measured).zip(&curve.predicted) {
+            let _ = writeln!(
+                text,
+                "{release},{marker},{time},{},{},{},{}",
+                seen[0], seen[1], fitted[0], fitted[1]
+            );
+        }
+    }
+    text
+}
+
+/// A calibration as a table for people.
+pub fn table(calibration: &Calibration) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "{:58} {:>14} {:>10}   95 % interval", "", "value", "error");
+    for found in &calibration.parameters {
+        let error = found
+            .relative_error()
+            .map_or("-".to_owned(), |error| format!("{} %", significant(100.0 * error, 2)));
+        let interval = found.interval_95.map_or("not determined".to_owned(), |[low, high]| {
+            format!("{} to {} {}", significant(low, 5), significant(high, 5), found.unit)
+        });
+        let _ = writeln!(
+            text,
+            "{:58} {:>14} {error:>10}   {interval}",
+            found.label(),
+            significant(found.value, 5)
+        );
+    }
+    text.push('\n');
+    let _ = writeln!(
+        text,
+        "{:34} {:20} {:>8} {:>10} {:>10} {:>8} {:>10}",
+        "release", "marker", "samples", "rms, mm", "noise, mm", "chi2", "held back"
+    );
+    for release in &calibration.releases {
+        for track in &release.tracks {
+            let _ = writeln!(
+                text,
+                "{:34} {:20} {:>8} {:>10} {:>10} {:>8} {:>10}",
+                release.name,
+                track.marker,
+                track.samples,
+                significant(track.rms_mm, 3),
+                significant(track.stated_noise_mm, 3),
+                significant(track.reduced_chi_squared, 3),
+                track.held_back
+            );
+        }
+    }
+    for warning in &calibration.warnings {
+        let _ = write!(text, "\n! {warning}");
+    }
+    text
+}
