@@ -11,7 +11,7 @@ use sim::experiment::Experiment;
 use tests::twin::random::Random;
 use tests::twin::sensor::Cameras;
 use tests::twin::session::Session;
-use tests::twin::study::{damped_muscle, fit, landed, line, session, truth};
+use tests::twin::study::{damped_muscle, fit, is_determined, landed, line, session, truth};
 
 fn experiment(psi: f64, cameras: &Cameras) -> Experiment {
     let named = |beginning: &str| {
@@ -20,7 +20,7 @@ fn experiment(psi: f64, cameras: &Cameras) -> Experiment {
     };
     let text = format!(
         "[muscle]\nname = \"garbulinski-2022\"\n[[recording]]\nfile = \"twin.csv\"\n\
-         pressure = \"{psi} psi\"\nangle = \"0 deg\"\ntip = [{}]\nbase = [{}]\n",
+         pressure = \"{psi} psi\"\ntip = [{}]\nbase = [{}]\n",
         named("tip"),
         named("base")
     );
@@ -55,10 +55,10 @@ fn recovers(psi: f64, swing: f64, noise: f64) {
     let truth = truth(&damped_muscle(psi));
     let found = fit(psi, releases, [0.8 * truth[0], 1.5 * truth[1], 1.5 * truth[2]]);
     let landed = landed(&found, truth);
-    println!("| {psi:3} | {noise} | {} | {}", line(&landed), found.warnings.join("; "));
+    println!("| {psi:3} | {noise} | {} | {} warnings", line(&landed), found.warnings.len());
     assert!(landed[0].off.abs() < 0.005, "{psi} psi: EI {}", line(&landed));
     for l in &landed[1..] {
-        assert!(l.off.abs() < 0.05 || 2.0 * l.error > 0.05, "{psi} psi: {}", line(&landed));
+        assert!(l.off.abs() < 0.05 || !is_determined(l), "{psi} psi: {}", line(&landed));
     }
 }
 
