@@ -22,7 +22,7 @@ const DOORS: [(&str, &[&str]); 14] = [
     ("miette", &["sim/src/cli/failure.rs"]),
     ("parquet", &["sim/src/results/table.rs"]),
     ("plotters", &["sim/src/results/picture.rs", "sim/src/results/picture/"]),
-    ("rand", &["tests/src/twin/random.rs"]),
+    ("rand_chacha", &["tests/src/twin/random.rs"]),
     ("realfft", &["sim/src/analysis/spectrum.rs"]),
     ("rerun", &["sim/src/observe/rerun.rs", "sim/src/observe/rerun/"]),
     ("sha2", &["sim/src/results/mod.rs"]),
