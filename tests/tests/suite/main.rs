@@ -11,6 +11,12 @@ mod dynamics {
     mod ring_down;
     mod starts;
 }
+mod inverse {
+    mod chain;
+    mod coverage;
+    mod poor_starts;
+    mod pressures;
+}
 mod order {
     mod edge_length;
     mod step;
@@ -25,4 +31,9 @@ mod recordings {
     mod formats;
     mod mutations;
     mod samples;
+}
+mod twin {
+    mod agreement;
+    mod beam;
+    mod recording;
 }

@@ -1,0 +1,43 @@
+//! Twins: recordings of a muscle whose every parameter is known.
+//!
+//! This is the one deliberate second copy of the physics. A fit that is tried on data of its own
+//! model finds its own errors agreeable, so the twin shares nothing with `models` but the muscle's
+//! table: another formulation (Hermite elements with gradients for a discrete rod), another mesh,
+//! another integrator (SDIRK for RODAS4), another start. Where both agree, it is the continuum that
+//! they agree on.
+//!
+//! `beam` → `motion` → `session` (a hand raises and lets go, six times) → `sensor` (what cameras make
+//! of it) → a [`Recording`](sim::recording::Recording), or `direct` to releases without any cleaning.
+
+pub mod band;
+pub mod beam;
+pub mod csv;
+pub mod direct;
+pub mod motion;
+pub mod random;
+pub mod rest;
+pub mod sensor;
+pub mod session;
+pub mod study;
+
+/// The twin of the paper's muscle at a pressure, psi, with Rayleigh damping `alpha`, 1/s, and `beta`,
+/// s. The muscle's tables are data, and are read from `models`.
+pub fn muscle(psi: f64, elements: usize, alpha: f64, beta: f64) -> beam::Beam {
+    use models::muscle::{Extrapolation, Muscle};
+    let muscle = Muscle::built_in("garbulinski-2022").expect("it is built in");
+    let at = muscle.at(psi * crate::PSI, "pder_32", Extrapolation::Refused).expect("in the table");
+    let fitting = muscle.end_fitting;
+    let fitting =
+        beam::Body { mass: fitting.mass, center: fitting.center_of_mass, inertia: fitting.rotary_inertia };
+    beam::Beam {
+        elements,
+        length: at.length,
+        mass: muscle.rest.mass_per_length * muscle.rest.length,
+        bending_stiffness: at.bending_stiffness,
+        axial_stiffness: at.axial_stiffness,
+        bodies: vec![fitting],
+        gravity: muscle.gravity,
+        alpha,
+        beta,
+    }
+}
