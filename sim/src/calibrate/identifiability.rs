@@ -73,7 +73,8 @@ fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
     {
         return Some(format!("{label} is known from its prior alone: the data add next to nothing"));
     }
-    let relative = parameter.relative_error().filter(|_| parameter.scale == Scale::Logarithmic)?;
+    let is_positive = parameter.bounds[0].is_some_and(|low| low >= 0.0);
+    let relative = parameter.relative_error().filter(|_| is_positive)?;
     if relative > NOTHING {
         let advice = advice(kind(&parameter.name), None);
         return Some(format!(

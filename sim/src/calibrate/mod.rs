@@ -115,7 +115,10 @@ fn fit<'a>(
         return Err(objective.refusal(&start));
     };
     let (mut numerics, mut shift) = (None, vec![0.0; start.len()]);
-    while settings.remove_mesh {
+    loop {
+        if !settings.remove_mesh {
+            break;
+        }
         tell(&format!("{name}: a finer mesh and step"));
         let is_first = numerics.is_none();
         let Some(finer) = correction(&objective, &found.x, &found.view) else { break };

@@ -10,7 +10,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::objective::{Objective, View};
-use super::prediction::{Fidelity, Prediction, predict};
+use super::prediction::{Fidelity, Prediction, Slopes, predict};
 use crate::forward::Initial;
 
 /// Step errors of the corrected prediction, against those of the fit.
@@ -39,7 +39,11 @@ pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
     let each: Vec<Option<[Prediction; 3]>> = (0..releases)
         .into_par_iter()
         .map(|r| {
-            let tight = Fidelity { tolerance: TIGHTER * view.fidelity.tolerance, refinement: 1 };
+            let tight = Fidelity {
+                tolerance: TIGHTER * view.fidelity.tolerance,
+                refinement: 1,
+                slopes: Slopes::Variational,
+            };
             // A posture has nodes of its own: only the step can be made finer.
             let is_posture = matches!(objective.part.members[r].run.initial, Initial::Posture(_));
             let fine = Fidelity { refinement: if is_posture { 1 } else { 2 }, ..tight };

@@ -8,7 +8,7 @@ use super::error::CalibrateError;
 use super::levenberg_marquardt::Evaluated;
 use super::loss::{Huber, spread};
 use super::part::Part;
-use super::prediction::{Fidelity, Measured, predict};
+use super::prediction::{Fidelity, Measured, Slopes, predict};
 use super::unknowns::Acts;
 
 /// How the data are looked at.
@@ -82,7 +82,7 @@ impl Objective<'_> {
 
     /// Why nothing was found: the start cannot be simulated, or leads nowhere.
     pub fn refusal(&self, start: &DVector<f64>) -> CalibrateError {
-        let rough = Fidelity { tolerance: 1e-4, refinement: 1 };
+        let rough = Fidelity { tolerance: 1e-4, refinement: 1, slopes: Slopes::Variational };
         for (r, trial) in self.part.members.iter().enumerate() {
             let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
             let count = self.measured[r].samples.len();
@@ -292,7 +292,7 @@ mod tests {
             *x += 0.01 * (k as f64 + 1.0);
         }
         let mut view = View {
-            fidelity: Fidelity { tolerance: 1e-8, refinement: 1 },
+            fidelity: Fidelity { tolerance: 1e-8, refinement: 1, slopes: Slopes::Variational },
             counts: measured.iter().map(|measured| measured.samples.len()).collect(),
             steps: None,
             loss: vec![Huber::for_spread(2.0); 2],

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::error::CalibrateError;
 use super::problem::Trial;
@@ -27,7 +28,24 @@ pub(super) struct Fidelity {
     pub tolerance: f64,
     /// Edges for each edge of the model.
     pub refinement: usize,
+    /// How slopes are found.
+    pub slopes: Slopes,
 }
+
+/// How the slopes of a prediction are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Slopes {
+    /// From the variational equation: those of the exact solution, a per cent or two off at the
+    /// tolerance of a fit. Cheap, and good enough to come near.
+    Variational,
+    /// Differences of runs on the same steps: those of the prediction itself, to five digits. Where two
+    /// unknowns do almost the same, a search comes to rest only with these.
+    Differences,
+}
+
+/// Change of a scaled unknown by which differences are taken: the prediction's rounding, some 1e-11 m,
+/// leaves 1e-6 m, its curvature 1e-5 of the slope.
+const DIFFERENCE: f64 = 1e-5;
 
 /// Predicted positions of every track, without offsets.
 #[derive(Clone, Debug, Default)]
@@ -143,7 +161,10 @@ pub(super) fn predict(
         stops: steps.into_iter().flatten().copied().filter(|t| *t < duration - LEAST_STEP).collect(),
         most_steps: trial.run.most_steps.min(MOST_STEPS),
         energy: false,
-        sensitivities: if with_slopes { theta.iter().map(|(k, _)| *k).collect() } else { Vec::new() },
+        sensitivities: match (with_slopes, fidelity.slopes) {
+            (true, Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
+            _ => Vec::new(),
+        },
         points: trial.release.tracks.iter().map(|track| track.at).collect(),
     };
     let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
@@ -155,13 +176,32 @@ pub(super) fn predict(
         steps: path.steps.clone(),
     };
     if with_slopes {
+        let moved = |(l, local): (usize, &Local)| match (fidelity.slopes, local.acts) {
+            (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
+                let mut aside = x.clone();
+                aside[locals[l].unknown] += DIFFERENCE;
+                let steps = Some(&path.steps[..]);
+                predict(trial, measured, locals, unknowns, &aside, count, fidelity, steps, false).map(Some)
+            }
+            _ => Ok(None),
+        };
+        let moved: Vec<Option<Prediction>> =
+            locals.par_iter().enumerate().map(moved).collect::<Result<_, _>>()?;
         let chain: Vec<f64> =
             locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();
         for track in 0..tracks {
             let row = |sample: usize| {
-                let mut by_theta = path.points_by_parameters[sample][track].iter();
+                let found = path.points_by_parameters.get(sample);
+                let mut by_theta = found.map_or(&[][..], |points| &points[track]).iter();
                 let is_held = times[sample] <= 0.0;
-                let of_local = |(local, chain): (&Local, &f64)| match local.acts {
+                let of_local = |((local, chain), moved): ((&Local, &f64), &Option<Prediction>)| match local
+                    .acts
+                {
+                    _ if moved.is_some() => {
+                        let aside = moved.as_ref().map_or([0.0; 2], |moved| moved.position[track][sample]);
+                        let here = prediction.position[track][sample];
+                        [0, 1].map(|axis| (aside[axis] - here[axis]) / DIFFERENCE)
+                    }
                     Acts::Theta(_) | Acts::OnTheta(_) => {
                         by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
                     }
@@ -171,7 +211,7 @@ pub(super) fn predict(
                         [0, 1].map(|k| if own == track && axis == k { *chain } else { 0.0 })
                     }
                 };
-                locals.iter().zip(&chain).map(of_local).collect()
+                locals.iter().zip(&chain).zip(&moved).map(of_local).collect()
             };
             prediction.slopes.push((0..count).map(row).collect());
         }

@@ -42,7 +42,8 @@ pub struct Parameter {
     pub bounds: Option<(f64, f64)>,
     /// What is known beforehand.
     pub prior: Option<Prior>,
-    /// How it is scaled; logarithmic where only positive values are admissible.
+    /// How it is scaled; logarithmic where only positive values are admissible, unless it is the
+    /// parameter of an effect that may vanish.
     pub scale: Option<Scale>,
 }
 

@@ -11,12 +11,12 @@ use nalgebra::DVector;
 use super::levenberg_marquardt::{Evaluated, Search, Solution, minimise};
 use super::loss::Huber;
 use super::objective::{Objective, Seen, View};
-use super::prediction::Fidelity;
+use super::prediction::{Fidelity, Slopes};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
 
 /// How finely the stages and the last one run the model; what that leaves is removed in the end.
-pub(super) const FINE: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
-const COARSE: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1 };
+pub(super) const FINE: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1, slopes: Slopes::Differences };
+const COARSE: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1, slopes: Slopes::Variational };
 
 /// A stretch of the recordings that was fitted.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -62,7 +62,7 @@ const GROWTH: f64 = 2.0;
 const LEAST_GROWTH: f64 = 1.2;
 /// Predicted decrease, for residuals of unit spread, at which a stage and the last one stop.
 const STAGE_TOLERANCE: f64 = 5e-2;
-const LAST_TOLERANCE: f64 = 5e-3;
+const LAST_TOLERANCE: f64 = 2e-2;
 /// The same as shares of the cost: of a stage, and of the whole before mesh and step are removed.
 const STAGE_SHARE: f64 = 1e-3;
 const UNCORRECTED_SHARE: f64 = 1e-5;

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use super::loss::Huber;
 use super::objective::{Objective, View};
-use super::prediction::{Fidelity, values};
-use super::unknowns::{Kind, Scaled};
+use super::prediction::{Fidelity, Slopes, values};
+use super::unknowns::Kind;
 
 /// Swings by which starts are judged: one, and a little so that its upper peak is seen.
 pub(super) const FIRST_SWINGS: f64 = 1.25;
@@ -23,7 +23,7 @@ const EFFECT_SPREAD: f64 = 4.0;
 /// Time of a swing where the model has no rest to swing about, as a share of the recording.
 const UNKNOWN_SWING: f64 = 0.1;
 /// A start is only looked at roughly.
-const ROUGH: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1 };
+const ROUGH: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1, slopes: Slopes::Variational };
 
 /// Time of one small swing of each release about its rest, s.
 pub(super) fn swing_times(objective: &Objective, x: &DVector<f64>) -> Vec<f64> {
@@ -85,7 +85,9 @@ fn spread(objective: &Objective, start: &DVector<f64>) -> Vec<DVector<f64>> {
     let unknowns = &objective.part.unknowns;
     let mut spread_out: Vec<usize> = Vec::new();
     for unknown in unknowns {
-        if let (Kind::Parameter(k), Scaled::Logarithmic) = (unknown.kind, unknown.scaled)
+        if let Kind::Parameter(k) = unknown.kind
+            && unknown.start > 0.0
+            && unknown.scaled.value(unknown.bounds.0) >= 0.0
             && !spread_out.contains(&k)
         {
             spread_out.push(k);
@@ -102,7 +104,8 @@ fn spread(objective: &Objective, start: &DVector<f64>) -> Vec<DVector<f64>> {
             let Some(place) = spread_out.iter().position(|other| *other == k) else { continue };
             let factor = if unknown.name.starts_with("rod.") { ROD_SPREAD } else { EFFECT_SPREAD };
             let share = 2.0 * van_der_corput(point, BASES[place]) - 1.0;
-            x[u] = (x[u] + share * factor.ln()).clamp(unknown.bounds.0, unknown.bounds.1);
+            let value = unknown.scaled.value(x[u]) * factor.powf(share);
+            x[u] = unknown.scaled.variable(value).clamp(unknown.bounds.0, unknown.bounds.1);
         }
         points.push(x);
     }
