@@ -36,6 +36,8 @@ pub struct Run {
     pub fixed_step: Option<f64>,
     /// Steps after which to give up.
     pub most_steps: usize,
+    /// Whether to keep where the steps ended, so that another run can be made on them.
+    pub keep_steps: bool,
     /// Whether to follow dissipated and supplied energy.
     pub energy: bool,
     /// Parameters, as indices into `theta`, by which to differentiate the paths of tip and points.
@@ -91,6 +93,7 @@ impl Run {
             tolerance: DEFAULT_TOLERANCE,
             fixed_step: None,
             most_steps: 10_000_000,
+            keep_steps: false,
             energy: false,
             sensitivities: Vec::new(),
             points: Vec::new(),
@@ -243,7 +246,9 @@ pub fn forward(
             None => Ok(()),
         });
         trajectory.effort = stepper.effort();
-        trajectory.steps.push(stepper.state().time);
+        if run.keep_steps {
+            trajectory.steps.push(stepper.state().time);
+        }
         if let Err(error) = stepped {
             trajectory.status = Status::Failed { time: stepper.state().time, reason: error.to_string() };
             return Err(ForwardError::Integrate { error, trajectory: Box::new(trajectory) });

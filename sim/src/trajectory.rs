@@ -53,7 +53,7 @@ pub struct Trajectory {
     pub point_velocities: Vec<Vec<[f64; 2]>>,
     /// Derivatives of their positions, shape `[samples][points][parameters]`, m per unit.
     pub points_by_parameters: Vec<Vec<Vec<[f64; 2]>>>,
-    /// Where the steps ended, s.
+    /// Where the steps ended, s, if the run keeps that.
     pub steps: Vec<f64>,
     /// What it cost.
     pub effort: Effort,

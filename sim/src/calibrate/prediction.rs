@@ -160,6 +160,7 @@ pub(super) fn predict(
         fixed_step: steps.map(|_| 2.0 * duration + 1.0),
         stops: steps.into_iter().flatten().copied().filter(|t| *t < duration - LEAST_STEP).collect(),
         most_steps: trial.run.most_steps.min(MOST_STEPS),
+        keep_steps: true,
         energy: false,
         sensitivities: match (with_slopes, fidelity.slopes) {
             (true, Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),

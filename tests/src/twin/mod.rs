@@ -11,7 +11,6 @@
 
 pub mod band;
 pub mod beam;
-pub mod csv;
 pub mod direct;
 pub mod motion;
 pub mod random;
@@ -19,6 +18,7 @@ pub mod rest;
 pub mod sensor;
 pub mod session;
 pub mod study;
+pub mod text;
 
 /// The twin of the paper's muscle at a pressure, psi, with Rayleigh damping `alpha`, 1/s, and `beta`,
 /// s. The muscle's tables are data, and are read from `models`.

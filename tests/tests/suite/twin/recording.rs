@@ -2,12 +2,12 @@
 //! releases between samples; and one seed gives one recording.
 
 use sim::recording::Recording;
-use tests::twin::csv;
 use tests::twin::direct::Direct;
 use tests::twin::muscle;
 use tests::twin::random::Random;
 use tests::twin::sensor::Cameras;
 use tests::twin::session::{Session, six_cycles};
+use tests::twin::text;
 
 const TIP: f64 = 0.0168;
 
@@ -98,7 +98,7 @@ fn one_seed_gives_one_recording_and_its_text_one_line_a_sample() {
     let usual = Cameras::usual(0.3e-3, session.beam.length, TIP, &[]);
     let [a, b] = [recording(&session, &usual), recording(&session, &usual)];
     assert_eq!(a, b);
-    let text = csv::tidy(&a);
+    let text = text::tidy(&a);
     assert_eq!(text.lines().count(), a.time.len() + 1);
     assert!(text.starts_with("t_s,base_1_x_m,base_1_y_m,base_1_z_m,base_2_x_m"), "{}", &text[..60]);
     let columns = |line: &str| line.split(',').count();
