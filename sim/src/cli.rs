@@ -123,7 +123,7 @@ struct Init {
 struct OfExperiment {
     /// Experiment, a TOML file.
     experiment: PathBuf,
-    /// Set a value over the experiment's, such as recording[1].up="+z"; may be repeated.
+    /// Set a value over the experiment's, such as `recording[1].up="+z"`; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Folder for the results [default: outputs/ and the experiment's name].
