@@ -4,41 +4,16 @@
 //! leaves anything half-written. Expected: the texts below; they are golden.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+use crate::bench::Bench;
 
 const MUSCLE: &str = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n";
 /// A run of a tenth of a second.
 const SHORT: &str = "[run]\nduration = \"0.1 s\"\n";
 
-/// A folder of its own for each test.
-struct Bench(PathBuf);
-
 impl Bench {
-    fn new(name: &str) -> Bench {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).expect("the target folder can be written");
-        Bench(folder)
-    }
-
-    fn file(&self, name: &str, text: &str) {
-        fs::write(self.0.join(name), text).expect("the target folder can be written");
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_efam"));
-        command.args(arguments).current_dir(&self.0);
-        command
-    }
-
-    fn run(&self, arguments: &[&str]) -> (i32, String, String) {
-        let Output { status, stdout, stderr } = self.command(arguments).output().expect("efam runs");
-        let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-        (status.code().unwrap_or(-1), text(stdout), text(stderr))
-    }
-
     /// Exit code and stderr of `efam simulate s.toml` with that text.
     fn simulate(&self, scenario: &str, arguments: &[&str]) -> (i32, String) {
         self.file("s.toml", scenario);
@@ -47,17 +22,7 @@ impl Bench {
     }
 
     fn summary(&self) -> serde_json::Value {
-        let text = fs::read_to_string(self.0.join("out/summary.json")).expect("there is a summary");
-        serde_json::from_str(&text).expect("it is JSON")
-    }
-
-    /// Names of what lies in the folder.
-    fn left(&self) -> Vec<String> {
-        let mut names: Vec<_> = (fs::read_dir(&self.0).expect("the folder is there"))
-            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
+        serde_json::from_str(&self.text("out/summary.json")).expect("it is JSON")
     }
 }
 

@@ -3,14 +3,15 @@
 //! Goal: a saved run is complete under its own name, equal runs are one recording, and what is
 //! wrong with a destination is said before the run. Expected: no number; what the viewer shows is
 //! looked at by eye.
-#![cfg(feature = "rerun")]
 
 use std::fs;
 use std::net::{Ipv4Addr, TcpListener};
-use std::path::PathBuf;
+use std::process::Command;
 
 use models::snapshot::{EffectForce, Energy, Snapshot};
 use sim::observe::rerun::{RerunError, Scene, Sink, Stream};
+
+use crate::bench::Bench;
 
 const LENGTH: f64 = 0.2;
 const EDGES: usize = 31;
@@ -21,8 +22,8 @@ const EFFECTS: [&str; 4] = ["bend", "stretch", "gravity", "rayleigh_mass"];
 
 #[test]
 fn saved_run_is_complete_under_its_name() {
-    let folder = Folder::new("complete");
-    let path = folder.0.join("run.rrd");
+    let bench = Bench::new("saved-run");
+    let path = bench.0.join("run.rrd");
     let mut stream = Stream::open(&Sink::Save(path.clone()), &scene()).unwrap();
     for sample in 0..50 {
         stream.log(&snapshot(0.01 * f64::from(sample))).unwrap();
@@ -35,16 +36,16 @@ fn saved_run_is_complete_under_its_name() {
     let end = &bytes[bytes.len() - 32..];
     assert!(end.windows(8).any(|part| part == b"RRF2FOOT"), "no footer");
     assert!(bytes.windows(8).any(|part| part == b"same-run"));
-    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 1);
+    assert_eq!(fs::read_dir(&bench.0).unwrap().count(), 1);
 }
 
 #[test]
 fn wrong_destinations_say_what_to_do() {
-    let folder = Folder::new("wrong");
-    let missing = folder.0.join("missing").join("run.rrd");
+    let bench = Bench::new("wrong-destinations");
+    let missing = bench.0.join("missing").join("run.rrd");
     let text = message(&Sink::Save(missing));
     assert!(text.contains("missing/run.rrd: cannot be written"), "{text}");
-    let text = message(&Sink::Save(folder.0.join("run.csv")));
+    let text = message(&Sink::Save(bench.0.join("run.csv")));
     assert!(text.contains("try") && text.ends_with("run.rrd"), "{text}");
 
     let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
@@ -57,6 +58,22 @@ fn wrong_destinations_say_what_to_do() {
     assert!(text.contains("no viewer answers"), "{text}");
     let text = message(&Sink::Connect(Some("http://somewhere/else".into())));
     assert!(text.contains("rerun+http://HOST:PORT/proxy"), "{text}");
+}
+
+/// The README's first command with its recording beside it.
+#[test]
+fn efam_saves_the_recording_with_its_results() {
+    let bench = Bench::new("release");
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/release-15psi.toml");
+    let (code, _, stderr) = bench.run(&["simulate", scenario, "--out", "run", "--rerun", "save"]);
+    assert_eq!(code, 0, "{stderr}");
+    for file in ["scenario.resolved.toml", "summary.json", "trajectory.parquet", "release.svg", "run.rrd"] {
+        assert!(bench.0.join("run").join(file).metadata().is_ok_and(|file| file.len() > 0), "{file}");
+    }
+    match Command::new("rerun").args(["rrd", "verify"]).arg(bench.0.join("run/run.rrd")).status() {
+        Ok(status) => assert!(status.success(), "the viewer's own check"),
+        Err(_) => println!("skipped: rerun rrd verify; it needs the viewer: pip install rerun-sdk==0.36.3"),
+    }
 }
 
 /// A viewer that accepts and then says nothing, or goes, must not stop a run.
@@ -79,24 +96,6 @@ fn message(sink: &Sink) -> String {
     match Stream::open(sink, &scene()) {
         Ok(_) => panic!("{sink:?} opened"),
         Err(error) => error.to_string(),
-    }
-}
-
-/// A folder of a test's own, removed with it.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let name = format!("efam-rerun-{name}-{}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
     }
 }
 

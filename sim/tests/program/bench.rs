@@ -1,0 +1,68 @@
+//! A folder for one test, in which the program is run.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// A folder of its own for each test.
+pub struct Bench(pub PathBuf);
+
+impl Bench {
+    /// Empty; `name` is unique among the tests of the program.
+    pub fn new(name: &str) -> Bench {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("the target folder can be written");
+        Bench(folder)
+    }
+
+    pub fn file(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).expect("the target folder can be written");
+    }
+
+    /// The program, about to start in the folder.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_efam"));
+        command.args(arguments).current_dir(&self.0);
+        command
+    }
+
+    /// Exit code, stdout and stderr.
+    pub fn run(&self, arguments: &[&str]) -> (i32, String, String) {
+        let Output { status, stdout, stderr } = self.command(arguments).output().expect("efam runs");
+        let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+        (status.code().unwrap_or(-1), text(stdout), text(stderr))
+    }
+
+    /// What is printed for machines by a run that must succeed.
+    pub fn json(&self, arguments: &[&str]) -> Value {
+        let (code, stdout, stderr) = self.run(arguments);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str(&stdout).expect("JSON on stdout")
+    }
+
+    pub fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.0.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Names of what lies in the folder.
+    pub fn left(&self) -> Vec<String> {
+        let mut names: Vec<_> = (fs::read_dir(&self.0).expect("the folder is there"))
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+/// A folder beside the project with recordings of others, or `None` and a printed line.
+pub fn recordings(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings").join(name);
+    if !path.exists() {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    }
+    Some(path)
+}

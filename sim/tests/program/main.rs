@@ -1,0 +1,7 @@
+//! The program `efam` from outside.
+
+mod bench;
+mod cli;
+mod experiment;
+#[cfg(feature = "rerun")]
+mod live_view;
