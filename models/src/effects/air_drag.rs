@@ -15,7 +15,7 @@
 //! Source:   Morison's drag term; C_d 1 to 1.2 for a smooth cylinder at Re 10³ to 10⁵, Hoerner
 //!           (1965); cantilevers: Colin et al. (2020), 10.1016/j.jfluidstructs.2020.103056.
 
-use super::{About, Flow, Kind, Law, Parameter, Place, Real};
+use super::{About, Flow, Kind, Law, Parameter, Place, Reach, Real, Separator};
 
 /// Quadratic drag of a cylinder across the flow.
 pub struct AirDrag;
@@ -37,6 +37,8 @@ impl Law for AirDrag {
                 range: (0.0, 10.0),
                 scale: 1.0,
                 off: Some(0.0),
+                plausible: Some((0.0, 3.0)),
+                ..Parameter::PLAIN
             },
             Parameter {
                 name: "air_density",
@@ -46,10 +48,13 @@ impl Law for AirDrag {
                 range: (0.0, 2000.0),
                 scale: 1.2,
                 off: Some(0.0),
+                ..Parameter::PLAIN
             },
         ],
         looks_like: "the first large swings lose more than the later ones: loss per cycle in proportion to amplitude",
         confounded_with: &["tip_drag", "rayleigh_mass"],
+        separated_by: &[Separator::TipPlate, Separator::BodyMarkers, Separator::Angles],
+        reach: Reach::Muscle,
     };
 
     fn flow<T: Real>(at: &Flow<T>, theta: &[T]) -> [T; 2] {

@@ -13,7 +13,7 @@
 //! Silent:   Any motion that keeps the rod straight in line with the clamp.
 //! Source:   Garbulinski and Wereley (2022), eq. 4 and 5, E_b; Goldberg et al. (2019).
 
-use super::{About, Bend, Kind, Law, Moment, Place, Real};
+use super::{About, Bend, Kind, Law, Moment, Place, Reach, Real};
 
 /// Resistance to bending.
 pub struct Bending;
@@ -29,6 +29,8 @@ impl Law for Bending {
         parameters: &[],
         looks_like: "sets the rest posture and, with the masses, the frequency of the swing",
         confounded_with: &["end_fitting", "payload"],
+        separated_by: &[],
+        reach: Reach::Muscle,
     };
 
     fn bend<T: Real>(at: &Bend<T>, _theta: &[T]) -> Moment<T> {

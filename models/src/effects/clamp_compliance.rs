@@ -13,7 +13,7 @@
 //! Silent:   Any motion without a moment at the root.
 //! Source:   Two springs in series.
 
-use super::{About, Kind, Law, Parameter, Place, Real};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator};
 
 /// A clamp that gives way.
 pub struct ClampCompliance;
@@ -34,9 +34,13 @@ impl Law for ClampCompliance {
             range: (0.0, 1e6),
             scale: 0.1,
             off: Some(0.0),
+            plausible: Some((0.0, 1.0)),
+            ..Parameter::PLAIN
         }],
         looks_like: "the whole rod turns about the clamp as if it were hinged: markers near the root move too much",
         confounded_with: &["bend"],
+        separated_by: &[Separator::BodyMarkers],
+        reach: Reach::Muscle,
     };
 
     fn clamp<T: Real>(theta: &[T]) -> T {

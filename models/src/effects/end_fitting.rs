@@ -13,7 +13,7 @@
 //! Silent:   No motion of the tip is without it.
 //! Source:   Garbulinski and Wereley (2022), Table 1: 54.92 g, 0.662 in beyond the active length.
 
-use super::{About, BODY_PARAMETERS, Body, Kind, Law, Place, Real};
+use super::{About, BODY_PARAMETERS, Body, Kind, Law, Place, Reach, Real};
 
 /// The rigid body of the fitting and marker cap.
 pub struct EndFitting;
@@ -29,6 +29,8 @@ impl Law for EndFitting {
         parameters: BODY_PARAMETERS,
         looks_like: "lowers frequency and rest posture together",
         confounded_with: &["bend"],
+        separated_by: &[],
+        reach: Reach::Muscle,
     };
 
     fn body<T: Real>(theta: &[T]) -> Body<T> {

@@ -10,7 +10,7 @@
 //! Silent:   Never, while there is mass.
 //! Source:   Garbulinski and Wereley (2022), Table 1: 9.81 m/s².
 
-use super::{About, Kind, Law, MassLoad, Parameter, Place, Real};
+use super::{About, Kind, Law, MassLoad, Parameter, Place, Reach, Real};
 
 /// Weight.
 pub struct Gravity;
@@ -31,9 +31,12 @@ impl Law for Gravity {
             range: (0.0, 1000.0),
             scale: 9.81,
             off: Some(0.0),
+            ..Parameter::PLAIN
         }],
         looks_like: "the rod sags, and swings about the sagged posture",
         confounded_with: &["bend"],
+        separated_by: &[],
+        reach: Reach::Muscle,
     };
 
     fn mass<T: Real>(_time: T, theta: &[T]) -> MassLoad<T> {

@@ -158,6 +158,7 @@ pub const BODY_PARAMETERS: &[Parameter] = &[
         range: (0.0, 100.0),
         scale: 0.05,
         off: None,
+        ..Parameter::PLAIN
     },
     Parameter {
         name: "center_of_mass",
@@ -167,6 +168,7 @@ pub const BODY_PARAMETERS: &[Parameter] = &[
         range: (-1.0, 10.0),
         scale: 0.01,
         off: None,
+        ..Parameter::PLAIN
     },
     Parameter {
         name: "rotary_inertia",
@@ -176,6 +178,7 @@ pub const BODY_PARAMETERS: &[Parameter] = &[
         range: (0.0, 100.0),
         scale: 1e-5,
         off: None,
+        ..Parameter::PLAIN
     },
 ];
 

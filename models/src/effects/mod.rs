@@ -96,7 +96,69 @@ pub struct Parameter {
     /// A typical size: step of finite differences, scale of fits.
     pub scale: f64,
     /// Value at which the effect is exactly zero, if this parameter alone can switch it off.
+    /// A diagnosis tries an effect by the first of its parameters that has one.
     pub off: Option<f64>,
+    /// Smallest and largest value that a diagnosis believes of a muscle in a laboratory; none for all
+    /// that is admissible.
+    pub plausible: Option<(f64, f64)>,
+    /// Values at which a diagnosis tries the effect, where its trace depends on this parameter other
+    /// than in proportion, such as a time constant. Empty: it stays at its default.
+    pub tries: &'static [f64],
+}
+
+impl Parameter {
+    /// What most parameters leave unsaid: `..Parameter::PLAIN`.
+    pub const PLAIN: Parameter = Parameter {
+        name: "",
+        meaning: "",
+        unit: "",
+        default: 0.0,
+        range: (0.0, 0.0),
+        scale: 1.0,
+        off: None,
+        plausible: None,
+        tries: &[],
+    };
+}
+
+/// What has a value of its own of an effect's parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// The muscle: one value for all releases.
+    Muscle,
+    /// Each pressure.
+    Pressure,
+    /// Each release.
+    Release,
+}
+
+/// What an experiment can have more of, to tell effects apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Separator {
+    /// Markers along the body.
+    BodyMarkers,
+    /// Releases at several pressures.
+    Pressures,
+    /// Releases from several angles.
+    Angles,
+    /// Releases with a weighed payload.
+    Payload,
+    /// A long recording, the rest after the swing included.
+    LongRecord,
+    /// The same release with the valve open and shut.
+    Valve,
+    /// A plate of known area at the tip.
+    TipPlate,
+    /// Several releases that are meant to be equal.
+    Repeats,
+    /// A faster camera on the hand.
+    Video,
+    /// A balance or a ruler: weights, lengths, the centre of mass.
+    Metrology,
+    /// The hose taken off, or held elsewhere.
+    Hose,
+    /// A recording in three dimensions.
+    ThirdAxis,
 }
 
 /// What the catalogue knows of an effect.
@@ -120,4 +182,8 @@ pub struct About {
     pub looks_like: &'static str,
     /// Names of effects with which recordings confound it.
     pub confounded_with: &'static [&'static str],
+    /// What tells it from those.
+    pub separated_by: &'static [Separator],
+    /// What has its own values of the parameters.
+    pub reach: Reach,
 }

@@ -13,7 +13,7 @@
 //! Silent:   No motion of the tip is without it.
 //! Source:   A rigid body fixed to the end fitting: Newton and Euler.
 
-use super::{About, BODY_PARAMETERS, Body, Kind, Law, Place, Real};
+use super::{About, BODY_PARAMETERS, Body, Kind, Law, Place, Reach, Real};
 
 /// The rigid body of the payload.
 pub struct Payload;
@@ -29,6 +29,8 @@ impl Law for Payload {
         parameters: BODY_PARAMETERS,
         looks_like: "lowers frequency and rest posture together",
         confounded_with: &["bend"],
+        separated_by: &[],
+        reach: Reach::Muscle,
     };
 
     fn body<T: Real>(theta: &[T]) -> Body<T> {

@@ -11,7 +11,7 @@
 //! Silent:   Rest.
 //! Source:   Rayleigh (1877), The Theory of Sound; Clough and Penzien (2003), section 12-3.
 
-use super::{About, Kind, Law, MassLoad, Parameter, Place, Real};
+use super::{About, Kind, Law, MassLoad, Parameter, Place, Reach, Real};
 
 /// Loss in proportion to momentum.
 pub struct RayleighMass;
@@ -32,9 +32,12 @@ impl Law for RayleighMass {
             range: (0.0, 1e6),
             scale: 1.0,
             off: Some(0.0),
+            ..Parameter::PLAIN
         }],
         looks_like: "a straight line of log amplitude over time, of the same slope for every mode",
         confounded_with: &["rayleigh_stiffness"],
+        separated_by: &[],
+        reach: Reach::Muscle,
     };
 
     fn mass<T: Real>(_time: T, theta: &[T]) -> MassLoad<T> {

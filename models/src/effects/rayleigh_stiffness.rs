@@ -15,7 +15,7 @@
 //! Source:   Clough and Penzien (2003), section 12-3, ζ = β ω / 2; rate form as in
 //!           Garbulinski and Wereley's (2022) eq. 5 with strains replaced by their rates.
 
-use super::{About, Bend, Edge, Kind, Law, Moment, Parameter, Place, Real};
+use super::{About, Bend, Edge, Kind, Law, Moment, Parameter, Place, Reach, Real};
 
 /// Loss in proportion to strain rate.
 pub struct RayleighStiffness;
@@ -36,9 +36,12 @@ impl Law for RayleighStiffness {
             range: (0.0, 1e3),
             scale: 0.01,
             off: Some(0.0),
+            ..Parameter::PLAIN
         }],
         looks_like: "higher modes die first; log amplitude falls on a straight line, steeper the faster the mode",
         confounded_with: &["rayleigh_mass", "viscoelastic"],
+        separated_by: &[],
+        reach: Reach::Muscle,
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {

@@ -12,7 +12,7 @@
 //! Silent:   Any motion that keeps every edge at its rest length.
 //! Source:   Garbulinski and Wereley (2022), eq. 5, E_s; EA by their eq. 8.
 
-use super::{About, Edge, Kind, Law, Place, Real};
+use super::{About, Edge, Kind, Law, Place, Reach, Real};
 
 /// Resistance to stretch.
 pub struct Stretch;
@@ -28,6 +28,8 @@ impl Law for Stretch {
         parameters: &[],
         looks_like: "the tip swings on a slightly wider path at the bottom of the swing, where the pull is largest",
         confounded_with: &[],
+        separated_by: &[],
+        reach: Reach::Muscle,
     };
 
     fn edge<T: Real>(at: &Edge<T>, _theta: &[T]) -> T {

@@ -10,13 +10,13 @@
 //! Silent:   Never.
 //! Source:   The load cases of the closed forms: pure bending, and Bisshopp and Drucker (1945).
 
-use super::{About, Kind, Law, Parameter, Place, Real, Tip, TipLoad};
+use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad};
 
 /// A dead load at the tip.
 pub struct TipForce;
 
 const fn component(name: &'static str, meaning: &'static str, unit: &'static str, scale: f64) -> Parameter {
-    Parameter { name, meaning, unit, default: 0.0, range: (-1e6, 1e6), scale, off: None }
+    Parameter { name, meaning, unit, default: 0.0, range: (-1e6, 1e6), scale, off: None, ..Parameter::PLAIN }
 }
 
 impl Law for TipForce {
@@ -34,6 +34,8 @@ impl Law for TipForce {
         ],
         looks_like: "shifts the rest posture; leaves no loss",
         confounded_with: &["payload"],
+        separated_by: &[],
+        reach: Reach::Muscle,
     };
 
     fn tip<T: Real>(_at: &Tip<T>, theta: &[T]) -> TipLoad<T> {

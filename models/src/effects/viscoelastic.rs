@@ -14,7 +14,7 @@
 //! Silent:   Motion much slower than τ. Much faster than τ it only stiffens: EI (1 + g).
 //! Source:   Zener's standard linear solid: Christensen (2003), Theory of Viscoelasticity, ch. 1.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Real};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
 
 /// A Maxwell branch in bending.
 pub struct Viscoelastic;
@@ -36,6 +36,8 @@ impl Law for Viscoelastic {
                 range: (0.0, 100.0),
                 scale: 0.1,
                 off: Some(0.0),
+                plausible: Some((0.0, 0.3)),
+                ..Parameter::PLAIN
             },
             Parameter {
                 name: "relaxation_time",
@@ -45,10 +47,15 @@ impl Law for Viscoelastic {
                 range: (1e-4, 1e4),
                 scale: 0.1,
                 off: None,
+                plausible: Some((0.05, 1.0)),
+                tries: &[0.05, 0.2, 0.7],
+                ..Parameter::PLAIN
             },
         ],
         looks_like: "the rod is stiffer in motion than at rest, and loses most at frequencies near 1/τ",
         confounded_with: &["rayleigh_stiffness", "bend"],
+        separated_by: &[Separator::Pressures, Separator::Payload],
+        reach: Reach::Muscle,
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
