@@ -141,7 +141,7 @@ impl Banded {
         for (i, (row, y)) in self.rows.iter().zip(y).enumerate() {
             let window = i.checked_sub(HALF_BANDWIDTH).and_then(|first| x[first..].first_chunk::<WIDTH>());
             match window {
-                Some(x) => add_product(y, row, x),
+                Some(x) => add_row(y, row, x),
                 None => {
                     let first = i.saturating_sub(HALF_BANDWIDTH);
                     add_product(y, &row[first + HALF_BANDWIDTH - i..], &x[first..]);
@@ -151,22 +151,32 @@ impl Banded {
     }
 }
 
-/// `sum += Σ row x`, as far as both go; inlined, so that the length of a window is known. Four sums
-/// side by side, so that an addition need not wait for the one before.
+/// `sum += Σ row x` over a whole row. Four sums side by side, so that an addition need not wait for the
+/// one before; with places known when compiled they stay in registers.
 #[inline(always)]
-fn add_product<const P: usize>(sum: &mut [f64; P], row: &[f64], x: &[[f64; P]]) {
-    let mut parts = [[0.0; P]; 4];
-    for (k, (a, x)) in row.iter().zip(x).enumerate() {
-        for p in 0..P {
-            parts[k % 4][p] += a * x[p];
-        }
-    }
+fn add_row<const P: usize>(sum: &mut [f64; P], row: &[f64; WIDTH], x: &[[f64; P]; WIDTH]) {
+    const PARTS: usize = 4;
     for p in 0..P {
-        sum[p] += (parts[0][p] + parts[1][p]) + (parts[2][p] + parts[3][p]);
+        let mut parts = [0.0; PARTS];
+        for first in (0..WIDTH - 1).step_by(PARTS) {
+            for (part, k) in parts.iter_mut().zip(first..) {
+                *part += row[k] * x[k][p];
+            }
+        }
+        sum[p] += (parts[0] + parts[1]) + (parts[2] + parts[3]) + row[WIDTH - 1] * x[WIDTH - 1][p];
     }
 }
 
-/// `sum −= Σ row x`, likewise.
+/// `sum += Σ row x`, as far as both go.
+fn add_product<const P: usize>(sum: &mut [f64; P], row: &[f64], x: &[[f64; P]]) {
+    for (a, x) in row.iter().zip(x) {
+        for p in 0..P {
+            sum[p] += a * x[p];
+        }
+    }
+}
+
+/// `sum −= Σ row x`, as far as both go; inlined, so that the length of a window is known.
 #[inline(always)]
 fn subtract_product<const P: usize>(sum: &mut [f64; P], row: &[f64], x: &[[f64; P]]) {
     let mut own = *sum;

@@ -39,6 +39,11 @@ pub struct Search {
     pub relative: f64,
     /// Evaluations after which to give up.
     pub most_evaluations: usize,
+    /// Damping of the first step, relative to D: little where the start is near the end already, since
+    /// in a valley any damping stops the step short.
+    pub first_damping: f64,
+    /// Whether a point may have the slopes of the one before: where they cost several evaluations.
+    pub lends_slopes: bool,
 }
 
 /// Where a search ended.
@@ -59,47 +64,66 @@ pub struct Solution<T> {
 /// Steps refused one after another, after which no step helps: what is left is the noise of the
 /// evaluation itself.
 const MOST_REFUSED: usize = 6;
-const FIRST_DAMPING: f64 = 1e-3;
+/// Usual damping of the first step, and that of a search that begins near its end.
+pub const FIRST_DAMPING: f64 = 1e-3;
+pub const NEAR_DAMPING: f64 = 1e-8;
+/// Actual over predicted decrease from which on lent slopes are good enough for another step.
+const TRUSTED: f64 = 0.8;
 /// Keeps the undamped system solvable where the data say nothing, relative to D.
 const LEAST_DAMPING: f64 = 1e-12;
 
-/// Minimises a cost from `start`; `evaluate` says nothing where the cost cannot be had. None, if it
-/// cannot be had at the start.
+/// Minimises a cost from `start`. `evaluate` says nothing where the cost cannot be had; given what an
+/// earlier point carried, it may take the slopes of that point for its own. None, if the cost cannot be
+/// had at the start.
+///
+/// With [`Search::lends_slopes`] slopes are lent from point to point as long as the cost falls as they
+/// foretell. The last word always belongs to a point's own: they alone say that the search is over.
 pub fn minimise<T>(
     start: &DVector<f64>,
+    lent: Option<&T>,
     search: &Search,
-    evaluate: &mut dyn FnMut(&DVector<f64>) -> Option<Evaluated<T>>,
+    evaluate: &mut dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evaluated<T>>,
 ) -> Option<Solution<T>> {
     let mut x = start.clone();
     for (x, (low, high)) in x.iter_mut().zip(&search.bounds) {
         *x = x.clamp(*low, *high);
     }
-    let mut at = evaluate(&x)?;
-    let mut evaluations = 1;
+    let mut at = evaluate(&x, lent)?;
+    let (mut evaluations, mut are_own) = (1, lent.is_none());
     let mut diagonal = DVector::zeros(x.len());
-    let (mut damping, mut growth, mut refused) = (FIRST_DAMPING, 2.0, 0);
+    let (mut damping, mut growth, mut refused) = (search.first_damping, 2.0, 0);
     loop {
         widen(&mut diagonal, &at.hessian);
         let (_, predicted) = step(&at, &x, &diagonal, LEAST_DAMPING, search, false);
         let converged = predicted <= search.tolerance.max(search.relative * at.cost);
-        if converged || refused >= MOST_REFUSED || evaluations >= search.most_evaluations {
+        let is_over = converged || refused >= MOST_REFUSED || evaluations >= search.most_evaluations;
+        if is_over && are_own {
             return Some(Solution { x, at, evaluations, predicted, converged });
         }
-        let (tried, decrease) = step(&at, &x, &diagonal, damping, search, true);
-        let next = (decrease > 0.0).then(|| evaluate(&tried)).flatten();
-        evaluations += usize::from(decrease > 0.0);
-        let ratio = next.as_ref().map_or(-1.0, |next| (at.cost - next.cost) / decrease);
-        match next {
-            Some(next) if ratio > 1e-3 => {
-                (x, at) = (tried, next);
-                damping *= f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3));
-                (growth, refused) = (2.0, 0);
+        let mut ratio = -1.0;
+        if !is_over {
+            let (tried, decrease) = step(&at, &x, &diagonal, damping, search, true);
+            let lent = search.lends_slopes.then_some(&at.carried);
+            let next = (decrease > 0.0).then(|| evaluate(&tried, lent)).flatten();
+            evaluations += usize::from(decrease > 0.0);
+            ratio = next.as_ref().map_or(-1.0, |next| (at.cost - next.cost) / decrease);
+            match next {
+                Some(next) if ratio > 1e-3 => {
+                    (x, at, are_own) = (tried, next, !search.lends_slopes);
+                    damping *= f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3));
+                    (growth, refused) = (2.0, 0);
+                }
+                _ if are_own => {
+                    damping *= growth;
+                    growth *= 2.0;
+                    refused += 1;
+                }
+                _ => {}
             }
-            _ => {
-                damping *= growth;
-                growth *= 2.0;
-                refused += 1;
-            }
+        }
+        if !are_own && ratio < TRUSTED {
+            (at, are_own) = (evaluate(&x, None)?, true);
+            evaluations += 1;
         }
     }
 }
@@ -187,8 +211,10 @@ mod tests {
             tolerance: 1e-24,
             relative: 0.0,
             most_evaluations: 200,
+            first_damping: FIRST_DAMPING,
+            lends_slopes: false,
         };
-        let mut evaluate = |x: &DVector<f64>| {
+        let mut evaluate = |x: &DVector<f64>, _: Option<&()>| {
             let (r, j) = of(x);
             Some(Evaluated {
                 cost: 0.5 * r.norm_squared(),
@@ -197,7 +223,7 @@ mod tests {
                 carried: (),
             })
         };
-        minimise(&DVector::from_column_slice(start), &search, &mut evaluate).unwrap()
+        minimise(&DVector::from_column_slice(start), None, &search, &mut evaluate).unwrap()
     }
 
     /// Rosenbrock (1960): residuals `10 (y − x²)` and `1 − x`; root at (1, 1).
@@ -273,9 +299,11 @@ mod tests {
             tolerance: 1e-20,
             relative: 0.0,
             most_evaluations: 100,
+            first_damping: FIRST_DAMPING,
+            lends_slopes: false,
         };
         // The first step would go to −1 + 1.5 / 0.5 = 2.
-        let mut evaluate = |x: &DVector<f64>| {
+        let mut evaluate = |x: &DVector<f64>, _: Option<&()>| {
             let r = x[0].exp() - 0.6f64.exp();
             (x[0] < 1.0).then(|| Evaluated {
                 cost: 0.5 * r * r,
@@ -284,8 +312,40 @@ mod tests {
                 carried: (),
             })
         };
-        let found = minimise(&DVector::from_element(1, -1.0), &search, &mut evaluate).unwrap();
+        let found = minimise(&DVector::from_element(1, -1.0), None, &search, &mut evaluate).unwrap();
         assert!((found.x[0] - 0.6).abs() < 1e-9, "{found:?}");
-        assert!(minimise(&DVector::from_element(1, 2.0), &search, &mut evaluate).is_none());
+        assert!(minimise(&DVector::from_element(1, 2.0), None, &search, &mut evaluate).is_none());
+    }
+
+    /// Residuals of Rosenbrock's valley with slopes that are lent: the same end, for less slopes than
+    /// points, and the last slopes are the point's own.
+    #[test]
+    fn lent_slopes_lead_to_the_same_end() {
+        let search = Search {
+            bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); 2],
+            longest: vec![f64::INFINITY; 2],
+            tolerance: 1e-24,
+            relative: 0.0,
+            most_evaluations: 200,
+            first_damping: FIRST_DAMPING,
+            lends_slopes: true,
+        };
+        let mut slopes_taken = 0;
+        let mut evaluate = |x: &DVector<f64>, lent: Option<&DMatrix<f64>>| {
+            let (r, own) = rosenbrock(x);
+            slopes_taken += usize::from(lent.is_none());
+            let j = lent.cloned().unwrap_or(own);
+            Some(Evaluated {
+                cost: 0.5 * r.norm_squared(),
+                gradient: j.tr_mul(&r),
+                hessian: j.tr_mul(&j),
+                carried: j,
+            })
+        };
+        let start = DVector::from_column_slice(&[-1.2, 1.0]);
+        let found = minimise(&start, None, &search, &mut evaluate).unwrap();
+        assert!((found.x[0] - 1.0).abs() < 1e-9 && (found.x[1] - 1.0).abs() < 1e-9, "{found:?}");
+        assert_eq!(found.at.carried, rosenbrock(&found.x).1);
+        assert!(slopes_taken < found.evaluations, "{slopes_taken} of {}", found.evaluations);
     }
 }

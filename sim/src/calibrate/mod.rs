@@ -17,6 +17,7 @@ mod part;
 mod prediction;
 mod problem;
 mod profile;
+mod refine;
 mod search;
 mod section;
 mod starts;
@@ -24,6 +25,7 @@ mod uncertainty;
 mod unknowns;
 mod warnings;
 
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 pub use calibration::Calibration;
@@ -33,11 +35,11 @@ pub use problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
 pub use search::Stage;
 pub use section::{SectionError, problem};
 
-use numerics::{Correction, correction};
+use numerics::Correction;
 use objective::Objective;
 use part::{Part, parts};
-use prediction::Measured;
-use search::{Found, search, settle};
+use refine::{refine, shift};
+use search::{Found, search};
 use uncertainty::{Uncertainty, uncertainty};
 use unknowns::Unknowns;
 
@@ -59,13 +61,14 @@ impl Default for Settings {
 
 /// One part of a problem, fitted.
 pub(crate) struct Fitted<'a> {
-    part: Part<'a>,
-    measured: Vec<&'a Measured>,
+    objective: Objective<'a>,
     found: Found,
     uncertainty: Uncertainty,
     numerics: Option<Correction>,
-    /// By how many standard errors the numerics had moved each unknown.
-    shift: Vec<f64>,
+    /// By how many standard errors the numerics would move each unknown.
+    shift: DVector<f64>,
+    /// Evaluations of all releases, and steps of the integrator in all runs.
+    effort: [usize; 2],
     /// By unknown, scaled.
     profiles: Vec<Option<[f64; 2]>>,
 }
@@ -79,30 +82,24 @@ pub fn calibrate(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, CalibrateError> {
     let unknowns = Unknowns::of(problem)?;
-    let measured: Vec<Measured> = problem.trials.iter().map(Measured::of).collect::<Result<_, _>>()?;
     let parts = parts(problem, &unknowns);
     let fitted: Vec<Fitted> = parts
         .into_par_iter()
-        .map(|part| fit(part, &measured, settings, tell))
+        .map(|part| fit(part, settings, tell))
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<_, _>>()?;
-    Ok(outcome::outcome(problem, &unknowns, &measured, &fitted))
+    Ok(outcome::outcome(problem, &unknowns, &fitted))
 }
-
-/// Standard errors of shift by the numerics above which it is found again after the fit has moved.
-const FAR: f64 = 3.0;
 
 fn fit<'a>(
     part: Part<'a>,
-    measured: &'a [Measured],
     settings: &Settings,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Fitted<'a>, CalibrateError> {
-    let measured: Vec<&Measured> = part.trials.iter().map(|t| &measured[*t]).collect();
-    let objective = Objective { part: &part, measured: measured.clone() };
+    let objective = Objective::new(part)?;
     let start = objective.start();
-    let name = match &part.members[..] {
+    let name = match &objective.part.members[..] {
         [only] => only.release.name.clone(),
         [first, rest @ ..] => format!("{} and {} more", first.release.name, rest.len()),
         [] => String::new(),
@@ -114,39 +111,19 @@ fn fit<'a>(
     let Some(mut found) = search(&objective, &start, &say) else {
         return Err(objective.refusal(&start));
     };
-    let (mut numerics, mut shift) = (None, vec![0.0; start.len()]);
-    loop {
-        if !settings.remove_mesh {
-            break;
-        }
-        tell(&format!("{name}: a finer mesh and step"));
-        let is_first = numerics.is_none();
-        let Some(finer) = correction(&objective, &found.x, &found.view) else { break };
-        found.steps += finer.steps;
-        found.view.corrections = Some(finer.corrections.clone());
-        numerics.get_or_insert(finer);
-        let Some(better) = settle(&objective, &found.x, &mut found.view) else { break };
-        let errors = uncertainty::pseudo_inverse(&better.at.hessian).0.diagonal();
-        let moved = (&better.x - &found.x).zip_map(&errors, |x, error| x / error.max(1e-300).sqrt());
-        shift.iter_mut().zip(moved.iter()).for_each(|(shift, moved)| *shift += moved);
-        found.evaluations += better.evaluations;
-        found.steps += better.evaluations * better.at.carried.step_count();
-        (found.x, found.at, found.converged) = (better.x, better.at, better.converged);
-        found.predicted = better.predicted;
-        if !is_first || moved.amax() < FAR {
-            break;
-        }
-    }
+    let numerics =
+        refine(&objective, &mut found, settings.remove_mesh, &|what| tell(&format!("{name}: {what}")));
+    let shift = shift(&objective, &found);
+    let effort = objective.effort();
     let uncertainty = uncertainty(&objective, &found);
-    let is_wanted = |k: &usize| settings.profile && !part.unknowns[*k].is_nuisance();
+    let is_wanted = |k: &usize| settings.profile && !objective.part.unknowns[*k].is_nuisance();
     let profiles = (0..start.len())
         .into_par_iter()
         .map(|k| {
             Some(k).filter(is_wanted).and_then(|k| profile::profile(&objective, &found, &uncertainty, k))
         })
         .collect();
-    drop(objective);
-    Ok(Fitted { part, measured, found, uncertainty, numerics, shift, profiles })
+    Ok(Fitted { objective, found, uncertainty, numerics, shift, effort, profiles })
 }
 
 #[cfg(test)]

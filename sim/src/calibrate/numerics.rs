@@ -10,7 +10,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::objective::{Objective, View};
-use super::prediction::{Fidelity, Prediction, Slopes, predict};
+use super::prediction::{Fidelity, Prediction, predict};
 use crate::forward::Initial;
 
 /// Step errors of the corrected prediction, against those of the fit.
@@ -29,8 +29,8 @@ pub(super) struct Correction {
     pub error: Vec<f64>,
     /// What may be left of the mesh's error, m, root mean square: a share of Richardson's term.
     pub left: Vec<f64>,
-    /// Steps of the integrator.
-    pub steps: usize,
+    /// Steps of each release's run on the fit's own mesh, s.
+    pub own_steps: Vec<Vec<f64>>,
 }
 
 /// Compares each release's prediction with finer runs; none where one cannot be made.
@@ -39,11 +39,7 @@ pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
     let each: Vec<Option<[Prediction; 3]>> = (0..releases)
         .into_par_iter()
         .map(|r| {
-            let tight = Fidelity {
-                tolerance: TIGHTER * view.fidelity.tolerance,
-                refinement: 1,
-                slopes: Slopes::Variational,
-            };
+            let tight = Fidelity { tolerance: TIGHTER * view.fidelity.tolerance, refinement: 1 };
             // A posture has nodes of its own: only the step can be made finer.
             let is_posture = matches!(objective.part.members[r].run.initial, Initial::Posture(_));
             let fine = Fidelity { refinement: if is_posture { 1 } else { 2 }, ..tight };
@@ -57,7 +53,7 @@ pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
     let mut correction = Correction::default();
     for one in each {
         let [own, same, fine] = one?;
-        correction.steps += own.steps.len() + same.steps.len() + fine.steps.len();
+        objective.count_steps(own.steps.len() + same.steps.len() + fine.steps.len());
         let (mut all, mut error, mut left) = (Vec::new(), Mean::default(), Mean::default());
         for track in 0..own.position.len() {
             let of = |k: usize| {
@@ -77,6 +73,7 @@ pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
         correction.corrections.push(all);
         correction.error.push(error.root());
         correction.left.push(LEFT * left.root());
+        correction.own_steps.push(own.steps);
     }
     Some(correction)
 }
@@ -89,8 +86,8 @@ fn one(
     fidelity: Fidelity,
     steps: Option<&[f64]>,
 ) -> Option<Prediction> {
-    let (part, measured) = (objective.part, objective.measured[r]);
-    predict(part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, steps, false).ok()
+    let (part, measured) = (&objective.part, &objective.measured[r]);
+    predict(part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, steps, None).ok()
 }
 
 #[derive(Default)]

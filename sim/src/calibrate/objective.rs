@@ -1,6 +1,8 @@
 //! The cost of a part at a point: all its releases simulated side by side, compared, and summed in
 //! the order of their index, so that the number of threads changes no bit.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -16,6 +18,8 @@ use super::unknowns::Acts;
 pub(super) struct View {
     /// How finely the model is run.
     pub fidelity: Fidelity,
+    /// How slopes are found.
+    pub slopes: Slopes,
     /// Samples of each release that count, from the first.
     pub counts: Vec<usize>,
     /// Steps of each release's run. A search keeps them: with steps chosen anew at each point the
@@ -49,8 +53,10 @@ pub(super) struct Seen {
 
 /// The cost of a part.
 pub(super) struct Objective<'a> {
-    pub part: &'a Part<'a>,
-    pub measured: Vec<&'a Measured>,
+    pub part: Part<'a>,
+    /// Of each release.
+    pub measured: Vec<Measured>,
+    effort: [AtomicUsize; 2],
 }
 
 impl Series {
@@ -60,11 +66,6 @@ impl Series {
 }
 
 impl Seen {
-    /// Number of steps of all runs.
-    pub fn step_count(&self) -> usize {
-        self.steps.iter().map(Vec::len).sum()
-    }
-
     /// Robust spread of the residuals of each release, in units of the noise.
     pub fn spreads(&self) -> Vec<f64> {
         let of = |block: &Vec<Series>| spread(block.iter().flat_map(Series::lengths).collect());
@@ -72,7 +73,30 @@ impl Seen {
     }
 }
 
-impl Objective<'_> {
+impl<'a> Objective<'a> {
+    /// The cost of a part.
+    /// # Errors
+    /// [`CalibrateError`] for a release that cannot be fitted.
+    pub fn new(part: Part<'a>) -> Result<Self, CalibrateError> {
+        let measured = part.members.iter().map(|trial| Measured::of(trial)).collect::<Result<_, _>>()?;
+        Ok(Self { part, measured, effort: Default::default() })
+    }
+
+    /// Points at which all releases were simulated so far, and steps of the integrator in all runs.
+    pub fn effort(&self) -> [usize; 2] {
+        self.effort.each_ref().map(|count| count.load(Ordering::Relaxed))
+    }
+
+    /// Samples of each release.
+    pub fn all(&self) -> Vec<usize> {
+        self.measured.iter().map(|measured| measured.samples.len()).collect()
+    }
+
+    /// Adds to the steps of the integrator.
+    pub fn count_steps(&self, steps: usize) {
+        self.effort[1].fetch_add(steps, Ordering::Relaxed);
+    }
+
     /// The unknowns at their start.
     pub fn start(&self) -> DVector<f64> {
         let unknowns = &self.part.unknowns;
@@ -82,11 +106,11 @@ impl Objective<'_> {
 
     /// Why nothing was found: the start cannot be simulated, or leads nowhere.
     pub fn refusal(&self, start: &DVector<f64>) -> CalibrateError {
-        let rough = Fidelity { tolerance: 1e-4, refinement: 1, slopes: Slopes::Variational };
+        let rough = Fidelity { tolerance: 1e-4, refinement: 1 };
         for (r, trial) in self.part.members.iter().enumerate() {
             let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
             let count = self.measured[r].samples.len();
-            let run = predict(trial, self.measured[r], locals, unknowns, start, count, rough, None, false);
+            let run = predict(trial, &self.measured[r], locals, unknowns, start, count, rough, None, None);
             if let Err(error) = run {
                 let release = trial.release.name.clone();
                 return CalibrateError::Forward { release, error: error.into() };
@@ -96,10 +120,11 @@ impl Objective<'_> {
     }
 
     /// Residuals, and slopes if asked for; nothing where a release cannot be simulated.
-    pub fn see(&self, x: &DVector<f64>, view: &View, with_slopes: bool) -> Option<Seen> {
+    pub fn see(&self, x: &DVector<f64>, view: &View, slopes: Option<Slopes>) -> Option<Seen> {
+        self.effort[0].fetch_add(1, Ordering::Relaxed);
         let releases = self.part.members.len();
         let each: Vec<Option<(Vec<Series>, Vec<f64>)>> =
-            (0..releases).into_par_iter().map(|r| self.see_one(r, x, view, with_slopes)).collect();
+            (0..releases).into_par_iter().map(|r| self.see_one(r, x, view, slopes)).collect();
         let mut seen = Seen::default();
         for one in each {
             let (block, steps) = one?;
@@ -114,14 +139,15 @@ impl Objective<'_> {
         r: usize,
         x: &DVector<f64>,
         view: &View,
-        with_slopes: bool,
+        slopes: Option<Slopes>,
     ) -> Option<(Vec<Series>, Vec<f64>)> {
-        let (trial, measured) = (self.part.members[r], self.measured[r]);
+        let (trial, measured) = (self.part.members[r], &self.measured[r]);
         let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
         let (count, fidelity) = (view.counts[r], view.fidelity);
         let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
         let prediction =
-            predict(trial, measured, locals, unknowns, x, count, fidelity, steps, with_slopes).ok()?;
+            predict(trial, measured, locals, unknowns, x, count, fidelity, steps, slopes).ok()?;
+        self.count_steps(prediction.steps_in_all);
         let mut block = Vec::with_capacity(trial.release.tracks.len());
         for (t, track) in trial.release.tracks.iter().enumerate() {
             let mut offset = [0.0; 2];
@@ -147,7 +173,7 @@ impl Objective<'_> {
                 }
                 series.samples.push(k);
                 series.residual.push(residual);
-                if with_slopes {
+                if slopes.is_some() {
                     let scaled = |slope: &[f64; 2]| slope.map(|slope| slope * per_noise);
                     series.slopes.push(prediction.slopes[t][k].iter().map(scaled).collect());
                 }
@@ -166,9 +192,16 @@ impl Objective<'_> {
         data + self.prior_residuals(x).map(|(_, residual, _)| 0.5 * residual * residual).sum::<f64>()
     }
 
-    /// Cost with its derivatives.
-    pub fn evaluate(&self, x: &DVector<f64>, view: &View) -> Option<Evaluated<Seen>> {
-        let seen = self.see(x, view, true)?;
+    /// Cost with its derivatives, by the slopes of this point, or by those that another one lends.
+    pub fn evaluate(&self, x: &DVector<f64>, view: &View, lent: Option<&Seen>) -> Option<Evaluated<Seen>> {
+        let mut seen = self.see(x, view, lent.is_none().then_some(view.slopes))?;
+        if let Some(lent) = lent {
+            let lenders = lent.blocks.iter().flatten();
+            for (series, lender) in seen.blocks.iter_mut().flatten().zip(lenders) {
+                assert_eq!(series.samples, lender.samples, "the same samples are looked at");
+                series.slopes.clone_from(&lender.slopes);
+            }
+        }
         let n = x.len();
         let (mut gradient, mut hessian) = (DVector::zeros(n), DMatrix::zeros(n, n));
         for (r, block) in seen.blocks.iter().enumerate() {
@@ -280,11 +313,9 @@ mod tests {
     fn the_gradient_is_that_of_the_cost() {
         let problem = problem();
         let unknowns = Unknowns::of(&problem).unwrap();
-        let measured: Vec<Measured> =
-            problem.trials.iter().map(|trial| Measured::of(trial).unwrap()).collect();
-        let parts = parts(&problem, &unknowns);
+        let mut parts = parts(&problem, &unknowns);
         assert_eq!(parts.len(), 1, "EI joins the two");
-        let objective = Objective { part: &parts[0], measured: measured.iter().collect() };
+        let objective = Objective::new(parts.remove(0)).unwrap();
         // EI, two losses, base angle; instant, angle and two offsets of two tracks of two releases.
         let mut x = objective.start();
         assert_eq!(x.len(), 4 + 2 * (2 + 4));
@@ -292,25 +323,26 @@ mod tests {
             *x += 0.01 * (k as f64 + 1.0);
         }
         let mut view = View {
-            fidelity: Fidelity { tolerance: 1e-8, refinement: 1, slopes: Slopes::Variational },
-            counts: measured.iter().map(|measured| measured.samples.len()).collect(),
+            fidelity: Fidelity { tolerance: 1e-8, refinement: 1 },
+            slopes: Slopes::Variational,
+            counts: objective.all(),
             steps: None,
             loss: vec![Huber::for_spread(2.0); 2],
             corrections: None,
         };
-        let seen = objective.see(&x, &view, false).unwrap();
+        let seen = objective.see(&x, &view, None).unwrap();
         view.steps = Some(seen.steps.clone());
         assert!(seen.blocks[0][0].lengths().any(|length| length > view.loss[0].threshold), "the ghost");
-        let found = objective.evaluate(&x, &view).unwrap();
+        let found = objective.evaluate(&x, &view, None).unwrap();
         for k in 0..x.len() {
             let cost = |sign: f64| {
                 let mut moved = x.clone();
                 moved[k] += sign * 1e-4;
-                objective.cost(&objective.see(&moved, &view, false).unwrap(), &moved, &view)
+                objective.cost(&objective.see(&moved, &view, None).unwrap(), &moved, &view)
             };
             let slope = (cost(1.0) - cost(-1.0)) / 2e-4;
             let tolerance = 1e-4 * found.hessian[(k, k)].sqrt() * found.cost.sqrt();
-            let name = &parts[0].unknowns[k].name;
+            let name = &objective.part.unknowns[k].name;
             assert!(
                 (found.gradient[k] - slope).abs() < tolerance,
                 "{name}: {} against {slope}",

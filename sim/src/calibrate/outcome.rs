@@ -2,8 +2,6 @@
 
 use super::calibration::{Calibrated, Calibration, Correlations, ReleaseFit, SearchReport, TrackFit};
 use super::identifiability;
-use super::objective::Objective;
-use super::prediction::Measured;
 use super::problem::{Problem, Scale, Scope};
 use super::profile::NORMAL_95;
 use super::uncertainty::TrackStatistics;
@@ -36,41 +34,36 @@ pub struct Curve {
     pub predicted: Vec<[f64; 2]>,
 }
 
-pub(super) fn outcome(
-    problem: &Problem,
-    unknowns: &Unknowns,
-    measured: &[Measured],
-    fitted: &[Fitted],
-) -> Outcome {
+pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[Fitted]) -> Outcome {
     let mut calibration = Calibration::default();
     let mut all: Vec<Option<Calibrated>> = vec![None; unknowns.list.len()];
     let mut fits: Vec<Option<ReleaseFit>> = vec![None; problem.trials.len()];
     let mut curves: Vec<Vec<Curve>> = vec![Vec::new(); problem.trials.len()];
     for fit in fitted {
-        for (k, place) in fit.part.places.iter().enumerate() {
+        for (k, place) in fit.objective.part.places.iter().enumerate() {
             all[*place] = Some(calibrated(problem, fit, k));
         }
-        let of = |k: &usize| !fit.part.unknowns[*k].is_nuisance();
-        let places: Vec<usize> = (0..fit.part.unknowns.len()).filter(of).collect();
-        let own: Vec<Calibrated> = places.iter().filter_map(|k| all[fit.part.places[*k]].clone()).collect();
+        let of = |k: &usize| !fit.objective.part.unknowns[*k].is_nuisance();
+        let places: Vec<usize> = (0..fit.objective.part.unknowns.len()).filter(of).collect();
+        let own: Vec<Calibrated> =
+            places.iter().filter_map(|k| all[fit.objective.part.places[*k]].clone()).collect();
         calibration.correlations.push(correlations(fit, &own, &places));
-        for (r, t) in fit.part.trials.iter().enumerate() {
-            fits[*t] = Some(release_fit(problem, fit, measured, r));
+        for (r, t) in fit.objective.part.trials.iter().enumerate() {
+            fits[*t] = Some(release_fit(problem, fit, r));
             curves[*t] = of_release(problem, fit, r);
         }
         calibration.searches.push(SearchReport {
-            releases: fit.part.members.iter().map(|trial| trial.release.name.clone()).collect(),
+            releases: fit.objective.part.members.iter().map(|trial| trial.release.name.clone()).collect(),
             stages: fit.found.stages.clone(),
             starts: fit.found.starts,
             converged: fit.found.converged,
             cost: fit.found.at.cost,
-            evaluations: fit.found.evaluations,
-            steps: fit.found.steps,
+            evaluations: fit.effort[0],
+            steps: fit.effort[1],
         });
-        let objective = Objective { part: &fit.part, measured: fit.measured.clone() };
         calibration.warnings.extend(warnings::of_search(fit));
         calibration.warnings.extend(identifiability::words(
-            &objective,
+            &fit.objective,
             &fit.found,
             &fit.uncertainty,
             &own,
@@ -89,7 +82,7 @@ pub(super) fn outcome(
 }
 
 fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
-    let unknown = &fit.part.unknowns[k];
+    let unknown = &fit.objective.part.unknowns[k];
     let x = fit.found.x[k];
     let (low, high) = unknown.bounds;
     let value = |x: f64| unknown.scaled.value(x);
@@ -147,15 +140,15 @@ fn correlations(fit: &Fitted, own: &[Calibrated], places: &[usize]) -> Correlati
 
 const MILLI: f64 = 1e3;
 
-fn release_fit(problem: &Problem, fit: &Fitted, measured: &[Measured], r: usize) -> ReleaseFit {
-    let t = fit.part.trials[r];
-    let release = &problem.trials[t].release;
+fn release_fit(problem: &Problem, fit: &Fitted, r: usize) -> ReleaseFit {
+    let t = fit.objective.part.trials[r];
+    let (release, measured) = (&problem.trials[t].release, &fit.objective.measured[r]);
     let track = |(k, found): (usize, &TrackStatistics)| TrackFit {
         marker: release.tracks[k].marker.clone(),
         samples: found.samples,
         held_back: found.held_back,
         rms_mm: MILLI * found.rms,
-        stated_noise_mm: MILLI * measured[t].noise[k],
+        stated_noise_mm: MILLI * measured.noise[k],
         noise_mm: MILLI * found.noise,
         reduced_chi_squared: found.reduced_chi_squared,
         autocorrelation: found.autocorrelation,
@@ -167,7 +160,7 @@ fn release_fit(problem: &Problem, fit: &Fitted, measured: &[Measured], r: usize)
         name: release.name.clone(),
         pressure_pa: release.pressure,
         held_out: release.held_out,
-        duration_s: measured[t].samples.last().map_or(0.0, |k| release.time[*k]),
+        duration_s: measured.samples.last().map_or(0.0, |k| release.time[*k]),
         tracks: fit.uncertainty.tracks[r].iter().enumerate().map(track).collect(),
         numerical_error_mm: of_numerics(|numerics| &numerics.error),
         numerical_error_left_mm: of_numerics(|numerics| &numerics.left),
@@ -175,8 +168,8 @@ fn release_fit(problem: &Problem, fit: &Fitted, measured: &[Measured], r: usize)
 }
 
 fn of_release(problem: &Problem, fit: &Fitted, r: usize) -> Vec<Curve> {
-    let release = &problem.trials[fit.part.trials[r]].release;
-    let measured = fit.measured[r];
+    let release = &problem.trials[fit.objective.part.trials[r]].release;
+    let measured = &fit.objective.measured[r];
     let curve = |(t, series): (usize, &super::objective::Series)| {
         let mut curve = Curve {
             release: release.name.clone(),

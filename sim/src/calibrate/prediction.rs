@@ -28,8 +28,6 @@ pub(super) struct Fidelity {
     pub tolerance: f64,
     /// Edges for each edge of the model.
     pub refinement: usize,
-    /// How slopes are found.
-    pub slopes: Slopes,
 }
 
 /// How the slopes of a prediction are found.
@@ -57,6 +55,8 @@ pub(super) struct Prediction {
     pub slopes: Vec<Vec<Vec<[f64; 2]>>>,
     /// Where the steps of the integrator ended, s.
     pub steps: Vec<f64>,
+    /// Steps of all runs that were made, those for slopes included.
+    pub steps_in_all: usize,
 }
 
 /// Standard errors of the release instant that are left out after it.
@@ -137,7 +137,7 @@ pub(super) fn predict(
     count: usize,
     fidelity: Fidelity,
     steps: Option<&[f64]>,
-    with_slopes: bool,
+    slopes: Option<Slopes>,
 ) -> Result<Prediction, ForwardError> {
     let (theta, instant) = values(trial, locals, unknowns, x);
     let (mut model, mut initial) = trial.with(&theta);
@@ -162,8 +162,8 @@ pub(super) fn predict(
         most_steps: trial.run.most_steps.min(MOST_STEPS),
         keep_steps: true,
         energy: false,
-        sensitivities: match (with_slopes, fidelity.slopes) {
-            (true, Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
+        sensitivities: match slopes {
+            Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
             _ => Vec::new(),
         },
         points: trial.release.tracks.iter().map(|track| track.at).collect(),
@@ -175,19 +175,21 @@ pub(super) fn predict(
         position: (0..tracks).map(of_track).collect(),
         slopes: Vec::new(),
         steps: path.steps.clone(),
+        steps_in_all: path.steps.len(),
     };
-    if with_slopes {
-        let moved = |(l, local): (usize, &Local)| match (fidelity.slopes, local.acts) {
+    if let Some(slopes) = slopes {
+        let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
             (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
                 let mut aside = x.clone();
                 aside[locals[l].unknown] += DIFFERENCE;
                 let steps = Some(&path.steps[..]);
-                predict(trial, measured, locals, unknowns, &aside, count, fidelity, steps, false).map(Some)
+                predict(trial, measured, locals, unknowns, &aside, count, fidelity, steps, None).map(Some)
             }
             _ => Ok(None),
         };
         let moved: Vec<Option<Prediction>> =
             locals.par_iter().enumerate().map(moved).collect::<Result<_, _>>()?;
+        prediction.steps_in_all += moved.iter().flatten().map(|moved| moved.steps_in_all).sum::<usize>();
         let chain: Vec<f64> =
             locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();
         for track in 0..tracks {

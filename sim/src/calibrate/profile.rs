@@ -7,8 +7,8 @@
 
 use nalgebra::DVector;
 
-use super::levenberg_marquardt::{Search, minimise};
-use super::objective::Objective;
+use super::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
+use super::objective::{Objective, Seen};
 use super::search::Found;
 use super::uncertainty::Uncertainty;
 
@@ -82,7 +82,10 @@ fn held(
         tolerance: 1e-3,
         relative: 0.0,
         most_evaluations: 10,
+        first_damping: NEAR_DAMPING,
+        lends_slopes: true,
     };
-    let solution = minimise(x, &search, &mut |x| objective.evaluate(x, &found.view))?;
+    let mut evaluate = |x: &DVector<f64>, lent: Option<&Seen>| objective.evaluate(x, &found.view, lent);
+    let solution = minimise(x, Some(&found.at.carried), &search, &mut evaluate)?;
     Some((solution.x, solution.at.cost))
 }

@@ -8,15 +8,14 @@
 
 use nalgebra::DVector;
 
-use super::levenberg_marquardt::{Evaluated, Search, Solution, minimise};
+use super::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
 use super::loss::Huber;
 use super::objective::{Objective, Seen, View};
 use super::prediction::{Fidelity, Slopes};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
 
-/// How finely the stages and the last one run the model; what that leaves is removed in the end.
-pub(super) const FINE: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1, slopes: Slopes::Differences };
-const COARSE: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1, slopes: Slopes::Variational };
+/// How finely the stages run the model; what that leaves is removed in the end.
+const COARSE: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1 };
 
 /// A stretch of the recordings that was fitted.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -44,9 +43,6 @@ pub(super) struct Found {
     pub predicted: f64,
     pub converged: bool,
     pub starts: usize,
-    /// Evaluations of all releases, and steps of the integrator in them.
-    pub evaluations: usize,
-    pub steps: usize,
 }
 
 /// Searches begun at most.
@@ -60,15 +56,11 @@ const SLIPPED: f64 = 0.7;
 /// How much longer each stretch is than the one before, and at least where that was not foretold.
 const GROWTH: f64 = 2.0;
 const LEAST_GROWTH: f64 = 1.2;
-/// Predicted decrease, for residuals of unit spread, at which a stage and the last one stop.
+/// Predicted decrease, for residuals of unit spread, at which a stage stops.
 const STAGE_TOLERANCE: f64 = 5e-2;
-const LAST_TOLERANCE: f64 = 2e-2;
-/// The same as shares of the cost: of a stage, and of the whole before mesh and step are removed.
+/// The same as a share of the cost.
 const STAGE_SHARE: f64 = 1e-3;
-const UNCORRECTED_SHARE: f64 = 1e-5;
 const MOST_EVALUATIONS: usize = 30;
-/// Rounds in which the threshold of the loss follows the residuals.
-const MOST_ROUNDS: usize = 4;
 
 /// Finds the best fit of a part; `tell` hears of each stage.
 pub(super) fn search(
@@ -79,13 +71,11 @@ pub(super) fn search(
     let starts = ranked(objective, start);
     let mut best: Option<Found> = None;
     let mut stages = Vec::new();
-    let (mut evaluations, mut steps, mut begun) = (0, 0, 0);
+    let mut begun = 0;
     for (k, start) in starts.iter().enumerate().take(MOST_STARTS) {
         begun = k + 1;
         let Some(found) = climb(objective, start, k, tell) else { continue };
         stages.extend(found.stages.iter().cloned());
-        evaluations += found.evaluations;
-        steps += found.steps;
         let is_near = is_explained(objective, &found);
         if best.as_ref().is_none_or(|best| common_cost(objective, &found) < common_cost(objective, best)) {
             best = Some(found);
@@ -94,7 +84,7 @@ pub(super) fn search(
             break;
         }
     }
-    best.map(|best| Found { stages, evaluations, steps, starts: begun, ..best })
+    best.map(|best| Found { stages, starts: begun, ..best })
 }
 
 /// Costs of different searches are compared under the loss of the noise itself.
@@ -115,7 +105,7 @@ fn is_explained(objective: &Objective, found: &Found) -> bool {
 
 /// Root mean square of the motion of a release about its mean in a stretch, in units of the noise.
 fn excursion(objective: &Objective, r: usize, from: usize, to: usize) -> f64 {
-    let (trial, measured) = (objective.part.members[r], objective.measured[r]);
+    let (trial, measured) = (objective.part.members[r], &objective.measured[r]);
     let (mut sum, mut count) = (0.0, 0);
     for (track, noise) in trial.release.tracks.iter().zip(&measured.noise) {
         let seen: Vec<_> = measured.samples[from..to].iter().filter_map(|k| track.position[*k]).collect();
@@ -136,91 +126,57 @@ fn climb(
     number: usize,
     tell: &(dyn Fn(&Stage) + Sync),
 ) -> Option<Found> {
-    let all: Vec<usize> = objective.measured.iter().map(|measured| measured.samples.len()).collect();
+    let all = objective.all();
     let mut times = swing_times(objective, start);
     let mut x = start.clone();
     let mut stages = Vec::new();
-    let (mut evaluations, mut steps) = (0, 0);
     let (mut swings, mut reached, mut before) = (FIRST_SWINGS, 0.0, vec![0; all.len()]);
     loop {
         let mut view = View {
             fidelity: COARSE,
+            slopes: Slopes::Variational,
             counts: counts(objective, &times, swings),
             steps: None,
             loss: vec![Huber::for_spread(1.0); all.len()],
             corrections: None,
         };
-        let seen = objective.see(&x, &view, false)?;
+        let seen = objective.see(&x, &view, None)?;
         let growth = swings / reached;
         if growth > LEAST_GROWTH && reached > 0.0 && has_slipped(objective, &seen, &before, &view.counts) {
             swings = reached * growth.sqrt();
             continue;
         }
-        if view.counts == all {
-            break;
-        }
+        let is_all = view.counts == all;
         let spreads = seen.spreads();
-        view.steps = Some(seen.steps.clone());
+        view.steps = Some(seen.steps);
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
-        let solution = minimise_in(objective, &x, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
-        evaluations += solution.evaluations;
-        steps += solution.at.carried.step_count() * solution.evaluations;
-        x = solution.x.clone();
-        stages.push(stage(number, Some(swings), &solution));
+        let solution = minimise_in(objective, &x, None, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
+        stages.push(stage(number, (!is_all).then_some(swings), &solution));
         tell(&stages[stages.len() - 1]);
+        x = solution.x.clone();
+        if is_all {
+            let Solution { at, predicted, converged, .. } = solution;
+            return Some(Found { x, at, view, stages, predicted, converged, starts: 1 });
+        }
         if before.iter().all(|count| *count == 0) {
             times = swing_times(objective, &x);
         }
         before = view.counts;
         (reached, swings) = (swings, GROWTH * swings);
     }
-    let mut view =
-        View { fidelity: FINE, counts: all.clone(), steps: None, loss: Vec::new(), corrections: None };
-    let found = settle(objective, &x, &mut view)?;
-    stages.push(stage(number, None, &found));
-    tell(&stages[stages.len() - 1]);
-    evaluations += found.evaluations;
-    steps += found.at.carried.step_count() * found.evaluations;
-    let Solution { x, at, predicted, converged, .. } = found;
-    Some(Found { x, at, view, stages, predicted, converged, starts: 1, evaluations, steps })
-}
-
-/// Minimises with a loss whose threshold follows the spread of the residuals, on the steps that the
-/// view has, or else on those of the start.
-pub(super) fn settle(objective: &Objective, start: &DVector<f64>, view: &mut View) -> Option<Solution<Seen>> {
-    let mut spreads = {
-        view.loss = vec![Huber::for_spread(1.0); view.counts.len()];
-        let seen = objective.see(start, view, false)?;
-        let spreads = seen.spreads();
-        view.steps.get_or_insert(seen.steps);
-        spreads
-    };
-    // Until mesh and step are removed they move the optimum by more than the search could.
-    let share = if view.corrections.is_none() { UNCORRECTED_SHARE } else { 0.0 };
-    let (mut x, mut evaluations) = (start.clone(), 0);
-    for round in 0..MOST_ROUNDS {
-        view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
-        let solution = minimise_in(objective, &x, view, LAST_TOLERANCE, share)?;
-        evaluations += solution.evaluations;
-        let now = solution.at.carried.spreads();
-        let settled = |(before, now): (&f64, &f64)| (before.max(1.0) / now.max(1.0)).ln().abs() < 0.1;
-        if round + 1 == MOST_ROUNDS || spreads.iter().zip(&now).all(settled) {
-            return Some(Solution { evaluations, ..solution });
-        }
-        (x, spreads) = (solution.x, now);
-    }
-    None
 }
 
 /// Minimises under one view; the tolerance is for residuals of unit spread.
 pub(super) fn minimise_in(
     objective: &Objective,
     x: &DVector<f64>,
+    lent: Option<&Seen>,
     view: &View,
     tolerance: f64,
     relative: f64,
 ) -> Option<Solution<Seen>> {
     let unknowns = &objective.part.unknowns;
+    let is_last = view.slopes == Slopes::Differences;
     // The threshold of the loss is three times the spread.
     let spread = view.loss.iter().map(|loss| loss.threshold / 3.0).fold(1.0, f64::max);
     let search = Search {
@@ -229,8 +185,10 @@ pub(super) fn minimise_in(
         tolerance: tolerance * spread * spread,
         relative,
         most_evaluations: MOST_EVALUATIONS,
+        first_damping: if is_last { NEAR_DAMPING } else { FIRST_DAMPING },
+        lends_slopes: is_last,
     };
-    minimise(x, &search, &mut |x| objective.evaluate(x, view))
+    minimise(x, lent, &search, &mut |x, lent| objective.evaluate(x, view, lent))
 }
 
 /// Whether the samples that are new are far from what was foretold.
@@ -250,7 +208,7 @@ fn has_slipped(objective: &Objective, seen: &Seen, before: &[usize], counts: &[u
     })
 }
 
-fn stage(start: usize, swings: Option<f64>, solution: &Solution<Seen>) -> Stage {
+pub(super) fn stage(start: usize, swings: Option<f64>, solution: &Solution<Seen>) -> Stage {
     Stage {
         start,
         swings,

@@ -23,13 +23,13 @@ const EFFECT_SPREAD: f64 = 4.0;
 /// Time of a swing where the model has no rest to swing about, as a share of the recording.
 const UNKNOWN_SWING: f64 = 0.1;
 /// A start is only looked at roughly.
-const ROUGH: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1, slopes: Slopes::Variational };
+const ROUGH: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1 };
 
 /// Time of one small swing of each release about its rest, s.
 pub(super) fn swing_times(objective: &Objective, x: &DVector<f64>) -> Vec<f64> {
     let releases = 0..objective.part.members.len();
     let of = |r: usize| {
-        let (trial, measured) = (objective.part.members[r], objective.measured[r]);
+        let (trial, measured) = (objective.part.members[r], &objective.measured[r]);
         let (theta, _) = values(trial, &objective.part.locals[r], &objective.part.unknowns, x);
         let (mut model, _) = trial.with(&theta);
         model.schedule = None;
@@ -47,7 +47,7 @@ pub(super) fn swing_times(objective: &Objective, x: &DVector<f64>) -> Vec<f64> {
 /// How many samples of each release lie within so many swings; five at least.
 pub(super) fn counts(objective: &Objective, times: &[f64], swings: f64) -> Vec<usize> {
     let of = |(r, time): (usize, &f64)| {
-        let (trial, measured) = (objective.part.members[r], objective.measured[r]);
+        let (trial, measured) = (objective.part.members[r], &objective.measured[r]);
         let within = measured.samples.partition_point(|k| trial.release.time[*k] <= swings * time);
         within.max(5).min(measured.samples.len())
     };
@@ -60,13 +60,14 @@ pub(super) fn ranked(objective: &Objective, start: &DVector<f64>) -> Vec<DVector
     let times = swing_times(objective, start);
     let view = View {
         fidelity: ROUGH,
+        slopes: Slopes::Variational,
         counts: counts(objective, &times, FIRST_SWINGS),
         steps: None,
         loss: vec![Huber { threshold: f64::INFINITY }; times.len()],
         corrections: None,
     };
     let cost = |x: &DVector<f64>| {
-        let seen = objective.see(x, &view, false)?;
+        let seen = objective.see(x, &view, None)?;
         // A ghost in the first swing must not choose: the spread of each release does.
         let (spreads, priors) = (seen.spreads(), objective.cost(&Default::default(), x, &view));
         let lengths = view.counts.iter().zip(spreads);

@@ -60,7 +60,7 @@ pub(super) fn uncertainty(objective: &Objective, found: &Found) -> Uncertainty {
         let mut of_release = Vec::new();
         for (t, series) in block.iter().enumerate() {
             let lost = locals.len() as f64 / block.len() as f64;
-            let measured = objective.measured[r];
+            let measured = &objective.measured[r];
             let grid: Vec<usize> = series.samples.iter().map(|k| measured.samples[*k]).collect();
             of_release.push(add_series(series, &grid, found.view.loss[r], lost, measured.noise[t], &mut own));
         }

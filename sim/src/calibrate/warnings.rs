@@ -13,12 +13,12 @@ const NUMERICS: f64 = 0.1;
 const CONTRADICTS: f64 = 3.0;
 
 pub(super) fn of_search(fit: &Fitted) -> Option<String> {
-    let names: Vec<_> = fit.part.members.iter().map(|trial| trial.release.name.as_str()).collect();
+    let names: Vec<_> = fit.objective.part.members.iter().map(|trial| trial.release.name.as_str()).collect();
     (!fit.found.converged).then(|| {
         format!(
             "the search for {} did not come to rest after {} evaluations, another step would still lower the cost by {:.2e}; see whether the model can follow these releases at all",
             names.join(", "),
-            fit.found.evaluations,
+            fit.effort[0],
             fit.found.predicted
         )
     })
