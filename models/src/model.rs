@@ -201,6 +201,18 @@ impl Model {
         Ok(())
     }
 
+    /// The same model with one more effect; one that it has keeps its parameters but for `values`.
+    /// # Errors
+    /// [`ModelError`] for an effect or a parameter that cannot be.
+    pub fn with_effect(&self, name: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
+        let mut model = self.clone();
+        model.switch_on(name)?;
+        for (key, value) in values {
+            model.set(&format!("effects.{name}.{key}"), *value)?;
+        }
+        Ok(model)
+    }
+
     /// The same model on another mesh.
     /// # Errors
     /// [`ModelError::Nodes`].

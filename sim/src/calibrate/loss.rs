@@ -6,7 +6,7 @@
 
 /// Huber's loss of a residual of given length, in units of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Huber {
+pub(crate) struct Huber {
     /// Length at which the loss becomes linear.
     pub threshold: f64,
 }
@@ -38,7 +38,7 @@ impl Huber {
 }
 
 /// Standard deviation of each coordinate, from the median length: blind to a minority of ghosts.
-pub(super) fn spread(mut lengths: Vec<f64>) -> f64 {
+pub(crate) fn spread(mut lengths: Vec<f64>) -> f64 {
     if lengths.is_empty() {
         return 0.0;
     }

@@ -8,21 +8,22 @@ mod autocorrelation;
 pub mod calibration;
 mod error;
 mod identifiability;
+pub(crate) mod joint;
 mod levenberg_marquardt;
-mod loss;
-mod numerics;
-mod objective;
+pub(crate) mod loss;
+pub(crate) mod numerics;
+pub(crate) mod objective;
 mod outcome;
-mod part;
-mod prediction;
+pub(crate) mod part;
+pub(crate) mod prediction;
 mod problem;
 mod profile;
-mod refine;
-mod search;
+pub(crate) mod refine;
+pub(crate) mod search;
 mod section;
 mod starts;
-mod uncertainty;
-mod unknowns;
+pub(crate) mod uncertainty;
+pub(crate) mod unknowns;
 mod warnings;
 
 use nalgebra::DVector;
@@ -81,6 +82,9 @@ pub fn calibrate(
     settings: &Settings,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, CalibrateError> {
+    if problem.parameters.is_empty() {
+        return Err(CalibrateError::NoParameters);
+    }
     let unknowns = Unknowns::of(problem)?;
     let parts = parts(problem, &unknowns);
     let fitted: Vec<Fitted> = parts

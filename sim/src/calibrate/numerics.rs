@@ -13,8 +13,8 @@ use super::objective::{Objective, View};
 use super::prediction::{Fidelity, Prediction, predict};
 use crate::forward::Initial;
 
-/// Step errors of the corrected prediction, against those of the fit.
-const TIGHTER: f64 = 0.1;
+/// Error admitted in a step of the finer runs.
+const TIGHT: f64 = 2e-6;
 
 /// What Richardson's term leaves of itself: on the paper's muscle with 32 nodes a twentieth was seen
 /// against 160 nodes.
@@ -22,7 +22,7 @@ const LEFT: f64 = 0.2;
 
 /// What a finer run says of each release.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Correction {
+pub(crate) struct Correction {
     /// What to add to each prediction, m, shape `[release][track][sample]`.
     pub corrections: Vec<Vec<Vec<[f64; 2]>>>,
     /// Root mean square of that, m, of each release.
@@ -34,12 +34,12 @@ pub(super) struct Correction {
 }
 
 /// Compares each release's prediction with finer runs; none where one cannot be made.
-pub(super) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -> Option<Correction> {
+pub(crate) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -> Option<Correction> {
     let releases = objective.part.members.len();
     let each: Vec<Option<[Prediction; 3]>> = (0..releases)
         .into_par_iter()
         .map(|r| {
-            let tight = Fidelity { tolerance: TIGHTER * view.fidelity.tolerance, refinement: 1 };
+            let tight = Fidelity { tolerance: TIGHT, refinement: 1 };
             // A posture has nodes of its own: only the step can be made finer.
             let is_posture = matches!(objective.part.members[r].run.initial, Initial::Posture(_));
             let fine = Fidelity { refinement: if is_posture { 1 } else { 2 }, ..tight };

@@ -11,11 +11,12 @@ use super::levenberg_marquardt::Evaluated;
 use super::loss::{Huber, spread};
 use super::part::Part;
 use super::prediction::{Fidelity, Measured, Slopes, predict};
+use super::search::FIT;
 use super::unknowns::Acts;
 
 /// How the data are looked at.
 #[derive(Clone, Debug)]
-pub(super) struct View {
+pub(crate) struct View {
     /// How finely the model is run.
     pub fidelity: Fidelity,
     /// How slopes are found.
@@ -31,9 +32,23 @@ pub(super) struct View {
     pub corrections: Option<Vec<Vec<Vec<[f64; 2]>>>>,
 }
 
+impl View {
+    /// All samples, as the fit of an unknown model sees them.
+    pub fn of_all(objective: &Objective) -> Self {
+        Self {
+            fidelity: FIT,
+            slopes: Slopes::Variational,
+            counts: objective.all(),
+            steps: None,
+            loss: vec![Huber::for_spread(1.0); objective.measured.len()],
+            corrections: None,
+        }
+    }
+}
+
 /// Residuals of one track in units of its noise: measurement minus prediction.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Series {
+pub(crate) struct Series {
     /// Places among the samples of the release that are fitted.
     pub samples: Vec<usize>,
     /// Residual of each.
@@ -44,7 +59,7 @@ pub(super) struct Series {
 
 /// What a point was found to be worth.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Seen {
+pub(crate) struct Seen {
     /// Residuals, shape `[release][track]`.
     pub blocks: Vec<Vec<Series>>,
     /// Steps of each release's run, s.
@@ -52,7 +67,7 @@ pub(super) struct Seen {
 }
 
 /// The cost of a part.
-pub(super) struct Objective<'a> {
+pub(crate) struct Objective<'a> {
     pub part: Part<'a>,
     /// Of each release.
     pub measured: Vec<Measured>,

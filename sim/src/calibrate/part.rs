@@ -5,7 +5,7 @@ use super::unknowns::{Local, Unknown, Unknowns};
 
 /// Releases that hang together by common unknowns.
 #[derive(Clone)]
-pub(super) struct Part<'a> {
+pub(crate) struct Part<'a> {
     /// The releases, as places in the problem.
     pub trials: Vec<usize>,
     /// The same, themselves.
@@ -18,8 +18,21 @@ pub(super) struct Part<'a> {
     pub locals: Vec<Vec<Local>>,
 }
 
+/// All fitted releases as one part, whether or not they share an unknown.
+pub(crate) fn whole<'a>(problem: &'a Problem, unknowns: Unknowns) -> Part<'a> {
+    let trials: Vec<usize> =
+        (0..problem.trials.len()).filter(|t| !problem.trials[*t].release.held_out).collect();
+    Part {
+        members: trials.iter().map(|t| &problem.trials[*t]).collect(),
+        locals: trials.iter().map(|t| unknowns.of_trial[*t].clone()).collect(),
+        places: (0..unknowns.list.len()).collect(),
+        unknowns: unknowns.list,
+        trials,
+    }
+}
+
 /// The parts in the order of their first release.
-pub(super) fn parts<'a>(problem: &'a Problem, unknowns: &Unknowns) -> Vec<Part<'a>> {
+pub(crate) fn parts<'a>(problem: &'a Problem, unknowns: &Unknowns) -> Vec<Part<'a>> {
     let count = problem.trials.len();
     let mut part_of: Vec<usize> = (0..count).collect();
     for unknown in 0..unknowns.list.len() {

@@ -14,7 +14,7 @@ use crate::integrate::Method;
 
 /// The samples of a release that are fitted.
 #[derive(Clone, Debug)]
-pub(super) struct Measured {
+pub(crate) struct Measured {
     /// Places in the release's `time`, ascending; each has a track at least.
     pub samples: Vec<usize>,
     /// Standard deviation of the noise of each track, m.
@@ -23,7 +23,7 @@ pub(super) struct Measured {
 
 /// How finely a run is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fidelity {
+pub(crate) struct Fidelity {
     /// Error admitted in a step.
     pub tolerance: f64,
     /// Edges for each edge of the model.
@@ -32,7 +32,7 @@ pub(super) struct Fidelity {
 
 /// How the slopes of a prediction are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Slopes {
+pub(crate) enum Slopes {
     /// From the variational equation: those of the exact solution, a per cent or two off at the
     /// tolerance of a fit. Cheap, and good enough to come near.
     Variational,
@@ -47,7 +47,7 @@ const DIFFERENCE: f64 = 1e-5;
 
 /// Predicted positions of every track, without offsets.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Prediction {
+pub(crate) struct Prediction {
     /// Shape `[tracks][samples]`, m.
     pub position: Vec<Vec<[f64; 2]>>,
     /// Derivatives by the scaled unknowns of the trial, shape `[tracks][samples][locals]`, m; empty
@@ -106,7 +106,7 @@ impl Measured {
 }
 
 /// Values of the unknowns as the model of a trial takes them: parameters, and the release instant, s.
-pub(super) fn values(
+pub(crate) fn values(
     trial: &Trial,
     locals: &[Local],
     unknowns: &[Unknown],
@@ -128,7 +128,7 @@ pub(super) fn values(
 /// Simulates a trial and looks at it as its recording did: at the first `count` of the samples; on the
 /// steps of another run, if they are given.
 #[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
-pub(super) fn predict(
+pub(crate) fn predict(
     trial: &Trial,
     measured: &Measured,
     locals: &[Local],

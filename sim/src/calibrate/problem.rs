@@ -105,13 +105,13 @@ impl Parameter {
 
 impl Trial {
     /// Whether the release is a straight one, so that its angle matters.
-    pub(super) fn is_straight(&self) -> bool {
+    pub(crate) fn is_straight(&self) -> bool {
         matches!(self.run.initial, Initial::Straight)
     }
 
     /// The model and the start of a run with parameters set, `(index in theta, value)`; what holds
     /// the rod has them as well, but for those of its own.
-    pub(super) fn with(&self, values: &[(usize, f64)]) -> (Model, Initial) {
+    pub(crate) fn with(&self, values: &[(usize, f64)]) -> (Model, Initial) {
         let mut model = self.model.clone();
         let mut initial = self.run.initial.clone();
         for &(k, value) in values {

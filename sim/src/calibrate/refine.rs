@@ -12,12 +12,10 @@ use super::levenberg_marquardt::Solution;
 use super::loss::Huber;
 use super::numerics::{Correction, correction};
 use super::objective::{Objective, Seen, View};
-use super::prediction::{Fidelity, Slopes};
+use super::prediction::Slopes;
 use super::search::{Found, minimise_in, stage};
 use super::uncertainty::pseudo_inverse;
 
-/// How finely the model is run; what that leaves is removed.
-const FINE: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
 /// Predicted decrease, for residuals of unit spread, at which the search stops.
 const TOLERANCE: f64 = 2e-2;
 /// Rounds in which the threshold of the loss follows the residuals.
@@ -30,14 +28,14 @@ const MOST_CORRECTIONS: usize = 3;
 const FAR: f64 = 3.0;
 
 /// Follows a fit to its end; says what mesh and step did, unless they are left in.
-pub(super) fn refine(
+pub(crate) fn refine(
     objective: &Objective,
     found: &mut Found,
     remove_mesh: bool,
     tell: &dyn Fn(&str),
 ) -> Option<Correction> {
     let mut numerics = None;
-    let mut view = View { fidelity: FINE, slopes: Slopes::Differences, steps: None, ..found.view.clone() };
+    let mut view = View { slopes: Slopes::Differences, steps: None, ..found.view.clone() };
     for corrected in 0..MOST_CORRECTIONS {
         if remove_mesh {
             tell("a finer mesh and step");
@@ -86,7 +84,7 @@ fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> O
 }
 
 /// By how many standard errors mesh and step would move each unknown if they were left in.
-pub(super) fn shift(objective: &Objective, found: &Found) -> DVector<f64> {
+pub(crate) fn shift(objective: &Objective, found: &Found) -> DVector<f64> {
     let mut pull = DVector::zeros(found.x.len());
     let corrections = found.view.corrections.iter().flatten();
     for (r, (block, corrections)) in found.at.carried.blocks.iter().zip(corrections).enumerate() {

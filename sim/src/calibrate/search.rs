@@ -14,8 +14,8 @@ use super::objective::{Objective, Seen, View};
 use super::prediction::{Fidelity, Slopes};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
 
-/// How finely the stages run the model; what that leaves is removed in the end.
-const COARSE: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1 };
+/// How finely a fit runs the model; what that leaves is removed in the end.
+pub(crate) const FIT: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1 };
 
 /// A stretch of the recordings that was fitted.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -34,7 +34,7 @@ pub struct Stage {
 
 /// Where a search ended.
 #[derive(Clone)]
-pub(super) struct Found {
+pub(crate) struct Found {
     pub x: DVector<f64>,
     pub at: Evaluated<Seen>,
     pub view: View,
@@ -63,7 +63,7 @@ const STAGE_SHARE: f64 = 1e-3;
 const MOST_EVALUATIONS: usize = 30;
 
 /// Finds the best fit of a part; `tell` hears of each stage.
-pub(super) fn search(
+pub(crate) fn search(
     objective: &Objective,
     start: &DVector<f64>,
     tell: &(dyn Fn(&Stage) + Sync),
@@ -132,14 +132,7 @@ fn climb(
     let mut stages = Vec::new();
     let (mut swings, mut reached, mut before) = (FIRST_SWINGS, 0.0, vec![0; all.len()]);
     loop {
-        let mut view = View {
-            fidelity: COARSE,
-            slopes: Slopes::Variational,
-            counts: counts(objective, &times, swings),
-            steps: None,
-            loss: vec![Huber::for_spread(1.0); all.len()],
-            corrections: None,
-        };
+        let mut view = View { counts: counts(objective, &times, swings), ..View::of_all(objective) };
         let seen = objective.see(&x, &view, None)?;
         let growth = swings / reached;
         if growth > LEAST_GROWTH && reached > 0.0 && has_slipped(objective, &seen, &before, &view.counts) {
@@ -167,7 +160,7 @@ fn climb(
 }
 
 /// Minimises under one view; the tolerance is for residuals of unit spread.
-pub(super) fn minimise_in(
+pub(crate) fn minimise_in(
     objective: &Objective,
     x: &DVector<f64>,
     lent: Option<&Seen>,
@@ -208,7 +201,7 @@ fn has_slipped(objective: &Objective, seen: &Seen, before: &[usize], counts: &[u
     })
 }
 
-pub(super) fn stage(start: usize, swings: Option<f64>, solution: &Solution<Seen>) -> Stage {
+pub(crate) fn stage(start: usize, swings: Option<f64>, solution: &Solution<Seen>) -> Stage {
     Stage {
         start,
         swings,

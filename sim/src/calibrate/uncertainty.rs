@@ -14,7 +14,7 @@ use super::search::Found;
 
 /// What a fit knows of its scaled unknowns, and what its residuals look like.
 #[derive(Clone, Debug)]
-pub(super) struct Uncertainty {
+pub(crate) struct Uncertainty {
     /// Covariance of the scaled unknowns; meaningless for those that are not determined.
     pub covariance: DMatrix<f64>,
     /// The same if the noise were white and as large as stated.
@@ -27,7 +27,7 @@ pub(super) struct Uncertainty {
 
 /// Residuals of one track.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct TrackStatistics {
+pub(crate) struct TrackStatistics {
     /// Samples fitted.
     pub samples: usize,
     /// Of these, how many the robust loss holds back.
@@ -48,7 +48,7 @@ const FLAT: f64 = 1e-10;
 /// Share of an unknown in such directions from which on it is not determined itself.
 const SHARE: f64 = 1e-3;
 
-pub(super) fn uncertainty(objective: &Objective, found: &Found) -> Uncertainty {
+pub(crate) fn uncertainty(objective: &Objective, found: &Found) -> Uncertainty {
     let n = found.x.len();
     let hessian = &found.at.hessian;
     let (inverse, is_determined) = pseudo_inverse(hessian);
@@ -146,7 +146,7 @@ fn add_product(a: &[[f64; 2]], b: &[[f64; 2]], value: f64, sum: &mut DMatrix<f64
 }
 
 /// Inverse over the directions that are determined, and which unknowns these hold.
-pub(super) fn pseudo_inverse(hessian: &DMatrix<f64>) -> (DMatrix<f64>, Vec<bool>) {
+pub(crate) fn pseudo_inverse(hessian: &DMatrix<f64>) -> (DMatrix<f64>, Vec<bool>) {
     let n = hessian.nrows();
     if n == 0 {
         return (DMatrix::zeros(0, 0), Vec::new());

@@ -8,7 +8,7 @@ use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial};
 
 /// One number to be found.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Unknown {
+pub(crate) struct Unknown {
     pub kind: Kind,
     /// Path of a parameter, or name of a nuisance.
     pub name: String,
@@ -23,7 +23,7 @@ pub(super) struct Unknown {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// A parameter, by its place in the problem.
     Parameter(usize),
     /// Time by which the rod was let go after time zero of the recording.
@@ -36,7 +36,7 @@ pub(super) enum Kind {
 
 /// What has this value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Group {
+pub(crate) enum Group {
     All,
     /// Releases at this pressure, Pa.
     Pressure(f64),
@@ -46,7 +46,7 @@ pub(super) enum Group {
 
 /// From the variable of the search to the value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Scaled {
+pub(crate) enum Scaled {
     Logarithmic,
     /// By a typical size.
     By(f64),
@@ -54,14 +54,14 @@ pub(super) enum Scaled {
 
 /// How an unknown acts in one trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Local {
+pub(crate) struct Local {
     /// Its place among the unknowns.
     pub unknown: usize,
     pub acts: Acts,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Acts {
+pub(crate) enum Acts {
     /// As this parameter of the model.
     Theta(usize),
     /// On top of this parameter of the model.
@@ -75,7 +75,7 @@ pub(super) enum Acts {
 
 /// All unknowns, and where they act.
 #[derive(Clone, Debug)]
-pub(super) struct Unknowns {
+pub(crate) struct Unknowns {
     pub list: Vec<Unknown>,
     /// Of each trial; empty for a release that is held out.
     pub of_trial: Vec<Vec<Local>>,
@@ -132,9 +132,6 @@ impl Unknowns {
     pub fn of(problem: &Problem) -> Result<Self, CalibrateError> {
         if problem.trials.iter().all(|trial| trial.release.held_out) {
             return Err(CalibrateError::NoTrials);
-        }
-        if problem.parameters.is_empty() {
-            return Err(CalibrateError::NoParameters);
         }
         let mut unknowns = Self { list: Vec::new(), of_trial: vec![Vec::new(); problem.trials.len()] };
         for (k, parameter) in problem.parameters.iter().enumerate() {
