@@ -61,7 +61,7 @@ enum Command {
     /// Clean an experiment's recordings and analyse each release: frequency, damping, stiffness.
     Analyse {
         #[command(flatten)]
-        of: OfExperiment,
+        of: Cleaning,
         /// Numbers of nodes with which to fit the tip at rest.
         #[arg(long, value_delimiter = ',', value_name = "N,…", default_values_t = sim::analysis::static_stiffness::NODES)]
         nodes: Vec<usize>,
@@ -103,7 +103,7 @@ enum OnExperiment {
     /// Write a first experiment file from the recordings themselves.
     Init(Init),
     /// Clean the recordings, and show what was cut, masked and decided.
-    Check(OfExperiment),
+    Check(Cleaning),
 }
 
 #[derive(Args)]
@@ -119,6 +119,7 @@ struct Init {
     overwrite: bool,
 }
 
+/// An experiment, what is set over it, and where its results go.
 #[derive(Args)]
 struct OfExperiment {
     /// Experiment, a TOML file.
@@ -132,12 +133,18 @@ struct OfExperiment {
     /// Replace a folder that is there.
     #[arg(long)]
     overwrite: bool,
-    /// List every decision, with the key that decides otherwise.
-    #[arg(long)]
-    decisions: bool,
     /// One JSON object on stdout, and nothing else.
     #[arg(long)]
     json: bool,
+}
+
+#[derive(Args)]
+struct Cleaning {
+    #[command(flatten)]
+    of: OfExperiment,
+    /// List every decision, with the key that decides otherwise.
+    #[arg(long)]
+    decisions: bool,
 }
 
 /// A scenario and what is set over it.
@@ -199,23 +206,11 @@ struct Simulate {
 
 #[derive(Args)]
 struct Calibrate {
-    /// Experiment, a TOML file.
-    experiment: PathBuf,
-    /// Set a value over the experiment's, such as calibrate.offset="1 mm"; may be repeated.
-    #[arg(long, value_name = "PATH=VALUE")]
-    set: Vec<String>,
-    /// Folder for the results [default: outputs/ and the experiment's name].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace a folder that is there.
-    #[arg(long)]
-    overwrite: bool,
+    #[command(flatten)]
+    of: OfExperiment,
     /// Also find intervals by the profile of the likelihood, which takes longer.
     #[arg(long)]
     profile: bool,
-    /// One JSON object on stdout, and nothing else.
-    #[arg(long)]
-    json: bool,
     /// No progress, no table.
     #[arg(short, long)]
     quiet: bool,

@@ -8,6 +8,7 @@ pub mod forward;
 pub mod integrate;
 pub mod observe;
 mod observed;
+mod quantile;
 pub mod recording;
 pub mod results;
 pub mod scenario;

@@ -37,7 +37,6 @@ pub(crate) mod plan;
 mod posture;
 mod resolved;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use models::model::Model;
@@ -80,27 +79,25 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`], with file, line and column where there is one.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Scenario, ScenarioError> {
-        let text = fs::read_to_string(path).map_err(|error| ScenarioError {
-            at: None,
-            problem: Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() }
-                .into(),
-        })?;
-        Scenario::parse(path, &text, overrides)
+        Scenario::of(path, Document::load(path, overrides)?)
     }
 
     /// The scenario that a text describes; `path` names it, and files in it are relative to that.
     /// # Errors
     /// As [`Scenario::load`].
     pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Scenario, ScenarioError> {
-        let base = path.parent().unwrap_or(Path::new(""));
-        let mut document = Document::parse(&path.display().to_string(), text, base)?;
-        for argument in overrides {
-            document.set(argument)?;
-        }
+        Scenario::of(path, Document::parse(path, text, overrides)?)
+    }
+
+    fn of(path: &Path, document: Document) -> Result<Scenario, ScenarioError> {
         let plan = Plan::read(&document)?;
-        let stem = || path.file_stem().map_or("scenario".to_owned(), |stem| stem.to_string_lossy().into());
-        let name = plan.name.clone().unwrap_or_else(stem);
+        let name = plan::name(&document, path, "scenario")?;
         Ok(Scenario { name, path: path.to_owned(), document, plan })
+    }
+
+    /// The text of its file, without what is set over it.
+    pub fn text(&self) -> &str {
+        self.document.text()
     }
 
     /// Whether it asks for every pressure of a muscle's table.

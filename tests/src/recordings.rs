@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use sim::forward::Run;
+use sim::recording::Recording;
 use sim::results::table::Table;
 
 use crate::{paper, simulate};
@@ -20,6 +21,15 @@ pub fn millimetres(marker: usize, sample: usize) -> Option<[f64; 3]> {
         0 => Some([100.0 - k, 2.5, -40.0 + 4.125 * k]),
         _ => Some([-5.0, 0.125 * k, 12.0]),
     }
+}
+
+/// Fails unless a finding of a recording contains that.
+pub fn says(recording: &Recording, what: &str) {
+    assert!(
+        recording.findings.iter().any(|finding| finding.contains(what)),
+        "{what}: {:?}",
+        recording.findings
+    );
 }
 
 /// A tidy table in metres.

@@ -13,6 +13,7 @@ use super::spectrum::Spectrum;
 use super::swing::{swing, swing_spectrum};
 use super::{AnalysisError, Excursion};
 use crate::experiment::release::Release;
+use crate::quantile::usual_step;
 
 /// What a measured release comes to; what it does not has its reason.
 #[derive(Clone, Debug)]
@@ -63,7 +64,8 @@ const LEAST_PEAK: f64 = 6.0;
 /// [`AnalysisError`] if there are too few samples for a spectrum.
 pub fn analyse(release: &Release, rest: [f64; 2]) -> Result<Measured, AnalysisError> {
     let tip = &release.tracks[0];
-    let step = usual_step(&release.time)?;
+    let too_short = AnalysisError::TooShort { samples: release.time.len(), least: 4 };
+    let step = usual_step(&release.time).ok_or(too_short)?;
     let coordinate = coordinate(&release.time, &tip.position);
     let k = usize::from(coordinate == Coordinate::Z);
     let held_above = tip.position.iter().flatten().next().is_none_or(|first| first[k] >= rest[k]);
@@ -172,13 +174,6 @@ impl Measured {
         let square = cycles.iter().map(|cycle| (cycle.damped_frequency / mean - 1.0).powi(2)).sum::<f64>();
         Some((square / (count - 1.0) / count).sqrt())
     }
-}
-
-/// Median time between samples, s.
-fn usual_step(time: &[f64]) -> Result<f64, AnalysisError> {
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().ok_or(AnalysisError::TooShort { samples: time.len(), least: 4 })
 }
 
 /// The coordinate in which the tip swings once it has lost its first, large swings.

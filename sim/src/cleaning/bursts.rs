@@ -3,6 +3,10 @@
 //! The path is broken wherever a sample is not where the two before it lead. Of the pieces, those
 //! are kept that make the longest chain in which each piece leads to the next: a burst leads nowhere.
 
+use super::distance;
+use super::spurious::bend;
+use crate::quantile::quantile;
+
 /// Acceleration that is always believed, m/s²: six times gravity.
 const ALWAYS_BELIEVED: f64 = 60.0;
 /// Second differences that are believed, in those below which 98 % lie: ghosts are rarer than 1 %.
@@ -47,11 +51,8 @@ pub fn find(time: &[f64], path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> V
 
 /// Largest second difference that is believed, m.
 fn bend_limit(path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> f64 {
-    let bend = |w: &[Option<[f64; 3]>]| {
-        let (Some(a), Some(b), Some(c)) = (w[0], w[1], w[2]) else { return None };
-        Some((0..3).map(|k| (a[k] - 2.0 * b[k] + c[k]).powi(2)).sum::<f64>().sqrt())
-    };
-    let usual = super::spurious::quantile(path.windows(3).filter_map(bend).collect(), 0.98);
+    let bends = path.windows(3).filter_map(|three| Some(bend(three[0]?, three[1]?, three[2]?)));
+    let usual = quantile(bends.collect(), 0.98);
     (ALWAYS_BELIEVED * step * step).max(MOST_BEND * usual.unwrap_or(0.0)) + MOST_NOISE * sigma
 }
 
@@ -63,11 +64,11 @@ fn pieces(time: &[f64], path: &[Option<[f64; 3]>], step: f64, most: f64) -> Vec<
             let is_next = time[i] - time[last] < 1.5 * step;
             is_next
                 && match run.len() {
-                    1 => super::distance(at(path, i), at(path, last)) < 10.0 * most,
+                    1 => distance(at(path, i), at(path, last)) < 10.0 * most,
                     n => {
                         let (a, b) = (at(path, run[n - 2]), at(path, last));
                         let predicted = std::array::from_fn(|k| 2.0 * b[k] - a[k]);
-                        super::distance(at(path, i), predicted) < most
+                        distance(at(path, i), predicted) < most
                     }
                 }
         });
@@ -102,10 +103,10 @@ fn leads(time: &[f64], path: &[Option<[f64; 3]>], a: &Piece, b: &Piece, step: f6
         (Some(a), Some(b)) => (a[1], b[0]),
         (Some(a), None) => (a[1], a[1]),
         (None, Some(b)) => (b[0], b[0]),
-        (None, None) => return super::distance(from, to) < 3.0 * most * steps,
+        (None, None) => return distance(from, to) < 3.0 * most * steps,
     };
     let expected = std::array::from_fn(|k| from[k] + 0.5 * (leaving[k] + coming[k]) * gap);
-    super::distance(to, expected) < most * (1.0 + 0.25 * steps * steps)
+    distance(to, expected) < most * (1.0 + 0.25 * steps * steps)
 }
 
 fn at(path: &[Option<[f64; 3]>], i: usize) -> [f64; 3] {
@@ -131,7 +132,8 @@ mod tests {
             point[0] += 0.08;
             point[2] -= 0.05;
         }
-        let found: Vec<usize> = (0..path.len()).filter(|&i| find(&time, &path, 0.01, 2e-4)[i]).collect();
+        let marked = find(&time, &path, 0.01, 2e-4);
+        let found: Vec<usize> = (0..path.len()).filter(|&i| marked[i]).collect();
         assert!(burst.clone().all(|i| found.contains(&i)), "{found:?}");
         assert!(found.len() <= burst.len() + 2, "{found:?}");
     }

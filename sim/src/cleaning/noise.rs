@@ -1,12 +1,8 @@
-//! Noise of a marker: what no motion explains from one sample to the next.
-//!
-//! Third differences of four samples in a row see no constant, no straight motion and no steady
-//! acceleration; of white noise their variance is 20 times that of a sample. The median of their
-//! sizes is taken where the marker rests, so that neither a swing nor a ghost counts. What changes
+//! Noise of a marker, from third differences where it rests, so that no swing counts. What changes
 //! slowly, such as creep or the heat of a camera, is no noise in this sense.
 
-/// Standard deviation of one coordinate over that of the median size of a normal number.
-const OF_MEDIAN: f64 = 1.482_602;
+use crate::recording::noise::variances;
+
 /// Third differences that a median needs.
 const LEAST: usize = 8;
 
@@ -18,23 +14,9 @@ pub fn of_samples<const N: usize>(
     step: f64,
     use_it: impl Fn(usize) -> bool,
 ) -> Option<f64> {
-    let mut differences: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
-    for i in 0..path.len().saturating_sub(3) {
-        let (Some(a), Some(b), Some(c), Some(d)) = (path[i], path[i + 1], path[i + 2], path[i + 3]) else {
-            continue;
-        };
-        if time[i + 3] - time[i] < 3.5 * step && use_it(i) && use_it(i + 3) {
-            for k in 0..N {
-                differences[k].push((d[k] - 3.0 * c[k] + 3.0 * b[k] - a[k]).abs());
-            }
-        }
-    }
-    if differences[0].len() < LEAST {
-        return None;
-    }
-    let square = differences.into_iter().filter_map(|all| super::spurious::quantile(all, 0.5));
-    let square: f64 = square.map(|median| (OF_MEDIAN * median).powi(2) / 20.0).sum();
-    Some((square / N as f64).sqrt())
+    let in_a_row = |i: usize| time[i + 3] - time[i] < 3.5 * step;
+    let variances = variances(path, LEAST, |i| in_a_row(i) && use_it(i) && use_it(i + 3))?;
+    Some((variances.iter().sum::<f64>() / N as f64).sqrt())
 }
 
 /// Over a whole path, before it is known where the marker rests: too large where it mostly moves.

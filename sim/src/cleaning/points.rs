@@ -86,7 +86,7 @@ fn mask_ghosts(marker: &Marker, time: &[f64], step: f64, path: &mut [Option<[f64
     }
     if single + in_bursts > 0 {
         let seen = marker.position.iter().flatten().count();
-        let left = |i: usize| super::spurious::from_neighbours(time, path, i, marker.position[i]);
+        let left = |i: usize| spurious::from_neighbours(time, path, i, marker.position[i]);
         let farthest = (0..path.len()).filter(|&i| path[i].is_none()).filter_map(left).fold(0.0, f64::max);
         let percent = 1e2 * (single + in_bursts) as f64 / seen.max(1) as f64;
         log.say(

@@ -4,8 +4,9 @@ use super::cycles::{self, Cut};
 use super::decision::{Log, mm};
 use super::points::{Seen, markers, see};
 use super::release::{Context, LEAST_NOISE};
-use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise, spurious};
-use crate::experiment::{Entry, Experiment, ExperimentError};
+use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise};
+use crate::experiment::{Entry, Experiment, ExperimentError, HeldOut};
+use crate::quantile::usual_step;
 use crate::recording::Recording;
 
 /// Samples that a release needs.
@@ -39,7 +40,7 @@ pub fn clean_recording(
         let (file, samples) = (entry.name.clone(), time.len());
         return Err(CleaningError::TooShort { file, samples, least: LEAST_SAMPLES }.into());
     }
-    let step = usual_step(&time);
+    let step = usual_step(&time).expect("there are samples enough");
     let tip = see(entry, &time, step, &tip_markers, &mut log);
     let seen = tip.path.iter().flatten().count();
     if seen < LEAST_SAMPLES {
@@ -82,11 +83,6 @@ pub fn clean_recording(
     let clean =
         CleanRecording { name: entry.name.clone(), recording, tip: tip.raw, masked, frame, base, cuts };
     Ok((clean, releases))
-}
-
-/// Median time between samples, s.
-fn usual_step(time: &[f64]) -> f64 {
-    spurious::quantile(time.windows(2).map(|pair| pair[1] - pair[0]).collect(), 0.5).unwrap_or(1.0)
 }
 
 fn base_pose(
@@ -172,14 +168,14 @@ fn cut(
 fn check_numbers(entry: &Entry, found: usize) -> Result<(), CleaningError> {
     let of_overrides: Vec<usize> = entry.overrides.iter().map(|other| other.number).collect();
     let held_out = match &entry.held_out {
-        crate::experiment::HeldOut::Only(list) => list.clone(),
-        crate::experiment::HeldOut::All => Vec::new(),
+        HeldOut::Only(list) => list.as_slice(),
+        HeldOut::All => &[],
     };
     let named = [
-        ("keep", entry.keep.clone().unwrap_or_default()),
-        ("drop", entry.drop.clone()),
+        ("keep", entry.keep.as_deref().unwrap_or_default()),
+        ("drop", &entry.drop),
         ("held_out", held_out),
-        ("release.number", of_overrides),
+        ("release.number", &of_overrides),
     ];
     for (key, numbers) in named {
         if let Some(&number) = numbers.iter().find(|number| **number > found) {

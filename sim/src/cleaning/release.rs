@@ -7,7 +7,7 @@ use super::decision::{Log, mm};
 use super::onset::{self, Onset};
 use super::points::Seen;
 use super::recording::Rod;
-use super::{CleanRelease, Frame, Statistics, frame, noise};
+use super::{CleanRelease, Frame, Statistics, distance, frame, noise};
 use crate::experiment::release::{Point, Release, Track};
 use crate::experiment::{At, Entry, Offset};
 
@@ -233,7 +233,7 @@ impl Context<'_> {
             cycles::mean(&self.tip.path, middle..late.end),
         );
         match halves {
-            (Some(a), Some(b)) => 2.0 * super::distance(a, b) / super::distance(cut.held, cut.rest),
+            (Some(a), Some(b)) => 2.0 * distance(a, b) / distance(cut.held, cut.rest),
             _ => 0.0,
         }
     }

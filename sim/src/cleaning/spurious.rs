@@ -8,7 +8,8 @@
 //!
 //! Bursts, whose points agree with one another, are found in [`super::bursts`].
 
-use super::noise;
+use super::{distance, noise};
+use crate::quantile::quantile;
 
 /// Noise of the prediction error over noise of a sample: `√(1 + 34/36)`.
 const OF_NOISE: f64 = 1.394;
@@ -100,7 +101,7 @@ fn prediction_errors(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<
             let at = path[k].unwrap_or_default();
             (0..3).for_each(|c| predicted[c] += weight * at[c]);
         }
-        errors[i] = path[i].map(|at| super::distance(at, predicted));
+        errors[i] = path[i].map(|at| distance(at, predicted));
     }
     errors
 }
@@ -112,11 +113,15 @@ fn bends(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<Option<f64>>
         if let (Some(a), Some(b), Some(c)) = (path[i - 1], path[i], path[i + 1])
             && time[i + 1] - time[i - 1] < 3.0 * step
         {
-            let square: f64 = (0..3).map(|k| (a[k] - 2.0 * b[k] + c[k]).powi(2)).sum();
-            bends[i] = Some(square.sqrt());
+            bends[i] = Some(bend(a, b, c));
         }
     }
     bends
+}
+
+/// Length of the second difference of three points, m.
+pub(super) fn bend(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - 2.0 * b[k] + c[k]).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Distance of a point from the straight line between the samples that are left on either side, m.
@@ -126,21 +131,12 @@ pub(super) fn from_neighbours(
     i: usize,
     point: Option<[f64; 3]>,
 ) -> Option<f64> {
+    let point = point?;
     let before = (0..i).rev().find(|&k| path[k].is_some())?;
     let after = (i + 1..path.len()).find(|&k| path[k].is_some())?;
     let (a, b) = (path[before]?, path[after]?);
     let share = (time[i] - time[before]) / (time[after] - time[before]);
-    Some(super::distance(point?, std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))))
-}
-
-/// The value below which a share of all lies; none of nothing.
-pub(super) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
-    if values.is_empty() {
-        return None;
-    }
-    let at = ((values.len() - 1) as f64 * share).round() as usize;
-    let (_, value, _) = values.select_nth_unstable_by(at, f64::total_cmp);
-    Some(*value)
+    Some(distance(point, std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))))
 }
 
 #[cfg(test)]
@@ -169,11 +165,5 @@ mod tests {
                 .collect();
             assert_eq!(found, ghosts.map(|(i, _)| i), "at {sigma}");
         }
-    }
-
-    #[test]
-    fn a_quantile_is_a_value_of_those_given() {
-        assert_eq!(quantile(vec![3.0, 1.0, 2.0], 0.5), Some(2.0));
-        assert_eq!(quantile(vec![], 0.5), None);
     }
 }

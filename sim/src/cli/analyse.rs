@@ -4,43 +4,29 @@ use std::f64::consts::TAU;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use serde_json::{Value, json};
 use sim::analysis::AnalysisError;
 use sim::analysis::bending_stiffness::StiffnessFit;
 use sim::cleaning::clean;
-use sim::experiment::Experiment;
 use sim::experiment::analyse::{Analysed, analyse};
-use sim::results::experiment::{picture_name, row, write};
-use sim::results::picture;
+use sim::results::experiment::write;
 
-use super::OfExperiment;
-use super::experiment::{decisions, open, table};
+use super::Cleaning;
+use super::experiment::{decisions, json, open, table};
 use super::failure::Failure;
 
-pub fn run(args: &OfExperiment, nodes: &[usize]) -> Result<ExitCode, Failure> {
+pub fn run(args: &Cleaning, nodes: &[usize]) -> Result<ExitCode, Failure> {
     if let Some(wrong) = nodes.iter().find(|nodes| !(4..=2000).contains(*nodes)) {
         return Err(Failure::Usage(format!("--nodes {wrong}: must lie in 4..=2000")));
     }
-    let experiment = Experiment::load(&args.experiment, &args.set)?;
-    let folder = open(args, &experiment)?;
+    let (experiment, folder) = open(&args.of)?;
     let cleaned = clean(&experiment)?;
     let analysed = analyse(&experiment, &cleaned, nodes)?;
-    let values: Vec<Value> = analysed.iter().map(Analysed::json).collect();
-    for one in &analysed {
-        if let Ok(measured) = &one.measured {
-            let svg = picture::measured(&one.of.release.name, measured);
-            folder.write(&picture_name(one.of), svg.as_bytes())?;
-        }
-    }
-    write(&folder, &experiment, &cleaned, Some(values.clone().into()))?;
+    write(&folder, &experiment, &cleaned, Some(&analysed))?;
     let folder = folder.finish()?;
     let mut out = io::stdout().lock();
-    if args.json {
-        let releases: Vec<Value> = cleaned.releases.iter().map(row).collect();
-        let folder = folder.display().to_string();
-        let value = json!({
-            "releases": releases, "analysis": values, "decisions": cleaned.decisions, "folder": folder,
-        });
+    if args.of.json {
+        let mut value = json(&cleaned, &folder);
+        value["analysis"] = analysed.iter().map(Analysed::json).collect();
         writeln!(out, "{value}")?;
         return Ok(ExitCode::SUCCESS);
     }

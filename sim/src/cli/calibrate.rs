@@ -2,43 +2,28 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::json;
 use sim::calibrate::{Settings, calibrate, problem};
 use sim::cleaning::clean;
-use sim::experiment::Experiment;
+use sim::experiment::{Entry, Experiment};
 use sim::results::calibrated::{MUSCLE, muscle_file, table, write_calibration};
 use sim::results::{self, Request};
 
 use super::Calibrate;
+use super::experiment::open;
 use super::failure::Failure;
 use super::progress;
 
 pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    let experiment = Experiment::load(&args.experiment, &args.set)?;
-    let text = std::fs::read_to_string(&args.experiment)?;
-    let mut input_hashes = BTreeMap::new();
-    input_hashes.insert(args.experiment.display().to_string(), results::sha256(text.as_bytes()));
-    for entry in &experiment.recordings {
-        if let Ok(bytes) = std::fs::read(&entry.file) {
-            input_hashes.insert(entry.file.display().to_string(), results::sha256(&bytes));
-        }
-    }
-    let mut request = Request {
-        name: experiment.name.clone(),
-        out: args.out.clone(),
-        overwrite: args.overwrite,
-        resolved_scenario: text,
-        input_hashes,
-        argv: std::env::args().collect(),
-        ..Request::default()
-    };
     // What stands in the way is said before a long search.
-    let folder = results::begin(&request)?;
-    let progress = progress::line(args.quiet || args.json);
+    let (experiment, folder) = open(&args.of)?;
+    let input_hashes = input_hashes(&experiment);
+    let progress = progress::line(args.quiet || args.of.json);
     progress.set_message("reading and cleaning the recordings");
     let cleaned = clean(&experiment)?;
     let (problem, settings) = problem(&experiment, &cleaned)?;
@@ -55,13 +40,20 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
     );
     let muscle = experiment.muscle().map(|muscle| muscle_file(muscle, calibration, &source)).transpose();
     let muscle = muscle.map_err(|error| Failure::Usage(error.to_string()))?.flatten();
-    request.warnings = calibration.warnings.clone();
-    request.wall_time_s = begin.elapsed().as_secs_f64();
+    let request = Request {
+        name: experiment.name.clone(),
+        resolved_scenario: experiment.text().to_owned(),
+        warnings: calibration.warnings.clone(),
+        input_hashes,
+        argv: std::env::args().collect(),
+        wall_time_s: begin.elapsed().as_secs_f64(),
+        ..Request::default()
+    };
     write_calibration(&folder, &request, &outcome, muscle.as_deref())?;
     let folder = folder.finish()?;
 
     let mut out = io::stdout().lock();
-    if args.json {
+    if args.of.json {
         writeln!(out, "{}", json!({ "folder": folder, "calibration": calibration }))?;
     } else if !args.quiet {
         write!(out, "{}", table(calibration))?;
@@ -71,4 +63,12 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// SHA-256 of the experiment and of its recordings, by file.
+fn input_hashes(experiment: &Experiment) -> BTreeMap<String, String> {
+    let hash = |file: &Path, bytes: &[u8]| (file.display().to_string(), results::sha256(bytes));
+    let own = hash(&experiment.path, experiment.text().as_bytes());
+    let read = |entry: &Entry| Some(hash(&entry.file, &std::fs::read(&entry.file).ok()?));
+    experiment.recordings.iter().filter_map(read).chain([own]).collect()
 }

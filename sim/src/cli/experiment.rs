@@ -4,47 +4,34 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::SystemTime;
 
 use serde_json::{Value, json};
 use sim::cleaning::{Cleaned, clean};
 use sim::experiment::{Experiment, init};
 use sim::recording::{ReadOptions, read};
 use sim::results::experiment::{row, write};
-use sim::results::folder::{Folder, OUTPUTS, Target};
-use sim::results::sha256;
+use sim::results::{self, Folder, ResultsError};
 
 use super::failure::Failure;
-use super::{Init, OfExperiment};
+use super::{Cleaning, Init, OfExperiment};
 
 /// Writes a first experiment file.
 pub fn init(args: &Init) -> Result<ExitCode, Failure> {
     let out = &args.out;
     if out.exists() && !args.overwrite {
-        let message = format!(
-            "{}: exists already; choose another --out, or replace it with --overwrite",
-            out.display()
-        );
-        return Err(Failure::Usage(message));
+        return Err(ResultsError::Exists { folder: out.clone() }.into());
     }
     let mut recordings = Vec::new();
     for file in &args.files {
-        let recording =
-            read(file, &ReadOptions::default()).map_err(|error| Failure::Data(error.to_string()))?;
-        recordings.push((relative(file, out), recording));
+        recordings.push((relative(file, out), read(file, &ReadOptions::default())?));
     }
-    let name = out.file_stem().map_or("experiment".into(), |name| name.to_string_lossy());
-    let fit = |c: char| if c.is_alphanumeric() || "-_.+ ".contains(c) { c } else { '-' };
-    let name: String = name.trim_start_matches('.').chars().map(fit).collect();
-    let text = init::draft(if name.is_empty() { "experiment" } else { &name }, &recordings);
-    let failed = |error: io::Error| {
-        Failure::Output(format!("{}: cannot be written: {error}; choose another --out", out.display()))
-    };
+    let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());
+    let text = init::draft(&name, &recordings);
     // Beside it first, so that no half of it is ever left.
     let partial = out.with_extension("toml.partial");
-    fs::write(&partial, &text).and_then(|()| fs::rename(&partial, out)).map_err(|error| {
+    fs::write(&partial, &text).and_then(|()| fs::rename(&partial, out)).map_err(|source| {
         let _ = fs::remove_file(&partial);
-        failed(error)
+        ResultsError::Write { path: out.clone(), source }
     })?;
     let guesses = text.lines().filter(|line| line.contains("GUESS")).count();
     let unknown = text.lines().filter(|line| line.contains("FILL IN")).count();
@@ -81,17 +68,14 @@ fn relative(file: &Path, out: &Path) -> String {
 }
 
 /// Cleans the recordings and shows what came of it.
-pub fn check(args: &OfExperiment) -> Result<ExitCode, Failure> {
-    let experiment = Experiment::load(&args.experiment, &args.set)?;
-    let folder = open(args, &experiment)?;
+pub fn check(args: &Cleaning) -> Result<ExitCode, Failure> {
+    let (experiment, folder) = open(&args.of)?;
     let cleaned = clean(&experiment)?;
     write(&folder, &experiment, &cleaned, None)?;
     let folder = folder.finish()?;
     let mut out = io::stdout().lock();
-    if args.json {
-        let releases: Vec<Value> = cleaned.releases.iter().map(row).collect();
-        let value = json!({ "releases": releases, "decisions": cleaned.decisions, "folder": folder.display().to_string() });
-        writeln!(out, "{value}")?;
+    if args.of.json {
+        writeln!(out, "{}", json(&cleaned, &folder))?;
         return Ok(ExitCode::SUCCESS);
     }
     table(&mut out, &cleaned)?;
@@ -108,19 +92,17 @@ pub fn check(args: &OfExperiment) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Opens the folder before the work, so that what stands in the way is said first.
-pub fn open(args: &OfExperiment, experiment: &Experiment) -> Result<Folder, Failure> {
-    let text = fs::read(&experiment.path).unwrap_or_default();
-    let hash = sha256(&text);
-    Ok(Folder::begin(match &args.out {
-        Some(folder) => Target::Given { folder, overwrite: args.overwrite },
-        None => Target::Dated {
-            root: Path::new(OUTPUTS),
-            name: &experiment.name,
-            hash: &hash,
-            at: SystemTime::now(),
-        },
-    })?)
+/// Reads the experiment and opens the folder before the work, so that what stands in the way is said first.
+pub fn open(args: &OfExperiment) -> Result<(Experiment, Folder), Failure> {
+    let experiment = Experiment::load(&args.experiment, &args.set)?;
+    let folder = results::open(args.out.as_deref(), args.overwrite, &experiment.name, experiment.text())?;
+    Ok((experiment, folder))
+}
+
+/// Releases and decisions as one JSON object.
+pub fn json(cleaned: &Cleaned, folder: &Path) -> Value {
+    let releases: Vec<Value> = cleaned.releases.iter().map(row).collect();
+    json!({ "releases": releases, "decisions": cleaned.decisions, "folder": folder.display().to_string() })
 }
 
 /// A line for each release.

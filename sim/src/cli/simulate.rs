@@ -72,17 +72,14 @@ pub fn run(args: &Simulate) -> Result<ExitCode, Failure> {
 }
 
 fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
-    let mut input_hashes = BTreeMap::new();
-    if let Ok(text) = std::fs::read(&scenario.path) {
-        input_hashes.insert(scenario.path.display().to_string(), results::sha256(&text));
-    }
+    let hash = results::sha256(scenario.text().as_bytes());
     Request {
         name: scenario.name.clone(),
         out: args.out.clone(),
         overwrite: args.overwrite,
         csv: args.csv,
         resolved_scenario: first.resolved.clone(),
-        input_hashes,
+        input_hashes: BTreeMap::from([(scenario.path.display().to_string(), hash)]),
         argv: std::env::args().collect(),
         ..Request::default()
     }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use models::effects::{Parameter, by_name};
 
 use super::direction::{AXES, Direction};
+use crate::recording::Length;
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::plan::EffectPlan;
 use crate::scenario::{Problem, ScenarioError};
@@ -29,7 +30,7 @@ pub struct Entry {
     /// Markers that do not move with the rod, or a rigid body.
     pub base: Vec<String>,
     /// Unit of the file's lengths, where it is silent or wrong.
-    pub unit: Option<String>,
+    pub unit: Option<Length>,
     /// Samples a second, likewise.
     pub rate: Option<f64>,
     /// Against gravity, in the file's frame.
@@ -127,10 +128,6 @@ const KEYS: [&str; 22] = [
     "offset", "instants", "keep", "drop", "held_out", "noise", "spurious", "mask", "release", "note",
 ];
 
-/// Units of length as they may be written.
-const UNITS: [(&str, &str); 6] =
-    [("m", "m"), ("cm", "cm"), ("mm", "mm"), ("um", "um"), ("in", "in"), ("ft", "ft")];
-
 impl Entry {
     pub(super) fn read(document: &Document, keys: &Keys, has_muscle: bool) -> Result<Entry, ScenarioError> {
         keys.only(&KEYS)?;
@@ -154,7 +151,7 @@ impl Entry {
                 .ok_or_else(|| keys.missing("tip", "tip = with the name of a marker"))?,
             body: body(keys)?,
             base: markers(keys, "base")?.unwrap_or_default(),
-            unit: keys.word("unit", &UNITS)?.map(str::to_owned),
+            unit: keys.word("unit", &Length::by_symbol())?,
             rate: keys.quantity_that("rate", "Hz", "be positive", |rate| rate > 0.0)?,
             up: direction(keys, "up")?,
             along: direction(keys, "along")?,

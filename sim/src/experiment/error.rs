@@ -12,7 +12,7 @@ pub enum ExperimentError {
     Document(#[from] ScenarioError),
     /// A recording that cannot be read.
     #[error(transparent)]
-    Recording(RecordingError),
+    Recording(#[from] RecordingError),
     /// A recording that can be read, and has not in it what is due.
     #[error(transparent)]
     Cleaning(#[from] CleaningError),

@@ -4,8 +4,10 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::Experiment;
-use crate::cleaning::clean_all;
+use crate::cleaning::{clean_all, distance};
+use crate::quantile::quantile;
 use crate::recording::Recording;
+use crate::scenario::plan;
 
 /// Motion of base markers in that of the most moving one, at most.
 const STILL: f64 = 0.04;
@@ -55,8 +57,7 @@ pub fn guess(recording: &Recording) -> Option<Guess> {
         std::array::from_fn(|c| first.iter().map(|at| at[c]).sum::<f64>() / first.len().max(1) as f64)
     };
     let (from, to) = (place(&base), place(&tip));
-    let far = |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt();
-    let share = |k: usize| (far(place(&[k]), from) / far(to, from).max(1e-9)).clamp(0.0, 1.0);
+    let share = |k: usize| (distance(place(&[k]), from) / distance(to, from).max(1e-9)).clamp(0.0, 1.0);
     let mut body: Vec<usize> =
         (0..moves.len()).filter(|k| moves[*k] >= 0.0 && !tip.contains(k) && !base.contains(k)).collect();
     body.sort_by(|&a, &b| share(a).total_cmp(&share(b)));
@@ -71,34 +72,25 @@ pub fn guess(recording: &Recording) -> Option<Guess> {
 
 /// Distance from its median place within which a marker is 98 % of the time, m; −1 if it is never seen.
 fn reach(path: &[Option<[f64; 3]>]) -> f64 {
-    let seen: Vec<[f64; 3]> = path.iter().flatten().copied().collect();
-    if seen.is_empty() {
-        return -1.0;
-    }
-    let middle: [f64; 3] = std::array::from_fn(|c| at_share(seen.iter().map(|at| at[c]).collect(), 0.5));
-    let away = seen.iter().map(|at| (0..3).map(|c| (at[c] - middle[c]).powi(2)).sum::<f64>().sqrt());
-    at_share(away.collect(), 0.98)
+    let seen = || path.iter().flatten();
+    let middle = std::array::from_fn(|c| quantile(seen().map(|at| at[c]).collect(), 0.5).unwrap_or_default());
+    quantile(seen().map(|at| distance(*at, middle)).collect(), 0.98).unwrap_or(-1.0)
 }
 
 /// By how much the distance of two markers varies, 96 % of the time, m.
 fn spread(a: &[Option<[f64; 3]>], b: &[Option<[f64; 3]>]) -> f64 {
     let both = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
-    let apart: Vec<f64> =
-        both.map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt()).collect();
-    if apart.is_empty() {
-        return f64::INFINITY;
-    }
-    at_share(apart.clone(), 0.98) - at_share(apart, 0.02)
-}
-
-fn at_share(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[((values.len() - 1) as f64 * share).round() as usize]
+    let apart: Vec<f64> = both.map(|(a, b)| distance(a, b)).collect();
+    let between = quantile(apart.clone(), 0.98).zip(quantile(apart, 0.02));
+    between.map_or(f64::INFINITY, |(high, low)| high - low)
 }
 
 /// A text that loads: recordings with the file names to be written into it. What is unknown is marked
-/// `FILL IN`, what is guessed `GUESS`.
+/// `FILL IN`, what is guessed `GUESS`. Of `name` stays what an experiment may be called.
 pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
+    let fit = |c: char| if plan::fits_name(c) { c } else { '-' };
+    let fitting: String = name.trim_start_matches('.').chars().map(fit).collect();
+    let name = if fitting.trim().is_empty() { "experiment" } else { &fitting };
     let mut angles = vec![None; recordings.len()];
     let mut found = vec![Vec::new(); recordings.len()];
     let plain = text(name, recordings, &angles, &found);

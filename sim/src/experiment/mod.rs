@@ -45,10 +45,10 @@ pub mod release;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::recording::{ReadOptions, Recording};
+use crate::recording::{self, ReadOptions, Recording};
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::plan::{self, Plan};
-use crate::scenario::{Case, Problem, ScenarioError, case};
+use crate::scenario::{Case, Problem, case};
 
 pub use direction::Direction;
 pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Payload};
@@ -72,23 +72,17 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError::Document`], with file, line and column where there is one.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Experiment, ExperimentError> {
-        let text = fs::read_to_string(path).map_err(|error| ScenarioError {
-            at: None,
-            problem: Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() }
-                .into(),
-        })?;
-        Experiment::parse(path, &text, overrides)
+        Experiment::of(path, Document::load(path, overrides)?)
     }
 
     /// The experiment that a text describes; files in it are relative to `path`.
     /// # Errors
     /// As [`Experiment::load`].
     pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Experiment, ExperimentError> {
-        let base = path.parent().unwrap_or(Path::new(""));
-        let mut document = Document::parse(&path.display().to_string(), text, base)?;
-        for argument in overrides {
-            document.set(argument)?;
-        }
+        Experiment::of(path, Document::parse(path, text, overrides)?)
+    }
+
+    fn of(path: &Path, document: Document) -> Result<Experiment, ExperimentError> {
         let keys = document.keys();
         keys.only(&["name", "muscle", "rod", "effects", "integrator", "recording", "calibrate"])?;
         let plan = Plan::of_experiment(&document)?;
@@ -102,9 +96,13 @@ impl Experiment {
             .iter()
             .map(|table| Entry::read(&document, table, has_muscle))
             .collect::<Result<Vec<_>, _>>()?;
-        let stem = || path.file_stem().map_or("experiment".to_owned(), |stem| stem.to_string_lossy().into());
-        let name = plan::read_name(&keys)?.unwrap_or_else(stem);
+        let name = plan::name(&document, path, "experiment")?;
         Ok(Experiment { name, path: path.to_owned(), recordings, document, plan })
+    }
+
+    /// The text of its file, without what is set over it.
+    pub fn text(&self) -> &str {
+        self.document.text()
     }
 
     /// Whether it says what was recorded, so that a model can be compared with it.
@@ -161,9 +159,8 @@ impl Experiment {
             let problem = Problem::Unreadable { file, reason: error.to_string() };
             return Err(self.document.error_of(&format!("{}.file", entry.key), problem).into());
         }
-        let unit = entry.unit.as_deref().and_then(|unit| unit.parse().ok());
-        let options = ReadOptions { unit, rate_hz: entry.rate };
-        crate::recording::read(&entry.file, &options).map_err(ExperimentError::Recording)
+        let options = ReadOptions { unit: entry.unit, rate_hz: entry.rate };
+        Ok(recording::read(&entry.file, &options)?)
     }
 
     /// A table of the file that others read, such as `calibrate`, with its places for messages.

@@ -67,14 +67,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, Problem> {
     let mut findings = Vec::new();
     let shape = shape(bytes, processor, &parameters, &mut findings).map_err(broken)?;
 
-    let unit = match parameters.text("POINT:UNITS") {
-        None => Unit::Assumed(Length::Millimetre, "C3D is in millimetres as a rule"),
-        Some(word) if word.is_empty() => Unit::Assumed(Length::Millimetre, "C3D is in millimetres as a rule"),
-        Some(word) => match Length::named(&word) {
-            Some(length) => Unit::Stated(length, "POINT:UNITS".to_owned()),
-            None => return Err(Problem::UnknownUnit { place: "POINT:UNITS".to_owned(), value: word }),
-        },
-    };
+    let silent = Unit::Assumed(Length::Millimetre, "C3D is in millimetres as a rule");
+    let unit = Unit::stated(parameters.text("POINT:UNITS").as_deref(), "POINT:UNITS", silent)?;
     let mut draft = Draft::new(Format::C3d, unit, "sample");
     let in_header = f64::from(processor.float(&bytes[20..24]));
     let in_parameters = parameters.number("POINT:RATE").filter(|rate| *rate > 0.0);

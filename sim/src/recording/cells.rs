@@ -178,6 +178,11 @@ pub(super) fn short(text: &str) -> String {
     }
 }
 
+/// A number of a header, with either decimal sign.
+pub(super) fn in_header(text: &str) -> Option<f64> {
+    text.replace(',', ".").parse().ok()
+}
+
 /// Reads cells as numbers, and watches their decimal signs.
 #[derive(Default)]
 pub(super) struct Numbers {

@@ -9,11 +9,10 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 use parquet::file::metadata::ParquetMetaData;
 
-use super::Marker;
 use super::draft::Draft;
 use super::error::Problem;
 use super::format::Format;
-use super::layout::Layout;
+use super::layout::{Columns, Layout, unit_quaternion};
 use super::tidy;
 
 /// First bytes of a file.
@@ -44,7 +43,7 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, Problem> {
         .map_err(|error| broken(&error))?;
     let names: Vec<String> = builder.schema().fields().iter().map(|field| field.name().clone()).collect();
     let mut layout = tidy::layout(&names, Format::Parquet)?;
-    let wanted = columns(&layout);
+    let wanted: BTreeSet<usize> = layout.columns().collect();
     check(builder.schema(), &wanted)?;
     let rows = rows(builder.metadata(), length)?;
     if rows.saturating_mul(8 * wanted.len()) > most {
@@ -66,13 +65,7 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, Problem> {
     }
     let mut draft = Draft::new(Format::Parquet, layout.unit.clone(), "row");
     draft.findings = layout.findings.clone();
-    draft.markers = (layout.points.iter())
-        .map(|point| Marker {
-            name: point.name.clone(),
-            position: Vec::new(),
-            orientation: point.orientation.map(|_| Vec::new()),
-        })
-        .collect();
+    draft.markers = layout.points.iter().map(Columns::marker).collect();
     for batch in reader {
         let batch = batch.map_err(|error| broken(&error))?;
         add(&layout, &batch, &mut draft)?;
@@ -107,15 +100,6 @@ fn rows(metadata: &ParquetMetaData, length: usize) -> Result<usize, Problem> {
     }
     let stated = usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(usize::MAX);
     Ok(rows.max(stated))
-}
-
-/// Columns that are read.
-fn columns(layout: &Layout) -> BTreeSet<usize> {
-    let points = layout.points.iter().flat_map(|point| {
-        let position = point.position.into_iter().flatten();
-        position.chain(point.orientation.into_iter().flatten())
-    });
-    points.chain(layout.frame).chain(layout.time.map(|time| time.0)).collect()
 }
 
 /// Whether columns hold numbers.
@@ -163,7 +147,7 @@ fn add(layout: &Layout, batch: &RecordBatch, draft: &mut Draft) -> Result<(), Pr
             marker.position.push(position);
             if let (Some([w, x, y, z]), Some(orientation)) = (point.orientation, &mut marker.orientation) {
                 let q = (|| Some([columns[w][row]?, columns[x][row]?, columns[y][row]?, columns[z][row]?]))();
-                orientation.push(q.and_then(super::layout::unit_quaternion));
+                orientation.push(q.and_then(unit_quaternion));
             }
         }
     }

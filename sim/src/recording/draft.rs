@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::cells::short;
 use super::clock::{self, Clock};
 use super::error::Problem;
 use super::format::Format;
@@ -87,6 +88,14 @@ impl Draft {
 }
 
 impl Unit {
+    /// As a file states it: its word, if there is one, and where that stands; else `silent`.
+    pub(super) fn stated(word: Option<&str>, place: &str, silent: Unit) -> Result<Unit, Problem> {
+        let Some(word) = word.filter(|word| !word.is_empty()) else { return Ok(silent) };
+        let unknown = || Problem::UnknownUnit { place: place.to_owned(), value: short(word) };
+        let length = Length::named(word).ok_or_else(unknown)?;
+        Ok(Unit::Stated(length, place.to_owned()))
+    }
+
     fn settle(self, wanted: Option<Length>, findings: &mut Vec<String>) -> Result<Length, Problem> {
         let (length, finding) = match (wanted, self) {
             (None, Unit::Silent(place)) => return Err(Problem::NoUnit { place }),

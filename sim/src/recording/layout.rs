@@ -58,8 +58,8 @@ impl Layout {
         let mut draft = Draft::new(self.format, self.unit.clone(), "line");
         draft.rate = self.rate;
         draft.findings = self.findings.clone();
-        draft.markers = self.points.iter().map(|columns| columns.marker()).collect();
-        let width = 1 + self.last_column();
+        draft.markers = self.points.iter().map(Columns::marker).collect();
+        let width = 1 + self.columns().max().unwrap_or(0);
         while rows.read_filled()? {
             let line = rows.line();
             if let Some(title) = rows.title().filter(|_| self.sections) {
@@ -148,13 +148,13 @@ impl Layout {
         Ok(())
     }
 
-    /// The last column that a row must have.
-    fn last_column(&self) -> usize {
-        let points = self.points.iter().flat_map(|columns| {
-            let orientation = columns.orientation.into_iter().flatten();
-            columns.position.into_iter().flatten().chain(orientation)
+    /// All columns that are read.
+    pub(super) fn columns(&self) -> impl Iterator<Item = usize> {
+        let points = self.points.iter().flat_map(|point| {
+            let orientation = point.orientation.into_iter().flatten();
+            point.position.into_iter().flatten().chain(orientation)
         });
-        points.chain(self.frame).chain(self.time.map(|time| time.0)).max().unwrap_or(0)
+        points.chain(self.frame).chain(self.time.map(|time| time.0))
     }
 
     fn say(&self, tally: &Tally, draft: &mut Draft) {
@@ -163,36 +163,44 @@ impl Layout {
         if let Some(stated) = self.samples.filter(|stated| *stated != samples as f64) {
             findings.push(format!("the header states {stated} samples, the file has {samples}: an excerpt?"));
         }
-        if tally.short > 0 {
-            findings.push(format!(
-                "{} rows have fewer cells than the header, the first in line {}; what is missing counts as lost",
-                tally.short, tally.first_short
-            ));
-        }
-        if tally.partial > 0 {
-            findings.push(format!(
-                "{} times only some of a marker's coordinates were there; it counts as lost",
-                tally.partial
-            ));
-        }
-        if tally.zero > 0 {
-            findings.push(format!(
-                "{} times a marker stood at exactly 0, 0, 0, which {} writes for a lost point; it counts as lost",
-                tally.zero, self.format
-            ));
-        }
-        if tally.off_unit > 0 {
-            findings.push(format!(
-                "{} quaternions are no rotations (their norm is not 1 within a tenth); they count as lost",
-                tally.off_unit
-            ));
-        }
+        let counted = [
+            (
+                tally.short,
+                format!(
+                    "rows have fewer cells than the header, the first in line {}; what is missing counts as lost",
+                    tally.first_short
+                ),
+            ),
+            (
+                tally.partial,
+                "times only some of a marker's coordinates were there; it counts as lost".to_owned(),
+            ),
+            (
+                tally.zero,
+                format!(
+                    "times a marker stood at exactly 0, 0, 0, which {} writes for a lost point; it counts as lost",
+                    self.format
+                ),
+            ),
+            (
+                tally.off_unit,
+                "quaternions are no rotations (their norm is not 1 within a tenth); they count as lost"
+                    .to_owned(),
+            ),
+        ];
+        let met = counted.into_iter().filter(|(count, _)| *count > 0);
+        findings.extend(met.map(|(count, what)| format!("{count} {what}")));
     }
 }
 
 impl Columns {
+    /// A marker whose x stands in a column, with y and z after it.
+    pub(super) fn from_x((name, x): (String, usize)) -> Self {
+        Self { name, position: [x, x + 1, x + 2].map(Some), orientation: None }
+    }
+
     /// The marker, still without samples.
-    fn marker(&self) -> Marker {
+    pub(super) fn marker(&self) -> Marker {
         let orientation = self.orientation.map(|_| Vec::new());
         Marker { name: self.name.clone(), position: Vec::new(), orientation }
     }

@@ -51,6 +51,11 @@ impl Length {
         self.row().1
     }
 
+    /// All units by their symbols.
+    pub fn by_symbol() -> [(&'static str, Length); 6] {
+        LENGTHS.map(|row| (row.1, row.0))
+    }
+
     /// All symbols, for messages.
     pub(super) fn symbols() -> String {
         LENGTHS.map(|row| row.1).join(", ")

@@ -19,6 +19,7 @@ mod format;
 mod layout;
 mod length;
 mod motive;
+pub(crate) mod noise;
 mod qualisys;
 mod quality;
 mod read;

@@ -14,7 +14,7 @@
 
 use std::collections::HashMap;
 
-use super::cells::Rows;
+use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
 use super::error::Problem;
 use super::format::Format;
@@ -32,17 +32,9 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
         let at = pairs.iter().step_by(2).position(|cell| cell == key)?;
         pairs.get(2 * at + 1).map(String::as_str)
     };
-    let number = |key: &str| value(key).and_then(|value| value.replace(',', ".").parse::<f64>().ok());
-    let unit = match value("Length Units") {
-        None | Some("") => Unit::Assumed(Length::Metre, "Motive writes metres"),
-        Some(word) => {
-            let place = "Length Units in line 1".to_owned();
-            match Length::named(word) {
-                Some(length) => Unit::Stated(length, place),
-                None => return Err(Problem::UnknownUnit { place, value: word.to_owned() }),
-            }
-        }
-    };
+    let number = |key: &str| value(key).and_then(in_header);
+    let silent = Unit::Assumed(Length::Metre, "Motive writes metres");
+    let unit = Unit::stated(value("Length Units"), "Length Units in line 1", silent)?;
 
     let mut above: Vec<Vec<String>> = Vec::new();
     loop {

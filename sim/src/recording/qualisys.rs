@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::cells::Rows;
+use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
 use super::error::Problem;
 use super::format::Format;
@@ -32,7 +32,7 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
         let values = cells.split_off(1.min(cells.len()));
         keys.insert(cells.concat(), values);
     }
-    let number = |key: &str| keys.get(key)?.first()?.replace(',', ".").parse::<f64>().ok();
+    let number = |key: &str| in_header(keys.get(key)?.first()?);
     let included = keys.get("DATA_INCLUDED").and_then(|values| values.first()).map_or("3D", String::as_str);
     if included != "3D" || keys.contains_key("BODY_NAMES") {
         let what = format!("{included} data of Qualisys");
@@ -75,17 +75,13 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
         findings.push(format!("the header states {stated} markers and names {}", names.len()));
     }
     let names = distinct(names, &mut findings);
-    let point = |(k, name): (usize, String)| {
-        let at = first + 3 * k;
-        Columns { name, position: [Some(at), Some(at + 1), Some(at + 2)], orientation: None }
-    };
     Layout {
         format: Format::Qualisys,
         unit: Unit::Assumed(Length::Millimetre, "Qualisys Track Manager writes millimetres"),
         rate: number("FREQUENCY"),
         frame,
         time: time.map(|time| (time, 1.0)),
-        points: names.into_iter().enumerate().map(point).collect(),
+        points: names.into_iter().zip((first..).step_by(3)).map(Columns::from_x).collect(),
         zero_is_lost: true,
         sections: false,
         samples: number("NO_OF_FRAMES"),

@@ -2,6 +2,7 @@
 
 use super::Marker;
 use super::clock::plain;
+use super::noise::variances;
 
 /// Differences that an estimate of noise needs.
 const LEAST_DIFFERENCES: usize = 20;
@@ -21,8 +22,7 @@ pub struct Quality {
     pub extent: Option<[[f64; 2]; 3]>,
     /// Standard deviation of the noise of each coordinate, m; nothing if it was hardly seen.
     ///
-    /// From third differences over four samples in a row, of which white noise leaves √20 times its
-    /// own deviation; by their median, so that the quiet parts count and swings do not. What moves
+    /// By the median of third differences, so that the quiet parts count and swings do not. What moves
     /// fast against the sampling all the time is taken for noise: an upper estimate.
     pub noise: Option<[f64; 3]>,
 }
@@ -36,7 +36,7 @@ impl Marker {
             longest_gap,
             longest_gap_at,
             extent: extent(&self.position),
-            noise: noise(&self.position),
+            noise: variances(&self.position, LEAST_DIFFERENCES, |_| true).map(|v| v.map(f64::sqrt)),
         }
     }
 }
@@ -66,26 +66,6 @@ pub(super) fn extent(position: &[Option<[f64; 3]>]) -> Option<[[f64; 2]; 3]> {
         }
         extent
     }))
-}
-
-fn noise(position: &[Option<[f64; 3]>]) -> Option<[f64; 3]> {
-    let rows = position.windows(4).filter_map(|row| match row {
-        [Some(a), Some(b), Some(c), Some(d)] => Some([a, b, c, d]),
-        _ => None,
-    });
-    let third: Vec<[f64; 3]> = rows
-        .map(|[a, b, c, d]| [0, 1, 2].map(|axis| (d[axis] - 3.0 * (c[axis] - b[axis]) - a[axis]).abs()))
-        .collect();
-    if third.len() < LEAST_DIFFERENCES {
-        return None;
-    }
-    let median = |axis: usize| {
-        let mut values: Vec<f64> = third.iter().map(|difference| difference[axis]).collect();
-        let middle = values.len() / 2;
-        *values.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    // The median of |x| of a normal distribution is 0.6745 of its deviation.
-    Some([0, 1, 2].map(|axis| median(axis) / 0.6745 / 20.0_f64.sqrt()))
 }
 
 /// What is to be said of lost samples, those with most of them first.

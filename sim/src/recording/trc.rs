@@ -1,12 +1,11 @@
 //! TRC, as OpenSim and Cortex use it: three lines of keys and values, a line of names over a line of
 //! axes, then one line a sample, between tabs or commas.
 
-use super::cells::Rows;
+use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
 use super::error::Problem;
 use super::format::Format;
 use super::layout::{Columns, Layout, distinct};
-use super::length::Length;
 
 /// Reads a file.
 pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
@@ -20,19 +19,11 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
     let values_line = rows.line();
     let value = |key: &str| {
         let at = keys.iter().position(|cell| cell.eq_ignore_ascii_case(key))?;
-        values.get(at).map(String::as_str).filter(|value| !value.is_empty())
+        values.get(at).map(String::as_str)
     };
-    let number = |key: &str| value(key).and_then(|value| value.replace(',', ".").parse::<f64>().ok());
-    let unit = match value("Units") {
-        None => Unit::Silent("Units in the header".to_owned()),
-        Some(word) => {
-            let place = format!("Units in line {values_line}");
-            match Length::named(word) {
-                Some(length) => Unit::Stated(length, place),
-                None => return Err(Problem::UnknownUnit { place, value: super::cells::short(word) }),
-            }
-        }
-    };
+    let number = |key: &str| value(key).and_then(in_header);
+    let silent = Unit::Silent("Units in the header".to_owned());
+    let unit = Unit::stated(value("Units"), &format!("Units in line {values_line}"), silent)?;
     let names = next(rows)?;
     let first = names.first().map_or("", String::as_str);
     if !first.to_lowercase().starts_with("frame") {
@@ -63,18 +54,13 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
         false => format!("column {}", at + 1),
     };
     let all = distinct(starts.iter().map(name), &mut findings);
-    let point = |(name, at): (String, &usize)| Columns {
-        name,
-        position: [Some(*at), Some(at + 1), Some(at + 2)],
-        orientation: None,
-    };
     Layout {
         format: Format::Trc,
         unit,
         rate: number("DataRate"),
         frame: Some(0),
         time: Some((1, 1.0)),
-        points: all.into_iter().zip(&starts).map(point).collect(),
+        points: all.into_iter().zip(starts).map(Columns::from_x).collect(),
         zero_is_lost: true,
         sections: false,
         samples: number("NumFrames"),

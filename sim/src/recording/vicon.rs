@@ -11,7 +11,7 @@
 //! Other sections may come before and after. Rows are ragged: that of the names may be longer or
 //! shorter than that of the axes, which says how many markers there are.
 
-use super::cells::Rows;
+use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
 use super::error::Problem;
 use super::format::{Format, NEXUS_SECTIONS};
@@ -59,11 +59,10 @@ fn section(rows: &mut Rows, format: Format) -> Result<Layout, Problem> {
         expected: expected.to_owned(),
         met: format!("`{}`", rows.start()),
     };
-    let ended = Problem::HeaderOnly { line: rows.line() };
     if !rows.read()? {
-        return Err(ended);
+        return Err(Problem::HeaderOnly { line: rows.line() });
     }
-    let rate = rows.cell(0).replace(',', ".").parse::<f64>().ok();
+    let rate = in_header(rows.cell(0));
     let rate = rate.ok_or_else(|| expected(rows, "the sampling rate, such as 100"))?;
     if !rows.read()? {
         return Err(Problem::HeaderOnly { line: rows.line() });
@@ -119,12 +118,7 @@ fn section(rows: &mut Rows, format: Format) -> Result<Layout, Problem> {
         starts.iter().map(|at| named(at).unwrap_or_else(|| format!("column {}", at + 1))),
         &mut findings,
     );
-    let point = |(name, at): (String, &usize)| Columns {
-        name,
-        position: [Some(*at), Some(at + 1), Some(at + 2)],
-        orientation: None,
-    };
-    let points = all.into_iter().zip(&starts).map(point).collect();
+    let points = all.into_iter().zip(starts).map(Columns::from_x).collect();
     Ok(Layout {
         format,
         unit,

@@ -16,16 +16,17 @@ use super::folder::{Folder, MARK, plain_name};
 use super::{ResultsError, picture};
 use crate::cleaning::{CleanRelease, Cleaned};
 use crate::experiment::Experiment;
+use crate::experiment::analyse::Analysed;
 use crate::experiment::release::Release;
 
-/// Writes recordings, releases and decisions into an open folder; `analysis` is added to the summary.
+/// Writes recordings, releases, decisions and, if it was asked for, the analysis into an open folder.
 /// # Errors
 /// [`ResultsError::Write`].
 pub fn write(
     folder: &Folder,
     experiment: &Experiment,
     cleaned: &Cleaned,
-    analysis: Option<Value>,
+    analysed: Option<&[Analysed]>,
 ) -> Result<(), ResultsError> {
     let mut names = Vec::new();
     for (k, recording) in cleaned.recordings.iter().enumerate() {
@@ -35,6 +36,12 @@ pub fn write(
         for release in releases {
             let text = csv(&release.release);
             folder.write(&format!("{name}-{}.csv", release.number), text.as_bytes())?;
+        }
+        for one in analysed.into_iter().flatten().filter(|one| one.of.recording == k) {
+            if let Ok(measured) = &one.measured {
+                let picture = picture::measured(&one.of.release.name, measured);
+                folder.write(&format!("{name}-{}.svg", one.of.number), picture.as_bytes())?;
+            }
         }
     }
     let mut summary = json!({
@@ -53,15 +60,10 @@ pub fn write(
         "decisions": cleaned.decisions,
         "efam": env!("CARGO_PKG_VERSION"),
     });
-    if let Some(analysis) = analysis {
-        summary["analysis"] = analysis;
+    if let Some(analysed) = analysed {
+        summary["analysis"] = analysed.iter().map(Analysed::json).collect();
     }
     folder.write(MARK, format!("{summary:#}").as_bytes())
-}
-
-/// File name of a release's picture.
-pub fn picture_name(release: &CleanRelease) -> String {
-    format!("{}.svg", plain_name(&release.release.name.replace('#', "-")))
 }
 
 /// A release as one JSON object.
@@ -103,14 +105,14 @@ fn csv(release: &Release) -> String {
     text
 }
 
-/// Two recordings of one name in several folders.
+/// A name for each of several recordings that have one; none ends as the number of a release does.
 fn unique(name: &str, taken: &mut Vec<String>) -> String {
     let mut unique = name.to_owned();
     for number in 2.. {
         if !taken.contains(&unique) {
             break;
         }
-        unique = format!("{name}-{number}");
+        unique = format!("{name}_{number}");
     }
     taken.push(unique.clone());
     unique

@@ -101,15 +101,18 @@ pub fn write(
 /// # Errors
 /// [`ResultsError`].
 pub fn begin(request: &Request) -> Result<Folder, ResultsError> {
-    let hash = sha256(request.resolved_scenario.as_bytes());
-    Folder::begin(match &request.out {
-        Some(folder) => Target::Given { folder, overwrite: request.overwrite },
-        None => Target::Dated {
-            root: Path::new(OUTPUTS),
-            name: &request.name,
-            hash: &hash,
-            at: SystemTime::now(),
-        },
+    open(request.out.as_deref(), request.overwrite, &request.name, &request.resolved_scenario)
+}
+
+/// Opens the folder `out` or, without it, a new one under [`OUTPUTS`] that is named after the hour, after
+/// `name` and after the text that asks for the results.
+/// # Errors
+/// [`ResultsError`].
+pub fn open(out: Option<&Path>, overwrite: bool, name: &str, asks: &str) -> Result<Folder, ResultsError> {
+    let hash = sha256(asks.as_bytes());
+    Folder::begin(match out {
+        Some(folder) => Target::Given { folder, overwrite },
+        None => Target::Dated { root: Path::new(OUTPUTS), name, hash: &hash, at: SystemTime::now() },
     })
 }
 

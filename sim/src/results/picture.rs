@@ -5,6 +5,7 @@ mod measured;
 mod panel;
 mod pressures;
 mod recording;
+mod spectrum;
 
 use models::model::Model;
 use models::snapshot::Energy;
@@ -39,8 +40,6 @@ const SHAPES: usize = 24;
 const ENERGY_SWINGS: f64 = 6.0;
 /// Time over which the height is drawn, in times of settling to 2 %.
 const SETTLED_TIMES: f64 = 1.5;
-/// Frequencies drawn, in damped frequencies.
-const SPECTRUM_REACH: f64 = 3.5;
 
 /// What the picture of a run shows.
 #[derive(Clone, Copy)]
@@ -285,31 +284,8 @@ fn spectrum(of: &Release, area: &Area) -> Drawn {
         return Panel::without_data(area, title, why);
     };
     let modes = of.summary.modes.as_deref().unwrap_or_default();
-    let reach = SPECTRUM_REACH * damped.max(modes.first().map_or(0.0, |mode| mode.natural_frequency_hz));
-    let step = spectrum.frequency_step / std::f64::consts::TAU;
-    let line = || {
-        let bins =
-            spectrum.amplitude.iter().enumerate().map(|(k, amplitude)| (step * k as f64, MILLI * amplitude));
-        bins.take_while(|bin| bin.0 <= reach)
-    };
-    let (curve, at_peak) = (Stroke::new(BLUE, 1.8), Stroke::new(VERMILION, 2.5));
-    let of_mode = Stroke::dashed(BLACK, 1.2, 6.0, 4.0);
-    let shown = modes.iter().filter(|mode| mode.natural_frequency_hz <= reach);
-    let hertz: Vec<String> = modes.iter().map(|mode| significant(mode.natural_frequency_hz, 3)).collect();
-    let mut keys = vec![Key::line(curve, "amplitude"), Key::line(at_peak, format!("damped {damped:.3} Hz"))];
-    if !modes.is_empty() {
-        keys.push(Key::line(of_mode, format!("modes {} Hz", hertz.join(", "))));
-    }
-    let y = 0.0..1.08 * line().map(|bin| bin.1).fold(f64::MIN_POSITIVE, f64::max);
-    let (low, high) = (y.start, y.end);
-    let mut panel =
-        Panel::new(area, title, &Axis(0.0..reach, "frequency, Hz"), &Axis(y, "amplitude, mm"), &keys)?;
-    panel.line([(damped, low), (damped, high)].into_iter(), &at_peak)?;
-    for mode in shown {
-        let hz = mode.natural_frequency_hz;
-        panel.line([(hz, low), (hz, high)].into_iter(), &of_mode)?;
-    }
-    panel.line(line(), &curve)
+    let natural: Vec<f64> = modes.iter().map(|mode| mode.natural_frequency_hz).collect();
+    spectrum::spectrum(area, title, spectrum, damped, &natural)
 }
 
 #[cfg(test)]

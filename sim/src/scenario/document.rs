@@ -1,8 +1,9 @@
 //! A TOML text of which every value knows where it stands, and values that are set over it.
 
 mod lists;
+mod value;
 
-use std::ops::Range;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,6 +12,8 @@ use models::quantity::Quantity;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{At, Problem, ScenarioError};
+pub(crate) use value::Place;
+use value::{Entry, Item, Value, entries, of};
 
 /// A scenario's text and what was set over it.
 #[derive(Clone, Debug)]
@@ -28,44 +31,31 @@ struct Source {
     base: PathBuf,
 }
 
-/// Where something stands.
-#[derive(Clone, Debug)]
-pub(crate) struct Place {
-    source: usize,
-    span: Range<usize>,
-}
-
-#[derive(Clone, Debug)]
-pub(crate) struct Item {
-    place: Place,
-    value: Value,
-}
-
-#[derive(Clone, Debug)]
-enum Value {
-    Text(String),
-    /// Of an integer or a float, as written.
-    Number(String),
-    Flag(bool),
-    /// What no key takes.
-    Other,
-    Array(Vec<Item>),
-    Table(Vec<Entry>),
-}
-
-#[derive(Clone, Debug)]
-struct Entry {
-    key: String,
-    key_place: Place,
-    item: Item,
-}
-
 /// Keys of which only one can be meant: one that is set pushes the others out.
 const ALTERNATIVES: [&[&str]; 2] = [&["name", "file", "text"], &["from", "posture", "nodes"]];
 
 impl Document {
-    pub fn parse(name: &str, text: &str, base: &Path) -> Result<Document, ScenarioError> {
-        let source = Source { name: name.to_owned(), text: text.into(), base: base.to_owned() };
+    /// Reads a file and sets `overrides` over it, each as `path=value`.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Document, ScenarioError> {
+        let text = fs::read_to_string(path).map_err(|error| {
+            let problem = Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() };
+            ScenarioError { at: None, problem: problem.into() }
+        })?;
+        Document::parse(path, &text, overrides)
+    }
+
+    /// The same of a text; files that it names are relative to `path`.
+    pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Document, ScenarioError> {
+        let mut document = Document::plain(path, text)?;
+        for argument in overrides {
+            document.set(argument)?;
+        }
+        Ok(document)
+    }
+
+    fn plain(path: &Path, text: &str) -> Result<Document, ScenarioError> {
+        let base = path.parent().unwrap_or(Path::new("")).to_owned();
+        let source = Source { name: path.display().to_string(), text: text.into(), base };
         let place = Place { source: 0, span: 0..0 };
         let mut document =
             Document { sources: vec![source], root: Item { place, value: Value::Table(Vec::new()) } };
@@ -85,7 +75,7 @@ impl Document {
     /// Sets `path=value`, as an argument `--set` gives it; file names in it are relative to the
     /// working directory. What is no TOML value is taken as text, so `payload.mass=50 g` needs no
     /// quotes.
-    pub fn set(&mut self, argument: &str) -> Result<(), ScenarioError> {
+    fn set(&mut self, argument: &str) -> Result<(), ScenarioError> {
         let source = self.sources.len();
         let (name, base) = ("--set".to_owned(), PathBuf::new());
         self.sources.push(Source { name, text: argument.into(), base });
@@ -141,6 +131,11 @@ impl Document {
         entries.retain(|entry| !pushed_out(&entry.key));
         entries.push(Entry { key: last.to_owned(), key_place, item });
         Ok(())
+    }
+
+    /// The text itself, without what is set over it.
+    pub fn text(&self) -> &str {
+        &self.sources[0].text
     }
 
     /// The whole document.
@@ -384,36 +379,4 @@ fn split_index(part: &str) -> (&str, Option<usize>) {
 fn is_key(part: &str) -> bool {
     let key = split_index(part).0;
     !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'))
-}
-
-fn entries(table: &DeTable, place: &dyn Fn(Range<usize>) -> Place) -> Vec<Entry> {
-    let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<DeValue>)| {
-        let key: (&std::borrow::Cow<str>, _) = (key.get_ref(), place(key.span()));
-        let item = Item { place: place(value.span()), value: of(value.get_ref(), place) };
-        Entry { key: key.0.to_string(), key_place: key.1, item }
-    };
-    table.iter().map(entry).collect()
-}
-
-fn of(value: &DeValue, place: &dyn Fn(Range<usize>) -> Place) -> Value {
-    match value {
-        DeValue::String(text) => Value::Text(text.to_string()),
-        DeValue::Integer(number) => {
-            let digits = number.as_str().replace('_', "");
-            match i128::from_str_radix(&digits, number.radix()) {
-                Ok(number) => Value::Number(number.to_string()),
-                Err(_) => Value::Number(digits),
-            }
-        }
-        DeValue::Float(number) => Value::Number(number.as_str().replace('_', "")),
-        DeValue::Array(items) => Value::Array(
-            items
-                .iter()
-                .map(|item| Item { place: place(item.span()), value: of(item.get_ref(), place) })
-                .collect(),
-        ),
-        DeValue::Table(table) => Value::Table(entries(table, place)),
-        DeValue::Boolean(flag) => Value::Flag(*flag),
-        DeValue::Datetime(_) => Value::Other,
-    }
 }

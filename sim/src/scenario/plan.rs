@@ -1,6 +1,7 @@
 //! The keys of a scenario, read and checked one by one.
 
 use std::fs;
+use std::path::Path;
 
 use models::effects::{self, CATALOGUE, Parameter};
 use models::model::Root;
@@ -15,7 +16,6 @@ use crate::integrate::Method;
 /// What a scenario says, in SI units; `None` where it says nothing.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
-    pub name: Option<String>,
     pub muscle: Option<MusclePlan>,
     /// Values of [`ROD`].
     pub rod: [Option<f64>; 5],
@@ -130,7 +130,6 @@ impl Plan {
         let roots = [("consistent", Root::Consistent), ("paper", Root::Paper)];
         let muscle = read_muscle(document, &keys.table("muscle")?, has_pressure)?;
         Ok(Plan {
-            name: read_name(&keys)?,
             rod: read_rod(&rod)?,
             nodes: rod.count("nodes")?.unwrap_or(32),
             root: rod.word("root", &roots)?.unwrap_or_default(),
@@ -151,14 +150,22 @@ impl Plan {
     }
 }
 
-pub(crate) fn read_name(keys: &Keys) -> Result<Option<String>, ScenarioError> {
-    let Some((name, _)) = keys.text("name")? else { return Ok(None) };
-    let fit = |c: char| c.is_alphanumeric() || "-_.+ ".contains(c);
-    if name.trim().is_empty() || name.starts_with('.') || !name.chars().all(fit) {
+/// The name that a document gives itself, or else that of its file, or else `usual`.
+pub(crate) fn name(document: &Document, path: &Path, usual: &str) -> Result<String, ScenarioError> {
+    let keys = document.keys();
+    let Some((name, _)) = keys.text("name")? else {
+        return Ok(path.file_stem().map_or(usual.into(), |stem| stem.to_string_lossy()).into_owned());
+    };
+    if name.trim().is_empty() || name.starts_with('.') || !name.chars().all(fits_name) {
         let must = "be made of letters, digits and - _ + . because folders are named after it";
         return Err(keys.wrong("name", Problem::Must { must }));
     }
-    Ok(Some(name.to_owned()))
+    Ok(name.to_owned())
+}
+
+/// Whether a name may have this character.
+pub(crate) fn fits_name(c: char) -> bool {
+    c.is_alphanumeric() || "-_.+ ".contains(c)
 }
 
 fn read_rod(rod: &Keys) -> Result<[Option<f64>; 5], ScenarioError> {

@@ -57,6 +57,23 @@ impl Bench {
     }
 }
 
+/// Reproducible noise.
+pub struct Noise(u64);
+
+impl Noise {
+    pub fn new(seed: u64) -> Noise {
+        Noise(seed)
+    }
+
+    /// Nearly of a normal distribution, with a deviation of one: the sum of twelve uniform numbers.
+    pub fn normal(&mut self) -> f64 {
+        (0..12).fold(-6.0, |sum, _| {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            sum + (self.0 >> 33) as f64 / (1u64 << 31) as f64
+        })
+    }
+}
+
 /// A folder beside the project with recordings of others, or `None` and a printed line.
 pub fn recordings(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings").join(name);

@@ -6,7 +6,7 @@
 
 use serde_json::Value;
 
-use crate::bench::{Bench, recordings};
+use crate::bench::{Bench, Noise, recordings};
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
@@ -89,15 +89,8 @@ fn the_trunk_has_frequency_and_decay_and_no_stiffness() {
 /// Time and place of a tip that is raised and let go `cycles` times, with a marker at the base: level
 /// hold at 200 mm, swings of 8 rad/s about 120 mm below.
 fn made_up(cycles: usize, lost: impl Fn(usize) -> bool, ghost: impl Fn(usize) -> f64) -> String {
-    let mut state = 1u64;
-    let mut noise = || {
-        let mut sum = -6.0;
-        for _ in 0..12 {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            sum += (state >> 33) as f64 / (1u64 << 31) as f64;
-        }
-        2e-4 * sum
-    };
+    let mut noise = Noise::new(1);
+    let mut noise = || 2e-4 * noise.normal();
     let mut text = String::from("t_s,Tip_x_m,Tip_y_m,Tip_z_m,Base_x_m,Base_y_m,Base_z_m\n");
     for i in 0..1200 * cycles {
         let time = 0.01 * i as f64;
@@ -184,6 +177,24 @@ fn six_noisy_cycles_with_ghosts_and_dropouts_become_six_releases() {
     let kept =
         value["releases"].as_array().expect("rows").iter().filter(|release| release["dropped"].is_null());
     assert_eq!(kept.count(), 2);
+}
+
+#[test]
+fn recordings_of_one_name_in_two_folders_keep_their_files_apart() {
+    let bench = Bench::new("one-name");
+    for folder in ["a", "b"] {
+        std::fs::create_dir(bench.0.join(folder)).expect("the target folder can be written");
+        bench.file(&format!("{folder}/x.csv"), &made_up(2, |_| false, |_| 0.0));
+    }
+    assert_eq!(bench.run(&["experiment", "init", "a/x.csv", "b/x.csv"]).0, 0);
+    bench.json(&["analyse", "experiment.toml", "--json", "--out", "out"]);
+    let mut expected = vec!["summary.json".to_owned()];
+    for name in ["x.csv", "x.csv_2"] {
+        let of_releases = ["-1.csv", "-1.svg", "-2.csv", "-2.svg"];
+        expected.extend([".svg"].into_iter().chain(of_releases).map(|end| format!("{name}{end}")));
+    }
+    expected.sort();
+    assert_eq!(Bench(bench.0.join("out")).left(), expected);
 }
 
 #[test]

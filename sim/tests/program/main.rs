@@ -1,7 +1,9 @@
 //! The program `efam` from outside.
 
 mod bench;
+mod calibrate;
 mod cli;
 mod experiment;
+mod inspect;
 #[cfg(feature = "rerun")]
 mod live_view;

@@ -16,6 +16,7 @@ mod inverse {
     mod coverage;
     mod poor_starts;
     mod pressures;
+    mod small_cases;
 }
 mod order {
     mod edge_length;

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::panel::{Axis, Key, Panel, Stroke, heading, padded, px};
-use super::{Area, BLACK, BLUE, Drawn, GREEN, MILLI, SPECTRUM_REACH, VERMILION, drawn};
+use super::spectrum::spectrum;
+use super::{Area, BLACK, BLUE, Drawn, GREEN, MILLI, VERMILION, drawn};
 use crate::analysis::measured::Measured;
 
 /// Three panels of one measured release; as SVG.
@@ -13,7 +14,7 @@ pub fn measured(name: &str, of: &Measured) -> String {
         let rows = page.margin(px(34.0), 0, 0, 0).split_evenly((2, 1));
         let below = rows[1].split_evenly((1, 2));
         swing(of, &rows[0])?;
-        spectrum(of, &below[0])?;
+        frequencies(of, &below[0])?;
         damping(of, &below[1])
     })
 }
@@ -32,7 +33,6 @@ fn title(name: &str, of: &Measured) -> String {
 fn swing(of: &Measured, area: &Area) -> Drawn {
     let step = of.bridged.step;
     let end = step * of.bridged.values.len() as f64;
-    let side = |value: f64| MILLI * value;
     let rest = of.rest_on_side();
     let (line, top) = (Stroke::new(BLUE, 1.3), Stroke::new(VERMILION, 1.0));
     let (curve, level) = (Stroke::dashed(GREEN, 2.0, 12.0, 4.0), Stroke::dashed(BLACK, 1.2, 9.0, 5.0));
@@ -43,39 +43,25 @@ fn swing(of: &Measured, area: &Area) -> Drawn {
         Key::dot(top, "upper peaks"),
         Key::line(curve, "eq. 6 fitted to them"),
     ];
-    let values = of.bridged.values.iter().map(|value| side(*value));
+    let values = of.bridged.values.iter().map(|value| MILLI * value);
     let label = if of.side > 0.0 { format!("{letter}, mm") } else { format!("minus {letter}, mm") };
-    let y = Axis(padded(values.clone().chain([side(rest)]), 0.06), &label);
+    let y = Axis(padded(values.clone().chain([MILLI * rest]), 0.06), &label);
     let mut panel = Panel::new(area, "The swing", &Axis(0.0..end, "time since release, s"), &y, &keys)?;
-    panel.line([(0.0, side(rest)), (end, side(rest))].into_iter(), &level)?;
+    panel.line([(0.0, MILLI * rest), (end, MILLI * rest)].into_iter(), &level)?;
     panel.line(values.enumerate().map(|(k, value)| (step * k as f64, value)), &line)?;
     if let Ok(decay) = &of.decay {
         let times = (0..=200).map(|k| k as f64 / 200.0 * end);
-        panel.line(times.map(|time| (time, side(rest + decay.envelope(time)))), &curve)?;
+        panel.line(times.map(|time| (time, MILLI * (rest + decay.envelope(time)))), &curve)?;
     }
-    panel.dots(of.peaks.iter().map(|peak| (peak.time, side(rest + peak.height))), &top, 3.5)
+    panel.dots(of.peaks.iter().map(|peak| (peak.time, MILLI * (rest + peak.height))), &top, 3.5)
 }
 
-fn spectrum(of: &Measured, area: &Area) -> Drawn {
+fn frequencies(of: &Measured, area: &Area) -> Drawn {
     let title = "Amplitude spectrum";
-    let damped = match &of.damped_frequency {
-        Ok(damped) => damped / TAU,
-        Err(why) => return Panel::without_data(area, title, why),
-    };
-    let reach = SPECTRUM_REACH * damped;
-    let step = of.spectrum.frequency_step / TAU;
-    let line = || {
-        let bins = of.spectrum.amplitude.iter().enumerate();
-        bins.map(|(k, amplitude)| (step * k as f64, MILLI * amplitude)).take_while(|bin| bin.0 <= reach)
-    };
-    let (curve, at_peak) = (Stroke::new(BLUE, 1.8), Stroke::new(VERMILION, 2.5));
-    let keys = [Key::line(curve, "amplitude"), Key::line(at_peak, format!("damped {damped:.3} Hz"))];
-    let y = 0.0..1.08 * line().map(|bin| bin.1).fold(f64::MIN_POSITIVE, f64::max);
-    let (low, high) = (y.start, y.end);
-    let mut panel =
-        Panel::new(area, title, &Axis(0.0..reach, "frequency, Hz"), &Axis(y, "amplitude, mm"), &keys)?;
-    panel.line([(damped, low), (damped, high)].into_iter(), &at_peak)?;
-    panel.line(line(), &curve)
+    match &of.damped_frequency {
+        Ok(damped) => spectrum(area, title, &of.spectrum, damped / TAU, &[]),
+        Err(why) => Panel::without_data(area, title, why),
+    }
 }
 
 fn damping(of: &Measured, area: &Area) -> Drawn {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use sim::recording::{Format, Length, ReadOptions, Recording, RecordingError, parse};
 use tests::recordings::{
-    C3d, LOST, SAMPLES, legacy, millimetres, motive, nexus, parquet, qualisys, tidy, trc,
+    C3d, LOST, SAMPLES, legacy, millimetres, motive, nexus, parquet, qualisys, says, tidy, trc,
 };
 
 fn read(bytes: impl Into<Vec<u8>>, name: &str) -> Recording {
@@ -42,14 +42,6 @@ fn is_the_swing(recording: &Recording, format: Format, names: [&str; 2]) {
         finding.starts_with(&format!("marker `{}`: 2 of 8 samples lost (25.00 %), longest gap 2", names[0]))
     });
     assert!(said, "{:?}", recording.findings);
-}
-
-fn says(recording: &Recording, what: &str) {
-    assert!(
-        recording.findings.iter().any(|finding| finding.contains(what)),
-        "{what}: {:?}",
-        recording.findings
-    );
 }
 
 #[test]

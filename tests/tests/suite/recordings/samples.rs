@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use sim::recording::{Format, ReadOptions, Recording, read};
+use tests::recordings::says;
 
 /// The file, if the recordings are there.
 fn sample(file: &str) -> Option<PathBuf> {
@@ -38,14 +39,6 @@ fn is(recording: &Recording, format: Format, rate_hz: f64, samples: usize, marke
         recording.markers.iter().map(|m| &m.name).collect::<Vec<_>>()
     );
     assert!(recording.markers.iter().all(|marker| marker.position.len() == samples));
-}
-
-fn says(recording: &Recording, what: &str) {
-    assert!(
-        recording.findings.iter().any(|finding| finding.contains(what)),
-        "{what}: {:?}",
-        recording.findings
-    );
 }
 
 #[test]
