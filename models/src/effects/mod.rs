@@ -35,6 +35,12 @@ catalogue! {
     air_drag::AirDrag,
     viscoelastic::Viscoelastic,
     clamp_compliance::ClampCompliance,
+    cubic_stiffness::CubicStiffness,
+    quadratic_stiffness::QuadraticStiffness,
+    stiffness_taper::StiffnessTaper,
+    axial_compliance::AxialCompliance,
+    stiffness_drift::StiffnessDrift,
+    release_drift::ReleaseDrift,
 }
 
 /// The effect of that name.
