@@ -35,12 +35,19 @@ catalogue! {
     air_drag::AirDrag,
     viscoelastic::Viscoelastic,
     clamp_compliance::ClampCompliance,
+    tip_drag::TipDrag,
+    linear_drag::LinearDrag,
     cubic_stiffness::CubicStiffness,
     quadratic_stiffness::QuadraticStiffness,
     stiffness_taper::StiffnessTaper,
+    hose::Hose,
+    tip_mass::TipMass,
+    tip_inertia::TipInertia,
     axial_compliance::AxialCompliance,
+    hand_release::HandRelease,
     stiffness_drift::StiffnessDrift,
     release_drift::ReleaseDrift,
+    strain_rate_cubed::StrainRateCubed,
 }
 
 /// The effect of that name.
