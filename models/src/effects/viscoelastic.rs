@@ -46,7 +46,6 @@ impl Law for Viscoelastic {
                 default: 0.2,
                 range: (1e-4, 1e4),
                 scale: 0.1,
-                off: None,
                 plausible: Some((0.05, 1.0)),
                 tries: &[0.05, 0.2, 0.7],
                 ..Parameter::PLAIN

@@ -5,7 +5,10 @@ mod readme;
 mod dynamics {
     mod accuracy;
     mod bump;
+    mod creep_and_sticking;
     mod energy_budget;
+    mod envelopes;
+    mod equal_effects;
     mod methods_agree;
     mod pressure_changes;
     mod ring_down;
@@ -25,6 +28,7 @@ mod order {
 mod properties {
     mod allocation;
     mod catalogue;
+    mod effort;
     mod sensitivities;
 }
 mod recordings {

@@ -1,5 +1,5 @@
 //! Goal: forward sensitivities of the tip's path against central differences of the forward run.
-//! Setup: the 15 psi row, 12 nodes, with every effect of the catalogue on, 5 s at a tolerance of
+//! Setup: the 15 psi row, 12 nodes, with every effect of the catalogue on, three swings at a tolerance of
 //! 1e-10; every parameter of the model.
 //! Expected: within 1e-5 of the largest derivative along the path.
 
@@ -24,6 +24,12 @@ fn everything() -> Model {
     let mut model = Model::new(&spec).expect("valid");
     model.set("effects.rayleigh_stiffness.beta", 0.005).expect("baseline");
     model.set("effects.end_fitting.rotary_inertia", 1e-5).expect("baseline");
+    // Friction that turns round within steps leaves slopes good to 1e-4 only: here it is smooth.
+    for effect in ["braid_friction", "clamp_friction", "dahl", "hysteresis"] {
+        model.set(&format!("effects.{effect}.creep_rate"), 20.0).expect("in the catalogue");
+    }
+    // Enough of it to see it in a difference of runs.
+    model.set("effects.strain_rate_cubed.coefficient", 1e-6).expect("in the catalogue");
     model
 }
 
@@ -55,7 +61,7 @@ fn check(model: &Model, run: &Run, skip: &[usize]) {
 
 #[test]
 fn by_every_parameter_of_every_effect() {
-    let run = Run { method: Method::Rodas4, tolerance: 1e-10, ..Run::release(5.0, 4.0) };
+    let run = Run { method: Method::Rodas4, tolerance: 1e-10, ..Run::release(2.5, 4.0) };
     check(&everything(), &run, &[]);
 }
 
