@@ -3,6 +3,7 @@
 pub mod analysis;
 pub mod calibrate;
 pub mod cleaning;
+pub mod diagnose;
 pub mod experiment;
 pub mod forward;
 pub mod integrate;

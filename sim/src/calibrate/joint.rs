@@ -8,8 +8,27 @@ use super::part::whole;
 use super::prediction::Slopes;
 use super::problem::Problem;
 use super::refine::refine;
-use super::search::{Found, search};
-use super::unknowns::Unknowns;
+use super::search::{Found, common_cost, search};
+use super::unknowns::{Unknown, Unknowns};
+
+/// A value of a scaled unknown.
+#[derive(Clone, Debug)]
+pub(crate) struct Known {
+    pub unknown: Unknown,
+    pub x: f64,
+}
+
+impl Known {
+    fn is(&self, other: &Unknown) -> bool {
+        let Unknown { name, kind, group, .. } = &self.unknown;
+        (name, kind, group) == (&other.name, &other.kind, &other.group)
+    }
+
+    /// The value, SI.
+    pub fn value(&self) -> f64 {
+        self.unknown.scaled.value(self.x)
+    }
+}
 
 /// A fit of all releases that are not locked away.
 pub(crate) struct Joint<'a> {
@@ -35,26 +54,40 @@ impl<'a> Joint<'a> {
         Ok(Self { objective, found })
     }
 
-    /// Goes on from another fit of the same releases: unknowns that both have begin where that one
-    /// ended, others at their start. None where the model cannot be run there.
+    /// Goes on from what is known: unknowns that are among it begin there, others at their start. None
+    /// where the model cannot be run there.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
     pub fn follow(
         problem: &'a Problem,
-        from: &Joint,
+        known: &[Known],
         tell: &dyn Fn(&str),
     ) -> Result<Option<Self>, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
         let mut x = objective.start();
         for (x, unknown) in x.iter_mut().zip(&objective.part.unknowns) {
-            let same = |(_, other): &(&f64, &super::unknowns::Unknown)| {
-                (&other.name, other.kind, other.group) == (&unknown.name, unknown.kind, unknown.group)
-            };
-            if let Some((there, _)) = from.found.x.iter().zip(&from.objective.part.unknowns).find(same) {
-                *x = *there;
+            if let Some(known) = known.iter().find(|known| known.is(unknown)) {
+                *x = known.x;
             }
         }
         Ok(Self::at(objective, x, tell))
+    }
+
+    /// The name of a release, by its place in the problem.
+    pub fn name_of(&self, trial: usize) -> Option<String> {
+        let place = self.objective.part.trials.iter().position(|t| *t == trial)?;
+        Some(self.objective.part.members[place].release.name.clone())
+    }
+
+    /// What it found.
+    pub fn known(&self) -> Vec<Known> {
+        let pairs = self.objective.part.unknowns.iter().zip(&self.found.x);
+        pairs.map(|(unknown, x)| Known { unknown: unknown.clone(), x: *x }).collect()
+    }
+
+    /// The cost under the loss of the noise itself, which fits of the same releases share.
+    pub fn cost(&self) -> f64 {
+        common_cost(&self.objective, &self.found)
     }
 
     fn at(objective: Objective<'a>, x: DVector<f64>, tell: &dyn Fn(&str)) -> Option<Self> {
@@ -68,10 +101,5 @@ impl<'a> Joint<'a> {
             Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
         refine(&objective, &mut found, true, tell);
         Some(Self { objective, found })
-    }
-
-    /// The value of an unknown, SI.
-    pub fn value(&self, unknown: usize) -> f64 {
-        self.objective.part.unknowns[unknown].scaled.value(self.found.x[unknown])
     }
 }

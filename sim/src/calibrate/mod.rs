@@ -17,7 +17,7 @@ mod outcome;
 pub(crate) mod part;
 pub(crate) mod prediction;
 mod problem;
-mod profile;
+pub(crate) mod profile;
 pub(crate) mod refine;
 pub(crate) mod search;
 mod section;

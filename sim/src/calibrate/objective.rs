@@ -238,7 +238,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Of each prior: the unknown, mean minus value over the deviation, and how the value moves.
-    fn prior_residuals(&self, x: &DVector<f64>) -> impl Iterator<Item = (usize, f64, f64)> {
+    pub fn prior_residuals(&self, x: &DVector<f64>) -> impl Iterator<Item = (usize, f64, f64)> {
         let of = |(k, unknown): (usize, &super::unknowns::Unknown)| {
             let prior = unknown.prior?;
             let (value, slope) = (unknown.scaled.value(x[k]), unknown.scaled.slope(x[k]));

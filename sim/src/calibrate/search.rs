@@ -88,7 +88,7 @@ pub(crate) fn search(
 }
 
 /// Costs of different searches are compared under the loss of the noise itself.
-fn common_cost(objective: &Objective, found: &Found) -> f64 {
+pub(crate) fn common_cost(objective: &Objective, found: &Found) -> f64 {
     let loss = vec![Huber::for_spread(1.0); found.view.loss.len()];
     objective.cost(&found.at.carried, &found.x, &View { loss, ..found.view.clone() })
 }

@@ -82,7 +82,7 @@ pub(crate) fn uncertainty(objective: &Objective, found: &Found) -> Uncertainty {
 
 /// Adds what one track's noise does to the gradient; says what its residuals look like. `samples` are
 /// their places in the recording, gaps included.
-fn add_series(
+pub(crate) fn add_series(
     series: &Series,
     samples: &[usize],
     loss: Huber,

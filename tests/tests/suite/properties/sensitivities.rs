@@ -61,7 +61,7 @@ fn check(model: &Model, run: &Run, skip: &[usize]) {
 
 #[test]
 fn by_every_parameter_of_every_effect() {
-    let run = Run { method: Method::Rodas4, tolerance: 1e-10, ..Run::release(2.5, 4.0) };
+    let run = Run { method: Method::Rodas4, tolerance: 1e-10, ..Run::release(5.0, 4.0) };
     check(&everything(), &run, &[]);
 }
 

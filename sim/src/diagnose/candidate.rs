@@ -1,0 +1,125 @@
+//! What may be missing: the effects of the catalogue, each as a way to move the prediction.
+
+use models::effects::{CATALOGUE, Effect, Parameter as EffectParameter, Reach};
+use models::error::ModelError;
+
+use crate::calibrate::{Parameter, Problem, Scale, Scope, Trial};
+use crate::forward::Initial;
+
+/// An effect with what it depends on nonlinearly held at one value.
+#[derive(Clone)]
+pub(super) struct Candidate {
+    pub effect: &'static dyn Effect,
+    /// The parameter that switches it off.
+    pub strength: &'static EffectParameter,
+    /// Where that vanishes.
+    pub off: f64,
+    /// Parameters of which several values are tried, at one of them.
+    /// Those of which a diagnosis knows what to believe are fitted in the end, the others stay there.
+    pub tried: Vec<(&'static EffectParameter, f64)>,
+}
+
+impl Candidate {
+    pub fn name(&self) -> &'static str {
+        self.effect.about().name
+    }
+
+    /// Believable values of the strength.
+    pub fn believed(&self) -> (f64, f64) {
+        believed(self.strength)
+    }
+
+    /// Whether only one sign makes sense.
+    pub fn is_one_sided(&self) -> bool {
+        let (low, high) = self.believed();
+        low >= self.off || high <= self.off
+    }
+
+    /// The path of the strength.
+    pub fn path(&self) -> String {
+        format!("effects.{}.{}", self.name(), self.strength.name)
+    }
+
+    /// The same trial with the effect at a strength.
+    pub fn on(&self, trial: &Trial, strength: f64) -> Result<Trial, ModelError> {
+        let mut values = vec![(self.strength.name, strength)];
+        values.extend(self.tried.iter().map(|(parameter, value)| (parameter.name, *value)));
+        let mut trial = trial.clone();
+        trial.model = trial.model.with_effect(self.name(), &values)?;
+        if let Initial::Equilibrium { hold, .. } = &mut trial.run.initial {
+            **hold = hold.with_effect(self.name(), &values)?;
+        }
+        Ok(trial)
+    }
+
+    /// The problem with the effect in it and its parameters among the unknowns. `estimate` is where
+    /// the strength begins.
+    pub fn added_to(&self, problem: &Problem, estimate: f64) -> Result<Problem, ModelError> {
+        let scope = match self.effect.about().reach {
+            Reach::Muscle => Scope::Shared,
+            Reach::Pressure => Scope::PerPressure,
+            Reach::Release => Scope::PerRelease,
+        };
+        let (low, high) = self.believed();
+        let mut problem = problem.clone();
+        for trial in &mut problem.trials {
+            *trial = self.on(trial, self.off)?;
+        }
+        problem.parameters.push(Parameter {
+            start: Some(if scope == Scope::PerRelease { self.off } else { estimate.clamp(low, high) }),
+            bounds: Some((low, high)),
+            scale: Some(Scale::Linear),
+            ..Parameter::new(&self.path(), scope)
+        });
+        for (parameter, value) in self.tried.iter().filter(|(parameter, _)| parameter.plausible.is_some()) {
+            let (low, high) = believed(parameter);
+            problem.parameters.push(Parameter {
+                start: Some(value.clamp(low, high)),
+                bounds: Some((low, high)),
+                scale: Some(if low > 0.0 { Scale::Logarithmic } else { Scale::Linear }),
+                ..Parameter::new(&format!("effects.{}.{}", self.name(), parameter.name), Scope::Shared)
+            });
+        }
+        Ok(problem)
+    }
+}
+
+fn believed(parameter: &EffectParameter) -> (f64, f64) {
+    let (low, high) = parameter.range;
+    parameter.plausible.map_or((low, high), |(least, most)| (least.max(low), most.min(high)))
+}
+
+/// An effect that describes a gap without being its cause.
+pub(super) const DESCRIPTION: &str = "latent_moment";
+
+/// The candidates for a problem: everything in the catalogue that its models do not have already, but for
+/// the `excluded`.
+pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidate> {
+    let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
+    let mut all = Vec::new();
+    for &effect in CATALOGUE {
+        let about = effect.about();
+        if has(about.name) || about.name == DESCRIPTION || excluded.iter().any(|name| name == about.name) {
+            continue;
+        }
+        let Some(strength) = about.parameters.iter().find(|parameter| parameter.off.is_some()) else {
+            continue;
+        };
+        let Some(off) = strength.off else { continue };
+        let mut tried: Vec<Vec<(&'static EffectParameter, f64)>> = vec![Vec::new()];
+        for parameter in about.parameters.iter().filter(|parameter| !parameter.tries.is_empty()) {
+            tried = tried
+                .iter()
+                .flat_map(|before| {
+                    parameter.tries.iter().map(move |value| {
+                        let mut values = before.clone();
+                        values.push((parameter, *value));
+                        values
+                    })
+                })
+                .collect();
+        }
+        all.extend(tried.into_iter().map(|tried| Candidate { effect, strength, off, tried }));
+    }
+    all
+}

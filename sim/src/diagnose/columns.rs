@@ -1,0 +1,97 @@
+//! How the predictions of a fit would move with a candidate's strength, at the value where it is off.
+
+use models::effects::Reach;
+use rayon::prelude::*;
+
+use super::candidate::Candidate;
+use crate::calibrate::joint::Joint;
+use crate::calibrate::prediction::{Prediction, predict};
+
+/// Derivatives of the predictions by one strength, in units of the noise, shape
+/// `[release][track][sample]` of the samples that are fitted.
+#[derive(Clone)]
+pub(super) struct Column {
+    /// Its place among the candidates.
+    pub candidate: usize,
+    pub slopes: Vec<Vec<Vec<[f64; 2]>>>,
+}
+
+/// What a run's rounding leaves of a position, m, and the movement that is aimed at: in between,
+/// rounding and curvature are both a small part of a difference.
+const ROUNDING: f64 = 1e-11;
+const WANTED: f64 = 1e-6;
+const LARGEST: f64 = 3e-5;
+/// Share of the believed range with which to begin.
+const FIRST: f64 = 1e-4;
+
+/// The columns of all candidates: one, or one a release where each has its own value. A candidate whose
+/// models cannot be run has none.
+pub(super) fn columns(fit: &Joint, candidates: &[Candidate], tell: &(dyn Fn(&str) + Sync)) -> Vec<Column> {
+    let of_candidate = |(c, candidate): (usize, &Candidate)| {
+        let all = movements(fit, candidate)?;
+        tell(candidate.name());
+        Some(match candidate.effect.about().reach {
+            Reach::Release => (0..all.len())
+                .map(|own| {
+                    let only = |(r, release): (usize, &Vec<Vec<[f64; 2]>>)| {
+                        release
+                            .iter()
+                            .map(|track| if r == own { track.clone() } else { vec![[0.0; 2]; track.len()] })
+                            .collect()
+                    };
+                    Column { candidate: c, slopes: all.iter().enumerate().map(only).collect() }
+                })
+                .collect(),
+            Reach::Muscle | Reach::Pressure => vec![Column { candidate: c, slopes: all }],
+        })
+    };
+    candidates.par_iter().enumerate().filter_map(of_candidate).collect::<Vec<Vec<Column>>>().concat()
+}
+
+/// Movements of all releases by the strength.
+fn movements(fit: &Joint, candidate: &Candidate) -> Option<Vec<Vec<Vec<[f64; 2]>>>> {
+    let releases = 0..fit.objective.part.members.len();
+    releases.into_par_iter().map(|r| movement(fit, candidate, r)).collect()
+}
+
+fn movement(fit: &Joint, candidate: &Candidate, r: usize) -> Option<Vec<Vec<[f64; 2]>>> {
+    let off = run(fit, candidate, r, candidate.off)?;
+    let (low, high) = candidate.believed();
+    let room = if high > candidate.off { high - candidate.off } else { low - candidate.off };
+    let mut step = FIRST * if room.is_finite() { room } else { candidate.strength.scale };
+    let mut aside = run(fit, candidate, r, candidate.off + step)?;
+    // The second try has the size that the first one asks for.
+    let moved = farthest(&off, &aside);
+    if !(WANTED / 30.0..LARGEST).contains(&moved) {
+        step *= WANTED / moved.max(ROUNDING);
+        step = step.signum() * step.abs().min(room.abs());
+        aside = run(fit, candidate, r, candidate.off + step)?;
+    }
+    let measured = &fit.objective.measured[r];
+    let series = &fit.found.at.carried.blocks[r];
+    let of_track = |(t, series): (usize, &crate::calibrate::objective::Series)| {
+        let per = (step * measured.noise[t]).recip();
+        let difference = |k: &usize| {
+            let (aside, off) = (aside.position[t][*k], off.position[t][*k]);
+            [per * (aside[0] - off[0]), per * (aside[1] - off[1])]
+        };
+        series.samples.iter().map(difference).collect()
+    };
+    Some(series.iter().enumerate().map(of_track).collect())
+}
+
+/// The prediction of a release on the steps of the fit.
+fn run(fit: &Joint, candidate: &Candidate, r: usize, strength: f64) -> Option<Prediction> {
+    let (part, view) = (&fit.objective.part, &fit.found.view);
+    let trial = candidate.on(part.members[r], strength).ok()?;
+    let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
+    let measured = &fit.objective.measured[r];
+    let (locals, count) = (&part.locals[r], view.counts[r]);
+    predict(&trial, measured, locals, &part.unknowns, &fit.found.x, count, view.fidelity, steps, None).ok()
+}
+
+/// The largest distance of two predictions, m.
+fn farthest(a: &Prediction, b: &Prediction) -> f64 {
+    let pairs = a.position.iter().flatten().zip(b.position.iter().flatten());
+    pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max)
+}

@@ -1,0 +1,110 @@
+//! Releases that were locked away judge a model: everything that releases share is held as it was
+//! found, and only what belongs to them alone is fitted to them.
+
+use super::verdict::Gap;
+use crate::calibrate::joint::{Joint, Known};
+use crate::calibrate::unknowns::{Group, Kind};
+use crate::calibrate::{CalibrateError, Problem, Scope};
+
+/// How a model meets releases.
+pub(super) struct Judgement {
+    /// Cost under the loss of the noise.
+    pub cost: f64,
+    /// Of each release: its name, root mean square distance in mm and over the noise, noise in mm.
+    pub gaps: Vec<(String, f64, f64, f64)>,
+}
+
+/// Judges by what was locked away; none where nothing was, or where the model cannot be run there.
+pub(super) fn judge(
+    problem: &Problem,
+    known: &[Known],
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Option<Judgement>, CalibrateError> {
+    if !problem.trials.iter().any(|trial| trial.release.held_out) {
+        return Ok(None);
+    }
+    let mut locked = problem.clone();
+    for (t, trial) in locked.trials.iter_mut().enumerate() {
+        trial.release.held_out = !trial.release.held_out;
+        for known in known.iter().filter(|known| matches!(known.unknown.kind, Kind::Parameter(_))) {
+            let is_of = match known.unknown.group {
+                Group::All => true,
+                Group::Pressure(pressure) => {
+                    trial.release.pressure.is_some_and(|own| (own - pressure).abs() <= 1e-3 * pressure.abs())
+                }
+                Group::Release(own) => own == t,
+            };
+            if let (true, Ok(k)) = (is_of, trial.model.index(&known.unknown.name)) {
+                let (model, initial) = trial.with(&[(k, known.value())]);
+                (trial.model, trial.run.initial) = (model, initial);
+            }
+        }
+    }
+    // A pressure that was fitted keeps what it has of its own.
+    let fitted: Vec<f64> = problem
+        .trials
+        .iter()
+        .filter(|trial| !trial.release.held_out)
+        .filter_map(|trial| trial.release.pressure)
+        .collect();
+    let is_new = |pressure: Option<f64>| {
+        pressure.is_none_or(|p| fitted.iter().all(|q| (p - q).abs() > 1e-3 * q.abs()))
+    };
+    let all_new = locked
+        .trials
+        .iter()
+        .filter(|trial| !trial.release.held_out)
+        .all(|trial| is_new(trial.release.pressure));
+    locked.parameters.retain(|parameter| match parameter.scope {
+        Scope::Shared => false,
+        Scope::PerPressure => all_new,
+        Scope::PerRelease => true,
+    });
+    let fit = match Joint::search(&locked, &|_| ()) {
+        Ok(fit) => fit,
+        Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    tell("what was locked away");
+    Ok(Some(judgement(&fit)))
+}
+
+/// How a fit meets its own releases.
+pub(super) fn judgement(fit: &Joint) -> Judgement {
+    let of_release = |r: usize| {
+        let block = &fit.found.at.carried.blocks[r];
+        let loss = fit.found.view.loss[r];
+        let (mut squares, mut distance, mut noise, mut count) = (0.0, 0.0, 0.0, 0.0f64);
+        for (series, own) in block.iter().zip(&fit.objective.measured[r].noise) {
+            for residual in &series.residual {
+                let length = residual[0].hypot(residual[1]);
+                if length <= loss.threshold {
+                    squares += 0.5 * length * length;
+                    distance += (own * length).powi(2);
+                    noise += own;
+                    count += 1.0;
+                }
+            }
+        }
+        let n = count.max(1.0);
+        let name = fit.objective.part.members[r].release.name.clone();
+        (name, 1e3 * (distance / n).sqrt(), (squares / n).sqrt(), 1e3 * noise / n)
+    };
+    Judgement { cost: fit.cost(), gaps: (0..fit.found.view.loss.len()).map(of_release).collect() }
+}
+
+/// Gaps before and after, of the same releases.
+pub(super) fn gaps(before: &Judgement, after: &Judgement, held_out: bool) -> Vec<Gap> {
+    let pairs = before.gaps.iter().zip(&after.gaps);
+    pairs
+        .map(|((release, before_mm, before, noise_mm), (_, after_mm, after, _))| Gap {
+            release: release.clone(),
+            held_out,
+            before_mm: *before_mm,
+            after_mm: *after_mm,
+            before: *before,
+            after: *after,
+            noise_mm: *noise_mm,
+        })
+        .collect()
+}

@@ -1,0 +1,255 @@
+//! Scores: how much of the residual each candidate would take away that nothing in the model can.
+//!
+//! With J the slopes by all that the fit knows and s those by a candidate's strength, both weighted and with
+//! the rows of the priors, `s⊥ = s − J (JᵀJ)⁻¹ Jᵀs` is what the candidate does that the fit cannot. The
+//! residual r pulls on it by `U = s⊥ᵀ r`; `U / |s⊥|²` is the strength that it asks for, `U² / |s⊥|²` the
+//! decrease of χ² that it promises (the score test; Rao (1948), and Silvapulle and Silvapulle (1995) for
+//! one side). The variance of U comes from how residuals follow one another, taken from what is left when
+//! the fit and all candidates have had their way, so that a large effect does not pass for noise.
+//!
+//! Many candidates are looked at, and they resemble one another, so the largest score of a model that lacks
+//! nothing is no normal number. Its law follows from the covariance of all U: it is drawn, and the threshold
+//! is the quantile that the asked false-alarm level says.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{RngCore, SeedableRng};
+
+use super::candidate::Candidate;
+use super::columns::Column;
+use crate::calibrate::joint::Joint;
+use crate::calibrate::objective::Series;
+use crate::calibrate::uncertainty::{add_series, pseudo_inverse};
+
+/// The score of one candidate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Score {
+    /// Its columns among all.
+    pub columns: Vec<usize>,
+    /// Size of the evidence, as a normal number that only a stronger effect makes larger.
+    pub size: f64,
+    /// Promised decrease of χ², in units of the noise as it is.
+    pub decrease: f64,
+    /// Strength that the residual asks for; the root mean square where each release has its own.
+    pub estimate: f64,
+    /// Whether the estimate has an admissible sign.
+    pub is_admissible: bool,
+}
+
+/// All scores, and what they are measured by.
+pub(super) struct Scores {
+    pub each: Vec<Score>,
+    /// Score that a model which lacks nothing exceeds as often as the false-alarm level says.
+    pub threshold: f64,
+    /// `s⊥ᵀ s⊥` of all columns.
+    pub gram: DMatrix<f64>,
+    /// Variance of the residuals' pull over that of white noise as large as stated.
+    pub widening: f64,
+}
+
+/// Draws of the law of the largest score.
+const DRAWS: usize = 20_000;
+const SEED: u64 = 20_220_517;
+/// A column of which less than this share is its own cannot be scored.
+const OWN: f64 = 1e-9;
+
+/// Scores candidates at a fit.
+pub(super) fn scores(fit: &Joint, candidates: &[Candidate], columns: &[Column], false_alarm: f64) -> Scores {
+    let n = fit.found.x.len();
+    let m = columns.len();
+    let extended = extended(fit, columns);
+    let (gradient, hessian) = normal_equations(fit, &extended, n, m);
+    // What is left when the fit and all candidates have had their way.
+    let whole = &pseudo_inverse(&hessian).0 * &gradient;
+    let mut spread = DMatrix::zeros(n + m, n + m);
+    for (r, block) in extended.iter().enumerate() {
+        let locals = &fit.objective.part.locals[r];
+        let place = |k: usize| if k < locals.len() { locals[k].unknown } else { n + k - locals.len() };
+        let width = locals.len() + m;
+        let mut own = DMatrix::<f64>::zeros(width, width);
+        for (t, series) in block.iter().enumerate() {
+            let mut left = series.clone();
+            for (residual, slopes) in left.residual.iter_mut().zip(&series.slopes) {
+                for (k, slope) in slopes.iter().enumerate() {
+                    let step = whole[place(k)];
+                    residual[0] += step * slope[0];
+                    residual[1] += step * slope[1];
+                }
+            }
+            let measured = &fit.objective.measured[r];
+            let samples: Vec<usize> = left.samples.iter().map(|k| measured.samples[*k]).collect();
+            let lost = width as f64 / (block.len() * extended.len()) as f64;
+            add_series(&left, &samples, fit.found.view.loss[r], lost, measured.noise[t], &mut own);
+        }
+        for a in 0..width {
+            for b in 0..width {
+                spread[(place(a), place(b))] += own[(a, b)];
+            }
+        }
+    }
+    add_priors(fit, &mut spread);
+    let known = hessian.view((0, 0), (n, n)).into_owned();
+    let to_own = &pseudo_inverse(&known).0 * hessian.view((0, n), (n, m));
+    let gram = hessian.view((n, n), (m, m)) - hessian.view((n, 0), (m, n)) * &to_own;
+    let pull = -(gradient.rows(n, m) - to_own.transpose() * gradient.rows(0, n));
+    // U = [−Aᵀ 1] g
+    let mut take = DMatrix::zeros(m, n + m);
+    take.view_mut((0, 0), (m, n)).copy_from(&(-to_own.transpose()));
+    take.view_mut((0, n), (m, m)).fill_with_identity();
+    let variance = &take * spread * take.transpose();
+    let is_own = |k: usize| gram[(k, k)] > OWN * hessian[(n + k, n + k)];
+    let mut widenings: Vec<f64> =
+        (0..m).filter(|k| is_own(*k)).map(|k| variance[(k, k)] / gram[(k, k)]).collect();
+    widenings.sort_by(f64::total_cmp);
+    let widening = widenings.get(widenings.len() / 2).copied().unwrap_or(1.0).max(1.0);
+    let each: Vec<Score> = (0..candidates.len())
+        .map(|c| {
+            let own: Vec<usize> = (0..m).filter(|k| columns[*k].candidate == c && is_own(*k)).collect();
+            score(&candidates[c], own, &pull, &gram, &variance, widening)
+        })
+        .collect();
+    let threshold = threshold(candidates, &each, &variance, false_alarm);
+    Scores { each, threshold, gram, widening }
+}
+
+/// The residuals of the fit with the slopes of all columns behind those of the unknowns.
+fn extended(fit: &Joint, columns: &[Column]) -> Vec<Vec<Series>> {
+    let mut blocks = fit.found.at.carried.blocks.clone();
+    for (r, block) in blocks.iter_mut().enumerate() {
+        for (t, series) in block.iter_mut().enumerate() {
+            for (k, slopes) in series.slopes.iter_mut().enumerate() {
+                slopes.extend(columns.iter().map(|column| column.slopes[r][t][k]));
+            }
+        }
+    }
+    blocks
+}
+
+/// `−Jᵀr` and `JᵀJ` with the robust loss's weights, unknowns first, columns behind them; priors included.
+fn normal_equations(fit: &Joint, blocks: &[Vec<Series>], n: usize, m: usize) -> (DVector<f64>, DMatrix<f64>) {
+    let (mut pull, mut hessian) = (DVector::zeros(n + m), DMatrix::zeros(n + m, n + m));
+    for (r, block) in blocks.iter().enumerate() {
+        let (locals, loss) = (&fit.objective.part.locals[r], fit.found.view.loss[r]);
+        let width = locals.len() + m;
+        let place = |k: usize| if k < locals.len() { locals[k].unknown } else { n + k - locals.len() };
+        let mut own = DMatrix::<f64>::zeros(width, width);
+        let mut own_pull = DVector::<f64>::zeros(width);
+        for series in block {
+            for (residual, slopes) in series.residual.iter().zip(&series.slopes) {
+                let weight = loss.weight(residual[0].hypot(residual[1]));
+                for (a, slope) in slopes.iter().enumerate() {
+                    let (x, z) = (weight * slope[0], weight * slope[1]);
+                    own_pull[a] -= x * residual[0] + z * residual[1];
+                    for (b, other) in slopes[..=a].iter().enumerate() {
+                        own[(a, b)] += x * other[0] + z * other[1];
+                    }
+                }
+            }
+        }
+        own.fill_upper_triangle_with_lower_triangle();
+        for a in 0..width {
+            pull[place(a)] += own_pull[a];
+            for b in 0..width {
+                hessian[(place(a), place(b))] += own[(a, b)];
+            }
+        }
+    }
+    for (k, residual, slope) in fit.objective.prior_residuals(&fit.found.x) {
+        pull[k] -= residual * slope;
+        hessian[(k, k)] += slope * slope;
+    }
+    (pull, hessian)
+}
+
+fn add_priors(fit: &Joint, spread: &mut DMatrix<f64>) {
+    for (k, _, slope) in fit.objective.prior_residuals(&fit.found.x) {
+        spread[(k, k)] += slope * slope;
+    }
+}
+
+fn score(
+    candidate: &Candidate,
+    columns: Vec<usize>,
+    pull: &DVector<f64>,
+    gram: &DMatrix<f64>,
+    variance: &DMatrix<f64>,
+    widening: f64,
+) -> Score {
+    let pick = |matrix: &DMatrix<f64>| {
+        DMatrix::from_fn(columns.len(), columns.len(), |a, b| matrix[(columns[a], columns[b])])
+    };
+    let own = DVector::from_fn(columns.len(), |a, _| pull[columns[a]]);
+    if columns.is_empty() {
+        return Score::default();
+    }
+    let estimates = &pseudo_inverse(&pick(gram)).0 * &own;
+    let estimate = match &estimates.as_slice() {
+        [one] => candidate.off + one,
+        all => (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt(),
+    };
+    let (low, high) = candidate.believed();
+    let points_up = high > candidate.off;
+    let is_admissible = columns.len() > 1
+        || !candidate.is_one_sided()
+        || (estimate > candidate.off) == (points_up && low >= candidate.off);
+    let statistic = own.dot(&(&pseudo_inverse(&pick(variance)).0 * &own));
+    Score {
+        size: if is_admissible { normal_size(statistic, columns.len()) } else { 0.0 },
+        decrease: own.dot(&estimates) / widening,
+        estimate,
+        is_admissible,
+        columns,
+    }
+}
+
+/// A χ² with so many degrees of freedom as a normal number. Source: Wilson and Hilferty (1931), Proc.
+/// National Academy of Sciences 17, 684-688; for one degree it is the root.
+fn normal_size(statistic: f64, degrees: usize) -> f64 {
+    if degrees == 1 {
+        return statistic.max(0.0).sqrt();
+    }
+    let k = degrees as f64;
+    let spread = 2.0 / (9.0 * k);
+    (((statistic / k).max(0.0).cbrt() - (1.0 - spread)) / spread.sqrt()).max(0.0)
+}
+
+/// The quantile of the largest score where nothing is missing.
+fn threshold(candidates: &[Candidate], scores: &[Score], variance: &DMatrix<f64>, false_alarm: f64) -> f64 {
+    let eigen = SymmetricEigen::new(variance.clone());
+    let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
+    let root = &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+    let inverses: Vec<DMatrix<f64>> = scores
+        .iter()
+        .map(|score| {
+            let own = &score.columns;
+            pseudo_inverse(&DMatrix::from_fn(own.len(), own.len(), |a, b| variance[(own[a], own[b])])).0
+        })
+        .collect();
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
+    let mut largest: Vec<f64> = (0..DRAWS)
+        .map(|_| {
+            let noise = DVector::from_fn(variance.nrows(), |_, _| normal(&mut random));
+            let pull = &root * noise;
+            let of = |(c, score): (usize, &Score)| {
+                let own = DVector::from_fn(score.columns.len(), |a, _| pull[score.columns[a]]);
+                let (low, _) = candidates[c].believed();
+                let sign = if low >= candidates[c].off { 1.0 } else { -1.0 };
+                if own.len() == 1 && candidates[c].is_one_sided() && sign * own[0] < 0.0 {
+                    return 0.0;
+                }
+                normal_size(own.dot(&(&inverses[c] * &own)), own.len())
+            };
+            scores.iter().enumerate().map(of).fold(0.0, f64::max)
+        })
+        .collect();
+    largest.sort_by(f64::total_cmp);
+    let place = ((1.0 - false_alarm) * DRAWS as f64) as usize;
+    largest[place.min(DRAWS - 1)]
+}
+
+/// A standard normal number. Source: Box and Muller (1958).
+fn normal(random: &mut impl RngCore) -> f64 {
+    let mut uniform = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let (u, v) = (1.0 - uniform(), uniform());
+    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+}
