@@ -44,6 +44,8 @@ pub struct Search {
     pub first_damping: f64,
     /// Whether a point may have the slopes of the one before: where they cost several evaluations.
     pub lends_slopes: bool,
+    /// Whether the search may end on lent slopes, because another one goes on from there.
+    pub ends_on_lent: bool,
 }
 
 /// Where a search ended.
@@ -77,7 +79,8 @@ const LEAST_DAMPING: f64 = 1e-12;
 /// had at the start.
 ///
 /// With [`Search::lends_slopes`] slopes are lent from point to point as long as the cost falls as they
-/// foretell. The last word always belongs to a point's own: they alone say that the search is over.
+/// foretell. The last word belongs to a point's own, unless [`Search::ends_on_lent`]: they alone say that
+/// the search is over.
 pub fn minimise<T>(
     start: &DVector<f64>,
     lent: Option<&T>,
@@ -97,7 +100,7 @@ pub fn minimise<T>(
         let (_, predicted) = step(&at, &x, &diagonal, LEAST_DAMPING, search, false);
         let converged = predicted <= search.tolerance.max(search.relative * at.cost);
         let is_over = converged || refused >= MOST_REFUSED || evaluations >= search.most_evaluations;
-        if is_over && are_own {
+        if is_over && (are_own || search.ends_on_lent) {
             return Some(Solution { x, at, evaluations, predicted, converged });
         }
         let mut ratio = -1.0;
@@ -213,6 +216,7 @@ mod tests {
             most_evaluations: 200,
             first_damping: FIRST_DAMPING,
             lends_slopes: false,
+            ends_on_lent: false,
         };
         let mut evaluate = |x: &DVector<f64>, _: Option<&()>| {
             let (r, j) = of(x);
@@ -301,6 +305,7 @@ mod tests {
             most_evaluations: 100,
             first_damping: FIRST_DAMPING,
             lends_slopes: false,
+            ends_on_lent: false,
         };
         // The first step would go to −1 + 1.5 / 0.5 = 2.
         let mut evaluate = |x: &DVector<f64>, _: Option<&()>| {
@@ -329,6 +334,7 @@ mod tests {
             most_evaluations: 200,
             first_damping: FIRST_DAMPING,
             lends_slopes: true,
+            ends_on_lent: false,
         };
         let mut slopes_taken = 0;
         let mut evaluate = |x: &DVector<f64>, lent: Option<&DMatrix<f64>>| {

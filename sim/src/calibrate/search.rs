@@ -15,7 +15,7 @@ use super::prediction::{Fidelity, Slopes};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
 
 /// How finely a fit runs the model; what that leaves is removed in the end.
-pub(crate) const FIT: Fidelity = Fidelity { tolerance: 5e-5, refinement: 1 };
+pub(crate) const FIT: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1 };
 
 /// A stretch of the recordings that was fitted.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -180,6 +180,7 @@ pub(crate) fn minimise_in(
         most_evaluations: MOST_EVALUATIONS,
         first_damping: if is_last { NEAR_DAMPING } else { FIRST_DAMPING },
         lends_slopes: is_last,
+        ends_on_lent: relative > 0.0,
     };
     minimise(x, lent, &search, &mut |x, lent| objective.evaluate(x, view, lent))
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::loss::Huber;
 use super::objective::{Objective, View};
-use super::prediction::{Fidelity, Slopes, values};
+use super::prediction::values;
 use super::unknowns::Kind;
 
 /// Swings by which starts are judged: one, and a little so that its upper peak is seen.
@@ -22,8 +22,8 @@ const ROD_SPREAD: f64 = 1.7;
 const EFFECT_SPREAD: f64 = 4.0;
 /// Time of a swing where the model has no rest to swing about, as a share of the recording.
 const UNKNOWN_SWING: f64 = 0.1;
-/// A start is only looked at roughly.
-const ROUGH: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1 };
+/// Releases at one pressure by which starts are judged.
+const REPEATS: usize = 2;
 
 /// Time of one small swing of each release about its rest, s.
 pub(super) fn swing_times(objective: &Objective, x: &DVector<f64>) -> Vec<f64> {
@@ -58,14 +58,10 @@ pub(super) fn counts(objective: &Objective, times: &[f64], swings: f64) -> Vec<u
 pub(super) fn ranked(objective: &Objective, start: &DVector<f64>) -> Vec<DVector<f64>> {
     let points = spread(objective, start);
     let times = swing_times(objective, start);
-    let view = View {
-        fidelity: ROUGH,
-        slopes: Slopes::Variational,
-        counts: counts(objective, &times, FIRST_SWINGS),
-        steps: None,
-        loss: vec![Huber { threshold: f64::INFINITY }; times.len()],
-        corrections: None,
-    };
+    let mut counts = counts(objective, &times, FIRST_SWINGS);
+    leave_out_repeats(objective, &mut counts);
+    let loss = vec![Huber { threshold: f64::INFINITY }; times.len()];
+    let view = View { counts, loss, ..View::of_all(objective) };
     let cost = |x: &DVector<f64>| {
         let seen = objective.see(x, &view, None)?;
         // A ghost in the first swing must not choose: the spread of each release does.
@@ -78,6 +74,16 @@ pub(super) fn ranked(objective: &Objective, start: &DVector<f64>) -> Vec<DVector
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]).then(a.cmp(b)));
     order.into_iter().map(|k| points[k].clone()).collect()
+}
+
+/// Takes no samples of releases whose pressure others have shown.
+fn leave_out_repeats(objective: &Objective, counts: &mut [usize]) {
+    let pressure = |r: usize| objective.part.members[r].release.pressure;
+    for r in 0..counts.len() {
+        if (0..r).filter(|other| pressure(*other) == pressure(r)).count() >= REPEATS {
+            counts[r] = 0;
+        }
+    }
 }
 
 /// The start, then points of Halton's sequence around it; all unknowns of one parameter go together.
