@@ -50,7 +50,7 @@ impl<'a> Joint<'a> {
             None => tell(&format!("residuals {:.2} times the noise", stage.spread)),
         };
         let Some(mut found) = search(&objective, &start, &say) else { return Err(objective.refusal(&start)) };
-        refine(&objective, &mut found, true, tell);
+        refine(&objective, &mut found, false, tell);
         Ok(Self { objective, found })
     }
 
@@ -99,7 +99,7 @@ impl<'a> Joint<'a> {
         let at = objective.evaluate(&x, &view, None)?;
         let mut found =
             Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
-        refine(&objective, &mut found, true, tell);
+        refine(&objective, &mut found, false, tell);
         Some(Self { objective, found })
     }
 }

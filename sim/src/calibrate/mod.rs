@@ -116,7 +116,7 @@ fn fit<'a>(
         return Err(objective.refusal(&start));
     };
     let numerics =
-        refine(&objective, &mut found, settings.remove_mesh, &|what| tell(&format!("{name}: {what}")));
+        refine(&objective, &mut found, !settings.remove_mesh, &|what| tell(&format!("{name}: {what}")));
     let shift = shift(&objective, &found);
     let effort = objective.effort();
     let uncertainty = uncertainty(&objective, &found);

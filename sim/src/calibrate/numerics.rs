@@ -34,7 +34,13 @@ pub(crate) struct Correction {
 }
 
 /// Compares each release's prediction with finer runs; none where one cannot be made.
-pub(crate) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -> Option<Correction> {
+/// With `keep_mesh` only the step is made finer.
+pub(crate) fn correction(
+    objective: &Objective,
+    x: &DVector<f64>,
+    view: &View,
+    keep_mesh: bool,
+) -> Option<Correction> {
     let releases = objective.part.members.len();
     let each: Vec<Option<[Prediction; 3]>> = (0..releases)
         .into_par_iter()
@@ -42,11 +48,12 @@ pub(crate) fn correction(objective: &Objective, x: &DVector<f64>, view: &View) -
             let tight = Fidelity { tolerance: TIGHT, refinement: 1 };
             // A posture has nodes of its own: only the step can be made finer.
             let is_posture = matches!(objective.part.members[r].run.initial, Initial::Posture(_));
-            let fine = Fidelity { refinement: if is_posture { 1 } else { 2 }, ..tight };
+            let is_kept = keep_mesh || is_posture;
+            let fine = Fidelity { refinement: if is_kept { 1 } else { 2 }, ..tight };
             let run = |fidelity| one(objective, r, x, view.counts[r], fidelity, None);
             let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
             let same = run(tight)?;
-            let finer = if is_posture { same.clone() } else { run(fine)? };
+            let finer = if is_kept { same.clone() } else { run(fine)? };
             Some([one(objective, r, x, view.counts[r], view.fidelity, steps)?, same, finer])
         })
         .collect();

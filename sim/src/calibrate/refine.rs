@@ -22,41 +22,37 @@ const TOLERANCE: f64 = 2e-2;
 const MOST_ROUNDS: usize = 4;
 /// The same as a share of the cost, where mesh and step were removed at another place.
 const UNCORRECTED_SHARE: f64 = 1e-3;
-/// How often mesh and step are removed, the fit having moved in between.
-const MOST_CORRECTIONS: usize = 3;
 /// Standard errors by which a fit may move without changing what mesh and step do.
 const FAR: f64 = 3.0;
 
-/// Follows a fit to its end; says what mesh and step did, unless they are left in.
+/// Follows a fit to its end, without the errors of the step, and of the mesh unless that is kept; says
+/// what they did.
 pub(crate) fn refine(
     objective: &Objective,
     found: &mut Found,
-    remove_mesh: bool,
+    keep_mesh: bool,
     tell: &dyn Fn(&str),
 ) -> Option<Correction> {
     let mut numerics = None;
     let mut view = View { slopes: Slopes::Differences, steps: None, ..found.view.clone() };
-    for corrected in 0..MOST_CORRECTIONS {
-        if remove_mesh {
-            tell("a finer mesh and step");
-            let Some(finer) = correction(objective, &found.x, &view) else { break };
-            view.steps = Some(finer.own_steps.clone());
-            view.corrections = Some(finer.corrections.clone());
-            numerics = Some(finer);
-        }
-        // What mesh and step do is only known near the end: until then there is no use in the last digit.
-        let share = if remove_mesh && corrected == 0 { UNCORRECTED_SHARE } else { 0.0 };
-        let Some(better) = settle(objective, found, &mut view, share) else { break };
+    // What mesh and step do is only known near the end: until then there is no use in the last digit.
+    for share in [UNCORRECTED_SHARE, 0.0, 0.0] {
+        tell("a finer mesh and step");
+        let finer = correction(objective, &found.x, &view, keep_mesh)?;
+        view.steps = Some(finer.own_steps.clone());
+        view.corrections = Some(finer.corrections.clone());
+        let better = settle(objective, found, &mut view, share)?;
         let errors = pseudo_inverse(&better.at.hessian).0.diagonal();
         let moved = (&better.x - &found.x).zip_map(&errors, |x, error| x / error.max(1e-300).sqrt());
         found.stages.push(stage(found.starts - 1, None, &better));
         let Solution { x, at, predicted, converged, .. } = better;
         *found = Found { x, at, predicted, converged, view: view.clone(), ..found.clone() };
-        if !remove_mesh || moved.amax() < FAR {
+        numerics = Some(finer);
+        if share == 0.0 && moved.amax() < FAR {
             break;
         }
     }
-    numerics.filter(|_| found.view.corrections.is_some())
+    numerics
 }
 
 /// Minimises with a loss whose threshold follows the spread of the residuals, on the steps that the
