@@ -154,16 +154,8 @@ impl Beam {
                 let [_, first, second] = hermite(xi, self.element_length());
                 let at = |x: &[f64]| [along(&first, &x[4 * e..]), along(&second, &x[4 * e..])];
                 let force = self.strain_forces(seed(at(q), 1.0), seed(at(v), slopes.velocity));
-                let by = force.map(|f| slopes_of(&f));
-                let scale = weight * self.element_length();
-                let shape = [first, second];
-                for (i, j) in (0..64).map(|m| (m / 8, m % 8)) {
-                    let mut sum = 0.0;
-                    for (s, r) in (0..4).map(|m| (m / 2, m % 2)) {
-                        sum += shape[s][i / 2] * by[2 * s + i % 2][2 * r + j % 2] * shape[r][j / 2];
-                    }
-                    out.add(4 * e + i, 4 * e + j, scale * sum);
-                }
+                let by = force.map(|force| slopes_of(&force));
+                out.add_element(4 * e, &[first, second], &by, weight * self.element_length());
             }
         }
         let last = self.dof() - 4;

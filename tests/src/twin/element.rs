@@ -22,6 +22,7 @@ pub const FOUR: [(f64, f64); 4] = [
 ];
 
 /// Cubic Hermite functions of an element and their first and second derivatives by arc length.
+#[inline]
 pub fn hermite(xi: f64, length: f64) -> [[f64; 4]; 3] {
     let l = length;
     [
@@ -47,11 +48,17 @@ pub fn hermite(xi: f64, length: f64) -> [[f64; 4]; 3] {
 }
 
 /// A combination of an element's four pairs of coordinates.
+#[inline]
 pub fn along(shape: &[f64; 4], x: &[f64]) -> [f64; 2] {
-    [0, 1].map(|k| (0..4).map(|i| shape[i] * x[2 * i + k]).sum())
+    let x = &x[..8];
+    [
+        shape[0] * x[0] + shape[1] * x[2] + shape[2] * x[4] + shape[3] * x[6],
+        shape[0] * x[1] + shape[1] * x[3] + shape[2] * x[5] + shape[3] * x[7],
+    ]
 }
 
 /// Curvature of a gradient p and its derivative k by arc length, 1/m, and its derivatives by both.
+#[inline]
 pub fn curvature<T: Real>([p, k]: [[T; 2]; 2]) -> (T, [T; 2], [T; 2]) {
     let square = dot(p, p);
     let kappa = cross(p, k) / square;
@@ -60,16 +67,19 @@ pub fn curvature<T: Real>([p, k]: [[T; 2]; 2]) -> (T, [T; 2], [T; 2]) {
 }
 
 /// Scalar product.
+#[inline]
 pub fn dot<T: Real>(a: [T; 2], b: [T; 2]) -> T {
     a[0] * b[0] + a[1] * b[1]
 }
 
 /// Component of the vector product normal to the plane, from x towards z.
+#[inline]
 pub fn cross<T: Real>(a: [T; 2], b: [T; 2]) -> T {
     a[0] * b[1] - a[1] * b[0]
 }
 
 /// Two pairs as dual numbers, each of them changing at `rate` with its own of four parameters.
+#[inline]
 pub fn seed(pairs: [[f64; 2]; 2], rate: f64) -> [[Dual; 2]; 2] {
     [0, 1].map(|s| {
         [0, 1].map(|k| {
@@ -81,6 +91,7 @@ pub fn seed(pairs: [[f64; 2]; 2], rate: f64) -> [[Dual; 2]; 2] {
 }
 
 /// Derivatives by the four parameters of [`seed`].
+#[inline]
 pub fn slopes_of(x: &Dual) -> [f64; 4] {
     x.eps.0.map_or([0.0; 4], |eps| eps.data.0[0])
 }

@@ -4,8 +4,8 @@
 //! own catalogue finds its own discretisation agreeable. Here they act on the beam's strains at Gauss
 //! points (`strain`), on what moves through the air and on the tip (`outside`), on the clamp (`root`),
 //! on the beam's own data and its start (`data`), and on what the cameras see (`seen`). Parameters
-//! mean what the catalogue of effects means by them; friction turns more sharply here, because no
-//! constant of a law that nobody has measured should be known to both sides.
+//! mean what the catalogue of effects means by them; but how sharply friction turns is chosen apart,
+//! because no constant that nobody has measured should be known to both sides.
 //!
 //! Three effects are in no catalogue: what no diagnosis can name, and should not.
 
@@ -23,9 +23,9 @@ pub use strain::Strain;
 
 use super::element::Real;
 
-/// Rate of curvature at which friction has three quarters of its value, 1/(m s): some thousandth of
-/// the fastest in a swing.
-pub const TURNS_OVER: f64 = 0.1;
+/// Rate of curvature at which friction has three quarters of its value, 1/(m s): some two-hundredth of
+/// the fastest in a swing. With a third of it a release with friction costs twice as much.
+pub const TURNS_OVER: f64 = 0.3;
 /// The same of an angle at the root, rad/s.
 pub const TURNS_OVER_AT_ROOT: f64 = 2e-3;
 /// Distance from the clamp over which its friction rubs, m: a fifth of the muscle's diameter.

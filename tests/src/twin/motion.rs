@@ -20,11 +20,15 @@ const BELOW: [[f64; 4]; 5] = [
 /// Weights of the stages less those of the embedded method.
 const ERROR: [f64; 5] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 0.25];
 
-/// A change of the coordinates below which a stage is solved, m; gradients have no unit.
-const SOLVED: f64 = 1e-10;
+/// A change of velocities below which a stage is solved, m/s; gradients have 1/s. Velocities, because
+/// coordinates alone would let the noise of short steps grow as one over their length, and drive the
+/// fast modes that made them short.
+const SOLVED: f64 = 5e-7;
+/// And what rounding leaves of coordinates, m.
+const ROUNDING: f64 = 1e-14;
 const MOST_ITERATIONS: usize = 40;
 /// A change that is not below this share of the last one asks for a tangent where the stage is now.
-const SLOW: f64 = 0.25;
+const SLOW: f64 = 0.5;
 /// Steps that adapt are no longer than this, s: between steps lies a cubic.
 const LONGEST: f64 = 8e-3;
 const SHORTEST: f64 = 1e-8;
@@ -184,11 +188,12 @@ fn solve(
     };
     let begin = |i: usize| q_known[i] + (v_known[i] + guess[i] * reach) * reach;
     let mut q: Vec<f64> = (0..guess.len()).map(begin).collect();
+    let solved = (SOLVED * reach).max(ROUNDING);
     let mut last = f64::INFINITY;
     for _ in 0..MOST_ITERATIONS {
         let v = rate(&q, q_known);
         let a = rate(&v, v_known);
-        if last < SOLVED {
+        if last < solved {
             let z = specimen.memory(stage, &q, &v);
             let rates = rate(&z, stage.memory);
             return Some((State { time: stage.time, q, v, a, z }, rates));
@@ -196,11 +201,12 @@ fn solve(
         let mut change = specimen.imbalance(stage, &q, &v, &a);
         factors.solve(&mut change);
         q.iter_mut().zip(&change).for_each(|(q, change)| *q -= change);
-        let largest = change.iter().map(|change| change.abs()).fold(0.0, f64::max);
-        if !largest.is_finite() {
+        // Asked of each: the largest of some numbers does not show one that is none.
+        if !change.iter().all(|change| change.is_finite()) {
             return None;
         }
-        if largest > SOLVED && largest > SLOW * last {
+        let largest = change.iter().map(|change| change.abs()).fold(0.0, f64::max);
+        if largest > solved && largest > SLOW * last {
             let v = rate(&q, q_known);
             let a = rate(&v, v_known);
             *factors = renewed(specimen, stage, &State { time: stage.time, q: q.clone(), v, a, z: Vec::new() });

@@ -49,7 +49,8 @@ impl Site {
 
     /// Its two vectors, from coordinates or from their rates.
     pub fn pair(&self, x: &[f64]) -> [[f64; 2]; 2] {
-        self.shapes.map(|shape| along(&shape, &x[self.begin..]))
+        let [first, second] = &self.shapes;
+        [along(first, &x[self.begin..]), along(second, &x[self.begin..])]
     }
 }
 

@@ -120,13 +120,7 @@ impl Specimen {
             let pairs = [(q, 1.0), (v, slopes.velocity), (a, slopes.acceleration)];
             let pairs = pairs.map(|(x, rate)| seed(site.pair(x), rate));
             let by = self.forces(site, stage, mean_square, pairs).map(|force| slopes_of(&force));
-            for (i, j) in (0..64).map(|m| (m / 8, m % 8)) {
-                let mut sum = 0.0;
-                for (s, r) in (0..4).map(|m| (m / 2, m % 2)) {
-                    sum += site.shapes[s][i / 2] * by[2 * s + i % 2][2 * r + j % 2] * site.shapes[r][j / 2];
-                }
-                out.add(site.begin + i, site.begin + j, site.weight * sum);
-            }
+            out.add_element(site.begin, &site.shapes, &by, site.weight);
         }
         self.held().iter().for_each(|&i| out.hold(i));
         out
