@@ -21,6 +21,25 @@ impl Band {
         self.0[row][column + HALF - row] += value;
     }
 
+    /// Adds what a point of an element has: forces conjugate to two vectors change with these vectors by
+    /// `by`, and the vectors with the element's coordinates, the first being `begin`, by `shapes`.
+    pub fn add_element(&mut self, begin: usize, shapes: &[[f64; 4]; 2], by: &[[f64; 4]; 4], weight: f64) {
+        // Forces by coordinates.
+        let mut by_x = [[0.0; 8]; 4];
+        for (row, by) in by_x.iter_mut().zip(by) {
+            for (j, x) in row.iter_mut().enumerate() {
+                *x = weight * (by[j % 2] * shapes[0][j / 2] + by[2 + j % 2] * shapes[1][j / 2]);
+            }
+        }
+        for i in 0..8 {
+            let row = &mut self.0[begin + i][HALF - i..HALF - i + 8];
+            let [first, second] = [&by_x[i % 2], &by_x[2 + i % 2]];
+            for (j, x) in row.iter_mut().enumerate() {
+                *x += shapes[0][i / 2] * first[j] + shapes[1][i / 2] * second[j];
+            }
+        }
+    }
+
     /// All entries times a number.
     pub fn times(&self, factor: f64) -> Self {
         Self(self.0.iter().map(|row| row.map(|x| factor * x)).collect())
@@ -37,9 +56,10 @@ impl Band {
 
     /// The matrix times a vector.
     pub fn apply(&self, x: &[f64]) -> Vec<f64> {
-        let entry =
-            |i: usize, k: usize| (i + k).checked_sub(HALF).and_then(|j| x.get(j)).copied().unwrap_or(0.0);
-        let row = |(i, row): (usize, &[f64; WIDTH])| (0..WIDTH).map(|k| row[k] * entry(i, k)).sum();
+        let row = |(i, row): (usize, &[f64; WIDTH])| {
+            let (from, to) = (i.saturating_sub(HALF), (i + HALF + 1).min(x.len()));
+            row[from + HALF - i..].iter().zip(&x[from..to]).map(|(entry, x)| entry * x).sum()
+        };
         self.0.iter().enumerate().map(row).collect()
     }
 
@@ -51,9 +71,10 @@ impl Band {
             let pivot = self.0[k];
             for i in k + 1..(k + HALF + 1).min(n) {
                 let at = k + HALF - i;
-                let factor = self.0[i][at] / pivot[HALF];
-                self.0[i][at] = factor;
-                (1..=HALF).for_each(|m| self.0[i][at + m] -= factor * pivot[HALF + m]);
+                let row = &mut self.0[i][at..=at + HALF];
+                row[0] /= pivot[HALF];
+                let factor = row[0];
+                row[1..].iter_mut().zip(&pivot[HALF + 1..]).for_each(|(x, above)| *x -= factor * above);
             }
         }
         Factors(self)
@@ -68,11 +89,13 @@ impl Factors {
     /// What the matrix takes to `x`, in the place of `x`.
     pub fn solve(&self, x: &mut [f64]) {
         let (rows, n) = (&self.0.0, x.len());
+        let product = |row: &[f64], x: &[f64]| row.iter().zip(x).map(|(entry, x)| entry * x).sum::<f64>();
         for i in 0..n {
-            x[i] -= (i.saturating_sub(HALF)..i).map(|j| rows[i][j + HALF - i] * x[j]).sum::<f64>();
+            let from = i.saturating_sub(HALF);
+            x[i] -= product(&rows[i][from + HALF - i..HALF], &x[from..i]);
         }
         for i in (0..n).rev() {
-            x[i] -= (i + 1..(i + HALF + 1).min(n)).map(|j| rows[i][j + HALF - i] * x[j]).sum::<f64>();
+            x[i] -= product(&rows[i][HALF + 1..], &x[i + 1..(i + HALF + 1).min(n)]);
             x[i] /= rows[i][HALF];
         }
     }

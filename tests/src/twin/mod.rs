@@ -8,24 +8,38 @@
 //!
 //! `beam` → `motion` → `session` (a hand raises and lets go, six times) → `sensor` (what cameras make
 //! of it) → a [`Recording`](sim::recording::Recording), or `direct` to releases without any cleaning.
+//! For diagnosis, `hidden` effects make a beam a `specimen`, and a plan and a seed an experiment with it:
+//! `drawn`.
+
+use models::muscle::{AtPressure, Extrapolation, Muscle};
 
 pub mod band;
 pub mod beam;
 pub mod direct;
+pub mod drawn;
+pub mod element;
+pub mod hidden;
 pub mod motion;
 pub mod random;
 pub mod rest;
 pub mod sensor;
 pub mod session;
+pub mod site;
+pub mod specimen;
 pub mod study;
 pub mod text;
+pub mod tracker;
 
-/// The twin of the paper's muscle at a pressure, psi, with Rayleigh damping `alpha`, 1/s, and `beta`,
-/// s. The muscle's tables are data, and are read from `models`.
-pub fn muscle(psi: f64, elements: usize, alpha: f64, beta: f64) -> beam::Beam {
-    use models::muscle::{Extrapolation, Muscle};
+/// The paper's muscle and its row at a pressure, psi: data, read from `models`.
+fn table(psi: f64) -> (Muscle, AtPressure) {
     let muscle = Muscle::built_in("garbulinski-2022").expect("it is built in");
     let at = muscle.at(psi * crate::PSI, "pder_32", Extrapolation::Refused).expect("in the table");
+    (muscle, at)
+}
+
+/// The twin of the paper's muscle at a pressure, psi, with Rayleigh damping `alpha`, 1/s, and `beta`, s.
+pub fn muscle(psi: f64, elements: usize, alpha: f64, beta: f64) -> beam::Beam {
+    let (muscle, at) = table(psi);
     let fitting = muscle.end_fitting;
     let fitting =
         beam::Body { mass: fitting.mass, center: fitting.center_of_mass, inertia: fitting.rotary_inertia };
@@ -37,7 +51,14 @@ pub fn muscle(psi: f64, elements: usize, alpha: f64, beta: f64) -> beam::Beam {
         axial_stiffness: at.axial_stiffness,
         bodies: vec![fitting],
         gravity: muscle.gravity,
+        incline: 0.0,
         alpha,
         beta,
     }
+}
+
+/// One of its releases at a pressure, psi, which stands at `drift` from −1 to 1 among its like.
+pub fn occasion(psi: f64, drift: f64) -> hidden::Occasion {
+    let (_, at) = table(psi);
+    hidden::Occasion { pressure: at.pressure, diameter: at.outer_diameter, drift }
 }

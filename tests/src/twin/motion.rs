@@ -1,12 +1,13 @@
-//! How the beam moves from a posture at rest: an implicit Runge-Kutta method of its own.
+//! How a beam moves after it is let go: an implicit Runge-Kutta method of its own.
 //!
-//! Five stages of one diagonal, order four, L-stable, of fixed step; each stage is solved for its
-//! coordinates by Newton's method with the tangent of the step's beginning. It shares nothing with
-//! the integrators of `sim`. Source: Hairer and Wanner (1996), Solving Ordinary Differential
-//! Equations II, table 6.5 of section IV.6.
+//! Five stages of one diagonal, order four, L-stable; each stage is solved for its coordinates by
+//! Newton's method. Steps are fixed, or follow from the embedded method of order three. It shares
+//! nothing with the integrators of `sim`. Source: Hairer and Wanner (1996), Solving Ordinary
+//! Differential Equations II, table 6.5 of section IV.6.
 
-use super::band::{Band, Factors};
+use super::band::Factors;
 use super::beam::{Beam, Slopes};
+use super::specimen::{Specimen, Stage};
 
 const GAMMA: f64 = 0.25;
 const BELOW: [[f64; 4]; 5] = [
@@ -16,68 +17,106 @@ const BELOW: [[f64; 4]; 5] = [
     [371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0, 0.0],
     [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
 ];
+/// Weights of the stages less those of the embedded method.
+const ERROR: [f64; 5] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 0.25];
 
-/// A change of the coordinates below which a stage is solved, m; gradients have no unit.
-const SOLVED: f64 = 1e-10;
-const MOST_ITERATIONS: usize = 50;
+/// A change of velocities below which a stage is solved, m/s; gradients have 1/s. Velocities, because
+/// coordinates alone would let the noise of short steps grow as one over their length, and drive the
+/// fast modes that made them short.
+const SOLVED: f64 = 5e-7;
+/// And what rounding leaves of coordinates, m.
+const ROUNDING: f64 = 1e-14;
+const MOST_ITERATIONS: usize = 40;
+/// A change that is not below this share of the last one asks for a tangent where the stage is now.
+const SLOW: f64 = 0.5;
+/// Steps that adapt are no longer than this, s: between steps lies a cubic.
+const LONGEST: f64 = 8e-3;
+const SHORTEST: f64 = 1e-8;
 
-/// A motion from rest, kept at every step.
+/// A motion, kept at every step.
 #[derive(Clone, Debug)]
 pub struct Motion {
-    /// Size of the steps, s.
-    pub step: f64,
-    /// Coordinates and velocities after each step, the start first.
+    /// Time of each step after the release, s, the start first.
+    pub times: Vec<f64>,
+    /// Coordinates and velocities then.
     pub states: Vec<[Vec<f64>; 2]>,
 }
 
-/// Coordinates, velocities and accelerations of a stage.
-type Stage = [Vec<f64>; 3];
+/// Coordinates, velocities, accelerations, memories.
+#[derive(Clone, Debug)]
+struct State {
+    time: f64,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    z: Vec<f64>,
+}
+
+/// A stage, with the rates of its memories.
+type Solved = (State, Vec<f64>);
 
 impl Motion {
-    /// Lets `beam` go from the coordinates `start`.
+    /// Lets `beam` go from the coordinates `start`, with steps of `step`, s.
     /// # Panics
     /// If a stage cannot be solved: take a smaller step.
     pub fn from_rest(beam: &Beam, start: Vec<f64>, duration: f64, step: f64) -> Self {
-        let mass = beam.mass_matrix();
+        let specimen = Specimen::plain(beam);
         let still = vec![0.0; beam.dof()];
-        let mut states = vec![[start, still.clone()]];
-        let slope = 1.0 / (GAMMA * step);
-        let slopes = Slopes { velocity: slope, acceleration: slope * slope };
-        let mut acceleration = still;
-        for k in 0..(duration / step).round() as usize {
-            let [q, v] = &states[k];
-            let factors = beam.tangent(&mass, q, v, &acceleration, slopes).factorize();
-            let mut stages: Vec<Stage> = Vec::with_capacity(5);
-            for row in &BELOW {
-                let known = |start: &[f64], rate: usize| -> Vec<f64> {
-                    let so_far =
-                        |i: usize| -> f64 { stages.iter().zip(row).map(|(s, a)| a * s[rate][i]).sum() };
-                    start.iter().enumerate().map(|(i, x)| x + step * so_far(i)).collect()
-                };
-                let known = [known(q, 1), known(v, 2)];
-                let guess = stages.last().map_or(&acceleration, |stage| &stage[2]);
-                let stage = solve(beam, &mass, &factors, slope, known, guess);
-                stages.push(stage.unwrap_or_else(|| panic!("a step of {step} s is too long")));
-            }
+        let mut state = State { time: 0.0, q: start, v: still.clone(), a: still, z: Vec::new() };
+        let mut motion = Self { times: vec![0.0], states: vec![[state.q.clone(), state.v.clone()]] };
+        for _ in 0..(duration / step).round() as usize {
+            let stages = advance(&specimen, &state, step);
+            let mut stages = stages.unwrap_or_else(|| panic!("a step of {step} s is too long"));
             // The last stage is the end of the step.
-            let [q, v, a] = stages.swap_remove(4);
-            acceleration = a;
-            states.push([q, v]);
+            state = stages.swap_remove(4).0;
+            motion.keep(&state);
         }
-        Self { step, states }
+        motion
+    }
+
+    /// Lets a specimen go, straight at an angle from the clamp's, rad. A step's error of the embedded
+    /// method is kept below `tolerance`, m.
+    /// # Panics
+    /// If steps become too short for the clock.
+    pub fn let_go(specimen: &Specimen, angle: f64, duration: f64, tolerance: f64) -> Self {
+        let [q, v, z] = specimen.let_go(angle);
+        let a = vec![0.0; q.len()];
+        let mut state = State { time: 0.0, q, v, a, z };
+        let mut motion = Self { times: vec![0.0], states: vec![[state.q.clone(), state.v.clone()]] };
+        let weights = weights(specimen);
+        let mut step: f64 = 1e-4;
+        while state.time < duration {
+            assert!(step > SHORTEST, "no step at {} s is short enough", state.time);
+            let Some(mut stages) = advance(specimen, &state, step) else {
+                step *= 0.3;
+                continue;
+            };
+            let error = error(&stages, &weights) * step / tolerance;
+            if error <= 1.0 {
+                state = stages.swap_remove(4).0;
+                motion.keep(&state);
+            }
+            step = (step * (0.8 * error.powf(-0.25)).clamp(0.2, 2.0)).min(LONGEST);
+        }
+        motion
+    }
+
+    fn keep(&mut self, state: &State) {
+        self.times.push(state.time);
+        self.states.push([state.q.clone(), state.v.clone()]);
     }
 
     /// Time of the last step, s.
     pub fn duration(&self) -> f64 {
-        self.step * (self.states.len() - 1) as f64
+        self.times[self.times.len() - 1]
     }
 
     /// Coordinates at a time from 0 to the last step: the cubic through two steps and their
     /// velocities.
     pub fn at(&self, time: f64) -> Vec<f64> {
-        let place = (time / self.step).clamp(0.0, (self.states.len() - 1) as f64);
-        let k = (place as usize).min(self.states.len() - 2);
-        let (s, h) = (place - k as f64, self.step);
+        let k = self.times.partition_point(|t| *t <= time).clamp(1, self.times.len() - 1) - 1;
+        let h = self.times[k + 1] - self.times[k];
+        let s = ((time - self.times[k]) / h).clamp(0.0, 1.0);
         let ([q0, v0], [q1, v1]) = (&self.states[k], &self.states[k + 1]);
         let (rise, out, into) = (s * s * (3.0 - 2.0 * s), h * s * (1.0 - s).powi(2), h * s * s * (s - 1.0));
         (0..q0.len()).map(|i| q0[i] + rise * (q1[i] - q0[i]) + out * v0[i] + into * v1[i]).collect()
@@ -89,32 +128,90 @@ impl Motion {
     }
 }
 
-/// The stage whose coordinates and velocities are `known` but for its own acceleration's share.
+/// Displacement, m, that a unit of each coordinate and memory stands for.
+fn weights(specimen: &Specimen) -> [Vec<f64>; 2] {
+    let length = specimen.beam.element_length();
+    let coordinates = [1.0, 1.0, length, length].into_iter().cycle().take(specimen.beam.dof());
+    [coordinates.collect(), specimen.weight_of_memory()]
+}
+
+/// Largest error of a step per its length, m/s.
+fn error(stages: &[Solved], [of_q, of_z]: &[Vec<f64>; 2]) -> f64 {
+    let largest = |weights: &[f64], rate: &dyn Fn(&Solved, usize) -> f64| {
+        let error = |i: usize| -> f64 { stages.iter().zip(ERROR).map(|(stage, d)| d * rate(stage, i)).sum() };
+        weights.iter().enumerate().map(|(i, weight)| (weight * error(i)).abs()).fold(0.0, f64::max)
+    };
+    largest(of_q, &|(stage, _), i| stage.v[i]).max(largest(of_z, &|(_, rates), i| rates[i]))
+}
+
+/// The stages of a step, if they can be solved.
+fn advance(specimen: &Specimen, start: &State, step: f64) -> Option<Vec<Solved>> {
+    let reach = GAMMA * step;
+    let first = Stage { time: start.time + reach, reach, memory: &start.z };
+    let mut factors = renewed(specimen, &first, start);
+    let mut stages: Vec<Solved> = Vec::with_capacity(5);
+    for row in &BELOW {
+        let known = |x: &[f64], rate: &dyn Fn(&Solved, usize) -> f64| -> Vec<f64> {
+            let so_far =
+                |i: usize| -> f64 { stages.iter().zip(row).map(|(stage, a)| a * rate(stage, i)).sum() };
+            x.iter().enumerate().map(|(i, x)| x + step * so_far(i)).collect()
+        };
+        let q = known(&start.q, &|(stage, _), i| stage.v[i]);
+        let v = known(&start.v, &|(stage, _), i| stage.a[i]);
+        let z = known(&start.z, &|(_, rates), i| rates[i]);
+        let time = start.time + step * (GAMMA + row.iter().sum::<f64>());
+        let stage = Stage { time, reach, memory: &z };
+        let guess = stages.last().map_or(&start.a, |(stage, _)| &stage.a);
+        stages.push(solve(specimen, &stage, &mut factors, [q, v], guess)?);
+    }
+    Some(stages)
+}
+
+fn renewed(specimen: &Specimen, stage: &Stage, at: &State) -> Factors {
+    let slope = stage.reach.recip();
+    let slopes = Slopes { velocity: slope, acceleration: slope * slope };
+    specimen.tangent(stage, &at.q, &at.v, &at.a, slopes).factorize()
+}
+
+/// The stage whose coordinates and velocities are `known` but for its own rates' share.
 fn solve(
-    beam: &Beam,
-    mass: &Band,
-    factors: &Factors,
-    slope: f64,
+    specimen: &Specimen,
+    stage: &Stage,
+    factors: &mut Factors,
     known: [Vec<f64>; 2],
     guess: &[f64],
-) -> Option<Stage> {
+) -> Option<Solved> {
     let [q_known, v_known] = &known;
+    let (reach, slope) = (stage.reach, stage.reach.recip());
     let rate = |x: &[f64], known: &[f64]| -> Vec<f64> {
         x.iter().zip(known).map(|(x, k)| slope * (x - k)).collect()
     };
-    let begin = |i: usize| q_known[i] + (v_known[i] + guess[i] / slope) / slope;
+    let begin = |i: usize| q_known[i] + (v_known[i] + guess[i] * reach) * reach;
     let mut q: Vec<f64> = (0..guess.len()).map(begin).collect();
-    let mut is_solved = false;
+    let solved = (SOLVED * reach).max(ROUNDING);
+    let mut last = f64::INFINITY;
     for _ in 0..MOST_ITERATIONS {
         let v = rate(&q, q_known);
         let a = rate(&v, v_known);
-        if is_solved {
-            return Some([q, v, a]);
+        if last < solved {
+            let z = specimen.memory(stage, &q, &v);
+            let rates = rate(&z, stage.memory);
+            return Some((State { time: stage.time, q, v, a, z }, rates));
         }
-        let mut change = beam.imbalance(mass, &q, &v, &a);
+        let mut change = specimen.imbalance(stage, &q, &v, &a);
         factors.solve(&mut change);
         q.iter_mut().zip(&change).for_each(|(q, change)| *q -= change);
-        is_solved = change.iter().all(|change| change.abs() < SOLVED);
+        // Asked of each: the largest of some numbers does not show one that is none.
+        if !change.iter().all(|change| change.is_finite()) {
+            return None;
+        }
+        let largest = change.iter().map(|change| change.abs()).fold(0.0, f64::max);
+        if largest > solved && largest > SLOW * last {
+            let v = rate(&q, q_known);
+            let a = rate(&v, v_known);
+            *factors = renewed(specimen, stage, &State { time: stage.time, q: q.clone(), v, a, z: Vec::new() });
+        }
+        last = largest;
     }
     None
 }

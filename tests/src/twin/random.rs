@@ -15,6 +15,11 @@ impl Random {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
+    /// A stream of its own, which the next number of this one seeds.
+    pub fn branch(&mut self) -> Self {
+        Self::new(self.0.next_u64())
+    }
+
     /// Between zero and one, one excluded.
     pub fn share(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64

@@ -40,5 +40,9 @@ mod recordings {
 mod twin {
     mod agreement;
     mod beam;
+    mod drawn;
+    mod hidden;
+    mod hidden_at_rest;
+    mod hidden_swings;
     mod recording;
 }

@@ -18,6 +18,7 @@ fn loaded(elements: usize, load: f64) -> Beam {
         axial_stiffness: 1e6,
         bodies: vec![Body { mass: load, center: 0.0, inertia: 0.0 }],
         gravity: 1.0,
+        incline: 0.0,
         alpha: 0.0,
         beta: 0.0,
     }
@@ -80,7 +81,7 @@ fn energy_goes_where_damping_takes_it() {
         let mass = beam.mass_matrix();
         let motion = Motion::from_rest(&beam, beam.straight(0.0), 0.5, 0.5e-3);
         let energies: Vec<_> = motion.states.iter().map(|[q, v]| beam.energy(&mass, q, v)).collect();
-        let kinetic: f64 = energies.windows(2).map(|w| 0.5 * motion.step * (w[0][0] + w[1][0])).sum();
+        let kinetic: f64 = energies.windows(2).map(|w| 0.5 * motion.times[1] * (w[0][0] + w[1][0])).sum();
         let total = |k: usize| energies[k].iter().sum::<f64>();
         let released = energies.iter().map(|e| e[0]).fold(0.0, f64::max);
         let left = total(0) - total(energies.len() - 1) - 2.0 * alpha * kinetic;
