@@ -60,7 +60,9 @@ pub fn sites(beam: &Beam, hidden: &[Hidden]) -> Vec<Site> {
     let any = |acts: &dyn Fn(&Hidden) -> bool| hidden.iter().any(acts);
     let mut sites = Vec::new();
     if any(&Hidden::bends) {
-        for (e, (i, (xi, weight))) in (0..elements).flat_map(|e| THREE.into_iter().enumerate().map(move |p| (e, p))) {
+        for (e, (i, (xi, weight))) in
+            (0..elements).flat_map(|e| THREE.into_iter().enumerate().map(move |p| (e, p)))
+        {
             let share = (e as f64 + xi) / elements as f64;
             let place = Place::Strain { point: THREE.len() * e + i, share };
             sites.push(Site::new(beam, place, e, xi, weight * length));

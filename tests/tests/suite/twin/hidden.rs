@@ -95,7 +95,9 @@ fn what_is_lost_is_force_times_velocity() {
 /// Two runs that lose energy only by their own effects: never more than before, by a share of 1e-6.
 #[test]
 fn energy_is_never_fed() {
-    for hidden in [BraidFriction { moment: 1e-3 }, Hysteresis { loss_factor: 0.1 }, AirDrag { drag_coefficient: 2.0 }] {
+    for hidden in
+        [BraidFriction { moment: 1e-3 }, Hysteresis { loss_factor: 0.1 }, AirDrag { drag_coefficient: 2.0 }]
+    {
         let beam = muscle(15.0, 8, 0.0, 0.0);
         let mass = beam.mass_matrix();
         let specimen = Specimen::new(beam.clone(), &[hidden], &occasion(15.0, 0.0));
@@ -134,7 +136,8 @@ fn elements_and_steps_converge() {
         motion.path(&specimen.beam, 1.05, &uniform(4.0, 100.0))
     };
     let fine = path(24, 2e-8);
-    let [drawn, coarse, rough] = [(16, 2e-7), (8, 2e-7), (16, 2e-5)].map(|(n, tolerance)| rms(&path(n, tolerance), &fine));
+    let [drawn, coarse, rough] =
+        [(16, 2e-7), (8, 2e-7), (16, 2e-5)].map(|(n, tolerance)| rms(&path(n, tolerance), &fine));
     println!("{drawn} m as drawn, {coarse} m with 8 elements, {rough} m with steps a hundred times as rough");
     assert!(drawn < 0.01e-3, "{} mm", 1e3 * drawn);
     assert!(coarse > 1.5 * drawn && rough > 1.5 * drawn, "{coarse} m, {rough} m");
