@@ -2,6 +2,7 @@
 
 mod analyse;
 mod calibrate;
+mod diagnose;
 mod effects;
 mod experiment;
 mod failure;
@@ -45,6 +46,8 @@ enum Command {
     Simulate(Simulate),
     /// Find parameters of a model from the releases of an experiment.
     Calibrate(Calibrate),
+    /// Find which physical effect the model lacks: scores, fits, judges, and repairs.
+    Diagnose(Diagnose),
     /// List the physical effects, or show the page of one.
     Effects {
         /// An effect.
@@ -216,6 +219,32 @@ struct Calibrate {
     quiet: bool,
 }
 
+#[derive(Args)]
+struct Diagnose {
+    #[command(flatten)]
+    of: OfExperiment,
+    /// Probability that a round names something where nothing is missing.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
+    false_alarm: f64,
+    /// Effects added at most.
+    #[arg(long, value_name = "COUNT", default_value_t = 3)]
+    most: usize,
+    /// Leave an effect out of the catalogue; may be repeated.
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+    /// No progress, no table.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// A probability, not 0 and not 1.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if share > 0.0 && share < 1.0 => Ok(share),
+        _ => Err("it must lie between 0 and 1, such as 0.01".to_owned()),
+    }
+}
+
 impl Source {
     /// All overrides as `path=value`.
     fn overrides(&self) -> Vec<String> {
@@ -232,6 +261,7 @@ pub fn main() -> ExitCode {
     let done = match Efam::parse().command {
         Command::Simulate(args) => simulate::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
+        Command::Diagnose(args) => diagnose::run(&args),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),

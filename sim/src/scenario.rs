@@ -35,7 +35,7 @@ pub(crate) mod document;
 mod error;
 pub(crate) mod plan;
 mod posture;
-mod resolved;
+pub(crate) mod resolved;
 
 use std::path::{Path, PathBuf};
 

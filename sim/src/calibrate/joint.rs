@@ -6,10 +6,10 @@ use super::error::CalibrateError;
 use super::objective::{Objective, View};
 use super::part::whole;
 use super::prediction::Slopes;
-use super::problem::Problem;
+use super::problem::{Problem, Trial};
 use super::refine::refine;
 use super::search::{Found, common_cost, search};
-use super::unknowns::{Unknown, Unknowns};
+use super::unknowns::{Group, Kind, Unknown, Unknowns};
 
 /// A value of a scaled unknown.
 #[derive(Clone, Debug)]
@@ -22,6 +22,18 @@ impl Known {
     fn is(&self, other: &Unknown) -> bool {
         let Unknown { name, kind, group, .. } = &self.unknown;
         (name, kind, group) == (&other.name, &other.kind, &other.group)
+    }
+
+    /// Whether it is a parameter of a trial's model.
+    pub fn is_of(&self, place: usize, trial: &Trial) -> bool {
+        let is_parameter = matches!(self.unknown.kind, Kind::Parameter(_));
+        is_parameter
+            && match (self.unknown.group, trial.release.pressure) {
+                (Group::All, _) => true,
+                (own @ Group::Pressure(_), Some(pressure)) => own.is(Group::Pressure(pressure)),
+                (Group::Pressure(_), None) => false,
+                (Group::Release(own), _) => own == place,
+            }
     }
 
     /// The value, SI.

@@ -208,7 +208,8 @@ impl Unknowns {
 const RELEASE_ANGLE: &str = "release.angle";
 
 impl Group {
-    fn is(self, other: Group) -> bool {
+    /// Whether both are the same, pressures to a thousandth.
+    pub fn is(self, other: Group) -> bool {
         match (self, other) {
             (Group::Pressure(a), Group::Pressure(b)) => (a - b).abs() <= SAME_PRESSURE * a.abs().max(b.abs()),
             (a, b) => a == b,

@@ -66,7 +66,7 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
 }
 
 /// SHA-256 of the experiment and of its recordings, by file.
-fn input_hashes(experiment: &Experiment) -> BTreeMap<String, String> {
+pub fn input_hashes(experiment: &Experiment) -> BTreeMap<String, String> {
     let hash = |file: &Path, bytes: &[u8]| (file.display().to_string(), results::sha256(bytes));
     let own = hash(&experiment.path, experiment.text().as_bytes());
     let read = |entry: &Entry| Some(hash(&entry.file, &std::fs::read(&entry.file).ok()?));

@@ -1,9 +1,9 @@
-//! Releases that were locked away judge a model: everything that releases share is held as it was
-//! found, and only what belongs to them alone is fitted to them.
+//! Releases that were locked away judge a model: everything that all releases share is held as it was
+//! found, and only what belongs to a pressure or a release is fitted to them.
 
+use super::set;
 use super::verdict::Gap;
 use crate::calibrate::joint::{Joint, Known};
-use crate::calibrate::unknowns::{Group, Kind};
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
@@ -24,42 +24,12 @@ pub(super) fn judge(
         return Ok(None);
     }
     let mut locked = problem.clone();
-    for (t, trial) in locked.trials.iter_mut().enumerate() {
+    set(&mut locked, known);
+    for trial in &mut locked.trials {
         trial.release.held_out = !trial.release.held_out;
-        for known in known.iter().filter(|known| matches!(known.unknown.kind, Kind::Parameter(_))) {
-            let is_of = match known.unknown.group {
-                Group::All => true,
-                Group::Pressure(pressure) => {
-                    trial.release.pressure.is_some_and(|own| (own - pressure).abs() <= 1e-3 * pressure.abs())
-                }
-                Group::Release(own) => own == t,
-            };
-            if let (true, Ok(k)) = (is_of, trial.model.index(&known.unknown.name)) {
-                let (model, initial) = trial.with(&[(k, known.value())]);
-                (trial.model, trial.run.initial) = (model, initial);
-            }
-        }
     }
-    // A pressure that was fitted keeps what it has of its own.
-    let fitted: Vec<f64> = problem
-        .trials
-        .iter()
-        .filter(|trial| !trial.release.held_out)
-        .filter_map(|trial| trial.release.pressure)
-        .collect();
-    let is_new = |pressure: Option<f64>| {
-        pressure.is_none_or(|p| fitted.iter().all(|q| (p - q).abs() > 1e-3 * q.abs()))
-    };
-    let all_new = locked
-        .trials
-        .iter()
-        .filter(|trial| !trial.release.held_out)
-        .all(|trial| is_new(trial.release.pressure));
-    locked.parameters.retain(|parameter| match parameter.scope {
-        Scope::Shared => false,
-        Scope::PerPressure => all_new,
-        Scope::PerRelease => true,
-    });
+    // EI of a pressure that was locked away as a whole is not known from elsewhere.
+    locked.parameters.retain(|parameter| parameter.scope != Scope::Shared);
     let fit = match Joint::search(&locked, &|_| ()) {
         Ok(fit) => fit,
         Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),

@@ -13,11 +13,13 @@ mod judge;
 mod refit;
 mod round;
 mod score;
+mod section;
 pub mod verdict;
 mod words;
 
-use crate::calibrate::joint::Joint;
+use crate::calibrate::joint::{Joint, Known};
 use crate::calibrate::{CalibrateError, Problem};
+pub use section::problem;
 pub use verdict::{Diagnosis, Verdict};
 
 use judge::{gaps, judge, judgement};
@@ -97,8 +99,22 @@ pub fn diagnose(
         diagnosis.gap.extend(gaps(&before, &after, true));
     }
     conclude(&mut diagnosis, &added);
+    diagnosis.warnings = words::warnings(problem);
+    set(&mut current, &known);
     diagnosis.summary = words::summary(&diagnosis);
     Ok(Outcome { diagnosis, repaired: current })
+}
+
+/// Puts what was found into the models.
+fn set(problem: &mut Problem, known: &[Known]) {
+    for (t, trial) in problem.trials.iter_mut().enumerate() {
+        for known in known {
+            if let (true, Ok(k)) = (known.is_of(t, trial), trial.model.index(&known.unknown.name)) {
+                let (model, initial) = trial.with(&[(k, known.value())]);
+                (trial.model, trial.run.initial) = (model, initial);
+            }
+        }
+    }
 }
 
 /// χ² by which an effect may worsen what was locked away before it is disbelieved.

@@ -27,13 +27,10 @@ pub(super) struct Round {
 pub(super) struct Best {
     pub candidate: Candidate,
     pub refit: Refit,
-    /// Decrease of χ² in units of the noise as it is.
-    pub decrease: f64,
     /// Decrease on what was locked away.
     pub held_out: Option<f64>,
     /// Others that do as well; empty where the best stands alone.
     pub members: Vec<Member>,
-    pub fitted: Vec<Candidate>,
 }
 
 /// Candidates fitted in full, at most.
@@ -119,6 +116,11 @@ pub(super) fn round(
         ));
         if place == lead {
             evidence[*k].rejected = None;
+        } else if refit.is_at_bound
+            && behind > 0.0
+            && refit.values.first().is_none_or(|value| value.value == 0.0)
+        {
+            evidence[*k].rejected = Some("fitted in full it vanishes".to_owned());
         } else if behind < LEAD {
             evidence[*k].rejected = None;
             let distance = distance(&scores, order[shortlist[lead]], order[*k]);
@@ -133,14 +135,8 @@ pub(super) fn round(
     };
     evidence[shortlist[lead]].held_out_decrease = held_out;
     round.evidence = evidence;
-    round.best = Some(Best {
-        candidate: candidates[order[shortlist[lead]]].clone(),
-        refit: best,
-        decrease: best_decrease,
-        held_out,
-        members,
-        fitted: shortlist.iter().map(|k| candidates[order[*k]].clone()).collect(),
-    });
+    round.best =
+        Some(Best { candidate: candidates[order[shortlist[lead]]].clone(), refit: best, held_out, members });
     Ok(round)
 }
 

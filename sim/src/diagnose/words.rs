@@ -1,6 +1,7 @@
 //! The answer in words.
 
 use super::verdict::{Diagnosis, Verdict};
+use crate::calibrate::Problem;
 
 /// One paragraph for a person.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
@@ -17,4 +18,32 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Unknown => "Something is missing that the catalogue does not hold.".to_owned(),
     }
+}
+
+/// What an experiment cannot tell, whatever the answer.
+pub(super) fn warnings(problem: &Problem) -> Vec<String> {
+    let fitted: Vec<_> = problem.trials.iter().filter(|trial| !trial.release.held_out).collect();
+    let mut pressures: Vec<f64> = fitted.iter().filter_map(|trial| trial.release.pressure).collect();
+    pressures.sort_by(f64::total_cmp);
+    pressures.dedup_by(|a, b| (*a - *b).abs() <= 1e-3 * b.abs());
+    let mut words = Vec::new();
+    if fitted.len() == problem.trials.len() {
+        words.push("nothing is locked away: no release judges the answer that did not make it; record one more, or say held_out = true of one".to_owned());
+    }
+    if pressures.len() < 2 {
+        words.push(
+            "one pressure alone: effects that differ by how they grow with the pressure cannot be told apart"
+                .to_owned(),
+        );
+    }
+    if fitted.len() < 2 {
+        words.push("one release alone: what changes from release to release cannot be told from what is always there".to_owned());
+    }
+    if fitted.iter().all(|trial| trial.release.tracks.len() < 2) {
+        words.push(
+            "one marker alone: effects that differ by where along the body they act can hardly be told apart"
+                .to_owned(),
+        );
+    }
+    words
 }

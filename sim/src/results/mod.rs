@@ -12,6 +12,7 @@
 //! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
 
 pub mod calibrated;
+pub mod diagnosed;
 mod error;
 pub mod experiment;
 pub mod folder;

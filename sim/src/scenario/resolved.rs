@@ -15,21 +15,8 @@ pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String 
     );
     put(&mut out, "name", quoted(name));
     muscle(&mut out, plan);
-    let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
-    out += "\n[rod]\n";
-    put(&mut out, "nodes", model.edges + 1);
-    put(&mut out, "root", quoted(if model.root == Root::Paper { "paper" } else { "consistent" }));
-    put(&mut out, "base_angle", si(value("rod.base_angle"), "rad"));
-    put(&mut out, "tip", si(model.tip_distance, "m"));
-    for (k, (key, unit)) in ROD.into_iter().enumerate() {
-        let is_none = key == "diameter" && plan.muscle.is_none() && plan.rod[k].is_none();
-        if !is_none {
-            put(&mut out, key, si(value(&format!("rod.{key}")), unit));
-        }
-    }
-    out += "\n[release]\n";
-    put(&mut out, "angle", si(value("release.angle"), "rad"));
-    put(&mut out, "angular_velocity", si(value("release.angular_velocity"), "rad/s"));
+    let has = |k: usize| ROD[k].0 != "diameter" || plan.muscle.is_some() || plan.rod[k].is_some();
+    rod(&mut out, model, &has);
     match &plan.from {
         From::Straight => put(&mut out, "from", quoted("straight")),
         From::Equilibrium(_) => put(&mut out, "from", quoted("equilibrium")),
@@ -56,9 +43,41 @@ pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String 
     if let Some(step) = run.fixed_step {
         put(&mut out, "fixed_step", si(step, "s"));
     }
-    let effects: Vec<_> = model.effects.iter().flat_map(|active| active.theta.clone()).collect();
-    parameters(&mut out, "", model, &effects);
+    effects(&mut out, model);
     out
+}
+
+/// A model as the scenario of a release, straight from its release angle; `head` is a comment.
+pub(crate) fn plain(head: &str, name: &str, model: &Model, duration: f64) -> String {
+    let mut out: String = head.lines().map(|line| format!("# {line}\n")).collect();
+    put(&mut out, "name", quoted(name));
+    let has_diameter = model.rod().diameter > 0.0;
+    rod(&mut out, model, &|k| ROD[k].0 != "diameter" || has_diameter);
+    out += "\n[run]\n";
+    put(&mut out, "duration", si(duration, "s"));
+    effects(&mut out, model);
+    out
+}
+
+/// The rod, but for data that it has not, and its release.
+fn rod(out: &mut String, model: &Model, has: &dyn Fn(usize) -> bool) {
+    let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
+    *out += "\n[rod]\n";
+    put(out, "nodes", model.edges + 1);
+    put(out, "root", quoted(if model.root == Root::Paper { "paper" } else { "consistent" }));
+    put(out, "base_angle", si(value("rod.base_angle"), "rad"));
+    put(out, "tip", si(model.tip_distance, "m"));
+    for (_, (key, unit)) in ROD.into_iter().enumerate().filter(|(k, _)| has(*k)) {
+        put(out, key, si(value(&format!("rod.{key}")), unit));
+    }
+    *out += "\n[release]\n";
+    put(out, "angle", si(value("release.angle"), "rad"));
+    put(out, "angular_velocity", si(value("release.angular_velocity"), "rad/s"));
+}
+
+fn effects(out: &mut String, model: &Model) {
+    let all: Vec<_> = model.effects.iter().flat_map(|active| active.theta.clone()).collect();
+    parameters(out, "", model, &all);
 }
 
 /// With a pressure that changes the model needs the muscle itself.

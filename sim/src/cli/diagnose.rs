@@ -1,0 +1,60 @@
+//! `efam diagnose`: which physical effect the model of an experiment lacks.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use models::effects::{CATALOGUE, by_name};
+use models::nearest::nearest;
+use serde_json::json;
+use sim::cleaning::clean;
+use sim::diagnose::{Settings, diagnose, problem};
+use sim::results::Request;
+use sim::results::diagnosed::{diagnosis_table, write_diagnosis};
+
+use super::Diagnose;
+use super::calibrate::input_hashes;
+use super::experiment::open;
+use super::failure::Failure;
+use super::progress;
+
+pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
+    let begin = Instant::now();
+    for name in args.without.iter().filter(|name| by_name(name).is_none()) {
+        let near = nearest(name, CATALOGUE.iter().map(|effect| effect.about().name));
+        let near = near.map_or(String::new(), |near| format!("; did you mean {near}?"));
+        return Err(Failure::Usage(format!(
+            "--without {name}: there is no such effect{near} efam effects lists them"
+        )));
+    }
+    // What stands in the way is said before a long search.
+    let (experiment, folder) = open(&args.of)?;
+    let input_hashes = input_hashes(&experiment);
+    let progress = progress::line(args.quiet || args.of.json);
+    progress.set_message("reading and cleaning the recordings");
+    let cleaned = clean(&experiment)?;
+    let problem = problem(&experiment, &cleaned)?;
+    let settings =
+        Settings { false_alarm: args.false_alarm, most_effects: args.most, excluded: args.without.clone() };
+    let outcome = diagnose(&problem, &settings, &|what| progress.set_message(what.to_owned()))?;
+    progress.finish_and_clear();
+    let request = Request {
+        name: experiment.name.clone(),
+        resolved_scenario: experiment.text().to_owned(),
+        warnings: outcome.diagnosis.warnings.clone(),
+        input_hashes,
+        argv: std::env::args().collect(),
+        wall_time_s: begin.elapsed().as_secs_f64(),
+        ..Request::default()
+    };
+    write_diagnosis(&folder, &request, &outcome)?;
+    let folder = folder.finish()?;
+    let mut out = io::stdout().lock();
+    if args.of.json {
+        writeln!(out, "{}", json!({ "folder": folder, "diagnosis": outcome.diagnosis }))?;
+    } else if !args.quiet {
+        write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
+        writeln!(out, "\nresults in {}", folder.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

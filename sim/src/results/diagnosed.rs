@@ -1,0 +1,112 @@
+//! What a diagnosis leaves on disk.
+//!
+//! ```text
+//! outputs/<UTC>_<name>_<hash8>/
+//!   diagnosis.json         the verdict with its evidence
+//!   repaired-1.toml …      a scenario for each release, with the effects in its model: `efam simulate`
+//!   experiment.toml        the experiment as it was read
+//!   summary.json           the verdict alone, and by which command
+//! ```
+
+use std::fmt::Write;
+use std::time::SystemTime;
+
+use serde_json::json;
+
+use super::calibrated::EXPERIMENT;
+use super::folder::{self, Folder, MARK};
+use super::report::significant;
+use super::{Request, ResultsError};
+use crate::diagnose::verdict::{Evidence, Gap};
+use crate::diagnose::{Diagnosis, Outcome};
+use crate::scenario::resolved::plain;
+
+/// The verdict.
+pub const DIAGNOSIS: &str = "diagnosis.json";
+
+/// Writes a diagnosis into an open folder; `request.resolved_scenario` is the experiment's text.
+/// # Errors
+/// [`ResultsError::Write`].
+pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) -> Result<(), ResultsError> {
+    let diagnosis = &outcome.diagnosis;
+    let text = serde_json::to_string_pretty(diagnosis).expect("a diagnosis has nothing that JSON has not");
+    folder.write(DIAGNOSIS, text.as_bytes())?;
+    folder.write(EXPERIMENT, request.resolved_scenario.as_bytes())?;
+    let mut head = format!("{}\nWritten by efam diagnose from:", diagnosis.summary);
+    for (file, hash) in &request.input_hashes {
+        let _ = write!(head, "\n  {file}  sha256 {hash}");
+    }
+    for (k, trial) in outcome.repaired.trials.iter().enumerate() {
+        let duration = trial.release.time.last().copied().unwrap_or(1.0);
+        let text = plain(&head, &trial.release.name, &trial.model, duration);
+        folder.write(&format!("repaired-{}.toml", k + 1), text.as_bytes())?;
+    }
+    let mark = json!({
+        "kind": "diagnosis",
+        "name": request.name,
+        "verdict": diagnosis.verdict,
+        "summary": diagnosis.summary,
+        "effects": diagnosis.effects,
+        "warnings": diagnosis.warnings,
+        "inputs_sha256": request.input_hashes,
+        "argv": request.argv,
+        "wall_time_s": request.wall_time_s,
+        "written_utc": folder::utc(SystemTime::now()),
+    });
+    folder.write(MARK, format!("{mark:#}\n").as_bytes())
+}
+
+/// Candidates shown of each round.
+const SHOWN: usize = 8;
+
+/// The verdict and its evidence as a person reads them.
+pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
+    let mut out = format!("{}\n", diagnosis.summary);
+    for added in &diagnosis.effects {
+        for value in &added.parameters {
+            let of = value.of.as_ref().map_or(String::new(), |of| format!(" of {of}"));
+            let interval = value.interval_95.map_or(" (held)".to_owned(), |[low, high]| {
+                format!(" ({} to {})", significant(low, 3), significant(high, 3))
+            });
+            let _ = writeln!(
+                out,
+                "  {}.{}{of} = {}{interval} {}",
+                added.effect,
+                value.name,
+                significant(value.value, 4),
+                value.unit
+            );
+        }
+    }
+    for (round, threshold) in diagnosis.thresholds.iter().enumerate() {
+        let _ = writeln!(out, "\nround {}: a score has to exceed {threshold:.2}", round + 1);
+        let _ = writeln!(
+            out,
+            "  {:22}{:>8}{:>10}{:>10}{:>12}",
+            "candidate", "score", "promises", "keeps", "strength"
+        );
+        let own: Vec<&Evidence> =
+            diagnosis.evidence.iter().filter(|evidence| evidence.round == round + 1).collect();
+        for evidence in own.iter().take(SHOWN) {
+            let keeps = evidence.realised_decrease.map_or("-".to_owned(), |keeps| format!("{keeps:.1}"));
+            let _ = writeln!(
+                out,
+                "  {:22}{:>8.2}{:>10.1}{keeps:>10}{:>12}  {}",
+                evidence.effect,
+                evidence.score,
+                evidence.predicted_decrease,
+                significant(evidence.strength, 3),
+                evidence.rejected.as_deref().unwrap_or("")
+            );
+        }
+    }
+    out += "\ngap over the noise        before     after\n";
+    for Gap { release, held_out, before, after, .. } in &diagnosis.gap {
+        let locked = if *held_out { "  (locked away)" } else { "" };
+        let _ = writeln!(out, "  {release:22}{before:>8.3}{after:>10.3}{locked}");
+    }
+    for warning in &diagnosis.warnings {
+        let _ = writeln!(out, "warning: {warning}");
+    }
+    out
+}
