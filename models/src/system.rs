@@ -2,11 +2,10 @@
 
 use num_dual::Dual64;
 
-use crate::effects::{Body, Effect, Kind, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
+use crate::effects::{Body, Effect, Kind, LANES, Lanes, Mass, MassLoad, Place, Rod, Scalar, Tip};
 use crate::kinematics::Fields;
 use crate::model::{
-    AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, RELEASE_ANGLE,
-    RELEASE_RATE, Root,
+    AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, PRESSURE, Root,
 };
 use crate::posture::Posture;
 use crate::tangent::Tangent;
@@ -60,6 +59,7 @@ impl<T: Scalar> Context<T> {
                 bending_stiffness: theta[BENDING_STIFFNESS],
                 axial_stiffness: theta[AXIAL_STIFFNESS],
                 diameter: theta[DIAMETER],
+                pressure: theta[PRESSURE],
             },
             base_axis: [base.cos(), base.sin()],
             body: end_body(model, &theta, node_mass * 0.5, theta[LENGTH] * (0.5 * per_edges)),
@@ -85,6 +85,8 @@ impl<T: Scalar> Context<T> {
             self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * factors[1];
             self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * factors[2];
             self.rod.diameter = self.theta[DIAMETER] * factors[3];
+            let (change, rate) = schedule.pressure_change(now);
+            self.rod.pressure = self.theta[PRESSURE] + change + (time - now) * rate;
         }
         let n = self.edges;
         self.rest_length = self.rod.length * self.per_edges;
@@ -230,8 +232,9 @@ impl<T: Scalar> Assembly<T> {
             let active = &model.effects[k];
             let share = self.share(active.effect);
             let effect = T::laws(active.effect);
-            let MassLoad { acceleration, rate } =
-                effect.mass(self.context.time, &self.context.theta[active.theta.clone()]);
+            let c = &self.context;
+            let at = Mass { time: c.time, rod: &c.rod };
+            let MassLoad { acceleration, rate } = effect.mass(&at, &c.theta[active.theta.clone()]);
             self.fields.acceleration[0] += acceleration[0] * share;
             self.fields.acceleration[1] += acceleration[1] * share;
             self.fields.decay_rate += rate;
@@ -392,13 +395,10 @@ impl<'m> System<'m> {
         }
     }
 
-    /// Coordinates and velocities of the straight rod at its release, with their derivatives by the
-    /// `group`-th [`LANES`] watched parameters.
-    pub fn straight_by_parameters(&self, group: usize) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
-        let assembly = &self.lanes[group].assembly;
-        let theta = &assembly.context.theta;
-        let (q, v) = assembly.straight(theta[RELEASE_ANGLE], theta[RELEASE_RATE]);
-        (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
+    /// The straight rod at its release, with the derivatives by the `group`-th [`LANES`] watched
+    /// parameters.
+    pub fn straight_by_parameters(&self, group: usize) -> Posture<Lanes> {
+        self.lanes[group].assembly.straight_at_release()
     }
 
     /// A posture at rest of this system with the derivatives of its coordinates.
@@ -416,13 +416,13 @@ impl<'m> System<'m> {
         pass.assembly.posture(&pass.q, &at_rest)
     }
 
-    /// Derivatives of the coordinates and velocities of a posture.
-    pub fn coordinates_by_parameters(
+    /// Derivatives of the coordinates and velocities with which the rod is let go from a posture.
+    pub fn let_go_by_parameters(
         &self,
         group: usize,
-        posture: &Posture<Lanes>,
+        posture: Posture<Lanes>,
     ) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
-        let (q, v) = self.lanes[group].assembly.coordinates(posture);
+        let (q, v) = self.lanes[group].assembly.let_go(self.model, posture);
         (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
     }
 

@@ -25,6 +25,7 @@ fn model_with_everything(root: Root) -> Model {
             bending_stiffness: 0.008,
             axial_stiffness: 40.0,
             diameter: 0.027,
+            pressure: 2e5,
         },
         base_angle: 0.1,
         release_angle: 0.2,

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use models::effects::LANES;
 use models::error::ModelError;
-use models::model::{Model, RELEASE_ANGLE, RELEASE_RATE};
+use models::model::Model;
 use models::posture::Posture;
 use models::snapshot::{EffectForce, Energy, Snapshot};
 use models::statics::equilibrium;
@@ -262,16 +262,16 @@ pub fn forward(
 
 fn initial_state(system: &mut System, initial: &Initial) -> Result<State, ModelError> {
     let model = system.model;
-    let (q, v) = match initial {
-        Initial::Straight => system.assembly.straight(model.theta[RELEASE_ANGLE], model.theta[RELEASE_RATE]),
+    let posture = match initial {
+        Initial::Straight => system.assembly.straight_at_release(),
         Initial::Equilibrium { hold, .. } => {
             let rest = equilibrium(hold, None)?;
             let at_rest = vec![0.0; rest.q.len()];
-            let posture = System::new(hold).assembly.posture(&rest.q, &at_rest);
-            system.assembly.coordinates(&posture)
+            System::new(hold).assembly.posture(&rest.q, &at_rest)
         }
-        Initial::Posture(posture) => system.assembly.coordinates(posture),
+        Initial::Posture(posture) => posture.clone(),
     };
+    let (q, v) = system.assembly.let_go(model, posture);
     let mut z = vec![0.0; model.memory()];
     system.relax_memory(0.0, &q, &mut z);
     Ok(State { time: 0.0, q, v, z })
@@ -286,23 +286,20 @@ fn initial_slopes<'m>(model: &'m Model, run: &Run, state: &State) -> Variational
     let groups = watched.len().div_ceil(LANES);
     let mut all = Vec::with_capacity(groups);
     for group in 0..groups {
-        let (q, v) = match &run.initial {
+        let posture = match &run.initial {
             Initial::Straight => system.straight_by_parameters(group),
             Initial::Equilibrium { hold, own } => {
                 let shared: Vec<_> = watched.iter().map(|k| k.filter(|k| !own.contains(k))).collect();
-                let posture = held_by_parameters(hold, &shared, group, state);
-                system.coordinates_by_parameters(group, &posture)
+                held_by_parameters(hold, &shared, group, state)
             }
-            Initial::Posture(posture) => {
-                let posture = Posture {
-                    nodes: posture.nodes.iter().map(|x| x.map(Into::into)).collect(),
-                    velocities: posture.velocities.iter().map(|v| v.map(Into::into)).collect(),
-                    angle: posture.angle.into(),
-                    rate: posture.rate.into(),
-                };
-                system.coordinates_by_parameters(group, &posture)
-            }
+            Initial::Posture(posture) => Posture {
+                nodes: posture.nodes.iter().map(|x| x.map(Into::into)).collect(),
+                velocities: posture.velocities.iter().map(|v| v.map(Into::into)).collect(),
+                angle: posture.angle.into(),
+                rate: posture.rate.into(),
+            },
         };
+        let (q, v) = system.let_go_by_parameters(group, posture);
         let z = relaxed_memory_slopes(&mut system, group, state, &q);
         all.push(Slopes { q, v, z });
     }

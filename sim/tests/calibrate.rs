@@ -37,6 +37,7 @@ fn muscle(psi: f64, nodes: usize, alpha: f64, beta: f64) -> Model {
             bending_stiffness: at.bending_stiffness,
             axial_stiffness: at.axial_stiffness,
             diameter: at.outer_diameter,
+            pressure: at.pressure,
         },
         base_angle: 0.0,
         release_angle: 0.0,

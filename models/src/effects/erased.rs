@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use nalgebra::SVector;
 use num_dual::{Derivative, Dual64, DualSVec64};
 
-use super::law::{Bend, Body, Edge, Flow, Law, MassLoad, Tip, TipLoad};
+use super::law::{Bend, Body, Edge, Flow, Law, Mass, MassLoad, Release, Tip, TipLoad};
 use super::{About, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
@@ -29,13 +29,15 @@ pub trait EffectFor<T: Real>: Sync {
     /// The law of the surroundings of one edge.
     fn flow(&self, at: &Flow<T>, theta: &[T]) -> [T; 2];
     /// Load that goes with mass.
-    fn mass(&self, time: T, theta: &[T]) -> MassLoad<T>;
+    fn mass(&self, at: &Mass<T>, theta: &[T]) -> MassLoad<T>;
     /// Load on the end body.
     fn tip(&self, at: &Tip<T>, theta: &[T]) -> TipLoad<T>;
     /// Body at the end of the active length.
     fn body(&self, theta: &[T]) -> Body<T>;
     /// Compliance of the clamp, rad/(N m).
     fn clamp(&self, theta: &[T]) -> T;
+    /// What is added to the start.
+    fn release(&self, theta: &[T]) -> Release<T>;
     /// Stored energy in bends, edges and tip load, J.
     fn energy(&self, c: &Context<T>, theta: &[T], f: &Fields<T>, z: &[T], tip: &Tip<T>) -> T;
 }
@@ -190,8 +192,8 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
         L::flow(at, theta)
     }
 
-    fn mass(&self, time: T, theta: &[T]) -> MassLoad<T> {
-        L::mass(time, theta)
+    fn mass(&self, at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
+        L::mass(at, theta)
     }
 
     fn tip(&self, at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
@@ -204,6 +206,10 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
 
     fn clamp(&self, theta: &[T]) -> T {
         L::clamp(theta)
+    }
+
+    fn release(&self, theta: &[T]) -> Release<T> {
+        L::release(theta)
     }
 
     fn energy(&self, c: &Context<T>, theta: &[T], f: &Fields<T>, z: &[T], tip: &Tip<T>) -> T {

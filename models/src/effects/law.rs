@@ -15,6 +15,8 @@ pub struct Rod<T> {
     pub axial_stiffness: T,
     /// Outer diameter, m.
     pub diameter: T,
+    /// Pressure inside above ambient, as a gauge shows it, Pa; 0 where it is not known.
+    pub pressure: T,
 }
 
 impl<T: Copy> Rod<T> {
@@ -26,6 +28,7 @@ impl<T: Copy> Rod<T> {
             bending_stiffness: f(self.bending_stiffness),
             axial_stiffness: f(self.axial_stiffness),
             diameter: f(self.diameter),
+            pressure: f(self.pressure),
         }
     }
 }
@@ -94,6 +97,15 @@ pub struct Flow<'a, T> {
     pub rod: &'a Rod<T>,
 }
 
+/// All that has mass, as a law sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Mass<'a, T> {
+    /// Time since release, s.
+    pub time: T,
+    /// The rod as it is now.
+    pub rod: &'a Rod<T>,
+}
+
 /// A load that goes with mass: `force = mass (acceleration − rate · velocity)`, and likewise
 /// `moment = −rotary inertia · rate · angular velocity`.
 #[derive(Clone, Copy, Debug)]
@@ -146,6 +158,15 @@ impl<T: Copy> Body<T> {
     pub fn of(theta: &[T]) -> Self {
         Self { mass: theta[0], center_of_mass: theta[1], rotary_inertia: theta[2] }
     }
+}
+
+/// What an effect adds to the posture and the velocities with which the rod is let go.
+#[derive(Clone, Copy, Debug)]
+pub struct Release<T> {
+    /// Turn of the whole rod about the clamp, rad, from x towards z.
+    pub angle: T,
+    /// Angular velocity of the whole rod about the clamp, rad/s, from x towards z.
+    pub angular_velocity: T,
 }
 
 /// Parameters of an effect that is a [`Body`].
@@ -212,8 +233,8 @@ pub trait Law: Sync + 'static {
     fn flow<T: Real>(_at: &Flow<T>, _theta: &[T]) -> [T; 2] {
         [T::from(0.0); 2]
     }
-    /// Load that goes with mass, at time `time`, s.
-    fn mass<T: Real>(_time: T, _theta: &[T]) -> MassLoad<T> {
+    /// Load that goes with mass.
+    fn mass<T: Real>(_at: &Mass<T>, _theta: &[T]) -> MassLoad<T> {
         let zero = T::from(0.0);
         MassLoad { acceleration: [zero; 2], rate: zero }
     }
@@ -234,5 +255,10 @@ pub trait Law: Sync + 'static {
     /// Rotational compliance of the clamp, rad/(N m).
     fn clamp<T: Real>(_theta: &[T]) -> T {
         T::from(0.0)
+    }
+    /// What is added to the start.
+    fn release<T: Real>(_theta: &[T]) -> Release<T> {
+        let zero = T::from(0.0);
+        Release { angle: zero, angular_velocity: zero }
     }
 }

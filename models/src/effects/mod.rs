@@ -10,7 +10,7 @@ mod law;
 use num_dual::DualNum;
 
 pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Registered, Scalar};
-pub use law::{BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, MassLoad, Moment, Rod, Tip, TipLoad};
+pub use law::{BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Tip, TipLoad};
 
 /// Declares the effects' files and the catalogue that holds them.
 macro_rules! catalogue {
@@ -35,6 +35,9 @@ catalogue! {
     air_drag::AirDrag,
     viscoelastic::Viscoelastic,
     clamp_compliance::ClampCompliance,
+    initial_velocity::InitialVelocity,
+    set_curvature::SetCurvature,
+    damping_over_pressure::DampingOverPressure,
 }
 
 /// The effect of that name.
@@ -78,6 +81,9 @@ pub enum Place {
     Body,
     /// The clamp: gives a rotational compliance in series with the root bend.
     Clamp,
+    /// The instant of release: gives a turn about the clamp and an angular velocity about it, on top
+    /// of those of the start, whatever that is.
+    Release,
 }
 
 /// One parameter of an effect.
@@ -95,9 +101,13 @@ pub struct Parameter {
     pub range: (f64, f64),
     /// A typical size: step of finite differences, scale of fits.
     pub scale: f64,
-    /// Value at which the effect is exactly zero, if this parameter alone can switch it off.
+    /// Value at which the effect is exactly zero, if this parameter alone can switch it off, or its
+    /// share of the effect, if it [is a part](Self::is_part).
     /// A diagnosis tries an effect by the first of its parameters that has one.
     pub off: Option<f64>,
+    /// Whether the effect is a sum in which this parameter scales one term: then the effect is off
+    /// where all such parameters are, and not where one of them is.
+    pub is_part: bool,
     /// Smallest and largest value that a diagnosis believes of a muscle in a laboratory; none for all
     /// that is admissible.
     pub plausible: Option<(f64, f64)>,
@@ -116,6 +126,7 @@ impl Parameter {
         range: (0.0, 0.0),
         scale: 1.0,
         off: None,
+        is_part: false,
         plausible: None,
         tries: &[],
     };
@@ -186,4 +197,15 @@ pub struct About {
     pub separated_by: &'static [Separator],
     /// What has its own values of the parameters.
     pub reach: Reach,
+}
+
+impl About {
+    /// Whether the effect is exactly zero at these values of its parameters, in their order.
+    pub fn is_off(&self, values: &[f64]) -> bool {
+        let both = || self.parameters.iter().zip(values);
+        let stands_off = |(p, value): (&Parameter, &f64)| p.off == Some(*value);
+        let mut parts = both().filter(|(p, _)| p.is_part).peekable();
+        both().any(|(p, value)| !p.is_part && stands_off((p, value)))
+            || (parts.peek().is_some() && parts.all(stands_off))
+    }
 }

@@ -206,6 +206,7 @@ mod tests {
                 bending_stiffness: 0.008,
                 axial_stiffness: 40.0,
                 diameter: 0.03,
+                pressure: 0.0,
             },
             base_angle: 0.1,
             release_angle: 0.0,

@@ -218,6 +218,7 @@ pub(crate) mod tests {
                 bending_stiffness: 0.00709,
                 axial_stiffness: 325.0,
                 diameter: 0.0269,
+                pressure: 103_421.0,
             },
             base_angle: 0.0,
             release_angle: 0.0,
