@@ -335,6 +335,17 @@ impl Model {
         }
     }
 
+    /// Whether a parameter, as an index into `theta`, changes only what is observed.
+    pub fn is_of_sensor(&self, parameter: usize) -> bool {
+        let is_own = |active: &&Active| active.theta.contains(&parameter);
+        self.effects.iter().find(is_own).is_some_and(|active| active.effect.about().places == [Place::Sensor])
+    }
+
+    /// Whether an effect stands between the rod and what is observed of it.
+    pub fn has_sensor(&self) -> bool {
+        !self.acting(Place::Sensor, &[]).is_empty()
+    }
+
     /// The effects that act at a place and are not at off, or have one of the `watched` parameters.
     /// An effect with memory always counts: its memory goes on even where its force is off.
     pub(crate) fn acting(&self, place: Place, watched: &[Option<usize>]) -> Vec<usize> {

@@ -137,3 +137,21 @@ impl<T: Scalar> Assembly<T> {
         self.coordinates(&Posture::straight(context.edges, context.rest_length, angle, rate))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Turned and set in motion, the straight rod is the straight rod at the sums.
+    #[test]
+    fn a_turned_straight_rod_is_straight() {
+        let start: Posture<f64> = Posture::straight(5, 0.1, 0.3, -0.7);
+        let found = start.turned(Release { angle: 0.4, angular_velocity: 1.5 });
+        let due = Posture::straight(5, 0.1, 0.3 + 0.4, -0.7 + 1.5);
+        assert_eq!((found.angle, found.rate), (due.angle, due.rate));
+        let pairs = found.nodes.iter().zip(&due.nodes).chain(found.velocities.iter().zip(&due.velocities));
+        for (found, due) in pairs {
+            assert!((found[0] - due[0]).hypot(found[1] - due[1]) < 1e-15, "{found:?}, due {due:?}");
+        }
+    }
+}

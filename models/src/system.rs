@@ -4,6 +4,7 @@ use num_dual::Dual64;
 
 use crate::effects::{Body, Effect, Kind, LANES, Lanes, Mass, MassLoad, Place, Rod, Scalar, Tip};
 use crate::kinematics::Fields;
+use crate::lanes::{seeded, slopes, with_slopes};
 use crate::model::{
     AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, PRESSURE, Root,
 };
@@ -410,7 +411,7 @@ impl<'m> System<'m> {
     ) -> Posture<Lanes> {
         let pass = &mut self.lanes[group];
         for (lifted, (q, by_theta)) in pass.q.iter_mut().zip(q.iter().zip(by_theta)) {
-            *lifted = Lanes::new(*q, num_dual::Derivative::some((*by_theta).into()));
+            *lifted = with_slopes(*q, *by_theta);
         }
         let at_rest = vec![Lanes::from(0.0); q.len()];
         pass.assembly.posture(&pass.q, &at_rest)
@@ -426,22 +427,10 @@ impl<'m> System<'m> {
         (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
     }
 
-    /// Derivatives of the position of a point of the end body, `beyond` the last node along the body
-    /// axis, m.
-    pub fn tip_by_parameters(
-        &self,
-        group: usize,
-        beyond: f64,
-        q: &[f64],
-        by_theta: &[[f64; LANES]],
-    ) -> [[f64; LANES]; 2] {
-        let last = q.len() - 1;
-        let arm = slopes(&self.lanes[group].assembly.context.body.center_of_mass);
-        let reach = beyond - self.assembly.context.body.center_of_mass;
-        let (sin, cos) = q[last].sin_cos();
-        [(last - 2, cos, -sin), (last - 1, sin, cos)].map(|(k, axis, across)| {
-            std::array::from_fn(|p| by_theta[k][p] - arm[p] * axis + reach * across * by_theta[last][p])
-        })
+    /// Parameters, and what follows from them alone, with the derivatives by the `group`-th [`LANES`]
+    /// watched ones.
+    pub fn watched(&self, group: usize) -> &Context<Lanes> {
+        &self.lanes[group].assembly.context
     }
 
     /// Rate of forces and of memory rates by time alone, at a fixed state.
@@ -572,13 +561,7 @@ impl TimePass {
 
 impl Pass<Lanes> {
     fn for_parameters(model: &Model, group: &[Option<usize>]) -> Self {
-        let mut theta: Vec<Lanes> = model.theta.iter().map(|value| Lanes::from(*value)).collect();
-        for (lane, k) in group.iter().enumerate() {
-            if let Some(k) = *k {
-                theta[k] = seeded(model.theta[k], lane);
-            }
-        }
-        Self::new(model, theta, group)
+        Self::new(model, seeded(&model.theta, group), group)
     }
 }
 
@@ -613,13 +596,3 @@ impl<T: Scalar> Pass<T> {
     }
 }
 
-/// A value with derivative one in one lane.
-fn seeded(value: f64, lane: usize) -> Lanes {
-    let mut eps = nalgebra::SVector::zeros();
-    eps[lane] = 1.0;
-    Lanes::new(value, num_dual::Derivative::some(eps))
-}
-
-fn slopes(x: &Lanes) -> [f64; LANES] {
-    x.eps.0.map_or([0.0; LANES], |eps| eps.data.0[0])
-}

@@ -91,3 +91,37 @@ impl Law for DampingOverPressure {
 fn relative_pressure<T: Real>(rod: &Rod<T>, theta: &[T]) -> T {
     if rod.pressure.re() > 0.0 { rod.pressure / theta[2] } else { T::from(0.0) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::DampingOverPressure as Effect;
+    use super::*;
+    use crate::effects::rayleigh_stiffness::RayleighStiffness;
+
+    /// At the reference pressure it is Rayleigh's loss, at twice that twice as much, and below ambient
+    /// nothing.
+    #[test]
+    fn the_loss_is_in_proportion_to_the_pressure() {
+        let moment = |pressure: f64| {
+            let rod = Rod {
+                length: 0.2,
+                mass: 0.02,
+                bending_stiffness: 0.007,
+                axial_stiffness: 300.0,
+                diameter: 0.03,
+                pressure,
+            };
+            let bend =
+                Bend { kappa: 3.0, kappa_rate: 20.0, memory: 0.0, position: 0.5, time: 0.0, rod: &rod };
+            [
+                Effect::bend(&bend, &[4e-3, 0.5, 1e5]).moment,
+                RayleighStiffness::bend(&bend, &[4e-3]).moment,
+                Effect::mass(&Mass { time: 0.0, rod: &rod }, &[4e-3, 0.5, 1e5]).rate,
+            ]
+        };
+        let [at_reference, rayleigh, rate] = moment(1e5);
+        assert_eq!((at_reference, rate), (rayleigh, 0.5));
+        assert_eq!((moment(2e5)[0], moment(2e5)[2]), (2.0 * rayleigh, 1.0));
+        assert_eq!((moment(-2e4)[0], moment(-2e4)[2]), (0.0, 0.0));
+    }
+}

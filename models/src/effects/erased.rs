@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use nalgebra::SVector;
 use num_dual::{Derivative, Dual64, DualSVec64};
 
-use super::law::{Bend, Body, Edge, Flow, Law, Mass, MassLoad, Release, Tip, TipLoad};
+use super::law::{Bend, Body, Edge, Flow, Law, Mass, MassLoad, Release, Sight, Tip, TipLoad};
 use super::{About, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
@@ -36,6 +36,10 @@ pub trait EffectFor<T: Real>: Sync {
     fn body(&self, theta: &[T]) -> Body<T>;
     /// Compliance of the clamp, rad/(N m).
     fn clamp(&self, theta: &[T]) -> T;
+    /// Where an observed point is seen, m.
+    fn sensor(&self, at: &Sight<T>, theta: &[T]) -> [T; 2];
+    /// Time since release at a time of the recording, s.
+    fn clock(&self, recorded: T, theta: &[T]) -> T;
     /// What is added to the start.
     fn release(&self, theta: &[T]) -> Release<T>;
     /// Stored energy in bends, edges and tip load, J.
@@ -206,6 +210,14 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
 
     fn clamp(&self, theta: &[T]) -> T {
         L::clamp(theta)
+    }
+
+    fn sensor(&self, at: &Sight<T>, theta: &[T]) -> [T; 2] {
+        L::sensor(at, theta)
+    }
+
+    fn clock(&self, recorded: T, theta: &[T]) -> T {
+        L::clock(recorded, theta)
     }
 
     fn release(&self, theta: &[T]) -> Release<T> {

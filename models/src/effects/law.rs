@@ -169,6 +169,20 @@ pub struct Release<T> {
     pub angular_velocity: T,
 }
 
+/// A point of the rod that is observed.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight<T> {
+    /// Where it is in W, m, or where the effects before this one have it seen.
+    pub position: [T; 2],
+    /// Direction of the rod there, towards the tip, of length one; at the observed tip that of the
+    /// end body.
+    pub tangent: [T; 2],
+    /// Place along the rod, from 0 at the clamp to 1 at the end fitting.
+    pub share: f64,
+    /// Whether it is the observed tip, which is a point of the end body.
+    pub is_tip: bool,
+}
+
 /// Parameters of an effect that is a [`Body`].
 pub const BODY_PARAMETERS: &[Parameter] = &[
     Parameter {
@@ -255,6 +269,15 @@ pub trait Law: Sync + 'static {
     /// Rotational compliance of the clamp, rad/(N m).
     fn clamp<T: Real>(_theta: &[T]) -> T {
         T::from(0.0)
+    }
+    /// Where an observed point is seen, m.
+    fn sensor<T: Real>(at: &Sight<T>, _theta: &[T]) -> [T; 2] {
+        at.position
+    }
+    /// Time since release, s, at which what is seen at the time `recorded` of the recording took
+    /// place; it rises with it.
+    fn clock<T: Real>(recorded: T, _theta: &[T]) -> T {
+        recorded
     }
     /// What is added to the start.
     fn release<T: Real>(_theta: &[T]) -> Release<T> {

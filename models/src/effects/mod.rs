@@ -10,14 +10,15 @@ mod law;
 use num_dual::DualNum;
 
 pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Registered, Scalar};
-pub use law::{BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Tip, TipLoad};
+pub use law::{BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Sight, Tip, TipLoad};
 
 /// Declares the effects' files and the catalogue that holds them.
 macro_rules! catalogue {
     ($($file:ident :: $law:ident,)*) => {
         $(pub mod $file;)*
 
-        /// Every effect that a model can have, in the order in which pages list them.
+        /// Every effect that a model can have, in the order in which pages list them, and in which those
+        /// on what is observed follow one another.
         pub static CATALOGUE: &[&dyn Effect] =
             &[$(&Registered::<$file::$law>::new(include_str!(concat!(stringify!($file), ".rs"))),)*];
     };
@@ -38,6 +39,12 @@ catalogue! {
     initial_velocity::InitialVelocity,
     set_curvature::SetCurvature,
     damping_over_pressure::DampingOverPressure,
+    // In the order in which they stand between a point of the rod and its place in a recording.
+    marker_offset::MarkerOffset,
+    out_of_plane::OutOfPlane,
+    frame_tilt::FrameTilt,
+    scale::Scale,
+    clock::Clock,
 }
 
 /// The effect of that name.
@@ -84,6 +91,9 @@ pub enum Place {
     /// The instant of release: gives a turn about the clamp and an angular velocity about it, on top
     /// of those of the start, whatever that is.
     Release,
+    /// What is observed, and nothing of the rod itself: gives the position at which a point is seen,
+    /// and the time at which.
+    Sensor,
 }
 
 /// One parameter of an effect.

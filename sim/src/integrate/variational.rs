@@ -73,10 +73,10 @@ pub struct Variational<'m> {
     damped: Vec<Row>,
 }
 
-/// Parameters in the order in which they fill the groups: those of the geometry cost more, so they
-/// stand together.
+/// Parameters that move the rod, in the order in which they fill the groups: those of the geometry cost
+/// more, so they stand together.
 pub fn lane_order(model: &Model, parameters: &[usize]) -> Vec<usize> {
-    let mut order = parameters.to_vec();
+    let mut order: Vec<usize> = parameters.iter().copied().filter(|k| !model.is_of_sensor(*k)).collect();
     order.sort_by_key(|k| model.is_geometric(*k));
     order
 }

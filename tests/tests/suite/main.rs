@@ -24,6 +24,7 @@ mod order {
 mod properties {
     mod allocation;
     mod catalogue;
+    mod seen;
     mod sensitivities;
 }
 mod recordings {
