@@ -36,7 +36,8 @@ const COLLAPSED: f64 = 1e-14;
 impl Coupled {
     /// Zero, of `n` rows.
     pub fn zeros(n: usize) -> Self {
-        let product = Product { column: vec![0.0; n], row: vec![0.0; n], answer: vec![0.0; n], ..Product::default() };
+        let product =
+            Product { column: vec![0.0; n], row: vec![0.0; n], answer: vec![0.0; n], ..Product::default() };
         Self { band: Banded::zeros(n), product }
     }
 

@@ -1,6 +1,7 @@
 //! What the world does: a planar discrete elastic rod, clamped at one end, with a rigid body at the other.
 pub mod analytical;
 pub mod banded;
+pub mod coupled;
 pub mod effects;
 pub mod error;
 pub mod interpolate;

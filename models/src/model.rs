@@ -329,7 +329,7 @@ impl Model {
         match of_effect {
             Some(active) => {
                 let places = active.effect.about().places;
-                places.contains(&Place::Body) || places.contains(&Place::Clamp)
+                [Place::Body, Place::Inertia, Place::Clamp].iter().any(|place| places.contains(place))
             }
             None => [LENGTH, MASS, BASE_ANGLE].contains(&parameter),
         }

@@ -121,7 +121,8 @@ impl<T: Scalar> Assembly<T> {
             let theta = &self.context.theta[active.theta.clone()];
             posture.turned(T::laws(active.effect).release(theta))
         };
-        let acting = model.effects.iter().filter(|active| active.effect.about().places.contains(&Place::Release));
+        let acting =
+            model.effects.iter().filter(|active| active.effect.about().places.contains(&Place::Release));
         self.coordinates(&acting.fold(posture, at_release))
     }
 

@@ -17,9 +17,10 @@ impl<T: Scalar> Sensor<T> {
     pub fn new(model: &Model, theta: Vec<T>) -> Self {
         let name = |active: &Active| active.effect.about().name;
         let of_model = |registered: &str| model.effects.iter().find(|active| name(active) == registered);
-        let sensors = CATALOGUE.iter().map(|effect| effect.about()).filter(|about| {
-            about.places.contains(&Place::Sensor)
-        });
+        let sensors = CATALOGUE
+            .iter()
+            .map(|effect| effect.about())
+            .filter(|about| about.places.contains(&Place::Sensor));
         Self { effects: sensors.filter_map(|about| of_model(about.name).cloned()).collect(), theta }
     }
 
@@ -34,9 +35,8 @@ impl<T: Scalar> Sensor<T> {
 
     /// Time since release, s, of what is seen at a time of the recording.
     pub fn instant(&self, recorded: T) -> T {
-        let through = |time: T, active: &Active| {
-            T::laws(active.effect).clock(time, &self.theta[active.theta.clone()])
-        };
+        let through =
+            |time: T, active: &Active| T::laws(active.effect).clock(time, &self.theta[active.theta.clone()]);
         self.effects.iter().fold(recorded, through)
     }
 }

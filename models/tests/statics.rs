@@ -74,7 +74,14 @@ impl Case {
     fn unit(edges: usize) -> Self {
         Self {
             edges,
-            rod: Rod { length: 1.0, mass: 1.0, bending_stiffness: 1.0, axial_stiffness: 1e8, diameter: 0.1, pressure: 0.0 },
+            rod: Rod {
+                length: 1.0,
+                mass: 1.0,
+                bending_stiffness: 1.0,
+                axial_stiffness: 1e8,
+                diameter: 0.1,
+                pressure: 0.0,
+            },
             gravity: 0.0,
             fitting: [0.0; 3],
             ..Self::muscle(&PSI_ROWS[2])

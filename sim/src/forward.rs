@@ -205,7 +205,8 @@ pub fn forward(
     let breakpoints = model.schedule.as_ref().map_or(&[][..], |schedule| schedule.breakpoints());
     let stops = breakpoints.iter().chain(&run.stops).copied();
     let mut stops: Vec<f64> = stops.filter(|t| *t > 0.0 && *t < duration).collect();
-    stops.push(duration);
+    // What is seen later changes no step before the end of the run.
+    stops.extend([run.duration, duration]);
     stops.sort_by(f64::total_cmp);
     stops.dedup();
     let control =

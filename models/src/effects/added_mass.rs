@@ -48,3 +48,35 @@ impl Law for AddedMass {
         theta[0]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::effects::tests::rod_with;
+    use crate::model::Model;
+    use crate::statics::equilibrium;
+    use crate::system::System;
+
+    const FITTING: (&str, &[(&str, f64)]) = ("end_fitting", &[("mass", 0.05), ("center_of_mass", 0.017)]);
+
+    /// Twenty grams on the rod's thirty: it is as inert as a rod of fifty, the end body included, and
+    /// hangs as one of thirty.
+    #[test]
+    fn it_is_inert_and_not_heavy() {
+        let light = rod_with(&[FITTING]);
+        let model = rod_with(&[FITTING, ("added_mass", &[("mass_per_length", 0.02 / 0.3)])]);
+        let mut heavy = light.clone();
+        heavy.set("rod.mass", 0.05).unwrap();
+        let (found, due) = (System::new(&model), System::new(&heavy));
+        for (found, due) in found.mass.iter().zip(&due.mass) {
+            assert!((found / due - 1.0).abs() < 1e-14, "{found} kg, due {due}");
+        }
+        let nodes = |model: &Model| {
+            let rest = equilibrium(model, None).unwrap();
+            System::new(model).assembly.posture(&rest.q, &vec![0.0; rest.q.len()]).nodes
+        };
+        for (found, due) in nodes(&model).iter().zip(nodes(&light)) {
+            // Both to an imbalance of 1e-10 of the weight.
+            assert!((found[0] - due[0]).hypot(found[1] - due[1]) < 1e-8, "{found:?}, due {due:?}");
+        }
+    }
+}

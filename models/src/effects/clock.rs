@@ -28,7 +28,7 @@ impl Law for Clock {
         parameters: &[
             Parameter {
                 name: "rate_error",
-                meaning: "time that passes in a second of the recording, less one second, a second",
+                meaning: "seconds that pass in one second of the recording, less one",
                 unit: "",
                 default: 1e-3,
                 range: (-0.5, 1.0),

@@ -19,7 +19,9 @@
 //! Source:   First terms over pressure of Rayleigh's rates; Garbulinski and Wereley (2022) measured a
 //!           damping ratio that grows 4.5 times from 5 to 100 psi.
 
-use super::{About, Bend, Edge, Kind, Law, Mass, MassLoad, Moment, Parameter, Place, Reach, Real, Rod, Separator};
+use super::{
+    About, Bend, Edge, Kind, Law, Mass, MassLoad, Moment, Parameter, Place, Reach, Real, Rod, Separator,
+};
 
 /// Losses that grow with the pressure.
 pub struct DampingOverPressure;
@@ -111,8 +113,15 @@ mod tests {
                 diameter: 0.03,
                 pressure,
             };
-            let bend =
-                Bend { kappa: 3.0, kappa_rate: 20.0, memory: 0.0, position: 0.5, time: 0.0, rod: &rod };
+            let bend = Bend {
+                kappa: 3.0,
+                kappa_rate: 20.0,
+                mean_square_curvature: 0.0,
+                memory: 0.0,
+                position: 0.5,
+                time: 0.0,
+                rod: &rod,
+            };
             [
                 Effect::bend(&bend, &[4e-3, 0.5, 1e5]).moment,
                 RayleighStiffness::bend(&bend, &[4e-3]).moment,

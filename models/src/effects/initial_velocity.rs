@@ -11,8 +11,8 @@
 //!           posture.
 //! Off:      angular_velocity = 0.
 //! Silent:   Never; but what is left of it after the first swings is a shift in time.
-//! Source:   A rigid rotation; a hand moves a tip by up to 0.3 m/s, judged from the releases of a
-//!           rod of 0.2 m.
+//! Source:   Rotation about a fixed point. Plausible are 1.5 rad/s, which is 0.3 m/s at the tip of a
+//!           rod of 0.2 m: a judgement, not a measurement.
 
 use super::{About, Kind, Law, Parameter, Place, Reach, Real, Release, Separator};
 

@@ -40,6 +40,9 @@ pub struct Bend<'a, T> {
     pub kappa: T,
     /// Its rate, 1/(m s).
     pub kappa_rate: T,
+    /// Mean square of the curvature over the rod, 1/m²: for effects that name [`Whole`](super::Place::Whole),
+    /// zero for others. Rates of memory must not depend on it.
+    pub mean_square_curvature: T,
     /// The effect's own memory at this bend.
     pub memory: T,
     /// Place along the rod, from 0 at the clamp to 1 at the end fitting.
@@ -265,6 +268,15 @@ pub trait Law: Sync + 'static {
     fn body<T: Real>(_theta: &[T]) -> Body<T> {
         let zero = T::from(0.0);
         Body { mass: zero, center_of_mass: zero, rotary_inertia: zero }
+    }
+    /// How much further along the end fitting's axis all bodies at the end lie than they say, m.
+    fn shift<T: Real>(_theta: &[T]) -> T {
+        T::from(0.0)
+    }
+    /// Mass that moves with a metre of the rod and has no weight, kg/m; of the rod at release, as
+    /// masses are.
+    fn inertia<T: Real>(_at_release: &Rod<T>, _theta: &[T]) -> T {
+        T::from(0.0)
     }
     /// Rotational compliance of the clamp, rad/(N m).
     fn clamp<T: Real>(_theta: &[T]) -> T {

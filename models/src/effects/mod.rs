@@ -6,11 +6,15 @@
 
 mod erased;
 mod law;
+mod registered;
 
 use num_dual::DualNum;
 
-pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Registered, Scalar};
-pub use law::{BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Sight, Tip, TipLoad};
+pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Scalar};
+pub use law::{
+    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Sight, Tip, TipLoad,
+};
+pub use registered::Registered;
 
 /// Declares the effects' files and the catalogue that holds them.
 macro_rules! catalogue {
@@ -39,6 +43,9 @@ catalogue! {
     initial_velocity::InitialVelocity,
     set_curvature::SetCurvature,
     damping_over_pressure::DampingOverPressure,
+    tip_offset::TipOffset,
+    added_mass::AddedMass,
+    pressure_volume::PressureVolume,
     // In the order in which they stand between a point of the rod and its place in a recording.
     marker_offset::MarkerOffset,
     out_of_plane::OutOfPlane,
@@ -80,12 +87,17 @@ pub enum Place {
     Edge,
     /// Every edge, from outside: velocity of its midpoint; gives a force per unit length.
     Flow,
+    /// The rod as a whole: its bends see the mean square curvature. Beside [`Place::Bend`].
+    Whole,
     /// Everything that has mass: gives an acceleration and a rate of decay of velocity.
     Mass,
     /// The end of the active length: position, angle and their rates; gives a force and a moment.
     Tip,
-    /// The rigid body at the end of the active length: gives mass, centre of mass, rotary inertia.
+    /// The rigid body at the end of the active length: gives mass, centre of mass, rotary inertia, and
+    /// a shift of all that is fixed there.
     Body,
+    /// What moves with the rod: gives a mass per length without weight.
+    Inertia,
     /// The clamp: gives a rotational compliance in series with the root bend.
     Clamp,
     /// The instant of release: gives a turn about the clamp and an angular velocity about it, on top
@@ -217,5 +229,37 @@ impl About {
         let mut parts = both().filter(|(p, _)| p.is_part).peekable();
         both().any(|(p, value)| !p.is_part && stands_off((p, value)))
             || (parts.peek().is_some() && parts.all(stands_off))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rod;
+    use crate::model::{Model, ModelSpec, Root};
+
+    /// A rod of 40 edges at 2 bar with some effects, for the tests that they have of their own.
+    pub(super) fn rod_with(effects: &[(&str, &[(&str, f64)])]) -> Model {
+        let owned = |(key, value): &(&str, f64)| ((*key).to_owned(), *value);
+        let effects =
+            effects.iter().map(|(name, values)| ((*name).to_owned(), values.iter().map(owned).collect()));
+        Model::new(&ModelSpec {
+            nodes: 41,
+            rod: Rod {
+                length: 0.3,
+                mass: 0.03,
+                bending_stiffness: 0.01,
+                axial_stiffness: 300.0,
+                diameter: 0.02,
+                pressure: 2e5,
+            },
+            base_angle: 0.1,
+            release_angle: 0.2,
+            release_rate: 0.3,
+            root: Root::Consistent,
+            tip_distance: 0.01,
+            effects: effects.collect(),
+            schedule: None,
+        })
+        .unwrap()
     }
 }

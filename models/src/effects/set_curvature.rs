@@ -77,44 +77,22 @@ fn natural<T: Real>(rod: &Rod<T>, theta: &[T]) -> T {
 
 #[cfg(test)]
 mod tests {
-    use crate::effects::Rod;
-    use crate::model::{Model, ModelSpec, Root};
+    use crate::effects::tests::rod_with;
     use crate::statics::equilibrium;
 
-    /// Without weight every bend rests at the natural curvature, half of it per pressure here: the end
-    /// turns by its share of a circle, up to the chord of the bends, of second order.
+    /// Without weight every bend rests at the natural curvature, half of it from the pressure here: the
+    /// end turns by its share of a circle, up to the chords of the bends, of second order.
     #[test]
     fn an_unloaded_rod_rests_on_a_circle() {
-        let values = [("natural_curvature", 2.0), ("curvature_over_pressure", 1e-5)];
-        let own = |(key, value): (&str, f64)| (key.to_owned(), value);
-        let nodes = 41;
-        let model = Model::new(&ModelSpec {
-            nodes,
-            rod: Rod {
-                length: 0.3,
-                mass: 0.03,
-                bending_stiffness: 0.01,
-                axial_stiffness: 300.0,
-                diameter: 0.02,
-                pressure: 2e5,
-            },
-            base_angle: 0.1,
-            release_angle: 0.0,
-            release_rate: 0.0,
-            root: Root::Consistent,
-            tip_distance: 0.0,
-            effects: vec![
-                ("gravity".to_owned(), vec![own(("acceleration", 0.0))]),
-                ("set_curvature".to_owned(), values.map(own).to_vec()),
-            ],
-            schedule: None,
-        })
-        .unwrap();
+        let model = rod_with(&[
+            ("gravity", &[("acceleration", 0.0)]),
+            ("set_curvature", &[("natural_curvature", 2.0), ("curvature_over_pressure", 1e-5)]),
+        ]);
         let rest = equilibrium(&model, None).unwrap();
-        let (curvature, length) = (2.0 + 1e-5 * 2e5, 0.3);
-        let chord = (curvature * length / (nodes - 1) as f64).powi(2) / 12.0;
+        let curvature = 2.0 + 1e-5 * model.rod().pressure;
         let turn = rest.q[model.dof() - 1] - 0.1;
-        let due = curvature * length;
+        let due = curvature * model.rod().length;
+        let chord = (due / model.edges as f64).powi(2) / 12.0;
         assert!((turn / due - 1.0).abs() < 1.1 * chord, "{turn} rad, due {due}");
     }
 }

@@ -46,3 +46,27 @@ impl Law for TipOffset {
         theta[0]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::effects::tests::rod_with;
+    use crate::system::System;
+
+    /// As if both bodies had been measured further out.
+    #[test]
+    fn fitting_and_payload_move_together() {
+        let bodies = |d: f64, offset: f64| {
+            rod_with(&[
+                ("end_fitting", &[("mass", 0.05), ("center_of_mass", 0.017 + d), ("rotary_inertia", 1e-5)]),
+                ("payload", &[("mass", 0.02), ("center_of_mass", 0.03 + d)]),
+                ("tip_offset", &[("distance", offset)]),
+            ])
+        };
+        let (due, found) = (bodies(0.004, 0.0), bodies(0.0, 0.004));
+        let body = |model| System::new(model).assembly.context.body;
+        let (due, found) = (body(&due), body(&found));
+        assert_eq!(found.mass, due.mass);
+        assert!((found.center_of_mass - due.center_of_mass).abs() < 1e-16);
+        assert!((found.rotary_inertia - due.rotary_inertia).abs() < 1e-18);
+    }
+}

@@ -85,8 +85,7 @@ fn a_clock_shows_the_path_at_another_time() {
     let run = run();
     let at = |recorded: f64, offset: f64| offset + 1.04 * recorded;
     for offset in [0.03, -0.05] {
-        let found =
-            simulate(&paper(15.0, 12, &[("clock.rate_error", 0.04), ("clock.offset", offset)]), &run);
+        let found = simulate(&paper(15.0, 12, &[("clock.rate_error", 0.04), ("clock.offset", offset)]), &run);
         let plain = paper(15.0, 12, &[]);
         let samples: Vec<f64> = run.samples.iter().map(|t| at(*t, offset).max(0.0)).collect();
         let last = samples[samples.len() - 1];
@@ -96,6 +95,12 @@ fn a_clock_shows_the_path_at_another_time() {
             for (found, due) in found.as_flattened().iter().zip(due.as_flattened()) {
                 // Two runs with other last steps, each to its tolerance.
                 assert!((found - due).abs() < 1e-6, "sample {s}: {found}, due {due}");
+            }
+        }
+        // A second of the recording is 1.04 s of the rod's.
+        for (s, (found, due)) in found.point_velocities.iter().zip(&shifted.point_velocities).enumerate() {
+            for (found, due) in found.as_flattened().iter().zip(due.as_flattened()) {
+                assert!((found - 1.04 * due).abs() < 1e-3, "sample {s}: {found} m/s, due {due}");
             }
         }
     }
