@@ -88,10 +88,10 @@ impl Banded {
         Ok(())
     }
 
-    /// Whether all pivots of the factors are positive: of a symmetric matrix, whether it is positive
-    /// definite.
-    pub fn is_positive(&self) -> bool {
-        self.rows.iter().all(|row| row[HALF_BANDWIDTH] > 0.0)
+    /// Number of negative pivots of the factors: of a symmetric matrix, that of its negative
+    /// eigenvalues (Sylvester).
+    pub fn negative_pivots(&self) -> usize {
+        self.rows.iter().filter(|row| row[HALF_BANDWIDTH] < 0.0).count()
     }
 
     /// Solves with the factors of [`factorize`](Self::factorize), in place.

@@ -35,6 +35,8 @@ pub struct Fields<T> {
     pub kappa_slope: Vec<T>,
     /// Its rate, 1/s.
     pub kappa_rate: Vec<T>,
+    /// Mean square of the curvature over the rod, 1/m²; zero unless [asked for](Self::average).
+    pub mean_square_curvature: T,
     /// Resisting moment of each bend, N m, shape `[N+1]`.
     pub moment: Vec<T>,
     /// Tension of each edge, N, shape `[N]`.
@@ -85,6 +87,7 @@ impl<T: Real> Fields<T> {
             kappa: per_bend.clone(),
             kappa_slope: per_bend.clone(),
             kappa_rate: per_bend.clone(),
+            mean_square_curvature: zero,
             moment: per_bend,
             tension: per_edge,
             outer: vec![[zero; 2]; edges],
@@ -161,6 +164,13 @@ impl<T: Real> Fields<T> {
         self.kappa_rate[0] *= c.root_share;
     }
 
+    /// Takes the mean square of the curvature, `⟨κ²⟩ = Σ κ_i²/ℓ_i / Σ ℓ_i` with integrated curvatures.
+    pub fn average(&mut self, c: &Context<T>) {
+        let zero = T::from(0.0);
+        let square = self.kappa.iter().zip(&c.per_voronoi).fold(zero, |sum, (k, per)| sum + *k * *k * *per);
+        self.mean_square_curvature = square / c.bent_length();
+    }
+
     /// Forgets moments, tensions and loads.
     pub fn clear(&mut self) {
         let zero = T::from(0.0);
@@ -213,8 +223,10 @@ impl<T: Real> Fields<T> {
                 for k in 0..2 {
                     let dof = 2 * i - 2 + k;
                     let weight = self.acceleration[k] - self.decay_rate * v[dof];
+                    let borne = self.acceleration[k] * c.weightless_mass;
                     force[dof] =
-                        after[k] - before[k] + (outer[k] + outer_before[k]) * 0.5 + weight * c.node_mass;
+                        after[k] - before[k] + (outer[k] + outer_before[k]) * 0.5 + weight * c.node_mass
+                            - borne;
                 }
             }
             (before, outer_before) = (after, outer);
@@ -250,8 +262,15 @@ impl<T: Real> Fields<T> {
                 i if i < n => c.node_mass,
                 _ => c.body.mass,
             };
+            // What the last node bears stands among the loads at the tip.
+            let weightless = match i {
+                0 => c.weightless_mass * 0.5,
+                i if i < n => c.weightless_mass,
+                _ => T::from(0.0),
+            };
             for k in 0..2 {
-                force[i][k] += (self.acceleration[k] - self.decay_rate * self.velocity[i][k]) * mass;
+                force[i][k] += (self.acceleration[k] - self.decay_rate * self.velocity[i][k]) * mass
+                    - self.acceleration[k] * weightless;
             }
         }
         for k in 0..2 {

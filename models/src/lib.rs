@@ -1,10 +1,12 @@
 //! What the world does: a planar discrete elastic rod, clamped at one end, with a rigid body at the other.
 pub mod analytical;
 pub mod banded;
+pub mod coupled;
 pub mod effects;
 pub mod error;
 pub mod interpolate;
 pub mod kinematics;
+pub mod lanes;
 pub mod model;
 pub mod muscle;
 pub mod nearest;
@@ -12,6 +14,7 @@ pub mod posture;
 pub mod pressure;
 pub mod quantity;
 mod root;
+pub mod sensor;
 pub mod snapshot;
 pub mod statics;
 pub mod system;

@@ -54,6 +54,11 @@ pub trait Schedule: Send + Sync {
     /// Length, bending stiffness, axial stiffness and diameter relative to the model's own, each
     /// with its rate, 1/s.
     fn factors(&self, time: f64) -> [(f64, f64); 4];
+    /// Pressure above that of the model, Pa, with its rate, Pa/s: for laws that see the pressure
+    /// itself.
+    fn pressure_change(&self, _time: f64) -> (f64, f64) {
+        (0.0, 0.0)
+    }
     /// Times at which a rate jumps, s, ascending.
     fn breakpoints(&self) -> &[f64];
 }
@@ -90,21 +95,21 @@ pub(crate) const MASS: usize = 1;
 pub(crate) const BENDING_STIFFNESS: usize = 2;
 pub(crate) const AXIAL_STIFFNESS: usize = 3;
 pub(crate) const DIAMETER: usize = 4;
-pub(crate) const BASE_ANGLE: usize = 5;
-/// Where `release.angle` stands in `theta`.
-pub const RELEASE_ANGLE: usize = 6;
-/// Where `release.angular_velocity` stands in `theta`.
-pub const RELEASE_RATE: usize = 7;
+pub(crate) const PRESSURE: usize = 5;
+pub(crate) const BASE_ANGLE: usize = 6;
+pub(crate) const RELEASE_ANGLE: usize = 7;
+pub(crate) const RELEASE_RATE: usize = 8;
 
 type RodParameter = (&'static str, &'static str, &'static str, (f64, f64), f64);
 
 /// Path, meaning, unit, range and scale of what a rod itself has, in the order of `theta`.
-const ROD_PARAMETERS: [RodParameter; 8] = [
+const ROD_PARAMETERS: [RodParameter; 9] = [
     ("rod.length", "active length without load", "m", (1e-3, 100.0), 0.1),
     ("rod.mass", "distributed mass in all", "kg", (1e-9, 1e4), 0.01),
     ("rod.bending_stiffness", "bending stiffness EI", "N m^2", (0.0, 1e9), 1e-3),
     ("rod.axial_stiffness", "axial stiffness EA", "N", (1e-6, 1e12), 10.0),
     ("rod.diameter", "outer diameter", "m", (0.0, 10.0), 0.01),
+    ("rod.pressure", "pressure inside above ambient", "Pa", (-1.1e5, 1e9), 1e5),
     ("rod.base_angle", "angle of the clamp above the horizontal", "rad", (-6.3, 6.3), 0.1),
     ("release.angle", "angle above the horizontal at which the rod is let go", "rad", (-6.3, 6.3), 0.1),
     ("release.angular_velocity", "angular velocity with which it is let go", "rad/s", (-1e3, 1e3), 0.1),
@@ -150,6 +155,7 @@ impl Model {
                 rod.bending_stiffness,
                 rod.axial_stiffness,
                 if rod.diameter.is_nan() { 0.0 } else { rod.diameter },
+                rod.pressure,
                 spec.base_angle,
                 spec.release_angle,
                 spec.release_rate,
@@ -299,6 +305,7 @@ impl Model {
             bending_stiffness: self.theta[BENDING_STIFFNESS],
             axial_stiffness: self.theta[AXIAL_STIFFNESS],
             diameter: self.theta[DIAMETER],
+            pressure: self.theta[PRESSURE],
         }
     }
 
@@ -313,10 +320,9 @@ impl Model {
         !self.is_timed() && self.memory == 0 && !self.effects.iter().any(loses)
     }
 
-    /// Whether a parameter of the effect stands where the effect vanishes.
+    /// Whether the effect's parameters stand where it vanishes.
     fn is_off(&self, active: &Active) -> bool {
-        let values = &self.theta[active.theta.clone()];
-        active.effect.about().parameters.iter().zip(values).any(|(p, value)| p.off == Some(*value))
+        active.effect.about().is_off(&self.theta[active.theta.clone()])
     }
 
     /// Names of the effects that exert a force as the model stands.
@@ -335,10 +341,21 @@ impl Model {
         match of_effect {
             Some(active) => {
                 let places = active.effect.about().places;
-                places.contains(&Place::Body) || places.contains(&Place::Clamp)
+                [Place::Body, Place::Inertia, Place::Clamp].iter().any(|place| places.contains(place))
             }
             None => [LENGTH, MASS, BASE_ANGLE].contains(&parameter),
         }
+    }
+
+    /// Whether a parameter, as an index into `theta`, changes only what is observed.
+    pub fn is_of_sensor(&self, parameter: usize) -> bool {
+        let is_own = |active: &&Active| active.theta.contains(&parameter);
+        self.effects.iter().find(is_own).is_some_and(|active| active.effect.about().places == [Place::Sensor])
+    }
+
+    /// Whether an effect stands between the rod and what is observed of it.
+    pub fn has_sensor(&self) -> bool {
+        !self.acting(Place::Sensor, &[]).is_empty()
     }
 
     /// The effects that act at a place and are not at off, or have one of the `watched` parameters.

@@ -1,8 +1,9 @@
 //! A posture by its nodes: what a recording, a file or another model can give.
 
-use crate::effects::{Real, Scalar};
+use crate::effects::{Place, Real, Release, Scalar};
 use crate::kinematics::left;
-use crate::system::Assembly;
+use crate::model::{Active, Model, RELEASE_ANGLE, RELEASE_RATE};
+use crate::system::{Assembly, Context};
 
 /// Nodes and end body of a rod, in W.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,23 @@ pub struct Posture<T> {
 }
 
 impl<T: Real> Posture<T> {
+    /// The same posture turned about the clamp, with an angular velocity about it on top.
+    pub fn turned(self, by: Release<T>) -> Self {
+        let (sin, cos) = by.angle.sin_cos();
+        let turn = |[x, z]: [T; 2]| [cos * x - sin * z, sin * x + cos * z];
+        let nodes: Vec<_> = self.nodes.into_iter().map(turn).collect();
+        let swing = |(velocity, node): ([T; 2], &[T; 2])| {
+            let (along, across) = (turn(velocity), left(*node));
+            [0, 1].map(|k| along[k] + across[k] * by.angular_velocity)
+        };
+        Self {
+            velocities: self.velocities.into_iter().zip(&nodes).map(swing).collect(),
+            nodes,
+            angle: self.angle + by.angle,
+            rate: self.rate + by.angular_velocity,
+        }
+    }
+
     /// The straight rod at an angle, turning about the clamp.
     pub fn straight(edges: usize, rest_length: T, angle: T, rate: T) -> Self {
         let axis = [angle.cos(), angle.sin()];
@@ -96,9 +114,45 @@ impl<T: Scalar> Assembly<T> {
         }
     }
 
+    /// Coordinates and velocities with which the rod is let go from a posture: turned and set in
+    /// motion by the effects that act on the release.
+    pub fn let_go(&self, model: &Model, posture: Posture<T>) -> (Vec<T>, Vec<T>) {
+        let at_release = |posture: Posture<T>, active: &Active| {
+            let theta = &self.context.theta[active.theta.clone()];
+            posture.turned(T::laws(active.effect).release(theta))
+        };
+        let acting =
+            model.effects.iter().filter(|active| active.effect.about().places.contains(&Place::Release));
+        self.coordinates(&acting.fold(posture, at_release))
+    }
+
+    /// The straight rod at the model's release angle and rate.
+    pub fn straight_at_release(&self) -> Posture<T> {
+        let Context { edges, rest_length, theta, .. } = &self.context;
+        Posture::straight(*edges, *rest_length, theta[RELEASE_ANGLE], theta[RELEASE_RATE])
+    }
+
     /// Coordinates and velocities of the straight rod at an angle, turning about the clamp.
     pub fn straight(&self, angle: T, rate: T) -> (Vec<T>, Vec<T>) {
         let context = &self.context;
         self.coordinates(&Posture::straight(context.edges, context.rest_length, angle, rate))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Turned and set in motion, the straight rod is the straight rod at the sums.
+    #[test]
+    fn a_turned_straight_rod_is_straight() {
+        let start: Posture<f64> = Posture::straight(5, 0.1, 0.3, -0.7);
+        let found = start.turned(Release { angle: 0.4, angular_velocity: 1.5 });
+        let due = Posture::straight(5, 0.1, 0.3 + 0.4, -0.7 + 1.5);
+        assert_eq!((found.angle, found.rate), (due.angle, due.rate));
+        let pairs = found.nodes.iter().zip(&due.nodes).chain(found.velocities.iter().zip(&due.velocities));
+        for (found, due) in pairs {
+            assert!((found[0] - due[0]).hypot(found[1] - due[1]) < 1e-15, "{found:?}, due {due:?}");
+        }
     }
 }

@@ -85,6 +85,11 @@ impl Schedule for PressureSchedule {
         .map(|(value, slope, reference)| (value / reference, slope * rate / reference))
     }
 
+    fn pressure_change(&self, time: f64) -> (f64, f64) {
+        let (pressure, rate) = self.pressure(time);
+        (pressure - self.at_release.pressure, rate)
+    }
+
     fn breakpoints(&self) -> &[f64] {
         &self.times
     }

@@ -2,11 +2,11 @@
 
 use num_dual::Dual64;
 
-use crate::effects::{Body, Effect, Kind, LANES, Lanes, MassLoad, Place, Rod, Scalar, Tip};
+use crate::effects::{Body, Effect, Kind, LANES, Lanes, Mass, MassLoad, Place, Real, Rod, Scalar, Tip};
 use crate::kinematics::Fields;
+use crate::lanes::{seeded, slopes, with_slopes};
 use crate::model::{
-    AXIAL_STIFFNESS, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, RELEASE_ANGLE,
-    RELEASE_RATE, Root,
+    AXIAL_STIFFNESS, Active, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, PRESSURE, Root,
 };
 use crate::posture::Posture;
 use crate::tangent::Tangent;
@@ -31,6 +31,8 @@ pub struct Context<T> {
     pub body: Body<T>,
     /// Mass of an interior node, kg.
     pub node_mass: T,
+    /// The part of it that has no weight, kg; the end body holds half of that at the last node.
+    pub weightless_mass: T,
     /// Rest length of an edge, m.
     pub rest_length: T,
     /// One over it, 1/m.
@@ -43,27 +45,39 @@ pub struct Context<T> {
     pub clamp_moment: T,
 }
 
+impl<T: Real> Context<T> {
+    /// Length over which the bends of the rod stand, m: the active length, and half an edge more with
+    /// the paper's root.
+    pub fn bent_length(&self) -> T {
+        self.per_voronoi.iter().fold(T::from(0.0), |sum, per| sum + per.recip())
+    }
+}
+
 impl<T: Scalar> Context<T> {
     fn new(model: &Model, theta: Vec<T>) -> Self {
         let zero = T::from(0.0);
         let edges = model.edges;
         let per_edges = 1.0 / edges as f64;
-        let node_mass = theta[MASS] * per_edges;
+        let rod = Rod {
+            length: theta[LENGTH],
+            mass: theta[MASS],
+            bending_stiffness: theta[BENDING_STIFFNESS],
+            axial_stiffness: theta[AXIAL_STIFFNESS],
+            diameter: theta[DIAMETER],
+            pressure: theta[PRESSURE],
+        };
+        let weightless_mass = inertia(model, &rod, &theta) * rod.length * per_edges;
+        let node_mass = theta[MASS] * per_edges + weightless_mass;
         let base = theta[BASE_ANGLE];
         let mut context = Self {
             edges,
             per_edges,
             time: zero,
-            rod: Rod {
-                length: theta[LENGTH],
-                mass: theta[MASS],
-                bending_stiffness: theta[BENDING_STIFFNESS],
-                axial_stiffness: theta[AXIAL_STIFFNESS],
-                diameter: theta[DIAMETER],
-            },
+            rod,
             base_axis: [base.cos(), base.sin()],
             body: end_body(model, &theta, node_mass * 0.5, theta[LENGTH] * (0.5 * per_edges)),
             node_mass,
+            weightless_mass,
             rest_length: zero,
             per_rest_length: zero,
             per_voronoi: vec![zero; edges + 1],
@@ -85,6 +99,8 @@ impl<T: Scalar> Context<T> {
             self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * factors[1];
             self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * factors[2];
             self.rod.diameter = self.theta[DIAMETER] * factors[3];
+            let (change, rate) = schedule.pressure_change(now);
+            self.rod.pressure = self.theta[PRESSURE] + change + (time - now) * rate;
         }
         let n = self.edges;
         self.rest_length = self.rod.length * self.per_edges;
@@ -97,11 +113,8 @@ impl<T: Scalar> Context<T> {
         // A clamp in series with the root bend: both carry the elastic moment, which fixes how
         // they share the rotation. The split is kept for every other moment of the root bend.
         let mut compliance = T::from(0.0);
-        for active in &model.effects {
-            if active.effect.about().places.contains(&Place::Clamp) {
-                let effect = T::laws(active.effect);
-                compliance += effect.clamp(&self.theta[active.theta.clone()]);
-            }
+        for active in at(model, Place::Clamp) {
+            compliance += T::laws(active.effect).clamp(&self.theta[active.theta.clone()]);
         }
         let stiffness = self.rod.bending_stiffness * self.per_voronoi[0];
         self.root_share = (compliance * stiffness + 1.0).recip();
@@ -127,12 +140,14 @@ fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: T, half_length: T)
         center_of_mass: zero,
         rotary_inertia: half_cell * half_length * half_length / 3.0,
     }];
-    for active in &model.effects {
-        if active.effect.about().places.contains(&Place::Body) {
-            let effect = T::laws(active.effect);
-            bodies.push(effect.body(&theta[active.theta.clone()]));
-        }
+    let mut shift = zero;
+    for active in at(model, Place::Body) {
+        let effect = T::laws(active.effect);
+        bodies.push(effect.body(&theta[active.theta.clone()]));
+        shift += effect.shift(&theta[active.theta.clone()]);
     }
+    // The half cell is the rod's own.
+    bodies[1..].iter_mut().for_each(|body| body.center_of_mass += shift);
     let mass = bodies.iter().fold(zero, |sum, b| sum + b.mass);
     let center_of_mass = bodies.iter().fold(zero, |sum, b| sum + b.mass * b.center_of_mass) / mass;
     let rotary_inertia = bodies.iter().fold(zero, |sum, b| {
@@ -142,10 +157,23 @@ fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: T, half_length: T)
     Body { mass, center_of_mass, rotary_inertia }
 }
 
+/// Mass per length without weight, kg/m.
+fn inertia<T: Scalar>(model: &Model, at_release: &Rod<T>, theta: &[T]) -> T {
+    at(model, Place::Inertia).fold(T::from(0.0), |sum, active| {
+        sum + T::laws(active.effect).inertia(at_release, &theta[active.theta.clone()])
+    })
+}
+
+/// All effects of a place, at off or not.
+fn at(model: &Model, place: Place) -> impl Iterator<Item = &Active> {
+    model.effects.iter().filter(move |active| active.effect.about().places.contains(&place))
+}
+
 /// Which effects act where.
 #[derive(Clone, Debug)]
 pub(crate) struct Acting {
     pub bend: Vec<usize>,
+    pub whole: Vec<usize>,
     pub edge: Vec<usize>,
     pub flow: Vec<usize>,
     pub mass: Vec<usize>,
@@ -158,6 +186,7 @@ impl Acting {
         let at = |place| model.acting(place, watched);
         Self {
             bend: at(Place::Bend),
+            whole: at(Place::Whole),
             edge: at(Place::Edge),
             flow: at(Place::Flow),
             mass: at(Place::Mass),
@@ -168,8 +197,8 @@ impl Acting {
 
     fn only(model: &Model, k: usize) -> Self {
         let mut all = Self::new(model, &[]);
-        for list in [&mut all.bend, &mut all.edge, &mut all.flow, &mut all.mass, &mut all.tip, &mut all.clamp]
-        {
+        let Self { bend, whole, edge, flow, mass, tip, clamp } = &mut all;
+        for list in [bend, whole, edge, flow, mass, tip, clamp] {
             list.retain(|&other| other == k);
         }
         all
@@ -205,6 +234,9 @@ impl<T: Scalar> Assembly<T> {
         }
         self.context.time = time;
         self.fields.place(&self.context, q, v);
+        if !self.acting.whole.is_empty() {
+            self.fields.average(&self.context);
+        }
     }
 
     /// The last node and the end body, as laws at the tip see them.
@@ -230,11 +262,16 @@ impl<T: Scalar> Assembly<T> {
             let active = &model.effects[k];
             let share = self.share(active.effect);
             let effect = T::laws(active.effect);
-            let MassLoad { acceleration, rate } =
-                effect.mass(self.context.time, &self.context.theta[active.theta.clone()]);
+            let c = &self.context;
+            let at = Mass { time: c.time, rod: &c.rod };
+            let MassLoad { acceleration, rate } = effect.mass(&at, &c.theta[active.theta.clone()]);
             self.fields.acceleration[0] += acceleration[0] * share;
             self.fields.acceleration[1] += acceleration[1] * share;
             self.fields.decay_rate += rate;
+        }
+        // The end body's share of what has no weight is borne at the last node, where it sits.
+        for k in 0..2 {
+            self.fields.tip[k] -= self.fields.acceleration[k] * (self.context.weightless_mass * 0.5);
         }
         for &k in &self.acting.tip {
             let active = &model.effects[k];
@@ -305,9 +342,9 @@ impl<T: Scalar> Assembly<T> {
         }
         let n = c.edges;
         for k in 0..2 {
-            let mut moment = q[2 * n - 2 + k] * c.body.mass;
+            let mut moment = q[2 * n - 2 + k] * c.body.mass - f.position[n][k] * (c.weightless_mass * 0.5);
             for i in 1..n {
-                moment += q[2 * i - 2 + k] * c.node_mass;
+                moment += q[2 * i - 2 + k] * (c.node_mass - c.weightless_mass);
             }
             potential -= f.acceleration[k] * moment;
         }
@@ -392,13 +429,10 @@ impl<'m> System<'m> {
         }
     }
 
-    /// Coordinates and velocities of the straight rod at its release, with their derivatives by the
-    /// `group`-th [`LANES`] watched parameters.
-    pub fn straight_by_parameters(&self, group: usize) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
-        let assembly = &self.lanes[group].assembly;
-        let theta = &assembly.context.theta;
-        let (q, v) = assembly.straight(theta[RELEASE_ANGLE], theta[RELEASE_RATE]);
-        (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
+    /// The straight rod at its release, with the derivatives by the `group`-th [`LANES`] watched
+    /// parameters.
+    pub fn straight_by_parameters(&self, group: usize) -> Posture<Lanes> {
+        self.lanes[group].assembly.straight_at_release()
     }
 
     /// A posture at rest of this system with the derivatives of its coordinates.
@@ -410,38 +444,26 @@ impl<'m> System<'m> {
     ) -> Posture<Lanes> {
         let pass = &mut self.lanes[group];
         for (lifted, (q, by_theta)) in pass.q.iter_mut().zip(q.iter().zip(by_theta)) {
-            *lifted = Lanes::new(*q, num_dual::Derivative::some((*by_theta).into()));
+            *lifted = with_slopes(*q, *by_theta);
         }
         let at_rest = vec![Lanes::from(0.0); q.len()];
         pass.assembly.posture(&pass.q, &at_rest)
     }
 
-    /// Derivatives of the coordinates and velocities of a posture.
-    pub fn coordinates_by_parameters(
+    /// Derivatives of the coordinates and velocities with which the rod is let go from a posture.
+    pub fn let_go_by_parameters(
         &self,
         group: usize,
-        posture: &Posture<Lanes>,
+        posture: Posture<Lanes>,
     ) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
-        let (q, v) = self.lanes[group].assembly.coordinates(posture);
+        let (q, v) = self.lanes[group].assembly.let_go(self.model, posture);
         (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
     }
 
-    /// Derivatives of the position of a point of the end body, `beyond` the last node along the body
-    /// axis, m.
-    pub fn tip_by_parameters(
-        &self,
-        group: usize,
-        beyond: f64,
-        q: &[f64],
-        by_theta: &[[f64; LANES]],
-    ) -> [[f64; LANES]; 2] {
-        let last = q.len() - 1;
-        let arm = slopes(&self.lanes[group].assembly.context.body.center_of_mass);
-        let reach = beyond - self.assembly.context.body.center_of_mass;
-        let (sin, cos) = q[last].sin_cos();
-        [(last - 2, cos, -sin), (last - 1, sin, cos)].map(|(k, axis, across)| {
-            std::array::from_fn(|p| by_theta[k][p] - arm[p] * axis + reach * across * by_theta[last][p])
-        })
+    /// Parameters, and what follows from them alone, with the derivatives by the `group`-th [`LANES`]
+    /// watched ones.
+    pub fn watched(&self, group: usize) -> &Context<Lanes> {
+        &self.lanes[group].assembly.context
     }
 
     /// Rate of forces and of memory rates by time alone, at a fixed state.
@@ -572,13 +594,7 @@ impl TimePass {
 
 impl Pass<Lanes> {
     fn for_parameters(model: &Model, group: &[Option<usize>]) -> Self {
-        let mut theta: Vec<Lanes> = model.theta.iter().map(|value| Lanes::from(*value)).collect();
-        for (lane, k) in group.iter().enumerate() {
-            if let Some(k) = *k {
-                theta[k] = seeded(model.theta[k], lane);
-            }
-        }
-        Self::new(model, theta, group)
+        Self::new(model, seeded(&model.theta, group), group)
     }
 }
 
@@ -611,15 +627,4 @@ impl<T: Scalar> Pass<T> {
         let Self { assembly, q, v, z, force, z_rate, .. } = self;
         assembly.force(model, time, q, v, z, force, z_rate);
     }
-}
-
-/// A value with derivative one in one lane.
-fn seeded(value: f64, lane: usize) -> Lanes {
-    let mut eps = nalgebra::SVector::zeros();
-    eps[lane] = 1.0;
-    Lanes::new(value, num_dual::Derivative::some(eps))
-}
-
-fn slopes(x: &Lanes) -> [f64; LANES] {
-    x.eps.0.map_or([0.0; LANES], |eps| eps.data.0[0])
 }

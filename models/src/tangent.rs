@@ -8,6 +8,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use crate::banded::Banded;
+use crate::coupled::Coupled;
 use crate::effects::BendTangent;
 use crate::kinematics::{Fields, dot, left};
 use crate::model::Model;
@@ -18,6 +19,8 @@ use crate::system::{Assembly, Context, System};
 pub(crate) struct Tangent {
     by_kappa: Vec<f64>,
     by_kappa_rate: Vec<f64>,
+    /// Moments' tangents by the mean square curvature.
+    by_mean: Vec<f64>,
     by_stretch: Vec<f64>,
     by_stretch_rate: Vec<f64>,
     flow: Vec<[[f64; 2]; 2]>,
@@ -44,7 +47,7 @@ pub(crate) struct Tangent {
     /// Turning moments' tangents by turning angle and its rate, memory condensed, shape `[N+1]`.
     by_angle: Vec<f64>,
     by_angle_rate: Vec<f64>,
-    stiffness: Banded,
+    stiffness: Coupled,
     damping: Banded,
     /// Whether damping has more than the decay of momenta.
     couples_rates: bool,
@@ -59,6 +62,7 @@ impl Tangent {
         Self {
             by_kappa: bends.clone(),
             by_kappa_rate: bends.clone(),
+            by_mean: bends.clone(),
             by_stretch: edges.clone(),
             by_stretch_rate: edges.clone(),
             flow: vec![[[0.0; 2]; 2]; n],
@@ -77,7 +81,7 @@ impl Tangent {
             midpoint_velocity: vectors,
             by_angle: bends.clone(),
             by_angle_rate: bends,
-            stiffness: Banded::zeros(model.dof()),
+            stiffness: Coupled::zeros(model.dof()),
             damping: Banded::zeros(model.dof()),
             ..Self::default()
         }
@@ -112,6 +116,43 @@ impl Tangent {
         self.outer.copy_from_slice(&f.outer);
         self.body_axis = f.body_axis;
         self.body_rate = f.body_rate;
+    }
+
+    /// Generalised forces, one for each coordinate, with which torques that resist the turning of
+    /// bends, N m, resist; with `arm` from the last node to the end body's centre of mass.
+    fn spread(&self, arm: f64, torque: impl Fn(usize) -> f64, mut add: impl FnMut(usize, f64)) {
+        let n = self.tangent.len();
+        let mut before = torque(0);
+        let mut pull_before = [0.0; 2];
+        for j in 0..n {
+            let after = torque(j + 1);
+            let pull = self.angle_by_edge[j].map(|g| g * (before - after));
+            if j > 0 {
+                for k in 0..2 {
+                    add(2 * j - 2 + k, pull_before[k] - pull[k]);
+                }
+            }
+            (before, pull_before) = (after, pull);
+        }
+        for k in 0..2 {
+            add(2 * n - 2 + k, pull_before[k]);
+        }
+        add(2 * n, before - arm * dot(pull_before, left(self.body_axis)));
+    }
+
+    /// What the mean square curvature `⟨κ²⟩` adds to the stiffness, beside its band: how it moves the
+    /// forces, times how the coordinates move it.
+    fn couple(&mut self, c: &Context<f64>) {
+        let arm = c.body.center_of_mass;
+        let per_length = 2.0 / c.bent_length();
+        let mut stiffness = std::mem::take(&mut self.stiffness);
+        stiffness.put_beside(|column, row| {
+            let torque = |i: usize| self.by_mean[i] * self.kappa_slope[i];
+            self.spread(arm, torque, |dof, x| column[dof] = x);
+            let slope = |i: usize| per_length * c.per_voronoi[i] * self.kappa[i] * self.kappa_slope[i];
+            self.spread(arm, slope, |dof, x| row[dof] = x);
+        });
+        self.stiffness = stiffness;
     }
 
     /// `∂g/∂z` of every memory variable, 1/s.
@@ -161,6 +202,14 @@ impl System<'_> {
                 &mut t.memory[own.clone()],
                 &mut z_rate[own],
             );
+        }
+        if !acting.whole.is_empty() {
+            t.by_mean.fill(0.0);
+        }
+        for &k in &acting.whole {
+            let active = &model.effects[k];
+            let theta = &model.theta[active.theta.clone()];
+            active.effect.linearise_by_mean(c, theta, f, &z[active.memory.clone()], &mut t.by_mean);
         }
         f.moment[0] += c.clamp_moment * f.kappa[0];
         t.by_kappa[0] += c.clamp_moment;
@@ -245,13 +294,17 @@ impl System<'_> {
         }
         t.assemble_tip(n);
         t.turn_to_body(n, c.body.center_of_mass);
+        match self.assembly.acting.whole.is_empty() {
+            true => t.stiffness.put_nothing_beside(),
+            false => t.couple(c),
+        }
         t.couples_rates = !(self.assembly.acting.flow.is_empty() && self.assembly.acting.tip.is_empty())
             || t.by_angle_rate.iter().chain(&t.by_stretch_rate).any(|slope| *slope != 0.0);
         t.damping.add_diagonal(t.decay_rate, &self.mass);
     }
 
     /// Tangent stiffness `−∂f/∂q`.
-    pub fn stiffness(&self) -> &Banded {
+    pub fn stiffness(&self) -> &Coupled {
         &self.tangent.stiffness
     }
 
@@ -280,31 +333,16 @@ impl System<'_> {
             return;
         }
         let n = self.model.edges;
-        let torque = |i: usize, p: usize| {
-            let bend = t.memory.iter().zip(r_z).skip(i).step_by(n + 1);
-            let moment: f64 =
-                bend.map(|(memory, r)| memory.moment[2] * r[p] * response(a, memory.memory_rate[2])).sum();
-            moment * t.kappa_slope[i]
-        };
+        let arm = self.assembly.context.body.center_of_mass;
         for p in 0..P {
-            let mut before = torque(0, p);
-            let mut pull_before = [0.0; 2];
-            for j in 0..n {
-                let after = torque(j + 1, p);
-                let pull = t.angle_by_edge[j].map(|g| g * (before - after));
-                if j > 0 {
-                    for k in 0..2 {
-                        r_f[2 * j - 2 + k][p] += pull[k] - pull_before[k];
-                    }
-                }
-                (before, pull_before) = (after, pull);
-            }
-            let last = pull_before.map(|f| -f);
-            for k in 0..2 {
-                r_f[2 * n - 2 + k][p] += last[k];
-            }
-            let arm = self.assembly.context.body.center_of_mass;
-            r_f[2 * n][p] -= before + arm * dot(last, left(t.body_axis));
+            let torque = |i: usize| {
+                let bend = t.memory.iter().zip(r_z).skip(i).step_by(n + 1);
+                let moment: f64 = bend
+                    .map(|(memory, r)| memory.moment[2] * r[p] * response(a, memory.memory_rate[2]))
+                    .sum();
+                moment * t.kappa_slope[i]
+            };
+            t.spread(arm, torque, |dof, resistance| r_f[dof][p] -= resistance);
         }
     }
 
@@ -431,9 +469,9 @@ impl Tangent {
     /// Stretch, bending and their geometric stiffness, with the last node in the place of the
     /// body's centre of mass.
     fn assemble_edges(&mut self, n: usize, per_rest_length: f64) {
-        let mut stiffness = std::mem::take(&mut self.stiffness);
+        let mut stiffness = std::mem::take(&mut self.stiffness.band);
         place_edges(&mut stiffness, n, |j| self.edge_stiffness(j, per_rest_length));
-        self.stiffness = stiffness;
+        self.stiffness.band = stiffness;
         let mut damping = std::mem::take(&mut self.damping);
         if self.by_angle_rate.iter().chain(&self.by_stretch_rate).any(|slope| *slope != 0.0) {
             place_edges(&mut damping, n, |j| self.edge_damping(j, per_rest_length));
@@ -444,13 +482,13 @@ impl Tangent {
         let (a, b) = (self.by_angle[n], self.by_angle_rate[n]);
         let (g, h) = (self.angle_by_edge[n - 1], self.rate_by_edge[n - 1]);
         let angle = 2 * n;
-        self.stiffness[(angle, angle)] += a;
+        self.stiffness.band[(angle, angle)] += a;
         self.damping[(angle, angle)] += b;
         for k in 0..2 {
             for (node, sign) in [(n, 1.0), (n - 1, -1.0)] {
                 let dof = 2 * node - 2 + k;
-                self.stiffness[(dof, angle)] -= sign * a * g[k];
-                self.stiffness[(angle, dof)] -= sign * (a * g[k] + b * h[k]);
+                self.stiffness.band[(dof, angle)] -= sign * a * g[k];
+                self.stiffness.band[(angle, dof)] -= sign * (a * g[k] + b * h[k]);
                 self.damping[(dof, angle)] -= sign * b * g[k];
                 self.damping[(angle, dof)] -= sign * b * g[k];
             }
@@ -521,8 +559,8 @@ impl Tangent {
             let by_angle = [0, 1].map(|k| turned[k] + seen[k]);
             let by_edge = outer(by_angle, self.angle_by_edge[j]);
             for row in [j, j + 1] {
-                scatter(&mut self.stiffness, row, j + 1, -0.5, &by_edge);
-                scatter(&mut self.stiffness, row, j, 0.5, &by_edge);
+                scatter(&mut self.stiffness.band, row, j + 1, -0.5, &by_edge);
+                scatter(&mut self.stiffness.band, row, j, 0.5, &by_edge);
                 scatter(&mut self.damping, row, j, -0.25, &by_velocity);
                 scatter(&mut self.damping, row, j + 1, -0.25, &by_velocity);
             }
@@ -533,7 +571,7 @@ impl Tangent {
     fn assemble_tip(&mut self, n: usize) {
         for (k, row) in self.tip.iter().enumerate() {
             for l in 0..3 {
-                self.stiffness[(2 * n - 2 + k, 2 * n - 2 + l)] -= row[l];
+                self.stiffness.band[(2 * n - 2 + k, 2 * n - 2 + l)] -= row[l];
                 self.damping[(2 * n - 2 + k, 2 * n - 2 + l)] -= row[3 + l];
             }
         }
@@ -547,17 +585,17 @@ impl Tangent {
         let across = left(axis);
         for row in last.saturating_sub(4)..=angle {
             let damping = [0, 1].map(|k| self.damping[(row, last + k)]);
-            let stiffness = [0, 1].map(|k| self.stiffness[(row, last + k)]);
-            self.stiffness[(row, angle)] +=
+            let stiffness = [0, 1].map(|k| self.stiffness.band[(row, last + k)]);
+            self.stiffness.band[(row, angle)] +=
                 arm * (self.body_rate * dot(damping, axis) - dot(stiffness, across));
             self.damping[(row, angle)] -= arm * dot(damping, across);
         }
         for column in last.saturating_sub(4)..=angle {
-            let stiffness = [0, 1].map(|k| self.stiffness[(last + k, column)]);
+            let stiffness = [0, 1].map(|k| self.stiffness.band[(last + k, column)]);
             let damping = [0, 1].map(|k| self.damping[(last + k, column)]);
-            self.stiffness[(angle, column)] -= arm * dot(stiffness, across);
+            self.stiffness.band[(angle, column)] -= arm * dot(stiffness, across);
             self.damping[(angle, column)] -= arm * dot(damping, across);
         }
-        self.stiffness[(angle, angle)] -= arm * dot(self.last_force, axis);
+        self.stiffness.band[(angle, angle)] -= arm * dot(self.last_force, axis);
     }
 }

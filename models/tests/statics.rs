@@ -60,6 +60,7 @@ impl Case {
                 bending_stiffness: row[6],
                 axial_stiffness: 16.0 * row[4] / (outer * outer + inner * inner),
                 diameter: outer,
+                pressure: 0.0,
             },
             base_angle: 0.0,
             root: Root::Consistent,
@@ -73,7 +74,14 @@ impl Case {
     fn unit(edges: usize) -> Self {
         Self {
             edges,
-            rod: Rod { length: 1.0, mass: 1.0, bending_stiffness: 1.0, axial_stiffness: 1e8, diameter: 0.1 },
+            rod: Rod {
+                length: 1.0,
+                mass: 1.0,
+                bending_stiffness: 1.0,
+                axial_stiffness: 1e8,
+                diameter: 0.1,
+                pressure: 0.0,
+            },
             gravity: 0.0,
             fitting: [0.0; 3],
             ..Self::muscle(&PSI_ROWS[2])

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use models::effects::LANES;
 use models::error::ModelError;
-use models::model::{Model, RELEASE_ANGLE, RELEASE_RATE};
+use models::model::Model;
 use models::posture::Posture;
 use models::snapshot::{EffectForce, Energy, Snapshot};
 use models::statics::equilibrium;
@@ -17,6 +17,7 @@ use thiserror::Error;
 use crate::experiment::release::Point;
 use crate::integrate::variational::{Slopes, Variational, lane_order};
 use crate::integrate::{self, Control, IntegrateError, Method, State, Stepper};
+use crate::observed::Observer;
 use crate::trajectory::{Status, Trajectory};
 
 /// How to run a model.
@@ -24,9 +25,10 @@ use crate::trajectory::{Status, Trajectory};
 pub struct Run {
     /// Where it starts.
     pub initial: Initial,
-    /// End of the run, s after release.
+    /// End of the run, s after release; later where the clock of what observes asks for it.
     pub duration: f64,
-    /// Times at which the trajectory is sampled, s, ascending.
+    /// Times at which the trajectory is sampled, s, ascending: of states since release, of the points
+    /// by the clock of what observes.
     pub samples: Vec<f64>,
     /// Integrator.
     pub method: Method,
@@ -40,7 +42,8 @@ pub struct Run {
     pub keep_steps: bool,
     /// Whether to follow dissipated and supplied energy.
     pub energy: bool,
-    /// Parameters, as indices into `theta`, by which to differentiate the paths of tip and points.
+    /// Parameters, as indices into `theta`, by which to differentiate the path of the tip, and those
+    /// of the points as they are observed.
     pub sensitivities: Vec<usize>,
     /// Further points whose paths are recorded.
     pub points: Vec<Point>,
@@ -169,13 +172,8 @@ impl Sample<'_, '_> {
 
 /// Position and velocity of the observed tip.
 pub fn tip(system: &System, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
-    beyond(system, system.model.tip_distance, q, v)
-}
-
-/// Position and velocity of the point of the end body that lies `distance` beyond the last node, m.
-pub(crate) fn beyond(system: &System, distance: f64, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
     let last = q.len() - 1;
-    let reach = distance - system.assembly.context.body.center_of_mass;
+    let reach = system.model.tip_distance - system.assembly.context.body.center_of_mass;
     let (sin, cos) = q[last].sin_cos();
     (
         [q[last - 2] + reach * cos, q[last - 1] + reach * sin],
@@ -193,18 +191,22 @@ pub fn forward(
 ) -> Result<Trajectory, ForwardError> {
     let mut system = System::new(model);
     let state = initial_state(&mut system, &run.initial)?;
-    let mut variational = match run.sensitivities.is_empty() {
+    let order = lane_order(model, &run.sensitivities);
+    let mut variational = match order.is_empty() {
         true => None,
-        false => Some(initial_slopes(model, run, &state)),
+        false => Some(initial_slopes(model, run, &state, &order)),
     };
+    let mut observer = Observer::new(model, run);
+    let duration = run.duration.max(observer.end());
     let mut budget = run.energy.then(|| Budget::new(model));
     let follows_losses = run.energy && !model.is_conservative();
     let mut trajectory = Trajectory::new(model, run);
     let mut at = state.clone();
     let breakpoints = model.schedule.as_ref().map_or(&[][..], |schedule| schedule.breakpoints());
     let stops = breakpoints.iter().chain(&run.stops).copied();
-    let mut stops: Vec<f64> = stops.filter(|t| *t > 0.0 && *t < run.duration).collect();
-    stops.push(run.duration);
+    let mut stops: Vec<f64> = stops.filter(|t| *t > 0.0 && *t < duration).collect();
+    // What is seen later changes no step before the end of the run.
+    stops.extend([run.duration, duration]);
     stops.sort_by(f64::total_cmp);
     stops.dedup();
     let control =
@@ -218,27 +220,33 @@ pub fn forward(
         .map_err(|error| ForwardError::Integrate { error, trajectory: Box::new(trajectory.clone()) })?;
     let mut sample = 0;
     loop {
-        let end = stepper.state().time;
+        let (begin, end) = (stepper.step_start(), stepper.state().time);
+        while let Some(instant) = observer.due(end) {
+            stepper.interpolate(instant, &mut at);
+            observer.see(&system, variational.as_ref(), &at, [begin, end], &mut trajectory);
+        }
         while sample < run.samples.len() && run.samples[sample] <= end {
             let time = run.samples[sample];
             stepper.interpolate(time, &mut at);
             let energy = match &budget {
-                Some(budget) => budget.at(&mut system, &at, stepper.step_start(), end),
+                Some(budget) => budget.at(&mut system, &at, begin, end),
                 None => Energy::default(),
             };
             trajectory.record(&system, &at, energy);
-            if let Some(variational) = &variational {
-                trajectory.record_slopes(variational, &at, stepper.step_start(), end);
+            if observer.is_differentiated() {
+                let slopes = observer.tip_by_parameters(variational.as_ref(), &at, [begin, end]);
+                trajectory.tip_by_parameters.push(slopes);
             }
             let mut seen = Sample { index: sample, system: &mut system, state: &at, energy };
             if observe(&mut seen).is_break() {
                 trajectory.status = Status::CutShort { time };
+                trajectory.cut();
                 trajectory.effort = stepper.effort();
                 return Ok(trajectory);
             }
             sample += 1;
         }
-        if end >= run.duration {
+        if end >= duration {
             break;
         }
         let stepped = stepper.advance().and_then(|()| match &mut variational {
@@ -262,51 +270,47 @@ pub fn forward(
 
 fn initial_state(system: &mut System, initial: &Initial) -> Result<State, ModelError> {
     let model = system.model;
-    let (q, v) = match initial {
-        Initial::Straight => system.assembly.straight(model.theta[RELEASE_ANGLE], model.theta[RELEASE_RATE]),
+    let posture = match initial {
+        Initial::Straight => system.assembly.straight_at_release(),
         Initial::Equilibrium { hold, .. } => {
             let rest = equilibrium(hold, None)?;
             let at_rest = vec![0.0; rest.q.len()];
-            let posture = System::new(hold).assembly.posture(&rest.q, &at_rest);
-            system.assembly.coordinates(&posture)
+            System::new(hold).assembly.posture(&rest.q, &at_rest)
         }
-        Initial::Posture(posture) => system.assembly.coordinates(posture),
+        Initial::Posture(posture) => posture.clone(),
     };
+    let (q, v) = system.assembly.let_go(model, posture);
     let mut z = vec![0.0; model.memory()];
     system.relax_memory(0.0, &q, &mut z);
     Ok(State { time: 0.0, q, v, z })
 }
 
 /// Derivatives of the initial state by the watched parameters.
-fn initial_slopes<'m>(model: &'m Model, run: &Run, state: &State) -> Variational<'m> {
-    let order = lane_order(model, &run.sensitivities);
+fn initial_slopes<'m>(model: &'m Model, run: &Run, state: &State, order: &[usize]) -> Variational<'m> {
     let watched: Vec<_> = order.iter().map(|k| Some(*k)).collect();
     let mut system = System::new(model);
     system.watch(&watched);
     let groups = watched.len().div_ceil(LANES);
     let mut all = Vec::with_capacity(groups);
     for group in 0..groups {
-        let (q, v) = match &run.initial {
+        let posture = match &run.initial {
             Initial::Straight => system.straight_by_parameters(group),
             Initial::Equilibrium { hold, own } => {
                 let shared: Vec<_> = watched.iter().map(|k| k.filter(|k| !own.contains(k))).collect();
-                let posture = held_by_parameters(hold, &shared, group, state);
-                system.coordinates_by_parameters(group, &posture)
+                held_by_parameters(hold, &shared, group, state)
             }
-            Initial::Posture(posture) => {
-                let posture = Posture {
-                    nodes: posture.nodes.iter().map(|x| x.map(Into::into)).collect(),
-                    velocities: posture.velocities.iter().map(|v| v.map(Into::into)).collect(),
-                    angle: posture.angle.into(),
-                    rate: posture.rate.into(),
-                };
-                system.coordinates_by_parameters(group, &posture)
-            }
+            Initial::Posture(posture) => Posture {
+                nodes: posture.nodes.iter().map(|x| x.map(Into::into)).collect(),
+                velocities: posture.velocities.iter().map(|v| v.map(Into::into)).collect(),
+                angle: posture.angle.into(),
+                rate: posture.rate.into(),
+            },
         };
+        let (q, v) = system.let_go_by_parameters(group, posture);
         let z = relaxed_memory_slopes(&mut system, group, state, &q);
         all.push(Slopes { q, v, z });
     }
-    Variational::new(system, &order, all)
+    Variational::new(system, order, all)
 }
 
 /// The equilibrium of the hold with its derivatives, by the implicit function theorem.

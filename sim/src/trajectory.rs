@@ -1,14 +1,11 @@
 //! What a run leaves: the sampled states, the path of the tip, its derivatives, what it cost.
 
-use models::effects::LANES;
 use models::model::Model;
 use models::snapshot::Energy;
 use models::system::System;
 
 use crate::forward::{self, Run};
-use crate::integrate::variational::{Variational, lane_order};
 use crate::integrate::{Effort, State};
-use crate::observed::Observed;
 
 /// Whether a run came to its end.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -47,11 +44,15 @@ pub struct Trajectory {
     /// Derivative of the tip's position by each parameter of [`Run::sensitivities`], shape
     /// `[samples][parameters]`, m per unit.
     pub tip_by_parameters: Vec<Vec<[f64; 2]>>,
-    /// Positions of the further points of [`Run::points`] in W, m, shape `[samples][points]`.
+    /// Where a recording shows the tip at the times of the samples, m; empty unless an effect on what
+    /// is observed acts.
+    pub seen_tip: Vec<[f64; 2]>,
+    /// Where a recording shows the points of [`Run::points`] at the times of the samples, m, shape
+    /// `[samples][points]`: without an effect on what is observed, where they are in W.
     pub points: Vec<Vec<[f64; 2]>>,
-    /// Their velocities, m/s.
+    /// Their velocities in it, m/s.
     pub point_velocities: Vec<Vec<[f64; 2]>>,
-    /// Derivatives of their positions, shape `[samples][points][parameters]`, m per unit.
+    /// Derivatives of `points`, shape `[samples][points][parameters]`, m per unit.
     pub points_by_parameters: Vec<Vec<Vec<[f64; 2]>>>,
     /// Where the steps ended, s, if the run keeps that.
     pub steps: Vec<f64>,
@@ -61,26 +62,17 @@ pub struct Trajectory {
     pub status: Status,
     dof: usize,
     memory: usize,
-    /// Lane of each parameter of [`Run::sensitivities`], counted over all groups.
-    lanes: Vec<usize>,
-    observed: Vec<Observed>,
-    row: Vec<[f64; LANES]>,
 }
 
 impl Trajectory {
     pub(crate) fn new(model: &Model, run: &Run) -> Self {
         let (dof, memory) = (model.dof(), model.memory());
         let samples = run.samples.len();
-        let order = lane_order(model, &run.sensitivities);
-        let lane = |k: &usize| order.iter().position(|other| other == k).expect("the same parameters");
         Self {
             times: Vec::with_capacity(samples),
             states: Vec::with_capacity(samples * (2 * dof + memory)),
             tip: Vec::with_capacity(samples),
             tip_velocity: Vec::with_capacity(samples),
-            lanes: run.sensitivities.iter().map(lane).collect(),
-            observed: run.points.iter().map(|point| Observed::new(*point, model.edges)).collect(),
-            row: vec![[0.0; LANES]; dof],
             dof,
             memory,
             ..Self::default()
@@ -93,36 +85,16 @@ impl Trajectory {
         let (tip, velocity) = forward::tip(system, &state.q, &state.v);
         self.tip.push(tip);
         self.tip_velocity.push(velocity);
-        if !self.observed.is_empty() {
-            let seen = self.observed.iter().map(|point| point.see(system, &state.q, &state.v));
-            let (positions, velocities) = seen.unzip();
-            self.points.push(positions);
-            self.point_velocities.push(velocities);
-        }
         self.energy.push(energy);
     }
 
-    pub(crate) fn record_slopes(&mut self, variational: &Variational, state: &State, begin: f64, end: f64) {
-        let system = variational.system();
-        let lanes = variational.slopes.len() * LANES;
-        let mut slopes = Vec::with_capacity(lanes);
-        let mut of_points = vec![Vec::with_capacity(lanes); self.observed.len()];
-        // The tip hangs on the end body alone.
-        let first = if self.observed.is_empty() { self.dof - 3 } else { 0 };
-        for group in 0..variational.slopes.len() {
-            variational.interpolate(group, [begin, end], state.time, first, &mut self.row);
-            let [x, z] = system.tip_by_parameters(group, system.model.tip_distance, &state.q, &self.row);
-            slopes.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]));
-            for (point, slopes) in self.observed.iter().zip(&mut of_points) {
-                let [x, z] = point.by_parameters(system, group, &state.q, &self.row);
-                slopes.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]));
-            }
-        }
-        let in_order = |slopes: &Vec<[f64; 2]>| self.lanes.iter().map(|lane| slopes[*lane]).collect();
-        self.tip_by_parameters.push(in_order(&slopes));
-        if !of_points.is_empty() {
-            self.points_by_parameters.push(of_points.iter().map(in_order).collect());
-        }
+    /// Leaves out what was seen beyond the last sample of the states.
+    pub(crate) fn cut(&mut self) {
+        let samples = self.times.len();
+        self.seen_tip.truncate(samples);
+        self.points.truncate(samples);
+        self.point_velocities.truncate(samples);
+        self.points_by_parameters.truncate(samples);
     }
 
     /// The state of a sample.

@@ -29,6 +29,7 @@ fn muscle(effects: &[(&str, &[(&str, f64)])]) -> ModelSpec {
             bending_stiffness: 0.00709,
             axial_stiffness: 16.0 * 0.01112 / ((1.06 * INCH).powi(2) + (0.98 * INCH).powi(2)),
             diameter: 1.02 * INCH,
+            pressure: 0.0,
         },
         base_angle: 0.0,
         release_angle: 0.0,

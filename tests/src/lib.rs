@@ -41,6 +41,7 @@ pub fn paper_spec(psi: f64, nodes: usize, parameters: &[(&str, f64)]) -> ModelSp
             bending_stiffness: at.bending_stiffness,
             axial_stiffness: at.axial_stiffness,
             diameter: at.outer_diameter,
+            pressure: at.pressure,
         },
         base_angle: 0.0,
         release_angle: 0.0,

@@ -10,7 +10,7 @@
 //! Silent:   Never, while there is mass.
 //! Source:   Garbulinski and Wereley (2022), Table 1: 9.81 m/s².
 
-use super::{About, Kind, Law, MassLoad, Parameter, Place, Reach, Real};
+use super::{About, Kind, Law, Mass, MassLoad, Parameter, Place, Reach, Real};
 
 /// Weight.
 pub struct Gravity;
@@ -39,7 +39,7 @@ impl Law for Gravity {
         reach: Reach::Muscle,
     };
 
-    fn mass<T: Real>(_time: T, theta: &[T]) -> MassLoad<T> {
+    fn mass<T: Real>(_at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
         let zero = T::from(0.0);
         MassLoad { acceleration: [zero, -theta[0]], rate: zero }
     }

@@ -15,6 +15,8 @@ pub struct Rod<T> {
     pub axial_stiffness: T,
     /// Outer diameter, m.
     pub diameter: T,
+    /// Pressure inside above ambient, as a gauge shows it, Pa; 0 where it is not known.
+    pub pressure: T,
 }
 
 impl<T: Copy> Rod<T> {
@@ -26,6 +28,7 @@ impl<T: Copy> Rod<T> {
             bending_stiffness: f(self.bending_stiffness),
             axial_stiffness: f(self.axial_stiffness),
             diameter: f(self.diameter),
+            pressure: f(self.pressure),
         }
     }
 }
@@ -37,6 +40,9 @@ pub struct Bend<'a, T> {
     pub kappa: T,
     /// Its rate, 1/(m s).
     pub kappa_rate: T,
+    /// Mean square of the curvature over the rod, 1/m²: for effects that name [`Whole`](super::Place::Whole),
+    /// zero for others. Rates of memory must not depend on it.
+    pub mean_square_curvature: T,
     /// The effect's own memory at this bend.
     pub memory: T,
     /// Place along the rod, from 0 at the clamp to 1 at the end fitting.
@@ -88,6 +94,15 @@ pub struct Flow<'a, T> {
     pub normal_velocity: T,
     /// Place of the midpoint along the rod, from 0 at the clamp to 1 at the end fitting.
     pub position: f64,
+    /// Time since release, s.
+    pub time: T,
+    /// The rod as it is now.
+    pub rod: &'a Rod<T>,
+}
+
+/// All that has mass, as a law sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Mass<'a, T> {
     /// Time since release, s.
     pub time: T,
     /// The rod as it is now.
@@ -146,6 +161,29 @@ impl<T: Copy> Body<T> {
     pub fn of(theta: &[T]) -> Self {
         Self { mass: theta[0], center_of_mass: theta[1], rotary_inertia: theta[2] }
     }
+}
+
+/// What an effect adds to the posture and the velocities with which the rod is let go.
+#[derive(Clone, Copy, Debug)]
+pub struct Release<T> {
+    /// Turn of the whole rod about the clamp, rad, from x towards z.
+    pub angle: T,
+    /// Angular velocity of the whole rod about the clamp, rad/s, from x towards z.
+    pub angular_velocity: T,
+}
+
+/// A point of the rod that is observed.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight<T> {
+    /// Where it is in W, m, or where the effects before this one have it seen.
+    pub position: [T; 2],
+    /// Direction of the rod there, towards the tip, of length one; at the observed tip that of the
+    /// end body.
+    pub tangent: [T; 2],
+    /// Place along the rod, from 0 at the clamp to 1 at the end fitting.
+    pub share: f64,
+    /// Whether it is the observed tip, which is a point of the end body.
+    pub is_tip: bool,
 }
 
 /// Parameters of an effect that is a [`Body`].
@@ -212,8 +250,8 @@ pub trait Law: Sync + 'static {
     fn flow<T: Real>(_at: &Flow<T>, _theta: &[T]) -> [T; 2] {
         [T::from(0.0); 2]
     }
-    /// Load that goes with mass, at time `time`, s.
-    fn mass<T: Real>(_time: T, _theta: &[T]) -> MassLoad<T> {
+    /// Load that goes with mass.
+    fn mass<T: Real>(_at: &Mass<T>, _theta: &[T]) -> MassLoad<T> {
         let zero = T::from(0.0);
         MassLoad { acceleration: [zero; 2], rate: zero }
     }
@@ -231,8 +269,31 @@ pub trait Law: Sync + 'static {
         let zero = T::from(0.0);
         Body { mass: zero, center_of_mass: zero, rotary_inertia: zero }
     }
+    /// How much further along the end fitting's axis all bodies at the end lie than they say, m.
+    fn shift<T: Real>(_theta: &[T]) -> T {
+        T::from(0.0)
+    }
+    /// Mass that moves with a metre of the rod and has no weight, kg/m; of the rod at release, as
+    /// masses are.
+    fn inertia<T: Real>(_at_release: &Rod<T>, _theta: &[T]) -> T {
+        T::from(0.0)
+    }
     /// Rotational compliance of the clamp, rad/(N m).
     fn clamp<T: Real>(_theta: &[T]) -> T {
         T::from(0.0)
+    }
+    /// Where an observed point is seen, m.
+    fn sensor<T: Real>(at: &Sight<T>, _theta: &[T]) -> [T; 2] {
+        at.position
+    }
+    /// Time since release, s, at which what is seen at the time `recorded` of the recording took
+    /// place; it rises with it.
+    fn clock<T: Real>(recorded: T, _theta: &[T]) -> T {
+        recorded
+    }
+    /// What is added to the start.
+    fn release<T: Real>(_theta: &[T]) -> Release<T> {
+        let zero = T::from(0.0);
+        Release { angle: zero, angular_velocity: zero }
     }
 }

@@ -6,18 +6,23 @@
 
 mod erased;
 mod law;
+mod registered;
 
 use num_dual::DualNum;
 
-pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Registered, Scalar};
-pub use law::{BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, MassLoad, Moment, Rod, Tip, TipLoad};
+pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Scalar};
+pub use law::{
+    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Sight, Tip, TipLoad,
+};
+pub use registered::Registered;
 
 /// Declares the effects' files and the catalogue that holds them.
 macro_rules! catalogue {
     ($($file:ident :: $law:ident,)*) => {
         $(pub mod $file;)*
 
-        /// Every effect that a model can have, in the order in which pages list them.
+        /// Every effect that a model can have, in the order in which pages list them, and in which those
+        /// on what is observed follow one another.
         pub static CATALOGUE: &[&dyn Effect] =
             &[$(&Registered::<$file::$law>::new(include_str!(concat!(stringify!($file), ".rs"))),)*];
     };
@@ -53,6 +58,18 @@ catalogue! {
     stiffness_drift::StiffnessDrift,
     release_drift::ReleaseDrift,
     strain_rate_cubed::StrainRateCubed,
+    initial_velocity::InitialVelocity,
+    set_curvature::SetCurvature,
+    damping_over_pressure::DampingOverPressure,
+    tip_offset::TipOffset,
+    added_mass::AddedMass,
+    pressure_volume::PressureVolume,
+    // In the order in which they stand between a point of the rod and its place in a recording.
+    marker_offset::MarkerOffset,
+    out_of_plane::OutOfPlane,
+    frame_tilt::FrameTilt,
+    scale::Scale,
+    clock::Clock,
 }
 
 /// The effect of that name.
@@ -88,14 +105,25 @@ pub enum Place {
     Edge,
     /// Every edge, from outside: velocity of its midpoint; gives a force per unit length.
     Flow,
+    /// The rod as a whole: its bends see the mean square curvature. Beside [`Place::Bend`].
+    Whole,
     /// Everything that has mass: gives an acceleration and a rate of decay of velocity.
     Mass,
     /// The end of the active length: position, angle and their rates; gives a force and a moment.
     Tip,
-    /// The rigid body at the end of the active length: gives mass, centre of mass, rotary inertia.
+    /// The rigid body at the end of the active length: gives mass, centre of mass, rotary inertia, and
+    /// a shift of all that is fixed there.
     Body,
+    /// What moves with the rod: gives a mass per length without weight.
+    Inertia,
     /// The clamp: gives a rotational compliance in series with the root bend.
     Clamp,
+    /// The instant of release: gives a turn about the clamp and an angular velocity about it, on top
+    /// of those of the start, whatever that is.
+    Release,
+    /// What is observed, and nothing of the rod itself: gives the position at which a point is seen,
+    /// and the time at which.
+    Sensor,
 }
 
 /// One parameter of an effect.
@@ -113,9 +141,13 @@ pub struct Parameter {
     pub range: (f64, f64),
     /// A typical size: step of finite differences, scale of fits.
     pub scale: f64,
-    /// Value at which the effect is exactly zero, if this parameter alone can switch it off.
+    /// Value at which the effect is exactly zero, if this parameter alone can switch it off, or its
+    /// share of the effect, if it [is a part](Self::is_part).
     /// A diagnosis tries an effect by the first of its parameters that has one.
     pub off: Option<f64>,
+    /// Whether the effect is a sum in which this parameter scales one term: then the effect is off
+    /// where all such parameters are, and not where one of them is.
+    pub is_part: bool,
     /// Smallest and largest value that a diagnosis believes of a muscle in a laboratory; none for all
     /// that is admissible.
     pub plausible: Option<(f64, f64)>,
@@ -134,6 +166,7 @@ impl Parameter {
         range: (0.0, 0.0),
         scale: 1.0,
         off: None,
+        is_part: false,
         plausible: None,
         tries: &[],
     };
@@ -204,4 +237,47 @@ pub struct About {
     pub separated_by: &'static [Separator],
     /// What has its own values of the parameters.
     pub reach: Reach,
+}
+
+impl About {
+    /// Whether the effect is exactly zero at these values of its parameters, in their order.
+    pub fn is_off(&self, values: &[f64]) -> bool {
+        let both = || self.parameters.iter().zip(values);
+        let stands_off = |(p, value): (&Parameter, &f64)| p.off == Some(*value);
+        let mut parts = both().filter(|(p, _)| p.is_part).peekable();
+        both().any(|(p, value)| !p.is_part && stands_off((p, value)))
+            || (parts.peek().is_some() && parts.all(stands_off))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rod;
+    use crate::model::{Model, ModelSpec, Root};
+
+    /// A rod of 40 edges at 2 bar with some effects, for the tests that they have of their own.
+    pub(super) fn rod_with(effects: &[(&str, &[(&str, f64)])]) -> Model {
+        let owned = |(key, value): &(&str, f64)| ((*key).to_owned(), *value);
+        let effects =
+            effects.iter().map(|(name, values)| ((*name).to_owned(), values.iter().map(owned).collect()));
+        Model::new(&ModelSpec {
+            nodes: 41,
+            rod: Rod {
+                length: 0.3,
+                mass: 0.03,
+                bending_stiffness: 0.01,
+                axial_stiffness: 300.0,
+                diameter: 0.02,
+                pressure: 2e5,
+            },
+            base_angle: 0.1,
+            release_angle: 0.2,
+            release_rate: 0.3,
+            root: Root::Consistent,
+            tip_distance: 0.01,
+            effects: effects.collect(),
+            schedule: None,
+        })
+        .unwrap()
+    }
 }

@@ -8,7 +8,7 @@
 //! path keeps it from overshooting. A posture where the imbalance vanishes but the stiffness is not
 //! positive definite, such as a rod balanced upright, is left along its softest direction.
 
-use crate::banded::Banded;
+use crate::coupled::Coupled;
 use crate::error::ModelError;
 use crate::kinematics::{dot, left};
 use crate::model::{BASE_ANGLE, Model};
@@ -100,7 +100,7 @@ struct Search<'m> {
     at_rest: Vec<f64>,
     force: Vec<f64>,
     step: Vec<f64>,
-    factors: Banded,
+    factors: Coupled,
     /// Multiple of the mass matrix that the last factors needed, 1/s².
     shift: f64,
     path: Path,
@@ -121,7 +121,7 @@ impl<'m> Search<'m> {
             at_rest: vec![0.0; dof],
             force: vec![0.0; dof],
             step: vec![0.0; dof],
-            factors: Banded::zeros(dof),
+            factors: Coupled::zeros(dof),
             shift: 0.0,
             path: Path::new(model.edges),
             iterations: 0,
@@ -220,12 +220,12 @@ impl<'m> Search<'m> {
     /// Factors the matrix of paths with the smallest shift, of those tried, that makes it positive.
     fn factorize(&mut self) -> bool {
         let mut hessian = self.system.stiffness().clone();
-        add_curve(&self.system, &self.force, &mut hessian);
+        add_curve(&self.system, &self.force, &mut hessian.band);
         let smallest = self.smallest_shift();
         self.shift = if self.shift > 2.0 * smallest { 0.25 * self.shift } else { 0.0 };
         for _ in 0..60 {
             self.factors.clone_from(&hessian);
-            self.factors.add_diagonal(self.shift, &self.system.mass);
+            self.factors.band.add_diagonal(self.shift, &self.system.mass);
             if self.factors.factorize().is_ok() && self.factors.is_positive() {
                 return true;
             }

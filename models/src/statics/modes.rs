@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::banded::Banded;
+use crate::coupled::Coupled;
 use crate::error::ModelError;
 use crate::model::Model;
 use crate::system::System;
@@ -91,7 +91,7 @@ impl Shapes {
     }
 
     /// Iterates until the wanted frequencies stay; returns all, rad/s, ascending.
-    fn iterate(&mut self, stiffness: &Banded, mass: &[f64]) -> Result<Vec<f64>, ModelError> {
+    fn iterate(&mut self, stiffness: &Coupled, mass: &[f64]) -> Result<Vec<f64>, ModelError> {
         let mut factors = stiffness.clone();
         if factors.factorize().is_err() || !factors.is_positive() {
             return Err(ModelError::Unstable);

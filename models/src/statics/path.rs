@@ -206,6 +206,7 @@ mod tests {
                 bending_stiffness: 0.008,
                 axial_stiffness: 40.0,
                 diameter: 0.03,
+                pressure: 0.0,
             },
             base_angle: 0.1,
             release_angle: 0.0,
@@ -213,6 +214,7 @@ mod tests {
             root: Root::Consistent,
             tip_distance: 0.0,
             effects: vec![
+                effect("pressure_volume", &[("stiffening", 0.1)]),
                 effect("end_fitting", &[("mass", 0.05), ("center_of_mass", 0.02), ("rotary_inertia", 1e-5)]),
                 effect("tip_load", &[("force_x", 0.4), ("force_z", -0.3), ("moment", 0.02)]),
             ],
@@ -228,7 +230,7 @@ mod tests {
         system.linearise(0.0, &q, &v, &[], &mut force);
         system.condense(0.0);
         let mut hessian = system.stiffness().clone();
-        add_curve(&system, &force, &mut hessian);
+        add_curve(&system, &force, &mut hessian.band);
         let mut product = vec![0.0; model.dof()];
         hessian.multiply_add(increment.as_chunks::<1>().0, product.as_chunks_mut().0);
         let expected: f64 = product.iter().zip(&increment).map(|(a, b)| a * b).sum();

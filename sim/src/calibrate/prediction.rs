@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use models::sensor::Sensor;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -150,7 +151,8 @@ pub(crate) fn predict(
     }
     let times: Vec<f64> =
         (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();
-    let duration = times.last().copied().unwrap_or(0.0);
+    let last = times.last().copied().unwrap_or(0.0);
+    let duration = last.max(Sensor::new(&model, model.theta.clone()).instant(last));
     let run = Run {
         initial,
         duration,

@@ -5,7 +5,7 @@
 //! `(a − J) u_i = F(y + Σ a_ij u_j) + Σ (c_ij/h) u_j + h d_i ∂F/∂t`. Rates of coordinates are
 //! velocities, so half of the unknowns drop out before factorization: see `models::tangent`.
 
-use models::banded::Banded;
+use models::coupled::Coupled;
 use models::model::Model;
 use models::system::{System, TimePass};
 
@@ -37,7 +37,7 @@ pub struct Rosenbrock<'m> {
     force_by_time: Vec<f64>,
     z_rate_by_time: Vec<f64>,
     rhs: Vec<f64>,
-    matrix: Banded,
+    matrix: Coupled,
     time_pass: Option<TimePass>,
     dense: Vec<Vec<f64>>,
 }
@@ -75,7 +75,7 @@ impl<'m> Rosenbrock<'m> {
             force_by_time: vec![0.0; nq],
             z_rate_by_time: vec![0.0; nz],
             rhs: vec![0.0; nq],
-            matrix: Banded::zeros(nq),
+            matrix: Coupled::zeros(nq),
             time_pass: model.is_timed().then(|| TimePass::new(model)),
             dense: vec![vec![0.0; width]; tableau.dense.len()],
             system,

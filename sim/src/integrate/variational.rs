@@ -12,7 +12,7 @@
 //! must turn with them: a parabola's small error across an edge would bend the rod by much. There it
 //! is evaluated at every stage.
 
-use models::banded::Banded;
+use models::coupled::Coupled;
 use models::effects::LANES;
 use models::model::Model;
 use models::system::System;
@@ -67,16 +67,16 @@ pub struct Variational<'m> {
     at: State,
     force: Vec<f64>,
     z_rate: Vec<f64>,
-    matrix: Banded,
+    matrix: Coupled,
     known: Slopes,
     residual: Slopes,
     damped: Vec<Row>,
 }
 
-/// Parameters in the order in which they fill the groups: those of the geometry cost more, so they
-/// stand together.
+/// Parameters that move the rod, in the order in which they fill the groups: those of the geometry cost
+/// more, so they stand together.
 pub fn lane_order(model: &Model, parameters: &[usize]) -> Vec<usize> {
-    let mut order = parameters.to_vec();
+    let mut order: Vec<usize> = parameters.iter().copied().filter(|k| !model.is_of_sensor(*k)).collect();
     order.sort_by_key(|k| model.is_geometric(*k));
     order
 }
@@ -137,7 +137,7 @@ impl<'m> Variational<'m> {
             force: state.v.clone(),
             z_rate: state.z.clone(),
             at: state,
-            matrix: Banded::zeros(model.dof()),
+            matrix: Coupled::zeros(model.dof()),
             known: zeros.clone(),
             damped: zeros.q.clone(),
             residual: zeros,

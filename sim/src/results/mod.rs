@@ -213,8 +213,13 @@ pub(crate) mod tests {
 
     /// Table 1 and the 15 psi row of Table 2, with 1/s of mass damping.
     pub fn muscle_at_15_psi() -> Model {
+        Model::new(&spec_at_15_psi()).unwrap()
+    }
+
+    /// What [`muscle_at_15_psi`] is built from.
+    pub fn spec_at_15_psi() -> ModelSpec {
         let end_fitting = vec![("mass".to_owned(), 0.05492), ("center_of_mass".to_owned(), 0.0168)];
-        Model::new(&ModelSpec {
+        ModelSpec {
             nodes: 32,
             rod: Rod {
                 length: 0.20295,
@@ -222,6 +227,7 @@ pub(crate) mod tests {
                 bending_stiffness: 0.00709,
                 axial_stiffness: 325.0,
                 diameter: 0.0269,
+                pressure: 103_421.0,
             },
             base_angle: 0.0,
             release_angle: 0.0,
@@ -233,8 +239,7 @@ pub(crate) mod tests {
                 ("rayleigh_mass".to_owned(), vec![("alpha".to_owned(), 1.0)]),
             ],
             schedule: None,
-        })
-        .unwrap()
+        }
     }
 
     /// A straight release, sampled a hundred times a second, with its energy.

@@ -47,5 +47,7 @@ fn frozen(model: &Model, time: f64) -> Result<Model, ModelError> {
         let value = factor * frozen.theta[frozen.index(path)?];
         frozen.set(path, value)?;
     }
+    let pressure = frozen.rod().pressure + schedule.pressure_change(time).0;
+    frozen.set("rod.pressure", pressure)?;
     Ok(frozen)
 }

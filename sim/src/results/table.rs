@@ -4,6 +4,9 @@
 //! MATLAB's `parquetread` know no lists, pandas plots `df.filter(regex="^x_")` as it stands, and in
 //! SQL `select time_s, z_31_m` reads that column alone. Each name ends in its unit, which also
 //! stands in the column's metadata under `unit`.
+//!
+//! With an effect on what is observed there are also `seen_tip_x_m` and `seen_tip_z_m`: where a
+//! recording shows the tip at the time of the row by its own clock.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -48,7 +51,8 @@ impl<'a> Table<'a> {
     /// The table of a trajectory; without energy followed in the run, dissipated, supplied and total
     /// energy stay empty.
     pub fn new(model: &'a Model, trajectory: &'a Trajectory, energy_followed: bool) -> Self {
-        Self { model, trajectory, energy_followed, columns: columns(model.edges, energy_followed) }
+        let columns = columns(model.edges, energy_followed, model.has_sensor());
+        Self { model, trajectory, energy_followed, columns }
     }
 
     /// What stands in it.
@@ -141,6 +145,10 @@ impl<'a> Table<'a> {
         row.push(state.time);
         row.extend(trajectory.tip[sample]);
         row.extend(trajectory.tip_velocity[sample]);
+        if self.model.has_sensor() {
+            // A recording whose clock lags shows the end of the run after its end.
+            row.extend(trajectory.seen_tip.get(sample).copied().unwrap_or([f64::NAN; 2]));
+        }
         row.extend([posture.angle, posture.rate]);
         row.extend([energy.kinetic, energy.elastic, energy.potential, energy.dissipated, energy.supplied]);
         row.push(super::total(&energy));
@@ -151,7 +159,7 @@ impl<'a> Table<'a> {
     }
 }
 
-fn columns(edges: usize, energy_followed: bool) -> Vec<Column> {
+fn columns(edges: usize, energy_followed: bool, has_sensor: bool) -> Vec<Column> {
     let named = |(name, unit): (&str, &'static str)| {
         let empty = !energy_followed && FOLLOWED.contains(&name);
         Column { name: name.to_owned(), unit, empty }
@@ -162,6 +170,8 @@ fn columns(edges: usize, energy_followed: bool) -> Vec<Column> {
         ("tip_z_m", "m"),
         ("tip_vx_m_s", "m/s"),
         ("tip_vz_m_s", "m/s"),
+        ("seen_tip_x_m", "m"),
+        ("seen_tip_z_m", "m"),
         ("body_angle_rad", "rad"),
         ("body_rate_rad_s", "rad/s"),
         ("kinetic_J", "J"),
@@ -173,6 +183,7 @@ fn columns(edges: usize, energy_followed: bool) -> Vec<Column> {
     ]
     .map(named)
     .into();
+    columns.retain(|column| has_sensor || !column.name.starts_with("seen_"));
     let width = edges.to_string().len().max(2);
     for node in 0..=edges {
         for (what, suffix, unit) in
@@ -206,7 +217,7 @@ mod tests {
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
     use super::*;
-    use crate::results::tests::{muscle_at_15_psi, released};
+    use crate::results::tests::{muscle_at_15_psi, released, spec_at_15_psi};
 
     #[test]
     fn parquet_reads_back_to_the_same_bits_with_units_and_metadata() {
@@ -281,6 +292,28 @@ mod tests {
         for (k, column) in table.columns().iter().enumerate() {
             let due = if FOLLOWED.contains(&column.name.as_str()) { "" } else { expected[k].as_str() };
             assert_eq!(found[k], due, "{}", column.name);
+        }
+    }
+
+    #[test]
+    fn what_a_recording_shows_stands_beside_the_tip() {
+        let mut spec = spec_at_15_psi();
+        let plain = Table::new(&muscle_at_15_psi(), &Trajectory::default(), true).columns().len();
+        spec.effects.push(("scale".to_owned(), vec![("relative_error".to_owned(), 0.1)]));
+        let model = Model::new(&spec).unwrap();
+        let (_, trajectory) = released(&model, 0.02);
+        let table = Table::new(&model, &trajectory, true);
+        assert_eq!(table.columns().len(), plain + 2);
+        let mut file = Vec::new();
+        table.write_csv(&mut file).unwrap();
+        let text = String::from_utf8(file).unwrap();
+        let column = |name: &str| table.columns().iter().position(|column| column.name == name).unwrap();
+        let last: Vec<f64> =
+            text.lines().last().unwrap().split(',').map(|text| text.parse().unwrap()).collect();
+        for axis in ["x", "z"] {
+            let [seen, tip] =
+                [format!("seen_tip_{axis}_m"), format!("tip_{axis}_m")].map(|name| last[column(&name)]);
+            assert!((seen - 1.1 * tip).abs() < 1e-15, "{seen}, {tip}");
         }
     }
 

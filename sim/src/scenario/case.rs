@@ -72,7 +72,7 @@ impl Builder<'_> {
         let mut schedule = None;
         let mut at = None;
         let rod = match &plan.muscle {
-            None => self.plain_rod()?,
+            None => self.plain_rod(pressure)?,
             Some(muscle) => {
                 let at_release = match &muscle.pressure {
                     Pressure::Schedule(rows) => {
@@ -121,7 +121,7 @@ impl Builder<'_> {
         Ok(Case { name, model, run, warnings, resolved, pressure: at })
     }
 
-    fn plain_rod(&self) -> Result<Rod<f64>, ScenarioError> {
+    fn plain_rod(&self, pressure: Option<f64>) -> Result<Rod<f64>, ScenarioError> {
         let needed = |k: usize, example: &'static str| {
             let missing = || self.document.keys().table("rod").map(|rod| rod.missing(ROD[k].0, example));
             match self.plan.rod[k] {
@@ -135,6 +135,7 @@ impl Builder<'_> {
             bending_stiffness: needed(2, "bending_stiffness = \"0.05 N m^2\"")?,
             axial_stiffness: needed(3, "axial_stiffness = \"1000 N\"")?,
             diameter: self.plan.rod[4].unwrap_or(f64::NAN),
+            pressure: self.plan.rod[5].or(pressure).unwrap_or(0.0),
         })
     }
 
@@ -297,6 +298,7 @@ fn rod_of(muscle: &MusclePlan, at: &AtPressure) -> Rod<f64> {
         bending_stiffness: at.bending_stiffness,
         axial_stiffness: at.axial_stiffness,
         diameter: at.outer_diameter,
+        pressure: at.pressure,
     }
 }
 
@@ -323,15 +325,15 @@ fn of_muscle(muscle: &MusclePlan, at: &AtPressure) -> Vec<(String, Vec<(String, 
 }
 
 /// In the order of [`ROD`].
-fn parts(rod: &Rod<f64>) -> [f64; 5] {
-    [rod.length, rod.mass, rod.bending_stiffness, rod.axial_stiffness, rod.diameter]
+fn parts(rod: &Rod<f64>) -> [f64; 6] {
+    [rod.length, rod.mass, rod.bending_stiffness, rod.axial_stiffness, rod.diameter, rod.pressure]
 }
 
-fn overridden(rod: Rod<f64>, own: &[Option<f64>; 5]) -> Rod<f64> {
+fn overridden(rod: Rod<f64>, own: &[Option<f64>; 6]) -> Rod<f64> {
     let mut values = parts(&rod);
     for (value, own) in values.iter_mut().zip(own) {
         *value = own.unwrap_or(*value);
     }
-    let [length, mass, bending_stiffness, axial_stiffness, diameter] = values;
-    Rod { length, mass, bending_stiffness, axial_stiffness, diameter }
+    let [length, mass, bending_stiffness, axial_stiffness, diameter, pressure] = values;
+    Rod { length, mass, bending_stiffness, axial_stiffness, diameter, pressure }
 }

@@ -18,7 +18,7 @@ use crate::integrate::Method;
 pub(crate) struct Plan {
     pub muscle: Option<MusclePlan>,
     /// Values of [`ROD`].
-    pub rod: [Option<f64>; 5],
+    pub rod: [Option<f64>; 6],
     pub nodes: usize,
     pub root: Root,
     pub base_angle: f64,
@@ -75,17 +75,18 @@ pub(crate) enum From {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Hold {
     pub pressure: Option<f64>,
-    pub rod: [Option<f64>; 5],
+    pub rod: [Option<f64>; 6],
     pub effects: Vec<EffectPlan>,
 }
 
 /// Keys and units of what a rod itself has.
-pub(crate) const ROD: [(&str, &str); 5] = [
+pub(crate) const ROD: [(&str, &str); 6] = [
     ("length", "m"),
     ("mass", "kg"),
     ("bending_stiffness", "N m^2"),
     ("axial_stiffness", "N"),
     ("diameter", "m"),
+    ("pressure", "Pa"),
 ];
 
 pub(crate) const METHODS: [(&str, Method); 5] = [
@@ -168,8 +169,8 @@ pub(crate) fn fits_name(c: char) -> bool {
     c.is_alphanumeric() || "-_.+ ".contains(c)
 }
 
-fn read_rod(rod: &Keys) -> Result<[Option<f64>; 5], ScenarioError> {
-    let mut values = [None; 5];
+fn read_rod(rod: &Keys) -> Result<[Option<f64>; 6], ScenarioError> {
+    let mut values = [None; 6];
     for (value, (key, unit)) in values.iter_mut().zip(ROD) {
         *value = rod.quantity(key, unit)?;
     }

@@ -39,6 +39,7 @@ fn a_muscle_gives_rod_end_fitting_and_gravity() {
     assert_eq!(case.name, "where");
     assert_eq!(value(&case, "rod.length"), 7.99 * 0.0254);
     assert_eq!(value(&case, "rod.bending_stiffness"), 0.00709);
+    assert_eq!(Some(value(&case, "rod.pressure")), case.pressure);
     assert_eq!(value(&case, "rod.mass"), 0.14227 * (6.69 * 0.0254));
     assert_eq!(value(&case, "effects.end_fitting.mass"), 54.92 * 1e-3);
     assert_eq!(case.model.tip_distance, 0.662 * 0.0254);
@@ -100,6 +101,7 @@ fn a_resolved_case_gives_the_same_model_and_run() {
             assert_eq!(a.breakpoints(), b.breakpoints());
             for time in [0.0, 0.123, 3.0, 5.1, 7.0] {
                 assert_eq!(a.factors(time), b.factors(time));
+                assert_eq!(a.pressure_change(time), b.pressure_change(time));
             }
         }
         assert_eq!(again.resolved, case.resolved);

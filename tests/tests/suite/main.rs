@@ -29,6 +29,7 @@ mod properties {
     mod allocation;
     mod catalogue;
     mod effort;
+    mod seen;
     mod sensitivities;
 }
 mod recordings {

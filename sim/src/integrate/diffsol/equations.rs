@@ -22,7 +22,7 @@ use ::diffsol::{
 };
 use diffsol_la::error::LinearSolverError;
 use diffsol_la::{LinearSolver, MatrixSparsity};
-use models::banded::Banded;
+use models::coupled::Coupled;
 use models::model::Model;
 use models::system::System;
 
@@ -162,7 +162,7 @@ impl OdeEquations for Equations<'_> {
 /// Tangents where diffsol last asked for the Jacobian, and the factors of its step.
 pub(super) struct Tangents<'m> {
     system: System<'m>,
-    factors: Banded,
+    factors: Coupled,
     a: f64,
     regular: bool,
     u_q: Vec<[f64; 1]>,
@@ -178,7 +178,7 @@ impl<'m> Tangents<'m> {
         let (dof, memory) = (system.model.dof(), system.model.memory());
         Self {
             system,
-            factors: Banded::zeros(dof),
+            factors: Coupled::zeros(dof),
             a: 0.0,
             regular: false,
             u_q: vec![[0.0]; dof],
@@ -290,6 +290,7 @@ mod tests {
             ("rayleigh_mass", vec![("alpha", 3.0)]),
             ("rayleigh_stiffness", vec![("beta", 1e-3)]),
             ("clamp_compliance", vec![("compliance", 1.0)]),
+            ("pressure_volume", vec![("stiffening", 0.1)]),
             ("end_fitting", vec![("mass", 0.05), ("center_of_mass", 0.017)]),
         ];
         let owned = |(name, values): (&str, Vec<(&str, f64)>)| {
@@ -303,6 +304,7 @@ mod tests {
                 bending_stiffness: 0.008,
                 axial_stiffness: 40.0,
                 diameter: 0.027,
+                pressure: 0.0,
             },
             base_angle: 0.1,
             release_angle: 0.2,

@@ -22,7 +22,14 @@ fn soft(lossy: bool) -> Model {
     }
     Model::new(&ModelSpec {
         nodes: 5,
-        rod: Rod { length: 0.5, mass: 0.2, bending_stiffness: 0.02, axial_stiffness: 20.0, diameter: 0.02 },
+        rod: Rod {
+            length: 0.5,
+            mass: 0.2,
+            bending_stiffness: 0.02,
+            axial_stiffness: 20.0,
+            diameter: 0.02,
+            pressure: 0.0,
+        },
         base_angle: 0.0,
         release_angle: 0.3,
         release_rate: 0.0,

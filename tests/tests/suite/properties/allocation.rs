@@ -13,6 +13,7 @@ fn allocations(method: Method, duration: f64, sensitivities: Vec<usize>) -> u64 
         ("air_drag.drag_coefficient", 1.2),
         ("viscoelastic.branch_stiffness", 0.2),
         ("clamp_compliance.compliance", 1.0),
+        ("pressure_volume.stiffening", 1e-3),
     ];
     let model = paper(15.0, 32, if method == Method::Verlet { &[] } else { &effects });
     let run = Run {

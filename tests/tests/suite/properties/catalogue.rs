@@ -1,7 +1,9 @@
 //! What every registered effect keeps, whoever wrote it.
 
-use models::effects::CATALOGUE;
+use models::effects::{CATALOGUE, LANES, Parameter, Real, Sight};
+use models::lanes::{seeded, slopes};
 use models::model::{Model, ModelSpec};
+use models::sensor::Sensor;
 use models::system::{System, TimePass};
 use tests::paper_spec;
 
@@ -11,20 +13,21 @@ const NOW: f64 = 0.3;
 /// Effects that pull towards places or directions of the laboratory, and so know its frame.
 const FIXED_IN_THE_LABORATORY: [&str; 4] = ["gravity", "tip_load", "hose", "hand_release"];
 
-/// A model in which one effect acts, at its default or, where that is off, at half its scale.
-fn with(name: &str, off: bool) -> Option<Model> {
+/// A model in which one effect acts: each parameter at its default or, where that is off, at half its
+/// scale; those `off` at off.
+fn with(name: &str, off: impl Fn(&Parameter) -> bool) -> Model {
     let effect = models::effects::by_name(name).expect("registered");
-    let mut values: Vec<(String, f64)> = Vec::new();
-    for p in effect.about().parameters {
+    let values = effect.about().parameters.iter().map(|p| {
         let on = if Some(p.default) == p.off || p.default == 0.0 { 0.5 * p.scale } else { p.default };
-        values.push((p.name.to_owned(), if off { p.off.unwrap_or(on) } else { on }));
-    }
-    if off && effect.about().parameters.iter().all(|p| p.off.is_none()) {
-        return None;
-    }
+        (p.name.to_owned(), p.off.filter(|_| off(p)).unwrap_or(on))
+    });
     let mut spec = paper_spec(40.0, 8, &[]);
-    spec.effects.push((name.to_owned(), values));
-    Some(Model::new(&spec).expect("defaults are admissible"))
+    spec.effects.push((name.to_owned(), values.collect()));
+    Model::new(&spec).expect("defaults are admissible")
+}
+
+fn on(name: &str) -> Model {
+    with(name, |_| false)
 }
 
 fn moving(model: &Model) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
@@ -45,44 +48,81 @@ fn force(model: &Model) -> Vec<f64> {
     force
 }
 
-/// What the forces do: a body adds none, but slows what they do.
-fn acceleration(model: &Model) -> Vec<f64> {
-    force(model).iter().zip(&System::new(model).mass).map(|(f, m)| f / m).collect()
+/// A point of the end body, and one of the rod.
+fn sights<T: Real>() -> [Sight<T>; 2] {
+    let of = |[x, z]: [f64; 2], angle: f64, share, is_tip| {
+        let tangent = [angle.cos(), angle.sin()].map(T::from);
+        Sight { position: [x, z].map(T::from), tangent, share, is_tip }
+    };
+    [of([0.11, -0.13], -0.9, 1.0, true), of([0.09, -0.04], -0.6, 0.5, false)]
+}
+
+/// A time of a recording, s.
+const RECORDED: f64 = 0.7;
+
+/// Wherever an effect can show: forces at a state in motion, masses, the state in which the straight
+/// rod is let go, and what is seen of it and when.
+fn trace(model: &Model) -> Vec<f64> {
+    let system = System::new(model);
+    let straight = system.assembly.straight_at_release();
+    let (q, v) = system.assembly.let_go(model, straight);
+    let sensor = Sensor::new(model, model.theta.clone());
+    let seen = sights().map(|sight| sensor.see(sight));
+    [&force(model)[..], &system.mass, &q, &v, seen.as_flattened(), &[sensor.instant(RECORDED)]].concat()
+}
+
+/// Derivatives of the [`trace`] by one parameter.
+fn trace_by(model: &Model, parameter: usize) -> Vec<f64> {
+    let (q, v, z) = moving(model);
+    let mut system = System::new(model);
+    let watched = [Some(parameter)];
+    system.watch(&watched);
+    let (mut by_theta, mut rates) = (vec![[0.0; LANES]; q.len()], vec![[0.0; LANES]; z.len()]);
+    system.by_parameters(0, NOW, &q, &v, &z, &mut by_theta, &mut rates);
+    let (by_q, by_v) = system.let_go_by_parameters(0, system.straight_by_parameters(0));
+    let sensor = Sensor::new(model, seeded(&model.theta, &watched));
+    let seen = sights().map(|sight| sensor.see(sight)).into_iter().flatten();
+    let seen = seen.chain([sensor.instant(RECORDED.into())]).map(|x| slopes(&x));
+    by_theta.into_iter().chain(by_q).chain(by_v).chain(seen).map(|row| row[0]).collect()
 }
 
 #[test]
 fn off_is_exactly_off_and_on_is_on() {
     for effect in CATALOGUE {
         let about = effect.about();
-        let Some(off) = with(about.name, true) else { continue };
-        let mut without = off.clone();
-        without.effects.retain(|active| active.effect.about().name != about.name);
-        assert_eq!(acceleration(&off), acceleration(&without), "{} at off", about.name);
-        let on = with(about.name, false).expect("on");
-        assert_ne!(acceleration(&on), acceleration(&without), "{} on", about.name);
+        let switches = || about.parameters.iter().filter(|p| p.off.is_some());
+        let without = |model: &Model| {
+            let mut without = model.clone();
+            without.effects.retain(|active| active.effect.about().name != about.name);
+            trace(&without)
+        };
+        // Each that can do so alone, and all parts together.
+        let alone = switches().filter(|p| !p.is_part).map(|p| vec![p.name]);
+        let parts: Vec<_> = switches().filter(|p| p.is_part).map(|p| p.name).collect();
+        for off in alone.chain((!parts.is_empty()).then_some(parts)) {
+            let model = with(about.name, |p| off.contains(&p.name));
+            assert_eq!(trace(&model), without(&model), "{} with {off:?} at off", about.name);
+        }
+        let model = on(about.name);
+        if switches().next().is_some() {
+            assert_ne!(trace(&model), without(&model), "{} on", about.name);
+        }
+        for part in switches().filter(|p| p.is_part) {
+            let alone = with(about.name, |p| p.is_part && p.name != part.name);
+            assert_ne!(trace(&alone), without(&alone), "{} with {} alone", about.name, part.name);
+        }
     }
 }
 
 #[test]
 fn at_off_the_sensitivity_is_not_zero() {
     for effect in CATALOGUE {
-        for p in effect.about().parameters.iter().filter(|p| p.off.is_some()) {
-            let Some(model) = with(effect.about().name, true) else { continue };
-            let (q, v, z) = moving(&model);
-            let mut system = System::new(&model);
-            let k = model.index(&format!("effects.{}.{}", effect.about().name, p.name)).expect("there");
-            system.watch(&[Some(k)]);
-            let mut by_theta = vec![[0.0; models::effects::LANES]; q.len()];
-            let mut rates = vec![[0.0; models::effects::LANES]; z.len()];
-            // With every other parameter on, this one at off.
-            system.by_parameters(0, NOW, &q, &v, &z, &mut by_theta, &mut rates);
-            let others_off = effect.about().parameters.iter().filter(|p| p.off.is_some()).count() > 1;
-            assert!(
-                others_off || by_theta.iter().any(|row| row[0] != 0.0),
-                "{}.{}",
-                effect.about().name,
-                p.name
-            );
+        let about = effect.about();
+        for p in about.parameters.iter().filter(|p| p.off.is_some()) {
+            // All others on; of parts, all off.
+            let model = with(about.name, |other| other.name == p.name || (p.is_part && other.is_part));
+            let k = model.index(&format!("effects.{}.{}", about.name, p.name)).expect("there");
+            assert!(trace_by(&model, k).iter().any(|slope| *slope != 0.0), "{}.{}", about.name, p.name);
         }
     }
 }
@@ -90,7 +130,7 @@ fn at_off_the_sensitivity_is_not_zero() {
 #[test]
 fn none_feeds_energy() {
     for effect in CATALOGUE {
-        let Some(model) = with(effect.about().name, false) else { continue };
+        let model = on(effect.about().name);
         let (q, v, z) = moving(&model);
         let mut pass = TimePass::new(&model);
         let (lost, supplied) = System::new(&model).powers(&mut pass, NOW, &q, &v, &z);
@@ -123,16 +163,19 @@ fn pages_and_parameters_are_complete() {
     }
 }
 
-/// Turning everything turns the forces: with the clamp, the gravity off.
+/// Turning everything turns the forces, and what is let go: with the clamp, the gravity off. What is
+/// observed has no part in it: a camera does not turn with the rod.
 #[test]
 fn laws_are_frame_indifferent() {
     for effect in CATALOGUE.iter().filter(|e| !FIXED_IN_THE_LABORATORY.contains(&e.about().name)) {
-        let Some(model) = with(effect.about().name, false) else { continue };
+        let model = on(effect.about().name);
         let mut still = model.clone();
         still.set("effects.gravity.acceleration", 0.0).expect("baseline");
         let turn = 0.9_f64;
         let mut turned = still.clone();
-        turned.set("rod.base_angle", turn).expect("a rod parameter");
+        for path in ["rod.base_angle", "release.angle"] {
+            turned.set(path, turn).expect("a rod parameter");
+        }
         let (q, v, z) = moving(&still);
         let rotate = |x: &[f64], angle: f64| -> Vec<f64> {
             let mut y: Vec<f64> = Vec::new();
@@ -154,6 +197,15 @@ fn laws_are_frame_indifferent() {
         let scale = expected.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
         for (found, expected) in found.iter().zip(&expected) {
             assert!((found - expected).abs() < 1e-11 * scale, "{}", effect.about().name);
+        }
+        let let_go = |model: &Model| {
+            let assembly = &System::new(model).assembly;
+            assembly.let_go(model, assembly.straight_at_release())
+        };
+        let ((q, v), (turned_q, turned_v)) = (let_go(&still), let_go(&turned));
+        let expected = [rotate(&q, turn), rotate(&v, 0.0)].concat();
+        for (found, expected) in turned_q.iter().chain(&turned_v).zip(&expected) {
+            assert!((found - expected).abs() < 1e-14, "{} at release", effect.about().name);
         }
     }
 }

@@ -1,0 +1,321 @@
+//! From an author's generic [`Law`] to an [`Effect`]: each method is one loop over the rod, compiled for
+//! one law and one scalar.
+
+use std::marker::PhantomData;
+
+use nalgebra::SVector;
+use num_dual::{Derivative, Dual64, DualSVec64};
+
+use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
+use super::law::{Bend, Body, Edge, Flow, Law, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
+use super::{About, Real};
+use crate::kinematics::Fields;
+use crate::system::Context;
+
+/// A law with its source text, as the catalogue holds it.
+pub struct Registered<L> {
+    source: &'static str,
+    law: PhantomData<fn() -> L>,
+}
+
+impl<L: Law> Registered<L> {
+    /// Registers a law with the text of its file, whose `//!` lines are its page.
+    pub const fn new(source: &'static str) -> Self {
+        Self { source, law: PhantomData }
+    }
+}
+
+fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, z: &[T]) -> Bend<'a, T> {
+    let per_length = c.per_voronoi[i];
+    Bend {
+        kappa: f.kappa[i] * per_length,
+        kappa_rate: f.kappa_rate[i] * per_length,
+        mean_square_curvature: f.mean_square_curvature,
+        memory: z.get(i).copied().unwrap_or_else(|| T::from(0.0)),
+        position: i as f64 * c.per_edges,
+        time: c.time,
+        rod: &c.rod,
+    }
+}
+
+fn edge_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Edge<'a, T> {
+    Edge {
+        stretch: f.stretch[j],
+        stretch_rate: f.stretch_rate[j],
+        position: (j as f64 + 0.5) * c.per_edges,
+        time: c.time,
+        rod: &c.rod,
+    }
+}
+
+fn flow_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Flow<'a, T> {
+    let [tangential_velocity, normal_velocity] = f.midpoint_velocity(j);
+    Flow {
+        tangential_velocity,
+        normal_velocity,
+        position: (j as f64 + 0.5) * c.per_edges,
+        time: c.time,
+        rod: &c.rod,
+    }
+}
+
+impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
+    fn add_moments(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>, z: &[T], z_rate: &mut [T]) {
+        for i in 0..=c.edges {
+            let law = L::bend(&bend_at(c, f, i, z), theta);
+            f.moment[i] += law.moment;
+            if let Some(rate) = z_rate.get_mut(i) {
+                *rate = law.memory_rate;
+            }
+        }
+    }
+
+    fn add_tensions(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>) {
+        for j in 0..c.edges {
+            let tension = L::edge(&edge_at(c, f, j), theta);
+            f.tension[j] += tension;
+        }
+    }
+
+    fn add_flows(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>) {
+        for j in 0..c.edges {
+            let [along, across] = L::flow(&flow_at(c, f, j), theta);
+            f.add_outer_force(j, along * c.rest_length, across * c.rest_length);
+        }
+    }
+
+    fn flow(&self, at: &Flow<T>, theta: &[T]) -> [T; 2] {
+        L::flow(at, theta)
+    }
+
+    fn mass(&self, at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
+        L::mass(at, theta)
+    }
+
+    fn tip(&self, at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
+        L::tip(at, theta)
+    }
+
+    fn body(&self, theta: &[T]) -> Body<T> {
+        L::body(theta)
+    }
+
+    fn shift(&self, theta: &[T]) -> T {
+        L::shift(theta)
+    }
+
+    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> T {
+        L::inertia(at_release, theta)
+    }
+
+    fn clamp(&self, theta: &[T]) -> T {
+        L::clamp(theta)
+    }
+
+    fn sensor(&self, at: &Sight<T>, theta: &[T]) -> [T; 2] {
+        L::sensor(at, theta)
+    }
+
+    fn clock(&self, recorded: T, theta: &[T]) -> T {
+        L::clock(recorded, theta)
+    }
+
+    fn release(&self, theta: &[T]) -> Release<T> {
+        L::release(theta)
+    }
+
+    fn energy(&self, c: &Context<T>, theta: &[T], f: &Fields<T>, z: &[T], tip: &Tip<T>) -> T {
+        let mut energy = L::tip_energy(tip, theta);
+        for i in 0..=c.edges {
+            energy += L::bend_energy(&bend_at(c, f, i, z), theta) / c.per_voronoi[i];
+        }
+        for j in 0..c.edges {
+            energy += L::edge_energy(&edge_at(c, f, j), theta) * c.rest_length;
+        }
+        energy
+    }
+}
+
+/// The `k`-th of `N` independent variables of a local law.
+fn variable<const N: usize>(value: f64, k: usize) -> DualSVec64<N> {
+    let mut eps = SVector::zeros();
+    eps[k] = 1.0;
+    DualSVec64::new(value, Derivative::some(eps))
+}
+
+fn derivative<const N: usize>(x: &DualSVec64<N>) -> [f64; N] {
+    x.eps.0.map_or([0.0; N], |eps| eps.data.0[0])
+}
+
+impl<L: Law> Effect for Registered<L> {
+    fn about(&self) -> &'static About {
+        &L::ABOUT
+    }
+
+    fn page(&self) -> String {
+        let lines = self.source.lines().map_while(|line| line.strip_prefix("//!"));
+        let text: Vec<_> = lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
+        text.join("\n")
+    }
+
+    fn linearise_moments(
+        &self,
+        c: &Context<f64>,
+        theta: &[f64],
+        f: &mut Fields<f64>,
+        z: &[f64],
+        by_kappa: &mut [f64],
+        by_rate: &mut [f64],
+        memory: &mut [BendTangent],
+        z_rate: &mut [f64],
+    ) {
+        let rod = c.rod.map(DualSVec64::<3>::from);
+        let theta = lifted(theta);
+        let theta = &theta[..L::ABOUT.parameters.len()];
+        for i in 0..=c.edges {
+            let here = bend_at(c, f, i, z);
+            let law = L::bend(
+                &Bend {
+                    kappa: variable(here.kappa, 0),
+                    kappa_rate: variable(here.kappa_rate, 1),
+                    mean_square_curvature: here.mean_square_curvature.into(),
+                    memory: variable(here.memory, 2),
+                    position: here.position,
+                    time: here.time.into(),
+                    rod: &rod,
+                },
+                theta,
+            );
+            let per_length = c.per_voronoi[i];
+            let [mut a, mut b, m_z] = derivative(&law.moment);
+            a *= per_length;
+            b *= per_length;
+            f.moment[i] += law.moment.re;
+            by_kappa[i] += a;
+            by_rate[i] += b;
+            if let Some(tangent) = memory.get_mut(i) {
+                let [g_kappa, g_rate, g_z] = derivative(&law.memory_rate);
+                tangent.moment = [a, b, m_z];
+                tangent.memory_rate = [g_kappa * per_length, g_rate * per_length, g_z];
+                z_rate[i] = law.memory_rate.re;
+            }
+        }
+    }
+
+    fn linearise_by_mean(
+        &self,
+        c: &Context<f64>,
+        theta: &[f64],
+        f: &Fields<f64>,
+        z: &[f64],
+        by_mean: &mut [f64],
+    ) {
+        let rod = c.rod.map(Dual64::from);
+        let theta = lifted(theta);
+        let theta = &theta[..L::ABOUT.parameters.len()];
+        for (i, by_mean) in by_mean.iter_mut().enumerate() {
+            let here = bend_at(c, f, i, z);
+            let law = L::bend(
+                &Bend {
+                    kappa: here.kappa.into(),
+                    kappa_rate: here.kappa_rate.into(),
+                    mean_square_curvature: Dual64::from(here.mean_square_curvature).derivative(),
+                    memory: here.memory.into(),
+                    position: here.position,
+                    time: here.time.into(),
+                    rod: &rod,
+                },
+                theta,
+            );
+            assert!(law.memory_rate.eps == 0.0, "{}: a rate of memory sees the whole rod", L::ABOUT.name);
+            *by_mean += law.moment.eps;
+        }
+    }
+
+    fn linearise_tensions(
+        &self,
+        c: &Context<f64>,
+        theta: &[f64],
+        f: &mut Fields<f64>,
+        by_stretch: &mut [f64],
+        by_rate: &mut [f64],
+    ) {
+        let rod = c.rod.map(DualSVec64::<2>::from);
+        let theta = lifted(theta);
+        let theta = &theta[..L::ABOUT.parameters.len()];
+        for j in 0..c.edges {
+            let here = edge_at(c, f, j);
+            let tension = L::edge(
+                &Edge {
+                    stretch: variable(here.stretch, 0),
+                    stretch_rate: variable(here.stretch_rate, 1),
+                    position: here.position,
+                    time: here.time.into(),
+                    rod: &rod,
+                },
+                theta,
+            );
+            let [a, b] = derivative(&tension);
+            f.tension[j] += tension.re;
+            by_stretch[j] += a;
+            by_rate[j] += b;
+        }
+    }
+
+    fn linearise_flows(
+        &self,
+        c: &Context<f64>,
+        theta: &[f64],
+        f: &mut Fields<f64>,
+        by_velocity: &mut [[[f64; 2]; 2]],
+    ) {
+        let rod = c.rod.map(DualSVec64::<2>::from);
+        let theta = lifted(theta);
+        let theta = &theta[..L::ABOUT.parameters.len()];
+        for j in 0..c.edges {
+            let here = flow_at(c, f, j);
+            let force = L::flow(
+                &Flow {
+                    tangential_velocity: variable(here.tangential_velocity, 0),
+                    normal_velocity: variable(here.normal_velocity, 1),
+                    position: here.position,
+                    time: here.time.into(),
+                    rod: &rod,
+                },
+                theta,
+            );
+            f.add_outer_force(j, force[0].re * c.rest_length, force[1].re * c.rest_length);
+            for (row, force) in by_velocity[j].iter_mut().zip(&force) {
+                for (entry, slope) in row.iter_mut().zip(derivative(force)) {
+                    *entry += slope * c.rest_length;
+                }
+            }
+        }
+    }
+
+    fn linearise_tip(&self, at: &Tip<f64>, theta: &[f64]) -> [[f64; 6]; 3] {
+        let rod = at.rod.map(DualSVec64::<6>::from);
+        let theta = lifted(theta);
+        let load = L::tip(
+            &Tip {
+                position: [variable(at.position[0], 0), variable(at.position[1], 1)],
+                angle: variable(at.angle, 2),
+                velocity: [variable(at.velocity[0], 3), variable(at.velocity[1], 4)],
+                angular_velocity: variable(at.angular_velocity, 5),
+                time: at.time.into(),
+                rod: &rod,
+            },
+            &theta[..L::ABOUT.parameters.len()],
+        );
+        [&load.force[0], &load.force[1], &load.moment].map(derivative)
+    }
+}
+
+/// An effect's parameters as constants of another scalar, without allocation.
+fn lifted<T: Real>(theta: &[f64]) -> [T; MOST_PARAMETERS] {
+    let mut lifted = [T::from(0.0); MOST_PARAMETERS];
+    for (lifted, value) in lifted.iter_mut().zip(theta) {
+        *lifted = T::from(*value);
+    }
+    lifted
+}
