@@ -169,7 +169,9 @@ impl Plan {
         let releases = releases
             .par_iter_mut()
             .enumerate()
-            .map(|(number, ((recording, angle), random))| self.release(&whole, recording, *angle, number, random))
+            .map(|(number, ((recording, angle), random))| {
+                self.release(&whole, recording, *angle, number, random)
+            })
             .collect();
         Drawn { releases, alpha: whole.alpha, beta: whole.beta }
     }
@@ -214,11 +216,23 @@ impl Plan {
             payload: 0.0,
             held_out: false,
         };
-        DrawnRelease { release, nominal: self.nominal(recording.psi, base, angle), truth, bending_stiffness, late }
+        DrawnRelease {
+            release,
+            nominal: self.nominal(recording.psi, base, angle),
+            truth,
+            bending_stiffness,
+            late,
+        }
     }
 
     /// The muscle as it is, before effects.
-    fn muscle(&self, whole: &Whole, recording: &Recording, base: f64, random: &mut Random) -> (Beam, Occasion) {
+    fn muscle(
+        &self,
+        whole: &Whole,
+        recording: &Recording,
+        base: f64,
+        random: &mut Random,
+    ) -> (Beam, Occasion) {
         let mut beam = muscle(recording.psi, self.numerics.elements, whole.alpha, whole.beta);
         beam.incline = base;
         beam.bending_stiffness *= recording.stiffness;

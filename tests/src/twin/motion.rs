@@ -209,7 +209,8 @@ fn solve(
         if largest > solved && largest > SLOW * last {
             let v = rate(&q, q_known);
             let a = rate(&v, v_known);
-            *factors = renewed(specimen, stage, &State { time: stage.time, q: q.clone(), v, a, z: Vec::new() });
+            *factors =
+                renewed(specimen, stage, &State { time: stage.time, q: q.clone(), v, a, z: Vec::new() });
         }
         last = largest;
     }

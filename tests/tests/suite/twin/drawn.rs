@@ -88,7 +88,8 @@ fn noise_losses_and_ghosts_come_to_their_share() {
     assert!((lost / count - 0.03).abs() < 0.01, "lost {}", lost / count);
     assert!((lost / bursts - 8.0).abs() < 1.5, "bursts of {}", lost / bursts);
     assert!((ghosts / count - 0.003).abs() < 0.001, "ghosts {}", ghosts / count);
-    let good: Vec<f64> = off.iter().map(|off| off.filter(|off| !far(off)).map_or(0.0, |off| off[1])).collect();
+    let good: Vec<f64> =
+        off.iter().map(|off| off.filter(|off| !far(off)).map_or(0.0, |off| off[1])).collect();
     let variance = |lag: usize| {
         let products = good.iter().zip(&good[lag..]).filter(|(a, b)| **a != 0.0 && **b != 0.0);
         let (sum, n) = products.fold((0.0, 0.0), |(sum, n), (a, b)| (sum + a * b, n + 1.0));
@@ -97,7 +98,11 @@ fn noise_losses_and_ghosts_come_to_their_share() {
     // 50 000 samples know a variance to 1 %, a correlation to 0.005 of it.
     assert!((variance(0).sqrt() / tracker.noise - 1.0).abs() < 0.02, "{}", variance(0).sqrt());
     for (lag, expected) in [(1, 0.7 / 3.0), (3, 0.343 / 3.0), (20, 0.0)] {
-        assert!((variance(lag) / variance(0) - expected).abs() < 0.025, "{lag}: {}", variance(lag) / variance(0));
+        assert!(
+            (variance(lag) / variance(0) - expected).abs() < 0.025,
+            "{lag}: {}",
+            variance(lag) / variance(0)
+        );
     }
 }
 
@@ -162,8 +167,12 @@ fn figures_of_a_usual_set() {
             let drawn = usual.draw(7);
             let took = begin.elapsed().as_secs_f64();
             let fine = Plan { numerics: Numerics { elements: 24, tolerance: 1e-8 }, ..usual }.draw(7);
-            let gaps: Vec<String> = drawn.releases.iter().zip(&fine.releases)
-                .map(|(a, b)| format!("{:.4}", 1e3 * a.gap(&b.truth))).collect();
+            let gaps: Vec<String> = drawn
+                .releases
+                .iter()
+                .zip(&fine.releases)
+                .map(|(a, b)| format!("{:.4}", 1e3 * a.gap(&b.truth)))
+                .collect();
             println!("{hidden:?}, clamp follows {clamp_follows}: {took:.2} s, mm off: {}", gaps.join(" "));
         }
     }

@@ -195,11 +195,7 @@ fn cycles_lose_what_friction_and_drag_take() {
             Box::new(|a| bends_away(a, omega, &|_, r| 2e-5 * (r / TURNS_OVER).tanh())),
             1e-2,
         ),
-        (
-            Dahl { moment: 2e-5, yield_curvature: 5e-3 },
-            Box::new(|a| dahl_takes(a, 2e-5, 5e-3)),
-            1e-2,
-        ),
+        (Dahl { moment: 2e-5, yield_curvature: 5e-3 }, Box::new(|a| dahl_takes(a, 2e-5, 5e-3)), 1e-2),
         (
             Hose { stiffness: 0.0, damping: 5e-3, anchor: [0.0; 2] },
             Box::new(|a| PI * 5e-3 * omega * a / spring),
