@@ -2,7 +2,7 @@
 
 use super::beam::Beam;
 use super::element::{FOUR, THREE, along, hermite};
-use super::hidden::{CLAMP_RUBS, Hidden};
+use super::hidden::Hidden;
 
 /// Which vectors of a point matter, and for what.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +18,6 @@ pub enum Place {
     Flow,
     /// Position and gradient of the rod's end.
     Tip,
-    /// Gradient where the rod leaves the rim of the clamp's fitting.
-    Rim,
     /// Gradient in the clamp.
     Clamp,
 }
@@ -42,7 +40,7 @@ impl Site {
         let [shape, first, second] = hermite(xi, beam.element_length());
         let shapes = match place {
             Place::Flow | Place::Tip => [shape, first],
-            Place::Strain { .. } | Place::Rim | Place::Clamp => [first, second],
+            Place::Strain { .. } | Place::Clamp => [first, second],
         };
         Self { place, begin: 4 * e, shapes, weight }
     }
@@ -75,10 +73,6 @@ pub fn sites(beam: &Beam, hidden: &[Hidden]) -> Vec<Site> {
     }
     if any(&Hidden::pulls) {
         sites.push(Site::new(beam, Place::Tip, elements - 1, 1.0, 1.0));
-    }
-    if any(&Hidden::rubs) {
-        let at = CLAMP_RUBS / length;
-        sites.push(Site::new(beam, Place::Rim, at as usize, at.fract(), 1.0));
     }
     if any(&|effect| effect.clamp_compliance() > 0.0) {
         sites.push(Site::new(beam, Place::Clamp, 0, 0.0, 1.0));

@@ -203,11 +203,6 @@ impl Specimen {
                 out
             }
             Place::Tip => self.tip_forces(stage, q, v),
-            Place::Rim => {
-                let rate = cross(q[0], v[0]) / dot(q[0], q[0]);
-                let moment = self.hidden.iter().map(|effect| effect.clamp_moment(rate)).sum();
-                turning(q[0], moment)
-            }
             Place::Clamp => turning(q[0], q[0][1].atan2(q[0][0]) / self.clamp_compliance()),
         }
     }
@@ -225,6 +220,7 @@ impl Specimen {
             kappa,
             kappa_rate: dot(by_p, p_rate) + dot(by_k, k_rate),
             share,
+            length: self.beam.length,
             mean_square,
             time,
             pressure: self.occasion.pressure,

@@ -1,4 +1,4 @@
-//! Effects that are other data: of the beam, or of how it is let go.
+//! Effects that are other data: of the beam, of its clamp, or of how it is let go.
 
 use super::Hidden::{self, *};
 use crate::twin::beam::{Beam, Body};
@@ -36,6 +36,11 @@ impl Hidden {
             Sloshing { mass, .. } => beam.bodies[0].mass -= mass,
             _ => {}
         }
+    }
+
+    /// Compliance of the clamp, rad/(N m).
+    pub fn clamp_compliance(&self) -> f64 {
+        if let ClampCompliance { compliance } = *self { compliance } else { 0.0 }
     }
 
     /// Angular velocity with which the straight rod is let go, rad/s.

@@ -1,7 +1,7 @@
 //! Moments by curvature and its rate, at the points where the beam's strain energy is summed.
 
 use super::Hidden::{self, *};
-use super::{TURNS_OVER, sign};
+use super::{CLAMP_RUBS, TURNS_OVER, sign};
 use crate::twin::element::Real;
 
 /// What a law of bending may know of a point of the rod.
@@ -13,6 +13,8 @@ pub struct Strain<T> {
     pub kappa_rate: T,
     /// Distance from the clamp over the length.
     pub share: f64,
+    /// Length of the rod, m.
+    pub length: f64,
     /// Mean square of the curvature over the rod, 1/m².
     pub mean_square: f64,
     /// After the release, s.
@@ -30,6 +32,7 @@ impl Hidden {
             || matches!(
                 self,
                 BraidFriction { .. }
+                    | ClampFriction { .. }
                     | Hysteresis { .. }
                     | CubicStiffness { .. }
                     | QuadraticStiffness { .. }
@@ -52,6 +55,10 @@ impl Hidden {
         let Strain { kappa, kappa_rate, bending_stiffness: ei, .. } = *at;
         match *self {
             BraidFriction { moment } => sign(kappa_rate, TURNS_OVER) * moment,
+            ClampFriction { moment } => {
+                let fades = (1.0 - at.share * at.length / CLAMP_RUBS).max(0.0);
+                sign(kappa_rate, TURNS_OVER) * (0.5 * moment * fades * fades)
+            }
             Hysteresis { loss_factor } => kappa.abs() * sign(kappa_rate, TURNS_OVER) * (loss_factor * ei),
             Dahl { moment, .. } => memory * moment,
             Viscoelastic { branch_stiffness, .. } | Creep { branch_stiffness, .. } => {

@@ -5,7 +5,7 @@
 
 use sim::forward::uniform;
 use tests::twin::hidden::Hidden::{self, *};
-use tests::twin::hidden::{CLAMP_RUBS, TURNS_OVER, TURNS_OVER_AT_ROOT, all};
+use tests::twin::hidden::{CLAMP_RUBS, TURNS_OVER, all};
 use tests::twin::motion::Motion;
 use tests::twin::specimen::{Specimen, Stage};
 use tests::twin::{muscle, occasion};
@@ -72,7 +72,6 @@ fn what_is_lost_is_force_times_velocity() {
     let (ei, diameter) = (specimen(&[], 6).beam.bending_stiffness, occasion(15.0, 0.0).diameter);
     let (kappa, rate): (f64, f64) = (0.1, 0.3);
     let tip = rate * (0.5 * length * length + center * length);
-    let turning = rate * CLAMP_RUBS;
     let cases = [
         (BraidFriction { moment: 1e-3 }, 1e-3 * length * rate * (rate / TURNS_OVER).tanh()),
         (Hysteresis { loss_factor: 0.1 }, 0.1 * ei * kappa * length * rate * (rate / TURNS_OVER).tanh()),
@@ -81,7 +80,7 @@ fn what_is_lost_is_force_times_velocity() {
         (LinearDrag { coefficient: 0.1 }, 0.1 * rate * rate / 4.0 * length.powi(5) / 5.0),
         (TipDrag { drag_area: 1e-3 }, 0.6e-3 * tip.abs().powi(3)),
         (Hose { stiffness: 0.0, damping: 0.1, anchor: [0.0; 2] }, 0.1 * tip * tip),
-        (ClampFriction { moment: 1e-3 }, 1e-3 * turning * (turning / TURNS_OVER_AT_ROOT).tanh()),
+        (ClampFriction { moment: 1e-3 }, 1e-3 * CLAMP_RUBS / 6.0 * rate * (rate / TURNS_OVER).tanh()),
     ];
     for (hidden, expected) in cases {
         for sign in [1.0, -1.0] {
