@@ -13,8 +13,14 @@ use models::effects::hysteresis::Hysteresis;
 use models::effects::strain_rate_cubed::StrainRateCubed;
 use models::effects::{Bend, Law, Moment, Rod};
 
-const ROD: Rod<f64> =
-    Rod { length: 0.2, mass: 0.03, bending_stiffness: 0.008, axial_stiffness: 40.0, diameter: 0.027 };
+const ROD: Rod<f64> = Rod {
+    length: 0.2,
+    mass: 0.03,
+    bending_stiffness: 0.008,
+    axial_stiffness: 40.0,
+    diameter: 0.027,
+    pressure: 0.0,
+};
 const STEPS: usize = 4000;
 
 /// Area of the last of some cycles.
@@ -23,8 +29,15 @@ fn area<L: Law>(theta: &[f64], position: f64, amplitude: f64, omega: f64) -> f64
     let at = |phase: f64, memory: f64| -> (Moment<f64>, f64) {
         let angle = 2.0 * PI * phase / STEPS as f64;
         let kappa_rate = amplitude * omega * angle.cos();
-        let bend =
-            Bend { kappa: amplitude * angle.sin(), kappa_rate, memory, position, time: 0.0, rod: &ROD };
+        let bend = Bend {
+            kappa: amplitude * angle.sin(),
+            kappa_rate,
+            memory,
+            position,
+            time: 0.0,
+            mean_square_curvature: 0.0,
+            rod: &ROD,
+        };
         (L::bend(&bend, theta), kappa_rate)
     };
     let mut memory = 0.0;
@@ -98,8 +111,15 @@ fn hysteresis_loses_the_same_share_at_any_rate_and_size() {
 #[test]
 fn friction_never_feeds_energy() {
     fn lost<L: Law>(theta: &[f64], kappa: f64, kappa_rate: f64, memory: f64) -> f64 {
-        let at =
-            |kappa: f64, memory: f64| Bend { kappa, kappa_rate, memory, position: 0.1, time: 0.0, rod: &ROD };
+        let at = |kappa: f64, memory: f64| Bend {
+            kappa,
+            kappa_rate,
+            memory,
+            position: 0.1,
+            time: 0.0,
+            mean_square_curvature: 0.0,
+            rod: &ROD,
+        };
         let law = L::bend(&at(kappa, memory), theta);
         // Energies are of second order in z and smooth in κ: central differences are right to 1e-8.
         let step = 1e-6;

@@ -28,6 +28,7 @@ fn model(effects: &[(&str, &str, f64)]) -> Model {
             bending_stiffness: BENDING,
             axial_stiffness: AXIAL,
             diameter: 0.027,
+            pressure: 0.0,
         },
         base_angle: 0.0,
         release_angle: 0.0,

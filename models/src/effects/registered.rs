@@ -8,7 +8,7 @@ use num_dual::{Derivative, Dual64, DualSVec64};
 
 use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
 use super::law::{Bend, Body, Edge, Flow, Law, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
-use super::{About, Real};
+use super::{About, Place, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
 
@@ -23,6 +23,19 @@ impl<L: Law> Registered<L> {
     pub const fn new(source: &'static str) -> Self {
         Self { source, law: PhantomData }
     }
+}
+
+/// Whether a law acts at a place. Asked of constants, so that no loop is compiled for a place where a law
+/// does not act: with forty laws and five scalars that is most of them.
+const fn acts<L: Law>(place: Place) -> bool {
+    let mut k = 0;
+    while k < L::ABOUT.places.len() {
+        if L::ABOUT.places[k] as u8 == place as u8 {
+            return true;
+        }
+        k += 1;
+    }
+    false
 }
 
 fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, z: &[T]) -> Bend<'a, T> {
@@ -61,6 +74,9 @@ fn flow_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Flow<'a, 
 
 impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
     fn add_moments(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>, z: &[T], z_rate: &mut [T]) {
+        if const { !acts::<L>(Place::Bend) } {
+            return;
+        }
         for i in 0..=c.edges {
             let law = L::bend(&bend_at(c, f, i, z), theta);
             f.moment[i] += law.moment;
@@ -71,6 +87,9 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
     }
 
     fn add_tensions(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>) {
+        if const { !acts::<L>(Place::Edge) } {
+            return;
+        }
         for j in 0..c.edges {
             let tension = L::edge(&edge_at(c, f, j), theta);
             f.tension[j] += tension;
@@ -78,6 +97,9 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
     }
 
     fn add_flows(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>) {
+        if const { !acts::<L>(Place::Flow) } {
+            return;
+        }
         for j in 0..c.edges {
             let [along, across] = L::flow(&flow_at(c, f, j), theta);
             f.add_outer_force(j, along * c.rest_length, across * c.rest_length);
@@ -126,11 +148,15 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
 
     fn energy(&self, c: &Context<T>, theta: &[T], f: &Fields<T>, z: &[T], tip: &Tip<T>) -> T {
         let mut energy = L::tip_energy(tip, theta);
-        for i in 0..=c.edges {
-            energy += L::bend_energy(&bend_at(c, f, i, z), theta) / c.per_voronoi[i];
+        if const { acts::<L>(Place::Bend) } {
+            for i in 0..=c.edges {
+                energy += L::bend_energy(&bend_at(c, f, i, z), theta) / c.per_voronoi[i];
+            }
         }
-        for j in 0..c.edges {
-            energy += L::edge_energy(&edge_at(c, f, j), theta) * c.rest_length;
+        if const { acts::<L>(Place::Edge) } {
+            for j in 0..c.edges {
+                energy += L::edge_energy(&edge_at(c, f, j), theta) * c.rest_length;
+            }
         }
         energy
     }
@@ -169,6 +195,9 @@ impl<L: Law> Effect for Registered<L> {
         memory: &mut [BendTangent],
         z_rate: &mut [f64],
     ) {
+        if const { !acts::<L>(Place::Bend) } {
+            return;
+        }
         let rod = c.rod.map(DualSVec64::<3>::from);
         let theta = lifted(theta);
         let theta = &theta[..L::ABOUT.parameters.len()];
@@ -210,6 +239,9 @@ impl<L: Law> Effect for Registered<L> {
         z: &[f64],
         by_mean: &mut [f64],
     ) {
+        if const { !acts::<L>(Place::Whole) } {
+            return;
+        }
         let rod = c.rod.map(Dual64::from);
         let theta = lifted(theta);
         let theta = &theta[..L::ABOUT.parameters.len()];
@@ -240,6 +272,9 @@ impl<L: Law> Effect for Registered<L> {
         by_stretch: &mut [f64],
         by_rate: &mut [f64],
     ) {
+        if const { !acts::<L>(Place::Edge) } {
+            return;
+        }
         let rod = c.rod.map(DualSVec64::<2>::from);
         let theta = lifted(theta);
         let theta = &theta[..L::ABOUT.parameters.len()];
@@ -269,6 +304,9 @@ impl<L: Law> Effect for Registered<L> {
         f: &mut Fields<f64>,
         by_velocity: &mut [[[f64; 2]; 2]],
     ) {
+        if const { !acts::<L>(Place::Flow) } {
+            return;
+        }
         let rod = c.rod.map(DualSVec64::<2>::from);
         let theta = lifted(theta);
         let theta = &theta[..L::ABOUT.parameters.len()];
@@ -294,6 +332,9 @@ impl<L: Law> Effect for Registered<L> {
     }
 
     fn linearise_tip(&self, at: &Tip<f64>, theta: &[f64]) -> [[f64; 6]; 3] {
+        if const { !acts::<L>(Place::Tip) } {
+            return [[0.0; 6]; 3];
+        }
         let rod = at.rod.map(DualSVec64::<6>::from);
         let theta = lifted(theta);
         let load = L::tip(

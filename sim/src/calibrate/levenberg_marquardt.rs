@@ -74,6 +74,9 @@ const TRUSTED: f64 = 0.8;
 /// Keeps the undamped system solvable where the data say nothing, relative to D.
 const LEAST_DAMPING: f64 = 1e-12;
 
+/// From a point, and perhaps what another one lends, to cost and slopes.
+pub type Evaluate<'a, T> = dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evaluated<T>> + 'a;
+
 /// Minimises a cost from `start`. `evaluate` says nothing where the cost cannot be had; given what an
 /// earlier point carried, it may take the slopes of that point for its own. None, if the cost cannot be
 /// had at the start.
@@ -85,7 +88,7 @@ pub fn minimise<T>(
     start: &DVector<f64>,
     lent: Option<&T>,
     search: &Search,
-    evaluate: &mut dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evaluated<T>>,
+    evaluate: &mut Evaluate<T>,
 ) -> Option<Solution<T>> {
     let mut x = start.clone();
     for (x, (low, high)) in x.iter_mut().zip(&search.bounds) {

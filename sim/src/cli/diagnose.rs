@@ -20,11 +20,11 @@ use super::progress;
 
 pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    for name in args.without.iter().filter(|name| by_name(name).is_none()) {
+    if let Some(name) = args.without.iter().find(|name| by_name(name).is_none()) {
         let near = nearest(name, CATALOGUE.iter().map(|effect| effect.about().name));
-        let near = near.map_or(String::new(), |near| format!("; did you mean {near}?"));
+        let near = near.map_or(String::new(), |near| format!("; did you mean {near}"));
         return Err(Failure::Usage(format!(
-            "--without {name}: there is no such effect{near} efam effects lists them"
+            "--without {name}: there is no such effect{near}; efam effects lists all"
         )));
     }
     // What stands in the way is said before a long search.
