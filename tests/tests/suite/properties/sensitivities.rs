@@ -1,6 +1,6 @@
 //! Goal: forward sensitivities of the path of the tip, and of what is seen of it and of a point of the
 //! rod, against central differences of the forward run.
-//! Setup: the 15 psi row, 12 nodes, with every effect of the catalogue on, 5 s at a tolerance of
+//! Setup: the 15 psi row, 8 nodes, with every effect of the catalogue on, 5 s at a tolerance of
 //! 1e-10; every parameter of the model.
 //! Expected: within 1e-5 of the largest derivative along the path.
 
@@ -13,7 +13,7 @@ use sim::trajectory::Trajectory;
 use tests::{paper_spec, simulate};
 
 fn everything() -> Model {
-    let mut spec = paper_spec(15.0, 12, &[]);
+    let mut spec = paper_spec(15.0, 8, &[]);
     spec.release_angle = 0.1;
     spec.release_rate = 0.2;
     for effect in CATALOGUE {
