@@ -147,6 +147,9 @@ impl Plan {
     }
 
     /// The experiment of a seed.
+    /// # Panics
+    /// If a pressure is not in the muscle's table, or a law softens the rod until it is unstable, as
+    /// `quadratic_stiffness` does in the kink of a rod that is let go far below a level clamp.
     pub fn draw(&self, seed: u64) -> Drawn {
         let mut random = Random::new(seed);
         let Priors { alpha, beta, mass, bending_stiffness, .. } = self.priors;

@@ -29,6 +29,8 @@ const ROUNDING: f64 = 1e-14;
 const MOST_ITERATIONS: usize = 40;
 /// A change that is not below this share of the last one asks for a tangent where the stage is now.
 const SLOW: f64 = 0.5;
+/// And one that is not below this share of it is gone half way.
+const TO_AND_FRO: f64 = 0.9;
 /// Steps that adapt are no longer than this, s: between steps lies a cubic.
 const LONGEST: f64 = 8e-3;
 const SHORTEST: f64 = 1e-8;
@@ -200,12 +202,15 @@ fn solve(
         }
         let mut change = specimen.imbalance(stage, &q, &v, &a);
         factors.solve(&mut change);
-        q.iter_mut().zip(&change).for_each(|(q, change)| *q -= change);
         // Asked of each: the largest of some numbers does not show one that is none.
         if !change.iter().all(|change| change.is_finite()) {
             return None;
         }
         let largest = change.iter().map(|change| change.abs()).fold(0.0, f64::max);
+        // Newton's method may go to and fro between friction one way and the other, and never meet
+        // the steep slope between: half of the way does.
+        let share = if largest > TO_AND_FRO * last { 0.5 } else { 1.0 };
+        q.iter_mut().zip(&change).for_each(|(q, change)| *q -= share * change);
         if largest > solved && largest > SLOW * last {
             let v = rate(&q, q_known);
             let a = rate(&v, v_known);

@@ -72,6 +72,36 @@ fn what_is_hidden_leaves_nuisances_and_noise_as_they_are() {
     }
 }
 
+/// Of one muscle and one recording each: EI is that of the pressure, instants and noise are those of the
+/// release, and all of them lie where the priors say.
+#[test]
+fn nuisances_are_drawn_from_their_priors() {
+    let plan = plan(&[]);
+    let releases: Vec<_> = (0..4).flat_map(|seed| plan.draw(seed).releases).collect();
+    let share = |k: usize| releases[k].bending_stiffness / releases[k].nominal.rod.bending_stiffness - 1.0;
+    let distinct = |mut x: Vec<f64>| {
+        x.sort_by(f64::total_cmp);
+        x.dedup();
+        x.len()
+    };
+    let stiffness: Vec<f64> = (0..releases.len()).map(share).collect();
+    assert!(stiffness.chunks(3).all(|same| (same[0] - same[2]).abs() < 1e-12), "{stiffness:?}");
+    assert_eq!(distinct(stiffness.iter().step_by(3).copied().collect()), 8);
+    let farthest = stiffness.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    assert!((0.02..0.05).contains(&farthest), "{farthest}");
+    let late: Vec<f64> = releases.iter().map(|release| release.late).collect();
+    assert_eq!(distinct(late.clone()), 24);
+    let deviation = (late.iter().map(|x| x * x).sum::<f64>() / 24.0).sqrt();
+    // 24 draws know a deviation to 15 %.
+    assert!((deviation / plan.priors.instant - 1.0).abs() < 0.45, "{deviation} s");
+    // Noise of neighbours is not the same stream.
+    let noise = |k: usize| {
+        let seen = releases[k].release.tracks[0].position.iter().zip(&releases[k].truth[0]);
+        seen.filter_map(|(at, truth)| at.map(|at| at[0] - truth[0])).next().expect("some are seen")
+    };
+    assert_eq!(distinct((0..24).map(noise).collect()), 24);
+}
+
 #[test]
 fn noise_losses_and_ghosts_come_to_their_share() {
     let tracker = Tracker::usual(0.3e-3);

@@ -49,7 +49,7 @@ struct Swing {
 impl Swing {
     fn of(beam: Beam, hidden: &[Hidden]) -> Self {
         let struck = [&[InitialVelocity { rate: STRUCK }], hidden].concat();
-        let occasion = Occasion { pressure: 2e5, diameter: DIAMETER, drift: 0.0 };
+        let occasion = Occasion { pressure: 2e5, diameter: DIAMETER, drift: 0.5 };
         let specimen = Specimen::new(beam, &struck, &occasion);
         let motion = Motion::let_go(&specimen, 0.0, DURATION, 1e-7);
         let count = (DURATION / 2e-3) as usize;
@@ -99,7 +99,7 @@ fn frequencies_shift_as_masses_and_springs_say() {
         (ClampCompliance { compliance }, clamp),
         (Hose { stiffness: pull, damping: 0.0, anchor: [LENGTH, 0.0] }, 1.0 + pull / spring),
         (Viscoelastic { branch_stiffness: 0.2, relaxation_time: 1e3 }, 1.2),
-        (ReleaseDrift { change: 0.1 }, 1.0),
+        (ReleaseDrift { change: 0.1 }, 1.05),
         // Yielding far beyond the swing, it is a spring in bending.
         (Dahl { moment: 0.1, yield_curvature: 100.0 }, 1.0 + 0.1 / 100.0 / STIFFNESS),
         (StiffnessTaper { taper: 0.2 }, 1.0 / taper_softens(0.2)),
@@ -263,6 +263,19 @@ fn mode_cubed() -> f64 {
     let count = 1000;
     let mode = |x: f64| (0.5 * (3.0 * x * x - x * x * x)).powi(3);
     (0..count).map(|k| mode((k as f64 + 0.5) / count as f64) / count as f64).sum()
+}
+
+/// A hand that lets go within a fraction of a swing adds its impulse, `F τ / (1 + i ω τ)`, to that of the
+/// stroke, `m ω₀ L`; what both make of the first swing is their sum's size.
+#[test]
+fn a_hand_that_lets_go_slowly_is_an_impulse() {
+    let (force, time) = (0.05, 0.02);
+    let omega = (3.0 * STIFFNESS / LENGTH.powi(3) / MASS).sqrt();
+    let first = |hidden: &[Hidden]| Swing::of(beam(), hidden).turns[0][1];
+    let (stroke, lag) = (MASS * STRUCK * LENGTH, omega * time);
+    let [real, imaginary] = [1.0, -lag].map(|x| force * time * x / (1.0 + lag * lag));
+    let expected = (stroke + real).hypot(imaginary) / stroke;
+    close("hand", first(&[HandRelease { force, time }]) / first(&[]), expected, 2e-3);
 }
 
 /// Damping that follows pressure: a share b of it more at twice the reference.
