@@ -334,17 +334,16 @@ impl Model {
         all.into_iter().map(|k| self.effects[k].effect.about().name).collect()
     }
 
-    /// Whether a parameter, as an index into `theta`, moves points of the rod at fixed coordinates,
-    /// changes the mass matrix, or the tension of the edges: what it does turns with the stiff edges.
+    /// Whether a parameter, as an index into `theta`, moves points of the rod at fixed coordinates or
+    /// changes the mass matrix, and not only what the laws say.
     pub fn is_geometric(&self, parameter: usize) -> bool {
         let of_effect = self.effects.iter().find(|active| active.theta.contains(&parameter));
         match of_effect {
             Some(active) => {
                 let places = active.effect.about().places;
-                let turning = [Place::Body, Place::Inertia, Place::Clamp, Place::Edge];
-                turning.iter().any(|place| places.contains(place))
+                [Place::Body, Place::Inertia, Place::Clamp].iter().any(|place| places.contains(place))
             }
-            None => [LENGTH, MASS, AXIAL_STIFFNESS, BASE_ANGLE].contains(&parameter),
+            None => [LENGTH, MASS, BASE_ANGLE].contains(&parameter),
         }
     }
 
