@@ -168,16 +168,26 @@ impl Model {
             model.switch_on(name)?;
         }
         for (name, values) in &spec.effects {
-            model.switch_on(name)?;
-            for (key, value) in values {
-                model.set(&format!("effects.{name}.{key}"), *value)?;
-            }
+            model.add(name, values.iter().map(|(key, value)| (key.as_str(), *value)))?;
         }
         model.check()?;
         if rod.diameter.is_nan() {
             model.check_without_diameter()?;
         }
         Ok(model)
+    }
+
+    /// Adds an effect, unless the model has it, and sets parameters of it.
+    fn add<'v>(
+        &mut self,
+        name: &str,
+        values: impl Iterator<Item = (&'v str, f64)>,
+    ) -> Result<(), ModelError> {
+        self.switch_on(name)?;
+        for (key, value) in values {
+            self.set(&format!("effects.{name}.{key}"), value)?;
+        }
+        Ok(())
     }
 
     /// Adds an effect with its defaults, unless the model has it.
@@ -212,10 +222,7 @@ impl Model {
     /// [`ModelError`] for an effect or a parameter that cannot be.
     pub fn with_effect(&self, name: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
         let mut model = self.clone();
-        model.switch_on(name)?;
-        for (key, value) in values {
-            model.set(&format!("effects.{name}.{key}"), *value)?;
-        }
+        model.add(name, values.iter().copied())?;
         Ok(model)
     }
 

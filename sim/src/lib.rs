@@ -7,6 +7,7 @@ pub mod diagnose;
 pub mod experiment;
 pub mod forward;
 pub mod integrate;
+mod normal;
 pub mod observe;
 mod observed;
 mod quantile;

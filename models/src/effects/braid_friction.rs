@@ -20,10 +20,8 @@
 //!           225; the straight envelope: Feeny and Liang (1996), J. Sound Vib. 195, 149; memory as in
 //!           Dahl (1976), AIAA J. 14, 1675, with |κ̇| made smooth.
 
+use super::memory::{BRISTLE, CREEP_RATE, friction, friction_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
-
-/// Curvature over which friction turns round, 1/m: 0.1 mm at the tip of a muscle of 0.2 m.
-const BRISTLE: f64 = 0.01;
 
 /// Coulomb's friction in every cross-section.
 pub struct BraidFriction;
@@ -48,17 +46,7 @@ impl Law for BraidFriction {
                 plausible: Some((0.0, 2e-3)),
                 ..Parameter::PLAIN
             },
-            Parameter {
-                name: "creep_rate",
-                meaning: "rate of curvature below which what sticks creeps",
-                unit: "1/(m s)",
-                default: 0.02,
-                range: (1e-6, 1e3),
-                scale: 0.02,
-                off: None,
-                tries: &[0.002, 0.02, 0.2],
-                ..Parameter::PLAIN
-            },
+            CREEP_RATE,
         ],
         looks_like: "amplitude falls on a straight line to an early stop, away from the rest that weight alone would give",
         confounded_with: &["hysteresis", "clamp_friction", "dahl"],
@@ -67,11 +55,10 @@ impl Law for BraidFriction {
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let sliding = (at.kappa_rate * at.kappa_rate + theta[1] * theta[1]).sqrt();
-        Moment { moment: theta[0] * at.memory, memory_rate: (at.kappa_rate - at.memory * sliding) / BRISTLE }
+        friction(at, theta[0], theta[1], BRISTLE.into())
     }
 
     fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        theta[0] * at.memory * at.memory * (0.5 * BRISTLE)
+        friction_energy(at, theta[0], BRISTLE.into())
     }
 }

@@ -20,10 +20,8 @@
 //! Source:   Slip damping at a clamped root: Goodman and Klumpp (1956), J. Appl. Mech. 23, 421; memory
 //!           as in Dahl (1976), AIAA J. 14, 1675, with |κ̇| made smooth.
 
+use super::memory::{BRISTLE, CREEP_RATE, friction, friction_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
-
-/// Curvature over which friction turns round, 1/m: 0.1 mm at the tip of a muscle of 0.2 m.
-const BRISTLE: f64 = 0.01;
 
 /// Moment at which a section slides, N m.
 fn sliding_moment<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
@@ -60,20 +58,9 @@ impl Law for ClampFriction {
                 default: 0.02,
                 range: (1e-4, 100.0),
                 scale: 0.02,
-                off: None,
                 ..Parameter::PLAIN
             },
-            Parameter {
-                name: "creep_rate",
-                meaning: "rate of curvature below which what sticks creeps",
-                unit: "1/(m s)",
-                default: 0.02,
-                range: (1e-6, 1e3),
-                scale: 0.02,
-                off: None,
-                tries: &[0.002, 0.02, 0.2],
-                ..Parameter::PLAIN
-            },
+            CREEP_RATE,
         ],
         looks_like: "amplitude falls on a straight line to an early stop, with an offset that sits at the root",
         confounded_with: &["braid_friction", "dahl"],
@@ -82,14 +69,10 @@ impl Law for ClampFriction {
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let sliding = (at.kappa_rate * at.kappa_rate + theta[2] * theta[2]).sqrt();
-        Moment {
-            moment: sliding_moment(at, theta) * at.memory,
-            memory_rate: (at.kappa_rate - at.memory * sliding) / BRISTLE,
-        }
+        friction(at, sliding_moment(at, theta), theta[2], BRISTLE.into())
     }
 
     fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        sliding_moment(at, theta) * at.memory * at.memory * (0.5 * BRISTLE)
+        friction_energy(at, sliding_moment(at, theta), BRISTLE.into())
     }
 }

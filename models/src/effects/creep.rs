@@ -15,6 +15,7 @@
 //! Silent:   Motion much faster than τ, of which it sees the mean; it only stiffens: EI (1 + g).
 //! Source:   Zener's standard linear solid: Christensen (2003), Theory of Viscoelasticity, ch. 1.
 
+use super::memory::{maxwell, maxwell_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
 
 /// A slow Maxwell branch in bending.
@@ -59,12 +60,10 @@ impl Law for Creep {
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let strain = at.kappa - at.memory;
-        Moment { moment: theta[0] * at.rod.bending_stiffness * strain, memory_rate: strain / theta[1] }
+        maxwell(at, theta[0] * at.rod.bending_stiffness, theta[1])
     }
 
     fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        let strain = at.kappa - at.memory;
-        theta[0] * at.rod.bending_stiffness * strain * strain * 0.5
+        maxwell_energy(at, theta[0] * at.rod.bending_stiffness)
     }
 }

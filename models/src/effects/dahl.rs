@@ -16,6 +16,7 @@
 //! Silent:   Rest; much less motion than κ_y only stiffens, EI + M_f / κ_y.
 //! Source:   Dahl (1976), AIAA J. 14, 1675, with exponent one and |κ̇| made smooth.
 
+use super::memory::{CREEP_RATE, friction, friction_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
 
 /// Dahl's friction in every cross-section.
@@ -52,16 +53,7 @@ impl Law for Dahl {
                 tries: &[0.1, 0.5, 2.0],
                 ..Parameter::PLAIN
             },
-            Parameter {
-                name: "creep_rate",
-                meaning: "rate of curvature below which what sticks creeps",
-                unit: "1/(m s)",
-                default: 0.02,
-                range: (1e-6, 1e3),
-                scale: 0.02,
-                off: None,
-                ..Parameter::PLAIN
-            },
+            Parameter { tries: &[], ..CREEP_RATE },
         ],
         looks_like: "small swings are faster and lose less than friction would; the rest depends on where the swing came from",
         confounded_with: &["braid_friction", "clamp_friction", "cubic_stiffness"],
@@ -70,11 +62,10 @@ impl Law for Dahl {
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let sliding = (at.kappa_rate * at.kappa_rate + theta[2] * theta[2]).sqrt();
-        Moment { moment: theta[0] * at.memory, memory_rate: (at.kappa_rate - at.memory * sliding) / theta[1] }
+        friction(at, theta[0], theta[2], theta[1])
     }
 
     fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        theta[0] * theta[1] * at.memory * at.memory * 0.5
+        friction_energy(at, theta[0], theta[1])
     }
 }

@@ -59,7 +59,6 @@ impl Law for Hose {
                 default: 0.0,
                 range: (0.0, 1e3),
                 scale: 0.1,
-                off: None,
                 plausible: Some((0.0, 1.0)),
                 ..Parameter::PLAIN
             },

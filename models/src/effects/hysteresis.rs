@@ -22,10 +22,8 @@
 //!           and Lovell (1927), Phys. Rev. 30, 948; memory as in Dahl (1976), AIAA J. 14, 1675, with
 //!           |κ̇| made smooth.
 
+use super::memory::{BRISTLE, CREEP_RATE, friction, friction_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
-
-/// Curvature over which friction turns round, 1/m: 0.1 mm at the tip of a muscle of 0.2 m.
-const BRISTLE: f64 = 0.01;
 
 /// Moment at which a section slides, N m. Without the bristle's share under the root, what a bent
 /// bristle stores would grow faster than it is paid for where a section passes through straight.
@@ -56,17 +54,7 @@ impl Law for Hysteresis {
                 plausible: Some((0.0, 0.1)),
                 ..Parameter::PLAIN
             },
-            Parameter {
-                name: "creep_rate",
-                meaning: "rate of curvature below which what sticks creeps",
-                unit: "1/(m s)",
-                default: 0.02,
-                range: (1e-6, 1e3),
-                scale: 0.02,
-                off: None,
-                tries: &[0.002, 0.02, 0.2],
-                ..Parameter::PLAIN
-            },
+            CREEP_RATE,
         ],
         looks_like: "a straight line of log amplitude over the number of cycles, the same at every pressure and payload",
         confounded_with: &["rayleigh_stiffness", "braid_friction"],
@@ -75,14 +63,10 @@ impl Law for Hysteresis {
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        let sliding = (at.kappa_rate * at.kappa_rate + theta[1] * theta[1]).sqrt();
-        Moment {
-            moment: sliding_moment(at, theta) * at.memory,
-            memory_rate: (at.kappa_rate - at.memory * sliding) / BRISTLE,
-        }
+        friction(at, sliding_moment(at, theta), theta[1], BRISTLE.into())
     }
 
     fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        sliding_moment(at, theta) * at.memory * at.memory * (0.5 * BRISTLE)
+        friction_energy(at, sliding_moment(at, theta), BRISTLE.into())
     }
 }

@@ -195,7 +195,6 @@ pub const BODY_PARAMETERS: &[Parameter] = &[
         default: 0.0,
         range: (0.0, 100.0),
         scale: 0.05,
-        off: None,
         ..Parameter::PLAIN
     },
     Parameter {
@@ -205,7 +204,6 @@ pub const BODY_PARAMETERS: &[Parameter] = &[
         default: 0.0,
         range: (-1.0, 10.0),
         scale: 0.01,
-        off: None,
         ..Parameter::PLAIN
     },
     Parameter {
@@ -215,7 +213,6 @@ pub const BODY_PARAMETERS: &[Parameter] = &[
         default: 0.0,
         range: (0.0, 100.0),
         scale: 1e-5,
-        off: None,
         ..Parameter::PLAIN
     },
 ];

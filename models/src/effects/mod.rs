@@ -6,6 +6,7 @@
 
 mod erased;
 mod law;
+mod memory;
 mod registered;
 
 use num_dual::DualNum;

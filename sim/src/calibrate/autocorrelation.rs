@@ -75,7 +75,7 @@ mod tests {
     use rand_xoshiro::rand_core::SeedableRng;
 
     use super::*;
-    use crate::calibrate::tests::normal;
+    use crate::normal::normal;
 
     fn noise(count: usize, memory: f64) -> Vec<Option<[f64; 2]>> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);

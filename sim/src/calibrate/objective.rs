@@ -221,7 +221,7 @@ impl<'a> Objective<'a> {
         let (mut gradient, mut hessian) = (DVector::zeros(n), DMatrix::zeros(n, n));
         for (r, block) in seen.blocks.iter().enumerate() {
             let locals = &self.part.locals[r];
-            let (own_gradient, own_hessian) = normal(block, locals.len(), view.loss[r]);
+            let (own_gradient, own_hessian) = normal_equations_of(block, locals.len(), view.loss[r]);
             for (a, local) in locals.iter().enumerate() {
                 gradient[local.unknown] += own_gradient[a];
                 for (b, other) in locals.iter().enumerate() {
@@ -248,8 +248,12 @@ impl<'a> Objective<'a> {
     }
 }
 
-/// Gradient and `JᵀWJ` of one release by its own unknowns.
-fn normal(block: &[Series], locals: usize, loss: Huber) -> (DVector<f64>, DMatrix<f64>) {
+/// Gradient and `JᵀWJ` of one release by as many unknowns as its slopes have.
+pub(crate) fn normal_equations_of(
+    block: &[Series],
+    locals: usize,
+    loss: Huber,
+) -> (DVector<f64>, DMatrix<f64>) {
     let (mut gradient, mut hessian) = (DVector::zeros(locals), DMatrix::zeros(locals, locals));
     for series in block {
         for (residual, slopes) in series.residual.iter().zip(&series.slopes) {

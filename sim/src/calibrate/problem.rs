@@ -96,6 +96,25 @@ impl Default for Nuisances {
     }
 }
 
+impl Problem {
+    /// Different pressures of the releases that are fitted, Pa, ascending.
+    pub fn fitted_pressures(&self) -> Vec<f64> {
+        let fitted = self.trials.iter().filter(|trial| !trial.release.held_out);
+        let mut pressures: Vec<f64> = fitted.filter_map(|trial| trial.release.pressure).collect();
+        pressures.sort_by(f64::total_cmp);
+        pressures.dedup_by(|a, b| is_same_pressure(*a, *b));
+        pressures
+    }
+}
+
+/// Pressures this close to one another, relative, are one.
+const SAME_PRESSURE: f64 = 1e-3;
+
+/// Whether two pressures, Pa, are one.
+pub(crate) fn is_same_pressure(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME_PRESSURE * a.abs().max(b.abs())
+}
+
 impl Parameter {
     /// A parameter with the registry's start, bounds and scale, and no prior.
     pub fn new(path: &str, scope: Scope) -> Self {

@@ -4,7 +4,7 @@ use models::error::ModelError;
 use models::model::ModelParameter;
 
 use super::error::CalibrateError;
-use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial};
+use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial, is_same_pressure};
 
 /// One number to be found.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,8 +121,6 @@ impl Unknown {
 
 /// A bound at zero on a logarithmic scale stands this far below the typical size.
 const NEARLY_ZERO: f64 = 1e-4;
-/// Pressures this close to one another, relative, are one.
-const SAME_PRESSURE: f64 = 1e-3;
 /// Farthest that a release instant may be off, standard deviations.
 const FARTHEST_INSTANT: f64 = 5.0;
 /// Smallest uncertainty of a release instant, s.
@@ -211,7 +209,7 @@ impl Group {
     /// Whether both are the same, pressures to a thousandth.
     pub fn is(self, other: Group) -> bool {
         match (self, other) {
-            (Group::Pressure(a), Group::Pressure(b)) => (a - b).abs() <= SAME_PRESSURE * a.abs().max(b.abs()),
+            (Group::Pressure(a), Group::Pressure(b)) => is_same_pressure(a, b),
             (a, b) => a == b,
         }
     }

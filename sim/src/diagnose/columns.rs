@@ -4,6 +4,7 @@ use models::effects::Reach;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
+use crate::calibrate::Trial;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::{Prediction, predict};
 
@@ -27,8 +28,13 @@ const FIRST: f64 = 1e-4;
 /// The columns of all candidates: one, or one a release where each has its own value. A candidate whose
 /// models cannot be run has none.
 pub(super) fn columns(fit: &Joint, candidates: &[Candidate], tell: &(dyn Fn(&str) + Sync)) -> Vec<Column> {
+    // An effect that is off leaves a run as it is, so that one run serves all candidates.
+    let members = &fit.objective.part.members;
+    let off: Option<Vec<Prediction>> =
+        members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r)).collect();
+    let Some(off) = off else { return Vec::new() };
     let of_candidate = |(c, candidate): (usize, &Candidate)| {
-        let all = movements(fit, candidate)?;
+        let all = movements(fit, candidate, &off)?;
         tell(candidate.name());
         Some(match candidate.effect.about().reach {
             Reach::Release => (0..all.len())
@@ -49,23 +55,22 @@ pub(super) fn columns(fit: &Joint, candidates: &[Candidate], tell: &(dyn Fn(&str
 }
 
 /// Movements of all releases by the strength.
-fn movements(fit: &Joint, candidate: &Candidate) -> Option<Vec<Vec<Vec<[f64; 2]>>>> {
-    let releases = 0..fit.objective.part.members.len();
-    releases.into_par_iter().map(|r| movement(fit, candidate, r)).collect()
+fn movements(fit: &Joint, candidate: &Candidate, off: &[Prediction]) -> Option<Vec<Vec<Vec<[f64; 2]>>>> {
+    off.par_iter().enumerate().map(|(r, off)| movement(fit, candidate, r, off)).collect()
 }
 
-fn movement(fit: &Joint, candidate: &Candidate, r: usize) -> Option<Vec<Vec<[f64; 2]>>> {
-    let off = run(fit, candidate, r, candidate.off)?;
+fn movement(fit: &Joint, candidate: &Candidate, r: usize, off: &Prediction) -> Option<Vec<Vec<[f64; 2]>>> {
+    let at = |strength| run(fit, &candidate.on(fit.objective.part.members[r], strength).ok()?, r);
     let (low, high) = candidate.believed();
     let room = if high > candidate.off { high - candidate.off } else { low - candidate.off };
     let mut step = FIRST * if room.is_finite() { room } else { candidate.strength.scale };
-    let mut aside = run(fit, candidate, r, candidate.off + step)?;
+    let mut aside = at(candidate.off + step)?;
     // The second try has the size that the first one asks for.
-    let moved = farthest(&off, &aside);
+    let moved = farthest(off, &aside);
     if !(WANTED / 30.0..LARGEST).contains(&moved) {
         step *= WANTED / moved.max(ROUNDING);
         step = step.signum() * step.abs().min(room.abs());
-        aside = run(fit, candidate, r, candidate.off + step)?;
+        aside = at(candidate.off + step)?;
     }
     let measured = &fit.objective.measured[r];
     let series = &fit.found.at.carried.blocks[r];
@@ -80,14 +85,13 @@ fn movement(fit: &Joint, candidate: &Candidate, r: usize) -> Option<Vec<Vec<[f64
     Some(series.iter().enumerate().map(of_track).collect())
 }
 
-/// The prediction of a release on the steps of the fit.
-fn run(fit: &Joint, candidate: &Candidate, r: usize, strength: f64) -> Option<Prediction> {
+/// The prediction of the `r`-th release by a trial, on the steps of the fit.
+fn run(fit: &Joint, trial: &Trial, r: usize) -> Option<Prediction> {
     let (part, view) = (&fit.objective.part, &fit.found.view);
-    let trial = candidate.on(part.members[r], strength).ok()?;
     let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
     let measured = &fit.objective.measured[r];
     let (locals, count) = (&part.locals[r], view.counts[r]);
-    predict(&trial, measured, locals, &part.unknowns, &fit.found.x, count, view.fidelity, steps, None).ok()
+    predict(trial, measured, locals, &part.unknowns, &fit.found.x, count, view.fidelity, steps, None).ok()
 }
 
 /// The largest distance of two predictions, m.

@@ -13,13 +13,14 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{RngCore, SeedableRng};
+use rand_xoshiro::rand_core::SeedableRng;
 
 use super::candidate::Candidate;
 use super::columns::Column;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::objective::Series;
+use crate::calibrate::objective::{Series, normal_equations_of};
 use crate::calibrate::uncertainty::{add_series, pseudo_inverse};
+use crate::normal::normal;
 
 /// The score of one candidate.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -132,21 +133,7 @@ fn normal_equations(fit: &Joint, blocks: &[Vec<Series>], n: usize, m: usize) -> 
         let (locals, loss) = (&fit.objective.part.locals[r], fit.found.view.loss[r]);
         let width = locals.len() + m;
         let place = |k: usize| if k < locals.len() { locals[k].unknown } else { n + k - locals.len() };
-        let mut own = DMatrix::<f64>::zeros(width, width);
-        let mut own_pull = DVector::<f64>::zeros(width);
-        for series in block {
-            for (residual, slopes) in series.residual.iter().zip(&series.slopes) {
-                let weight = loss.weight(residual[0].hypot(residual[1]));
-                for (a, slope) in slopes.iter().enumerate() {
-                    let (x, z) = (weight * slope[0], weight * slope[1]);
-                    own_pull[a] -= x * residual[0] + z * residual[1];
-                    for (b, other) in slopes[..=a].iter().enumerate() {
-                        own[(a, b)] += x * other[0] + z * other[1];
-                    }
-                }
-            }
-        }
-        own.fill_upper_triangle_with_lower_triangle();
+        let (own_pull, own) = normal_equations_of(block, width, loss);
         for a in 0..width {
             pull[place(a)] += own_pull[a];
             for b in 0..width {
@@ -245,11 +232,4 @@ fn threshold(candidates: &[Candidate], scores: &[Score], variance: &DMatrix<f64>
     largest.sort_by(f64::total_cmp);
     let place = ((1.0 - false_alarm) * DRAWS as f64) as usize;
     largest[place.min(DRAWS - 1)]
-}
-
-/// A standard normal number. Source: Box and Muller (1958).
-fn normal(random: &mut impl RngCore) -> f64 {
-    let mut uniform = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-    let (u, v) = (1.0 - uniform(), uniform());
-    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }

@@ -1,6 +1,7 @@
 //! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all
 //! pressures share, and something locked away.
 
+use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::{Problem, Scope, SectionError, problem as calibration_problem};
 use crate::cleaning::Cleaned;
 use crate::experiment::{Experiment, ExperimentError};
@@ -30,14 +31,12 @@ fn lock_away(problem: &mut Problem) {
     if problem.trials.iter().any(|trial| trial.release.held_out) {
         return;
     }
-    let mut pressures: Vec<f64> = problem.trials.iter().filter_map(|trial| trial.release.pressure).collect();
-    pressures.sort_by(f64::total_cmp);
-    pressures.dedup_by(|a, b| (*a - *b).abs() <= 1e-3 * b.abs());
+    let pressures = problem.fitted_pressures();
     if pressures.len() >= 3 {
         let middle = pressures[pressures.len() / 2];
         for trial in &mut problem.trials {
             let own = trial.release.pressure;
-            trial.release.held_out = own.is_some_and(|own| (own - middle).abs() <= 1e-3 * middle.abs());
+            trial.release.held_out = own.is_some_and(|own| is_same_pressure(own, middle));
         }
     }
     let left: Vec<usize> =

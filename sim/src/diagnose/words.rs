@@ -23,14 +23,11 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
 /// What an experiment cannot tell, whatever the answer.
 pub(super) fn warnings(problem: &Problem) -> Vec<String> {
     let fitted: Vec<_> = problem.trials.iter().filter(|trial| !trial.release.held_out).collect();
-    let mut pressures: Vec<f64> = fitted.iter().filter_map(|trial| trial.release.pressure).collect();
-    pressures.sort_by(f64::total_cmp);
-    pressures.dedup_by(|a, b| (*a - *b).abs() <= 1e-3 * b.abs());
     let mut words = Vec::new();
     if fitted.len() == problem.trials.len() {
         words.push("nothing is locked away: no release judges the answer that did not make it; record one more, or say held_out = true of one".to_owned());
     }
-    if pressures.len() < 2 {
+    if problem.fitted_pressures().len() < 2 {
         words.push(
             "one pressure alone: effects that differ by how they grow with the pressure cannot be told apart"
                 .to_owned(),
