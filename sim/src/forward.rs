@@ -117,6 +117,9 @@ pub enum ForwardError {
     /// The model, or the equilibrium from which to start.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// The method, which cannot do the model.
+    #[error(transparent)]
+    Method(IntegrateError),
     /// The integration; the trajectory up to there is kept.
     #[error("{error}")]
     Integrate {
@@ -216,8 +219,7 @@ pub fn forward(
         Method::Auto if variational.is_some() => Method::Rodas4,
         method => method,
     };
-    let mut stepper = integrate::start(method, model, state, control)
-        .map_err(|error| ForwardError::Integrate { error, trajectory: Box::new(trajectory.clone()) })?;
+    let mut stepper = integrate::start(method, model, state, control).map_err(ForwardError::Method)?;
     let mut sample = 0;
     loop {
         let (begin, end) = (stepper.step_start(), stepper.state().time);

@@ -143,6 +143,7 @@ fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajecto
         (None, Ok(trajectory)) => Ok(trajectory),
         (None, Err(ForwardError::Integrate { trajectory, .. })) => Ok(*trajectory),
         (None, Err(ForwardError::Model(error))) => Err(error.into()),
+        (None, Err(ForwardError::Method(error))) => Err(Failure::Usage(format!("{}: {error}", case.name))),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Integrators of the equations of motion behind one seam: [`Stepper`].
 
+#[cfg(feature = "diffsol")]
 mod diffsol;
 mod rosenbrock;
 pub mod tableau;
@@ -9,6 +10,7 @@ mod verlet;
 use models::model::Model;
 use thiserror::Error;
 
+#[cfg(feature = "diffsol")]
 use diffsol::Implicit;
 use rosenbrock::Rosenbrock;
 use verlet::Verlet;
@@ -124,9 +126,14 @@ pub enum IntegrateError {
     },
     /// Verlet for a model with forces that depend on velocity, memory or time.
     #[error(
-        "method = \"verlet\" is for models without damping, memory or a changing pressure; take \"auto\""
+        "integrator.method = \"verlet\" is for models without damping, memory or a changing pressure; take \"auto\""
     )]
     Explicit,
+    /// A method of diffsol in a program that was built without it.
+    #[error(
+        "integrator.method: tr_bdf2 and esdirk34 need the feature diffsol, which this program was built without; take \"auto\", or build with --features diffsol"
+    )]
+    WithoutDiffsol,
     /// More steps than admitted.
     #[error(
         "{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, or loosen the tolerance"
@@ -162,8 +169,12 @@ pub fn start<'m>(
     Ok(match method.of(model) {
         Method::Verlet if !model.is_conservative() => return Err(IntegrateError::Explicit),
         Method::Verlet => Box::new(Verlet::new(model, state, control)),
+        #[cfg(feature = "diffsol")]
         Method::TrBdf2 => diffsol::start(Implicit::TrBdf2, model, state, control)?,
+        #[cfg(feature = "diffsol")]
         Method::Esdirk34 => diffsol::start(Implicit::Esdirk34, model, state, control)?,
+        #[cfg(not(feature = "diffsol"))]
+        Method::TrBdf2 | Method::Esdirk34 => return Err(IntegrateError::WithoutDiffsol),
         Method::Auto | Method::Rodas4 => Box::new(Rosenbrock::new(&tableau::RODAS4, model, state, control)),
     })
 }

@@ -12,6 +12,7 @@ use crate::bench::Bench;
 const MUSCLE: &str = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n";
 /// A run of a tenth of a second.
 const SHORT: &str = "[run]\nduration = \"0.1 s\"\n";
+const VERLET: &str = "error: s: integrator.method = \"verlet\" is for models without damping, memory or a changing pressure; take \"auto\"\n";
 
 impl Bench {
     /// Exit code and stderr of `efam simulate s.toml` with that text.
@@ -76,6 +77,11 @@ fn every_slip_in_a_scenario_has_its_message_and_code_2() {
         let (code, stderr) = bench.simulate(&scenario, &[]);
         assert_eq!((code, stderr.as_str()), (2, expected), "{scenario}");
     }
+    let (code, stderr) = bench.simulate(
+        &with("[effects.rayleigh_mass]\nalpha = \"0.5 1/s\"\n[integrator]\nmethod = \"verlet\""),
+        &[],
+    );
+    assert_eq!((code, stderr.as_str()), (2, VERLET));
     // The reader of TOML may word it otherwise one day; the place is ours.
     let (code, stderr) = bench.simulate(&with("[rod\n"), &[]);
     assert_eq!(code, 2);
