@@ -19,6 +19,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use live::Rerun;
+use models::quantity::Quantity;
 use sim::recording::{Length, ReadOptions};
 
 /// Exit codes, as the help prints them.
@@ -232,9 +233,31 @@ struct Diagnose {
     /// Leave an effect out of the catalogue; may be repeated.
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
+    /// The file is a scenario, a release that is not recorded yet: say which effects it could show, and
+    /// from which size on.
+    #[arg(long)]
+    plan: bool,
+    /// Another scenario of the plan; may be repeated.
+    #[arg(long, value_name = "SCENARIO", requires = "plan")]
+    also: Vec<PathBuf>,
+    /// Noise of the camera that is planned.
+    #[arg(long, value_name = "LENGTH", requires = "plan", default_value = "0.3 mm", value_parser = length)]
+    noise: f64,
+    /// A marker on the body that is planned, as a share of the length; may be repeated.
+    #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share)]
+    marker: Vec<f64>,
     /// No progress, no table.
     #[arg(short, long)]
     quiet: bool,
+}
+
+/// A length with its unit, m, more than nothing.
+fn length(text: &str) -> Result<f64, String> {
+    match Quantity::parse(text).and_then(|quantity| quantity.to("m")) {
+        Ok(length) if length > 0.0 => Ok(length),
+        Ok(_) => Err("it must be more than nothing, such as \"0.3 mm\"".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
 }
 
 /// A probability, not 0 and not 1.

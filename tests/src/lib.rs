@@ -1,5 +1,6 @@
 //! What the suites share: the paper's muscle, and ways to run it.
 
+pub mod blind;
 pub mod recordings;
 pub mod twin;
 

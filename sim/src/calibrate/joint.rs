@@ -3,12 +3,13 @@
 use nalgebra::DVector;
 
 use super::error::CalibrateError;
+use super::levenberg_marquardt::Solution;
 use super::objective::{Objective, View};
 use super::part::whole;
 use super::prediction::Slopes;
 use super::problem::{Problem, Trial};
 use super::refine::refine;
-use super::search::{Found, common_cost, search};
+use super::search::{Found, common_cost, minimise_in, search};
 use super::unknowns::{Group, Kind, Unknown, Unknowns};
 
 /// A value of a scaled unknown.
@@ -75,14 +76,54 @@ impl<'a> Joint<'a> {
         known: &[Known],
         tell: &dyn Fn(&str),
     ) -> Result<Option<Self>, CalibrateError> {
+        let Some(mut fit) = Self::at(problem, known, Slopes::Differences)? else { return Ok(None) };
+        refine(&fit.objective, &mut fit.found, false, tell);
+        Ok(Some(fit))
+    }
+
+    /// Comes near the minimum from what is known, with what mesh and step do as another fit of the same
+    /// releases has found it: for comparing many models of which few are worth more. On the steps of that
+    /// fit, unless the model needs its own. None where the model cannot be run there.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn approach(
+        problem: &'a Problem,
+        known: &[Known],
+        like: &View,
+        has_own_steps: bool,
+        share: f64,
+    ) -> Result<Option<Self>, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
-        let mut x = objective.start();
-        for (x, unknown) in x.iter_mut().zip(&objective.part.unknowns) {
-            if let Some(known) = known.iter().find(|known| known.is(unknown)) {
-                *x = known.x;
-            }
+        let x = placed(&objective, known);
+        let mut view = View { slopes: Slopes::Differences, ..like.clone() };
+        if has_own_steps {
+            let Some(seen) = objective.see(&x, &View { steps: None, ..like.clone() }, None) else {
+                return Ok(None);
+            };
+            view.steps = Some(seen.steps);
         }
-        Ok(Self::at(objective, x, tell))
+        let Some(near) = minimise_in(&objective, &x, None, &view, 1.0, share) else { return Ok(None) };
+        let Solution { x, at, predicted, converged, .. } = near;
+        let found = Found { x, at, view, stages: Vec::new(), predicted, converged, starts: 1 };
+        Ok(Some(Self { objective, found }))
+    }
+
+    /// What is known, as it is: unknowns that are among it are there, others at their start, and nothing
+    /// is fitted. None where the model cannot be run there.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn at(problem: &'a Problem, known: &[Known], slopes: Slopes) -> Result<Option<Self>, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let x = placed(&objective, known);
+        let mut view = View::of_all(&objective);
+        let Some(seen) = objective.see(&x, &view, None) else { return Ok(None) };
+        view.loss = seen.spreads().into_iter().map(super::loss::Huber::for_spread).collect();
+        view.steps = Some(seen.steps);
+        view.slopes = slopes;
+        let Some(at) = objective.evaluate(&x, &view, None) else { return Ok(None) };
+        let found =
+            Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
+        Ok(Some(Self { objective, found }))
     }
 
     /// The name of a release, by its place in the problem.
@@ -101,17 +142,15 @@ impl<'a> Joint<'a> {
     pub fn cost(&self) -> f64 {
         common_cost(&self.objective, &self.found)
     }
+}
 
-    fn at(objective: Objective<'a>, x: DVector<f64>, tell: &dyn Fn(&str)) -> Option<Self> {
-        let mut view = View::of_all(&objective);
-        let seen = objective.see(&x, &view, None)?;
-        view.loss = seen.spreads().into_iter().map(super::loss::Huber::for_spread).collect();
-        view.steps = Some(seen.steps);
-        view.slopes = Slopes::Differences;
-        let at = objective.evaluate(&x, &view, None)?;
-        let mut found =
-            Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
-        refine(&objective, &mut found, false, tell);
-        Some(Self { objective, found })
+/// The unknowns at what is known of them, others at their start.
+fn placed(objective: &Objective, known: &[Known]) -> DVector<f64> {
+    let mut x = objective.start();
+    for (x, unknown) in x.iter_mut().zip(&objective.part.unknowns) {
+        if let Some(known) = known.iter().find(|known| known.is(unknown)) {
+            *x = known.x;
+        }
     }
+    x
 }

@@ -109,20 +109,23 @@ pub(crate) fn add_series(
     let variance = sum / left;
     let found = Autocovariance::of(&grid);
     let widen = if found.by_lag[0] > 0.0 { variance / found.by_lag[0] } else { 1.0 };
-    for (lag, value) in found.by_lag.iter().enumerate() {
-        let value = widen * value;
-        for sample in 0..last.saturating_sub(lag) {
-            let (a, b) = (place[sample], place[sample + lag]);
-            if a == usize::MAX || b == usize::MAX {
+    // Σ c(lag) a_k a_{k+lag}ᵀ, each sample's partners summed first.
+    let width = series.slopes.first().map_or(0, Vec::len);
+    let mut partners = vec![[0.0; 2]; width];
+    for sample in (0..last).filter(|sample| place[*sample] != usize::MAX) {
+        partners.fill([0.0; 2]);
+        for (lag, value) in found.by_lag.iter().take(last - sample).enumerate() {
+            let other = place[sample + lag];
+            if other == usize::MAX {
                 continue;
             }
-            add_product(
-                &series.slopes[a],
-                &series.slopes[b],
-                if lag == 0 { 0.5 * value } else { value },
-                spread,
-            );
+            let value = widen * if lag == 0 { 0.5 * value } else { *value };
+            for (sum, slope) in partners.iter_mut().zip(&series.slopes[other]) {
+                sum[0] += value * slope[0];
+                sum[1] += value * slope[1];
+            }
         }
+        add_product(&series.slopes[place[sample]], &partners, spread);
     }
     TrackStatistics {
         samples: count,
@@ -134,11 +137,11 @@ pub(crate) fn add_series(
     }
 }
 
-/// Adds `value (a bᵀ + b aᵀ)`, both axes.
-fn add_product(a: &[[f64; 2]], b: &[[f64; 2]], value: f64, sum: &mut DMatrix<f64>) {
+/// Adds `a bᵀ + b aᵀ`, both axes.
+fn add_product(a: &[[f64; 2]], b: &[[f64; 2]], sum: &mut DMatrix<f64>) {
     for i in 0..a.len() {
         for j in 0..b.len() {
-            let product = value * (a[i][0] * b[j][0] + a[i][1] * b[j][1]);
+            let product = a[i][0] * b[j][0] + a[i][1] * b[j][1];
             sum[(i, j)] += product;
             sum[(j, i)] += product;
         }

@@ -8,9 +8,10 @@ use models::effects::{CATALOGUE, by_name};
 use models::nearest::nearest;
 use serde_json::json;
 use sim::cleaning::clean;
-use sim::diagnose::{Settings, diagnose, problem};
+use sim::diagnose::{Settings, diagnose, plan, problem};
 use sim::results::Request;
-use sim::results::diagnosed::{diagnosis_table, write_diagnosis};
+use sim::results::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
+use sim::scenario::Scenario;
 
 use super::Diagnose;
 use super::calibrate::input_hashes;
@@ -19,6 +20,9 @@ use super::failure::Failure;
 use super::progress;
 
 pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
+    if args.plan {
+        return planned(args);
+    }
     let begin = Instant::now();
     if let Some(name) = args.without.iter().find(|name| by_name(name).is_none()) {
         let near = nearest(name, CATALOGUE.iter().map(|effect| effect.about().name));
@@ -55,6 +59,29 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
     } else if !args.quiet {
         write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
         writeln!(out, "\nresults in {}", folder.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What releases that are not recorded yet could show.
+fn planned(args: &Diagnose) -> Result<ExitCode, Failure> {
+    let mut cases = Vec::new();
+    for path in std::iter::once(&args.of.experiment).chain(&args.also) {
+        let overrides = if path == &args.of.experiment { &args.of.set[..] } else { &[] };
+        cases.extend(Scenario::load(path, overrides)?.cases()?);
+    }
+    for warning in cases.iter().flat_map(|case| &case.warnings) {
+        eprintln!("warning: {warning}");
+    }
+    let problem = plan::problem(&cases, args.noise, &args.marker);
+    let progress = progress::line(args.quiet || args.of.json);
+    let prospects = plan::plan(&problem, &|what| progress.set_message(what.to_owned()))?;
+    progress.finish_and_clear();
+    let mut out = io::stdout().lock();
+    if args.of.json {
+        writeln!(out, "{}", json!({ "releases": cases.len(), "prospects": prospects }))?;
+    } else if !args.quiet {
+        write!(out, "{}", plan_table(&prospects, cases.len()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -3,6 +3,7 @@
 use models::effects::{CATALOGUE, Effect, Parameter as EffectParameter, Reach};
 use models::error::ModelError;
 
+use super::score::Subject;
 use crate::calibrate::{Parameter, Problem, Scale, Scope, Trial};
 use crate::forward::Initial;
 
@@ -29,10 +30,18 @@ impl Candidate {
         believed(self.strength)
     }
 
-    /// Whether only one sign makes sense.
-    pub fn is_one_sided(&self) -> bool {
+    /// What a score needs of it.
+    pub fn subject(&self) -> Subject {
         let (low, high) = self.believed();
-        low >= self.off || high <= self.off
+        let side = if low >= self.off {
+            1.0
+        } else if high <= self.off {
+            -1.0
+        } else {
+            0.0
+        };
+        // Differences on the same steps are good to some 1e-5.
+        Subject { off: self.off, side, own: 1e-9 }
     }
 
     /// The path of the strength.
@@ -89,9 +98,6 @@ fn believed(parameter: &EffectParameter) -> (f64, f64) {
     parameter.plausible.map_or((low, high), |(least, most)| (least.max(low), most.min(high)))
 }
 
-/// An effect that describes a gap without being its cause.
-pub(super) const DESCRIPTION: &str = "latent_moment";
-
 /// The candidates for a problem: everything in the catalogue that its models do not have already, but for
 /// the `excluded`.
 pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidate> {
@@ -99,7 +105,7 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
     let mut all = Vec::new();
     for &effect in CATALOGUE {
         let about = effect.about();
-        if has(about.name) || about.name == DESCRIPTION || excluded.iter().any(|name| name == about.name) {
+        if has(about.name) || excluded.iter().any(|name| name == about.name) {
             continue;
         }
         let Some(strength) = about.parameters.iter().find(|parameter| parameter.off.is_some()) else {

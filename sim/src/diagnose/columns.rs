@@ -12,8 +12,10 @@ use crate::calibrate::prediction::{Prediction, predict};
 /// `[release][track][sample]` of the samples that are fitted.
 #[derive(Clone)]
 pub(super) struct Column {
-    /// Its place among the candidates.
-    pub candidate: usize,
+    /// Place of what it belongs to among all that is scored.
+    pub of: usize,
+    /// Its place among those of the same.
+    pub part: usize,
     pub slopes: Vec<Vec<Vec<[f64; 2]>>>,
 }
 
@@ -27,14 +29,17 @@ const FIRST: f64 = 1e-4;
 
 /// The columns of all candidates: one, or one a release where each has its own value. A candidate whose
 /// models cannot be run has none.
-pub(super) fn columns(fit: &Joint, candidates: &[Candidate], tell: &(dyn Fn(&str) + Sync)) -> Vec<Column> {
-    // An effect that is off leaves a run as it is, so that one run serves all candidates.
-    let members = &fit.objective.part.members;
-    let off: Option<Vec<Prediction>> =
-        members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r)).collect();
-    let Some(off) = off else { return Vec::new() };
+/// `off` is what the fit predicts: an effect that is off leaves a run as it is.
+pub(super) fn columns(
+    fit: &Joint,
+    off: &[Prediction],
+    candidates: &[Candidate],
+    tell: &(dyn Fn(&str) + Sync),
+) -> Vec<Column> {
     let of_candidate = |(c, candidate): (usize, &Candidate)| {
-        let all = movements(fit, candidate, &off)?;
+        let all: Option<Vec<_>> =
+            (0..off.len()).into_par_iter().map(|r| movement(fit, candidate, r, &off[r])).collect();
+        let all = all?;
         tell(candidate.name());
         Some(match candidate.effect.about().reach {
             Reach::Release => (0..all.len())
@@ -45,33 +50,46 @@ pub(super) fn columns(fit: &Joint, candidates: &[Candidate], tell: &(dyn Fn(&str
                             .map(|track| if r == own { track.clone() } else { vec![[0.0; 2]; track.len()] })
                             .collect()
                     };
-                    Column { candidate: c, slopes: all.iter().enumerate().map(only).collect() }
+                    Column { of: c, part: own, slopes: all.iter().enumerate().map(only).collect() }
                 })
                 .collect(),
-            Reach::Muscle | Reach::Pressure => vec![Column { candidate: c, slopes: all }],
+            Reach::Muscle | Reach::Pressure => vec![Column { of: c, part: 0, slopes: all }],
         })
     };
     candidates.par_iter().enumerate().filter_map(of_candidate).collect::<Vec<Vec<Column>>>().concat()
 }
 
-/// Movements of all releases by the strength.
-fn movements(fit: &Joint, candidate: &Candidate, off: &[Prediction]) -> Option<Vec<Vec<Vec<[f64; 2]>>>> {
-    off.par_iter().enumerate().map(|(r, off)| movement(fit, candidate, r, off)).collect()
+/// What a fit predicts of all its releases; none where it cannot be run.
+pub(super) fn predictions(fit: &Joint) -> Option<Vec<Prediction>> {
+    let members = &fit.objective.part.members;
+    members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r, None)).collect()
 }
 
+/// Movement of a release by the strength.
 fn movement(fit: &Joint, candidate: &Candidate, r: usize, off: &Prediction) -> Option<Vec<Vec<[f64; 2]>>> {
-    let at = |strength| run(fit, &candidate.on(fit.objective.part.members[r], strength).ok()?, r);
+    let member = fit.objective.part.members[r];
     let (low, high) = candidate.believed();
     let room = if high > candidate.off { high - candidate.off } else { low - candidate.off };
     let mut step = FIRST * if room.is_finite() { room } else { candidate.strength.scale };
-    let mut aside = at(candidate.off + step)?;
+    let on = |step: f64| candidate.on(member, candidate.off + step).ok();
+    let mut aside = run(fit, &on(step)?, r, None)?;
+    // A memory that turns round within a step halves it: what it is compared with takes the same steps.
+    let is_halved = aside.steps.len() != off.steps.len();
+    let halved = if is_halved { Some(run(fit, member, r, Some(&aside.steps))?) } else { None };
+    let (off, steps) = (halved.as_ref().unwrap_or(off), aside.steps.clone());
+    let steps = is_halved.then_some(&steps[..]);
     // The second try has the size that the first one asks for.
     let moved = farthest(off, &aside);
     if !(WANTED / 30.0..LARGEST).contains(&moved) {
         step *= WANTED / moved.max(ROUNDING);
         step = step.signum() * step.abs().min(room.abs());
-        aside = at(candidate.off + step)?;
+        aside = run(fit, &on(step)?, r, steps)?;
     }
+    Some(slopes(fit, r, step, off, &aside))
+}
+
+/// Derivatives by the strength in units of the noise.
+fn slopes(fit: &Joint, r: usize, step: f64, off: &Prediction, aside: &Prediction) -> Vec<Vec<[f64; 2]>> {
     let measured = &fit.objective.measured[r];
     let series = &fit.found.at.carried.blocks[r];
     let of_track = |(t, series): (usize, &crate::calibrate::objective::Series)| {
@@ -82,13 +100,13 @@ fn movement(fit: &Joint, candidate: &Candidate, r: usize, off: &Prediction) -> O
         };
         series.samples.iter().map(difference).collect()
     };
-    Some(series.iter().enumerate().map(of_track).collect())
+    series.iter().enumerate().map(of_track).collect()
 }
 
-/// The prediction of the `r`-th release by a trial, on the steps of the fit.
-fn run(fit: &Joint, trial: &Trial, r: usize) -> Option<Prediction> {
+/// The prediction of the `r`-th release by a trial, on the steps that are given, or else on those of the fit.
+fn run(fit: &Joint, trial: &Trial, r: usize, steps: Option<&[f64]>) -> Option<Prediction> {
     let (part, view) = (&fit.objective.part, &fit.found.view);
-    let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
+    let steps = steps.or(view.steps.as_ref().map(|steps| &steps[r][..]));
     let measured = &fit.objective.measured[r];
     let (locals, count) = (&part.locals[r], view.counts[r]);
     predict(trial, measured, locals, &part.unknowns, &fit.found.x, count, view.fidelity, steps, None).ok()

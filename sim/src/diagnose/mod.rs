@@ -10,6 +10,9 @@
 mod candidate;
 mod columns;
 mod judge;
+pub mod localise;
+pub mod plan;
+mod planned;
 mod refit;
 mod round;
 mod score;
@@ -19,10 +22,11 @@ mod words;
 
 use crate::calibrate::joint::{Joint, Known};
 use crate::calibrate::{CalibrateError, Problem};
-pub use section::problem;
+pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
 
 use judge::{gaps, judge, judgement};
+use planned::separation;
 use round::{Best, round};
 use verdict::Added;
 
@@ -66,6 +70,7 @@ pub fn diagnose(
     diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
     let baseline = Joint::search(problem, &|what| tell(&format!("baseline: {what}")))?;
     let before = judgement(&baseline);
+    let locked_before = judge(problem, &baseline.known(), tell)?;
     let (mut current, mut known) = (problem.clone(), baseline.known());
     let mut added: Vec<Best> = Vec::new();
     let mut after = judgement(&baseline);
@@ -77,29 +82,42 @@ pub fn diagnose(
         };
         let fit = followed.as_ref().unwrap_or(&baseline);
         after = judgement(fit);
-        let found = round(fit, &current, number, settings, tell)?;
+        diagnosis.effects = added.iter().map(|best| Added::of(fit, &best.candidate)).collect();
+        let locked = added.last().map_or(locked_before.as_ref(), |best| best.judgement.as_ref());
+        let found = round(fit, &current, locked, number, settings, tell)?;
         diagnosis.thresholds.push(found.threshold);
         diagnosis.evidence.extend(found.evidence);
-        let Some(best) = found.best else { break };
-        if number > settings.most_effects {
-            diagnosis.verdict = Verdict::Unknown;
+        let is_shaped = found.shapes.iter().any(|shape| shape.score > shape.threshold);
+        diagnosis.shapes.extend(found.shapes);
+        let best = found.best.filter(|_| number <= settings.most_effects);
+        let Some(best) = best else {
+            if found.is_heard || is_shaped {
+                diagnosis.verdict = Verdict::Unknown;
+            }
             break;
-        }
-        if !carries_over(&best) {
-            diagnosis.verdict = Verdict::Unknown;
-            break;
-        }
+        };
         (current, known) = (best.refit.problem.clone(), best.refit.known.clone());
         added.push(best);
     }
     diagnosis.gap = gaps(&before, &after, false);
-    if let (Some(before), Some(after)) =
-        (judge(problem, &baseline.known(), tell)?, judge(&current, &known, tell)?)
-    {
-        diagnosis.gap.extend(gaps(&before, &after, true));
+    let locked_after = added.last().map_or(locked_before.as_ref(), |best| best.judgement.as_ref());
+    if let (Some(before), Some(after)) = (&locked_before, locked_after) {
+        diagnosis.gap.extend(gaps(before, after, true));
     }
-    conclude(&mut diagnosis, &added);
+    if let Some(best) = added.iter().find(|best| !best.members.is_empty()) {
+        diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
+        let (nearest, other) = &best.members[0];
+        let pair = [best.candidate.clone(), other.clone()];
+        let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
+        tell("which recording would tell them apart");
+        diagnosis.separating_experiment =
+            separation(problem, &known, &pair, strength, best.widening, nearest.distance)?;
+    }
+    if diagnosis.verdict != Verdict::Unknown && !added.is_empty() {
+        diagnosis.verdict = if diagnosis.members.is_empty() { Verdict::Named } else { Verdict::Class };
+    }
     diagnosis.warnings = words::warnings(problem);
+    diagnosis.warnings.extend(words::strained(&known));
     set(&mut current, &known);
     diagnosis.summary = words::summary(&diagnosis);
     Ok(Outcome { diagnosis, repaired: current })
@@ -114,27 +132,5 @@ fn set(problem: &mut Problem, known: &[Known]) {
                 (trial.model, trial.run.initial) = (model, initial);
             }
         }
-    }
-}
-
-/// χ² by which an effect may worsen what was locked away before it is disbelieved.
-const WORSE: f64 = 9.0;
-
-/// Whether what was locked away agrees.
-fn carries_over(best: &Best) -> bool {
-    best.held_out.is_none_or(|decrease| decrease > -WORSE)
-}
-
-/// From the rounds to the answer.
-fn conclude(diagnosis: &mut Diagnosis, added: &[Best]) {
-    diagnosis.effects = added
-        .iter()
-        .map(|best| Added { effect: best.candidate.name().to_owned(), parameters: best.refit.values.clone() })
-        .collect();
-    if let Some(ambiguous) = added.iter().find(|best| !best.members.is_empty()) {
-        diagnosis.members = ambiguous.members.clone();
-    }
-    if diagnosis.verdict != Verdict::Unknown && !added.is_empty() {
-        diagnosis.verdict = if diagnosis.members.is_empty() { Verdict::Named } else { Verdict::Class };
     }
 }

@@ -1,7 +1,7 @@
 //! A candidate fitted in full: its parameters beside all others, mesh and step removed anew.
 
 use super::candidate::Candidate;
-use super::verdict::Value;
+use super::verdict::{Added, Value};
 use crate::calibrate::joint::{Joint, Known};
 use crate::calibrate::profile::NORMAL_95;
 use crate::calibrate::uncertainty::uncertainty;
@@ -19,35 +19,60 @@ pub(super) struct Refit {
     pub cost: f64,
     /// Parameters of the effect.
     pub values: Vec<Value>,
-    /// Whether the strength stands on a bound of what is believed, the value at which it is off included.
-    pub is_at_bound: bool,
 }
 
-/// Fits a candidate, beginning with the strength that its score asks for. None where it cannot be run.
-pub(super) fn refit(
+/// A model with one more effect, near its fit.
+pub(super) struct Rough {
+    problem: Problem,
+    known: Vec<Known>,
+    /// Cost under the loss of the noise, with mesh and step as they are.
+    pub cost: f64,
+}
+
+/// Share of the cost that is left to gain where an approach ends.
+const ROUGHLY: f64 = 3e-3;
+
+/// Brings a candidate near its fit from one without it, beginning with the strength that its score asks
+/// for. None where it cannot be run.
+pub(super) fn rough(
     problem: &Problem,
     candidate: &Candidate,
     estimate: f64,
-    from: &[Known],
-) -> Result<Option<Refit>, CalibrateError> {
+    without: &Joint,
+) -> Result<Option<Rough>, CalibrateError> {
     let Ok(problem) = candidate.added_to(problem, estimate) else { return Ok(None) };
-    let Some(fit) = Joint::follow(&problem, from, &|_| ())? else { return Ok(None) };
-    let (values, is_at_bound) = values(&fit, candidate);
+    // A memory that turns round needs steps where that happens.
+    let has_own_steps = candidate.effect.about().memory;
+    let (known, view) = (without.known(), &without.found.view);
+    let Some(fit) = Joint::approach(&problem, &known, view, has_own_steps, ROUGHLY)? else {
+        return Ok(None);
+    };
     let (known, cost) = (fit.known(), fit.cost());
     drop(fit);
-    Ok(Some(Refit { known, cost, values, is_at_bound, problem }))
+    Ok(Some(Rough { problem, known, cost }))
 }
 
-/// Values of an effect's parameters with their intervals, and whether the strength is at a bound.
-fn values(fit: &Joint, candidate: &Candidate) -> (Vec<Value>, bool) {
+/// Follows a candidate to its fit. None where it cannot be run.
+pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
+    let Some(fit) = Joint::follow(&rough.problem, &rough.known, &|_| ())? else { return Ok(None) };
+    let (values, known, cost) = (values(&fit, candidate), fit.known(), fit.cost());
+    Ok(Some(Refit { known, cost, values, problem: rough.problem.clone() }))
+}
+
+impl Added {
+    /// An effect that was added, as a fit has it.
+    pub(super) fn of(fit: &Joint, candidate: &Candidate) -> Self {
+        Self { effect: candidate.name().to_owned(), parameters: values(fit, candidate) }
+    }
+}
+
+/// Values of an effect's parameters with their intervals.
+fn values(fit: &Joint, candidate: &Candidate) -> Vec<Value> {
     let of = uncertainty(&fit.objective, &fit.found);
     let prefix = format!("effects.{}.", candidate.name());
-    let (mut values, mut is_at_bound) = (Vec::new(), false);
+    let mut values = Vec::new();
     for (k, known) in fit.known().iter().enumerate() {
         let Some(name) = known.unknown.name.strip_prefix(&prefix) else { continue };
-        let (low, high) = known.unknown.bounds;
-        let near = 1e-6 * (high - low).abs().min(1e300);
-        is_at_bound |= name == candidate.strength.name && (known.x - low < near || high - known.x < near);
         let deviation = of.covariance[(k, k)].max(0.0).sqrt();
         let at = |side: f64| known.unknown.scaled.value(known.x + side * NORMAL_95 * deviation);
         values.push(Value {
@@ -66,5 +91,5 @@ fn values(fit: &Joint, candidate: &Candidate) -> (Vec<Value>, bool) {
         let (name, unit) = (parameter.name.to_owned(), parameter.unit.to_owned());
         values.push(Value { name, unit, of: None, value: *value, interval_95: None });
     }
-    (values, is_at_bound)
+    values
 }

@@ -15,14 +15,32 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-use super::candidate::Candidate;
 use super::columns::Column;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::{Series, normal_equations_of};
 use crate::calibrate::uncertainty::{add_series, pseudo_inverse};
 use crate::normal::normal;
 
-/// The score of one candidate.
+/// What is scored: one way to move the predictions, or several that belong together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Subject {
+    /// Where its strength vanishes.
+    pub off: f64,
+    /// The admissible side of that, 1 or -1; 0 for both.
+    pub side: f64,
+    /// Share of a column's square that must be left when the fit has had its way: below that it is made of
+    /// the errors of the slopes.
+    pub own: f64,
+}
+
+impl Subject {
+    /// Whether a strength is on its side.
+    fn admits(&self, columns: usize, estimate: f64) -> bool {
+        columns > 1 || self.side == 0.0 || self.side * (estimate - self.off) > 0.0
+    }
+}
+
+/// The score of one subject.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Score {
     /// Its columns among all.
@@ -31,6 +49,8 @@ pub(super) struct Score {
     pub size: f64,
     /// Promised decrease of χ², in units of the noise as it is.
     pub decrease: f64,
+    /// What the residual asks of each column.
+    pub estimates: Vec<f64>,
     /// Strength that the residual asks for; the root mean square where each release has its own.
     pub estimate: f64,
     /// Whether the estimate has an admissible sign.
@@ -51,13 +71,15 @@ pub(super) struct Scores {
 /// Draws of the law of the largest score.
 const DRAWS: usize = 20_000;
 const SEED: u64 = 20_220_517;
-/// A column of which less than this share is its own cannot be scored.
-const OWN: f64 = 1e-9;
 
-/// Scores candidates at a fit.
-pub(super) fn scores(fit: &Joint, candidates: &[Candidate], columns: &[Column], false_alarm: f64) -> Scores {
+/// Scores subjects at a fit.
+pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], false_alarm: f64) -> Scores {
     let n = fit.found.x.len();
     let m = columns.len();
+    if m == 0 {
+        let each = vec![Score::default(); subjects.len()];
+        return Scores { each, threshold: 0.0, gram: DMatrix::zeros(0, 0), widening: 1.0 };
+    }
     let extended = extended(fit, columns);
     let (gradient, hessian) = normal_equations(fit, &extended, n, m);
     // What is left when the fit and all candidates have had their way.
@@ -89,28 +111,56 @@ pub(super) fn scores(fit: &Joint, candidates: &[Candidate], columns: &[Column], 
         }
     }
     add_priors(fit, &mut spread);
-    let known = hessian.view((0, 0), (n, n)).into_owned();
-    let to_own = &pseudo_inverse(&known).0 * hessian.view((0, n), (n, m));
-    let gram = hessian.view((n, n), (m, m)) - hessian.view((n, 0), (m, n)) * &to_own;
+    let (to_own, gram) = orthogonal(&hessian, n);
     let pull = -(gradient.rows(n, m) - to_own.transpose() * gradient.rows(0, n));
     // U = [−Aᵀ 1] g
     let mut take = DMatrix::zeros(m, n + m);
     take.view_mut((0, 0), (m, n)).copy_from(&(-to_own.transpose()));
     take.view_mut((0, n), (m, m)).fill_with_identity();
     let variance = &take * spread * take.transpose();
-    let is_own = |k: usize| gram[(k, k)] > OWN * hessian[(n + k, n + k)];
+    let is_own = |k: usize| gram[(k, k)] > subjects[columns[k].of].own * hessian[(n + k, n + k)];
     let mut widenings: Vec<f64> =
         (0..m).filter(|k| is_own(*k)).map(|k| variance[(k, k)] / gram[(k, k)]).collect();
     widenings.sort_by(f64::total_cmp);
     let widening = widenings.get(widenings.len() / 2).copied().unwrap_or(1.0).max(1.0);
-    let each: Vec<Score> = (0..candidates.len())
+    let each: Vec<Score> = (0..subjects.len())
         .map(|c| {
-            let own: Vec<usize> = (0..m).filter(|k| columns[*k].candidate == c && is_own(*k)).collect();
-            score(&candidates[c], own, &pull, &gram, &variance, widening)
+            let own: Vec<usize> = (0..m).filter(|k| columns[*k].of == c && is_own(*k)).collect();
+            score(subjects[c], own, &pull, &gram, &variance, widening)
         })
         .collect();
-    let threshold = threshold(candidates, &each, &variance, false_alarm);
+    let threshold = threshold(subjects, &each, &variance, false_alarm);
     Scores { each, threshold, gram, widening }
+}
+
+/// `s⊥ᵀ s⊥` of columns at a fit, all else being free.
+pub(super) fn gram(fit: &Joint, columns: &[Column]) -> DMatrix<f64> {
+    let n = fit.found.x.len();
+    let (_, hessian) = normal_equations(fit, &extended(fit, columns), n, columns.len());
+    orthogonal(&hessian, n).1
+}
+
+/// What the first `n` unknowns take of the others, and what is left of those.
+fn orthogonal(hessian: &DMatrix<f64>, n: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    let m = hessian.nrows() - n;
+    let known = hessian.view((0, 0), (n, n)).into_owned();
+    let to_own = &pseudo_inverse(&known).0 * hessian.view((0, n), (n, m));
+    let gram = hessian.view((n, n), (m, m)) - hessian.view((n, 0), (m, n)) * &to_own;
+    (to_own, gram)
+}
+
+/// How far apart two traces are when all else is fitted: what is left of the first, at its strengths, when
+/// the second does what it can; standard deviations of white noise. With one column each it is
+/// `|s⊥| θ √(1 − cos²)`.
+pub(super) fn distance(gram: &DMatrix<f64>, first: &[usize], second: &[usize], strengths: &[f64]) -> f64 {
+    let pick = |a: &[usize], b: &[usize]| DMatrix::from_fn(a.len(), b.len(), |i, j| gram[(a[i], b[j])]);
+    let mut left = pick(first, first);
+    if !second.is_empty() {
+        let cross = pick(first, second);
+        left -= &cross * pseudo_inverse(&pick(second, second)).0 * cross.transpose();
+    }
+    let strengths = DVector::from_column_slice(strengths);
+    strengths.dot(&(left * &strengths)).max(0.0).sqrt()
 }
 
 /// The residuals of the fit with the slopes of all columns behind those of the unknowns.
@@ -155,7 +205,7 @@ fn add_priors(fit: &Joint, spread: &mut DMatrix<f64>) {
 }
 
 fn score(
-    candidate: &Candidate,
+    subject: Subject,
     columns: Vec<usize>,
     pull: &DVector<f64>,
     gram: &DMatrix<f64>,
@@ -171,19 +221,16 @@ fn score(
     }
     let estimates = &pseudo_inverse(&pick(gram)).0 * &own;
     let estimate = match &estimates.as_slice() {
-        [one] => candidate.off + one,
+        [one] => subject.off + one,
         all => (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt(),
     };
-    let (low, high) = candidate.believed();
-    let points_up = high > candidate.off;
-    let is_admissible = columns.len() > 1
-        || !candidate.is_one_sided()
-        || (estimate > candidate.off) == (points_up && low >= candidate.off);
+    let is_admissible = subject.admits(columns.len(), estimate);
     let statistic = own.dot(&(&pseudo_inverse(&pick(variance)).0 * &own));
     Score {
         size: if is_admissible { normal_size(statistic, columns.len()) } else { 0.0 },
         decrease: own.dot(&estimates) / widening,
         estimate,
+        estimates: estimates.as_slice().to_vec(),
         is_admissible,
         columns,
     }
@@ -201,7 +248,7 @@ fn normal_size(statistic: f64, degrees: usize) -> f64 {
 }
 
 /// The quantile of the largest score where nothing is missing.
-fn threshold(candidates: &[Candidate], scores: &[Score], variance: &DMatrix<f64>, false_alarm: f64) -> f64 {
+fn threshold(subjects: &[Subject], scores: &[Score], variance: &DMatrix<f64>, false_alarm: f64) -> f64 {
     let eigen = SymmetricEigen::new(variance.clone());
     let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
     let root = &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
@@ -219,9 +266,8 @@ fn threshold(candidates: &[Candidate], scores: &[Score], variance: &DMatrix<f64>
             let pull = &root * noise;
             let of = |(c, score): (usize, &Score)| {
                 let own = DVector::from_fn(score.columns.len(), |a, _| pull[score.columns[a]]);
-                let (low, _) = candidates[c].believed();
-                let sign = if low >= candidates[c].off { 1.0 } else { -1.0 };
-                if own.len() == 1 && candidates[c].is_one_sided() && sign * own[0] < 0.0 {
+                let estimate = subjects[c].off + own.get(0).copied().unwrap_or(0.0);
+                if !subjects[c].admits(own.len(), estimate) {
                     return 0.0;
                 }
                 normal_size(own.dot(&(&inverses[c] * &own)), own.len())

@@ -1,14 +1,19 @@
 //! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all
 //! pressures share, and something locked away.
 
+use models::error::ModelError;
+
 use crate::calibrate::problem::is_same_pressure;
-use crate::calibrate::{Problem, Scope, SectionError, problem as calibration_problem};
+use crate::calibrate::{
+    Parameter, Prior, Problem, Scale, Scope, SectionError, Trial, problem as calibration_problem,
+};
 use crate::cleaning::Cleaned;
 use crate::experiment::{Experiment, ExperimentError};
+use crate::forward::Initial;
 
 /// Losses that all pressures share unless the experiment says otherwise: one for each would hide how a
 /// missing effect grows with the pressure.
-const SHARED: [&str; 2] = ["effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
+pub(super) const SHARED: [&str; 2] = ["effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
 
 /// The problem of an experiment.
 /// # Errors
@@ -21,9 +26,43 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
             parameter.scope = Scope::Shared;
         }
     }
+    admit_tilt(&mut problem, USUAL_TILT);
     lock_away(&mut problem);
     Ok(problem)
 }
+
+/// Standard deviation of what is believed of the cameras' vertical, rad.
+pub(super) const USUAL_TILT: f64 = 5e-4;
+
+/// Makes the tilt of the recordings' frame, one for each pressure, an unknown of no interest with a prior
+/// about zero: a deviation in rad. Left out it would be taken for an effect of the muscle. Models that have
+/// `frame_tilt` already stay as they are.
+pub fn admit_tilt(problem: &mut Problem, deviation: f64) {
+    if problem.trials.iter().any(|trial| trial.model.effect(TILT).is_some()) {
+        return;
+    }
+    let tilted = |trial: &Trial| {
+        let mut trial = trial.clone();
+        trial.model = trial.model.with_effect(TILT, &[("angle", 0.0)])?;
+        if let Initial::Equilibrium { hold, .. } = &mut trial.run.initial {
+            **hold = hold.with_effect(TILT, &[("angle", 0.0)])?;
+        }
+        Ok::<_, ModelError>(trial)
+    };
+    let Ok(trials) = problem.trials.iter().map(tilted).collect() else { return };
+    problem.trials = trials;
+    let is_known = problem.trials.iter().all(|trial| trial.release.pressure.is_some());
+    let scope = if is_known { Scope::PerPressure } else { Scope::Shared };
+    problem.parameters.push(Parameter {
+        start: Some(0.0),
+        prior: Some(Prior { mean: 0.0, deviation }),
+        scale: Some(Scale::Linear),
+        ..Parameter::new("effects.frame_tilt.angle", scope)
+    });
+}
+
+/// The effect of a frame that is not level.
+const TILT: &str = "frame_tilt";
 
 /// Locks releases away if the experiment has not: of three pressures or more the middle one, and of what is
 /// left the last release, if two others stay.

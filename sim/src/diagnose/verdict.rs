@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::localise::Shape;
+
 /// The answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -38,9 +40,8 @@ pub struct Diagnosis {
     pub false_alarm: f64,
     /// Score that a candidate has to exceed, by round.
     pub thresholds: Vec<f64>,
-    /// Error of mesh and step in the predictions, root mean square of all releases, mm: before it was
-    /// removed, and what may be left.
-    pub numerical_error_mm: [f64; 2],
+    /// What the residual looks like in each round, whatever its cause.
+    pub shapes: Vec<Shape>,
     /// What was locked away, by name of the release.
     pub held_out: Vec<String>,
     /// What should be known before the answer is used, in words.

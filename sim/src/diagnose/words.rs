@@ -1,7 +1,12 @@
 //! The answer in words.
 
+use std::fmt::Write;
+
+use super::localise::Shape;
 use super::verdict::{Diagnosis, Verdict};
 use crate::calibrate::Problem;
+use crate::calibrate::joint::Known;
+use crate::results::report::significant;
 
 /// One paragraph for a person.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
@@ -14,10 +19,62 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
         Verdict::Named => format!("{} is missing.", names()),
         Verdict::Class => {
             let others: Vec<_> = diagnosis.members.iter().map(|member| member.effect.as_str()).collect();
-            format!("{} is missing, or what does the same to these recordings: {}.", names(), others.join(", "))
+            let mut words =
+                format!("{} is missing, or what does the same to these recordings: {}.", names(), others.join(", "));
+            if let Some(separation) = &diagnosis.separating_experiment {
+                let _ = write!(
+                    words,
+                    " To tell them apart, record {}: that takes the distance of the nearest two from {:.1} to {:.1} standard deviations.",
+                    separation.what, separation.distance_now, separation.distance
+                );
+            }
+            words
         }
-        Verdict::Unknown => "Something is missing that the catalogue does not hold.".to_owned(),
+        Verdict::Unknown => {
+            let mut words = "Something is missing that the catalogue does not hold.".to_owned();
+            if !diagnosis.effects.is_empty() {
+                let _ = write!(words, " {} describes a part of it, and need not be its cause.", names());
+            }
+            if let Some(shape) = loudest(diagnosis) {
+                let _ = write!(
+                    words,
+                    " What is left looks like this: {}, by {:.2} mm at the tip, mostly at {:.0} % of the largest amplitude.",
+                    shape.what,
+                    shape.size_mm,
+                    100.0 * shape.at_amplitude
+                );
+            }
+            words
+        }
     }
+}
+
+/// The shape that stands out most in the last round, if one does.
+fn loudest(diagnosis: &Diagnosis) -> Option<&Shape> {
+    let last = diagnosis.shapes.iter().map(|shape| shape.round).max()?;
+    let own = diagnosis.shapes.iter().filter(|shape| shape.round == last && shape.score > shape.threshold);
+    own.max_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+/// Standard deviations by which a nuisance may be off what was believed of it.
+const BELIEVABLE: f64 = 4.0;
+
+/// What a fit had to assume of the setup against what was believed.
+pub(super) fn strained(known: &[Known]) -> Vec<String> {
+    let of = |known: &Known| {
+        let prior = known.unknown.prior?;
+        let off = (known.value() - prior.mean) / prior.deviation;
+        (off.abs() > BELIEVABLE).then(|| {
+            format!(
+                "{} = {} {} is {:.0} standard deviations off what was believed of it: check the setup",
+                known.unknown.name,
+                significant(known.value(), 3),
+                known.unknown.unit,
+                off.abs()
+            )
+        })
+    };
+    known.iter().filter_map(of).collect()
 }
 
 /// What an experiment cannot tell, whatever the answer.

@@ -42,6 +42,13 @@ pub struct Rosenbrock<'m> {
     dense: Vec<Vec<f64>>,
 }
 
+/// Error, over what is admitted, from which on a step that another run has lent is halved, and the same of
+/// the memory as a share of its largest value.
+const POOR: f64 = 10.0;
+const POOR_MEMORY: f64 = 0.3;
+/// Such steps are not halved below this, s.
+const SMALLEST_LENT_STEP: f64 = 1e-5;
+/// Steps below this, s, lead nowhere.
 const SMALLEST_STEP: f64 = 1e-12;
 
 impl<'m> Rosenbrock<'m> {
@@ -173,6 +180,14 @@ impl<'m> Rosenbrock<'m> {
         ((sum / nq as f64).sqrt(), worst.1)
     }
 
+    /// Error of the memory in the last step, as a share of its largest value.
+    fn memory_error(&self) -> f64 {
+        let nq = self.rhs.len();
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+        let scale = largest(&self.state.z).max(largest(&self.trial.z)).max(f64::MIN_POSITIVE);
+        largest(&self.stages[self.tableau.stages() - 1][2 * nq..]) / scale
+    }
+
     /// Accepts the trial state of a step of size `h`.
     fn accept(&mut self, h: f64) {
         std::mem::swap(&mut self.start, &mut self.state);
@@ -218,7 +233,16 @@ impl Stepper for Rosenbrock<'_> {
             };
             let solved = self.solve_stages(h);
             let (error, node) = if solved { self.error() } else { (f64::INFINITY, 0) };
-            if self.control.fixed_step.is_some() {
+            if let Some(fixed) = self.control.fixed_step {
+                // A stop that is nearer than the step is a step of another run. Where that one had
+                // nothing to resolve and this one has, it is halved.
+                let is_lent = self.step < fixed || fixed > to_stop;
+                let is_good = || error <= POOR && self.memory_error() <= POOR_MEMORY;
+                if is_lent && h > SMALLEST_LENT_STEP && !is_good() {
+                    self.effort.rejected += 1;
+                    self.step = 0.5 * h;
+                    continue;
+                }
                 if !error.is_finite() {
                     return Err(IntegrateError::NotFinite { time, node });
                 }
@@ -237,6 +261,7 @@ impl Stepper for Rosenbrock<'_> {
             if h == to_stop {
                 self.state.time = stop;
                 self.next_stop += 1;
+                self.step = self.control.fixed_step.unwrap_or(self.step);
             }
             if self.control.fixed_step.is_none() {
                 self.step = self.next_step(h, error, rejected);

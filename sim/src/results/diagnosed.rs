@@ -17,6 +17,7 @@ use super::calibrated::EXPERIMENT;
 use super::folder::{self, Folder, MARK};
 use super::report::significant;
 use super::{Request, ResultsError};
+use crate::diagnose::plan::Prospect;
 use crate::diagnose::verdict::{Evidence, Gap};
 use crate::diagnose::{Diagnosis, Outcome};
 use crate::scenario::resolved::plain;
@@ -79,6 +80,19 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
         }
     }
     for (round, threshold) in diagnosis.thresholds.iter().enumerate() {
+        let _ = writeln!(out, "\nround {}: what the residual looks like, whatever its cause", round + 1);
+        for shape in diagnosis.shapes.iter().filter(|shape| shape.round == round + 1) {
+            let stands_out = if shape.score > shape.threshold { "  stands out" } else { "" };
+            let _ = writeln!(
+                out,
+                "  {:44}{:>8.2} of {:.2}{:>9.3} mm at {:>3.0} % of the amplitude{stands_out}",
+                shape.what,
+                shape.score,
+                shape.threshold,
+                shape.size_mm,
+                100.0 * shape.at_amplitude
+            );
+        }
         let _ = writeln!(out, "\nround {}: a score has to exceed {threshold:.2}", round + 1);
         let _ = writeln!(
             out,
@@ -108,5 +122,29 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
     for warning in &diagnosis.warnings {
         let _ = writeln!(out, "warning: {warning}");
     }
+    out
+}
+
+/// What a planned experiment could show, as a person reads it.
+pub fn plan_table(prospects: &[Prospect], releases: usize) -> String {
+    let mut out = format!(
+        "{releases} releases could show\n  {:22}{:24}{:>12}{:>14}  {:22}{:>10}\n",
+        "effect", "by its", "seen from", "named from", "nearest", "believed"
+    );
+    for prospect in prospects {
+        let number = |value: f64| if value.is_finite() { significant(value, 2) } else { "never".to_owned() };
+        let _ = writeln!(
+            out,
+            "  {:22}{:24}{:>12}{:>14}  {:22}{:>10} {}",
+            prospect.effect,
+            prospect.parameter,
+            number(prospect.seen_from),
+            number(prospect.told_apart_from),
+            prospect.nearest.as_deref().unwrap_or("-"),
+            prospect.largest_believed.map_or("-".to_owned(), |most| significant(most, 2)),
+            prospect.unit,
+        );
+    }
+    out += "seen and named: by 5 standard deviations, of small effects; believed: the largest strength one would expect\n";
     out
 }

@@ -1,34 +1,76 @@
 //! Blind bench of the diagnosis: experiments drawn by the twin, with one effect hidden in each or none,
 //! are diagnosed, and what is said is counted.
 //!
-//! `cargo run --release -p tests --bin blind_bench -- [FIRST SEED] [SETS OF EACH]`
+//! `cargo run --release -p tests --bin blind_bench -- [FIRST SEED] [SETS OF EACH] [SIZE] [KIND…]`; a size of
+//! 1 is what one would expect of a muscle, kinds are names of effects, or `nothing`. With
+//! `BLIND_BENCH_TELLS=1` it says what it is doing.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
-use models::model::Model;
-use sim::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
-use sim::diagnose::{Settings, Verdict, diagnose};
-use sim::forward::Run;
-use tests::twin::drawn::{Drawn, Plan};
-use tests::twin::hidden::Hidden;
+use models::effects::by_name;
+use sim::diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use tests::blind::problem;
+use tests::twin::drawn::Plan;
+use tests::twin::hidden::{self, Hidden};
 
 fn main() {
-    let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
-    let (first, sets) = (numbers.first().copied().unwrap_or(1), numbers.get(1).copied().unwrap_or(1));
-    for (name, hidden) in KINDS {
-        for seed in first..first + sets {
-            let drawn = Plan::usual(hidden).draw(seed);
-            let problem = problem(&drawn);
-            let begin = Instant::now();
-            match diagnose(&problem, &Settings::default(), &|_| ()) {
-                Ok(outcome) => report(name, seed, &outcome.diagnosis, begin.elapsed().as_secs_f64()),
-                Err(error) => println!("{name:18} {seed:4}  {error}"),
-            }
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let number = |k: usize| words.get(k).and_then(|word| word.parse::<f64>().ok());
+    let (first, sets) = (number(0).unwrap_or(1.0) as u64, number(1).unwrap_or(1.0) as u64);
+    let kinds = hidden::all(number(2).unwrap_or(1.0));
+    let is_asked = |name: &str| words.len() < 4 || words[3..].iter().any(|word| word == name);
+    let nothing = std::iter::once(("nothing", None));
+    let begin = Instant::now();
+    let mut tally = BTreeMap::new();
+    let is_told = std::env::var_os("BLIND_BENCH_TELLS").is_some();
+    let tell = |what: &str| {
+        if is_told {
+            eprintln!("{:8.1} s  {what}", begin.elapsed().as_secs_f64());
         }
+    };
+    for (name, hidden) in nothing.chain(kinds.map(|(name, hidden)| (name, Some(hidden)))) {
+        if !is_asked(name) {
+            continue;
+        }
+        for seed in first..first + sets {
+            let hidden: Vec<Hidden> = hidden.iter().cloned().collect();
+            let problem = problem(&Plan::usual(&hidden).draw(seed));
+            let begin = Instant::now();
+            let how = match diagnose(&problem, &Settings::default(), &tell) {
+                Ok(outcome) => {
+                    report(name, seed, &outcome.diagnosis, begin.elapsed().as_secs_f64());
+                    right(name, &outcome.diagnosis)
+                }
+                Err(error) => {
+                    println!("{name:18} {seed:4}  {error}");
+                    "failed"
+                }
+            };
+            *tally.entry(how).or_insert(0) += 1;
+        }
+    }
+    println!("{tally:?} in {:.0} s", begin.elapsed().as_secs_f64());
+}
+
+/// What the answer is worth.
+fn right(name: &str, diagnosis: &Diagnosis) -> &'static str {
+    let is_first = diagnosis.effects.first().is_some_and(|added| added.effect == name);
+    let is_member = diagnosis.members.iter().any(|member| member.effect == name);
+    let is_in_catalogue = by_name(name).is_some();
+    match diagnosis.verdict {
+        Verdict::NothingMissing if name == "nothing" => "nothing, and rightly",
+        Verdict::NothingMissing => "missed",
+        Verdict::Unknown if name != "nothing" && !is_in_catalogue => "unknown, and rightly",
+        Verdict::Unknown => "unknown, wrongly",
+        Verdict::Named if is_first && diagnosis.effects.len() == 1 => "named",
+        Verdict::Named | Verdict::Class if is_first => "first of several",
+        Verdict::Class if is_member => "in the class",
+        _ => "wrong name",
     }
 }
 
-fn report(name: &str, seed: u64, diagnosis: &sim::diagnose::Diagnosis, seconds: f64) {
+fn report(name: &str, seed: u64, diagnosis: &Diagnosis, seconds: f64) {
     let said: Vec<&str> = match diagnosis.verdict {
         Verdict::NothingMissing => vec!["nothing"],
         Verdict::Unknown => vec!["unknown"],
@@ -48,6 +90,15 @@ fn report(name: &str, seed: u64, diagnosis: &sim::diagnose::Diagnosis, seconds: 
         mean(|gap| gap.before, true),
         mean(|gap| gap.after, true),
     );
+    if let Some(separation) = &diagnosis.separating_experiment {
+        println!("      {}: {:.1} to {:.1}", separation.what, separation.distance_now, separation.distance);
+    }
+    for shape in diagnosis.shapes.iter().filter(|shape| shape.score > shape.threshold) {
+        println!(
+            "      round {}: {}: {:.2} of {:.2}, {:.3} mm at {:.2} of the amplitude",
+            shape.round, shape.what, shape.score, shape.threshold, shape.size_mm, shape.at_amplitude
+        );
+    }
     let mut evidence: Vec<_> = diagnosis.evidence.iter().filter(|evidence| evidence.round == 1).collect();
     evidence.sort_by(|a, b| b.score.total_cmp(&a.score));
     for evidence in evidence.iter().take(6) {
@@ -62,51 +113,4 @@ fn report(name: &str, seed: u64, diagnosis: &sim::diagnose::Diagnosis, seconds: 
             evidence.rejected.as_deref().unwrap_or("chosen"),
         );
     }
-}
-
-/// What is hidden, at sizes that stand out.
-const KINDS: &[(&str, &[Hidden])] = &[
-    ("nothing", &[]),
-    ("air_drag", &[Hidden::AirDrag { drag_coefficient: 1.1 }]),
-    ("braid_friction", &[Hidden::BraidFriction { moment: 2e-4 }]),
-    ("viscoelastic", &[Hidden::Viscoelastic { branch_stiffness: 0.1, relaxation_time: 0.2 }]),
-    ("cubic_stiffness", &[Hidden::CubicStiffness { coefficient: 5e-4 }]),
-    ("clamp_compliance", &[Hidden::ClampCompliance { compliance: 0.3 }]),
-    ("hysteresis", &[Hidden::Hysteresis { loss_factor: 0.03 }]),
-];
-
-/// The middle pressure and one release more are locked away.
-fn problem(drawn: &Drawn) -> Problem {
-    let pressures: Vec<f64> = drawn.releases.iter().filter_map(|drawn| drawn.release.pressure).collect();
-    let middle = {
-        let mut sorted = pressures.clone();
-        sorted.sort_by(f64::total_cmp);
-        sorted[sorted.len() / 2]
-    };
-    let last = drawn.releases.len() - 1;
-    let trial = |(k, drawn): (usize, &tests::twin::drawn::DrawnRelease)| {
-        let mut release = drawn.release.clone();
-        release.held_out = release.pressure == Some(middle) || k == last;
-        let duration = release.time.last().copied().unwrap_or(0.0);
-        let model = Model::new(&drawn.nominal).expect("the paper's muscle");
-        Trial { release, model, run: Run::release(duration, 100.0) }
-    };
-    let trials: Vec<Trial> = drawn.releases.iter().enumerate().map(trial).collect();
-    // A balance: to a per cent, level within.
-    let weighed = |path: &str| {
-        let model = &trials[0].model;
-        let mean = model.theta[model.index(path).expect("there")];
-        let prior = Some(Prior { mean, deviation: 0.01 * mean / 3f64.sqrt() });
-        Parameter { prior, ..Parameter::new(path, Scope::Shared) }
-    };
-    let parameters = vec![
-        Parameter::new("rod.bending_stiffness", Scope::PerPressure),
-        Parameter::new("effects.rayleigh_mass.alpha", Scope::Shared),
-        Parameter::new("effects.rayleigh_stiffness.beta", Scope::Shared),
-        weighed("rod.mass"),
-        weighed("effects.end_fitting.mass"),
-    ];
-    let nuisances =
-        Nuisances { release_instant: true, hold_angle: Some(0.25f64.to_radians()), offset: Some(2e-4) };
-    Problem { trials, parameters, nuisances }
 }

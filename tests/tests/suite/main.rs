@@ -1,6 +1,7 @@
 //! All suites in one binary.
 
 mod architecture;
+mod diagnosis;
 mod readme;
 mod dynamics {
     mod accuracy;

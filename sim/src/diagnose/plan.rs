@@ -1,0 +1,140 @@
+//! What an experiment that is not made yet could show: from which size on each effect of the catalogue is
+//! seen, and from which it is told from all others.
+//!
+//! Releases are simulated and looked at as if they had been recorded. With `s⊥` the trace of an effect of
+//! unit strength that the baseline cannot make, in units of the noise, the effect is seen from
+//! `5 / |s⊥|` on, and told from another from `5 / (|s⊥| √(1 − cos²))` on, with the angle between the two
+//! traces (`score.rs`). Both are of small effects, with white noise and a model that is right otherwise.
+
+use serde::Serialize;
+
+use super::candidate::{Candidate, candidates};
+use super::columns::{Column, columns, predictions};
+use super::planned::record;
+use super::score::{distance, gram};
+use super::section::{SHARED, USUAL_TILT, admit_tilt};
+use crate::calibrate::joint::Joint;
+use crate::calibrate::prediction::Slopes;
+use crate::calibrate::{CalibrateError, Nuisances, Parameter, Problem, Scope, Trial};
+use crate::experiment::release::{Point, Release, Track};
+use crate::scenario::Case;
+
+/// Standard deviations by which traces have to differ.
+const APART: f64 = 5.0;
+/// Standard error of the release instant in a recording, s: that of a camera at 100 Hz.
+const INSTANT: f64 = 2e-3;
+
+/// What a planned experiment says of one effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Prospect {
+    /// Its stable name.
+    pub effect: String,
+    /// The parameter that is its strength, and its SI unit.
+    pub parameter: String,
+    /// SI unit; empty if dimensionless.
+    pub unit: String,
+    /// Strength beyond which it is seen; infinite where the baseline can do all that it does.
+    pub seen_from: f64,
+    /// Strength beyond which it is told from every other effect.
+    pub told_apart_from: f64,
+    /// The effect that resembles it most.
+    pub nearest: Option<String>,
+    /// The largest strength that one would believe, where the catalogue says so.
+    pub largest_believed: Option<f64>,
+}
+
+/// What is unknown of releases that are planned as scenarios: EI at each pressure, and the losses that
+/// their models have. The tip is tracked, and markers at shares of the length.
+pub fn problem(cases: &[Case], noise: f64, markers: &[f64]) -> Problem {
+    let trials: Vec<Trial> = cases.iter().map(|case| trial(case, noise, markers)).collect();
+    let has = |path: &str| trials.iter().all(|trial| trial.model.index(path).is_ok());
+    let losses = SHARED.into_iter().filter(|path| has(path));
+    let mut parameters: Vec<Parameter> = losses.map(|path| Parameter::new(path, Scope::Shared)).collect();
+    let is_under_pressure = trials.iter().all(|trial| trial.release.pressure.is_some());
+    let scope = if is_under_pressure { Scope::PerPressure } else { Scope::Shared };
+    parameters.insert(0, Parameter::new("rod.bending_stiffness", scope));
+    let mut problem = Problem { trials, parameters, nuisances: Nuisances::default() };
+    admit_tilt(&mut problem, USUAL_TILT);
+    problem
+}
+
+fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
+    let time = case.run.samples.clone();
+    let track = |marker: String, at| Track { marker, at, position: vec![Some([0.0; 2]); time.len()], noise };
+    let on_body = markers.iter().map(|share| track(format!("at {share}"), Point::Along(*share)));
+    let release = Release {
+        name: case.name.clone(),
+        release_uncertainty: INSTANT,
+        tracks: std::iter::once(track("tip".to_owned(), Point::Tip)).chain(on_body).collect(),
+        pressure: case.pressure,
+        payload: 0.0,
+        held_out: false,
+        time,
+    };
+    Trial { release, model: case.model.clone(), run: case.run.clone() }
+}
+
+/// What the releases would show of each effect, the best visible first; `tell` hears what is being done.
+/// # Errors
+/// [`CalibrateError`] for releases that cannot be simulated.
+pub fn plan(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Prospect>, CalibrateError> {
+    let mut recorded = problem.clone();
+    if !record(&mut recorded, &[])? {
+        return Err(CalibrateError::NoFit { release: problem.trials[0].release.name.clone() });
+    }
+    let nothing = || CalibrateError::NoFit { release: problem.trials[0].release.name.clone() };
+    let fit = Joint::at(&recorded, &[], Slopes::Differences)?.ok_or_else(nothing)?;
+    let off = predictions(&fit).ok_or_else(nothing)?;
+    let candidates = candidates(&recorded, &[]);
+    let columns = columns(&fit, &off, &candidates, tell);
+    let gram = gram(&fit, &columns);
+    let traces: Vec<Trace> =
+        candidates.iter().enumerate().map(|(c, candidate)| Trace::of(candidate, c, &columns)).collect();
+    let seen = |trace: &Trace| distance(&gram, &trace.columns, &[], &trace.ones());
+    let mut best: Vec<(&Trace, f64)> = Vec::new();
+    for trace in &traces {
+        let size = seen(trace);
+        match best.iter_mut().find(|(other, _)| other.candidate.name() == trace.candidate.name()) {
+            Some(other) if size > other.1 => *other = (trace, size),
+            Some(_) => {}
+            None => best.push((trace, size)),
+        }
+    }
+    let prospect = |(trace, size): &(&Trace, f64)| {
+        let others = traces.iter().filter(|other| other.candidate.name() != trace.candidate.name());
+        let nearest = others
+            .map(|other| (other, distance(&gram, &trace.columns, &other.columns, &trace.ones())))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let (low, high) = trace.candidate.believed();
+        let off = trace.candidate.off;
+        Prospect {
+            effect: trace.candidate.name().to_owned(),
+            parameter: trace.candidate.strength.name.to_owned(),
+            unit: trace.candidate.strength.unit.to_owned(),
+            seen_from: APART / size,
+            told_apart_from: APART / nearest.as_ref().map_or(*size, |(_, apart)| *apart),
+            nearest: nearest.map(|(other, _)| other.candidate.name().to_owned()),
+            largest_believed: trace.candidate.strength.plausible.map(|_| (high - off).max(off - low)),
+        }
+    };
+    let mut prospects: Vec<Prospect> = best.iter().map(prospect).collect();
+    let share = |prospect: &Prospect| prospect.seen_from / prospect.largest_believed.unwrap_or(f64::INFINITY);
+    prospects.sort_by(|a, b| share(a).total_cmp(&share(b)));
+    Ok(prospects)
+}
+
+/// A candidate with its columns; where each release has its own, all are taken to be equal.
+struct Trace<'a> {
+    candidate: &'a Candidate,
+    columns: Vec<usize>,
+}
+
+impl<'a> Trace<'a> {
+    fn of(candidate: &'a Candidate, place: usize, columns: &[Column]) -> Self {
+        Self { candidate, columns: (0..columns.len()).filter(|k| columns[*k].of == place).collect() }
+    }
+
+    fn ones(&self) -> Vec<f64> {
+        vec![1.0; self.columns.len()]
+    }
+}

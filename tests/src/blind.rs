@@ -1,0 +1,49 @@
+//! Drawn experiments as a diagnosis meets them, which is not told what is hidden.
+
+use models::model::Model;
+use sim::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
+use sim::diagnose::admit_tilt;
+use sim::forward::Run;
+
+use crate::twin::drawn::{Drawn, DrawnRelease};
+
+/// What a diagnosis is given of a drawn experiment. The middle pressure and one release more are locked
+/// away.
+/// # Panics
+/// If the paper's muscle is no model.
+pub fn problem(drawn: &Drawn) -> Problem {
+    let pressures: Vec<f64> = drawn.releases.iter().filter_map(|drawn| drawn.release.pressure).collect();
+    let middle = {
+        let mut sorted = pressures.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted[sorted.len() / 2]
+    };
+    let last = drawn.releases.len() - 1;
+    let trial = |(k, drawn): (usize, &DrawnRelease)| {
+        let mut release = drawn.release.clone();
+        release.held_out = release.pressure == Some(middle) || k == last;
+        let duration = release.time.last().copied().unwrap_or(0.0);
+        let model = Model::new(&drawn.nominal).expect("the paper's muscle");
+        Trial { release, model, run: Run::release(duration, 100.0) }
+    };
+    let trials: Vec<Trial> = drawn.releases.iter().enumerate().map(trial).collect();
+    // A balance: to a per cent, level within.
+    let weighed = |path: &str| {
+        let model = &trials[0].model;
+        let mean = model.theta[model.index(path).expect("there")];
+        let prior = Some(Prior { mean, deviation: 0.01 * mean / 3f64.sqrt() });
+        Parameter { prior, ..Parameter::new(path, Scope::Shared) }
+    };
+    let parameters = vec![
+        Parameter::new("rod.bending_stiffness", Scope::PerPressure),
+        Parameter::new("effects.rayleigh_mass.alpha", Scope::Shared),
+        Parameter::new("effects.rayleigh_stiffness.beta", Scope::Shared),
+        weighed("rod.mass"),
+        weighed("effects.end_fitting.mass"),
+    ];
+    let nuisances =
+        Nuisances { release_instant: true, hold_angle: Some(0.25f64.to_radians()), offset: Some(2e-4) };
+    let mut problem = Problem { trials, parameters, nuisances };
+    admit_tilt(&mut problem, 0.2e-3);
+    problem
+}

@@ -1,0 +1,54 @@
+//! Goal: what is hidden in a drawn experiment is found, what is not there is not, and the repaired model
+//! meets the releases that were locked away.
+//! Setup: the twin, which shares no equation, mesh or integrator with the program; three pressures by two
+//! angles, 6 s, noise of 0.3 mm, losses, ghosts, setup off within its tolerances.
+//! Expected: the hidden effect first or in the class; gaps at the noise. `blind_bench` counts how often.
+
+use models::effects::CATALOGUE;
+use sim::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
+use tests::blind::problem;
+use tests::twin::drawn::Plan;
+use tests::twin::hidden::Hidden;
+
+fn diagnosed(hidden: &[Hidden], seed: u64, settings: &Settings) -> Outcome {
+    let usual = Plan::usual(hidden);
+    let plan = Plan { angles: usual.angles[..2].to_vec(), duration: 6.0, ..usual };
+    diagnose(&problem(&plan.draw(seed)), settings, &|_| ()).expect("it can be diagnosed")
+}
+
+fn worst_gap(diagnosis: &Diagnosis) -> f64 {
+    diagnosis.gap.iter().map(|gap| gap.after).fold(0.0, f64::max)
+}
+
+#[test]
+fn where_nothing_is_hidden_nothing_is_named() {
+    let found = diagnosed(&[], 901, &Settings::default()).diagnosis;
+    assert_eq!(found.verdict, Verdict::NothingMissing, "{} {:?}", found.summary, found.shapes);
+    assert!(found.effects.is_empty());
+    assert!(worst_gap(&found) < 1.1, "{:?}", found.gap);
+    assert_eq!(found.held_out.len(), 3);
+}
+
+#[test]
+fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
+    let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
+    let Outcome { diagnosis: found, repaired } = diagnosed(&[hidden], 902, &Settings::default());
+    assert!(matches!(found.verdict, Verdict::Named | Verdict::Class), "{}", found.summary);
+    let first = &found.effects[0];
+    assert_eq!(first.effect, "viscoelastic", "{}", found.summary);
+    assert!(worst_gap(&found) < 1.1, "{:?}", found.gap);
+    let locked = found.gap.iter().filter(|gap| gap.held_out).map(|gap| gap.before);
+    assert!(locked.fold(0.0, f64::max) > 1.5, "{:?}", found.gap);
+    assert!(repaired.trials.iter().all(|trial| trial.model.effect("viscoelastic").is_some()));
+}
+
+/// With nothing to choose from, what is hidden is described, and not called nothing.
+#[test]
+fn what_the_catalogue_does_not_hold_is_unknown() {
+    let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
+    let excluded = CATALOGUE.iter().map(|effect| effect.about().name.to_owned()).collect();
+    let found = diagnosed(&[hidden], 903, &Settings { excluded, ..Settings::default() }).diagnosis;
+    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
+    assert!(found.shapes.iter().any(|shape| shape.score > shape.threshold));
+    assert!(found.summary.contains("looks like"), "{}", found.summary);
+}
