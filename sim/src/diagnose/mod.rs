@@ -104,7 +104,8 @@ pub fn diagnose(
     if let (Some(before), Some(after)) = (&locked_before, locked_after) {
         diagnosis.gap.extend(gaps(before, after, true));
     }
-    if let Some(best) = added.iter().find(|best| !best.members.is_empty()) {
+    let ambiguous = added.iter().find(|best| !best.members.is_empty());
+    if let Some(best) = ambiguous.filter(|_| diagnosis.verdict != Verdict::Unknown) {
         diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
         let (nearest, other) = &best.members[0];
         let pair = [best.candidate.clone(), other.clone()];
