@@ -20,6 +20,18 @@ use super::{About, Flow, Kind, Law, Parameter, Place, Reach, Real, Separator};
 /// Quadratic drag of a cylinder across the flow.
 pub struct AirDrag;
 
+/// Density of the air.
+pub(super) const AIR_DENSITY: Parameter = Parameter {
+    name: "air_density",
+    meaning: "density of the air",
+    unit: "kg/m^3",
+    default: 1.2,
+    range: (0.0, 2000.0),
+    scale: 1.2,
+    off: Some(0.0),
+    ..Parameter::PLAIN
+};
+
 impl Law for AirDrag {
     const ABOUT: About = About {
         name: "air_drag",
@@ -40,16 +52,7 @@ impl Law for AirDrag {
                 plausible: Some((0.0, 3.0)),
                 ..Parameter::PLAIN
             },
-            Parameter {
-                name: "air_density",
-                meaning: "density of the air",
-                unit: "kg/m^3",
-                default: 1.2,
-                range: (0.0, 2000.0),
-                scale: 1.2,
-                off: Some(0.0),
-                ..Parameter::PLAIN
-            },
+            AIR_DENSITY,
         ],
         looks_like: "the first large swings lose more than the later ones: loss per cycle in proportion to amplitude",
         confounded_with: &["tip_drag", "rayleigh_mass"],

@@ -20,7 +20,7 @@
 //!           225; the straight envelope: Feeny and Liang (1996), J. Sound Vib. 195, 149; memory as in
 //!           Dahl (1976), AIAA J. 14, 1675, with |κ̇| made smooth.
 
-use super::memory::{BRISTLE, CREEP_RATE, friction, friction_energy};
+use super::memory::{BRISTLE, CREEP_RATE, FRICTION_MOMENT, friction, friction_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
 
 /// Coulomb's friction in every cross-section.
@@ -35,17 +35,7 @@ impl Law for BraidFriction {
         memory: true,
         timed: false,
         parameters: &[
-            Parameter {
-                name: "friction_moment",
-                meaning: "friction moment of a cross-section",
-                unit: "N m",
-                default: 5e-4,
-                range: (0.0, 100.0),
-                scale: 5e-4,
-                off: Some(0.0),
-                plausible: Some((0.0, 2e-3)),
-                ..Parameter::PLAIN
-            },
+            Parameter { meaning: "friction moment of a cross-section", ..FRICTION_MOMENT },
             CREEP_RATE,
         ],
         looks_like: "amplitude falls on a straight line to an early stop, away from the rest that weight alone would give",

@@ -20,7 +20,7 @@
 //! Source:   Slip damping at a clamped root: Goodman and Klumpp (1956), J. Appl. Mech. 23, 421; memory
 //!           as in Dahl (1976), AIAA J. 14, 1675, with |κ̇| made smooth.
 
-use super::memory::{BRISTLE, CREEP_RATE, friction, friction_energy};
+use super::memory::{BRISTLE, CREEP_RATE, FRICTION_MOMENT, friction, friction_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
 
 /// Moment at which a section slides, N m.
@@ -41,15 +41,11 @@ impl Law for ClampFriction {
         timed: false,
         parameters: &[
             Parameter {
-                name: "friction_moment",
                 meaning: "friction moment at the clamp",
-                unit: "N m",
                 default: 2e-3,
-                range: (0.0, 100.0),
                 scale: 2e-3,
-                off: Some(0.0),
                 plausible: Some((0.0, 5e-3)),
-                ..Parameter::PLAIN
+                ..FRICTION_MOMENT
             },
             Parameter {
                 name: "grip_length",

@@ -16,7 +16,7 @@
 //! Silent:   Rest; much less motion than κ_y only stiffens, EI + M_f / κ_y.
 //! Source:   Dahl (1976), AIAA J. 14, 1675, with exponent one and |κ̇| made smooth.
 
-use super::memory::{CREEP_RATE, friction, friction_energy};
+use super::memory::{CREEP_RATE, FRICTION_MOMENT, friction, friction_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
 
 /// Dahl's friction in every cross-section.
@@ -31,17 +31,7 @@ impl Law for Dahl {
         memory: true,
         timed: false,
         parameters: &[
-            Parameter {
-                name: "friction_moment",
-                meaning: "moment at which a cross-section slides",
-                unit: "N m",
-                default: 5e-4,
-                range: (0.0, 100.0),
-                scale: 5e-4,
-                off: Some(0.0),
-                plausible: Some((0.0, 2e-3)),
-                ..Parameter::PLAIN
-            },
+            FRICTION_MOMENT,
             Parameter {
                 name: "yield_curvature",
                 meaning: "curvature over which friction builds up",

@@ -17,6 +17,19 @@ pub(super) const CREEP_RATE: Parameter = Parameter {
     ..Parameter::PLAIN
 };
 
+/// Moment at which a cross-section slides.
+pub(super) const FRICTION_MOMENT: Parameter = Parameter {
+    name: "friction_moment",
+    meaning: "moment at which a cross-section slides",
+    unit: "N m",
+    default: 5e-4,
+    range: (0.0, 100.0),
+    scale: 5e-4,
+    off: Some(0.0),
+    plausible: Some((0.0, 2e-3)),
+    ..Parameter::PLAIN
+};
+
 /// Friction of a moment at which a section slides, N m: `M = M_f z`, `ż = (κ̇ − z √(κ̇² + κ̇₀²)) / κ_b`. The
 /// share z, between −1 and 1, builds up over the curvature `bristle`, 1/m; the step M_f sgn κ̇ itself changes
 /// its slope faster than an integrator can follow.
@@ -30,14 +43,14 @@ pub(super) fn friction_energy<T: Real>(at: &Bend<T>, sliding: T, bristle: T) -> 
     sliding * bristle * at.memory * at.memory * 0.5
 }
 
-/// A spring and a dashpot in series: `M = K (κ − z)`, `ż = (κ − z) / τ`; K in N m², τ in s.
-pub(super) fn maxwell<T: Real>(at: &Bend<T>, stiffness: T, time: T) -> Moment<T> {
+/// A spring and a dashpot in series: `M = g EI (κ − z)`, `ż = (κ − z) / τ`; g is `share`, τ the `time` in s.
+pub(super) fn maxwell<T: Real>(at: &Bend<T>, share: T, time: T) -> Moment<T> {
     let strain = at.kappa - at.memory;
-    Moment { moment: stiffness * strain, memory_rate: strain / time }
+    Moment { moment: share * at.rod.bending_stiffness * strain, memory_rate: strain / time }
 }
 
 /// Energy in that spring, J per metre of rod.
-pub(super) fn maxwell_energy<T: Real>(at: &Bend<T>, stiffness: T) -> T {
+pub(super) fn maxwell_energy<T: Real>(at: &Bend<T>, share: T) -> T {
     let strain = at.kappa - at.memory;
-    stiffness * strain * strain * 0.5
+    share * at.rod.bending_stiffness * strain * strain * 0.5
 }

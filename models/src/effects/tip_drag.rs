@@ -13,6 +13,7 @@
 //! Source:   Morison's drag term, Morison et al. (1950); coefficients of blunt bodies, 0.4 to 1.2 on
 //!           the frontal area: Hoerner (1965), Fluid-Dynamic Drag, ch. 3.
 
+use super::air_drag::AIR_DENSITY;
 use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Tip, TipLoad};
 
 /// Quadratic drag of a blunt body at the tip.
@@ -38,16 +39,7 @@ impl Law for TipDrag {
                 plausible: Some((0.0, 4e-3)),
                 ..Parameter::PLAIN
             },
-            Parameter {
-                name: "air_density",
-                meaning: "density of the air",
-                unit: "kg/m^3",
-                default: 1.2,
-                range: (0.0, 2000.0),
-                scale: 1.2,
-                off: Some(0.0),
-                ..Parameter::PLAIN
-            },
+            AIR_DENSITY,
         ],
         looks_like: "the first large swings lose more than the later ones: one over the amplitude grows on a straight line",
         confounded_with: &["air_drag", "strain_rate_cubed"],

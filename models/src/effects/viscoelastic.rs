@@ -59,10 +59,10 @@ impl Law for Viscoelastic {
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        maxwell(at, theta[0] * at.rod.bending_stiffness, theta[1])
+        maxwell(at, theta[0], theta[1])
     }
 
     fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        maxwell_energy(at, theta[0] * at.rod.bending_stiffness)
+        maxwell_energy(at, theta[0])
     }
 }
