@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::error::CalibrateError;
 use super::levenberg_marquardt::Solution;
-use super::objective::{Objective, View};
+use super::objective::{Objective, Seen, View};
 use super::part::whole;
 use super::prediction::Slopes;
 use super::problem::{Problem, Trial};
@@ -76,7 +76,11 @@ impl<'a> Joint<'a> {
         known: &[Known],
         tell: &dyn Fn(&str),
     ) -> Result<Option<Self>, CalibrateError> {
-        let Some(mut fit) = Self::at(problem, known, Slopes::Differences)? else { return Ok(None) };
+        let mut fit = match Self::at(problem, known, Slopes::Differences) {
+            Ok(fit) => fit,
+            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
+            Err(error) => return Err(error),
+        };
         refine(&fit.objective, &mut fit.found, false, tell);
         Ok(Some(fit))
     }
@@ -109,21 +113,33 @@ impl<'a> Joint<'a> {
     }
 
     /// What is known, as it is: unknowns that are among it are there, others at their start, and nothing
-    /// is fitted. None where the model cannot be run there.
+    /// is fitted.
     /// # Errors
-    /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn at(problem: &'a Problem, known: &[Known], slopes: Slopes) -> Result<Option<Self>, CalibrateError> {
+    /// [`CalibrateError`] for a problem that makes no sense, and where the model cannot be run there.
+    pub fn at(problem: &'a Problem, known: &[Known], slopes: Slopes) -> Result<Self, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
         let x = placed(&objective, known);
         let mut view = View::of_all(&objective);
-        let Some(seen) = objective.see(&x, &view, None) else { return Ok(None) };
+        let Some(seen) = objective.see(&x, &view, None) else { return Err(objective.refusal(&x)) };
         view.loss = seen.spreads().into_iter().map(super::loss::Huber::for_spread).collect();
         view.steps = Some(seen.steps);
         view.slopes = slopes;
-        let Some(at) = objective.evaluate(&x, &view, None) else { return Ok(None) };
+        let Some(at) = objective.evaluate(&x, &view, None) else { return Err(objective.refusal(&x)) };
         let found =
             Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
-        Ok(Some(Self { objective, found }))
+        Ok(Self { objective, found })
+    }
+
+    /// Residuals at what is known, with what they were measured by.
+    /// # Errors
+    /// As [`Joint::at`].
+    pub fn seen(problem: &'a Problem, known: &[Known]) -> Result<(Objective<'a>, Seen), CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let x = placed(&objective, known);
+        match objective.see(&x, &View::of_all(&objective), None) {
+            Some(seen) => Ok((objective, seen)),
+            None => Err(objective.refusal(&x)),
+        }
     }
 
     /// The name of a release, by its place in the problem.

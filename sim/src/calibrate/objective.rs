@@ -217,24 +217,42 @@ impl<'a> Objective<'a> {
                 series.slopes.clone_from(&lender.slopes);
             }
         }
-        let n = x.len();
-        let (mut gradient, mut hessian) = (DVector::zeros(n), DMatrix::zeros(n, n));
-        for (r, block) in seen.blocks.iter().enumerate() {
-            let locals = &self.part.locals[r];
-            let (own_gradient, own_hessian) = normal_equations_of(block, locals.len(), view.loss[r]);
-            for (a, local) in locals.iter().enumerate() {
-                gradient[local.unknown] += own_gradient[a];
-                for (b, other) in locals.iter().enumerate() {
-                    hessian[(local.unknown, other.unknown)] += own_hessian[(a, b)];
-                }
+        let (gradient, hessian) = self.normal_equations(&seen.blocks, x, &view.loss, 0);
+        let cost = self.cost(&seen, x, view);
+        Some(Evaluated { cost, gradient, hessian, carried: seen })
+    }
+
+    /// Gradient and `JᵀWJ`, priors included, of blocks whose slopes are by the unknowns of their release and
+    /// then by `columns` more that all releases share: those come behind the unknowns.
+    pub fn normal_equations(
+        &self,
+        blocks: &[Vec<Series>],
+        x: &DVector<f64>,
+        loss: &[Huber],
+        columns: usize,
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let size = x.len() + columns;
+        let (mut gradient, mut hessian) = (DVector::zeros(size), DMatrix::zeros(size, size));
+        for (r, block) in blocks.iter().enumerate() {
+            let places = self.places(r, columns);
+            let (own_gradient, own_hessian) = normal_equations_of(block, places.len(), loss[r]);
+            for (a, place) in places.iter().enumerate() {
+                gradient[*place] += own_gradient[a];
             }
+            add_at(&places, &own_hessian, &mut hessian);
         }
         for (k, residual, slope) in self.prior_residuals(x) {
             gradient[k] -= residual * slope;
             hessian[(k, k)] += slope * slope;
         }
-        let cost = self.cost(&seen, x, view);
-        Some(Evaluated { cost, gradient, hessian, carried: seen })
+        (gradient, hessian)
+    }
+
+    /// Where the slopes of a release belong: its unknowns among all, then `columns` behind those.
+    pub fn places(&self, release: usize, columns: usize) -> Vec<usize> {
+        let unknowns = self.part.unknowns.len();
+        let locals = self.part.locals[release].iter().map(|local| local.unknown);
+        locals.chain(unknowns..unknowns + columns).collect()
     }
 
     /// Of each prior: the unknown, mean minus value over the deviation, and how the value moves.
@@ -248,12 +266,17 @@ impl<'a> Objective<'a> {
     }
 }
 
+/// Adds a matrix of one release to that of all.
+pub(crate) fn add_at(places: &[usize], own: &DMatrix<f64>, all: &mut DMatrix<f64>) {
+    for (a, row) in places.iter().enumerate() {
+        for (b, column) in places.iter().enumerate() {
+            all[(*row, *column)] += own[(a, b)];
+        }
+    }
+}
+
 /// Gradient and `JᵀWJ` of one release by as many unknowns as its slopes have.
-pub(crate) fn normal_equations_of(
-    block: &[Series],
-    locals: usize,
-    loss: Huber,
-) -> (DVector<f64>, DMatrix<f64>) {
+fn normal_equations_of(block: &[Series], locals: usize, loss: Huber) -> (DVector<f64>, DMatrix<f64>) {
     let (mut gradient, mut hessian) = (DVector::zeros(locals), DMatrix::zeros(locals, locals));
     for series in block {
         for (residual, slopes) in series.residual.iter().zip(&series.slopes) {

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::autocorrelation::Autocovariance;
 use super::loss::Huber;
-use super::objective::{Objective, Series};
+use super::objective::{Objective, Series, add_at};
 use super::search::Found;
 
 /// What a fit knows of its scaled unknowns, and what its residuals look like.
@@ -49,40 +49,49 @@ const FLAT: f64 = 1e-10;
 const SHARE: f64 = 1e-3;
 
 pub(crate) fn uncertainty(objective: &Objective, found: &Found) -> Uncertainty {
-    let n = found.x.len();
     let hessian = &found.at.hessian;
     let (inverse, is_determined) = pseudo_inverse(hessian);
-    let mut spread = DMatrix::zeros(n, n);
-    let mut tracks = Vec::new();
-    for (r, block) in found.at.carried.blocks.iter().enumerate() {
-        let locals = &objective.part.locals[r];
-        let mut own = DMatrix::zeros(locals.len(), locals.len());
-        let mut of_release = Vec::new();
-        for (t, series) in block.iter().enumerate() {
-            let lost = locals.len() as f64 / block.len() as f64;
-            let measured = &objective.measured[r];
-            let grid: Vec<usize> = series.samples.iter().map(|k| measured.samples[*k]).collect();
-            of_release.push(add_series(series, &grid, found.view.loss[r], lost, measured.noise[t], &mut own));
-        }
-        tracks.push(of_release);
-        for (a, local) in locals.iter().enumerate() {
-            for (b, other) in locals.iter().enumerate() {
-                spread[(local.unknown, other.unknown)] += own[(a, b)];
-            }
-        }
-    }
-    for (k, unknown) in objective.part.unknowns.iter().enumerate() {
-        if let Some(prior) = unknown.prior {
-            spread[(k, k)] += (unknown.scaled.slope(found.x[k]) / prior.deviation).powi(2);
-        }
-    }
+    let blocks = &found.at.carried.blocks;
+    let lost = |r: usize| objective.part.locals[r].len() as f64 / blocks[r].len() as f64;
+    let (spread, tracks) = spread(objective, found, blocks, 0, &lost);
     let covariance = &inverse * spread * &inverse;
     Uncertainty { covariance, plain: inverse, is_determined, tracks }
 }
 
+/// Covariance of the gradient, as the residuals in `blocks` follow one another, and what they look like;
+/// `columns` as in [`Objective::normal_equations`]. `lost` are the degrees of freedom that each track of a
+/// release has given away.
+pub(crate) fn spread(
+    objective: &Objective,
+    found: &Found,
+    blocks: &[Vec<Series>],
+    columns: usize,
+    lost: &dyn Fn(usize) -> f64,
+) -> (DMatrix<f64>, Vec<Vec<TrackStatistics>>) {
+    let size = found.x.len() + columns;
+    let mut spread = DMatrix::zeros(size, size);
+    let mut tracks = Vec::new();
+    for (r, block) in blocks.iter().enumerate() {
+        let (places, measured) = (objective.places(r, columns), &objective.measured[r]);
+        let mut own = DMatrix::zeros(places.len(), places.len());
+        let mut of_release = Vec::new();
+        for (t, series) in block.iter().enumerate() {
+            let samples: Vec<usize> = series.samples.iter().map(|k| measured.samples[*k]).collect();
+            let (loss, noise) = (found.view.loss[r], measured.noise[t]);
+            of_release.push(add_series(series, &samples, loss, lost(r), noise, &mut own));
+        }
+        tracks.push(of_release);
+        add_at(&places, &own, &mut spread);
+    }
+    for (k, _, slope) in objective.prior_residuals(&found.x) {
+        spread[(k, k)] += slope * slope;
+    }
+    (spread, tracks)
+}
+
 /// Adds what one track's noise does to the gradient; says what its residuals look like. `samples` are
 /// their places in the recording, gaps included.
-pub(crate) fn add_series(
+fn add_series(
     series: &Series,
     samples: &[usize],
     loss: Huber,

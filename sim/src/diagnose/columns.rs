@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use crate::calibrate::Trial;
 use crate::calibrate::joint::Joint;
+use crate::calibrate::objective::Series;
 use crate::calibrate::prediction::{Prediction, predict};
 
 /// Derivatives of the predictions by one strength, in units of the noise, shape
@@ -90,17 +91,24 @@ fn movement(fit: &Joint, candidate: &Candidate, r: usize, off: &Prediction) -> O
 
 /// Derivatives by the strength in units of the noise.
 fn slopes(fit: &Joint, r: usize, step: f64, off: &Prediction, aside: &Prediction) -> Vec<Vec<[f64; 2]>> {
-    let measured = &fit.objective.measured[r];
-    let series = &fit.found.at.carried.blocks[r];
-    let of_track = |(t, series): (usize, &crate::calibrate::objective::Series)| {
-        let per = (step * measured.noise[t]).recip();
-        let difference = |k: &usize| {
-            let (aside, off) = (aside.position[t][*k], off.position[t][*k]);
-            [per * (aside[0] - off[0]), per * (aside[1] - off[1])]
-        };
-        series.samples.iter().map(difference).collect()
+    in_noise(fit, r, |t, k| {
+        let (aside, off) = (aside.position[t][k], off.position[t][k]);
+        [0, 1].map(|axis| (aside[axis] - off[axis]) / step)
+    })
+}
+
+/// Movements of the points of a release by track and place among its samples, m, in units of the noise
+/// where they are fitted.
+pub(super) fn in_noise(
+    fit: &Joint,
+    r: usize,
+    moved: impl Fn(usize, usize) -> [f64; 2],
+) -> Vec<Vec<[f64; 2]>> {
+    let of_track = |(t, series): (usize, &Series)| {
+        let per = fit.objective.measured[r].noise[t].recip();
+        series.samples.iter().map(|k| moved(t, *k).map(|moved| per * moved)).collect()
     };
-    series.iter().enumerate().map(of_track).collect()
+    fit.found.at.carried.blocks[r].iter().enumerate().map(of_track).collect()
 }
 
 /// The prediction of the `r`-th release by a trial, on the steps that are given, or else on those of the fit.

@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use serde::{Deserialize, Serialize};
 
-use super::columns::Column;
+use super::columns::{Column, in_noise};
 use super::score::{Subject, scores};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
@@ -152,27 +152,17 @@ fn of_family(fit: &Joint, off: &[Prediction], swings: &[Swing], of: usize, famil
             * hat(amplitude, part % HATS)
             * place(track.at, family.is_of_body)
     };
+    let moved = |part: usize, r: usize, t: usize, k: usize| {
+        let [x, z] = off[r].position[t][k];
+        let distance = x.hypot(z).max(f64::MIN_POSITIVE);
+        let direction = if family.is_radial { [x, z] } else { [-z, x] };
+        direction.map(|d| shape(part, r, t, k) * d / distance)
+    };
     (0..quarters * HATS)
         .map(|part| Column {
             of,
             part,
-            slopes: (0..members.len())
-                .map(|r| {
-                    let series = &fit.found.at.carried.blocks[r];
-                    let of_track = |(t, series): (usize, &crate::calibrate::objective::Series)| {
-                        let noise = fit.objective.measured[r].noise[t];
-                        let of_sample = |k: &usize| {
-                            let [x, z] = off[r].position[t][*k];
-                            let distance = x.hypot(z).max(f64::MIN_POSITIVE);
-                            let [along, across] = [[x, z], [-z, x]].map(|d| d.map(|d| d / distance));
-                            let size = shape(part, r, t, *k) / noise;
-                            (if family.is_radial { along } else { across }).map(|d| size * d)
-                        };
-                        series.samples.iter().map(of_sample).collect()
-                    };
-                    series.iter().enumerate().map(of_track).collect()
-                })
-                .collect(),
+            slopes: (0..members.len()).map(|r| in_noise(fit, r, |t, k| moved(part, r, t, k))).collect(),
         })
         .collect()
 }

@@ -1,11 +1,13 @@
 //! Diagnosis: where simulation and recordings disagree, which effect is missing, and what is left when it
 //! is added.
 //!
-//! A baseline is calibrated with the errors of mesh and step removed. Every candidate of the catalogue is
-//! scored at the value where it is off, orthogonally to all that the baseline may still adjust
-//! (`score.rs`). Those that promise most are fitted in full, and the one that explains most is added, unless
-//! others do as well: then the answer is a class. Releases that are locked away judge it. The search goes on
-//! with the larger model until nothing scores.
+//! A baseline is calibrated with the errors of mesh and step removed. The residual is asked for shapes before
+//! any name (`localise.rs`), and every candidate of the catalogue is scored at the value where it is off,
+//! orthogonally to all that the baseline may still adjust (`score.rs`). Those that promise most are fitted
+//! roughly, the best of them in full, and the one that explains most is added, unless others do as well: then
+//! the answer is a class, with the recording that would tell them apart (`planned.rs`). Releases that are
+//! locked away judge it. The search goes on with the larger model until nothing scores. Where a candidate or a
+//! shape stands out that no effect explains, the answer is that something unknown is missing.
 
 mod candidate;
 mod columns;
@@ -25,9 +27,9 @@ use crate::calibrate::{CalibrateError, Problem};
 pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
 
-use judge::{gaps, judge, judgement};
+use judge::{Judgement, gaps, judge, judgement};
 use planned::separation;
-use round::{Best, round};
+use round::{Best, Heard, round};
 use verdict::Added;
 
 /// How a diagnosis is made.
@@ -72,36 +74,34 @@ pub fn diagnose(
     let before = judgement(&baseline);
     let locked_before = judge(problem, &baseline.known(), tell)?;
     let (mut current, mut known) = (problem.clone(), baseline.known());
-    let mut added: Vec<Best> = Vec::new();
-    let mut after = judgement(&baseline);
+    let mut added: Vec<Box<Best>> = Vec::new();
     for number in 1..=settings.most_effects + 1 {
-        let larger = current.clone();
-        let followed = match number {
-            1 => None,
-            _ => Joint::follow(&larger, &known, &|_| ())?,
+        let followed = match added.is_empty() {
+            true => None,
+            false => Joint::follow(&current, &known, &|_| ())?,
         };
         let fit = followed.as_ref().unwrap_or(&baseline);
-        after = judgement(fit);
+        diagnosis.gap = gaps(&before, &judgement(fit), false);
         diagnosis.effects = added.iter().map(|best| Added::of(fit, &best.candidate)).collect();
-        let locked = added.last().map_or(locked_before.as_ref(), |best| best.judgement.as_ref());
-        let found = round(fit, &current, locked, number, settings, tell)?;
+        let found = round(fit, &current, locked_by(&added, &locked_before), number, settings, tell)?;
         diagnosis.thresholds.push(found.threshold);
         diagnosis.evidence.extend(found.evidence);
         let is_shaped = found.shapes.iter().any(|shape| shape.score > shape.threshold);
         diagnosis.shapes.extend(found.shapes);
-        let best = found.best.filter(|_| number <= settings.most_effects);
-        let Some(best) = best else {
-            if found.is_heard || is_shaped {
-                diagnosis.verdict = Verdict::Unknown;
+        match found.heard {
+            Heard::Effect(best) if number <= settings.most_effects => {
+                drop(followed);
+                (current, known) = (best.refit.problem.clone(), best.refit.known.clone());
+                added.push(best);
             }
-            break;
-        };
-        (current, known) = (best.refit.problem.clone(), best.refit.known.clone());
-        added.push(best);
+            Heard::Nothing if !is_shaped => break,
+            _ => {
+                diagnosis.verdict = Verdict::Unknown;
+                break;
+            }
+        }
     }
-    diagnosis.gap = gaps(&before, &after, false);
-    let locked_after = added.last().map_or(locked_before.as_ref(), |best| best.judgement.as_ref());
-    if let (Some(before), Some(after)) = (&locked_before, locked_after) {
+    if let (Some(before), Some(after)) = (&locked_before, locked_by(&added, &locked_before)) {
         diagnosis.gap.extend(gaps(before, after, true));
     }
     let ambiguous = added.iter().find(|best| !best.members.is_empty());
@@ -112,7 +112,7 @@ pub fn diagnose(
         let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
         tell("which recording would tell them apart");
         diagnosis.separating_experiment =
-            separation(problem, &known, &pair, strength, best.widening, nearest.distance)?;
+            separation(problem, &known, &pair, strength, best.widening, nearest.distance);
     }
     if diagnosis.verdict != Verdict::Unknown && !added.is_empty() {
         diagnosis.verdict = if diagnosis.members.is_empty() { Verdict::Named } else { Verdict::Class };
@@ -122,6 +122,11 @@ pub fn diagnose(
     set(&mut current, &known);
     diagnosis.summary = words::summary(&diagnosis);
     Ok(Outcome { diagnosis, repaired: current })
+}
+
+/// How the model with all that was added meets what was locked away.
+fn locked_by<'a>(added: &'a [Box<Best>], before: &'a Option<Judgement>) -> Option<&'a Judgement> {
+    added.last().map_or(before.as_ref(), |best| best.judgement.as_ref())
 }
 
 /// Puts what was found into the models.

@@ -79,12 +79,9 @@ fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
 /// [`CalibrateError`] for releases that cannot be simulated.
 pub fn plan(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Prospect>, CalibrateError> {
     let mut recorded = problem.clone();
-    if !record(&mut recorded, &[])? {
-        return Err(CalibrateError::NoFit { release: problem.trials[0].release.name.clone() });
-    }
-    let nothing = || CalibrateError::NoFit { release: problem.trials[0].release.name.clone() };
-    let fit = Joint::at(&recorded, &[], Slopes::Differences)?.ok_or_else(nothing)?;
-    let off = predictions(&fit).ok_or_else(nothing)?;
+    record(&mut recorded, &[])?;
+    let fit = Joint::at(&recorded, &[], Slopes::Differences)?;
+    let off = predictions(&fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let candidates = candidates(&recorded, &[]);
     let columns = columns(&fit, &off, &candidates, tell);
     let gram = gram(&fit, &columns);

@@ -92,8 +92,6 @@ impl Extra {
 /// The experiment that tells two effects apart best, of those that could be made: `strengths` are those of
 /// the first, `widening` the variance of the noise over that of white noise, `now` the distance in the
 /// experiment at hand.
-/// # Errors
-/// [`CalibrateError`] for a problem that makes no sense.
 pub(super) fn separation(
     problem: &Problem,
     known: &[Known],
@@ -101,16 +99,17 @@ pub(super) fn separation(
     strength: f64,
     widening: f64,
     now: f64,
-) -> Result<Option<Separation>, CalibrateError> {
+) -> Option<Separation> {
     let fitted: Vec<Trial> = problem.trials.iter().filter(|trial| !trial.release.held_out).cloned().collect();
     let mut best: Option<Separation> = None;
     for extra in Extra::ALL {
         let Some(trials) = extra.made(&fitted) else { continue };
         let mut planned = Problem { trials, ..problem.clone() };
-        if !record(&mut planned, known)? {
+        // What cannot be run, nobody will record.
+        if record(&mut planned, known).is_err() {
             continue;
         }
-        let Some(fit) = Joint::at(&planned, known, Slopes::Variational)? else { continue };
+        let Ok(fit) = Joint::at(&planned, known, Slopes::Variational) else { continue };
         let Some(off) = predictions(&fit) else { continue };
         let columns = columns(&fit, &off, pair, &|_| ());
         let of = |c: usize| (0..columns.len()).filter(|k| columns[*k].of == c).collect::<Vec<_>>();
@@ -121,16 +120,18 @@ pub(super) fn separation(
             best = Some(Separation { what: extra.words().to_owned(), distance, distance_now: now });
         }
     }
-    Ok(best.filter(|best| best.distance > now))
+    best.filter(|best| best.distance > now)
 }
 
-/// Fills the tracks with what is predicted at what is known; whether it can be run.
-pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<bool, CalibrateError> {
+/// Fills the tracks with what is predicted at what is known.
+/// # Errors
+/// [`CalibrateError`] for a problem that makes no sense or that cannot be simulated.
+pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<(), CalibrateError> {
     let blank = planned.clone();
-    let Some(fit) = Joint::at(&blank, known, Slopes::Variational)? else { return Ok(false) };
+    let (objective, seen) = Joint::seen(&blank, known)?;
     for (r, trial) in planned.trials.iter_mut().enumerate() {
-        let measured = &fit.objective.measured[r];
-        for (t, series) in fit.found.at.carried.blocks[r].iter().enumerate() {
+        let measured = &objective.measured[r];
+        for (t, series) in seen.blocks[r].iter().enumerate() {
             let noise = measured.noise[t];
             for (k, residual) in series.samples.iter().zip(&series.residual) {
                 // What was put there is zero.
@@ -139,5 +140,5 @@ pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<bool, Cal
             }
         }
     }
-    Ok(true)
+    Ok(())
 }

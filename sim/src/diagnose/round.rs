@@ -21,10 +21,18 @@ pub(super) struct Round {
     pub evidence: Vec<Evidence>,
     /// What the residual looks like, whatever its cause.
     pub shapes: Vec<Shape>,
-    /// Whether a candidate scores.
-    pub is_heard: bool,
-    /// The best, fitted; none where nothing scored.
-    pub best: Option<Best>,
+    /// What speaks in the residual.
+    pub heard: Heard,
+}
+
+/// What speaks in the residual.
+pub(super) enum Heard {
+    /// No candidate.
+    Nothing,
+    /// A candidate scores, and none of them can be the answer.
+    Stranger,
+    /// An effect of the catalogue.
+    Effect(Box<Best>),
 }
 
 /// The effect that explains most, and those that explain as much.
@@ -63,167 +71,210 @@ pub(super) fn round(
     settings: &Settings,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Round, CalibrateError> {
-    let Some(off) = predictions(fit) else {
-        let nothing = Round {
-            threshold: f64::INFINITY,
-            evidence: Vec::new(),
-            shapes: Vec::new(),
-            is_heard: false,
-            best: None,
-        };
-        return Ok(nothing);
-    };
+    let off = predictions(fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let shapes = shapes(fit, &off, number, RARER * settings.false_alarm);
     let candidates = candidates(problem, &settings.excluded);
     let columns = columns(fit, &off, &candidates, &|name| tell(&format!("round {number}: score of {name}")));
     let subjects: Vec<Subject> = candidates.iter().map(Candidate::subject).collect();
     let scores = scores(fit, &subjects, &columns, settings.false_alarm);
-    let order = best_tries(&candidates, &scores);
-    let mut evidence: Vec<Evidence> =
-        order.iter().map(|c| evidence(number, &candidates[*c], &scores.each[*c])).collect();
-    let is_heard = order.iter().any(|c| scores.each[*c].size > scores.threshold);
-    let of = |evidence, best| Ok(Round { threshold: scores.threshold, evidence, shapes, is_heard, best });
-    let reject = |evidence: &mut Evidence, why: &str| {
-        if evidence.rejected.is_none() {
-            evidence.rejected = Some(why.to_owned());
-        }
+    let mut entries = best_tries(candidates, &scores);
+    let heard = if entries.iter().any(|entry| entry.score.size > scores.threshold) {
+        let (shortlist, others) = shortlist(&mut entries);
+        others.iter_mut().for_each(|entry| entry.reject("it promises less than others"));
+        let tell = |what: &str| tell(&format!("round {number}: {what}"));
+        fit_all(shortlist, problem, fit, scores.widening, &tell)?;
+        choose(shortlist, problem, fit, &scores, before, &tell)?
+    } else {
+        entries.iter_mut().for_each(|entry| entry.reject("its score is within what noise gives"));
+        Heard::Nothing
     };
-    if !is_heard {
-        evidence.iter_mut().for_each(|evidence| reject(evidence, "its score is within what noise gives"));
-        return of(evidence, None);
-    }
-    let most = order.iter().map(|c| scores.each[*c].decrease).fold(0.0, f64::max);
-    let is_worth = |k: &usize| {
-        let score = &scores.each[order[*k]];
-        score.is_admissible && score.decrease >= WORTH_FITTING * most
-    };
-    let shortlist: Vec<usize> = (0..order.len()).filter(is_worth).take(SHORTLIST).collect();
-    let roughs: Vec<Option<Rough>> = shortlist
-        .par_iter()
-        .map(|k| {
-            let c = order[*k];
-            tell(&format!("round {number}: fit of {}", candidates[c].name()));
-            rough(problem, &candidates[c], scores.each[c].estimate, fit)
-        })
-        .collect::<Result<_, _>>()?;
-    let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
-    let room = (NEAR * (fit.cost() - least)).max(5.0 * LEAD * scores.widening);
-    let fitted: Vec<Option<Refit>> = shortlist
-        .par_iter()
-        .zip(&roughs)
-        .map(|(k, rough)| match rough {
-            Some(rough) if rough.cost < least + room => refit(rough, &candidates[order[*k]]),
-            _ => Ok(None),
-        })
-        .collect::<Result<_, _>>()?;
-    let cheapest = (0..shortlist.len())
-        .filter_map(|place| Some((place, fitted[place].as_ref()?.cost)))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((lead, _)) = cheapest else {
-        for k in shortlist {
-            evidence[k].rejected = Some("a model with it cannot be run".to_owned());
-        }
-        evidence.iter_mut().for_each(|evidence| reject(evidence, "it promises less than others"));
-        return of(evidence, None);
-    };
-    let best = fitted[lead].clone().expect("it was fitted");
-    // The null may have a better minimum where the effect has led.
-    let again = Joint::follow(problem, &best.known, &|_| ())?;
-    let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
-    let decrease = |refit: &Refit| 2.0 * (null - refit.cost) / scores.widening;
-    let best_decrease = decrease(&best);
-    let chosen = order[shortlist[lead]];
-    let mut members = Vec::new();
-    for (place, (k, refit)) in shortlist.iter().zip(&fitted).enumerate() {
-        let (candidate, evidence) = (&candidates[order[*k]], &mut evidence[*k]);
-        let Some(refit) = refit else {
-            let why = match &roughs[place] {
-                None => "a model with it cannot be run".to_owned(),
-                Some(rough) => {
-                    let behind = 2.0 * (rough.cost - least) / scores.widening;
-                    format!("it explains {behind:.0} less of χ² than {}", candidates[chosen].name())
-                }
-            };
-            evidence.rejected = Some(why);
-            continue;
+    let evidence = entries.iter().map(|entry| entry.evidence(number)).collect();
+    Ok(Round { threshold: scores.threshold, evidence, shapes, heard })
+}
+
+/// An effect on its way through a round.
+struct Entry {
+    candidate: Candidate,
+    score: Score,
+    /// Cost near its fit.
+    rough: Option<f64>,
+    refit: Option<Refit>,
+    /// Decrease of χ² when fitted.
+    realised: Option<f64>,
+    held_out: Option<f64>,
+    rejected: Option<String>,
+}
+
+impl Entry {
+    fn new(candidate: Candidate, score: Score) -> Self {
+        let mut entry = Self {
+            candidate,
+            score,
+            rough: None,
+            refit: None,
+            realised: None,
+            held_out: None,
+            rejected: None,
         };
-        evidence.realised_decrease = Some(decrease(refit));
-        if let Some(value) = refit.values.first() {
-            evidence.strength = value.value;
+        if entry.score.columns.is_empty() {
+            entry.reject("the model can do all that it does, or cannot be run with it");
+        } else if !entry.score.is_admissible {
+            entry.reject("it would need the wrong sign");
         }
-        if place == lead {
-            continue;
+        entry
+    }
+
+    /// Says why it is not the answer; the first reason stands.
+    fn reject(&mut self, why: impl Into<String>) {
+        self.rejected.get_or_insert_with(|| why.into());
+    }
+
+    fn falls_behind(&mut self, by: f64, leader: &str) {
+        self.reject(format!("it explains {by:.0} less of χ² than {leader}"));
+    }
+
+    /// What the fit found of its strength.
+    fn strength(&self) -> Option<f64> {
+        Some(self.refit.as_ref()?.values.first()?.value)
+    }
+
+    fn evidence(&self, round: usize) -> Evidence {
+        let tried = self.candidate.tried.iter();
+        Evidence {
+            round,
+            effect: self.candidate.name().to_owned(),
+            tried: tried.map(|(parameter, value)| (parameter.name.to_owned(), *value)).collect(),
+            score: self.score.size,
+            predicted_decrease: self.score.decrease,
+            realised_decrease: self.realised,
+            strength: self.strength().unwrap_or(self.score.estimate),
+            held_out_decrease: self.held_out,
+            rejected: self.rejected.clone(),
         }
-        let behind = best_decrease - decrease(refit);
-        if refit.values.first().is_none_or(|value| value.value == candidate.off) {
-            evidence.rejected = Some("fitted in full it vanishes".to_owned());
-        } else if behind >= LEAD {
-            evidence.rejected =
-                Some(format!("it explains {behind:.0} less of χ² than {}", candidates[chosen].name()));
-        } else {
-            let (own, other) = (&scores.each[chosen], &scores.each[order[*k]]);
-            let strengths = match best.values.first() {
-                Some(value) if own.columns.len() == 1 => vec![value.value - candidates[chosen].off],
-                _ => own.estimates.clone(),
-            };
-            let distance = distance(&scores.gram, &own.columns, &other.columns, &strengths);
-            let distance = distance / scores.widening.sqrt();
-            let effect = candidate.name().to_owned();
-            members.push((Member { effect, behind, distance }, candidate.clone()));
-        }
     }
-    members.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
-    for (_, evidence) in evidence.iter_mut().enumerate().filter(|(k, _)| !shortlist.contains(k)) {
-        reject(evidence, "it promises less than others");
-    }
-    let lead = &mut evidence[shortlist[lead]];
-    let noise = scores.threshold.powi(2);
-    if best_decrease < noise {
-        lead.rejected =
-            Some(format!("fitted in full it explains {best_decrease:.1} of χ², and noise {noise:.1}"));
-        let mut quiet = of(evidence, None)?;
-        quiet.is_heard = false;
-        return Ok(quiet);
-    }
-    let judgement = judge(&best.problem, &best.known, tell)?;
-    let held_out = match (before, &judgement) {
-        (Some(before), Some(after)) => Some(2.0 * (before.cost - after.cost) / scores.widening),
-        _ => None,
-    };
-    lead.held_out_decrease = held_out;
-    if held_out.is_some_and(|decrease| decrease < -WORSE) {
-        lead.rejected = Some("what was locked away is worse off with it".to_owned());
-        return of(evidence, None);
-    }
-    let candidate = candidates[chosen].clone();
-    let widening = scores.widening;
-    of(evidence, Some(Best { candidate, refit: best, judgement, widening, members }))
 }
 
 /// Of each effect the try that promises most, largest score first.
-fn best_tries(candidates: &[Candidate], scores: &Scores) -> Vec<usize> {
-    let mut order: Vec<usize> = Vec::new();
-    for c in 0..candidates.len() {
-        match order.iter_mut().find(|other| candidates[**other].name() == candidates[c].name()) {
-            Some(other) if scores.each[c].size > scores.each[*other].size => *other = c,
+fn best_tries(candidates: Vec<Candidate>, scores: &Scores) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for (candidate, score) in candidates.into_iter().zip(&scores.each) {
+        let entry = Entry::new(candidate, score.clone());
+        match entries.iter_mut().find(|other| other.candidate.name() == entry.candidate.name()) {
+            Some(other) if entry.score.size > other.score.size => *other = entry,
             Some(_) => {}
-            None => order.push(c),
+            None => entries.push(entry),
         }
     }
-    order.sort_by(|a, b| scores.each[*b].size.total_cmp(&scores.each[*a].size));
-    order
+    entries.sort_by(|a, b| b.score.size.total_cmp(&a.score.size));
+    entries
 }
 
-fn evidence(round: usize, candidate: &Candidate, score: &Score) -> Evidence {
-    Evidence {
-        round,
-        effect: candidate.name().to_owned(),
-        tried: candidate.tried.iter().map(|(parameter, value)| (parameter.name.to_owned(), *value)).collect(),
-        score: score.size,
-        predicted_decrease: score.decrease,
-        realised_decrease: None,
-        strength: score.estimate,
-        held_out_decrease: None,
-        rejected: (!score.is_admissible).then(|| "it would need the wrong sign".to_owned()),
+/// Those that are worth a fit, and the others.
+fn shortlist(entries: &mut [Entry]) -> (&mut [Entry], &mut [Entry]) {
+    let most = entries.iter().map(|entry| entry.score.decrease).fold(0.0, f64::max);
+    let is_worth = |entry: &Entry| entry.rejected.is_none() && entry.score.decrease >= WORTH_FITTING * most;
+    entries.sort_by_key(|entry| !is_worth(entry));
+    let count = entries.iter().filter(|entry| is_worth(entry)).count();
+    entries.split_at_mut(count.min(SHORTLIST))
+}
+
+/// Fits all roughly, and in full those that come near the best.
+fn fit_all(
+    shortlist: &mut [Entry],
+    problem: &Problem,
+    fit: &Joint,
+    widening: f64,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<(), CalibrateError> {
+    let of_entry = |entry: &mut Entry| {
+        tell(&format!("fit of {}", entry.candidate.name()));
+        let rough = rough(problem, &entry.candidate, entry.score.estimate, fit)?;
+        match &rough {
+            Some(rough) => entry.rough = Some(rough.cost),
+            None => entry.reject("a model with it cannot be run"),
+        }
+        Ok(rough)
+    };
+    let roughs: Vec<Option<Rough>> =
+        shortlist.par_iter_mut().map(of_entry).collect::<Result<_, CalibrateError>>()?;
+    let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
+    let room = (NEAR * (fit.cost() - least)).max(5.0 * LEAD * widening);
+    shortlist.par_iter_mut().zip(&roughs).try_for_each(|(entry, rough)| {
+        if let Some(rough) = rough.as_ref().filter(|rough| rough.cost < least + room) {
+            entry.refit = refit(rough, &entry.candidate)?;
+            if entry.refit.is_none() {
+                entry.reject("a model with it cannot be run");
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Takes the one that fits best, and those that fit as well, if that is more than noise would give and what
+/// was locked away does not speak against it.
+fn choose(
+    shortlist: &mut [Entry],
+    problem: &Problem,
+    fit: &Joint,
+    scores: &Scores,
+    before: Option<&Judgement>,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Heard, CalibrateError> {
+    let cost = |entry: &Entry| entry.refit.as_ref().map_or(f64::INFINITY, |refit| refit.cost);
+    shortlist.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let Some((lead, others)) = shortlist.split_first_mut() else { return Ok(Heard::Stranger) };
+    let Some(refit) = lead.refit.clone() else { return Ok(Heard::Stranger) };
+    // The null may have a better minimum where the effect has led.
+    let again = Joint::follow(problem, &refit.known, &|_| ())?;
+    let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
+    let decrease = |cost: f64| 2.0 * (null - cost) / scores.widening;
+    let most = decrease(refit.cost);
+    lead.realised = Some(most);
+    let least = others.iter().filter_map(|other| other.rough).chain(lead.rough).fold(f64::INFINITY, f64::min);
+    let mut members = Vec::new();
+    for other in others {
+        let Some(cost) = other.refit.as_ref().map(|refit| refit.cost) else {
+            let behind = other.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - least) / scores.widening);
+            other.falls_behind(behind, lead.candidate.name());
+            continue;
+        };
+        other.realised = Some(decrease(cost));
+        let behind = most - decrease(cost);
+        if other.strength().is_none_or(|strength| strength == other.candidate.off) {
+            other.reject("fitted in full it vanishes");
+        } else if behind >= LEAD {
+            other.falls_behind(behind, lead.candidate.name());
+        } else {
+            let effect = other.candidate.name().to_owned();
+            let member = Member { effect, behind, distance: apart(lead, other, scores) };
+            members.push((member, other.candidate.clone()));
+        }
     }
+    members.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+    let noise = scores.threshold.powi(2);
+    if most < noise {
+        lead.reject(format!("fitted in full it explains {most:.1} of χ², and noise {noise:.1}"));
+        return Ok(Heard::Nothing);
+    }
+    let judgement = judge(&refit.problem, &refit.known, tell)?;
+    lead.held_out = match (before, &judgement) {
+        (Some(before), Some(after)) => Some(2.0 * (before.cost - after.cost) / scores.widening),
+        _ => None,
+    };
+    if lead.held_out.is_some_and(|decrease| decrease < -WORSE) {
+        lead.reject("what was locked away is worse off with it");
+        return Ok(Heard::Stranger);
+    }
+    let (candidate, widening) = (lead.candidate.clone(), scores.widening);
+    Ok(Heard::Effect(Box::new(Best { candidate, refit, judgement, widening, members })))
+}
+
+/// Distance of two traces at the strength of the first, standard deviations of the noise as it is.
+fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
+    let strengths = match first.strength() {
+        Some(strength) if first.score.columns.len() == 1 => vec![strength - first.candidate.off],
+        _ => first.score.estimates.clone(),
+    };
+    let distance = distance(&scores.gram, &first.score.columns, &second.score.columns, &strengths);
+    distance / scores.widening.sqrt()
 }

@@ -17,8 +17,8 @@ use rand_xoshiro::rand_core::SeedableRng;
 
 use super::columns::Column;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::objective::{Series, normal_equations_of};
-use crate::calibrate::uncertainty::{add_series, pseudo_inverse};
+use crate::calibrate::objective::Series;
+use crate::calibrate::uncertainty::{pseudo_inverse, spread};
 use crate::normal::normal;
 
 /// What is scored: one way to move the predictions, or several that belong together.
@@ -81,36 +81,25 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
         return Scores { each, threshold: 0.0, gram: DMatrix::zeros(0, 0), widening: 1.0 };
     }
     let extended = extended(fit, columns);
-    let (gradient, hessian) = normal_equations(fit, &extended, n, m);
+    let (gradient, hessian) = normal_equations(fit, &extended, m);
     // What is left when the fit and all candidates have had their way.
     let whole = &pseudo_inverse(&hessian).0 * &gradient;
-    let mut spread = DMatrix::zeros(n + m, n + m);
-    for (r, block) in extended.iter().enumerate() {
-        let locals = &fit.objective.part.locals[r];
-        let place = |k: usize| if k < locals.len() { locals[k].unknown } else { n + k - locals.len() };
-        let width = locals.len() + m;
-        let mut own = DMatrix::<f64>::zeros(width, width);
-        for (t, series) in block.iter().enumerate() {
-            let mut left = series.clone();
-            for (residual, slopes) in left.residual.iter_mut().zip(&series.slopes) {
-                for (k, slope) in slopes.iter().enumerate() {
-                    let step = whole[place(k)];
+    let mut left = extended;
+    for (r, block) in left.iter_mut().enumerate() {
+        let places = fit.objective.places(r, m);
+        for series in block {
+            for (residual, slopes) in series.residual.iter_mut().zip(&series.slopes) {
+                for (place, slope) in places.iter().zip(slopes) {
+                    let step = whole[*place];
                     residual[0] += step * slope[0];
                     residual[1] += step * slope[1];
                 }
             }
-            let measured = &fit.objective.measured[r];
-            let samples: Vec<usize> = left.samples.iter().map(|k| measured.samples[*k]).collect();
-            let lost = width as f64 / (block.len() * extended.len()) as f64;
-            add_series(&left, &samples, fit.found.view.loss[r], lost, measured.noise[t], &mut own);
-        }
-        for a in 0..width {
-            for b in 0..width {
-                spread[(place(a), place(b))] += own[(a, b)];
-            }
         }
     }
-    add_priors(fit, &mut spread);
+    let lost =
+        |r: usize| (fit.objective.part.locals[r].len() + m) as f64 / (left[r].len() * left.len()) as f64;
+    let (spread, _) = spread(&fit.objective, &fit.found, &left, m, &lost);
     let (to_own, gram) = orthogonal(&hessian, n);
     let pull = -(gradient.rows(n, m) - to_own.transpose() * gradient.rows(0, n));
     // U = [−Aᵀ 1] g
@@ -136,7 +125,7 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
 /// `s⊥ᵀ s⊥` of columns at a fit, all else being free.
 pub(super) fn gram(fit: &Joint, columns: &[Column]) -> DMatrix<f64> {
     let n = fit.found.x.len();
-    let (_, hessian) = normal_equations(fit, &extended(fit, columns), n, columns.len());
+    let (_, hessian) = normal_equations(fit, &extended(fit, columns), columns.len());
     orthogonal(&hessian, n).1
 }
 
@@ -153,11 +142,10 @@ fn orthogonal(hessian: &DMatrix<f64>, n: usize) -> (DMatrix<f64>, DMatrix<f64>) 
 /// the second does what it can; standard deviations of white noise. With one column each it is
 /// `|s⊥| θ √(1 − cos²)`.
 pub(super) fn distance(gram: &DMatrix<f64>, first: &[usize], second: &[usize], strengths: &[f64]) -> f64 {
-    let pick = |a: &[usize], b: &[usize]| DMatrix::from_fn(a.len(), b.len(), |i, j| gram[(a[i], b[j])]);
-    let mut left = pick(first, first);
+    let mut left = pick(gram, first, first);
     if !second.is_empty() {
-        let cross = pick(first, second);
-        left -= &cross * pseudo_inverse(&pick(second, second)).0 * cross.transpose();
+        let cross = pick(gram, first, second);
+        left -= &cross * pseudo_inverse(&pick(gram, second, second)).0 * cross.transpose();
     }
     let strengths = DVector::from_column_slice(strengths);
     strengths.dot(&(left * &strengths)).max(0.0).sqrt()
@@ -176,32 +164,14 @@ fn extended(fit: &Joint, columns: &[Column]) -> Vec<Vec<Series>> {
     blocks
 }
 
-/// `−Jᵀr` and `JᵀJ` with the robust loss's weights, unknowns first, columns behind them; priors included.
-fn normal_equations(fit: &Joint, blocks: &[Vec<Series>], n: usize, m: usize) -> (DVector<f64>, DMatrix<f64>) {
-    let (mut pull, mut hessian) = (DVector::zeros(n + m), DMatrix::zeros(n + m, n + m));
-    for (r, block) in blocks.iter().enumerate() {
-        let (locals, loss) = (&fit.objective.part.locals[r], fit.found.view.loss[r]);
-        let width = locals.len() + m;
-        let place = |k: usize| if k < locals.len() { locals[k].unknown } else { n + k - locals.len() };
-        let (own_pull, own) = normal_equations_of(block, width, loss);
-        for a in 0..width {
-            pull[place(a)] += own_pull[a];
-            for b in 0..width {
-                hessian[(place(a), place(b))] += own[(a, b)];
-            }
-        }
-    }
-    for (k, residual, slope) in fit.objective.prior_residuals(&fit.found.x) {
-        pull[k] -= residual * slope;
-        hessian[(k, k)] += slope * slope;
-    }
-    (pull, hessian)
+/// Normal equations of a fit with columns behind its unknowns.
+fn normal_equations(fit: &Joint, blocks: &[Vec<Series>], columns: usize) -> (DVector<f64>, DMatrix<f64>) {
+    fit.objective.normal_equations(blocks, &fit.found.x, &fit.found.view.loss, columns)
 }
 
-fn add_priors(fit: &Joint, spread: &mut DMatrix<f64>) {
-    for (k, _, slope) in fit.objective.prior_residuals(&fit.found.x) {
-        spread[(k, k)] += slope * slope;
-    }
+/// Rows and columns of a matrix.
+fn pick(matrix: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.len(), columns.len(), |a, b| matrix[(rows[a], columns[b])])
 }
 
 fn score(
@@ -212,20 +182,17 @@ fn score(
     variance: &DMatrix<f64>,
     widening: f64,
 ) -> Score {
-    let pick = |matrix: &DMatrix<f64>| {
-        DMatrix::from_fn(columns.len(), columns.len(), |a, b| matrix[(columns[a], columns[b])])
-    };
     let own = DVector::from_fn(columns.len(), |a, _| pull[columns[a]]);
     if columns.is_empty() {
         return Score::default();
     }
-    let estimates = &pseudo_inverse(&pick(gram)).0 * &own;
+    let estimates = &pseudo_inverse(&pick(gram, &columns, &columns)).0 * &own;
     let estimate = match &estimates.as_slice() {
         [one] => subject.off + one,
         all => (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt(),
     };
     let is_admissible = subject.admits(columns.len(), estimate);
-    let statistic = own.dot(&(&pseudo_inverse(&pick(variance)).0 * &own));
+    let statistic = own.dot(&(&pseudo_inverse(&pick(variance, &columns, &columns)).0 * &own));
     Score {
         size: if is_admissible { normal_size(statistic, columns.len()) } else { 0.0 },
         decrease: own.dot(&estimates) / widening,
@@ -254,10 +221,7 @@ fn threshold(subjects: &[Subject], scores: &[Score], variance: &DMatrix<f64>, fa
     let root = &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
     let inverses: Vec<DMatrix<f64>> = scores
         .iter()
-        .map(|score| {
-            let own = &score.columns;
-            pseudo_inverse(&DMatrix::from_fn(own.len(), own.len(), |a, b| variance[(own[a], own[b])])).0
-        })
+        .map(|score| pseudo_inverse(&pick(variance, &score.columns, &score.columns)).0)
         .collect();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
     let mut largest: Vec<f64> = (0..DRAWS)
@@ -266,7 +230,7 @@ fn threshold(subjects: &[Subject], scores: &[Score], variance: &DMatrix<f64>, fa
             let pull = &root * noise;
             let of = |(c, score): (usize, &Score)| {
                 let own = DVector::from_fn(score.columns.len(), |a, _| pull[score.columns[a]]);
-                let estimate = subjects[c].off + own.get(0).copied().unwrap_or(0.0);
+                let estimate = subjects[c].off + own.iter().next().copied().unwrap_or(0.0);
                 if !subjects[c].admits(own.len(), estimate) {
                     return 0.0;
                 }
