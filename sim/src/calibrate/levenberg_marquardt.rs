@@ -44,8 +44,9 @@ pub struct Search {
     pub first_damping: f64,
     /// Whether a point may have the slopes of the one before: where they cost several evaluations.
     pub lends_slopes: bool,
-    /// Whether the search may end on lent slopes, because another one goes on from there.
-    pub ends_on_lent: bool,
+    /// Whether another search goes on from where this one ends: it may end on lent slopes, and gives up
+    /// sooner.
+    pub is_followed: bool,
 }
 
 /// Where a search ended.
@@ -63,9 +64,11 @@ pub struct Solution<T> {
     pub converged: bool,
 }
 
-/// Steps refused one after another, after which no step helps: what is left is the noise of the
-/// evaluation itself.
-const MOST_REFUSED: usize = 6;
+/// Steps one after another that are refused or gain less than the tolerance, after which no step helps: what
+/// is left is the noise of the evaluation itself, or of its slopes. The second is for a search that is
+/// followed by another.
+const MOST_IDLE: usize = 6;
+const MOST_IDLE_FOLLOWED: usize = 2;
 /// Usual damping of the first step, and that of a search that begins near its end.
 pub const FIRST_DAMPING: f64 = 1e-3;
 pub const NEAR_DAMPING: f64 = 1e-8;
@@ -82,7 +85,7 @@ pub type Evaluate<'a, T> = dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evalua
 /// had at the start.
 ///
 /// With [`Search::lends_slopes`] slopes are lent from point to point as long as the cost falls as they
-/// foretell. The last word belongs to a point's own, unless [`Search::ends_on_lent`]: they alone say that
+/// foretell. The last word belongs to a point's own, unless [`Search::is_followed`]: they alone say that
 /// the search is over.
 pub fn minimise<T>(
     start: &DVector<f64>,
@@ -97,13 +100,15 @@ pub fn minimise<T>(
     let mut at = evaluate(&x, lent)?;
     let (mut evaluations, mut are_own) = (1, lent.is_none());
     let mut diagonal = DVector::zeros(x.len());
-    let (mut damping, mut growth, mut refused) = (search.first_damping, 2.0, 0);
+    let (mut damping, mut growth, mut idle) = (search.first_damping, 2.0, 0);
+    let most_idle = if search.is_followed { MOST_IDLE_FOLLOWED } else { MOST_IDLE };
     loop {
         widen(&mut diagonal, &at.hessian);
         let (_, predicted) = step(&at, &x, &diagonal, LEAST_DAMPING, search, false);
-        let converged = predicted <= search.tolerance.max(search.relative * at.cost);
-        let is_over = converged || refused >= MOST_REFUSED || evaluations >= search.most_evaluations;
-        if is_over && (are_own || search.ends_on_lent) {
+        let tolerance = search.tolerance.max(search.relative * at.cost);
+        let converged = predicted <= tolerance;
+        let is_over = converged || idle >= most_idle || evaluations >= search.most_evaluations;
+        if is_over && (are_own || search.is_followed) {
             return Some(Solution { x, at, evaluations, predicted, converged });
         }
         let mut ratio = -1.0;
@@ -115,14 +120,15 @@ pub fn minimise<T>(
             ratio = next.as_ref().map_or(-1.0, |next| (at.cost - next.cost) / decrease);
             match next {
                 Some(next) if ratio > 1e-3 => {
+                    idle = if at.cost - next.cost > tolerance { 0 } else { idle + 1 };
                     (x, at, are_own) = (tried, next, !search.lends_slopes);
                     damping *= f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3));
-                    (growth, refused) = (2.0, 0);
+                    growth = 2.0;
                 }
                 _ if are_own => {
                     damping *= growth;
                     growth *= 2.0;
-                    refused += 1;
+                    idle += 1;
                 }
                 _ => {}
             }
@@ -219,7 +225,7 @@ mod tests {
             most_evaluations: 200,
             first_damping: FIRST_DAMPING,
             lends_slopes: false,
-            ends_on_lent: false,
+            is_followed: false,
         };
         let mut evaluate = |x: &DVector<f64>, _: Option<&()>| {
             let (r, j) = of(x);
@@ -308,7 +314,7 @@ mod tests {
             most_evaluations: 100,
             first_damping: FIRST_DAMPING,
             lends_slopes: false,
-            ends_on_lent: false,
+            is_followed: false,
         };
         // The first step would go to −1 + 1.5 / 0.5 = 2.
         let mut evaluate = |x: &DVector<f64>, _: Option<&()>| {
@@ -337,7 +343,7 @@ mod tests {
             most_evaluations: 200,
             first_damping: FIRST_DAMPING,
             lends_slopes: true,
-            ends_on_lent: false,
+            is_followed: false,
         };
         let mut slopes_taken = 0;
         let mut evaluate = |x: &DVector<f64>, lent: Option<&DMatrix<f64>>| {

@@ -84,7 +84,7 @@ fn held(
         most_evaluations: 10,
         first_damping: NEAR_DAMPING,
         lends_slopes: true,
-        ends_on_lent: true,
+        is_followed: true,
     };
     let mut evaluate = |x: &DVector<f64>, lent: Option<&Seen>| objective.evaluate(x, &found.view, lent);
     let solution = minimise(x, Some(&found.at.carried), &search, &mut evaluate)?;

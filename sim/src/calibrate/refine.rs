@@ -64,7 +64,8 @@ fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> O
     let mut best: Option<Solution<Seen>> = None;
     for _ in 0..MOST_ROUNDS {
         let (x, seen) = best.as_ref().map_or((&from.x, &from.at.carried), |best| (&best.x, &best.at.carried));
-        let lent = (best.is_some() || from.view.slopes == view.slopes).then_some(seen);
+        // Until mesh and step are known where they belong, the slopes of the stages will do.
+        let lent = (best.is_some() || share > 0.0 || from.view.slopes == view.slopes).then_some(seen);
         let spreads = seen.spreads();
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
         let solution = minimise_in(objective, x, lent, view, TOLERANCE, share)?;

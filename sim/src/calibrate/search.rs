@@ -54,12 +54,12 @@ const NEAR: f64 = 0.05;
 /// A new stretch whose residuals are this share of its motion was not foretold.
 const SLIPPED: f64 = 0.7;
 /// How much longer each stretch is than the one before, and at least where that was not foretold.
-const GROWTH: f64 = 2.0;
+const GROWTH: f64 = 4.0;
 const LEAST_GROWTH: f64 = 1.2;
 /// Predicted decrease, for residuals of unit spread, at which a stage stops.
 const STAGE_TOLERANCE: f64 = 5e-2;
 /// The same as a share of the cost.
-const STAGE_SHARE: f64 = 1e-3;
+const STAGE_SHARE: f64 = 3e-3;
 const MOST_EVALUATIONS: usize = 30;
 
 /// Finds the best fit of a part; `tell` hears of each stage.
@@ -132,7 +132,12 @@ fn climb(
     let mut stages = Vec::new();
     let (mut swings, mut reached, mut before) = (FIRST_SWINGS, 0.0, vec![0; all.len()]);
     loop {
-        let mut view = View { counts: counts(objective, &times, swings), ..View::of_all(objective) };
+        let mut view = View::of_all(objective);
+        let stretch = counts(objective, &times, swings);
+        // Where little is left, it costs less than a stage of its own.
+        if stretch.iter().zip(&all).any(|(count, all)| 2 * count < *all) {
+            view.counts = stretch;
+        }
         let seen = objective.see(&x, &view, None)?;
         let growth = swings / reached;
         if growth > LEAST_GROWTH && reached > 0.0 && has_slipped(objective, &seen, &before, &view.counts) {
@@ -179,8 +184,8 @@ pub(crate) fn minimise_in(
         relative,
         most_evaluations: MOST_EVALUATIONS,
         first_damping: if is_last { NEAR_DAMPING } else { FIRST_DAMPING },
-        lends_slopes: is_last,
-        ends_on_lent: relative > 0.0,
+        lends_slopes: true,
+        is_followed: relative > 0.0,
     };
     minimise(x, lent, &search, &mut |x, lent| objective.evaluate(x, view, lent))
 }

@@ -289,9 +289,14 @@ impl Stepper for Rosenbrock<'_> {
             (&mut into.z, &self.start.z, &self.state.z, 2 * nq),
         ];
         for (into, start, end, offset) in parts {
-            for k in 0..into.len() {
-                let bulge = self.dense.iter().rev().fold(0.0, |sum, dense| sum * s + dense[offset + k]);
-                into[k] = (1.0 - s) * start[k] + s * (end[k] + (1.0 - s) * bulge);
+            let own = offset..offset + into.len();
+            for ((into, start), end) in into.iter_mut().zip(start).zip(end) {
+                *into = (1.0 - s) * start + s * end;
+            }
+            let mut weight = (1.0 - s) * s;
+            for dense in &self.dense {
+                add(into, weight, &dense[own.clone()]);
+                weight *= s;
             }
         }
     }
