@@ -85,8 +85,8 @@ pub type Evaluate<'a, T> = dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evalua
 /// had at the start.
 ///
 /// With [`Search::lends_slopes`] slopes are lent from point to point as long as the cost falls as they
-/// foretell. The last word belongs to a point's own, unless [`Search::is_followed`]: they alone say that
-/// the search is over.
+/// foretell. The last word belongs to slopes of the point itself or of one that is a standard error away, unless
+/// [`Search::is_followed`].
 pub fn minimise<T>(
     start: &DVector<f64>,
     lent: Option<&T>,
@@ -99,6 +99,8 @@ pub fn minimise<T>(
     }
     let mut at = evaluate(&x, lent)?;
     let (mut evaluations, mut are_own) = (1, lent.is_none());
+    // Where the slopes were taken.
+    let mut home = lent.is_none().then(|| x.clone());
     let mut diagonal = DVector::zeros(x.len());
     let (mut damping, mut growth, mut idle) = (search.first_damping, 2.0, 0);
     let most_idle = if search.is_followed { MOST_IDLE_FOLLOWED } else { MOST_IDLE };
@@ -108,7 +110,11 @@ pub fn minimise<T>(
         let tolerance = search.tolerance.max(search.relative * at.cost);
         let converged = predicted <= tolerance;
         let is_over = converged || idle >= most_idle || evaluations >= search.most_evaluations;
-        if is_over && (are_own || search.is_followed) {
+        let is_home = home.as_ref().is_some_and(|home| {
+            let moved = &x - home;
+            moved.dot(&(&at.hessian * &moved)) < 1.0
+        });
+        if is_over && (is_home || search.is_followed) {
             return Some(Solution { x, at, evaluations, predicted, converged });
         }
         let mut ratio = -1.0;
@@ -122,6 +128,9 @@ pub fn minimise<T>(
                 Some(next) if ratio > 1e-3 => {
                     idle = if at.cost - next.cost > tolerance { 0 } else { idle + 1 };
                     (x, at, are_own) = (tried, next, !search.lends_slopes);
+                    if are_own {
+                        home = Some(x.clone());
+                    }
                     damping *= f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3));
                     growth = 2.0;
                 }
@@ -134,7 +143,7 @@ pub fn minimise<T>(
             }
         }
         if !are_own && ratio < TRUSTED {
-            (at, are_own) = (evaluate(&x, None)?, true);
+            (at, are_own, home) = (evaluate(&x, None)?, true, Some(x.clone()));
             evaluations += 1;
         }
     }
