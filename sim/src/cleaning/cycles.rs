@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::distance;
 use super::motion::Motion;
+use crate::quantile::quantile;
 
 /// One release, in samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +53,8 @@ const MOST_NOISE: f64 = 6.0;
 const LEAST_TURNS: usize = 3;
 /// Way back that counts as a turn, in the distance of the hold from the rest.
 const LEAST_TURN: f64 = 0.04;
+/// Samples to either side that say where the tip is at an instant, in spite of one that is spurious.
+const AROUND: usize = 4;
 /// Length of the window in which the rest is looked for, s.
 const REST_WINDOW: f64 = 0.5;
 
@@ -83,12 +86,19 @@ pub fn cut(
         ));
     }
     let count = holds.len();
-    let mut cuts = swings(time, path, &motion, &holds, given.is_some());
-    if cuts.len() < count && cuts.len() > 1 {
+    let mut after = swings(time, path, &motion, &holds, given.is_some());
+    if after.contains(&After::NoSwing) {
         // What was no release, such as a fast raise, has cut the swing before it short.
-        let holds: Vec<_> = cuts.iter().map(|cut| cut.hold.clone()).collect();
-        cuts = swings(time, path, &motion, &holds, given.is_some());
+        let is_left =
+            |(hold, after): (&Range<usize>, &After)| (*after != After::NoSwing).then(|| hold.clone());
+        let holds: Vec<_> = holds.iter().zip(&after).filter_map(is_left).collect();
+        after = swings(time, path, &motion, &holds, given.is_some());
     }
+    let is_swing = |after| match after {
+        After::Swing(cut) => Some(cut),
+        After::NoSwing | After::Unclear => None,
+    };
+    let cuts: Vec<Cut> = after.into_iter().filter_map(is_swing).collect();
     match cuts.is_empty() {
         true => Err(format!(
             "the tip starts {count} time{} from a stretch of quiet, and swings after none of them",
@@ -98,30 +108,39 @@ pub fn cut(
     }
 }
 
-/// The swings after some holds; those that do not swing are left out unless they are `given`.
+/// What follows a hold.
+#[derive(PartialEq)]
+enum After {
+    Swing(Cut),
+    NoSwing,
+    /// It comes to no rest before the next hold.
+    Unclear,
+}
+
+/// What follows some holds; those that are `given` are followed by a swing.
 fn swings(
     time: &[f64],
     path: &[Option<[f64; 3]>],
     motion: &Motion,
     holds: &[Range<usize>],
     given: bool,
-) -> Vec<Cut> {
+) -> Vec<After> {
     let ends: Vec<usize> = holds.iter().skip(1).map(|hold| hold.start).chain([path.len()]).collect();
-    let mut cuts = Vec::new();
-    for (k, hold) in holds.iter().enumerate() {
+    let after = |(k, hold): (usize, &Range<usize>)| {
         let whole = hold.end..ends[k];
         let is_last = k + 1 == holds.len();
-        let held = mean(path, late(time, hold));
-        let (Some(held), Some(rest)) = (held, rest(time, path, motion, whole.clone(), is_last)) else {
-            continue;
+        let Some(held) = mean(path, late(time, hold)) else { return After::Unclear };
+        let Some(rest) = rest(time, path, motion, whole.clone(), held, is_last) else {
+            return After::Unclear;
         };
         let end = if is_last { whole.end } else { raised(path, whole.clone(), rest, held) };
         let swing = whole.start..end;
-        if given || turns(path, swing.clone(), held, rest) >= LEAST_TURNS {
-            cuts.push(Cut { hold: hold.clone(), swing, held, rest });
+        match given || turns(path, swing.clone(), held, rest) >= LEAST_TURNS {
+            true => After::Swing(Cut { hold: hold.clone(), swing, held, rest }),
+            false => After::NoSwing,
         }
-    }
-    cuts
+    };
+    holds.iter().enumerate().map(after).collect()
 }
 
 /// Stretches of quiet after which the tip soon is fast.
@@ -160,6 +179,7 @@ fn rest(
     path: &[Option<[f64; 3]>],
     motion: &Motion,
     swing: Range<usize>,
+    held: [f64; 3],
     is_last: bool,
 ) -> Option<[f64; 3]> {
     let (begin, end) = (*time.get(swing.start)?, *time.get(swing.end.checked_sub(1)?)?);
@@ -169,8 +189,7 @@ fn rest(
         return mean(path, from..swing.end);
     }
     // Not next to the hold that follows, which is quiet as well: that end is given up to the raise.
-    let held_next = path[swing.end - 1].or_else(|| mean(path, swing.end.saturating_sub(5)..swing.end))?;
-    let held = mean(path, swing.start..swing.start + 1).unwrap_or(held_next);
+    let held_next = middle(path, swing.end.saturating_sub(AROUND)..(swing.end + AROUND).min(path.len()))?;
     let farthest = swing.clone().filter_map(|i| Some(distance(path[i]?, held))).fold(0.0, f64::max);
     let mut best: Option<(f64, Range<usize>)> = None;
     let mut to = swing.start;
@@ -218,6 +237,13 @@ fn turns(path: &[Option<[f64; 3]>], swing: Range<usize>, held: [f64; 3], rest: [
     turns
 }
 
+/// Median of each coordinate of the samples that are seen.
+fn middle(path: &[Option<[f64; 3]>], range: Range<usize>) -> Option<[f64; 3]> {
+    let seen: Vec<_> = path.get(range)?.iter().flatten().collect();
+    let of = |k: usize| quantile(seen.iter().map(|point| point[k]).collect(), 0.5);
+    Some([of(0)?, of(1)?, of(2)?])
+}
+
 /// Mean of the samples that are seen.
 pub(super) fn mean(path: &[Option<[f64; 3]>], range: Range<usize>) -> Option<[f64; 3]> {
     let seen: Vec<_> = path.get(range)?.iter().flatten().collect();
@@ -228,7 +254,7 @@ pub(super) fn mean(path: &[Option<[f64; 3]>], range: Range<usize>) -> Option<[f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cleaning::tests::{Noise, falling_swing, raised_and_released};
+    use crate::cleaning::tests::{Noise, along, falling_swing, raised_and_released};
 
     #[test]
     fn six_cycles_are_cut_apart_where_they_begin() {
@@ -248,6 +274,19 @@ mod tests {
             assert!(distance(cut.held, [0.2, 0.0, 0.0]) < 1e-3, "{cut:?}");
             assert!(distance(cut.rest, [0.15, 0.0, -0.12]) < 3e-3, "{cut:?}");
         }
+    }
+
+    /// From the rest to the hold in a quarter of a second: as fast as a release, and none.
+    #[test]
+    fn a_fast_raise_hides_no_release() {
+        let (time, mut path, instants) = raised_and_released(4);
+        let raise = instants[2].0 - 0.8 - 1.4;
+        for (point, t) in path.iter_mut().zip(&time).filter(|(_, t)| (raise..raise + 1.4).contains(*t)) {
+            let share = ((t - raise - 1.1) / 0.25).clamp(0.0, 1.0);
+            *point = Some(along(0.5 + 0.5 * (std::f64::consts::PI * share).cos(), 0.2));
+        }
+        let cuts = cut(&time, &path, 0.01, 1e-5, None).unwrap();
+        assert_eq!(cuts.len(), 4);
     }
 
     #[test]

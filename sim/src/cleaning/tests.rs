@@ -22,7 +22,7 @@ impl Noise {
 type Seen = Vec<Option<[f64; 3]>>;
 
 /// Where the tip is, from its hold, 0, over its rest, 1, to beyond.
-fn along(u: f64, length: f64) -> [f64; 3] {
+pub fn along(u: f64, length: f64) -> [f64; 3] {
     [length - 0.05 * u * u, 0.0, -0.12 * u]
 }
 

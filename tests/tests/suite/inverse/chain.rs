@@ -37,6 +37,15 @@ fn cleaned(psi: f64, swing: f64, noise: f64) -> (Session, Cleaned) {
     (session, cleaned)
 }
 
+/// One had a raise as fast as a release, in the other a sample beside a hold lies elsewhere.
+#[test]
+fn no_release_is_lost() {
+    for (psi, noise) in [(15.0, 0.5e-3), (30.0, 0.3e-3)] {
+        let (_, cleaned) = cleaned(psi, 15.0, noise);
+        assert_eq!(cleaned.releases.len(), 6, "{psi} psi: {:?}", cleaned.decisions);
+    }
+}
+
 fn recovers(psi: f64, swing: f64, noise: f64) {
     let (session, cleaned) = cleaned(psi, swing, noise);
     assert_eq!(cleaned.releases.len(), 6, "{psi} psi: {:?}", cleaned.decisions);
