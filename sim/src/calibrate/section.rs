@@ -32,6 +32,14 @@ pub enum SectionError {
     /// What is to be calibrated.
     #[error(transparent)]
     Calibrate(#[from] CalibrateError),
+    /// An experiment without a release to fit.
+    #[error(
+        "{experiment}: every release is held out or dropped, and none is left to fit; take held_out, keep or drop from one [[recording]]"
+    )]
+    NoRelease {
+        /// Its file.
+        experiment: String,
+    },
     /// An experiment without a model.
     #[error(
         "{experiment}: says nothing of the rod, so there is no model to calibrate; add [muscle], or [rod] with its length, mass and stiffness"
@@ -60,7 +68,7 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
         }
     }
     let Some(first) = trials.iter().find(|trial| !trial.release.held_out) else {
-        return Err(CalibrateError::NoTrials.into());
+        return Err(SectionError::NoRelease { experiment: experiment.path.display().to_string() });
     };
     let section = experiment.section("calibrate")?;
     let read = || -> Result<_, ScenarioError> {

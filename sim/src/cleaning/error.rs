@@ -73,6 +73,25 @@ pub enum CleaningError {
         /// Releases in the recording.
         found: usize,
     },
+    /// A tip that cannot be that of the rod.
+    #[error(
+        "{file}: release {number}: held straight, the tip stands {:.1} mm from the clamp, and the rod with its \
+         end fitting reaches {:.1} mm: check rod.length, rod.tip and {key}.clamp, say {key}.offset where the \
+         marker stands off that far, or leave {key}.angle out if the rod was not held straight",
+        1e3 * seen, 1e3 * reach
+    )]
+    OffReach {
+        /// The recording.
+        file: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+        /// The release, from one.
+        number: usize,
+        /// Distance from the clamp, m.
+        seen: f64,
+        /// The same by the model, m.
+        reach: f64,
+    },
     /// Gravity cannot be told from the data.
     #[error("{file}: which way is up cannot be seen in it: {why}; say it, such as {key}.up = \"+z\"")]
     NoVertical {

@@ -141,7 +141,7 @@ fn along(
             log.say(
                 "along",
                 format!(
-                    "the rod leaves the clamp {:.1} deg above the level; if so, say rod.base_angle",
+                    "the rod leaves the clamp {:.1} deg above the level; if so, say rod.base_angle, or base_angle here",
                     rise / DEGREE
                 ),
             );

@@ -1,13 +1,16 @@
 //! One recording: its markers, its releases, its frame; then each release.
 
+use models::quantity::format_si;
+
 use super::cycles::{self, Cut};
 use super::decision::{Log, mm};
 use super::points::{Seen, markers, see};
 use super::release::{Context, LEAST_NOISE};
 use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise};
-use crate::experiment::{Entry, Experiment, ExperimentError, HeldOut};
+use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
 use crate::quantile::usual_step;
 use crate::recording::Recording;
+use crate::scenario::Problem;
 
 /// Samples that a release needs.
 const LEAST_SAMPLES: usize = 20;
@@ -65,6 +68,9 @@ pub fn clean_recording(
         None => None,
     };
     check_numbers(entry, cuts.len())?;
+    if let Some(rod) = rod {
+        check_geometry(experiment, entry, rod, &frame, &cuts)?;
+    }
     let context = Context {
         entry,
         time: &time,
@@ -83,6 +89,38 @@ pub fn clean_recording(
     let clean =
         CleanRecording { name: entry.name.clone(), recording, tip: tip.raw, masked, frame, base, cuts };
     Ok((clean, releases))
+}
+
+/// Share of the rod's reach by which a tip that is held straight may be seen nearer or farther: a marker
+/// may stand off, a rod of another length may not.
+const FARTHEST_OFF: f64 = 0.25;
+
+/// Whether markers can be where they are said to be.
+fn check_geometry(
+    experiment: &Experiment,
+    entry: &Entry,
+    rod: Rod,
+    frame: &frame::Frame,
+    cuts: &[Cut],
+) -> Result<(), ExperimentError> {
+    for (k, marker) in entry.body.iter().enumerate() {
+        if matches!(marker.at, At::Length(at) if at > rod.length) {
+            let range = format!("0..={}, the rod's length", format_si(rod.length, "m"));
+            let key = format!("{}.body[{}].at", entry.key, k + 1);
+            return Err(experiment.wrong(&key, Problem::OutOfRange { range }));
+        }
+    }
+    for (k, cut) in cuts.iter().enumerate() {
+        let [x, _, z] = frame.place(cut.held);
+        let seen = x.hypot(z);
+        let is_straight = entry.angle_of(k + 1).is_some() && !matches!(entry.offset, Some(Offset::Given(_)));
+        if is_straight && (seen - rod.reach).abs() > FARTHEST_OFF * rod.reach {
+            let (file, key) = (entry.name.clone(), entry.key.clone());
+            let (number, reach) = (k + 1, rod.reach);
+            return Err(CleaningError::OffReach { file, key, number, seen, reach }.into());
+        }
+    }
+    Ok(())
 }
 
 fn base_pose(

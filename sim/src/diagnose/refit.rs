@@ -33,23 +33,31 @@ pub(super) struct Rough {
 const ROUGHLY: f64 = 3e-3;
 
 /// Brings a candidate near its fit from one without it, beginning with the strength that its score asks
-/// for. None where it cannot be run.
+/// for; where that leads astray, with none, from where it cannot end worse than without. None where it
+/// cannot be run.
 pub(super) fn rough(
     problem: &Problem,
     candidate: &Candidate,
     estimate: f64,
     without: &Joint,
 ) -> Result<Option<Rough>, CalibrateError> {
-    let Ok(problem) = candidate.added_to(problem, estimate) else { return Ok(None) };
     // A memory that turns round needs steps where that happens.
     let has_own_steps = candidate.effect.about().memory;
     let (known, view) = (without.known(), &without.found.view);
-    let Some(fit) = Joint::approach(&problem, &known, view, has_own_steps, ROUGHLY)? else {
-        return Ok(None);
-    };
-    let (known, cost) = (fit.known(), fit.cost());
-    drop(fit);
-    Ok(Some(Rough { problem, known, cost }))
+    let mut best: Option<Rough> = None;
+    for strength in [estimate, candidate.off] {
+        if best.as_ref().is_some_and(|best| best.cost <= without.cost()) {
+            break;
+        }
+        let Ok(problem) = candidate.added_to(problem, strength) else { break };
+        let Some(fit) = Joint::approach(&problem, &known, view, has_own_steps, ROUGHLY)? else { continue };
+        let (known, cost) = (fit.known(), fit.cost());
+        drop(fit);
+        if best.as_ref().is_none_or(|best| cost < best.cost) {
+            best = Some(Rough { problem, known, cost });
+        }
+    }
+    Ok(best)
 }
 
 /// Follows a candidate to its fit. None where it cannot be run.

@@ -171,7 +171,8 @@ fn best_tries(candidates: Vec<Candidate>, scores: &Scores) -> Vec<Entry> {
 
 /// Those that are worth a fit, and the others.
 fn shortlist(entries: &mut [Entry]) -> (&mut [Entry], &mut [Entry]) {
-    let most = entries.iter().map(|entry| entry.score.decrease).fold(0.0, f64::max);
+    let possible = entries.iter().filter(|entry| entry.rejected.is_none());
+    let most = possible.map(|entry| entry.score.decrease).fold(0.0, f64::max);
     let is_worth = |entry: &Entry| entry.rejected.is_none() && entry.score.decrease >= WORTH_FITTING * most;
     entries.sort_by_key(|entry| !is_worth(entry));
     let count = entries.iter().filter(|entry| is_worth(entry)).count();
@@ -277,4 +278,29 @@ fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
     };
     let distance = distance(&scores.gram, &first.score.columns, &second.score.columns, &strengths);
     distance / scores.widening.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::Nuisances;
+
+    /// One that cannot be the answer says nothing of what the others are worth.
+    #[test]
+    fn a_candidate_of_the_wrong_sign_sets_no_bar() {
+        let none = Problem { trials: Vec::new(), parameters: Vec::new(), nuisances: Nuisances::default() };
+        let score = |(decrease, is_admissible)| Score {
+            columns: vec![0],
+            size: 5.0,
+            decrease,
+            is_admissible,
+            ..Score::default()
+        };
+        let scores = [(800.0, false), (100.0, true), (20.0, true)].map(score);
+        let pairs = candidates(&none, &[]).into_iter().zip(scores);
+        let mut entries: Vec<Entry> = pairs.map(|(candidate, score)| Entry::new(candidate, score)).collect();
+        let (worth, others) = shortlist(&mut entries);
+        let decreases = |entries: &[Entry]| entries.iter().map(|e| e.score.decrease).collect::<Vec<_>>();
+        assert_eq!((decreases(worth), decreases(others)), (vec![100.0], vec![800.0, 20.0]));
+    }
 }

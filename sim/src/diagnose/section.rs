@@ -26,10 +26,15 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
             parameter.scope = Scope::Shared;
         }
     }
+    let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
+    tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
     admit_tilt(&mut problem, USUAL_TILT);
     lock_away(&mut problem);
     Ok(problem)
 }
+
+/// Noise below which a difference of fit and recording says nothing, m: what is left of mesh and step.
+pub(super) const LEAST_NOISE: f64 = 1e-5;
 
 /// Standard deviation of what is believed of the cameras' vertical, rad.
 pub(super) const USUAL_TILT: f64 = 5e-4;
@@ -62,7 +67,7 @@ pub fn admit_tilt(problem: &mut Problem, deviation: f64) {
 }
 
 /// The effect of a frame that is not level.
-const TILT: &str = "frame_tilt";
+pub(super) const TILT: &str = "frame_tilt";
 
 /// Locks releases away if the experiment has not: of three pressures or more the middle one, and of what is
 /// left the last release, if two others stay.

@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
+use models::effects::CATALOGUE;
+
 use super::localise::Shape;
+use super::section::{LEAST_NOISE, TILT};
 use super::verdict::{Diagnosis, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Known;
@@ -77,10 +80,31 @@ pub(super) fn strained(known: &[Known]) -> Vec<String> {
     known.iter().filter_map(of).collect()
 }
 
+/// Effects that are part of every diagnosis, and no choice of an experiment.
+const STANDING: [&str; 4] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", TILT];
+
+/// Candidates that are none because the experiment's model has them.
+fn had(problem: &Problem) -> Vec<&'static str> {
+    let names = CATALOGUE.iter().map(|effect| effect.about());
+    let could = names.filter(|about| about.parameters.iter().any(|parameter| parameter.off.is_some()));
+    let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
+    could.map(|about| about.name).filter(|name| !STANDING.contains(name) && has(name)).collect()
+}
+
+/// A release that is seen for less than that, s, says little of how a swing dies away.
+const SHORT: f64 = 2.0;
+
 /// What an experiment cannot tell, whatever the answer.
 pub(super) fn warnings(problem: &Problem) -> Vec<String> {
     let fitted: Vec<_> = problem.trials.iter().filter(|trial| !trial.release.held_out).collect();
     let mut words = Vec::new();
+    let had = had(problem);
+    if !had.is_empty() {
+        words.push(format!(
+            "{}: in the model already, so not looked for; it stays as it is unless [calibrate] names its parameters",
+            had.join(", ")
+        ));
+    }
     if fitted.len() == problem.trials.len() {
         words.push("nothing is locked away: no release judges the answer that did not make it; record one more, or say held_out = true of one".to_owned());
     }
@@ -92,6 +116,18 @@ pub(super) fn warnings(problem: &Problem) -> Vec<String> {
     }
     if fitted.len() < 2 {
         words.push("one release alone: what changes from release to release cannot be told from what is always there".to_owned());
+    }
+    if fitted.iter().flat_map(|trial| &trial.release.tracks).any(|track| track.noise <= LEAST_NOISE) {
+        words.push(format!(
+            "a recording has less noise than a fit can follow: {} mm is taken; where the model is believed to less, say so by noise in its [[recording]]",
+            1e3 * LEAST_NOISE
+        ));
+    }
+    let longest = fitted.iter().filter_map(|trial| trial.release.time.last()).fold(0.0, |a, b| b.max(a));
+    if longest < SHORT {
+        words.push(format!(
+            "no release is seen for longer than {longest:.1} s: damping, and what changes slowly or only in small swings, can hardly be told; record until the swing has died away"
+        ));
     }
     if fitted.iter().all(|trial| trial.release.tracks.len() < 2) {
         words.push(

@@ -39,6 +39,8 @@ pub struct Entry {
     pub along: Option<Direction>,
     /// Where the rod leaves the clamp, m, in the file's frame.
     pub clamp: Option<[f64; 3]>,
+    /// Angle of the clamp above the horizontal, rad, instead of the model's.
+    pub base_angle: Option<f64>,
     /// Angle above the horizontal of the straight rod while it is held, rad.
     pub angle: Option<f64>,
     /// What stands between the tip marker and the rod's end.
@@ -123,9 +125,30 @@ pub struct Override {
     pub instant: Option<f64>,
 }
 
-const KEYS: [&str; 22] = [
-    "file", "pressure", "payload", "tip", "body", "base", "unit", "rate", "up", "along", "clamp", "angle",
-    "offset", "instants", "keep", "drop", "held_out", "noise", "spurious", "mask", "release", "note",
+const KEYS: [&str; 23] = [
+    "file",
+    "pressure",
+    "payload",
+    "tip",
+    "body",
+    "base",
+    "unit",
+    "rate",
+    "up",
+    "along",
+    "clamp",
+    "base_angle",
+    "angle",
+    "offset",
+    "instants",
+    "keep",
+    "drop",
+    "held_out",
+    "noise",
+    "spurious",
+    "mask",
+    "release",
+    "note",
 ];
 
 impl Entry {
@@ -156,7 +179,8 @@ impl Entry {
             up: direction(keys, "up")?,
             along: direction(keys, "along")?,
             clamp: vector(keys, "clamp", "m")?,
-            angle: angle(keys)?,
+            base_angle: angle(keys, "base_angle")?,
+            angle: angle(keys, "angle")?,
             offset: offset(keys)?,
             instants: match keys.quantities("instants", "s")? {
                 Some(list) if list.is_empty() || list.windows(2).any(|pair| pair[0] >= pair[1]) => {
@@ -293,8 +317,8 @@ fn vector(keys: &Keys, key: &str, unit: &str) -> Result<Option<[f64; 3]>, Scenar
     }
 }
 
-fn angle(keys: &Keys) -> Result<Option<f64>, ScenarioError> {
-    keys.quantity_that("angle", "rad", "lie in -6.3..=6.3 rad (-361..=361 deg)", |a| a.abs() <= 6.3)
+fn angle(keys: &Keys, key: &str) -> Result<Option<f64>, ScenarioError> {
+    keys.quantity_that(key, "rad", "lie in -6.3..=6.3 rad (-361..=361 deg)", |a| a.abs() <= 6.3)
 }
 
 fn offset(keys: &Keys) -> Result<Option<Offset>, ScenarioError> {
@@ -329,7 +353,7 @@ fn overrides(keys: &Keys) -> Result<Vec<Override>, ScenarioError> {
         table.only(&["number", "angle", "instant"])?;
         let number = from_one(table, "number", table.count("number")?.map(|number| vec![number]))?;
         let number = number.ok_or_else(|| table.missing("number", "number = 1, for the first release"))?[0];
-        Ok(Override { number, angle: angle(table)?, instant: table.quantity("instant", "s")? })
+        Ok(Override { number, angle: angle(table, "angle")?, instant: table.quantity("instant", "s")? })
     };
     keys.tables("release")?.iter().map(one).collect()
 }

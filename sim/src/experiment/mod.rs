@@ -18,6 +18,7 @@
 //! up = "+x"                      # against gravity, in the file's frame: an axis or [x, y, z]
 //! along = "+z"                   # from the clamp along the rod, likewise
 //! clamp = ["0 mm", "0 mm", "0 mm"]            # where the rod leaves the clamp, in the file's frame
+//! base_angle = "25 deg"          # of the clamp above the level, where it is not rod.base_angle
 //! angle = "0 deg"                # of the straight rod while it is held; then offset = "hold"
 //! offset = "hold"                # of the tip marker from the rod's end, taken off: "hold", "none",
 //!                                # or ["0 mm", "22 mm"], along and across the rod at the hold
@@ -136,6 +137,7 @@ impl Experiment {
         let entry = &self.recordings[recording];
         let mut plan = plan.clone();
         plan.nodes = nodes.unwrap_or(plan.nodes);
+        plan.base_angle = entry.base_angle.unwrap_or(plan.base_angle);
         plan.angle = angle.or(entry.angle).unwrap_or(0.0);
         let payload = entry.payload.effect();
         match plan.effects.iter_mut().find(|(name, _)| *name == payload.0) {

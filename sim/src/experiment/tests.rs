@@ -26,7 +26,7 @@ fn every_key_is_read() {
         payload = { mass = \"80 g\", center_of_mass = \"1 in\" }\ntip = [\"T1\", \"T2\"]\n\
         body = [{ marker = \"M\", at = \"50 mm\" }, { marker = \"N\", at = 0.7 }]\nbase = \"Base\"\n\
         unit = \"mm\"\nrate = \"100 Hz\"\nup = \"+x\"\nalong = [0, 0, 2]\nclamp = [\"1 mm\", \"0 m\", \"0 m\"]\n\
-        angle = \"10 deg\"\noffset = [\"0 mm\", \"22 mm\"]\ninstants = [\"0.71 s\", \"3 s\"]\nkeep = [1]\n\
+        base_angle = \"5 deg\"\nangle = \"10 deg\"\noffset = [\"0 mm\", \"22 mm\"]\ninstants = [\"0.71 s\", \"3 s\"]\nkeep = [1]\n\
         held_out = [2]\nnoise = \"0.1 mm\"\nspurious = \"keep\"\nmask = [[\"1 s\", \"2 s\"]]\nnote = \"warm\"\n\
         [[recording.release]]\nnumber = 2\nangle = \"20 deg\"\n[calibrate]\nparameters = [\"x\"]\n";
     let experiment = load(text, &[]).unwrap();
@@ -45,6 +45,7 @@ fn every_key_is_read() {
     assert_eq!(entry.along, Some(Direction::Vector([0.0, 0.0, 1.0])));
     assert_eq!(entry.offset, Some(Offset::Given([0.0, 0.022])));
     assert_eq!((entry.instant_of(2), entry.instant_of(3)), (Some(3.0), None));
+    assert_eq!(entry.base_angle, Some(5f64.to_radians()));
     assert_eq!(entry.angle_of(1), Some(10f64.to_radians()));
     assert_eq!(entry.angle_of(2), Some(20f64.to_radians()));
     assert!(entry.is_held_out(2) && !entry.is_held_out(1) && !entry.find_spurious);
@@ -74,6 +75,13 @@ fn a_model_is_that_of_a_scenario_with_the_recordings_own_pressure_and_payload() 
     assert_eq!(at(1, "release.angle"), 0.2);
     let rod = load(&format!("{ROD}{RECORDING}"), &[]).unwrap();
     assert_eq!(rod.case(0, None).unwrap().unwrap().model.rod().length, 0.1);
+    let two = format!("{ROD}base_angle = \"3 deg\"\n{RECORDING}{RECORDING}base_angle = \"-20 deg\"\n");
+    let turned = load(&two, &[]).unwrap();
+    let clamp = |k: usize| {
+        let model = turned.case(k, None).unwrap().unwrap().model;
+        model.theta[model.index("rod.base_angle").unwrap()]
+    };
+    assert_eq!([clamp(0), clamp(1)], [3f64, -20.0].map(f64::to_radians));
 }
 
 #[test]
