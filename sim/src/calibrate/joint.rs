@@ -6,10 +6,10 @@ use super::error::CalibrateError;
 use super::levenberg_marquardt::Solution;
 use super::objective::{Objective, Seen, View};
 use super::part::whole;
-use super::prediction::Slopes;
+use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
-use super::refine::refine;
-use super::search::{Found, common_cost, minimise_in, search};
+use super::refine::{LAST, refine};
+use super::search::{FIT, Found, common_cost, minimise_in, search};
 use super::unknowns::{Group, Kind, Unknown, Unknowns};
 
 /// A value of a scaled unknown.
@@ -76,7 +76,7 @@ impl<'a> Joint<'a> {
         known: &[Known],
         tell: &dyn Fn(&str),
     ) -> Result<Option<Self>, CalibrateError> {
-        let mut fit = match Self::at(problem, known, Slopes::Differences) {
+        let mut fit = match Self::as_seen(problem, known, Slopes::Differences, LAST) {
             Ok(fit) => fit,
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
             Err(error) => return Err(error),
@@ -117,9 +117,18 @@ impl<'a> Joint<'a> {
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense, and where the model cannot be run there.
     pub fn at(problem: &'a Problem, known: &[Known], slopes: Slopes) -> Result<Self, CalibrateError> {
+        Self::as_seen(problem, known, slopes, FIT)
+    }
+
+    fn as_seen(
+        problem: &'a Problem,
+        known: &[Known],
+        slopes: Slopes,
+        fidelity: Fidelity,
+    ) -> Result<Self, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
         let x = placed(&objective, known);
-        let mut view = View::of_all(&objective);
+        let mut view = View { fidelity, ..View::of_all(&objective) };
         let Some(seen) = objective.see(&x, &view, None) else { return Err(objective.refusal(&x)) };
         view.loss = seen.spreads().into_iter().map(super::loss::Huber::for_spread).collect();
         view.steps = Some(seen.steps);

@@ -25,11 +25,11 @@ const UNCORRECTED_SHARE: f64 = 1e-3;
 /// How finely the last word is spoken. Alpha and beta do almost the same, and a swing tells them apart by what
 /// is left when one has done what it can for the other, a fiftieth of its slope: an error of four
 /// thousandths of the slopes, which steps of the usual size leave, turns that by half.
-const LAST: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
+pub(crate) const LAST: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
 /// Standard errors by which a fit may move without changing what mesh and step do.
 const FAR: f64 = 3.0;
 
-/// Follows a fit to its end, without the errors of the step, and of the mesh unless that is kept; says
+/// Follows a fit to its end, one of [`LAST`] fidelity being near it, without the errors of the step, and of the mesh unless that is kept; says
 /// what they did.
 pub(crate) fn refine(
     objective: &Objective,
@@ -40,8 +40,9 @@ pub(crate) fn refine(
     let mut numerics = None;
     let mut view = View { slopes: Slopes::Differences, steps: None, ..found.view.clone() };
     // What mesh and step do is only known near the end: until then there is no use in the last digit.
-    for (round, share) in [UNCORRECTED_SHARE, 0.0, 0.0].into_iter().enumerate() {
-        if round == 1 {
+    let first = (view.fidelity != LAST).then_some(UNCORRECTED_SHARE);
+    for share in first.into_iter().chain([0.0, 0.0]) {
+        if share == 0.0 && view.fidelity != LAST {
             (view.fidelity, view.steps) = (LAST, None);
         }
         tell("a finer mesh and step");

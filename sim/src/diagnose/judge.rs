@@ -1,5 +1,9 @@
-//! Releases that were locked away judge a model: everything that all releases share is held as it was
-//! found, and only what belongs to a pressure or a release is fitted to them.
+//! Releases that were locked away judge a model.
+//!
+//! How well it foretells them is what all releases cost together beyond those that were fitted,
+//! `p(locked | fitted) = p(all) / p(fitted)`: a parameter that the fitted releases leave uncertain may still
+//! give way. The gap that is shown is another one: everything that all releases share is held as it was found,
+//! and only what belongs to a pressure or a release is fitted to them.
 
 use super::set;
 use super::verdict::Gap;
@@ -8,16 +12,18 @@ use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
 pub(super) struct Judgement {
-    /// Cost under the loss of the noise.
+    /// Cost under the loss of the noise; of locked releases, what they add to that of the fitted ones.
     pub cost: f64,
     /// Of each release: its name, root mean square distance in mm and over the noise, noise in mm.
     pub gaps: Vec<(String, f64, f64, f64)>,
 }
 
-/// Judges by what was locked away; none where nothing was, or where the model cannot be run there.
+/// Judges by what was locked away a model whose fit of the others cost `fitted`; none where nothing was, or
+/// where the model cannot be run there.
 pub(super) fn judge(
     problem: &Problem,
     known: &[Known],
+    fitted: f64,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Option<Judgement>, CalibrateError> {
     if !problem.trials.iter().any(|trial| trial.release.held_out) {
@@ -36,7 +42,12 @@ pub(super) fn judge(
         Err(error) => return Err(error),
     };
     tell("what was locked away");
-    Ok(Some(judgement(&fit)))
+    let mut all = problem.clone();
+    all.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
+    // What belongs to the locked releases alone begins where they have it.
+    let known: Vec<Known> = known.iter().cloned().chain(fit.known()).collect();
+    let Some(together) = Joint::follow(&all, &known, &|_| ())? else { return Ok(None) };
+    Ok(Some(Judgement { cost: together.cost() - fitted, ..judgement(&fit) }))
 }
 
 /// How a fit meets its own releases.

@@ -6,11 +6,13 @@
 //! orthogonally to all that the baseline may still adjust (`score.rs`). Those that promise most are fitted
 //! roughly, the best of them in full, and the one that explains most is added, unless others do as well: then
 //! the answer is a class, with the recording that would tell them apart (`planned.rs`). Releases that are
-//! locked away judge it. The search goes on with the larger model until nothing scores. Where a candidate or a
+//! locked away judge it. The search goes on with the larger model until nothing scores; what became idle is
+//! left out again (`idle.rs`). Where a candidate or a
 //! shape stands out that no effect explains, the answer is that something unknown is missing.
 
 mod candidate;
 mod columns;
+mod idle;
 mod judge;
 pub mod localise;
 pub mod plan;
@@ -27,10 +29,11 @@ use crate::calibrate::{CalibrateError, Problem};
 pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
 
+use idle::without_idle;
 use judge::{Judgement, gaps, judge, judgement};
 use planned::separation;
 use round::{Best, Heard, round};
-use verdict::Added;
+use verdict::{Added, Evidence};
 
 /// How a diagnosis is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +75,7 @@ pub fn diagnose(
     diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
     let baseline = Joint::search(problem, &|what| tell(&format!("baseline: {what}")))?;
     let before = judgement(&baseline);
-    let locked_before = judge(problem, &baseline.known(), tell)?;
+    let locked_before = judge(problem, &baseline.known(), baseline.cost(), tell)?;
     let (mut current, mut known) = (problem.clone(), baseline.known());
     let mut added: Vec<Box<Best>> = Vec::new();
     for number in 1..=settings.most_effects + 1 {
@@ -100,6 +103,20 @@ pub fn diagnose(
                 break;
             }
         }
+    }
+    let mut cost = added.last().map_or(baseline.cost(), |best| best.refit.cost);
+    while let Some(lean) = without_idle(problem, &added, &known, cost)? {
+        let idle = added.remove(lean.left_out);
+        tell(&format!("{} became idle", idle.candidate.name()));
+        let of_idle = |evidence: &&mut Evidence| evidence.effect == idle.candidate.name();
+        for evidence in diagnosis.evidence.iter_mut().filter(of_idle) {
+            evidence.rejected.get_or_insert_with(|| "it became idle beside the others".to_owned());
+        }
+        let judgement = judge(&lean.problem, &lean.known, lean.cost, tell)?;
+        added.last_mut().expect("one is left").judgement = judgement;
+        diagnosis.gap = gaps(&before, &lean.judgement, false);
+        (diagnosis.effects, cost) = (lean.effects, lean.cost);
+        (current, known) = (lean.problem, lean.known);
     }
     if let (Some(before), Some(after)) = (&locked_before, locked_by(&added, &locked_before)) {
         diagnosis.gap.extend(gaps(before, after, true));

@@ -19,6 +19,8 @@ pub(super) struct Refit {
     pub cost: f64,
     /// Parameters of the effect.
     pub values: Vec<Value>,
+    /// How many unknowns it brought.
+    pub unknowns: usize,
 }
 
 /// A model with one more effect, near its fit.
@@ -64,7 +66,9 @@ pub(super) fn rough(
 pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
     let Some(fit) = Joint::follow(&rough.problem, &rough.known, &|_| ())? else { return Ok(None) };
     let (values, known, cost) = (values(&fit, candidate), fit.known(), fit.cost());
-    Ok(Some(Refit { known, cost, values, problem: rough.problem.clone() }))
+    let prefix = prefix(candidate);
+    let unknowns = known.iter().filter(|known| known.unknown.name.starts_with(&prefix)).count();
+    Ok(Some(Refit { known, cost, values, unknowns, problem: rough.problem.clone() }))
 }
 
 impl Added {
@@ -74,10 +78,15 @@ impl Added {
     }
 }
 
+/// What names of an effect's parameters begin with.
+fn prefix(candidate: &Candidate) -> String {
+    format!("effects.{}.", candidate.name())
+}
+
 /// Values of an effect's parameters with their intervals.
 fn values(fit: &Joint, candidate: &Candidate) -> Vec<Value> {
     let of = uncertainty(&fit.objective, &fit.found);
-    let prefix = format!("effects.{}.", candidate.name());
+    let prefix = prefix(candidate);
     let mut values = Vec::new();
     for (k, known) in fit.known().iter().enumerate() {
         let Some(name) = known.unknown.name.strip_prefix(&prefix) else { continue };

@@ -43,12 +43,14 @@ pub(super) struct Best {
     pub judgement: Option<Judgement>,
     /// Variance of the noise over that of white noise as large as stated.
     pub widening: f64,
+    /// χ² that its unknowns have to be worth.
+    pub price: f64,
     /// Others that do as well, the nearest first; empty where the best stands alone.
     pub members: Vec<(Member, Candidate)>,
 }
 
 /// Candidates fitted in full, at most.
-const SHORTLIST: usize = 8;
+const SHORTLIST: usize = 6;
 /// Share of the largest promised decrease from which on a candidate is fitted.
 const WORTH_FITTING: f64 = 0.3;
 /// Share of the false-alarm level that is left to shapes: they hear small errors of the setup, too, for
@@ -130,7 +132,7 @@ impl Entry {
     }
 
     fn falls_behind(&mut self, by: f64, leader: &str) {
-        self.reject(format!("it explains {by:.0} less of χ² than {leader}"));
+        self.reject(format!("for its unknowns it explains {by:.0} less of χ² than {leader}"));
     }
 
     /// What the fit found of its strength.
@@ -211,8 +213,11 @@ fn fit_all(
     })
 }
 
-/// Takes the one that fits best, and those that fit as well, if that is more than noise would give and what
-/// was locked away does not speak against it.
+/// Takes the one that fits best for its unknowns, and those that fit as well, if that is more than noise would
+/// give and what was locked away does not speak against it.
+///
+/// An unknown has to be worth `ln n` of χ², with as many independent samples n as the noise leaves: Schwarz
+/// (1978), Annals of Statistics 6, 461-464.
 fn choose(
     shortlist: &mut [Entry],
     problem: &Problem,
@@ -221,53 +226,70 @@ fn choose(
     before: Option<&Judgement>,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Heard, CalibrateError> {
-    let cost = |entry: &Entry| entry.refit.as_ref().map_or(f64::INFINITY, |refit| refit.cost);
-    shortlist.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-    let Some((lead, others)) = shortlist.split_first_mut() else { return Ok(Heard::Stranger) };
-    let Some(refit) = lead.refit.clone() else { return Ok(Heard::Stranger) };
+    let widening = scores.widening;
+    let series = fit.found.at.carried.blocks.iter().flatten();
+    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / widening;
+    let price = |refit: &Refit| refit.unknowns as f64 * samples.max(1.0).ln();
+    let worth = |refit: &Refit| 2.0 * refit.cost / widening + price(refit);
+    let of = |entry: &Entry| entry.refit.as_ref().map_or(f64::INFINITY, worth);
+    shortlist.sort_by(|a, b| of(a).total_cmp(&of(b)));
+    let Some(best) = shortlist.first().and_then(|entry| entry.refit.as_ref()) else {
+        return Ok(Heard::Stranger);
+    };
     // The null may have a better minimum where the effect has led.
-    let again = Joint::follow(problem, &refit.known, &|_| ())?;
+    let again = Joint::follow(problem, &best.known, &|_| ())?;
     let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
-    let decrease = |cost: f64| 2.0 * (null - cost) / scores.widening;
-    let most = decrease(refit.cost);
-    lead.realised = Some(most);
-    let least = others.iter().filter_map(|other| other.rough).chain(lead.rough).fold(f64::INFINITY, f64::min);
-    let mut members = Vec::new();
-    for other in others {
-        let Some(cost) = other.refit.as_ref().map(|refit| refit.cost) else {
-            let behind = other.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - least) / scores.widening);
-            other.falls_behind(behind, lead.candidate.name());
+    let (least, leader) = (worth(best), shortlist[0].candidate.name());
+    let roughest = shortlist.iter().filter_map(|entry| entry.rough).fold(f64::INFINITY, f64::min);
+    for entry in shortlist.iter_mut() {
+        let Some(refit) = &entry.refit else {
+            let behind = entry.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - roughest) / widening);
+            entry.falls_behind(behind, leader);
             continue;
         };
-        other.realised = Some(decrease(cost));
-        let behind = most - decrease(cost);
-        if other.strength().is_none_or(|strength| strength == other.candidate.off) {
-            other.reject("fitted in full it vanishes");
+        let behind = worth(refit) - least;
+        entry.realised = Some(2.0 * (null - refit.cost) / widening);
+        if entry.strength().is_none_or(|strength| strength == entry.candidate.off) {
+            entry.reject("fitted in full it vanishes");
         } else if behind >= LEAD {
-            other.falls_behind(behind, lead.candidate.name());
-        } else {
-            let effect = other.candidate.name().to_owned();
-            let member = Member { effect, behind, distance: apart(lead, other, scores) };
-            members.push((member, other.candidate.clone()));
+            entry.falls_behind(behind, leader);
         }
     }
-    members.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+    let most = shortlist.iter().filter_map(|entry| entry.realised).fold(0.0, f64::max);
     let noise = scores.threshold.powi(2);
     if most < noise {
-        lead.reject(format!("fitted in full it explains {most:.1} of χ², and noise {noise:.1}"));
+        let words = format!("fitted in full the best explains {most:.1} of χ², and noise {noise:.1}");
+        shortlist.iter_mut().for_each(|entry| entry.reject(words.clone()));
         return Ok(Heard::Nothing);
     }
-    let judgement = judge(&refit.problem, &refit.known, tell)?;
-    lead.held_out = match (before, &judgement) {
-        (Some(before), Some(after)) => Some(2.0 * (before.cost - after.cost) / scores.widening),
-        _ => None,
-    };
-    if lead.held_out.is_some_and(|decrease| decrease < -WORSE) {
-        lead.reject("what was locked away is worse off with it");
-        return Ok(Heard::Stranger);
+    // Equals are judged in turn until one stands.
+    for lead in 0..shortlist.len() {
+        let entry = &mut shortlist[lead];
+        let Some(refit) = entry.refit.clone().filter(|_| entry.rejected.is_none()) else { continue };
+        let judgement = judge(&refit.problem, &refit.known, refit.cost, tell)?;
+        entry.held_out = match (before, &judgement) {
+            (Some(before), Some(after)) => Some(2.0 * (before.cost - after.cost) / widening),
+            _ => None,
+        };
+        if entry.held_out.is_some_and(|decrease| decrease < -WORSE) {
+            entry.reject("what was locked away is worse off with it");
+            continue;
+        }
+        let lead = &shortlist[lead];
+        let equals = shortlist.iter().filter(|entry| entry.rejected.is_none());
+        let others = equals.filter(|entry| entry.candidate.name() != lead.candidate.name());
+        let member = |other: &Entry| {
+            let effect = other.candidate.name().to_owned();
+            let behind = of(other) - worth(&refit);
+            let distance = apart(lead, other, scores);
+            (Member { effect, behind, distance }, other.candidate.clone())
+        };
+        let mut members: Vec<(Member, Candidate)> = others.map(member).collect();
+        members.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+        let (candidate, price) = (lead.candidate.clone(), price(&refit));
+        return Ok(Heard::Effect(Box::new(Best { candidate, refit, judgement, widening, price, members })));
     }
-    let (candidate, widening) = (lead.candidate.clone(), scores.widening);
-    Ok(Heard::Effect(Box::new(Best { candidate, refit, judgement, widening, members })))
+    Ok(Heard::Stranger)
 }
 
 /// Distance of two traces at the strength of the first, standard deviations of the noise as it is.
