@@ -32,6 +32,8 @@ pub struct Plan {
     pub duration: f64,
     /// Samples a second.
     pub rate: f64,
+    /// How long the held rod is seen before each release, s.
+    pub hold: f64,
     /// Markers on the body, as shares of the active length, beside the tip's.
     pub body: Vec<f64>,
     /// What the tracker adds and loses.
@@ -133,6 +135,7 @@ impl Plan {
             clamp_follows: true,
             duration: 8.0,
             rate: 100.0,
+            hold: 0.0,
             body: Vec::new(),
             tracker: Tracker::usual(0.3e-3),
             priors: Priors::default(),
@@ -193,8 +196,9 @@ impl Plan {
         let held = angle - base + self.priors.hold_angle * random.normal();
         let late = self.priors.instant * random.normal();
         let first = random.share() / self.rate;
-        let count = ((self.duration - first) * self.rate) as usize;
-        let after: Vec<f64> = (0..count).map(|k| first + k as f64 / self.rate).collect();
+        let held_samples = (self.hold * self.rate).round();
+        let count = ((self.duration - first) * self.rate) as usize + held_samples as usize;
+        let after: Vec<f64> = (0..count).map(|k| first + (k as f64 - held_samples) / self.rate).collect();
 
         let specimen = Specimen::new(beam, &self.hidden, &occasion);
         let motion = Motion::let_go(&specimen, held, self.duration, self.numerics.tolerance);

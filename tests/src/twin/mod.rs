@@ -9,7 +9,7 @@
 //! `beam` → `motion` → `session` (a hand raises and lets go, six times) → `sensor` (what cameras make
 //! of it) → a [`Recording`](sim::recording::Recording), or `direct` to releases without any cleaning.
 //! For diagnosis, `hidden` effects make a beam a `specimen`, and a plan and a seed an experiment with it:
-//! `drawn`.
+//! `drawn`, and `lab` writes it as files.
 
 use models::muscle::{AtPressure, Extrapolation, Muscle};
 
@@ -19,6 +19,7 @@ pub mod direct;
 pub mod drawn;
 pub mod element;
 pub mod hidden;
+pub mod lab;
 pub mod motion;
 pub mod random;
 pub mod rest;

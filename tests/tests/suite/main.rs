@@ -46,5 +46,6 @@ mod twin {
     mod hidden;
     mod hidden_at_rest;
     mod hidden_swings;
+    mod lab;
     mod recording;
 }
