@@ -97,8 +97,16 @@ pub fn diagnose(
                 (current, known) = (best.refit.problem.clone(), best.refit.known.clone());
                 added.push(best);
             }
+            Heard::Effect(best) => {
+                diagnosis.warnings.push(format!(
+                    "{} would come next, and is not in the repaired model: --most {} ends the search here",
+                    best.candidate.name(),
+                    settings.most_effects
+                ));
+                break;
+            }
             Heard::Nothing if !is_shaped => break,
-            _ => {
+            Heard::Nothing | Heard::Stranger => {
                 diagnosis.verdict = Verdict::Unknown;
                 break;
             }
@@ -134,7 +142,7 @@ pub fn diagnose(
     if diagnosis.verdict != Verdict::Unknown && !added.is_empty() {
         diagnosis.verdict = if diagnosis.members.is_empty() { Verdict::Named } else { Verdict::Class };
     }
-    diagnosis.warnings = words::warnings(problem);
+    diagnosis.warnings.extend(words::warnings(problem));
     diagnosis.warnings.extend(words::strained(&known));
     set(&mut current, &known);
     diagnosis.summary = words::summary(&diagnosis);

@@ -68,6 +68,9 @@ pub(super) struct Scores {
     pub widening: f64,
 }
 
+/// Residuals may be quieter than the stated noise by this share of its variance; below that what they say is
+/// of mesh and step.
+const QUIETEST: f64 = 0.25;
 /// Draws of the law of the largest score.
 const DRAWS: usize = 20_000;
 const SEED: u64 = 20_220_517;
@@ -106,12 +109,16 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
     let mut take = DMatrix::zeros(m, n + m);
     take.view_mut((0, 0), (m, n)).copy_from(&(-to_own.transpose()));
     take.view_mut((0, n), (m, m)).fill_with_identity();
-    let variance = &take * spread * take.transpose();
+    let mut variance = &take * spread * take.transpose();
     let is_own = |k: usize| gram[(k, k)] > subjects[columns[k].of].own * hessian[(n + k, n + k)];
     let mut widenings: Vec<f64> =
         (0..m).filter(|k| is_own(*k)).map(|k| variance[(k, k)] / gram[(k, k)]).collect();
     widenings.sort_by(f64::total_cmp);
-    let widening = widenings.get(widenings.len() / 2).copied().unwrap_or(1.0).max(1.0);
+    let seen = widenings.get(widenings.len() / 2).copied().unwrap_or(1.0);
+    if seen < QUIETEST {
+        variance *= QUIETEST / seen.max(f64::MIN_POSITIVE);
+    }
+    let widening = seen.max(1.0);
     let each: Vec<Score> = (0..subjects.len())
         .map(|c| {
             let own: Vec<usize> = (0..m).filter(|k| columns[*k].of == c && is_own(*k)).collect();
