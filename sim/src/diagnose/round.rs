@@ -99,7 +99,7 @@ struct Entry {
     /// Cost near its fit.
     rough: Option<f64>,
     refit: Option<Refit>,
-    /// Decrease of χ² when fitted.
+    /// Decrease of χ² when fitted, if only roughly.
     realised: Option<f64>,
     held_out: Option<f64>,
     rejected: Option<String>,
@@ -235,6 +235,7 @@ fn choose(
     for other in others {
         let Some(cost) = other.refit.as_ref().map(|refit| refit.cost) else {
             let behind = other.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - least) / scores.widening);
+            other.realised = Some(most - behind).filter(|decrease| decrease.is_finite());
             other.falls_behind(behind, lead.candidate.name());
             continue;
         };
