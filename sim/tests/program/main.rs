@@ -3,6 +3,7 @@
 mod bench;
 mod calibrate;
 mod cli;
+mod diagnose;
 mod experiment;
 mod inspect;
 #[cfg(feature = "rerun")]
