@@ -90,7 +90,7 @@ fn gap(gaps: &[Gap]) -> Picture {
     Picture {
         name: "gap".to_owned(),
         title: "Gap between simulation and recordings".to_owned(),
-        caption: "Root mean square distance of each release over its noise: 1 is noise alone. Below the line: releases that were locked away, which took no part and judge what was found.".to_owned(),
+        caption: "Root mean square distance of each release over its noise: 1 is noise alone. Below the line: releases that were locked away, which took no part and judge what was found. Samples that are held back do not count.".to_owned(),
         svg,
     }
 }
