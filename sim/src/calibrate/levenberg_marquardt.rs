@@ -64,9 +64,11 @@ pub struct Solution<T> {
     pub converged: bool,
 }
 
-/// Steps one after another that are refused or gain less than the tolerance, after which no step helps: what
-/// is left is the noise of the evaluation itself, or of its slopes. The second is for a search that is
-/// followed by another.
+/// Steps refused one after another, after which no step helps: what is left is the noise of the evaluation
+/// itself, or of its slopes.
+const MOST_REFUSED: usize = 6;
+/// The same of steps that gain less than the tolerance, whatever was refused in between. The second is for a
+/// search that is followed by another.
 const MOST_IDLE: usize = 6;
 const MOST_IDLE_FOLLOWED: usize = 2;
 /// Usual damping of the first step, and that of a search that begins near its end.
@@ -102,14 +104,15 @@ pub fn minimise<T>(
     // Where the slopes were taken.
     let mut home = lent.is_none().then(|| x.clone());
     let mut diagonal = DVector::zeros(x.len());
-    let (mut damping, mut growth, mut idle) = (search.first_damping, 2.0, 0);
+    let (mut damping, mut growth, mut refused, mut idle) = (search.first_damping, 2.0, 0, 0);
     let most_idle = if search.is_followed { MOST_IDLE_FOLLOWED } else { MOST_IDLE };
     loop {
         widen(&mut diagonal, &at.hessian);
         let (_, predicted) = step(&at, &x, &diagonal, LEAST_DAMPING, search, false);
         let tolerance = search.tolerance.max(search.relative * at.cost);
         let converged = predicted <= tolerance;
-        let is_over = converged || idle >= most_idle || evaluations >= search.most_evaluations;
+        let is_stuck = refused >= MOST_REFUSED || idle >= most_idle;
+        let is_over = converged || is_stuck || evaluations >= search.most_evaluations;
         let is_home = home.as_ref().is_some_and(|home| {
             let moved = &x - home;
             moved.dot(&(&at.hessian * &moved)) < 1.0
@@ -132,12 +135,12 @@ pub fn minimise<T>(
                         home = Some(x.clone());
                     }
                     damping *= f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3));
-                    growth = 2.0;
+                    (growth, refused) = (2.0, 0);
                 }
                 _ if are_own => {
                     damping *= growth;
                     growth *= 2.0;
-                    idle += 1;
+                    refused += 1;
                 }
                 _ => {}
             }

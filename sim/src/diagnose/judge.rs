@@ -5,6 +5,7 @@
 //! give way. The gap that is shown is another one: everything that all releases share is held as it was found,
 //! and only what belongs to a pressure or a release is fitted to them.
 
+use super::curve::{Path, paths};
 use super::set;
 use super::verdict::Gap;
 use crate::calibrate::joint::{Joint, Known};
@@ -16,6 +17,8 @@ pub(super) struct Judgement {
     pub cost: f64,
     /// Of each release: its name, root mean square distance in mm and over the noise, noise in mm.
     pub gaps: Vec<(String, f64, f64, f64)>,
+    /// Of each release and track: what was seen, and what is predicted.
+    pub paths: Vec<Path>,
 }
 
 /// Judges by what was locked away a model whose fit of the others cost `fitted`; none where nothing was, or
@@ -71,7 +74,8 @@ pub(super) fn judgement(fit: &Joint) -> Judgement {
         let name = fit.objective.part.members[r].release.name.clone();
         (name, 1e3 * (distance / n).sqrt(), (squares / n).sqrt(), 1e3 * noise / n)
     };
-    Judgement { cost: fit.cost(), gaps: (0..fit.found.view.loss.len()).map(of_release).collect() }
+    let gaps = (0..fit.found.view.loss.len()).map(of_release).collect();
+    Judgement { cost: fit.cost(), gaps, paths: paths(fit) }
 }
 
 /// Gaps before and after, of the same releases.

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::columns::{Column, in_noise};
 use super::score::{Subject, scores};
+use super::swing::{share_of_largest, swing};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
 use crate::experiment::release::Point;
@@ -85,12 +86,6 @@ const SIZE: f64 = 1e-3;
 /// Share of a shape's square that must be left: amplitude and phase are known to a few per cent.
 const OWN: f64 = 3e-3;
 
-/// Amplitude and phase of a release.
-struct Swing {
-    /// Of each sample: amplitude as a share of the largest of all releases, and phase, rad.
-    at: Vec<[f64; 2]>,
-}
-
 /// Scores all shapes at a fit whose predictions are given.
 pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm: f64) -> Vec<Shape> {
     let swings = swings(fit, off);
@@ -127,7 +122,13 @@ pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm:
 }
 
 /// Columns of a family: one for each hat, and for cosine and sine.
-fn of_family(fit: &Joint, off: &[Prediction], swings: &[Swing], of: usize, family: &Family) -> Vec<Column> {
+fn of_family(
+    fit: &Joint,
+    off: &[Prediction],
+    swings: &[Vec<[f64; 2]>],
+    of: usize,
+    family: &Family,
+) -> Vec<Column> {
     let members = &fit.objective.part.members;
     let pressures: Vec<f64> = members.iter().map(|trial| trial.release.pressure.unwrap_or(0.0)).collect();
     let mean = pressures.iter().sum::<f64>() / pressures.len() as f64;
@@ -140,7 +141,7 @@ fn of_family(fit: &Joint, off: &[Prediction], swings: &[Swing], of: usize, famil
     let quarters = if family.harmonic == 0 { 1 } else { 2 };
     let shape = |part: usize, r: usize, t: usize, k: usize| {
         let track = &members[r].release.tracks[t];
-        let [amplitude, phase] = swings[r].at[k];
+        let [amplitude, phase] = swings[r][k];
         let quarter = (part / HATS) as f64;
         let wave = (f64::from(family.harmonic) * phase - quarter * FRAC_PI_2).cos();
         let over_pressure = if family.over_pressure { (pressures[r] - mean) / widest } else { 1.0 };
@@ -183,37 +184,15 @@ fn hat(amplitude: f64, k: usize) -> f64 {
     (1.0 - (place.clamp(0.0, (HATS - 1) as f64) - k as f64).abs()).max(0.0)
 }
 
-/// Amplitude and phase of all releases, from the angle of the last track's point about the clamp.
-fn swings(fit: &Joint, off: &[Prediction]) -> Vec<Swing> {
+/// Amplitude, as a share of the largest of all releases, and phase of all samples, from the tip or else the
+/// last track.
+fn swings(fit: &Joint, off: &[Prediction]) -> Vec<Vec<[f64; 2]>> {
     let of_release = |r: usize| {
-        let trial = fit.objective.part.members[r];
-        let tip = trial.release.tracks.iter().position(|track| track.at == Point::Tip);
-        let path = &off[r].position[tip.unwrap_or(trial.release.tracks.len() - 1)];
-        let time = |k: usize| trial.release.time[fit.objective.measured[r].samples[k]];
-        let angle: Vec<f64> = path.iter().map(|[x, z]| z.atan2(*x)).collect();
-        let n = angle.len();
-        // The rest, about which the last tenth still swings.
-        let late = &angle[n - n.div_ceil(10)..];
-        let rest = late.iter().sum::<f64>() / late.len() as f64;
-        let rate = |k: usize| {
-            let (a, b) = (k.saturating_sub(1), (k + 1).min(n - 1));
-            (angle[b] - angle[a]) / (time(b) - time(a)).max(f64::MIN_POSITIVE)
-        };
-        let (mut squares, mut rates) = (0.0, 0.0);
-        for k in 0..n {
-            squares += (angle[k] - rest).powi(2);
-            rates += rate(k).powi(2);
-        }
-        let frequency = (rates / squares.max(f64::MIN_POSITIVE)).sqrt().max(f64::MIN_POSITIVE);
-        let of_sample = |k: usize| {
-            let (across, along) = (angle[k] - rest, -rate(k) / frequency);
-            [across.hypot(along), along.atan2(across)]
-        };
-        (0..n).map(of_sample).collect::<Vec<_>>()
+        let release = &fit.objective.part.members[r].release;
+        let time: Vec<f64> = fit.objective.measured[r].samples.iter().map(|k| release.time[*k]).collect();
+        swing(&time, &off[r].position[release.leading_track()])
     };
-    let all: Vec<Vec<[f64; 2]>> = (0..off.len()).map(of_release).collect();
-    let largest = all.iter().flatten().map(|[amplitude, _]| *amplitude).fold(f64::MIN_POSITIVE, f64::max);
-    let share =
-        |at: Vec<[f64; 2]>| Swing { at: at.into_iter().map(|[a, phase]| [a / largest, phase]).collect() };
-    all.into_iter().map(share).collect()
+    let mut all: Vec<Vec<[f64; 2]>> = (0..off.len()).map(of_release).collect();
+    share_of_largest(&mut all);
+    all
 }

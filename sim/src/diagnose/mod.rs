@@ -12,23 +12,28 @@
 
 mod candidate;
 mod columns;
+pub mod curve;
 mod idle;
 mod judge;
 pub mod localise;
+pub mod misfit;
 pub mod plan;
 mod planned;
 mod refit;
 mod round;
 mod score;
 mod section;
+mod swing;
 pub mod verdict;
 mod words;
 
 use crate::calibrate::joint::{Joint, Known};
 use crate::calibrate::{CalibrateError, Problem};
+pub use curve::Curve;
 pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
 
+use curve::curves;
 use idle::without_idle;
 use judge::{Judgement, gaps, judge, judgement};
 use planned::separation;
@@ -60,6 +65,9 @@ pub struct Outcome {
     pub diagnosis: Diagnosis,
     /// The problem with the effects in its models and all that was found set.
     pub repaired: Problem,
+    /// Each track of each release as it was measured, and as it is predicted before and after; first those
+    /// that were fitted.
+    pub curves: Vec<Curve>,
 }
 
 /// Finds what is missing; `tell` hears what is being done, from any thread.
@@ -78,13 +86,15 @@ pub fn diagnose(
     let locked_before = judge(problem, &baseline.known(), baseline.cost(), tell)?;
     let (mut current, mut known) = (problem.clone(), baseline.known());
     let mut added: Vec<Box<Best>> = Vec::new();
+    let mut after = None;
     for number in 1..=settings.most_effects + 1 {
         let followed = match added.is_empty() {
             true => None,
             false => Joint::follow(&current, &known, &|_| ())?,
         };
         let fit = followed.as_ref().unwrap_or(&baseline);
-        diagnosis.gap = gaps(&before, &judgement(fit), false);
+        let met = after.insert(judgement(fit));
+        diagnosis.gap = gaps(&before, met, false);
         diagnosis.effects = added.iter().map(|best| Added::of(fit, &best.candidate)).collect();
         let found = round(fit, &current, locked_by(&added, &locked_before), number, settings, tell)?;
         diagnosis.thresholds.push(found.threshold);
@@ -122,13 +132,18 @@ pub fn diagnose(
         }
         let judgement = judge(&lean.problem, &lean.known, lean.cost, tell)?;
         added.last_mut().expect("one is left").judgement = judgement;
-        diagnosis.gap = gaps(&before, &lean.judgement, false);
+        diagnosis.gap = gaps(&before, after.insert(lean.judgement), false);
         (diagnosis.effects, cost) = (lean.effects, lean.cost);
         (current, known) = (lean.problem, lean.known);
     }
     if let (Some(before), Some(after)) = (&locked_before, locked_by(&added, &locked_before)) {
         diagnosis.gap.extend(gaps(before, after, true));
     }
+    let fitted = after.as_ref().map(|after| (&before, after, false));
+    let locked = locked_before.as_ref().zip(locked_by(&added, &locked_before));
+    let locked = locked.map(|(before, after)| (before, after, true));
+    let curves = curves(&fitted.into_iter().chain(locked).collect::<Vec<_>>());
+    diagnosis.misfits = misfit::misfits(&curves);
     let ambiguous = added.iter().find(|best| !best.members.is_empty());
     if let Some(best) = ambiguous.filter(|_| diagnosis.verdict != Verdict::Unknown) {
         diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
@@ -146,7 +161,7 @@ pub fn diagnose(
     diagnosis.warnings.extend(words::strained(&known));
     set(&mut current, &known);
     diagnosis.summary = words::summary(&diagnosis);
-    Ok(Outcome { diagnosis, repaired: current })
+    Ok(Outcome { diagnosis, repaired: current, curves })
 }
 
 /// How the model with all that was added meets what was locked away.

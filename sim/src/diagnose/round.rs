@@ -101,7 +101,7 @@ struct Entry {
     /// Cost near its fit.
     rough: Option<f64>,
     refit: Option<Refit>,
-    /// Decrease of χ² when fitted.
+    /// Decrease of χ² when fitted, if only roughly.
     realised: Option<f64>,
     held_out: Option<f64>,
     rejected: Option<String>,
@@ -240,10 +240,12 @@ fn choose(
     let again = Joint::follow(problem, &best.known, &|_| ())?;
     let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
     let (least, leader) = (worth(best), shortlist[0].candidate.name());
+    let most = 2.0 * (null - best.cost) / widening;
     let roughest = shortlist.iter().filter_map(|entry| entry.rough).fold(f64::INFINITY, f64::min);
     for entry in shortlist.iter_mut() {
         let Some(refit) = &entry.refit else {
             let behind = entry.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - roughest) / widening);
+            entry.realised = entry.rough.map(|_| most - behind);
             entry.falls_behind(behind, leader);
             continue;
         };
@@ -255,7 +257,6 @@ fn choose(
             entry.falls_behind(behind, leader);
         }
     }
-    let most = shortlist.iter().filter_map(|entry| entry.realised).fold(0.0, f64::max);
     let noise = scores.threshold.powi(2);
     if most < noise {
         let words = format!("fitted in full the best explains {most:.1} of χ², and noise {noise:.1}");

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::localise::Shape;
+use super::misfit::Misfit;
 
 /// The answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,6 +41,8 @@ pub struct Diagnosis {
     pub false_alarm: f64,
     /// Score that a candidate has to exceed, by round.
     pub thresholds: Vec<f64>,
+    /// What the simulation does wrong before anything is added, the largest first.
+    pub misfits: Vec<Misfit>,
     /// What the residual looks like in each round, whatever its cause.
     pub shapes: Vec<Shape>,
     /// What was locked away, by name of the release.
@@ -108,7 +111,7 @@ pub struct Evidence {
     pub score: f64,
     /// Promised decrease of χ².
     pub predicted_decrease: f64,
-    /// Decrease of χ² when it was fitted; none where it was not.
+    /// Decrease of χ² when it was fitted, roughly where it came not near the best; none where it was not.
     pub realised_decrease: Option<f64>,
     /// Its strength: the fitted one, or else the promised one; SI.
     pub strength: f64,

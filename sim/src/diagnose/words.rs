@@ -2,54 +2,260 @@
 
 use std::fmt::Write;
 
-use models::effects::CATALOGUE;
+use models::effects::{CATALOGUE, by_name};
 
 use super::localise::Shape;
+use super::misfit::{BANDS, Misfit, Wrong};
 use super::section::{LEAST_NOISE, TILT};
-use super::verdict::{Diagnosis, Verdict};
+use super::verdict::{Added, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Known;
-use crate::results::report::significant;
+use crate::results::report::{short, significant};
 
-/// One paragraph for a person.
+/// One paragraph for a person; each part of it is there only where numbers stand behind it.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
-    let names =
-        || diagnosis.effects.iter().map(|added| added.effect.as_str()).collect::<Vec<_>>().join(" and ");
-    match diagnosis.verdict {
-        Verdict::NothingMissing => {
-            "Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise does.".to_owned()
-        }
-        Verdict::Named => format!("{} is missing.", names()),
+    let misfit = || wrong(&diagnosis.misfits);
+    let sentences: Vec<Option<String>> = match diagnosis.verdict {
+        Verdict::NothingMissing => vec![
+            Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise does.".to_owned()),
+            apart(diagnosis),
+        ],
+        Verdict::Named => vec![
+            misfit(),
+            Some(named(diagnosis, "")),
+            removed(diagnosis),
+            next_best(diagnosis),
+            judged(diagnosis),
+        ],
         Verdict::Class => {
-            let others: Vec<_> = diagnosis.members.iter().map(|member| member.effect.as_str()).collect();
-            let mut words =
-                format!("{} is missing, or what does the same to these recordings: {}.", names(), others.join(", "));
-            if let Some(separation) = &diagnosis.separating_experiment {
-                let _ = write!(
-                    words,
-                    " To tell them apart, record {}: that takes the distance of the nearest two from {:.1} to {:.1} standard deviations.",
-                    separation.what, separation.distance_now, separation.distance
-                );
-            }
-            words
+            let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
+            let others = format!(", or what does the same to these recordings ({})", others.join(", "));
+            vec![
+                misfit(),
+                Some(named(diagnosis, &others)),
+                removed(diagnosis),
+                next_best(diagnosis),
+                judged(diagnosis),
+                diagnosis.separating_experiment.as_ref().map(to_tell_apart),
+            ]
         }
-        Verdict::Unknown => {
-            let mut words = "Something is missing that the catalogue does not hold.".to_owned();
-            if !diagnosis.effects.is_empty() {
-                let _ = write!(words, " {} describes a part of it, and need not be its cause.", names());
-            }
-            if let Some(shape) = loudest(diagnosis) {
-                let _ = write!(
-                    words,
-                    " What is left looks like this: {}, by {:.2} mm at the tip, mostly at {:.0} % of the largest amplitude.",
-                    shape.what,
-                    shape.size_mm,
-                    100.0 * shape.at_amplitude
-                );
-            }
-            words
-        }
+        Verdict::Unknown => vec![
+            Some("Something is missing that the catalogue does not hold.".to_owned()),
+            misfit(),
+            partly(diagnosis),
+            loudest(diagnosis).map(look),
+            apart(diagnosis),
+        ],
+    };
+    sentences.into_iter().flatten().collect::<Vec<_>>().join(" ")
+}
+
+/// A parameter's name as a person says it.
+fn plain(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// An effect as a person calls it: as its page begins, `Air drag on the body: …`.
+fn called(effect: &str) -> String {
+    let page = by_name(effect).map(|effect| effect.page());
+    let title = page.as_deref().and_then(|page| page.split_once(':'));
+    let Some((title, _)) = title else { return plain(effect) };
+    let mut letters = title.chars();
+    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+}
+
+fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn names(diagnosis: &Diagnosis) -> String {
+    let names: Vec<_> = diagnosis.effects.iter().map(|added| called(&added.effect)).collect();
+    capitalised(&listed(&names))
+}
+
+/// One, two and three.
+fn listed(words: &[String]) -> String {
+    match words {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        words => words.concat(),
     }
+}
+
+/// Share of the size of the largest misfit from which on another is worth words.
+const ALSO: f64 = 0.3;
+
+/// What the simulation does wrong: the largest misfit, and another beside it.
+fn wrong(misfits: &[Misfit]) -> Option<String> {
+    let first = misfits.first()?;
+    let where_and_when = |misfit: &Misfit| {
+        let [low, high] = misfit.amplitudes.map(|share| 100.0 * share);
+        let (size, range) = match (low, high) {
+            (_, 100.0..) => ("large", format!("above {low:.0} %")),
+            (low, _) if low <= 100.0 * BANDS[BANDS.len() - 1][0] => ("small", format!("below {high:.0} %")),
+            _ => ("middle", format!("{low:.0} to {high:.0} %")),
+        };
+        format!("at {size} swings ({range} of the largest amplitude)")
+    };
+    let mut words = format!("The simulation {} {}", does(first.what), where_and_when(first));
+    let (own, there) = (first.pressures_pa.len(), first.pressures_there_pa.len());
+    if own > 1 && own == there {
+        words += ", at all pressures";
+    } else if own > 0 && own < there {
+        let kilo = |pressure: &f64| format!("{:.0}", 1e-3 * pressure);
+        let own: Vec<_> = first.pressures_pa.iter().map(kilo).collect();
+        let _ = write!(words, ", most clearly at {} kPa", listed(&own));
+    }
+    let [cycles, before] = first.cycles;
+    if before < 1.0 {
+        let _ = write!(words, ", in the first {cycles:.0} cycles");
+    } else {
+        let _ = write!(words, ", from cycle {:.0} to {:.0}", before + 1.0, before + cycles);
+    }
+    let another = misfits[1..].iter().find(|other| other.size_mm > ALSO * first.size_mm);
+    if let Some(other) = another {
+        let _ = match other.amplitudes == first.amplitudes {
+            true => write!(words, "; there it also {}", does(other.what)),
+            false => write!(words, "; it {} {}", does(other.what), where_and_when(other)),
+        };
+    }
+    Some(words + ".")
+}
+
+fn does(what: Wrong) -> &'static str {
+    match what {
+        Wrong::LosesEnergyTooSlowly => "loses energy too slowly",
+        Wrong::LosesEnergyTooFast => "loses energy too fast",
+        Wrong::SwingsTooSlowly => "swings too slowly",
+        Wrong::SwingsTooFast => "swings too fast",
+    }
+}
+
+/// Values of an effect that are told in a sentence, at most.
+const TOLD: usize = 3;
+
+/// What is missing, with its values.
+fn named(diagnosis: &Diagnosis, or: &str) -> String {
+    let is = if diagnosis.effects.len() > 1 { "are" } else { "is" };
+    let values: Vec<String> = diagnosis.effects.iter().filter_map(values).collect();
+    let values = if values.is_empty() { String::new() } else { format!(": {}", values.join("; ")) };
+    format!("{} {is} missing{or}{values}.", names(diagnosis))
+}
+
+/// The values of an effect; nothing where there are too many for a sentence.
+fn values(added: &Added) -> Option<String> {
+    let told = |value: &Value| {
+        let of = value.of.as_ref().map_or(String::new(), |of| format!(" of {of}"));
+        let number = format!("{} {}", short(value.value), value.unit);
+        let interval = match value.interval_95 {
+            Some([low, high]) => {
+                format!(" (95 % interval {} to {})", short(low), short(high))
+            }
+            None => " (not fitted)".to_owned(),
+        };
+        format!("{}{of} {}{interval}", plain(&value.name), number.trim_end())
+    };
+    let few = (1..=TOLD).contains(&added.parameters.len());
+    few.then(|| listed(&added.parameters.iter().map(told).collect::<Vec<_>>()))
+}
+
+/// Share of the square of the gap beyond the noise below which there is nothing to remove.
+const NOTHING_TO_REMOVE: f64 = 0.02;
+
+/// Share of what noise does not explain that is gone with the effects, over what was fitted.
+fn share_removed(diagnosis: &Diagnosis) -> Option<f64> {
+    let fitted: Vec<&Gap> = diagnosis.gap.iter().filter(|gap| !gap.held_out).collect();
+    let sum = |of: fn(&Gap) -> f64| fitted.iter().map(|gap| of(gap)).sum::<f64>();
+    let beyond = sum(|gap| gap.before.powi(2) - 1.0);
+    let is_there = beyond > NOTHING_TO_REMOVE * fitted.len() as f64;
+    is_there.then(|| sum(|gap| gap.before.powi(2) - gap.after.powi(2)) / beyond)
+}
+
+fn percent(share: f64) -> String {
+    if share >= 0.995 { "all".to_owned() } else { format!("{:.0} %", 100.0 * share) }
+}
+
+fn removed(diagnosis: &Diagnosis) -> Option<String> {
+    let share = share_removed(diagnosis).filter(|share| *share > 0.0)?;
+    let it = if diagnosis.effects.len() > 1 { "They explain" } else { "It explains" };
+    Some(format!("{it} {} of what noise does not.", percent(share)))
+}
+
+/// What the next best effect would explain in the place of the one that was added.
+fn next_best(diagnosis: &Diagnosis) -> Option<String> {
+    let [only] = &diagnosis.effects[..] else { return None };
+    let first = || diagnosis.evidence.iter().filter(|evidence| evidence.round == 1);
+    let own = first().find(|evidence| evidence.effect == only.effect)?.realised_decrease?;
+    let is_other = |evidence: &&Evidence| {
+        evidence.effect != only.effect
+            && diagnosis.members.iter().all(|member| member.effect != evidence.effect)
+    };
+    let kept = first().filter(is_other).filter_map(|other| Some((other, other.realised_decrease?)));
+    let (next, kept) = kept.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let share = share_removed(diagnosis)?.min(1.0) * kept / own;
+    (share >= 0.005).then(|| {
+        format!("{}, the next best, would explain {}.", capitalised(&called(&next.effect)), percent(share))
+    })
+}
+
+/// Root mean square of a gap over releases.
+fn mean(gaps: &[&Gap], of: fn(&Gap) -> f64) -> f64 {
+    (gaps.iter().map(|gap| of(gap).powi(2)).sum::<f64>() / gaps.len() as f64).sqrt()
+}
+
+/// What the releases say that were locked away.
+fn judged(diagnosis: &Diagnosis) -> Option<String> {
+    let locked: Vec<&Gap> = diagnosis.gap.iter().filter(|gap| gap.held_out).collect();
+    if locked.is_empty() {
+        return None;
+    }
+    let (before, after) = (mean(&locked, |gap| gap.before), mean(&locked, |gap| gap.after));
+    Some(match after < before {
+        true => format!(
+            "What was locked away agrees: there the gap falls from {before:.2} to {after:.2} of the noise."
+        ),
+        false => format!(
+            "What was locked away does not agree: there the gap goes from {before:.2} to {after:.2} of the noise."
+        ),
+    })
+}
+
+/// How far simulation and recordings are apart in the end.
+fn apart(diagnosis: &Diagnosis) -> Option<String> {
+    let all: Vec<&Gap> = diagnosis.gap.iter().collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "Simulation and recordings are {:.2} of the noise apart, 1 being noise alone.",
+            mean(&all, |gap| gap.after)
+        )
+    })
+}
+
+fn to_tell_apart(separation: &Separation) -> String {
+    format!(
+        "To tell them apart, record {}: that takes the distance of the nearest two from {:.1} to {:.1} standard deviations.",
+        separation.what, separation.distance_now, separation.distance
+    )
+}
+
+/// What was added on the way to an unknown.
+fn partly(diagnosis: &Diagnosis) -> Option<String> {
+    if diagnosis.effects.is_empty() {
+        return None;
+    }
+    let share = share_removed(diagnosis).filter(|share| *share > 0.0);
+    let share = share.map_or("a part".to_owned(), percent);
+    let describes = if diagnosis.effects.len() > 1 { "describe" } else { "describes" };
+    Some(format!("{} {describes} {share} of it, and need not be its cause.", names(diagnosis)))
+}
+
+fn look(shape: &Shape) -> String {
+    format!(
+        "What is left looks like this: {}, by {:.2} mm at the tip, mostly at {:.0} % of the largest amplitude.",
+        shape.what,
+        shape.size_mm,
+        100.0 * shape.at_amplitude
+    )
 }
 
 /// The shape that stands out most in the last round, if one does.
@@ -137,3 +343,6 @@ pub(super) fn warnings(problem: &Problem) -> Vec<String> {
     }
     words
 }
+
+#[cfg(test)]
+mod tests;

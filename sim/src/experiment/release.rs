@@ -20,6 +20,14 @@ pub struct Release {
     pub held_out: bool,
 }
 
+impl Release {
+    /// Place of the track by which the swing is followed: the tip, or else the last one.
+    pub(crate) fn leading_track(&self) -> usize {
+        let tip = self.tracks.iter().position(|track| track.at == Point::Tip);
+        tip.unwrap_or(self.tracks.len().saturating_sub(1))
+    }
+}
+
 /// The path of one observed point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {

@@ -2,11 +2,15 @@
 //!
 //! ```text
 //! outputs/<UTC>_<name>_<hash8>/
-//!   diagnosis.json         the verdict with its evidence
+//!   report.html            the verdict with its evidence for people: one page with all pictures in it
+//!   diagnosis.json         the same for programs
+//!   gap.svg, residual-01.svg …, swing.svg, shapes.svg, candidates-1.svg …    the pictures
 //!   repaired-1.toml …      a scenario for each release, with the effects in its model: `efam simulate`
 //!   experiment.toml        the experiment as it was read
 //!   summary.json           the verdict alone, and by which command
 //! ```
+
+mod page;
 
 use std::fmt::Write;
 use std::time::SystemTime;
@@ -15,6 +19,7 @@ use serde_json::json;
 
 use super::calibrated::EXPERIMENT;
 use super::folder::{self, Folder, MARK};
+use super::picture::diagnosed;
 use super::report::significant;
 use super::{Request, ResultsError};
 use crate::diagnose::plan::Prospect;
@@ -24,6 +29,8 @@ use crate::scenario::resolved::plain;
 
 /// The verdict.
 pub const DIAGNOSIS: &str = "diagnosis.json";
+/// The page.
+pub const REPORT: &str = "report.html";
 
 /// Writes a diagnosis into an open folder; `request.resolved_scenario` is the experiment's text.
 /// # Errors
@@ -42,6 +49,11 @@ pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) ->
         let text = plain(&head, &trial.release.name, &trial.model, duration);
         folder.write(&format!("repaired-{}.toml", k + 1), text.as_bytes())?;
     }
+    let (pictures, written) = (diagnosed(diagnosis, &outcome.curves), SystemTime::now());
+    for picture in &pictures {
+        folder.write(&format!("{}.svg", picture.name), picture.svg.as_bytes())?;
+    }
+    folder.write(REPORT, page::page(request, outcome, &pictures, written).as_bytes())?;
     let mark = json!({
         "kind": "diagnosis",
         "name": request.name,
@@ -52,7 +64,7 @@ pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) ->
         "inputs_sha256": request.input_hashes,
         "argv": request.argv,
         "wall_time_s": request.wall_time_s,
-        "written_utc": folder::utc(SystemTime::now()),
+        "written_utc": folder::utc(written),
     });
     folder.write(MARK, format!("{mark:#}\n").as_bytes())
 }

@@ -16,6 +16,7 @@ pub mod diagnosed;
 mod error;
 pub mod experiment;
 pub mod folder;
+pub mod page;
 pub mod picture;
 pub mod report;
 pub mod rest;

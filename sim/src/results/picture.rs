@@ -1,6 +1,8 @@
 //! Pictures of runs, as SVG: readable without colour, and told apart by those who see few.
 
 mod calibrated;
+mod diagnosed;
+mod diagnosed_residual;
 mod measured;
 mod panel;
 mod pressures;
@@ -21,6 +23,7 @@ use crate::trajectory::{Status, Trajectory};
 use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
 
 pub use calibrated::{calibrated, over_pressure};
+pub use diagnosed::diagnosed;
 pub use measured::measured;
 pub use pressures::{PressureRow, pressures};
 pub use recording::recording;
@@ -40,6 +43,19 @@ const SHAPES: usize = 24;
 const ENERGY_SWINGS: f64 = 6.0;
 /// Time over which the height is drawn, in times of settling to 2 %.
 const SETTLED_TIMES: f64 = 1.5;
+
+/// A picture with what it shows in words.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Name of its file, without the ending.
+    pub name: String,
+    /// What it shows.
+    pub title: String,
+    /// How to read it.
+    pub caption: String,
+    /// As SVG.
+    pub svg: String,
+}
 
 /// What the picture of a run shows.
 #[derive(Clone, Copy)]

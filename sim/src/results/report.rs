@@ -185,6 +185,14 @@ pub(crate) fn significant(value: f64, digits: i32) -> String {
     unsigned_zero(format!("{:.decimals$}", (value / unit).round() * unit))
 }
 
+/// A number with three digits that count, with an exponent where it is very small or large.
+pub(crate) fn short(value: f64) -> String {
+    match value.abs() {
+        size if size > 0.0 && !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),
+        _ => significant(value, 3),
+    }
+}
+
 fn unsigned_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),

@@ -15,7 +15,7 @@ const SIGMA: f64 = 5e-5;
 /// Time of the release on the recording's clock, s.
 const INSTANT: f64 = 1.0;
 
-fn scenario() -> String {
+pub fn scenario() -> String {
     format!(
         "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n[rod]\nnodes = 16\n\
          bending_stiffness = \"{EI} N m^2\"\n[run]\nduration = \"3 s\"\n\
@@ -24,13 +24,13 @@ fn scenario() -> String {
 }
 
 /// Losses are off by a half; the muscle's own EI, which the fit starts from, by a sixth.
-const EXPERIMENT: &str = "[muscle]\nname = \"garbulinski-2022\"\n[rod]\nnodes = 16\n\
+pub const EXPERIMENT: &str = "[muscle]\nname = \"garbulinski-2022\"\n[rod]\nnodes = 16\n\
     [effects.rayleigh_mass]\nalpha = \"1.8 1/s\"\n[effects.rayleigh_stiffness]\nbeta = \"4 ms\"\n\
     [[recording]]\nfile = \"15psi.csv\"\ntip = \"Tip\"\npressure = \"15 psi\"\nup = \"+z\"\nalong = \"+x\"\n\
     angle = \"0 deg\"\noffset = \"none\"\n[calibrate]\nmesh = \"kept\"\n";
 
 /// Times, and tips in the plane, of a run's own table.
-fn simulated(csv: &str) -> Vec<[f64; 3]> {
+pub fn simulated(csv: &str) -> Vec<[f64; 3]> {
     let mut lines = csv.lines();
     let names: Vec<&str> = lines.next().expect("names").split(',').collect();
     let columns = ["time_s", "tip_x_m", "tip_z_m"].map(|name| {
@@ -44,7 +44,7 @@ fn simulated(csv: &str) -> Vec<[f64; 3]> {
 }
 
 /// The run with a hold before it, and noise over both.
-fn recording(run: &[[f64; 3]]) -> String {
+pub fn recording(run: &[[f64; 3]]) -> String {
     let mut noise = Noise::new(3);
     let mut text = String::from("t_s,Tip_x_m,Tip_y_m,Tip_z_m\n");
     let hold = (0..100).map(|k| [0.01 * f64::from(k), run[0][1], run[0][2]]);

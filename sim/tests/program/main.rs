@@ -4,6 +4,7 @@ mod bench;
 mod calibrate;
 mod cli;
 mod diagnose;
+mod diagnosis_page;
 mod experiment;
 mod inspect;
 #[cfg(feature = "rerun")]

@@ -32,7 +32,7 @@ fn where_nothing_is_hidden_nothing_is_named() {
 #[test]
 fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
-    let Outcome { diagnosis: found, repaired } = diagnosed(&[hidden], 902, &Settings::default());
+    let Outcome { diagnosis: found, repaired, .. } = diagnosed(&[hidden], 902, &Settings::default());
     assert!(matches!(found.verdict, Verdict::Named | Verdict::Class), "{}", found.summary);
     let first = &found.effects[0];
     assert_eq!(first.effect, "viscoelastic", "{}", found.summary);

@@ -16,6 +16,7 @@ pub const SCALE: i32 = 4;
 const FONT: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
 const TITLE_SIZE: f64 = 19.0;
 const TEXT_SIZE: f64 = 16.0;
+const NOTE_SIZE: f64 = 13.0;
 /// Width of a character of text, roughly.
 const CHARACTER: f64 = 7.6;
 const MARGIN: f64 = 14.0;
@@ -66,19 +67,40 @@ impl Stroke {
 /// What a line or dot means.
 pub struct Key {
     stroke: Stroke,
-    dot: bool,
+    mark: Mark,
     text: String,
+}
+
+/// How what a key stands for is drawn.
+#[derive(Clone, Copy, PartialEq)]
+enum Mark {
+    Line,
+    Dot,
+    Ring,
+}
+
+/// One row of a panel of rows: its name, and a smaller line below it.
+pub struct Row {
+    /// What the row is about.
+    pub name: String,
+    /// What should be known of it; may be empty.
+    pub note: String,
 }
 
 impl Key {
     /// Of a line.
     pub fn line(stroke: Stroke, text: impl Into<String>) -> Self {
-        Self { stroke, dot: false, text: text.into() }
+        Self { stroke, mark: Mark::Line, text: text.into() }
     }
 
     /// Of dots.
     pub fn dot(stroke: Stroke, text: impl Into<String>) -> Self {
-        Self { stroke, dot: true, text: text.into() }
+        Self { stroke, mark: Mark::Dot, text: text.into() }
+    }
+
+    /// Of rings.
+    pub fn ring(stroke: Stroke, text: impl Into<String>) -> Self {
+        Self { stroke, mark: Mark::Ring, text: text.into() }
     }
 
     fn width(&self) -> f64 {
@@ -94,11 +116,7 @@ pub struct Panel<'a> {
 impl<'a> Panel<'a> {
     /// Axes with a title and a key above them.
     pub fn new(area: &Area<'a>, title: &str, x: &Axis, y: &Axis, keys: &[Key]) -> Drawn<Self> {
-        write(area, title, (LEFT + MARGIN, MARGIN), TITLE_SIZE, true, Pos::new(HPos::Left, VPos::Top))?;
-        for (key, (left, row)) in keys.iter().zip(places(area, keys)) {
-            let middle = MARGIN + TITLE_HEIGHT + KEY_HEIGHT * (row as f64 + 0.5);
-            draw_key(area, key, (left, middle))?;
-        }
+        head(area, title, keys)?;
         let mut chart = ChartBuilder::on(area)
             .margin_top(px(above(area, keys)))
             .margin_right(px(MARGIN))
@@ -106,7 +124,6 @@ impl<'a> Panel<'a> {
             .y_label_area_size(px(LEFT))
             .x_label_area_size(px(BELOW))
             .build_cartesian_2d(x.0.clone(), y.0.clone())?;
-        let hair = |gray: u8, width: f64| RGBColor(gray, gray, gray).stroke_width(px(width) as u32);
         chart
             .configure_mesh()
             .x_labels(9)
@@ -123,6 +140,58 @@ impl<'a> Panel<'a> {
             .y_desc(y.1)
             .draw()?;
         Ok(Self { chart })
+    }
+
+    /// Rows from top to bottom, the `k`-th at y = -k, with their names in a margin of that width; without
+    /// names in none.
+    pub fn rows(
+        area: &Area<'a>,
+        title: &str,
+        x: &Axis,
+        rows: &[Row],
+        names: f64,
+        keys: &[Key],
+    ) -> Drawn<Self> {
+        head(area, title, keys)?;
+        let y = 0.5 - rows.len() as f64..0.5;
+        let mut chart = ChartBuilder::on(area)
+            .margin_top(px(above(area, keys)))
+            .margin_right(px(MARGIN + 8.0))
+            .margin_left(px(MARGIN + names))
+            .x_label_area_size(px(BELOW))
+            .build_cartesian_2d(x.0.clone(), y.clone())?;
+        chart
+            .configure_mesh()
+            .x_labels(7)
+            .max_light_lines(0)
+            .disable_y_mesh()
+            .disable_y_axis()
+            .bold_line_style(hair(225, 0.8))
+            .axis_style(hair(0, 1.0))
+            .set_all_tick_mark_size(px(4.0))
+            .label_style((FONT, f64::from(px(TEXT_SIZE))).into_font())
+            .axis_desc_style((FONT, f64::from(px(TEXT_SIZE))).into_font())
+            .x_label_formatter(&|value| tick(*value))
+            .x_desc(x.1)
+            .draw()?;
+        let mut panel = Self { chart };
+        panel.line([(x.0.start, y.start), (x.0.start, y.end)].into_iter(), &Stroke::new(BLACK, 1.0))?;
+        for (k, row) in rows.iter().enumerate().filter(|_| names > 0.0) {
+            let at = (x.0.start, -(k as f64));
+            let has_note = !row.note.is_empty();
+            panel.margin(at, if has_note { -8.0 } else { 0.0 }, TEXT_SIZE, &BLACK, &row.name)?;
+            panel.margin(at, 8.0, NOTE_SIZE, &GREY, &row.note)?;
+        }
+        Ok(panel)
+    }
+
+    /// Text that ends left of a point, so far below it.
+    fn margin(&mut self, at: (f64, f64), down: f64, size: f64, color: &RGBColor, text: &str) -> Drawn {
+        let style = (FONT, f64::from(px(size))).into_font().color(color);
+        let style = style.pos(Pos::new(HPos::Right, VPos::Center));
+        let text = Text::new(text.to_owned(), (-px(8.0), px(down)), style);
+        self.chart.draw_series([EmptyElement::at(at) + text])?;
+        Ok(())
     }
 
     /// A panel that says why it shows nothing.
@@ -167,6 +236,18 @@ impl<'a> Panel<'a> {
         let rim = |at: &(f64, f64)| Circle::new(*at, px(radius + 1.0), WHITE.mix(stroke.alpha).filled());
         self.chart.draw_series(points.iter().map(rim))?;
         self.chart.draw_series(points.iter().map(|at| Circle::new(*at, px(radius), color.filled())))?;
+        Ok(())
+    }
+
+    /// Rings of a radius in pixels.
+    pub fn rings(
+        &mut self,
+        points: impl IntoIterator<Item = (f64, f64)>,
+        stroke: &Stroke,
+        radius: f64,
+    ) -> Drawn {
+        let ring = |at| Circle::new(at, px(radius), stroke.style());
+        self.chart.draw_series(points.into_iter().map(ring))?;
         Ok(())
     }
 
@@ -236,6 +317,21 @@ fn size(area: &Area) -> (f64, f64) {
     (f64::from(width) / f64::from(SCALE), f64::from(height) / f64::from(SCALE))
 }
 
+/// A grey line.
+fn hair(gray: u8, width: f64) -> ShapeStyle {
+    RGBColor(gray, gray, gray).stroke_width(px(width) as u32)
+}
+
+/// Title and key of a panel.
+fn head(area: &Area, title: &str, keys: &[Key]) -> Drawn {
+    write(area, title, (LEFT + MARGIN, MARGIN), TITLE_SIZE, true, Pos::new(HPos::Left, VPos::Top))?;
+    for (key, (left, row)) in keys.iter().zip(places(area, keys)) {
+        let middle = MARGIN + TITLE_HEIGHT + KEY_HEIGHT * (row as f64 + 0.5);
+        draw_key(area, key, (left, middle))?;
+    }
+    Ok(())
+}
+
 /// Height of title and key, pixels.
 fn above(area: &Area, keys: &[Key]) -> f64 {
     let rows = places(area, keys).last().map_or(0, |place| place.1 + 1);
@@ -261,12 +357,14 @@ fn draw_key(area: &Area, key: &Key, (left, middle): (f64, f64)) -> Drawn {
     let y = px(middle);
     let piece =
         |from: f64, to: f64| PathElement::new([(px(left + from), y), (px(left + to), y)], key.stroke.style());
-    match (key.dot, key.stroke.dash) {
-        (true, _) => {
-            area.draw(&Circle::new((px(left + 0.5 * KEY_SAMPLE), y), px(4.0), key.stroke.color.filled()))?;
+    let middle_of_sample = (px(left + 0.5 * KEY_SAMPLE), y);
+    match (key.mark, key.stroke.dash) {
+        (Mark::Dot, _) => {
+            area.draw(&Circle::new(middle_of_sample, px(4.0), key.stroke.color.filled()))?;
         }
-        (false, None) => area.draw(&piece(0.0, KEY_SAMPLE))?,
-        (false, Some((dash, gap))) => {
+        (Mark::Ring, _) => area.draw(&Circle::new(middle_of_sample, px(4.0), key.stroke.style()))?,
+        (Mark::Line, None) => area.draw(&piece(0.0, KEY_SAMPLE))?,
+        (Mark::Line, Some((dash, gap))) => {
             let mut from = 0.0;
             while from < KEY_SAMPLE {
                 area.draw(&piece(from, (from + dash).min(KEY_SAMPLE)))?;

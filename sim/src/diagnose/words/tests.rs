@@ -1,0 +1,175 @@
+use super::*;
+use crate::diagnose::verdict::Member;
+
+fn gap(release: &str, held_out: bool, before: f64, after: f64) -> Gap {
+    let release = release.to_owned();
+    Gap { release, held_out, before_mm: 0.3 * before, after_mm: 0.3 * after, before, after, noise_mm: 0.3 }
+}
+
+fn evidence(effect: &str, kept: Option<f64>) -> Evidence {
+    Evidence {
+        round: 1,
+        effect: effect.to_owned(),
+        tried: Vec::new(),
+        score: 30.0,
+        predicted_decrease: 900.0,
+        realised_decrease: kept,
+        strength: 1.0,
+        held_out_decrease: None,
+        rejected: None,
+    }
+}
+
+fn misfit(what: Wrong, amplitudes: [f64; 2], size_mm: f64) -> Misfit {
+    Misfit {
+        what,
+        amplitudes,
+        per_cycle: -0.02,
+        standard_error: 1e-3,
+        size_mm,
+        cycles: [4.0, 0.0],
+        pressures_pa: vec![1.034e5, 2.758e5],
+        pressures_there_pa: vec![1.034e5, 2.758e5],
+    }
+}
+
+fn drag() -> Diagnosis {
+    let value = Value {
+        name: "drag_coefficient".to_owned(),
+        unit: String::new(),
+        of: None,
+        value: 1.1,
+        interval_95: Some([1.0, 1.2]),
+    };
+    Diagnosis {
+        verdict: Verdict::Named,
+        effects: vec![Added { effect: "air_drag".to_owned(), parameters: vec![value] }],
+        // Squares beyond noise: 8 of which 7.44 go.
+        gap: vec![gap("a", false, 3.0, 1.56f64.sqrt()), gap("b", true, 2.5, 1.01)],
+        evidence: vec![
+            evidence("air_drag", Some(1000.0)),
+            evidence("creep", None),
+            evidence("braid_friction", Some(441.0)),
+        ],
+        misfits: vec![misfit(Wrong::LosesEnergyTooSlowly, BANDS[0], 1.0)],
+        ..Diagnosis::default()
+    }
+}
+
+#[test]
+fn a_named_effect_is_told_with_all_that_stands_behind_it() {
+    assert_eq!(
+        summary(&drag()),
+        "The simulation loses energy too slowly at large swings (above 40 % of the largest amplitude), at all \
+         pressures, in the first 4 cycles. Air drag on the body is missing: drag coefficient 1.10 (95 % interval 1.00 to \
+         1.20). It explains 93 % of what noise does not. Braid friction, the next best, would explain 41 %. \
+         What was locked away agrees: there the gap falls from 2.50 to 1.01 of the noise."
+    );
+}
+
+/// Each part is left out alone where there is nothing to say it by.
+#[test]
+fn what_no_number_supports_is_not_said() {
+    let bare = Diagnosis { evidence: Vec::new(), misfits: Vec::new(), gap: Vec::new(), ..drag() };
+    assert_eq!(
+        summary(&bare),
+        "Air drag on the body is missing: drag coefficient 1.10 (95 % interval 1.00 to 1.20)."
+    );
+    // A gap of noise alone has no share.
+    let quiet = Diagnosis { gap: vec![gap("a", false, 1.005, 1.0)], ..drag() };
+    assert!(!summary(&quiet).contains("explain"), "{}", summary(&quiet));
+    let worse = Diagnosis { gap: vec![gap("a", true, 1.0, 1.4)], ..drag() };
+    assert!(summary(&worse).contains("does not agree: there the gap goes from 1.00 to 1.40"));
+    let mut one = drag();
+    one.misfits[0].pressures_there_pa = vec![1.034e5];
+    one.misfits[0].pressures_pa = vec![1.034e5];
+    assert!(!summary(&one).contains("pressures"), "one pressure is not all: {}", summary(&one));
+    let mut some = drag();
+    some.misfits[0].pressures_pa = vec![2.758e5];
+    assert!(summary(&some).contains("most clearly at 276 kPa"), "{}", summary(&some));
+    let mut held = drag();
+    held.effects[0].parameters[0].interval_95 = None;
+    assert!(summary(&held).contains("drag coefficient 1.10 (not fitted)."), "{}", summary(&held));
+    let mut many = drag();
+    many.effects[0].parameters = vec![many.effects[0].parameters[0].clone(); 4];
+    assert!(summary(&many).contains("Air drag on the body is missing."), "{}", summary(&many));
+}
+
+#[test]
+fn misfits_of_two_kinds_are_told_and_small_ones_are_not() {
+    let small = misfit(Wrong::LosesEnergyTooFast, BANDS[2], 0.5);
+    let mut two = Diagnosis { misfits: vec![misfit(Wrong::SwingsTooSlowly, BANDS[1], 1.0), small], ..drag() };
+    two.misfits[0].cycles = [3.0, 4.0];
+    assert!(
+        summary(&two).starts_with(
+            "The simulation swings too slowly at middle swings (15 to 40 % of the largest amplitude), at all \
+             pressures, from cycle 5 to 7; it loses energy too fast at small swings (below 15 % of the largest \
+             amplitude)."
+        ),
+        "{}",
+        summary(&two)
+    );
+    two.misfits[1].size_mm = 0.1;
+    assert!(!summary(&two).contains("too fast"));
+}
+
+#[test]
+fn a_class_says_who_is_in_it_and_what_to_record() {
+    let member = Member { effect: "tip_drag".to_owned(), behind: 3.0, distance: 1.2 };
+    let what = "the same releases once more from 25 degrees below".to_owned();
+    let class = Diagnosis {
+        verdict: Verdict::Class,
+        members: vec![member],
+        separating_experiment: Some(Separation { what, distance: 7.24, distance_now: 1.2 }),
+        ..drag()
+    };
+    let words = summary(&class);
+    assert!(words.contains(
+        "Air drag on the body is missing, or what does the same to these recordings (tip drag): drag"
+    ));
+    assert!(words.ends_with(
+        "To tell them apart, record the same releases once more from 25 degrees below: that takes the distance \
+         of the nearest two from 1.2 to 7.2 standard deviations."
+    ));
+    let next = evidence("tip_drag", Some(990.0));
+    let class = Diagnosis { evidence: [&class.evidence[..], &[next]].concat(), ..class.clone() };
+    assert!(summary(&class).contains("Braid friction, the next best"), "a member is none: {words}");
+}
+
+#[test]
+fn two_effects_are_plural_and_have_no_next_best() {
+    let mut two = drag();
+    two.effects.push(Added { effect: "creep".to_owned(), parameters: Vec::new() });
+    let words = summary(&two);
+    assert!(words.contains("Air drag on the body and creep are missing: drag coefficient"), "{words}");
+    assert!(words.contains("They explain 93 %") && !words.contains("next best"), "{words}");
+}
+
+#[test]
+fn an_unknown_is_described_and_nothing_is_just_that() {
+    let shape = Shape {
+        round: 2,
+        what: "the swing's third harmonic".to_owned(),
+        score: 12.0,
+        threshold: 4.0,
+        at_amplitude: 0.37,
+        size_mm: 0.213,
+    };
+    let unknown = Diagnosis { verdict: Verdict::Unknown, shapes: vec![shape], ..drag() };
+    let words = summary(&unknown);
+    assert!(words.starts_with("Something is missing that the catalogue does not hold. The simulation loses"));
+    assert!(
+        words.contains("Air drag on the body describes 93 % of it, and need not be its cause."),
+        "{words}"
+    );
+    assert!(
+        words.contains("looks like this: the swing's third harmonic, by 0.21 mm at the tip, mostly at 37 %")
+    );
+    let nothing =
+        Diagnosis { gap: vec![gap("a", false, 1.02, 1.02)], misfits: drag().misfits, ..Diagnosis::default() };
+    assert_eq!(
+        summary(&nothing),
+        "Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more \
+         than noise does. Simulation and recordings are 1.02 of the noise apart, 1 being noise alone."
+    );
+}

@@ -1,0 +1,197 @@
+//! One page for people: HTML that needs nothing beside it, no network and no script. All text is escaped
+//! here; only pictures go in as they are.
+
+use std::fmt::Write;
+
+use super::picture::Picture;
+
+/// How it looks, light and dark, wide and narrow.
+const STYLE: &str = include_str!("page.css");
+/// What a browser may load for it: nothing.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+
+/// A page in the making.
+#[derive(Debug)]
+pub struct Page {
+    title: String,
+    sections: Vec<String>,
+    body: String,
+}
+
+/// A table: what it holds, the heads of its columns, its rows, each led by what it is about.
+pub struct Table<'a> {
+    /// What it holds.
+    pub caption: &'a str,
+    /// Heads of the columns.
+    pub heads: &'a [&'a str],
+    /// Cells, row by row.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Page {
+    /// A page that says first what matters most: a word, and a paragraph.
+    pub fn new(title: &str, word: &str, lead: &str) -> Self {
+        let (word, lead) = (escaped(word), escaped(lead));
+        let body = format!("<p class=\"lead\"><strong>{word}</strong> {lead}</p>\n");
+        Self { title: title.to_owned(), sections: Vec::new(), body }
+    }
+
+    /// Begins a section.
+    pub fn section(&mut self, title: &str) {
+        if !self.sections.is_empty() {
+            self.body += "</section>\n";
+        }
+        self.sections.push(title.to_owned());
+        let n = self.sections.len();
+        let title = escaped(title);
+        let _ = writeln!(self.body, "<section aria-labelledby=\"s{n}\">\n<h2 id=\"s{n}\">{title}</h2>");
+    }
+
+    /// A heading within a section.
+    pub fn heading(&mut self, title: &str) {
+        let _ = writeln!(self.body, "<h3>{}</h3>", escaped(title));
+    }
+
+    /// A paragraph.
+    pub fn text(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<p>{}</p>", escaped(text));
+    }
+
+    /// A list; nothing without items.
+    pub fn list(&mut self, items: &[String]) {
+        if items.is_empty() {
+            return;
+        }
+        let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escaped(item))).collect();
+        let _ = writeln!(self.body, "<ul>\n{items}</ul>");
+    }
+
+    /// Names with what they stand for.
+    pub fn facts(&mut self, facts: &[(String, String)]) {
+        let row = |(name, value): &(String, String)| {
+            format!("<dt>{}</dt><dd>{}</dd>\n", escaped(name), escaped(value))
+        };
+        let _ = writeln!(self.body, "<dl>\n{}</dl>", facts.iter().map(row).collect::<String>());
+    }
+
+    /// A table; nothing without rows.
+    pub fn table(&mut self, table: &Table) {
+        if table.rows.is_empty() {
+            return;
+        }
+        let caption = escaped(table.caption);
+        let _ = write!(
+            self.body,
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n<caption>{caption}</caption>\n<thead><tr>"
+        );
+        for head in table.heads {
+            let _ = write!(self.body, "<th scope=\"col\">{}</th>", escaped(head));
+        }
+        self.body += "</tr></thead>\n<tbody>\n";
+        for row in &table.rows {
+            self.body += "<tr>";
+            for (k, cell) in row.iter().enumerate() {
+                let text = escaped(cell);
+                self.body += &match (k, cell.parse::<f64>()) {
+                    (0, _) => format!("<th scope=\"row\">{text}</th>"),
+                    (_, Ok(_)) => format!("<td class=\"number\">{text}</td>"),
+                    (_, Err(_)) => format!("<td>{text}</td>"),
+                };
+            }
+            self.body += "</tr>\n";
+        }
+        self.body += "</tbody>\n</table>\n</div>\n";
+    }
+
+    /// A table that is folded away under some words.
+    pub fn folded(&mut self, words: &str, table: &Table) {
+        let _ = writeln!(self.body, "<details>\n<summary>{}</summary>", escaped(words));
+        self.table(table);
+        self.body += "</details>\n";
+    }
+
+    /// Pictures beside one another, as far as there is room.
+    pub fn figures<'a>(&mut self, pictures: impl IntoIterator<Item = &'a Picture>) {
+        self.body += "<div class=\"figures\">\n";
+        pictures.into_iter().for_each(|picture| self.figure(picture));
+        self.body += "</div>\n";
+    }
+
+    /// A picture.
+    pub fn figure(&mut self, picture: &Picture) {
+        let (title, caption) = (escaped(&picture.title), escaped(&picture.caption));
+        let svg =
+            picture.svg.trim().replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{title}\" "), 1);
+        let _ = writeln!(
+            self.body,
+            "<figure>\n<figcaption><strong>{title}</strong> {caption}</figcaption>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Picture: {title}\">{svg}</div>\n</figure>"
+        );
+    }
+
+    /// The page.
+    pub fn finish(mut self) -> String {
+        if !self.sections.is_empty() {
+            self.body += "</section>\n";
+        }
+        let title = escaped(&self.title);
+        let entry = |(k, section): (usize, &String)| {
+            format!("<li><a href=\"#s{}\">{}</a></li>\n", k + 1, escaped(section))
+        };
+        let contents: String = self.sections.iter().enumerate().map(entry).collect();
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+             <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
+             <body>\n<header>\n<h1>{title}</h1>\n</header>\n\
+             <nav aria-label=\"Sections\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{}</main>\n</body>\n</html>\n",
+            self.body
+        )
+    }
+}
+
+/// Text as it may stand between tags and in quoted attributes.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            '\'' => out += "&#39;",
+            letter => out.push(letter),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever a name holds, it adds no tag to the page.
+    #[test]
+    fn no_text_becomes_markup() {
+        let evil = "\"><script>alert('&')</script>";
+        let page = |text: &str| {
+            let mut page = Page::new(text, text, text);
+            page.section(text);
+            page.heading(text);
+            page.text(text);
+            page.list(&[text.to_owned()]);
+            page.facts(&[(text.to_owned(), text.to_owned())]);
+            let rows = || vec![vec![text.to_owned(), text.to_owned()]];
+            page.table(&Table { caption: text, heads: &[text], rows: rows() });
+            page.folded(text, &Table { caption: text, heads: &[text], rows: rows() });
+            let (title, caption) = (text.to_owned(), text.to_owned());
+            page.figures(&[Picture { name: String::new(), title, caption, svg: "<svg ></svg>".to_owned() }]);
+            page.finish()
+        };
+        let (evil, plain) = (page(evil), page("plain"));
+        for sign in ['<', '>', '"', '\''] {
+            assert_eq!(evil.matches(sign).count(), plain.matches(sign).count(), "{sign}");
+        }
+        assert_eq!(plain.matches("<section").count(), plain.matches("</section>").count());
+    }
+}
