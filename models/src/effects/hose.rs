@@ -27,6 +27,7 @@ const fn anchor(name: &'static str, meaning: &'static str, default: f64, tries: 
         default,
         range: (-100.0, 100.0),
         scale: 0.1,
+        plausible: Some((-0.5, 0.5)),
         tries,
         ..Parameter::PLAIN
     }
@@ -60,9 +61,10 @@ impl Law for Hose {
                 range: (0.0, 1e3),
                 scale: 0.1,
                 plausible: Some((0.0, 1.0)),
+                tries: &[0.02],
                 ..Parameter::PLAIN
             },
-            anchor("anchor_x", "where the hose would leave the last node, along x", 0.2, &[]),
+            anchor("anchor_x", "where the hose would leave the last node, along x", 0.2, &[0.2]),
             anchor(
                 "anchor_z",
                 "where the hose would leave the last node, along z, up",

@@ -66,7 +66,7 @@ pub struct Solution<T> {
 
 /// Steps refused one after another, after which no step helps: what is left is the noise of the evaluation
 /// itself, or of its slopes.
-const MOST_REFUSED: usize = 6;
+const MOST_REFUSED: usize = 10;
 /// The same of steps that gain less than the tolerance, whatever was refused in between. The second is for a
 /// search that is followed by another.
 const MOST_IDLE: usize = 6;
