@@ -77,11 +77,8 @@ fn a_recording_at_15_psi() {
 }
 
 #[test]
-#[ignore = "minutes: six pressures"]
-fn recordings_at_six_pressures_and_all_noises() {
-    for (psi, noise) in
-        [(5.0, 0.1e-3), (15.0, 0.5e-3), (30.0, 0.3e-3), (50.0, 0.5e-3), (75.0, 0.1e-3), (100.0, 0.3e-3)]
-    {
-        recovers(psi, 15.0, noise);
-    }
+#[ignore = "minutes: twenty pressures; at 25 and 85 psi an instant is not found"]
+fn recordings_at_all_pressures_and_noises() {
+    let noises = [0.1e-3, 0.5e-3, 0.3e-3].into_iter().cycle();
+    (1..=20).zip(noises).for_each(|(k, noise)| recovers(5.0 * f64::from(k), 15.0, noise));
 }
