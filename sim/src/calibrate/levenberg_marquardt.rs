@@ -100,8 +100,8 @@ pub fn minimise<T>(
         *x = x.clamp(*low, *high);
     }
     let mut at = evaluate(&x, lent)?;
-    let (mut evaluations, mut are_own) = (1, lent.is_none());
-    // Where the slopes were taken.
+    let mut evaluations = 1;
+    // Where the slopes were taken; none where they came with the start.
     let mut home = lent.is_none().then(|| x.clone());
     let mut diagonal = DVector::zeros(x.len());
     let (mut damping, mut growth, mut refused, mut idle) = (search.first_damping, 2.0, 0, 0);
@@ -130,14 +130,14 @@ pub fn minimise<T>(
             match next {
                 Some(next) if ratio > 1e-3 => {
                     idle = if at.cost - next.cost > tolerance { 0 } else { idle + 1 };
-                    (x, at, are_own) = (tried, next, !search.lends_slopes);
-                    if are_own {
+                    (x, at) = (tried, next);
+                    if !search.lends_slopes {
                         home = Some(x.clone());
                     }
                     damping *= f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3));
                     (growth, refused) = (2.0, 0);
                 }
-                _ if are_own => {
+                _ if home.as_ref() == Some(&x) => {
                     damping *= growth;
                     growth *= 2.0;
                     refused += 1;
@@ -145,8 +145,8 @@ pub fn minimise<T>(
                 _ => {}
             }
         }
-        if !are_own && ratio < TRUSTED {
-            (at, are_own, home) = (evaluate(&x, None)?, true, Some(x.clone()));
+        if home.as_ref() != Some(&x) && ratio < TRUSTED {
+            (at, home) = (evaluate(&x, None)?, Some(x.clone()));
             evaluations += 1;
         }
     }
