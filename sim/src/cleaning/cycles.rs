@@ -143,19 +143,20 @@ fn swings(
     holds.iter().enumerate().map(after).collect()
 }
 
-/// Stretches of quiet after which the tip soon is fast.
+/// Stretches of quiet after which the tip soon is fast. They begin and end with a sample that is seen: what
+/// the tip does while it is lost, nobody knows.
 fn holds(time: &[f64], motion: &Motion, quiet: f64, fast: f64) -> Vec<Range<usize>> {
     let mut found: Vec<Range<usize>> = Vec::new();
     let mut last: Option<Range<usize>> = None;
-    let mut open: Option<usize> = None;
+    let mut open: Option<Range<usize>> = None;
     for i in 0..time.len() {
         let Some(speed) = motion.speed(i) else { continue };
         if speed < quiet {
-            open.get_or_insert(i);
-        } else if let Some(start) = open.take()
-            && time[i] - time[start] >= SHORTEST_HOLD
+            open.get_or_insert(i..i).end = i + 1;
+        } else if let Some(hold) = open.take()
+            && time[hold.end - 1] - time[hold.start] >= SHORTEST_HOLD
         {
-            last = Some(start..i);
+            last = Some(hold);
         }
         if speed >= fast
             && let Some(hold) = last.take()

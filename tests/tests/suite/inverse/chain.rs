@@ -27,8 +27,8 @@ fn experiment(psi: f64, cameras: &Cameras) -> Experiment {
     Experiment::parse(Path::new("twin.toml"), &text, &[]).expect("an experiment")
 }
 
-fn cleaned(psi: f64, swing: f64, noise: f64) -> (Session, Cleaned) {
-    let mut random = Random::new(40 + psi as u64);
+fn cleaned(psi: f64, swing: f64, noise: f64, seed: u64) -> (Session, Cleaned) {
+    let mut random = Random::new(seed + psi as u64);
     let session = session(psi, swing, &mut random);
     let beam = &session.beam;
     let cameras = Cameras::usual(noise, beam.length, beam.bodies[0].center, &[]);
@@ -37,29 +37,30 @@ fn cleaned(psi: f64, swing: f64, noise: f64) -> (Session, Cleaned) {
     (session, cleaned)
 }
 
-/// One had a raise as fast as a release, in the other a sample beside a hold lies elsewhere.
+/// A raise as fast as a release, a sample beside a hold that lies elsewhere, and points lost at a turn, before
+/// a fall, through the beginning of one, through all of one.
 #[test]
 fn no_release_is_lost() {
-    for (psi, noise) in [(15.0, 0.5e-3), (30.0, 0.3e-3)] {
-        let (_, cleaned) = cleaned(psi, 15.0, noise);
-        assert_eq!(cleaned.releases.len(), 6, "{psi} psi: {:?}", cleaned.decisions);
+    for (psi, noise) in
+        [(15.0, 0.5e-3), (30.0, 0.3e-3), (25.0, 0.5e-3), (5.0, 0.1e-3), (75.0, 0.3e-3), (85.0, 0.5e-3)]
+    {
+        let (session, cleaned) = cleaned(psi, 15.0, noise, 40);
+        check_instants(psi, &session, &cleaned);
     }
 }
 
-fn recovers(psi: f64, swing: f64, noise: f64) {
-    let (session, cleaned) = cleaned(psi, swing, noise);
+fn check_instants(psi: f64, session: &Session, cleaned: &Cleaned) {
     assert_eq!(cleaned.releases.len(), 6, "{psi} psi: {:?}", cleaned.decisions);
     for (found, instant) in cleaned.releases.iter().zip(&session.releases) {
         let (off, error) = (found.instant - instant, found.release.release_uncertainty);
-        println!(
-            "{psi} psi: instant {:+.2} ms ± {:.2} ms, noise {:.3} mm, dropped {:?}",
-            1e3 * off,
-            1e3 * error,
-            1e3 * found.release.tracks[0].noise,
-            found.dropped
-        );
+        println!("{psi} psi: instant {:+.2} ms ± {:.2} ms", 1e3 * off, 1e3 * error);
         assert!(off.abs() < 5.0 * error, "{psi} psi: {off} s off, ± {error} s");
     }
+}
+
+fn recovers(psi: f64, swing: f64, noise: f64, seed: u64) {
+    let (session, cleaned) = cleaned(psi, swing, noise, seed);
+    check_instants(psi, &session, &cleaned);
     let releases = cleaned.used().map(|release| release.release.clone()).collect();
     let truth = truth(&damped_muscle(psi));
     let found = fit(psi, releases, [0.8 * truth[0], 1.5 * truth[1], 1.5 * truth[2]]);
@@ -73,12 +74,14 @@ fn recovers(psi: f64, swing: f64, noise: f64) {
 
 #[test]
 fn a_recording_at_15_psi() {
-    recovers(15.0, 8.0, 0.3e-3);
+    recovers(15.0, 8.0, 0.3e-3, 40);
 }
 
 #[test]
-#[ignore = "minutes: twenty pressures; at 25 and 85 psi an instant is not found"]
+#[ignore = "minutes: twenty pressures twice"]
 fn recordings_at_all_pressures_and_noises() {
     let noises = [0.1e-3, 0.5e-3, 0.3e-3].into_iter().cycle();
-    (1..=20).zip(noises).for_each(|(k, noise)| recovers(5.0 * f64::from(k), 15.0, noise));
+    for seed in [40, 1040] {
+        (1..=20).zip(noises.clone()).for_each(|(k, noise)| recovers(5.0 * f64::from(k), 15.0, noise, seed));
+    }
 }
