@@ -323,7 +323,8 @@ impl Model {
 
     /// Whether the model keeps its energy: nothing dissipates, remembers or depends on time.
     pub fn is_conservative(&self) -> bool {
-        let loses = |active: &Active| active.effect.about().kind == Kind::Dissipative && !self.is_off(active);
+        let may_lose = |kind| matches!(kind, Kind::Dissipative | Kind::Description);
+        let loses = |active: &Active| may_lose(active.effect.about().kind) && !self.is_off(active);
         !self.is_timed() && self.memory == 0 && !self.effects.iter().any(loses)
     }
 

@@ -13,6 +13,7 @@ pub(super) const CREEP_RATE: Parameter = Parameter {
     default: 0.02,
     range: (1e-6, 1e3),
     scale: 0.02,
+    plausible: Some((1e-3, 1.0)),
     tries: &[0.002, 0.02, 0.2],
     ..Parameter::PLAIN
 };

@@ -65,6 +65,7 @@ catalogue! {
     tip_offset::TipOffset,
     added_mass::AddedMass,
     pressure_volume::PressureVolume,
+    latent_moment::LatentMoment,
     // In the order in which they stand between a point of the rod and its place in a recording.
     marker_offset::MarkerOffset,
     out_of_plane::OutOfPlane,
@@ -95,6 +96,8 @@ pub enum Kind {
     Load,
     /// Changes what is observed, not what happens.
     Measurement,
+    /// Describes a force whose cause nobody knows; no diagnosis names it.
+    Description,
 }
 
 /// A part of the rod that an effect can act on.

@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use super::error::CalibrateError;
 use super::levenberg_marquardt::Solution;
+use super::numerics::correction;
 use super::objective::{Objective, Seen, View};
 use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
@@ -47,6 +48,28 @@ impl Known {
 pub(crate) struct Joint<'a> {
     pub objective: Objective<'a>,
     pub found: Found,
+}
+
+/// A fit with the problem that it is of.
+#[derive(Clone)]
+pub(crate) struct Fitted {
+    pub problem: Problem,
+    found: Found,
+}
+
+impl Fitted {
+    /// A fit of `problem`.
+    pub fn new(problem: Problem, found: Found) -> Self {
+        Self { problem, found }
+    }
+
+    /// The fit, as it was found.
+    /// # Errors
+    /// [`CalibrateError`] where the problem is another one than was fitted.
+    pub fn fit(&self) -> Result<Joint<'_>, CalibrateError> {
+        let objective = Objective::new(whole(&self.problem, Unknowns::of(&self.problem)?))?;
+        Ok(Joint { objective, found: self.found.clone() })
+    }
 }
 
 impl<'a> Joint<'a> {
@@ -98,14 +121,44 @@ impl<'a> Joint<'a> {
         share: f64,
     ) -> Result<Option<Self>, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
-        let x = placed(&objective, known);
         let mut view = View { slopes: Slopes::Differences, ..like.clone() };
         if has_own_steps {
+            let x = placed(&objective, known);
             let Some(seen) = objective.see(&x, &View { steps: None, ..like.clone() }, None) else {
                 return Ok(None);
             };
             view.steps = Some(seen.steps);
         }
+        Self::near(objective, known, view, share)
+    }
+
+    /// Comes near the minimum over all releases of a problem that two fits have between them, from what those
+    /// know, and with what mesh and step do as they have found it. None where the model cannot be run there.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn together(problem: &'a Problem, parts: [&Joint; 2]) -> Result<Option<Self>, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let seen = |t: &usize| {
+            parts.iter().find_map(|part| {
+                let r = part.objective.part.trials.iter().position(|own| own == t)?;
+                Some((&part.found.view, r))
+            })
+        };
+        let releases: Option<Vec<_>> = objective.part.trials.iter().map(seen).collect();
+        let Some(view) = releases.and_then(|releases| View::gathered(&releases)) else { return Ok(None) };
+        let known = parts.map(|part| part.known()).concat();
+        Self::near(objective, &known, view, 0.0)
+    }
+
+    /// The minimum near what is known, under one view; the search ends where it gains no more than a `share` of the
+    /// cost.
+    fn near(
+        objective: Objective<'a>,
+        known: &[Known],
+        view: View,
+        share: f64,
+    ) -> Result<Option<Self>, CalibrateError> {
+        let x = placed(&objective, known);
         let Some(near) = minimise_in(&objective, &x, None, &view, 1.0, share) else { return Ok(None) };
         let Solution { x, at, predicted, converged, .. } = near;
         let found = Found { x, at, view, stages: Vec::new(), predicted, converged, starts: 1 };
@@ -149,6 +202,12 @@ impl<'a> Joint<'a> {
             Some(seen) => Ok((objective, seen)),
             None => Err(objective.refusal(&x)),
         }
+    }
+
+    /// What may be left of the mesh's error when it is removed, m, root mean square of each release; none
+    /// where a finer run cannot be made.
+    pub fn left_of_mesh(&self) -> Option<Vec<f64>> {
+        Some(correction(&self.objective, &self.found.x, &self.found.view, false)?.left)
     }
 
     /// The name of a release, by its place in the problem.

@@ -7,10 +7,10 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::error::CalibrateError;
-use super::problem::Trial;
+use super::problem::{Trial, refine};
 use super::unknowns::{Acts, Local, Unknown};
 use crate::experiment::release::Point;
-use crate::forward::{ForwardError, Initial, Run, forward};
+use crate::forward::{ForwardError, Run, forward};
 use crate::integrate::Method;
 
 /// The samples of a release that are fitted.
@@ -143,11 +143,7 @@ pub(crate) fn predict(
     let (theta, instant) = values(trial, locals, unknowns, x);
     let (mut model, mut initial) = trial.with(&theta);
     if fidelity.refinement > 1 {
-        let finer = |edges: usize| edges * fidelity.refinement + 1;
-        model = model.with_nodes(finer(model.edges))?;
-        if let Initial::Equilibrium { hold, .. } = &mut initial {
-            **hold = hold.with_nodes(finer(hold.edges))?;
-        }
+        refine(&mut model, &mut initial, fidelity.refinement)?;
     }
     let times: Vec<f64> =
         (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();

@@ -1,5 +1,6 @@
 //! What is to be calibrated: measured releases, their models, and which parameters are unknown.
 
+use models::error::ModelError;
 use models::model::Model;
 
 use crate::experiment::release::Release;
@@ -128,6 +129,11 @@ impl Trial {
         matches!(self.run.initial, Initial::Straight)
     }
 
+    /// Divides each edge into `factor` of them, of what holds the rod as well. A posture keeps its nodes.
+    pub(crate) fn refine(&mut self, factor: usize) -> Result<(), ModelError> {
+        refine(&mut self.model, &mut self.run.initial, factor)
+    }
+
     /// The model and the start of a run with parameters set, `(index in theta, value)`; what holds
     /// the rod has them as well, but for those of its own.
     pub(crate) fn with(&self, values: &[(usize, f64)]) -> (Model, Initial) {
@@ -143,4 +149,16 @@ impl Trial {
         }
         (model, initial)
     }
+}
+
+/// Divides each edge of a model, and of what holds it, into `factor` of them.
+pub(crate) fn refine(model: &mut Model, initial: &mut Initial, factor: usize) -> Result<(), ModelError> {
+    let finer = |model: &Model| model.with_nodes(model.edges * factor + 1);
+    if !matches!(initial, Initial::Posture(_)) {
+        *model = finer(model)?;
+    }
+    if let Initial::Equilibrium { hold, .. } = initial {
+        **hold = finer(hold)?;
+    }
+    Ok(())
 }

@@ -47,6 +47,8 @@ pub(crate) struct Found {
 
 /// Searches begun at most.
 const MOST_STARTS: usize = 4;
+/// Logarithm of the ratio of two costs that are one: stages end within a few per cent.
+const ALIKE: f64 = 0.05;
 /// Residuals of this spread, in units of the noise, are explained.
 const EXPLAINED: f64 = 2.0;
 /// Residuals of this share of the motion need not come from a search gone astray.
@@ -76,11 +78,15 @@ pub(crate) fn search(
         begun = k + 1;
         let Some(found) = climb(objective, start, k, tell) else { continue };
         stages.extend(found.stages.iter().cloned());
-        let is_near = is_explained(objective, &found);
-        if best.as_ref().is_none_or(|best| common_cost(objective, &found) < common_cost(objective, best)) {
+        let before = best.as_ref().map(|best| common_cost(objective, best));
+        let cost = common_cost(objective, &found);
+        // Two searches that end alike are not both astray: what is left is no fault of the search.
+        let is_found_again = before.is_some_and(|before| (cost / before).ln().abs() < ALIKE);
+        let is_done = is_found_again || is_explained(objective, &found);
+        if before.is_none_or(|before| cost < before) {
             best = Some(found);
         }
-        if is_near {
+        if is_done {
             break;
         }
     }

@@ -10,12 +10,13 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 
-const KINDS: [(Kind, &str); 5] = [
+const KINDS: [(Kind, &str); 6] = [
     (Kind::Elastic, "elastic: gives back what it stores"),
     (Kind::Dissipative, "dissipative: never feeds energy"),
     (Kind::Inertial, "inertial: adds mass"),
     (Kind::Load, "load: acts from outside"),
     (Kind::Measurement, "measurement: changes what is observed"),
+    (Kind::Description, "description: a force of unknown cause; no diagnosis names it"),
 ];
 
 /// Lists all effects, kind by kind.

@@ -1,6 +1,6 @@
 //! What may be missing: the effects of the catalogue, each as a way to move the prediction.
 
-use models::effects::{CATALOGUE, Effect, Parameter as EffectParameter, Reach};
+use models::effects::{CATALOGUE, Effect, Kind, Parameter as EffectParameter, Reach};
 use models::error::ModelError;
 
 use super::score::Subject;
@@ -98,14 +98,15 @@ fn believed(parameter: &EffectParameter) -> (f64, f64) {
     parameter.plausible.map_or((low, high), |(least, most)| (least.max(low), most.min(high)))
 }
 
-/// The candidates for a problem: everything in the catalogue that its models do not have already, but for
+/// The candidates for a problem: every cause in the catalogue that its models do not have already, but for
 /// the `excluded`.
 pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidate> {
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     let mut all = Vec::new();
     for &effect in CATALOGUE {
         let about = effect.about();
-        if has(about.name) || excluded.iter().any(|name| name == about.name) {
+        let is_excluded = excluded.iter().any(|name| name == about.name);
+        if has(about.name) || is_excluded || about.kind == Kind::Description {
             continue;
         }
         let Some(strength) = about.parameters.iter().find(|parameter| parameter.off.is_some()) else {

@@ -38,9 +38,11 @@ pub(super) fn columns(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Vec<Column> {
     let of_candidate = |(c, candidate): (usize, &Candidate)| {
-        let all: Option<Vec<_>> =
-            (0..off.len()).into_par_iter().map(|r| movement(fit, candidate, r, &off[r])).collect();
-        let all = all?;
+        // The step that suits one release suits the others, or nearly.
+        let (first, step) = movement(fit, candidate, 0, off.first()?, first_step(candidate))?;
+        let of_other = |r: usize| Some(movement(fit, candidate, r, &off[r], step)?.0);
+        let others: Option<Vec<_>> = (1..off.len()).into_par_iter().map(of_other).collect();
+        let all = [vec![first], others?].concat();
         tell(candidate.name());
         Some(match candidate.effect.about().reach {
             Reach::Release => (0..all.len())
@@ -66,12 +68,28 @@ pub(super) fn predictions(fit: &Joint) -> Option<Vec<Prediction>> {
     members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r, None)).collect()
 }
 
-/// Movement of a release by the strength.
-fn movement(fit: &Joint, candidate: &Candidate, r: usize, off: &Prediction) -> Option<Vec<Vec<[f64; 2]>>> {
-    let member = fit.objective.part.members[r];
+/// A step with which to begin.
+fn first_step(candidate: &Candidate) -> f64 {
+    let room = room(candidate);
+    FIRST * if room.is_finite() { room } else { candidate.strength.scale }
+}
+
+/// How far the strength may go from off, with its sign.
+fn room(candidate: &Candidate) -> f64 {
     let (low, high) = candidate.believed();
-    let room = if high > candidate.off { high - candidate.off } else { low - candidate.off };
-    let mut step = FIRST * if room.is_finite() { room } else { candidate.strength.scale };
+    if high > candidate.off { high - candidate.off } else { low - candidate.off }
+}
+
+/// Derivatives of what is seen of a release by the strength, in units of the noise, and the step that they were
+/// taken with; `step` is where to begin.
+fn movement(
+    fit: &Joint,
+    candidate: &Candidate,
+    r: usize,
+    off: &Prediction,
+    mut step: f64,
+) -> Option<(Vec<Vec<[f64; 2]>>, f64)> {
+    let member = fit.objective.part.members[r];
     let on = |step: f64| candidate.on(member, candidate.off + step).ok();
     let mut aside = run(fit, &on(step)?, r, None)?;
     // A memory that turns round within a step halves it: what it is compared with takes the same steps.
@@ -83,10 +101,10 @@ fn movement(fit: &Joint, candidate: &Candidate, r: usize, off: &Prediction) -> O
     let moved = farthest(off, &aside);
     if !(WANTED / 30.0..LARGEST).contains(&moved) {
         step *= WANTED / moved.max(ROUNDING);
-        step = step.signum() * step.abs().min(room.abs());
+        step = step.signum() * step.abs().min(room(candidate).abs());
         aside = run(fit, &on(step)?, r, steps)?;
     }
-    Some(slopes(fit, r, step, off, &aside))
+    Some((slopes(fit, r, step, off, &aside), step))
 }
 
 /// Derivatives by the strength in units of the noise.

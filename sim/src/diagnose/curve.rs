@@ -70,6 +70,7 @@ impl Sample {
 }
 
 /// A track beside what one fit predicts of it.
+#[derive(Clone)]
 pub(super) struct Path {
     curve: Curve,
     predicted: Vec<[f64; 2]>,

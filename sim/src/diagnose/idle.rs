@@ -4,14 +4,14 @@ use super::candidate::Candidate;
 use super::judge::{Judgement, judgement};
 use super::round::Best;
 use super::verdict::Added;
-use crate::calibrate::joint::{Joint, Known};
+use crate::calibrate::joint::{Fitted, Joint, Known};
 use crate::calibrate::{CalibrateError, Problem};
 
 /// A model without an idle effect, fitted.
 pub(super) struct Lean {
     /// Place of the effect among those that were added.
     pub left_out: usize,
-    pub problem: Problem,
+    pub fitted: Fitted,
     pub known: Vec<Known>,
     pub cost: f64,
     /// How it meets what it was fitted to.
@@ -26,7 +26,7 @@ pub(super) struct Lean {
 /// [`CalibrateError`] for a problem that makes no sense.
 pub(super) fn without_idle(
     problem: &Problem,
-    added: &[Box<Best>],
+    added: &[Best],
     known: &[Known],
     cost: f64,
 ) -> Result<Option<Lean>, CalibrateError> {
@@ -39,8 +39,9 @@ pub(super) fn without_idle(
         if loss < added[left_out].price {
             let effects = others().map(|candidate| Added::of(&fit, candidate)).collect();
             let (known, cost, judgement) = (fit.known(), fit.cost(), judgement(&fit));
-            drop(fit);
-            return Ok(Some(Lean { left_out, problem: lean, known, cost, judgement, effects }));
+            let found = fit.found;
+            let fitted = Fitted::new(lean, found);
+            return Ok(Some(Lean { left_out, fitted, known, cost, judgement, effects }));
         }
     }
     Ok(None)

@@ -5,52 +5,65 @@
 //! give way. The gap that is shown is another one: everything that all releases share is held as it was found,
 //! and only what belongs to a pressure or a release is fitted to them.
 
+use std::cell::OnceCell;
+
 use super::curve::{Path, paths};
 use super::set;
 use super::verdict::Gap;
-use crate::calibrate::joint::{Joint, Known};
+use crate::calibrate::joint::{Fitted, Joint, Known};
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
+#[derive(Clone)]
 pub(super) struct Judgement {
-    /// Cost under the loss of the noise; of locked releases, what they add to that of the fitted ones.
-    pub cost: f64,
     /// Of each release: its name, root mean square distance in mm and over the noise, noise in mm.
     pub gaps: Vec<(String, f64, f64, f64)>,
     /// Of each release and track: what was seen, and what is predicted.
     pub paths: Vec<Path>,
 }
 
-/// Judges by what was locked away a model whose fit of the others cost `fitted`; none where nothing was, or
-/// where the model cannot be run there.
-pub(super) fn judge(
-    problem: &Problem,
-    known: &[Known],
-    fitted: f64,
-    tell: &(dyn Fn(&str) + Sync),
-) -> Result<Option<Judgement>, CalibrateError> {
-    if !problem.trials.iter().any(|trial| trial.release.held_out) {
-        return Ok(None);
+/// A model before what was locked away.
+pub(super) struct Locked {
+    pub judgement: Judgement,
+    /// What belongs to the locked releases alone, fitted to them.
+    fitted: Fitted,
+    cost: OnceCell<Option<f64>>,
+}
+
+impl Locked {
+    /// Shows a model what was locked away; none where nothing was, or where the model cannot be run there.
+    pub fn meet(problem: &Problem, known: &[Known]) -> Result<Option<Self>, CalibrateError> {
+        if !problem.trials.iter().any(|trial| trial.release.held_out) {
+            return Ok(None);
+        }
+        let mut locked = problem.clone();
+        set(&mut locked, known);
+        for trial in &mut locked.trials {
+            trial.release.held_out = !trial.release.held_out;
+        }
+        // EI of a pressure that was locked away as a whole is not known from elsewhere.
+        locked.parameters.retain(|parameter| parameter.scope != Scope::Shared);
+        match Joint::search(&locked, &|_| ()) {
+            Ok(fit) => {
+                let (judgement, found) = (judgement(&fit), fit.found);
+                Ok(Some(Self { judgement, fitted: Fitted::new(locked, found), cost: OnceCell::new() }))
+            }
+            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
-    let mut locked = problem.clone();
-    set(&mut locked, known);
-    for trial in &mut locked.trials {
-        trial.release.held_out = !trial.release.held_out;
+
+    /// What they cost the model beyond what was fitted, whose fit is given; none where all together cannot be
+    /// run.
+    pub fn cost(&self, fit: &Joint, problem: &Problem) -> Result<Option<f64>, CalibrateError> {
+        if let Some(cost) = self.cost.get() {
+            return Ok(*cost);
+        }
+        let mut all = problem.clone();
+        all.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
+        let together = Joint::together(&all, [fit, &self.fitted.fit()?])?;
+        Ok(*self.cost.get_or_init(|| together.map(|together| together.cost() - fit.cost())))
     }
-    // EI of a pressure that was locked away as a whole is not known from elsewhere.
-    locked.parameters.retain(|parameter| parameter.scope != Scope::Shared);
-    let fit = match Joint::search(&locked, &|_| ()) {
-        Ok(fit) => fit,
-        Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
-        Err(error) => return Err(error),
-    };
-    tell("what was locked away");
-    let mut all = problem.clone();
-    all.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
-    // What belongs to the locked releases alone begins where they have it.
-    let known: Vec<Known> = known.iter().cloned().chain(fit.known()).collect();
-    let Some(together) = Joint::follow(&all, &known, &|_| ())? else { return Ok(None) };
-    Ok(Some(Judgement { cost: together.cost() - fitted, ..judgement(&fit) }))
 }
 
 /// How a fit meets its own releases.
@@ -75,7 +88,7 @@ pub(super) fn judgement(fit: &Joint) -> Judgement {
         (name, 1e3 * (distance / n).sqrt(), (squares / n).sqrt(), 1e3 * noise / n)
     };
     let gaps = (0..fit.found.view.loss.len()).map(of_release).collect();
-    Judgement { cost: fit.cost(), gaps, paths: paths(fit) }
+    Judgement { gaps, paths: paths(fit) }
 }
 
 /// Gaps before and after, of the same releases.

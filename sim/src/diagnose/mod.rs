@@ -13,6 +13,8 @@
 mod candidate;
 mod columns;
 pub mod curve;
+pub mod describe;
+pub mod gate;
 mod idle;
 mod judge;
 pub mod localise;
@@ -27,15 +29,16 @@ mod swing;
 pub mod verdict;
 mod words;
 
-use crate::calibrate::joint::{Joint, Known};
+use crate::calibrate::joint::{Fitted, Known};
 use crate::calibrate::{CalibrateError, Problem};
 pub use curve::Curve;
 pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
 
 use curve::curves;
+use describe::describe;
 use idle::without_idle;
-use judge::{Judgement, gaps, judge, judgement};
+use judge::{Judgement, Locked, gaps, judgement};
 use planned::separation;
 use round::{Best, Heard, round};
 use verdict::{Added, Evidence};
@@ -78,95 +81,171 @@ pub fn diagnose(
     settings: &Settings,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, CalibrateError> {
-    let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, ..Diagnosis::default() };
-    let locked = problem.trials.iter().filter(|trial| trial.release.held_out);
-    diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
-    let baseline = Joint::search(problem, &|what| tell(&format!("baseline: {what}")))?;
-    let before = judgement(&baseline);
-    let locked_before = judge(problem, &baseline.known(), baseline.cost(), tell)?;
-    let (mut current, mut known) = (problem.clone(), baseline.known());
-    let mut added: Vec<Box<Best>> = Vec::new();
-    let mut after = None;
-    for number in 1..=settings.most_effects + 1 {
-        let followed = match added.is_empty() {
-            true => None,
-            false => Joint::follow(&current, &known, &|_| ())?,
+    let (model, numerics) = gate::baseline(problem, tell)?;
+    let fit = model.fit()?;
+    let (before, cost) = (judgement(&fit), fit.cost());
+    tell("what was locked away");
+    let locked = Locked::meet(&model.problem, &fit.known())?;
+    let diagnosis = Diagnosis { false_alarm: settings.false_alarm, numerics, ..Diagnosis::default() };
+    drop(fit);
+    let mut course = Course {
+        problem: model.problem.clone(),
+        settings,
+        tell,
+        after: before.clone(),
+        before: Before { fitted: before, locked },
+        model,
+        cost,
+        added: Vec::new(),
+        diagnosis,
+    };
+    course.search()?;
+    course.leave_out_idle()?;
+    course.conclude()
+}
+
+/// Effects beside which still more is heard, and which then are not believed: with so many, cousins of
+/// what is missing describe a good part of it.
+const TOO_MANY: usize = 3;
+
+/// A diagnosis on its way.
+struct Course<'a> {
+    /// On a mesh that is fine enough, without anything added.
+    problem: Problem,
+    settings: &'a Settings,
+    tell: &'a (dyn Fn(&str) + Sync),
+    before: Before,
+    /// The model with all that was added, fitted; its cost, and how it meets what it was fitted to.
+    model: Fitted,
+    cost: f64,
+    after: Judgement,
+    added: Vec<Best>,
+    diagnosis: Diagnosis,
+}
+
+/// How the baseline meets what it was fitted to, and what was locked away.
+struct Before {
+    fitted: Judgement,
+    locked: Option<Locked>,
+}
+
+impl Course<'_> {
+    /// Adds effect after effect while something speaks.
+    fn search(&mut self) -> Result<(), CalibrateError> {
+        for number in 1..=self.settings.most_effects + 1 {
+            let fit = self.model.fit()?;
+            let explained = self.added.iter().map(|best| best.gain).sum();
+            let (problem, locked) = (&self.model.problem, self.locked());
+            let found = round(&fit, problem, locked, explained, number, self.settings, self.tell)?;
+            drop(fit);
+            self.diagnosis.thresholds.push(found.threshold);
+            self.diagnosis.evidence.extend(found.evidence);
+            self.diagnosis.shapes.extend(found.shapes);
+            self.diagnosis.warnings.extend(found.negligible.map(|effect| {
+                format!("{effect} stands out beside what was found, at less than a tenth of its size: too little to be told from an error of the law")
+            }));
+            match found.heard {
+                Heard::Effect(best) => self.add(best)?,
+                Heard::More(effect) => {
+                    self.diagnosis.warnings.push(format!(
+                        "{effect} or another would come next, and is not in the repaired model: --most {} ends the search here",
+                        self.settings.most_effects
+                    ));
+                    if self.settings.most_effects >= TOO_MANY {
+                        self.diagnosis.verdict = Verdict::Unknown;
+                    }
+                    return Ok(());
+                }
+                Heard::Nothing if !found.is_shaped => return Ok(()),
+                Heard::Nothing | Heard::Stranger => {
+                    self.diagnosis.verdict = Verdict::Unknown;
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, best: Box<Best>) -> Result<(), CalibrateError> {
+        self.model = best.refit.fitted.clone();
+        self.cost = best.refit.cost;
+        self.added.push(*best);
+        let fit = self.model.fit()?;
+        let candidates = self.added.iter().map(|best| &best.candidate);
+        (self.diagnosis.effects, self.after) =
+            (candidates.map(|candidate| Added::of(&fit, candidate)).collect(), judgement(&fit));
+        Ok(())
+    }
+
+    /// Leaves out again what is not needed beside what came later.
+    fn leave_out_idle(&mut self) -> Result<(), CalibrateError> {
+        let mut known = self.model.fit()?.known();
+        while let Some(lean) = without_idle(&self.problem, &self.added, &known, self.cost)? {
+            let idle = self.added.remove(lean.left_out);
+            (self.tell)(&format!("{} became idle", idle.candidate.name()));
+            let of_idle = |evidence: &&mut Evidence| evidence.effect == idle.candidate.name();
+            for evidence in self.diagnosis.evidence.iter_mut().filter(of_idle) {
+                evidence.rejected.get_or_insert_with(|| "it became idle beside the others".to_owned());
+            }
+            self.added.last_mut().expect("one is left").locked =
+                Locked::meet(&lean.fitted.problem, &lean.known)?;
+            self.after = lean.judgement;
+            (self.diagnosis.effects, self.cost) = (lean.effects, lean.cost);
+            (self.model, known) = (lean.fitted, lean.known);
+        }
+        Ok(())
+    }
+
+    /// How the model with all that was added meets what was locked away.
+    fn locked(&self) -> Option<&Locked> {
+        self.added.last().map_or(self.before.locked.as_ref(), |best| best.locked.as_ref())
+    }
+
+    /// Says what it all comes to.
+    fn conclude(mut self) -> Result<Outcome, CalibrateError> {
+        let known = self.model.fit()?.known();
+        if !self.added.is_empty() && words::is_strained(&known) {
+            self.diagnosis.verdict = Verdict::Unknown;
+        }
+        if self.diagnosis.verdict == Verdict::Unknown {
+            let (fit, level) = (self.model.fit()?, self.settings.false_alarm);
+            self.diagnosis.description = describe(&fit, &self.model.problem, level, self.tell)?;
+        } else if !self.added.is_empty() {
+            self.tell_apart(&known);
+        }
+        let (gap, curves) = {
+            let mut pairs = vec![(&self.before.fitted, &self.after, false)];
+            let locked = self.before.locked.as_ref().zip(self.locked());
+            pairs.extend(locked.map(|(before, after)| (&before.judgement, &after.judgement, true)));
+            let gap = pairs.iter().flat_map(|(before, after, held_out)| gaps(before, after, *held_out));
+            (gap.collect(), curves(&pairs))
         };
-        let fit = followed.as_ref().unwrap_or(&baseline);
-        let met = after.insert(judgement(fit));
-        diagnosis.gap = gaps(&before, met, false);
-        diagnosis.effects = added.iter().map(|best| Added::of(fit, &best.candidate)).collect();
-        let found = round(fit, &current, locked_by(&added, &locked_before), number, settings, tell)?;
-        diagnosis.thresholds.push(found.threshold);
-        diagnosis.evidence.extend(found.evidence);
-        let is_shaped = found.shapes.iter().any(|shape| shape.score > shape.threshold);
-        diagnosis.shapes.extend(found.shapes);
-        match found.heard {
-            Heard::Effect(best) if number <= settings.most_effects => {
-                drop(followed);
-                (current, known) = (best.refit.problem.clone(), best.refit.known.clone());
-                added.push(best);
-            }
-            Heard::Effect(best) => {
-                diagnosis.warnings.push(format!(
-                    "{} would come next, and is not in the repaired model: --most {} ends the search here",
-                    best.candidate.name(),
-                    settings.most_effects
-                ));
-                break;
-            }
-            Heard::Nothing if !is_shaped => break,
-            Heard::Nothing | Heard::Stranger => {
-                diagnosis.verdict = Verdict::Unknown;
-                break;
-            }
-        }
+        self.diagnosis.gap = gap;
+        let locked = self.problem.trials.iter().filter(|trial| trial.release.held_out);
+        self.diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
+        self.diagnosis.misfits = misfit::misfits(&curves);
+        self.diagnosis.warnings.extend(gate::warning(&self.diagnosis.numerics));
+        self.diagnosis.warnings.extend(words::warnings(&self.problem));
+        self.diagnosis.warnings.extend(words::strained(&known));
+        self.diagnosis.summary = words::summary(&self.diagnosis);
+        let mut repaired = self.model.problem;
+        set(&mut repaired, &known);
+        Ok(Outcome { diagnosis: self.diagnosis, repaired, curves })
     }
-    let mut cost = added.last().map_or(baseline.cost(), |best| best.refit.cost);
-    while let Some(lean) = without_idle(problem, &added, &known, cost)? {
-        let idle = added.remove(lean.left_out);
-        tell(&format!("{} became idle", idle.candidate.name()));
-        let of_idle = |evidence: &&mut Evidence| evidence.effect == idle.candidate.name();
-        for evidence in diagnosis.evidence.iter_mut().filter(of_idle) {
-            evidence.rejected.get_or_insert_with(|| "it became idle beside the others".to_owned());
-        }
-        let judgement = judge(&lean.problem, &lean.known, lean.cost, tell)?;
-        added.last_mut().expect("one is left").judgement = judgement;
-        diagnosis.gap = gaps(&before, after.insert(lean.judgement), false);
-        (diagnosis.effects, cost) = (lean.effects, lean.cost);
-        (current, known) = (lean.problem, lean.known);
-    }
-    if let (Some(before), Some(after)) = (&locked_before, locked_by(&added, &locked_before)) {
-        diagnosis.gap.extend(gaps(before, after, true));
-    }
-    let fitted = after.as_ref().map(|after| (&before, after, false));
-    let locked = locked_before.as_ref().zip(locked_by(&added, &locked_before));
-    let locked = locked.map(|(before, after)| (before, after, true));
-    let curves = curves(&fitted.into_iter().chain(locked).collect::<Vec<_>>());
-    diagnosis.misfits = misfit::misfits(&curves);
-    let ambiguous = added.iter().find(|best| !best.members.is_empty());
-    if let Some(best) = ambiguous.filter(|_| diagnosis.verdict != Verdict::Unknown) {
-        diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
+
+    /// Whether what was added stands alone, and else what would tell it from the others.
+    fn tell_apart(&mut self, known: &[Known]) {
+        self.diagnosis.verdict = Verdict::Named;
+        let Some(best) = self.added.iter().find(|best| !best.members.is_empty()) else { return };
+        self.diagnosis.verdict = Verdict::Class;
+        self.diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
         let (nearest, other) = &best.members[0];
         let pair = [best.candidate.clone(), other.clone()];
         let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
-        tell("which recording would tell them apart");
-        diagnosis.separating_experiment =
-            separation(problem, &known, &pair, strength, best.widening, nearest.distance);
+        (self.tell)("which recording would tell them apart");
+        self.diagnosis.separating_experiment =
+            separation(&self.problem, known, &pair, strength, best.widening, nearest.distance);
     }
-    if diagnosis.verdict != Verdict::Unknown && !added.is_empty() {
-        diagnosis.verdict = if diagnosis.members.is_empty() { Verdict::Named } else { Verdict::Class };
-    }
-    diagnosis.warnings.extend(words::warnings(problem));
-    diagnosis.warnings.extend(words::strained(&known));
-    set(&mut current, &known);
-    diagnosis.summary = words::summary(&diagnosis);
-    Ok(Outcome { diagnosis, repaired: current, curves })
-}
-
-/// How the model with all that was added meets what was locked away.
-fn locked_by<'a>(added: &'a [Box<Best>], before: &'a Option<Judgement>) -> Option<&'a Judgement> {
-    added.last().map_or(before.as_ref(), |best| best.judgement.as_ref())
 }
 
 /// Puts what was found into the models.

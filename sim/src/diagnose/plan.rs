@@ -60,7 +60,7 @@ pub fn problem(cases: &[Case], noise: f64, markers: &[f64]) -> Problem {
 
 fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
     let time = case.run.samples.clone();
-    let track = |marker: String, at| Track { marker, at, position: vec![Some([0.0; 2]); time.len()], noise };
+    let track = |marker: String, at| Track { marker, at, position: vec![None; time.len()], noise };
     let on_body = markers.iter().map(|share| track(format!("at {share}"), Point::Along(*share)));
     let release = Release {
         name: case.name.clone(),
@@ -74,11 +74,13 @@ fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
     Trial { release, model: case.model.clone(), run: case.run.clone() }
 }
 
-/// What the releases would show of each effect, the best visible first; `tell` hears what is being done.
+/// What the releases that are not locked away would show of each effect, the best visible first; `tell` hears
+/// what is being done.
 /// # Errors
 /// [`CalibrateError`] for releases that cannot be simulated.
 pub fn plan(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Prospect>, CalibrateError> {
     let mut recorded = problem.clone();
+    recorded.trials.retain(|trial| !trial.release.held_out);
     record(&mut recorded, &[])?;
     let fit = Joint::at(&recorded, &[], Slopes::Differences)?;
     let off = predictions(&fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;

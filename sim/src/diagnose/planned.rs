@@ -80,11 +80,6 @@ impl Extra {
                 }
             }
         }
-        for release in all.iter_mut().map(|trial| &mut trial.release) {
-            for track in &mut release.tracks {
-                track.position = vec![Some([0.0; 2]); release.time.len()];
-            }
-        }
         Some(all)
     }
 }
@@ -123,10 +118,14 @@ pub(super) fn separation(
     best.filter(|best| best.distance > now)
 }
 
-/// Fills the tracks with what is predicted at what is known.
+/// Fills the tracks with what is predicted at what is known, whatever was in them.
 /// # Errors
 /// [`CalibrateError`] for a problem that makes no sense or that cannot be simulated.
 pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<(), CalibrateError> {
+    for release in planned.trials.iter_mut().map(|trial| &mut trial.release) {
+        let count = release.time.len();
+        release.tracks.iter_mut().for_each(|track| track.position = vec![Some([0.0; 2]); count]);
+    }
     let blank = planned.clone();
     let (objective, seen) = Joint::seen(&blank, known)?;
     for (r, trial) in planned.trials.iter_mut().enumerate() {
@@ -134,7 +133,7 @@ pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<(), Calib
         for (t, series) in seen.blocks[r].iter().enumerate() {
             let noise = measured.noise[t];
             for (k, residual) in series.samples.iter().zip(&series.residual) {
-                // What was put there is zero.
+                // Measured was zero.
                 let predicted = residual.map(|residual| -noise * residual);
                 trial.release.tracks[t].position[measured.samples[*k]] = Some(predicted);
             }

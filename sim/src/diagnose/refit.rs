@@ -2,7 +2,7 @@
 
 use super::candidate::Candidate;
 use super::verdict::{Added, Value};
-use crate::calibrate::joint::{Joint, Known};
+use crate::calibrate::joint::{Fitted, Joint, Known};
 use crate::calibrate::profile::NORMAL_95;
 use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::unknowns::Group;
@@ -11,9 +11,9 @@ use crate::calibrate::{CalibrateError, Problem};
 /// A model with one more effect, fitted.
 #[derive(Clone)]
 pub(super) struct Refit {
-    /// The problem with the effect in it.
-    pub problem: Problem,
-    /// Where the fit ended.
+    /// The fit, with the effect in its problem.
+    pub fitted: Fitted,
+    /// Where it ended.
     pub known: Vec<Known>,
     /// Cost under the loss of the noise.
     pub cost: f64,
@@ -25,8 +25,8 @@ pub(super) struct Refit {
 
 /// A model with one more effect, near its fit.
 pub(super) struct Rough {
-    problem: Problem,
-    known: Vec<Known>,
+    pub problem: Problem,
+    pub known: Vec<Known>,
     /// Cost under the loss of the noise, with mesh and step as they are.
     pub cost: f64,
 }
@@ -68,7 +68,8 @@ pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit
     let (values, known, cost) = (values(&fit, candidate), fit.known(), fit.cost());
     let prefix = prefix(candidate);
     let unknowns = known.iter().filter(|known| known.unknown.name.starts_with(&prefix)).count();
-    Ok(Some(Refit { known, cost, values, unknowns, problem: rough.problem.clone() }))
+    let fitted = Fitted::new(rough.problem.clone(), fit.found);
+    Ok(Some(Refit { fitted, known, cost, values, unknowns }))
 }
 
 impl Added {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Settings;
 use super::candidate::{Candidate, candidates};
 use super::columns::{columns, predictions};
-use super::judge::{Judgement, judge};
+use super::judge::Locked;
 use super::localise::{Shape, shapes};
 use super::refit::{Refit, Rough, refit, rough};
 use super::score::{Score, Scores, Subject, distance, scores};
@@ -21,6 +21,10 @@ pub(super) struct Round {
     pub evidence: Vec<Evidence>,
     /// What the residual looks like, whatever its cause.
     pub shapes: Vec<Shape>,
+    /// Whether one of the shapes stands out.
+    pub is_shaped: bool,
+    /// What stands out, and is too small beside what was found before to be more than an error of its law.
+    pub negligible: Option<&'static str>,
     /// What speaks in the residual.
     pub heard: Heard,
 }
@@ -33,6 +37,8 @@ pub(super) enum Heard {
     Stranger,
     /// An effect of the catalogue.
     Effect(Box<Best>),
+    /// One more, of which only the score is known, where no more may be added.
+    More(&'static str),
 }
 
 /// The effect that explains most, and those that explain as much.
@@ -40,11 +46,13 @@ pub(super) struct Best {
     pub candidate: Candidate,
     pub refit: Refit,
     /// How it meets what was locked away.
-    pub judgement: Option<Judgement>,
+    pub locked: Option<Locked>,
     /// Variance of the noise over that of white noise as large as stated.
     pub widening: f64,
     /// χ² that its unknowns have to be worth.
     pub price: f64,
+    /// Decrease of χ² that it brought.
+    pub gain: f64,
     /// Others that do as well, the nearest first; empty where the best stands alone.
     pub members: Vec<(Member, Candidate)>,
 }
@@ -60,15 +68,21 @@ const RARER: f64 = 0.01;
 const NEAR: f64 = 0.1;
 /// χ² by which the best may lead without standing alone.
 const LEAD: f64 = 12.0;
+/// Share of the χ² that was explained before below which nothing more is looked for: a tenth in size. How friction
+/// turns round, or air resists, no law says better.
+const NEGLIGIBLE: f64 = 0.01;
+/// The same for a shape, which fits whatever is there.
+const NEGLIGIBLE_SHAPE: f64 = 0.02;
 /// χ² by which an effect may worsen what was locked away before it is disbelieved.
 const WORSE: f64 = 9.0;
 
-/// Looks for one effect beside those that the problem's models have. `before` is how they meet what was
-/// locked away.
+/// Looks for one effect beside those that the problem's models have, which took `explained` off χ². `before` is
+/// how they meet what was locked away.
 pub(super) fn round(
     fit: &Joint,
     problem: &Problem,
-    before: Option<&Judgement>,
+    before: Option<&Locked>,
+    explained: f64,
     number: usize,
     settings: &Settings,
     tell: &(dyn Fn(&str) + Sync),
@@ -80,18 +94,36 @@ pub(super) fn round(
     let subjects: Vec<Subject> = candidates.iter().map(Candidate::subject).collect();
     let scores = scores(fit, &subjects, &columns, settings.false_alarm);
     let mut entries = best_tries(candidates, &scores);
-    let heard = if entries.iter().any(|entry| entry.score.size > scores.threshold) {
+    let is_loud = |entry: &&Entry| entry.score.size > scores.threshold;
+    let is_large = |entry: &Entry| entry.score.decrease >= NEGLIGIBLE * explained;
+    let loud: Vec<&Entry> = entries.iter().filter(is_loud).collect();
+    let is_heard = loud.iter().any(|entry| is_large(entry));
+    let negligible = loud.first().filter(|_| !is_heard).map(|entry| entry.candidate.name());
+    let is_shape =
+        |shape: &Shape| shape.score > shape.threshold && shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
+    let is_shaped = shapes.iter().any(is_shape);
+    let one_more = loud.first().filter(|_| is_heard && number > settings.most_effects);
+    let one_more = one_more.map(|entry| entry.candidate.name());
+    let heard = if let Some(name) = one_more {
+        entries.iter_mut().for_each(|entry| entry.reject("no more than asked for is added"));
+        Heard::More(name)
+    } else if is_heard {
         let (shortlist, others) = shortlist(&mut entries);
         others.iter_mut().for_each(|entry| entry.reject("it promises less than others"));
         let tell = |what: &str| tell(&format!("round {number}: {what}"));
         fit_all(shortlist, problem, fit, scores.widening, &tell)?;
         choose(shortlist, problem, fit, &scores, before, &tell)?
     } else {
-        entries.iter_mut().for_each(|entry| entry.reject("its score is within what noise gives"));
+        for entry in &mut entries {
+            entry.reject(match entry.score.size > scores.threshold {
+                true => "it is less than a tenth in size of what was found: no law is known that well",
+                false => "its score is within what noise gives",
+            });
+        }
         Heard::Nothing
     };
     let evidence = entries.iter().map(|entry| entry.evidence(number)).collect();
-    Ok(Round { threshold: scores.threshold, evidence, shapes, heard })
+    Ok(Round { threshold: scores.threshold, evidence, shapes, is_shaped, negligible, heard })
 }
 
 /// An effect on its way through a round.
@@ -223,7 +255,7 @@ fn choose(
     problem: &Problem,
     fit: &Joint,
     scores: &Scores,
-    before: Option<&Judgement>,
+    before: Option<&Locked>,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Heard, CalibrateError> {
     let widening = scores.widening;
@@ -267,11 +299,14 @@ fn choose(
     for lead in 0..shortlist.len() {
         let entry = &mut shortlist[lead];
         let Some(refit) = entry.refit.clone().filter(|_| entry.rejected.is_none()) else { continue };
-        let judgement = judge(&refit.problem, &refit.known, refit.cost, tell)?;
-        entry.held_out = match (before, &judgement) {
-            (Some(before), Some(after)) => Some(2.0 * (before.cost - after.cost) / widening),
-            _ => None,
-        };
+        tell("what was locked away");
+        let locked = Locked::meet(&refit.fitted.problem, &refit.known)?;
+        if let (Some(before), Some(after)) = (before, &locked) {
+            let before = before.cost(fit, problem)?;
+            let after = after.cost(&refit.fitted.fit()?, &refit.fitted.problem)?;
+            let pair = before.zip(after);
+            entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / widening);
+        }
         if entry.held_out.is_some_and(|decrease| decrease < -WORSE) {
             entry.reject("what was locked away is worse off with it");
             continue;
@@ -288,7 +323,15 @@ fn choose(
         let mut members: Vec<(Member, Candidate)> = others.map(member).collect();
         members.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
         let (candidate, price) = (lead.candidate.clone(), price(&refit));
-        return Ok(Heard::Effect(Box::new(Best { candidate, refit, judgement, widening, price, members })));
+        return Ok(Heard::Effect(Box::new(Best {
+            candidate,
+            refit,
+            locked,
+            widening,
+            price,
+            gain: most,
+            members,
+        })));
     }
     Ok(Heard::Stranger)
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::describe::Description;
+use super::gate::Numerics;
 use super::localise::Shape;
 use super::misfit::Misfit;
 
@@ -45,8 +47,12 @@ pub struct Diagnosis {
     pub misfits: Vec<Misfit>,
     /// What the residual looks like in each round, whatever its cause.
     pub shapes: Vec<Shape>,
+    /// Mesh and step.
+    pub numerics: Numerics,
     /// What was locked away, by name of the release.
     pub held_out: Vec<String>,
+    /// The moment that it would take, where no effect explains what is there: a description, not a cause.
+    pub description: Option<Description>,
     /// What should be known before the answer is used, in words.
     pub warnings: Vec<String>,
 }

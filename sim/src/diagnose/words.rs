@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use models::effects::{CATALOGUE, by_name};
+use models::effects::{CATALOGUE, Kind, by_name};
 
+use super::describe::Description;
 use super::localise::Shape;
 use super::misfit::{BANDS, Misfit, Wrong};
 use super::section::{LEAST_NOISE, TILT};
@@ -43,6 +44,7 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             Some("Something is missing that the catalogue does not hold.".to_owned()),
             misfit(),
             partly(diagnosis),
+            diagnosis.description.as_ref().and_then(described),
             loudest(diagnosis).map(look),
             apart(diagnosis),
         ],
@@ -249,6 +251,24 @@ fn partly(diagnosis: &Diagnosis) -> Option<String> {
     Some(format!("{} {describes} {share} of it, and need not be its cause.", names(diagnosis)))
 }
 
+/// The moment that it would take.
+fn described(description: &Description) -> Option<String> {
+    let about = by_name(&description.moment.effect)?.about();
+    let term = |value: &Value| {
+        let parameter = about.parameters.iter().find(|parameter| parameter.name == value.name)?;
+        let number = format!("{} {}", short(value.value), value.unit);
+        Some(format!("{} ({})", parameter.meaning, number.trim_end()))
+    };
+    let terms: Vec<String> = description.moment.parameters.iter().filter_map(term).collect();
+    (!terms.is_empty()).then(|| {
+        format!(
+            "A description, not a cause: a moment at every bend, over EI {}, would take {} of what is left.",
+            listed(&terms),
+            percent(description.share)
+        )
+    })
+}
+
 fn look(shape: &Shape) -> String {
     format!(
         "What is left looks like this: {}, by {:.2} mm at the tip, mostly at {:.0} % of the largest amplitude.",
@@ -265,23 +285,32 @@ fn loudest(diagnosis: &Diagnosis) -> Option<&Shape> {
     own.max_by(|a, b| a.score.total_cmp(&b.score))
 }
 
-/// Standard deviations by which a nuisance may be off what was believed of it.
+/// Standard deviations by which what was believed of the setup may be off before a warning says so, and before
+/// an answer is not believed that needs it.
 const BELIEVABLE: f64 = 4.0;
+const UNBELIEVABLE: f64 = 6.0;
+
+/// Standard deviations by which a fit had to move what was believed of an unknown.
+fn off(known: &Known) -> Option<f64> {
+    let prior = known.unknown.prior?;
+    Some(((known.value() - prior.mean) / prior.deviation).abs())
+}
+
+/// Whether the fit needs a setup that nobody believes in.
+pub(super) fn is_strained(known: &[Known]) -> bool {
+    known.iter().filter_map(off).any(|off| off > UNBELIEVABLE)
+}
 
 /// What a fit had to assume of the setup against what was believed.
 pub(super) fn strained(known: &[Known]) -> Vec<String> {
     let of = |known: &Known| {
-        let prior = known.unknown.prior?;
-        let off = (known.value() - prior.mean) / prior.deviation;
-        (off.abs() > BELIEVABLE).then(|| {
-            format!(
-                "{} = {} {} is {:.0} standard deviations off what was believed of it: check the setup",
-                known.unknown.name,
-                significant(known.value(), 3),
-                known.unknown.unit,
-                off.abs()
-            )
-        })
+        let off = off(known).filter(|off| *off > BELIEVABLE)?;
+        Some(format!(
+            "{} = {} {} is {off:.0} standard deviations off what was believed of it: check the setup",
+            known.unknown.name,
+            significant(known.value(), 3),
+            known.unknown.unit
+        ))
     };
     known.iter().filter_map(of).collect()
 }
@@ -291,8 +320,9 @@ const STANDING: [&str; 4] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", T
 
 /// Candidates that are none because the experiment's model has them.
 fn had(problem: &Problem) -> Vec<&'static str> {
-    let names = CATALOGUE.iter().map(|effect| effect.about());
-    let could = names.filter(|about| about.parameters.iter().any(|parameter| parameter.off.is_some()));
+    let causes =
+        CATALOGUE.iter().map(|effect| effect.about()).filter(|about| about.kind != Kind::Description);
+    let could = causes.filter(|about| about.parameters.iter().any(|parameter| parameter.off.is_some()));
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     could.map(|about| about.name).filter(|name| !STANDING.contains(name) && has(name)).collect()
 }

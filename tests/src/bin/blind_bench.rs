@@ -1,114 +1,173 @@
-//! Blind bench of the diagnosis: experiments drawn by the twin, with one effect hidden in each or none,
-//! are diagnosed, and what is said is counted.
-//!
-//! `cargo run --release -p tests --bin blind_bench -- [FIRST SEED] [SETS OF EACH] [SIZE] [KIND…]`; a size of
-//! 1 is what one would expect of a muscle, kinds are names of effects, or `nothing`. With
-//! `BLIND_BENCH_TELLS=1` it says what it is doing.
+//! Blind bench of the diagnosis: experiments drawn by the twin, with effects hidden in them or none, are
+//! diagnosed, and what is said is counted. `cargo run --release -p tests --bin blind_bench -- --help`.
 
-use std::collections::BTreeMap;
+use std::process::ExitCode;
 use std::time::Instant;
 
-use models::effects::by_name;
-use sim::diagnose::{Diagnosis, Settings, Verdict, diagnose};
-use tests::blind::problem;
+use clap::Parser;
+use sim::diagnose::{Settings, diagnose};
+use tests::blind::answer::Answer;
+use tests::blind::case::{Case, Limits, kinds, limits, strangers};
+use tests::blind::{decoyed, problem, tally};
 use tests::twin::drawn::Plan;
-use tests::twin::hidden::{self, Hidden};
+use tests::twin::random::Random;
 
-fn main() {
-    let words: Vec<String> = std::env::args().skip(1).collect();
-    let number = |k: usize| words.get(k).and_then(|word| word.parse::<f64>().ok());
-    let (first, sets) = (number(0).unwrap_or(1.0) as u64, number(1).unwrap_or(1.0) as u64);
-    let kinds = hidden::all(number(2).unwrap_or(1.0));
-    let is_asked = |name: &str| words.len() < 4 || words[3..].iter().any(|word| word == name);
-    let nothing = std::iter::once(("nothing", None));
+/// Draws experiments with effects hidden in them, asks the diagnosis, and counts what it says.
+#[derive(Parser)]
+struct Words {
+    /// First seed; each set has the next.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Sets of each kind with one effect hidden.
+    #[arg(long, default_value_t = 1)]
+    each: u64,
+    /// Sets with nothing hidden.
+    #[arg(long, default_value_t = 0)]
+    nothing: u64,
+    /// Sets of each kind that the catalogue is robbed of, and of each that it never had.
+    #[arg(long, default_value_t = 0)]
+    unknown: u64,
+    /// Sets with two effects hidden.
+    #[arg(long, default_value_t = 0)]
+    pairs: u64,
+    /// Size, in what is typical; drawn between one and a hundred detection limits if not given.
+    #[arg(long)]
+    size: Option<f64>,
+    /// Names of effects that are hidden; all if not given.
+    #[arg(long, value_delimiter = ',')]
+    kinds: Vec<String>,
+    /// Three markers on the body beside the tip's.
+    #[arg(long)]
+    body: bool,
+    /// End with an error where a false name was given, or an effect that can be told apart was not named.
+    #[arg(long)]
+    strict: bool,
+    /// Say what is being done, and show the candidates that were fitted.
+    #[arg(long)]
+    tell: bool,
+}
+
+fn main() -> ExitCode {
+    let words = Words::parse();
     let begin = Instant::now();
-    let mut tally = BTreeMap::new();
-    let is_told = std::env::var_os("BLIND_BENCH_TELLS").is_some();
+    let nominal = problem(&Plan { hidden: Vec::new(), ..Case::empty(1).plan(words.body) }.draw(1));
+    let limits = limits(&nominal).expect("the usual experiment can be simulated");
+    let mut answers = Vec::new();
+    for case in cases(&words, &limits) {
+        let own = case.hidden.first().and_then(|(name, _)| limits.get(name)).copied();
+        if let Some(answer) = ask(&case, own, &words, begin) {
+            answers.push(answer);
+        }
+    }
+    println!("\n{}\n{:.0} s in all", tally::told(&answers), begin.elapsed().as_secs_f64());
+    let is_good =
+        |answer: &Answer| !answer.has_a_false_name() && (answer.is_right() || !answer.is_separable());
+    match words.strict && !answers.iter().all(is_good) {
+        true => ExitCode::FAILURE,
+        false => ExitCode::SUCCESS,
+    }
+}
+
+type AllLimits = std::collections::BTreeMap<&'static str, Limits>;
+
+fn cases(words: &Words, limits: &AllLimits) -> Vec<Case> {
+    let is_asked = |name: &&str| words.kinds.is_empty() || words.kinds.iter().any(|asked| asked == name);
+    let mut random = Random::new(7_000_000 + words.seed);
+    let mut seeds = words.seed..;
+    let mut seed = move || seeds.next().unwrap_or_default();
+    let mut size = |name: &str| {
+        let drawn = limits.get(name).map_or(1.0, |limits| limits.drawn(&mut random));
+        words.size.unwrap_or(drawn)
+    };
+    let mut all: Vec<Case> = (0..words.nothing).map(|_| Case::empty(seed())).collect();
+    for name in kinds().filter(is_asked) {
+        all.extend((0..words.each).map(|_| Case::of(name, size(name), seed())));
+    }
+    for name in kinds().filter(is_asked) {
+        let robbed = |size: f64, seed: u64| Case { is_robbed: true, ..Case::of(name, size, seed) };
+        all.extend((0..words.unknown).map(|_| robbed(size(name), seed())));
+    }
+    for name in strangers().filter(is_asked) {
+        all.extend((0..words.unknown).map(|_| Case::of(name, words.size.unwrap_or(1.0), seed())));
+    }
+    // Both of a pair can be seen and told from others at what is typical.
+    let clear: Vec<&'static str> = kinds()
+        .filter(is_asked)
+        .filter(|name| limits.get(name).is_some_and(|own| own.distance(1.0) >= 10.0))
+        .collect();
+    let mut draw = Random::new(8_000_000 + words.seed);
+    let mut pick = |count: usize| ((draw.share() * count as f64) as usize).min(count - 1);
+    for _ in 0..words.pairs {
+        let first = clear[pick(clear.len())];
+        let others: Vec<_> = clear.iter().filter(|name| **name != first).collect();
+        let second = *others[pick(others.len())];
+        let size = words.size.unwrap_or(1.0);
+        all.push(Case { hidden: vec![(first, size), (second, size)], ..Case::of(first, size, seed()) });
+    }
+    all
+}
+
+fn ask(case: &Case, limits: Option<Limits>, words: &Words, begin: Instant) -> Option<Answer> {
     let tell = |what: &str| {
-        if is_told {
+        if words.tell {
             eprintln!("{:8.1} s  {what}", begin.elapsed().as_secs_f64());
         }
     };
-    for (name, hidden) in nothing.chain(kinds.map(|(name, hidden)| (name, Some(hidden)))) {
-        if !is_asked(name) {
-            continue;
-        }
-        for seed in first..first + sets {
-            let hidden: Vec<Hidden> = hidden.iter().cloned().collect();
-            let problem = problem(&Plan::usual(&hidden).draw(seed));
-            let begin = Instant::now();
-            let how = match diagnose(&problem, &Settings::default(), &tell) {
-                Ok(outcome) => {
-                    report(name, seed, &outcome.diagnosis, begin.elapsed().as_secs_f64());
-                    right(name, &outcome.diagnosis)
-                }
-                Err(error) => {
-                    println!("{name:18} {seed:4}  {error}");
-                    "failed"
-                }
-            };
-            *tally.entry(how).or_insert(0) += 1;
-        }
+    let drawn = case.plan(words.body).draw(case.seed);
+    let mut problem = problem(&drawn);
+    if case.is_decoyed {
+        decoyed(&mut problem);
     }
-    println!("{tally:?} in {:.0} s", begin.elapsed().as_secs_f64());
+    let settings = Settings { excluded: case.excluded(), ..Settings::default() };
+    let start = Instant::now();
+    let outcome = match diagnose(&problem, &settings, &tell) {
+        Ok(outcome) => outcome,
+        Err(error) => {
+            println!("{:44} {:5}  {error}", case.name(), case.seed);
+            return None;
+        }
+    };
+    let answer = Answer::new(case.clone(), limits, &drawn, outcome, start.elapsed().as_secs_f64());
+    report(&answer);
+    if words.tell {
+        details(&answer);
+    }
+    Some(answer)
 }
 
-/// What the answer is worth.
-fn right(name: &str, diagnosis: &Diagnosis) -> &'static str {
-    let is_first = diagnosis.effects.first().is_some_and(|added| added.effect == name);
-    let is_member = diagnosis.members.iter().any(|member| member.effect == name);
-    let is_in_catalogue = by_name(name).is_some();
-    match diagnosis.verdict {
-        Verdict::NothingMissing if name == "nothing" => "nothing, and rightly",
-        Verdict::NothingMissing => "missed",
-        Verdict::Unknown if name != "nothing" && !is_in_catalogue => "unknown, and rightly",
-        Verdict::Unknown => "unknown, wrongly",
-        Verdict::Named if is_first && diagnosis.effects.len() == 1 => "named",
-        Verdict::Named | Verdict::Class if is_first => "first of several",
-        Verdict::Class if is_member => "in the class",
-        _ => "wrong name",
-    }
-}
-
-fn report(name: &str, seed: u64, diagnosis: &Diagnosis, seconds: f64) {
-    let said: Vec<&str> = match diagnosis.verdict {
-        Verdict::NothingMissing => vec!["nothing"],
-        Verdict::Unknown => vec!["unknown"],
-        _ => diagnosis.effects.iter().map(|added| added.effect.as_str()).collect(),
-    };
-    let members: Vec<&str> = diagnosis.members.iter().map(|member| member.effect.as_str()).collect();
-    let mean = |of: fn(&sim::diagnose::verdict::Gap) -> f64, held_out: bool| {
-        let all: Vec<f64> = diagnosis.gap.iter().filter(|gap| gap.held_out == held_out).map(of).collect();
-        all.iter().sum::<f64>() / all.len().max(1) as f64
-    };
+fn report(answer: &Answer) {
+    let distance = answer.distance.map_or(String::new(), |distance| format!("D {distance:.1}"));
+    let [fitted, locked] = answer.noise_free;
     println!(
-        "{name:18} {seed:4}  {:40} class {:40} gap {:.3} to {:.3}, locked {:.3} to {:.3}  {seconds:.1} s",
-        said.join(" + "),
-        members.join(", "),
-        mean(|gap| gap.before, false),
-        mean(|gap| gap.after, false),
-        mean(|gap| gap.before, true),
-        mean(|gap| gap.after, true),
+        "{:44} {:5} {distance:>8}  {:50} noise-free {fitted:.3}, locked {locked:.3}  {:.1} s",
+        answer.case.name(),
+        answer.case.seed,
+        answer.said(),
+        answer.seconds
     );
-    if let Some(separation) = &diagnosis.separating_experiment {
-        println!("      {}: {:.1} to {:.1}", separation.what, separation.distance_now, separation.distance);
-    }
+}
+
+/// What was looked at in the first round, and how it looked.
+fn details(answer: &Answer) {
+    let diagnosis = &answer.diagnosis;
+    println!("      {}", diagnosis.summary);
     for shape in diagnosis.shapes.iter().filter(|shape| shape.score > shape.threshold) {
         println!(
             "      round {}: {}: {:.2} of {:.2}, {:.3} mm at {:.2} of the amplitude",
             shape.round, shape.what, shape.score, shape.threshold, shape.size_mm, shape.at_amplitude
         );
     }
-    let mut evidence: Vec<_> = diagnosis.evidence.iter().filter(|evidence| evidence.round == 1).collect();
-    evidence.sort_by(|a, b| b.score.total_cmp(&a.score));
-    for evidence in evidence.iter().take(6) {
+    let mut evidence: Vec<_> = diagnosis.evidence.iter().collect();
+    evidence.sort_by(|a, b| a.round.cmp(&b.round).then(b.score.total_cmp(&a.score)));
+    for evidence in evidence.iter().filter(|evidence| evidence.realised_decrease.is_some()) {
         println!(
-            "      {:20} score {:7.2} of {:.2}  promises {:8.1}  keeps {:8.1}  strength {:.3e}  {}",
+            "      {} {:20} score {:7.2}  promises {:8.1}  keeps {:8.1}  locked {:6.1}  strength {:.3e}  {}",
+            evidence.round,
             evidence.effect,
             evidence.score,
-            diagnosis.thresholds[0],
             evidence.predicted_decrease,
             evidence.realised_decrease.unwrap_or(f64::NAN),
+            evidence.held_out_decrease.unwrap_or(f64::NAN),
             evidence.strength,
             evidence.rejected.as_deref().unwrap_or("chosen"),
         );

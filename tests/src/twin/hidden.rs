@@ -162,6 +162,47 @@ impl Hidden {
         all(x).into_iter().find(|(known, _)| *known == name).map(|(_, hidden)| hidden)
     }
 
+    /// What the catalogue calls the strength of it: its first parameter.
+    #[rustfmt::skip]
+    pub fn strength(&self) -> f64 {
+        let (AirDrag { drag_coefficient: strength }
+        | TipDrag { drag_area: strength }
+        | LinearDrag { coefficient: strength }
+        | AddedMass { mass_per_length: strength }
+        | BraidFriction { moment: strength }
+        | Hysteresis { loss_factor: strength }
+        | Dahl { moment: strength, .. }
+        | Viscoelastic { branch_stiffness: strength, .. }
+        | Creep { branch_stiffness: strength, .. }
+        | CubicStiffness { coefficient: strength }
+        | QuadraticStiffness { coefficient: strength }
+        | SetCurvature { curvature: strength, .. }
+        | StiffnessTaper { taper: strength }
+        | PressureVolume { coefficient: strength }
+        | ClampCompliance { compliance: strength }
+        | ClampFriction { moment: strength }
+        | Hose { stiffness: strength, .. }
+        | TipInertia { inertia: strength }
+        | TipOffset { along: strength }
+        | TipMass { mass: strength }
+        | AxialCompliance { compliance: strength }
+        | HandRelease { force: strength, .. }
+        | InitialVelocity { rate: strength }
+        | StiffnessDrift { rate: strength }
+        | ReleaseDrift { change: strength }
+        | DampingOverPressure { slope: strength, .. }
+        | StrainRateCubed { coefficient: strength }
+        | FrameTilt { angle: strength }
+        | Scale { excess: strength }
+        | MarkerOffset { along: strength, .. }
+        | Clock { excess: strength }
+        | OutOfPlane { share: strength }
+        | Sloshing { mass: strength, .. }
+        | Wall { stiffness: strength, .. }
+        | Ripple { share: strength, .. }) = *self;
+        strength
+    }
+
     /// Its name.
     pub fn name(&self) -> &'static str {
         let is_this = |other: &Hidden| discriminant(other) == discriminant(self);

@@ -52,3 +52,18 @@ fn what_the_catalogue_does_not_hold_is_unknown() {
     assert!(found.shapes.iter().any(|shape| shape.score > shape.threshold));
     assert!(found.summary.contains("looks like"), "{}", found.summary);
 }
+
+/// Robbed of every stiffness that grows with bending, the catalogue has no name for one; its moment is found
+/// for what it is, a cube of the curvature.
+#[test]
+fn what_has_no_name_is_described() {
+    let hidden = Hidden::named("cubic_stiffness", 1.0).expect("it is known");
+    let excluded = CATALOGUE.iter().map(|effect| effect.about().name.to_owned()).collect();
+    let found = diagnosed(&[hidden], 904, &Settings { excluded, ..Settings::default() }).diagnosis;
+    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
+    let description = found.description.as_ref().expect("it can be described");
+    let first = &description.moment.parameters[0];
+    assert_eq!((first.name.as_str(), description.moment.parameters.len()), ("cube", 1), "{}", found.summary);
+    assert!((first.value / hidden.strength() - 1.0).abs() < 0.05, "{} m^2", first.value);
+    assert!(description.share > 0.95, "{description:?}");
+}

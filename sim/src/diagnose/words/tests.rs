@@ -173,3 +173,23 @@ fn an_unknown_is_described_and_nothing_is_just_that() {
          than noise does. Simulation and recordings are 1.02 of the noise apart, 1 being noise alone."
     );
 }
+
+/// What no effect explains is told by its terms, and called what it is.
+#[test]
+fn a_description_is_told_term_by_term() {
+    let term = |name: &str, unit: &str, value: f64| Value {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        of: None,
+        value,
+        interval_95: Some([0.9 * value, 1.1 * value]),
+    };
+    let parameters = vec![term("cube", "m^2", 1.2e-3), term("rate_sign", "1/m", -0.03)];
+    let moment = Added { effect: "latent_moment".to_owned(), parameters };
+    let description = Some(Description { moment, share: 0.83, decrease: 900.0 });
+    let unknown = Diagnosis { verdict: Verdict::Unknown, description, ..drag() };
+    let words = summary(&unknown);
+    let due = "A description, not a cause: a moment at every bend, over EI with the cube of the curvature \
+               (0.00120 m^2) and with the sign of the rate of curvature (-0.0300 1/m), would take 83 % of what is left.";
+    assert!(words.contains(due), "{words}");
+}

@@ -7,7 +7,7 @@ use super::super::picture::Picture;
 use super::super::report::{short, significant};
 use super::super::{Request, folder};
 use crate::calibrate::{Parameter, Problem, Scope};
-use crate::diagnose::verdict::Value;
+use crate::diagnose::verdict::{Added, Value};
 use crate::diagnose::{Curve, Diagnosis, Outcome, Verdict};
 
 /// The page of a diagnosis with its pictures; `written` is when.
@@ -137,20 +137,33 @@ fn effects(page: &mut Page, diagnosis: &Diagnosis) {
     if diagnosis.effects.is_empty() {
         page.text("No effect was added to the model.");
     }
-    let mut rows = Vec::new();
-    for added in &diagnosis.effects {
-        let row = |value: &Value| {
-            let bound = |k: usize| value.interval_95.map_or("not fitted".to_owned(), |of| short(of[k]));
-            let of = value.of.as_deref().unwrap_or("all releases").to_owned();
-            let name = format!("{}.{}", added.effect, value.name);
-            vec![name, of, short(value.value), bound(0), bound(1), value.unit.clone()]
-        };
-        rows.extend(added.parameters.iter().map(row));
-    }
+    let row = |effect: &str, value: &Value| {
+        let bound = |k: usize| value.interval_95.map_or("not fitted".to_owned(), |of| short(of[k]));
+        let of = value.of.as_deref().unwrap_or("all releases").to_owned();
+        vec![
+            format!("{effect}.{}", value.name),
+            of,
+            short(value.value),
+            bound(0),
+            bound(1),
+            value.unit.clone(),
+        ]
+    };
+    let of_added =
+        |added: &Added| added.parameters.iter().map(|own| row(&added.effect, own)).collect::<Vec<_>>();
+    let rows = diagnosis.effects.iter().flat_map(of_added).collect();
     let meaning = |effect: &str| Some(format!("{effect}: {}", by_name(effect)?.about().meaning));
     page.list(&diagnosis.effects.iter().filter_map(|added| meaning(&added.effect)).collect::<Vec<_>>());
     let heads = ["parameter", "of", "value", "from", "to", "unit"];
     page.table(&Table { caption: "Values with their 95 % intervals", heads: &heads, rows });
+    if let Some(description) = &diagnosis.description {
+        page.heading("A description, not a cause");
+        page.table(&Table {
+            caption: "The moment at every bend, over EI, that what is left would take; it is not in the repaired model",
+            heads: &heads,
+            rows: of_added(&description.moment),
+        });
+    }
     if !diagnosis.members.is_empty() {
         page.heading("What would do as well");
         let row = |member: &crate::diagnose::verdict::Member| {
@@ -231,6 +244,8 @@ fn facts(page: &mut Page, request: &Request, diagnosis: &Diagnosis, written: std
         ("wall time".to_owned(), format!("{:.1} s", request.wall_time_s)),
         ("false-alarm level of a round".to_owned(), significant(diagnosis.false_alarm, 2)),
         ("score to be exceeded".to_owned(), thresholds.join(", ")),
+        ("nodes".to_owned(), diagnosis.numerics.nodes.to_string()),
+        ("left of the mesh's error, over the noise".to_owned(), format!("{:.2}", diagnosis.numerics.left)),
     ];
     let hash = |(file, hash): (&String, &String)| (format!("SHA-256 of {file}"), hash.clone());
     facts.extend(request.input_hashes.iter().map(hash));
@@ -328,6 +343,8 @@ mod tests {
             thresholds: vec![4.2],
             misfits: Vec::new(),
             shapes: vec![shape(1), shape(2)],
+            description: None,
+            numerics: crate::diagnose::gate::Numerics::default(),
             held_out: vec!["locked".to_owned()],
             warnings: vec!["one pressure alone".to_owned()],
         };

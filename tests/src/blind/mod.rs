@@ -1,4 +1,9 @@
-//! Drawn experiments as a diagnosis meets them, which is not told what is hidden.
+//! Drawn experiments as a diagnosis meets them, which is not told what is hidden, and what its answers are
+//! worth.
+
+pub mod answer;
+pub mod case;
+pub mod tally;
 
 use models::model::Model;
 use sim::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
@@ -46,4 +51,24 @@ pub fn problem(drawn: &Drawn) -> Problem {
     let mut problem = Problem { trials, parameters, nuisances };
     admit_tilt(&mut problem, 0.2e-3);
     problem
+}
+
+/// What a careless user makes of it: starts that are off by 30 %, and a coarse mesh.
+/// # Panics
+/// If the models have no such parameters.
+pub fn decoyed(problem: &mut Problem) {
+    for trial in &mut problem.trials {
+        trial.model = trial.model.with_nodes(16).expect("a mesh");
+    }
+    let model = problem.trials[0].model.clone();
+    let starts = [
+        ("rod.bending_stiffness", 1.3),
+        ("effects.rayleigh_mass.alpha", 0.7),
+        ("effects.rayleigh_stiffness.beta", 1.3),
+    ];
+    for (path, off) in starts {
+        let start = off * model.theta[model.index(path).expect("there")];
+        let own = problem.parameters.iter_mut().filter(|parameter| parameter.path == path);
+        own.for_each(|parameter| parameter.start = Some(start));
+    }
 }

@@ -1,0 +1,121 @@
+//! An answer to a case, and what it is worth.
+
+use sim::diagnose::{Curve, Diagnosis, Outcome, Verdict};
+
+use super::case::{Case, Limits};
+use crate::twin::drawn::Drawn;
+
+/// Distance from which on two effects are told apart, standard deviations.
+pub const TOLD_APART: f64 = 5.0;
+
+/// What was said of a case, and what there was to say.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// What was asked.
+    pub case: Case,
+    /// Distance of what is hidden from its nearest, standard deviations, where that was foreseen.
+    pub distance: Option<f64>,
+    /// Whether it is large enough to be seen.
+    pub is_visible: bool,
+    /// What was said.
+    pub diagnosis: Diagnosis,
+    /// Noise-free root mean square distance after repair over the noise, of what was fitted and of what was
+    /// locked away.
+    pub noise_free: [f64; 2],
+    /// How long it took, s.
+    pub seconds: f64,
+}
+
+impl Answer {
+    /// Puts together what was said with what was drawn.
+    pub fn new(case: Case, limits: Option<Limits>, drawn: &Drawn, outcome: Outcome, seconds: f64) -> Self {
+        let size = case.hidden.first().map_or(0.0, |(_, size)| *size);
+        let noise_free = [false, true].map(|held_out| noise_free(drawn, &outcome.curves, held_out));
+        Self {
+            distance: limits.map(|limits| limits.distance(size)),
+            is_visible: limits.is_none_or(|limits| size >= limits.seen_from),
+            diagnosis: outcome.diagnosis,
+            case,
+            noise_free,
+            seconds,
+        }
+    }
+
+    /// Names of the effects that were added.
+    pub fn named(&self) -> Vec<&str> {
+        self.diagnosis.effects.iter().map(|added| added.effect.as_str()).collect()
+    }
+
+    /// Whether the answer is one name or several, or a class.
+    pub fn is_a_name(&self) -> bool {
+        matches!(self.diagnosis.verdict, Verdict::Named | Verdict::Class)
+    }
+
+    /// Whether what is hidden can be told from all else.
+    pub fn is_separable(&self) -> bool {
+        self.distance.is_some_and(|distance| distance >= TOLD_APART)
+    }
+
+    /// Whether the first name is right.
+    pub fn is_right(&self) -> bool {
+        let first = self.named().first().copied();
+        self.is_a_name() && first.is_some() && first == self.case.hidden.first().map(|(name, _)| *name)
+    }
+
+    /// Whether all that is hidden is among the names, or in the class.
+    pub fn holds_the_truth(&self) -> bool {
+        let has = |name: &str| {
+            self.named().contains(&name) || self.diagnosis.members.iter().any(|member| member.effect == name)
+        };
+        self.is_a_name() && self.case.hidden.iter().all(|(name, _)| has(name))
+    }
+
+    /// Whether something was named that is not there.
+    pub fn has_a_false_name(&self) -> bool {
+        let is_hidden =
+            |name: &str| !self.case.is_robbed && self.case.hidden.iter().any(|(own, _)| *own == name);
+        let is_excused = self.diagnosis.verdict == Verdict::Class
+            && !self.case.hidden.is_empty()
+            && self.holds_the_truth();
+        self.is_a_name() && !is_excused && self.named().iter().any(|name| !is_hidden(name))
+    }
+
+    /// The strength that was found where the name is right, with its interval.
+    pub fn strength(&self) -> Option<(f64, [f64; 2])> {
+        let value = self.diagnosis.effects.first().filter(|_| self.is_right())?.parameters.first()?;
+        Some((value.value, value.interval_95?))
+    }
+
+    /// In a few words.
+    pub fn said(&self) -> String {
+        let names = self.named().join(" + ");
+        let members: Vec<&str> = self.diagnosis.members.iter().map(|member| member.effect.as_str()).collect();
+        match self.diagnosis.verdict {
+            Verdict::NothingMissing => "nothing".to_owned(),
+            Verdict::Unknown if names.is_empty() => "unknown".to_owned(),
+            Verdict::Unknown => format!("unknown, partly {names}"),
+            Verdict::Named => names,
+            Verdict::Class => format!("{names}, or {}", members.join(", ")),
+        }
+    }
+}
+
+/// Distance of what is predicted in the end from what would have been seen without noise, over the noise.
+fn noise_free(drawn: &Drawn, curves: &[Curve], held_out: bool) -> f64 {
+    let (mut squares, mut count) = (0.0, 0.0f64);
+    for curve in curves.iter().filter(|curve| curve.held_out == held_out) {
+        let Some(release) = drawn.releases.iter().find(|drawn| drawn.release.name == curve.release) else {
+            continue;
+        };
+        let tracks = &release.release.tracks;
+        let Some(track) = tracks.iter().position(|track| track.marker == curve.marker) else { continue };
+        for sample in curve.seen() {
+            let k = release.release.time.partition_point(|time| *time < sample.time - 1e-6);
+            let Some([x, z]) = release.truth[track].get(k).copied() else { continue };
+            let [dx, dz] = [sample.after[0] - x, sample.after[1] - z];
+            squares += 0.5 * (dx * dx + dz * dz) / (curve.noise * curve.noise);
+            count += 1.0;
+        }
+    }
+    (squares / count.max(1.0)).sqrt()
+}

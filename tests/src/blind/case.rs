@@ -1,0 +1,120 @@
+//! What a blind bench asks: an experiment with something hidden in it, or nothing, or something of which the
+//! catalogue is robbed.
+
+use std::collections::BTreeMap;
+
+use models::effects::by_name;
+use sim::calibrate::{CalibrateError, Problem};
+use sim::diagnose::plan::plan;
+
+use crate::twin::drawn::Plan;
+use crate::twin::hidden::{self, Hidden, IN_CATALOGUE};
+use crate::twin::random::Random;
+
+/// One question.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// What is hidden, with its size in what is typical.
+    pub hidden: Vec<(&'static str, f64)>,
+    /// Whether the catalogue is robbed of it.
+    pub is_robbed: bool,
+    /// Whether the start is far off and the mesh coarse.
+    pub is_decoyed: bool,
+    /// Seed of the experiment.
+    pub seed: u64,
+}
+
+impl Case {
+    /// One with nothing hidden; every other seed has a poor start on a coarse mesh.
+    pub fn empty(seed: u64) -> Self {
+        Self { hidden: Vec::new(), is_robbed: false, is_decoyed: seed.is_multiple_of(2), seed }
+    }
+
+    /// One with an effect hidden.
+    pub fn of(name: &'static str, size: f64, seed: u64) -> Self {
+        Self { hidden: vec![(name, size)], is_robbed: false, is_decoyed: false, seed }
+    }
+
+    /// How it is drawn.
+    pub fn plan(&self, with_body: bool) -> Plan {
+        let of = |(name, size): &(&'static str, f64)| Hidden::named(name, *size);
+        let hidden: Vec<Hidden> = self.hidden.iter().filter_map(of).collect();
+        let usual = Plan::usual(&hidden);
+        if with_body { usual.with_body() } else { usual }
+    }
+
+    /// In words.
+    pub fn name(&self) -> String {
+        let names: Vec<String> =
+            self.hidden.iter().map(|(name, size)| format!("{name} x {size:.2}")).collect();
+        match (names.is_empty(), self.is_robbed, self.is_decoyed) {
+            (true, _, false) => "nothing".to_owned(),
+            (true, _, true) => "nothing, decoy".to_owned(),
+            (_, true, _) => format!("{}, not in the catalogue", names.join(" + ")),
+            _ => names.join(" + "),
+        }
+    }
+
+    /// Whether the catalogue that is asked holds everything that is hidden.
+    pub fn is_known(&self) -> bool {
+        !self.is_robbed && self.hidden.iter().all(|(name, _)| by_name(name).is_some())
+    }
+
+    /// What is put out of the catalogue.
+    pub fn excluded(&self) -> Vec<String> {
+        let names = self.hidden.iter().filter(|_| self.is_robbed);
+        names.map(|(name, _)| (*name).to_owned()).collect()
+    }
+}
+
+/// Names of effects that are hidden alone: those of the catalogue that no baseline fits.
+pub fn kinds() -> impl Iterator<Item = &'static str> {
+    hidden::all(1.0).into_iter().take(IN_CATALOGUE).map(|(name, _)| name).filter(|name| *name != "frame_tilt")
+}
+
+/// Names of effects that no catalogue holds.
+pub fn strangers() -> impl Iterator<Item = &'static str> {
+    hidden::all(1.0).into_iter().skip(IN_CATALOGUE).map(|(name, _)| name)
+}
+
+/// From which size on, in what is typical, an effect is seen, and from which it is told from all others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// It is seen.
+    pub seen_from: f64,
+    /// It is told from others; 5 standard deviations apart.
+    pub told_apart_from: f64,
+    /// The largest that one would believe.
+    pub largest: f64,
+}
+
+impl Limits {
+    /// Distance of an effect of a size from its nearest, standard deviations.
+    pub fn distance(&self, size: f64) -> f64 {
+        5.0 * size / self.told_apart_from
+    }
+
+    /// A size between one and a hundred detection limits, as often in any octave, but believable.
+    pub fn drawn(&self, random: &mut Random) -> f64 {
+        let largest = (100.0 * self.seen_from).min(self.largest).max(self.seen_from);
+        (random.between(self.seen_from.ln(), largest.ln())).exp()
+    }
+}
+
+/// The limits of all kinds in an experiment, as `efam diagnose --plan` foresees them.
+/// # Errors
+/// [`CalibrateError`] for one that cannot be simulated.
+pub fn limits(problem: &Problem) -> Result<BTreeMap<&'static str, Limits>, CalibrateError> {
+    let prospects = plan(problem, &|_| ())?;
+    let of = |name: &'static str| {
+        let prospect = prospects.iter().find(|prospect| prospect.effect == name)?;
+        let typical = Hidden::named(name, 1.0)?.strength().abs();
+        let limits = Limits {
+            seen_from: prospect.seen_from / typical,
+            told_apart_from: prospect.told_apart_from / typical,
+            largest: prospect.largest_believed.map_or(f64::INFINITY, |largest| largest / typical),
+        };
+        limits.seen_from.is_finite().then_some((name, limits))
+    };
+    Ok(kinds().filter_map(of).collect())
+}
