@@ -4,7 +4,6 @@ use nalgebra::DVector;
 
 use super::error::CalibrateError;
 use super::levenberg_marquardt::Solution;
-use super::numerics::correction;
 use super::objective::{Objective, Seen, View};
 use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
@@ -48,6 +47,9 @@ impl Known {
 pub(crate) struct Joint<'a> {
     pub objective: Objective<'a>,
     pub found: Found,
+    /// What may be left of the mesh's error, m, root mean square of each release; none where it was not
+    /// removed anew.
+    pub left_of_mesh: Option<Vec<f64>>,
 }
 
 /// A fit with the problem that it is of.
@@ -68,7 +70,7 @@ impl Fitted {
     /// [`CalibrateError`] where the problem is another one than was fitted.
     pub fn fit(&self) -> Result<Joint<'_>, CalibrateError> {
         let objective = Objective::new(whole(&self.problem, Unknowns::of(&self.problem)?))?;
-        Ok(Joint { objective, found: self.found.clone() })
+        Ok(Joint { objective, found: self.found.clone(), left_of_mesh: None })
     }
 }
 
@@ -86,8 +88,8 @@ impl<'a> Joint<'a> {
             None => tell(&format!("residuals {:.2} times the noise", stage.spread)),
         };
         let Some(mut found) = search(&objective, &start, &say) else { return Err(objective.refusal(&start)) };
-        refine(&objective, &mut found, false, tell);
-        Ok(Self { objective, found })
+        let left_of_mesh = refine(&objective, &mut found, false, tell).map(|mesh| mesh.left);
+        Ok(Self { objective, found, left_of_mesh })
     }
 
     /// Goes on from what is known: unknowns that are among it begin there, others at their start. None
@@ -104,7 +106,7 @@ impl<'a> Joint<'a> {
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
             Err(error) => return Err(error),
         };
-        refine(&fit.objective, &mut fit.found, false, tell);
+        fit.left_of_mesh = refine(&fit.objective, &mut fit.found, false, tell).map(|mesh| mesh.left);
         Ok(Some(fit))
     }
 
@@ -150,8 +152,8 @@ impl<'a> Joint<'a> {
         Self::near(objective, &known, view, 0.0)
     }
 
-    /// The minimum near what is known, under one view; the search ends where it gains no more than a `share` of the
-    /// cost.
+    /// The minimum near what is known, under one view; the search ends where it gains no more than a `share` of
+    /// the cost.
     fn near(
         objective: Objective<'a>,
         known: &[Known],
@@ -162,7 +164,7 @@ impl<'a> Joint<'a> {
         let Some(near) = minimise_in(&objective, &x, None, &view, 1.0, share) else { return Ok(None) };
         let Solution { x, at, predicted, converged, .. } = near;
         let found = Found { x, at, view, stages: Vec::new(), predicted, converged, starts: 1 };
-        Ok(Some(Self { objective, found }))
+        Ok(Some(Self { objective, found, left_of_mesh: None }))
     }
 
     /// What is known, as it is: unknowns that are among it are there, others at their start, and nothing
@@ -189,7 +191,7 @@ impl<'a> Joint<'a> {
         let Some(at) = objective.evaluate(&x, &view, None) else { return Err(objective.refusal(&x)) };
         let found =
             Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
-        Ok(Self { objective, found })
+        Ok(Self { objective, found, left_of_mesh: None })
     }
 
     /// Residuals at what is known, with what they were measured by.
@@ -202,12 +204,6 @@ impl<'a> Joint<'a> {
             Some(seen) => Ok((objective, seen)),
             None => Err(objective.refusal(&x)),
         }
-    }
-
-    /// What may be left of the mesh's error when it is removed, m, root mean square of each release; none
-    /// where a finer run cannot be made.
-    pub fn left_of_mesh(&self) -> Option<Vec<f64>> {
-        Some(correction(&self.objective, &self.found.x, &self.found.view, false)?.left)
     }
 
     /// The name of a release, by its place in the problem.

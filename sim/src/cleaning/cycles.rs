@@ -147,7 +147,8 @@ fn swings(
 /// the tip does while it is lost, nobody knows.
 fn holds(time: &[f64], motion: &Motion, quiet: f64, fast: f64) -> Vec<Range<usize>> {
     let mut found: Vec<Range<usize>> = Vec::new();
-    let mut last: Option<Range<usize>> = None;
+    // A hold, and the first sample after it that is seen.
+    let mut last: Option<(Range<usize>, usize)> = None;
     let mut open: Option<Range<usize>> = None;
     for i in 0..time.len() {
         let Some(speed) = motion.speed(i) else { continue };
@@ -156,11 +157,11 @@ fn holds(time: &[f64], motion: &Motion, quiet: f64, fast: f64) -> Vec<Range<usiz
         } else if let Some(hold) = open.take()
             && time[hold.end - 1] - time[hold.start] >= SHORTEST_HOLD
         {
-            last = Some(hold);
+            last = Some((hold, i));
         }
         if speed >= fast
-            && let Some(hold) = last.take()
-            && time[i] - time[hold.end] <= SOON
+            && let Some((hold, after)) = last.take()
+            && time[i] - time[after] <= SOON
         {
             found.push(hold);
         }

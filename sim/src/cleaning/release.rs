@@ -136,11 +136,14 @@ impl Context<'_> {
             }
             None => {
                 let instant = self.time[cut.hold.end];
+                // Where the tip is lost after the hold, it may have been let go at any time of that.
+                let seen = cut.swing.clone().find(|&i| self.tip.path[i].is_some());
+                let unseen = seen.map_or(0.0, |i| self.time[i] - instant);
                 log.say(
                     "instants",
                     format!("released near {instant:.3} s: too little of the fall is seen for more"),
                 );
-                Onset { instant, uncertainty: 3.0 * self.step, acceleration: None }
+                Onset { instant, uncertainty: unseen.max(3.0 * self.step), acceleration: None }
             }
         }
     }

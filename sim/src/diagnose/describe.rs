@@ -1,18 +1,18 @@
 //! What no effect explains, described: as the moment that it would take, a sum of few simple terms.
 //!
 //! The terms of `latent_moment` are scored as candidates are, and added one by one, of those that score most
-//! the one that fits best, while each takes away a good part of what is there. What comes out says how the missing force
-//! looks, and not what makes it.
+//! the one that fits best, while each takes away a good part of what is there. What comes out says how the
+//! missing force looks, and not what makes it.
 
 use models::effects::{Parameter, by_name};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::candidate::Candidate;
-use super::columns::{columns, predictions};
+use super::columns::predictions;
 use super::judge::{Judgement, judgement};
 use super::refit::{Rough, rough};
-use super::score::{Score, Subject, scores};
+use super::score::{Score, scores_of};
 use super::verdict::Added;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem};
@@ -65,9 +65,7 @@ fn with_another(
 ) -> Result<Option<Description>, CalibrateError> {
     let Some(off) = predictions(fit).filter(|_| terms.len() < MOST_TERMS) else { return Ok(None) };
     let candidates = others(terms);
-    let columns = columns(fit, &off, &candidates, &|_| ());
-    let subjects: Vec<Subject> = candidates.iter().map(Candidate::subject).collect();
-    let scores = scores(fit, &subjects, &columns, false_alarm);
+    let scores = scores_of(&candidates, fit, &off, false_alarm, &|_| ());
     let loud = |(_, score): &(&Candidate, &Score)| score.size > scores.threshold;
     let mut each: Vec<(&Candidate, &Score)> = candidates.iter().zip(&scores.each).filter(loud).collect();
     each.sort_by(|a, b| b.1.size.total_cmp(&a.1.size));

@@ -33,9 +33,8 @@ pub(super) fn baseline(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<(Fitted, Numerics), CalibrateError> {
     let nodes_given = nodes(problem);
-    let mut fit = Joint::search(problem, &|what| tell(&format!("baseline: {what}")))?;
+    let fit = Joint::search(problem, &|what| tell(&format!("baseline: {what}")))?;
     let mut left = left_of_mesh(&fit);
-    let mut known = fit.known();
     let mut fitted = Fitted::new(problem.clone(), fit.found);
     while left > GATE && 2 * nodes(&fitted.problem) <= MOST_NODES {
         let mut finer = fitted.problem.clone();
@@ -44,9 +43,9 @@ pub(super) fn baseline(
             break;
         }
         tell(&format!("baseline: {left:.2} of the noise may be left of the mesh: {} nodes", nodes(&finer)));
-        let Some(next) = Joint::follow(&finer, &known, &|_| ())? else { break };
-        fit = next;
-        (left, known) = (left_of_mesh(&fit), fit.known());
+        let known = fitted.fit()?.known();
+        let Some(fit) = Joint::follow(&finer, &known, &|_| ())? else { break };
+        left = left_of_mesh(&fit);
         let found = fit.found;
         fitted = Fitted::new(finer, found);
     }
@@ -60,7 +59,7 @@ fn nodes(problem: &Problem) -> usize {
 
 /// What may be left of the mesh's error, the most of all releases, over the noise.
 fn left_of_mesh(fit: &Joint) -> f64 {
-    let Some(left) = fit.left_of_mesh() else { return 0.0 };
+    let Some(left) = &fit.left_of_mesh else { return 0.0 };
     let own = |(left, measured): (&f64, &Measured)| {
         let noise = measured.noise.iter().copied().fold(f64::INFINITY, f64::min);
         left / noise

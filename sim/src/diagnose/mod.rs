@@ -1,14 +1,14 @@
 //! Diagnosis: where simulation and recordings disagree, which effect is missing, and what is left when it
 //! is added.
 //!
-//! A baseline is calibrated with the errors of mesh and step removed. The residual is asked for shapes before
-//! any name (`localise.rs`), and every candidate of the catalogue is scored at the value where it is off,
+//! A baseline is calibrated with the errors of mesh and step removed, on a mesh fine enough for that
+//! (`gate.rs`). The residual is asked for shapes before any name (`localise.rs`), and every candidate of the catalogue is scored at the value where it is off,
 //! orthogonally to all that the baseline may still adjust (`score.rs`). Those that promise most are fitted
 //! roughly, the best of them in full, and the one that explains most is added, unless others do as well: then
 //! the answer is a class, with the recording that would tell them apart (`planned.rs`). Releases that are
-//! locked away judge it. The search goes on with the larger model until nothing scores; what became idle is
-//! left out again (`idle.rs`). Where a candidate or a
-//! shape stands out that no effect explains, the answer is that something unknown is missing.
+//! locked away judge it (`judge.rs`). The search goes on with the larger model until nothing scores; what
+//! became idle is left out again (`idle.rs`). Where a candidate or a shape stands out that no effect explains,
+//! the answer is that something unknown is missing, and what it would take is described (`describe.rs`).
 
 mod candidate;
 mod columns;

@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use super::Settings;
 use super::candidate::{Candidate, candidates};
-use super::columns::{columns, predictions};
+use super::columns::predictions;
 use super::judge::Locked;
 use super::localise::{Shape, shapes};
 use super::refit::{Refit, Rough, refit, rough};
-use super::score::{Score, Scores, Subject, distance, scores};
+use super::score::{Score, Scores, distance, scores_of};
 use super::verdict::{Evidence, Member};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem};
@@ -90,20 +90,18 @@ pub(super) fn round(
     let off = predictions(fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let shapes = shapes(fit, &off, number, RARER * settings.false_alarm);
     let candidates = candidates(problem, &settings.excluded);
-    let columns = columns(fit, &off, &candidates, &|name| tell(&format!("round {number}: score of {name}")));
-    let subjects: Vec<Subject> = candidates.iter().map(Candidate::subject).collect();
-    let scores = scores(fit, &subjects, &columns, settings.false_alarm);
+    let tell_score = |name: &str| tell(&format!("round {number}: score of {name}"));
+    let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
-    let is_loud = |entry: &&Entry| entry.score.size > scores.threshold;
+    let is_loud = |entry: &Entry| entry.score.size > scores.threshold;
     let is_large = |entry: &Entry| entry.score.decrease >= NEGLIGIBLE * explained;
-    let loud: Vec<&Entry> = entries.iter().filter(is_loud).collect();
-    let is_heard = loud.iter().any(|entry| is_large(entry));
-    let negligible = loud.first().filter(|_| !is_heard).map(|entry| entry.candidate.name());
+    let is_heard = entries.iter().any(|entry| is_loud(entry) && is_large(entry));
+    let loudest = entries.first().filter(|entry| is_loud(entry)).map(|entry| entry.candidate.name());
+    let negligible = loudest.filter(|_| !is_heard);
+    let one_more = loudest.filter(|_| is_heard && number > settings.most_effects);
     let is_shape =
         |shape: &Shape| shape.score > shape.threshold && shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
     let is_shaped = shapes.iter().any(is_shape);
-    let one_more = loud.first().filter(|_| is_heard && number > settings.most_effects);
-    let one_more = one_more.map(|entry| entry.candidate.name());
     let heard = if let Some(name) = one_more {
         entries.iter_mut().for_each(|entry| entry.reject("no more than asked for is added"));
         Heard::More(name)
@@ -115,7 +113,7 @@ pub(super) fn round(
         choose(shortlist, problem, fit, &scores, before, &tell)?
     } else {
         for entry in &mut entries {
-            entry.reject(match entry.score.size > scores.threshold {
+            entry.reject(match is_loud(entry) {
                 true => "it is less than a tenth in size of what was found: no law is known that well",
                 false => "its score is within what noise gives",
             });

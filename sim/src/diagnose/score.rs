@@ -15,9 +15,11 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-use super::columns::Column;
+use super::candidate::Candidate;
+use super::columns::{Column, columns};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::Series;
+use crate::calibrate::prediction::Prediction;
 use crate::calibrate::uncertainty::{pseudo_inverse, spread};
 use crate::normal::normal;
 
@@ -74,6 +76,19 @@ const QUIETEST: f64 = 0.25;
 /// Draws of the law of the largest score.
 const DRAWS: usize = 20_000;
 const SEED: u64 = 20_220_517;
+
+/// Scores candidates at a fit that predicts `off`; `tell` hears their names.
+pub(super) fn scores_of(
+    candidates: &[Candidate],
+    fit: &Joint,
+    off: &[Prediction],
+    false_alarm: f64,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Scores {
+    let columns = columns(fit, off, candidates, tell);
+    let subjects: Vec<Subject> = candidates.iter().map(Candidate::subject).collect();
+    scores(fit, &subjects, &columns, false_alarm)
+}
 
 /// Scores subjects at a fit.
 pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], false_alarm: f64) -> Scores {

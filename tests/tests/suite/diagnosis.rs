@@ -16,6 +16,14 @@ fn diagnosed(hidden: &[Hidden], seed: u64, settings: &Settings) -> Outcome {
     diagnose(&problem(&plan.draw(seed)), settings, &|_| ()).expect("it can be diagnosed")
 }
 
+/// What is said without a catalogue: that something unknown is missing.
+fn robbed(hidden: Hidden, seed: u64) -> Diagnosis {
+    let excluded = CATALOGUE.iter().map(|effect| effect.about().name.to_owned()).collect();
+    let found = diagnosed(&[hidden], seed, &Settings { excluded, ..Settings::default() }).diagnosis;
+    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
+    found
+}
+
 fn worst_gap(diagnosis: &Diagnosis) -> f64 {
     diagnosis.gap.iter().map(|gap| gap.after).fold(0.0, f64::max)
 }
@@ -45,10 +53,7 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
 /// With nothing to choose from, what is hidden is described, and not called nothing.
 #[test]
 fn what_the_catalogue_does_not_hold_is_unknown() {
-    let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
-    let excluded = CATALOGUE.iter().map(|effect| effect.about().name.to_owned()).collect();
-    let found = diagnosed(&[hidden], 903, &Settings { excluded, ..Settings::default() }).diagnosis;
-    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
+    let found = robbed(Hidden::named("viscoelastic", 1.0).expect("it is known"), 903);
     assert!(found.shapes.iter().any(|shape| shape.score > shape.threshold));
     assert!(found.summary.contains("looks like"), "{}", found.summary);
 }
@@ -58,9 +63,7 @@ fn what_the_catalogue_does_not_hold_is_unknown() {
 #[test]
 fn what_has_no_name_is_described() {
     let hidden = Hidden::named("cubic_stiffness", 1.0).expect("it is known");
-    let excluded = CATALOGUE.iter().map(|effect| effect.about().name.to_owned()).collect();
-    let found = diagnosed(&[hidden], 904, &Settings { excluded, ..Settings::default() }).diagnosis;
-    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
+    let found = robbed(hidden, 904);
     let description = found.description.as_ref().expect("it can be described");
     let first = &description.moment.parameters[0];
     assert_eq!((first.name.as_str(), description.moment.parameters.len()), ("cube", 1), "{}", found.summary);
