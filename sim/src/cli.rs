@@ -246,6 +246,10 @@ struct Diagnose {
     /// A marker on the body that is planned, as a share of the length; may be repeated.
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share)]
     marker: Vec<f64>,
+    /// Show in Rerun how it goes on, and each release before and after: save, spawn, connect, connect=URL or
+    /// serve.
+    #[arg(long, value_name = "HOW", value_parser = Rerun::parse, conflicts_with = "plan")]
+    rerun: Option<Rerun>,
     /// No progress, no table.
     #[arg(short, long)]
     quiet: bool,

@@ -47,7 +47,6 @@ impl Law for Clock {
                 scale: 0.01,
                 off: Some(0.0),
                 is_part: true,
-                plausible: Some((-0.05, 0.05)),
                 ..Parameter::PLAIN
             },
         ],

@@ -86,13 +86,15 @@ fn leave_out_repeats(objective: &Objective, counts: &mut [usize]) {
     }
 }
 
-/// The start, then points of Halton's sequence around it; all unknowns of one parameter go together.
+/// The start, then points of Halton's sequence around it; all unknowns of one parameter go together. What was
+/// weighed or measured stays where it is: a rod half as heavy again and as stiff swings as well.
 /// Source: Halton (1960), Numerische Mathematik 2, 84-90.
 fn spread(objective: &Objective, start: &DVector<f64>) -> Vec<DVector<f64>> {
     let unknowns = &objective.part.unknowns;
     let mut spread_out: Vec<usize> = Vec::new();
     for unknown in unknowns {
         if let Kind::Parameter(k) = unknown.kind
+            && unknown.prior.is_none()
             && unknown.start > 0.0
             && unknown.scaled.value(unknown.bounds.0) >= 0.0
             && !spread_out.contains(&k)

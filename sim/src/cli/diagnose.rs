@@ -2,22 +2,25 @@
 
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use models::effects::{CATALOGUE, by_name};
 use models::nearest::nearest;
 use serde_json::json;
 use sim::cleaning::clean;
-use sim::diagnose::{Settings, diagnose, plan, problem};
-use sim::results::Request;
+use sim::diagnose::verdict::Evidence;
+use sim::diagnose::{Listener, Settings, diagnose, plan, problem};
 use sim::results::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
+use sim::results::{self, Request};
 use sim::scenario::Scenario;
 
 use super::Diagnose;
 use super::calibrate::input_hashes;
 use super::experiment::open;
 use super::failure::Failure;
-use super::progress;
+use super::live::{LiveSearch, Rerun};
+use super::progress::{self, ProgressBar};
 
 pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
     if args.plan {
@@ -40,7 +43,13 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
     let problem = problem(&experiment, &cleaned)?;
     let settings =
         Settings { false_alarm: args.false_alarm, most_effects: args.most, excluded: args.without.clone() };
-    let outcome = diagnose(&problem, &settings, &|what| progress.set_message(what.to_owned()))?;
+    let open = |how| {
+        let id = results::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
+        LiveSearch::open(how, &experiment.name, &id, folder.path())
+    };
+    let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
+    let watcher = Watcher { progress: &progress, live: live.as_ref() };
+    let outcome = diagnose(&problem, &settings, &watcher)?;
     progress.finish_and_clear();
     let request = Request {
         name: experiment.name.clone(),
@@ -52,6 +61,12 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     write_diagnosis(&folder, &request, &outcome)?;
+    let live = live.map(|live| live.into_inner().unwrap_or_else(PoisonError::into_inner));
+    let live = live.map(|mut live| live.found(&outcome).map(|()| live)).transpose()?;
+    // A file belongs to the results; a viewer is served when they are there.
+    let saves = args.rerun == Some(Rerun::Save);
+    let (file, viewer) = if saves { (live, None) } else { (None, live) };
+    file.map_or(Ok(()), |file| file.finish(false))?;
     let folder = folder.finish()?;
     let mut out = io::stdout().lock();
     if args.of.json {
@@ -60,7 +75,35 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
         write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
+    drop(out);
+    viewer.map_or(Ok(()), |viewer| viewer.finish(args.rerun == Some(Rerun::Serve)))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Sees a diagnosis go on: the line of progress, and the viewer.
+struct Watcher<'a> {
+    progress: &'a ProgressBar,
+    live: Option<&'a Mutex<LiveSearch>>,
+}
+
+impl Watcher<'_> {
+    /// What the viewer refuses is no reason to stop a search.
+    fn show(&self, show: impl FnOnce(&mut LiveSearch) -> Result<(), Failure>) {
+        if let Some(live) = self.live {
+            let _ = show(&mut live.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+    }
+}
+
+impl Listener for Watcher<'_> {
+    fn doing(&self, what: &str) {
+        self.progress.set_message(what.to_owned());
+        self.show(|live| live.doing(what));
+    }
+
+    fn ranked(&self, threshold: f64, candidates: &[Evidence]) {
+        self.show(|live| live.ranked(threshold, candidates));
+    }
 }
 
 /// What releases that are not recorded yet could show.
@@ -76,6 +119,7 @@ fn planned(args: &Diagnose) -> Result<ExitCode, Failure> {
     let problem = plan::problem(&cases, args.noise, &args.marker);
     let progress = progress::line(args.quiet || args.of.json);
     let prospects = plan::plan(&problem, &|what| progress.set_message(what.to_owned()))?;
+    let prospects = plan::best_seen(prospects);
     progress.finish_and_clear();
     let mut out = io::stdout().lock();
     if args.of.json {

@@ -1,8 +1,10 @@
-//! `--rerun`: the rod in the viewer while it is integrated.
+//! `--rerun`: the rod in the viewer while it is integrated, a diagnosis while it works.
 
 use std::path::Path;
 
 use models::snapshot::Snapshot;
+use sim::diagnose::Outcome;
+use sim::diagnose::verdict::Evidence;
 use sim::scenario::Case;
 
 use super::failure::Failure;
@@ -34,13 +36,13 @@ impl Rerun {
 }
 
 #[cfg(feature = "rerun")]
-pub use with_rerun::Live;
+pub use with_rerun::{Live, LiveSearch};
 #[cfg(not(feature = "rerun"))]
-pub use without::Live;
+pub use without::{Live, LiveSearch};
 
 #[cfg(feature = "rerun")]
 mod with_rerun {
-    use sim::observe::rerun::{RerunError, Scene, Sink, Stream};
+    use sim::observe::rerun::{RerunError, Scene, SearchStream, Sink, Stream};
 
     use super::*;
 
@@ -49,16 +51,8 @@ mod with_rerun {
 
     impl Live {
         pub fn open(how: &Rerun, case: &Case, folder: &Path) -> Result<Live, Failure> {
-            let sink = match how {
-                Rerun::Save => Sink::Save(folder.join("run.rrd")),
-                Rerun::Spawn => Sink::Spawn,
-                Rerun::Connect(url) => Sink::Connect(url.clone()),
-                Rerun::Serve => Sink::serve_here(),
-            };
-            let stream = Stream::open(&sink, &scene(case)).map_err(failure)?;
-            if let Some(how) = stream.how_to_view().filter(|_| *how == Rerun::Serve) {
-                eprintln!("to see it: {how}");
-            }
+            let stream = Stream::open(&sink(how, folder), &scene(case)).map_err(failure)?;
+            tell(how, &stream);
             Ok(Live(stream))
         }
 
@@ -68,16 +62,63 @@ mod with_rerun {
 
         /// Delivers what is left; a server goes on until it is interrupted.
         pub fn finish(self, hold: bool) -> Result<(), Failure> {
-            if hold {
-                self.0.hold();
+            finish(self.0, hold)
+        }
+    }
+
+    /// The recording of a diagnosis in progress.
+    pub struct LiveSearch(SearchStream);
+
+    impl LiveSearch {
+        pub fn open(how: &Rerun, name: &str, id: &str, folder: &Path) -> Result<LiveSearch, Failure> {
+            let stream = SearchStream::open_search(&sink(how, folder), name, id).map_err(failure)?;
+            tell(how, &stream);
+            Ok(LiveSearch(stream))
+        }
+
+        pub fn doing(&mut self, what: &str) -> Result<(), Failure> {
+            self.0.doing(what).map_err(failure)
+        }
+
+        pub fn ranked(&mut self, threshold: f64, candidates: &[Evidence]) -> Result<(), Failure> {
+            self.0.ranked(threshold, candidates).map_err(failure)
+        }
+
+        pub fn found(&mut self, outcome: &Outcome) -> Result<(), Failure> {
+            self.0.found(outcome).map_err(failure)
+        }
+
+        /// Delivers what is left; a server goes on until it is interrupted.
+        pub fn finish(self, hold: bool) -> Result<(), Failure> {
+            finish(self.0, hold)
+        }
+    }
+
+    fn sink(how: &Rerun, folder: &Path) -> Sink {
+        match how {
+            Rerun::Save => Sink::Save(folder.join("run.rrd")),
+            Rerun::Spawn => Sink::Spawn,
+            Rerun::Connect(url) => Sink::Connect(url.clone()),
+            Rerun::Serve => Sink::serve_here(),
+        }
+    }
+
+    fn tell<D>(how: &Rerun, stream: &Stream<D>) {
+        if let Some(how) = stream.how_to_view().filter(|_| *how == Rerun::Serve) {
+            eprintln!("to see it: {how}");
+        }
+    }
+
+    fn finish<D>(stream: Stream<D>, hold: bool) -> Result<(), Failure> {
+        if hold {
+            stream.hold();
+        }
+        match stream.finish() {
+            Err(error @ RerunError::ViewerLost { .. }) => {
+                eprintln!("warning: {error}");
+                Ok(())
             }
-            match self.0.finish() {
-                Err(error @ RerunError::ViewerLost { .. }) => {
-                    eprintln!("warning: {error}");
-                    Ok(())
-                }
-                done => done.map_err(failure),
-            }
+            done => done.map_err(failure),
         }
     }
 
@@ -111,8 +152,7 @@ mod without {
 
     impl Live {
         pub fn open(_: &Rerun, _: &Case, _: &Path) -> Result<Live, Failure> {
-            let message = "this efam was built without Rerun; build it with `--features rerun`";
-            Err(Failure::Usage(message.to_owned()))
+            Err(missing())
         }
 
         pub fn log(&mut self, _: &Snapshot) -> Result<(), Failure> {
@@ -122,5 +162,35 @@ mod without {
         pub fn finish(self, _: bool) -> Result<(), Failure> {
             match self {}
         }
+    }
+
+    /// Nor of a diagnosis.
+    pub enum LiveSearch {}
+
+    impl LiveSearch {
+        pub fn open(_: &Rerun, _: &str, _: &str, _: &Path) -> Result<LiveSearch, Failure> {
+            Err(missing())
+        }
+
+        pub fn doing(&mut self, _: &str) -> Result<(), Failure> {
+            match *self {}
+        }
+
+        pub fn ranked(&mut self, _: f64, _: &[Evidence]) -> Result<(), Failure> {
+            match *self {}
+        }
+
+        pub fn found(&mut self, _: &Outcome) -> Result<(), Failure> {
+            match *self {}
+        }
+
+        pub fn finish(self, _: bool) -> Result<(), Failure> {
+            match self {}
+        }
+    }
+
+    fn missing() -> Failure {
+        let message = "this efam was built without Rerun; build it with `--features rerun`";
+        Failure::Usage(message.to_owned())
     }
 }

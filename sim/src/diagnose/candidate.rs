@@ -1,10 +1,10 @@
 //! What may be missing: the effects of the catalogue, each as a way to move the prediction.
 
-use models::effects::{CATALOGUE, Effect, Kind, Parameter as EffectParameter, Reach};
+use models::effects::{About, CATALOGUE, Effect, Kind, Parameter as EffectParameter, Reach};
 use models::error::ModelError;
 
 use super::score::Subject;
-use crate::calibrate::{Parameter, Problem, Scale, Scope, Trial};
+use crate::calibrate::{Parameter, Prior, Problem, Scale, Scope, Trial};
 use crate::forward::Initial;
 
 /// An effect with what it depends on nonlinearly held at one value.
@@ -41,7 +41,15 @@ impl Candidate {
             0.0
         };
         // Differences on the same steps are good to some 1e-5.
-        Subject { off: self.off, side, own: 1e-9 }
+        Subject { off: self.off, side, own: 1e-9, believed: self.belief().map(|belief| belief.deviation) }
+    }
+
+    /// What is believed of the strength of a release, where each has its own.
+    fn belief(&self) -> Option<Prior> {
+        let (low, high) = self.believed();
+        let widest = (high - self.off).max(self.off - low);
+        let is_own = self.effect.about().reach == Reach::Release && widest.is_finite();
+        is_own.then_some(Prior { mean: self.off, deviation: 0.5 * widest })
     }
 
     /// The path of the strength.
@@ -77,6 +85,7 @@ impl Candidate {
         problem.parameters.push(Parameter {
             start: Some(if scope == Scope::PerRelease { self.off } else { estimate.clamp(low, high) }),
             bounds: Some((low, high)),
+            prior: self.belief(),
             scale: Some(Scale::Linear),
             ..Parameter::new(&self.path(), scope)
         });
@@ -98,6 +107,15 @@ fn believed(parameter: &EffectParameter) -> (f64, f64) {
     parameter.plausible.map_or((low, high), |(least, most)| (least.max(low), most.min(high)))
 }
 
+/// What switches an effect off, with the value that does: the first such parameter, or each of those that are
+/// parts of it, beside which the others are fitted.
+fn strengths(about: &About) -> Vec<(&'static EffectParameter, f64)> {
+    let switches = about.parameters.iter().filter_map(|parameter| Some((parameter, parameter.off?)));
+    let is_believed = |(part, _): &(&EffectParameter, f64)| part.is_part && part.plausible.is_some();
+    let parts: Vec<_> = switches.clone().filter(is_believed).collect();
+    if parts.is_empty() { switches.take(1).collect() } else { parts }
+}
+
 /// The candidates for a problem: every cause in the catalogue that its models do not have already, but for
 /// the `excluded`.
 pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidate> {
@@ -109,10 +127,6 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
         if has(about.name) || is_excluded || about.kind == Kind::Description {
             continue;
         }
-        let Some(strength) = about.parameters.iter().find(|parameter| parameter.off.is_some()) else {
-            continue;
-        };
-        let Some(off) = strength.off else { continue };
         let mut tried: Vec<Vec<(&'static EffectParameter, f64)>> = vec![Vec::new()];
         for parameter in about.parameters.iter().filter(|parameter| !parameter.tries.is_empty()) {
             tried = tried
@@ -126,7 +140,12 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
                 })
                 .collect();
         }
-        all.extend(tried.into_iter().map(|tried| Candidate { effect, strength, off, tried }));
+        for (strength, off) in strengths(about) {
+            let parts = strengths(about).into_iter().filter(|(part, _)| part.name != strength.name);
+            let with_parts = |tried: &Vec<_>| tried.iter().copied().chain(parts.clone()).collect();
+            let tried = tried.iter().map(with_parts);
+            all.extend(tried.map(|tried| Candidate { effect, strength, off, tried }));
+        }
     }
     all
 }

@@ -91,6 +91,21 @@ pub(super) fn judgement(fit: &Joint) -> Judgement {
     Judgement { gaps, paths: paths(fit) }
 }
 
+/// What a model that is right may miss of releases that it was not fitted to, root mean square over the noise: an
+/// error of a law, or of the parameters of others.
+const MISSED: f64 = 0.6;
+
+/// Whether what was locked away is missed by more than a model that is right would, beyond what noise leaves of
+/// what was fitted: one effect in the place of another fits what it is fitted to.
+pub(super) fn is_astray(gaps: &[Gap]) -> bool {
+    let square = |held_out: bool| {
+        let own: Vec<f64> =
+            gaps.iter().filter(|gap| gap.held_out == held_out).map(|gap| gap.after.powi(2)).collect();
+        own.iter().sum::<f64>() / own.len().max(1) as f64
+    };
+    square(true) > square(false).max(1.0) + MISSED.powi(2)
+}
+
 /// Gaps before and after, of the same releases.
 pub(super) fn gaps(before: &Judgement, after: &Judgement, held_out: bool) -> Vec<Gap> {
     let pairs = before.gaps.iter().zip(&after.gaps);

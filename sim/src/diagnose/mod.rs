@@ -38,10 +38,26 @@ pub use verdict::{Diagnosis, Verdict};
 use curve::curves;
 use describe::describe;
 use idle::without_idle;
-use judge::{Judgement, Locked, gaps, judgement};
+use judge::{Judgement, Locked, gaps, is_astray, judgement};
 use planned::separation;
 use round::{Best, Heard, round};
 use verdict::{Added, Evidence};
+
+/// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
+pub trait Listener: Sync {
+    /// What is being done.
+    fn doing(&self, what: &str);
+
+    /// Candidates of one round as they stand, beside the score that they have to exceed: all of them when
+    /// they are scored, one when it was fitted, all when the round is over.
+    fn ranked(&self, _threshold: f64, _candidates: &[Evidence]) {}
+}
+
+impl<F: Fn(&str) + Sync> Listener for F {
+    fn doing(&self, what: &str) {
+        self(what);
+    }
+}
 
 /// How a diagnosis is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,34 +82,36 @@ impl Default for Settings {
 pub struct Outcome {
     /// What is written.
     pub diagnosis: Diagnosis,
-    /// The problem with the effects in its models and all that was found set.
+    /// The problem with what was found before anything was added set in its models.
+    pub baseline: Problem,
+    /// The same with the effects in its models.
     pub repaired: Problem,
     /// Each track of each release as it was measured, and as it is predicted before and after; first those
     /// that were fitted.
     pub curves: Vec<Curve>,
 }
 
-/// Finds what is missing; `tell` hears what is being done, from any thread.
+/// Finds what is missing.
 /// # Errors
 /// [`CalibrateError`] for a problem that makes no sense, and where the baseline cannot be fitted.
 pub fn diagnose(
     problem: &Problem,
     settings: &Settings,
-    tell: &(dyn Fn(&str) + Sync),
+    listener: &dyn Listener,
 ) -> Result<Outcome, CalibrateError> {
-    let (model, numerics) = gate::baseline(problem, tell)?;
+    let (model, numerics) = gate::baseline(problem, &|what| listener.doing(what))?;
     let fit = model.fit()?;
-    let (before, cost) = (judgement(&fit), fit.cost());
-    tell("what was locked away");
-    let locked = Locked::meet(&model.problem, &fit.known())?;
+    let (before, cost, known) = (judgement(&fit), fit.cost(), fit.known());
+    listener.doing("what was locked away");
+    let locked = Locked::meet(&model.problem, &known)?;
     let diagnosis = Diagnosis { false_alarm: settings.false_alarm, numerics, ..Diagnosis::default() };
     drop(fit);
     let mut course = Course {
         problem: model.problem.clone(),
         settings,
-        tell,
+        listener,
         after: before.clone(),
-        before: Before { fitted: before, locked },
+        before: Before { fitted: before, locked, known },
         model,
         cost,
         added: Vec::new(),
@@ -113,7 +131,7 @@ struct Course<'a> {
     /// On a mesh that is fine enough, without anything added.
     problem: Problem,
     settings: &'a Settings,
-    tell: &'a (dyn Fn(&str) + Sync),
+    listener: &'a dyn Listener,
     before: Before,
     /// The model with all that was added, fitted; its cost, and how it meets what it was fitted to.
     model: Fitted,
@@ -123,10 +141,11 @@ struct Course<'a> {
     diagnosis: Diagnosis,
 }
 
-/// How the baseline meets what it was fitted to, and what was locked away.
+/// How the baseline meets what it was fitted to, and what was locked away; what it found.
 struct Before {
     fitted: Judgement,
     locked: Option<Locked>,
+    known: Vec<Known>,
 }
 
 impl Course<'_> {
@@ -136,7 +155,7 @@ impl Course<'_> {
             let fit = self.model.fit()?;
             let explained = self.added.iter().map(|best| best.gain).sum();
             let (problem, locked) = (&self.model.problem, self.locked());
-            let found = round(&fit, problem, locked, explained, number, self.settings, self.tell)?;
+            let found = round(&fit, problem, locked, explained, number, self.settings, self.listener)?;
             drop(fit);
             self.diagnosis.thresholds.push(found.threshold);
             self.diagnosis.evidence.extend(found.evidence);
@@ -182,7 +201,7 @@ impl Course<'_> {
         let mut known = self.model.fit()?.known();
         while let Some(lean) = without_idle(&self.problem, &self.added, &known, self.cost)? {
             let idle = self.added.remove(lean.left_out);
-            (self.tell)(&format!("{} became idle", idle.candidate.name()));
+            self.listener.doing(&format!("{} became idle", idle.candidate.name()));
             let of_idle = |evidence: &&mut Evidence| evidence.effect == idle.candidate.name();
             for evidence in self.diagnosis.evidence.iter_mut().filter(of_idle) {
                 evidence.rejected.get_or_insert_with(|| "it became idle beside the others".to_owned());
@@ -204,22 +223,23 @@ impl Course<'_> {
     /// Says what it all comes to.
     fn conclude(mut self) -> Result<Outcome, CalibrateError> {
         let known = self.model.fit()?.known();
-        if !self.added.is_empty() && words::is_strained(&known) {
-            self.diagnosis.verdict = Verdict::Unknown;
-        }
-        if self.diagnosis.verdict == Verdict::Unknown {
-            let (fit, level) = (self.model.fit()?, self.settings.false_alarm);
-            self.diagnosis.description = describe(&fit, &self.model.problem, level, self.tell)?;
-        } else if !self.added.is_empty() {
-            self.tell_apart(&known);
-        }
         let (gap, curves) = {
             let mut pairs = vec![(&self.before.fitted, &self.after, false)];
             let locked = self.before.locked.as_ref().zip(self.locked());
             pairs.extend(locked.map(|(before, after)| (&before.judgement, &after.judgement, true)));
             let gap = pairs.iter().flat_map(|(before, after, held_out)| gaps(before, after, *held_out));
-            (gap.collect(), curves(&pairs))
+            (gap.collect::<Vec<_>>(), curves(&pairs))
         };
+        if !self.added.is_empty() && (words::is_strained(&known) || is_astray(&gap)) {
+            self.diagnosis.verdict = Verdict::Unknown;
+        }
+        if self.diagnosis.verdict == Verdict::Unknown {
+            let (fit, level) = (self.model.fit()?, self.settings.false_alarm);
+            let tell = |what: &str| self.listener.doing(what);
+            self.diagnosis.description = describe(&fit, &self.model.problem, level, &tell)?;
+        } else if !self.added.is_empty() {
+            self.tell_apart(&known);
+        }
         self.diagnosis.gap = gap;
         let locked = self.problem.trials.iter().filter(|trial| trial.release.held_out);
         self.diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
@@ -228,9 +248,10 @@ impl Course<'_> {
         self.diagnosis.warnings.extend(words::warnings(&self.problem));
         self.diagnosis.warnings.extend(words::strained(&known));
         self.diagnosis.summary = words::summary(&self.diagnosis);
-        let mut repaired = self.model.problem;
+        let (mut baseline, mut repaired) = (self.problem, self.model.problem);
+        set(&mut baseline, &self.before.known);
         set(&mut repaired, &known);
-        Ok(Outcome { diagnosis: self.diagnosis, repaired, curves })
+        Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, curves })
     }
 
     /// Whether what was added stands alone, and else what would tell it from the others.
@@ -242,7 +263,7 @@ impl Course<'_> {
         let (nearest, other) = &best.members[0];
         let pair = [best.candidate.clone(), other.clone()];
         let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
-        (self.tell)("which recording would tell them apart");
+        self.listener.doing("which recording would tell them apart");
         self.diagnosis.separating_experiment =
             separation(&self.problem, known, &pair, strength, best.widening, nearest.distance);
     }

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::candidate::{Candidate, candidates};
 use super::columns::{Column, columns, predictions};
 use super::planned::record;
-use super::score::{distance, gram};
+use super::score::{gram, unit_distance};
 use super::section::{SHARED, USUAL_TILT, admit_tilt};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Slopes;
@@ -33,6 +33,8 @@ pub struct Prospect {
     pub parameter: String,
     /// SI unit; empty if dimensionless.
     pub unit: String,
+    /// Values at which its other parameters are taken.
+    pub tried: Vec<(String, f64)>,
     /// Strength beyond which it is seen; infinite where the baseline can do all that it does.
     pub seen_from: f64,
     /// Strength beyond which it is told from every other effect.
@@ -74,7 +76,8 @@ fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
     Trial { release, model: case.model.clone(), run: case.run.clone() }
 }
 
-/// What the releases that are not locked away would show of each effect, the best visible first; `tell` hears
+/// What the releases that are not locked away would show of each effect, at each try of its other parameters, the
+/// best visible first; `tell` hears
 /// what is being done.
 /// # Errors
 /// [`CalibrateError`] for releases that cannot be simulated.
@@ -89,20 +92,11 @@ pub fn plan(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Prosp
     let gram = gram(&fit, &columns);
     let traces: Vec<Trace> =
         candidates.iter().enumerate().map(|(c, candidate)| Trace::of(candidate, c, &columns)).collect();
-    let seen = |trace: &Trace| distance(&gram, &trace.columns, &[], &trace.ones());
-    let mut best: Vec<(&Trace, f64)> = Vec::new();
-    for trace in &traces {
-        let size = seen(trace);
-        match best.iter_mut().find(|(other, _)| other.candidate.name() == trace.candidate.name()) {
-            Some(other) if size > other.1 => *other = (trace, size),
-            Some(_) => {}
-            None => best.push((trace, size)),
-        }
-    }
-    let prospect = |(trace, size): &(&Trace, f64)| {
+    let prospect = |trace: &Trace| {
+        let size = unit_distance(&gram, &trace.columns, &[]);
         let others = traces.iter().filter(|other| other.candidate.name() != trace.candidate.name());
         let nearest = others
-            .map(|other| (other, distance(&gram, &trace.columns, &other.columns, &trace.ones())))
+            .map(|other| (other, unit_distance(&gram, &trace.columns, &other.columns)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let (low, high) = trace.candidate.believed();
         let off = trace.candidate.off;
@@ -110,19 +104,34 @@ pub fn plan(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Prosp
             effect: trace.candidate.name().to_owned(),
             parameter: trace.candidate.strength.name.to_owned(),
             unit: trace.candidate.strength.unit.to_owned(),
+            tried: trace.candidate.tried.iter().map(|(own, value)| (own.name.to_owned(), *value)).collect(),
             seen_from: APART / size,
-            told_apart_from: APART / nearest.as_ref().map_or(*size, |(_, apart)| *apart),
+            told_apart_from: APART / nearest.as_ref().map_or(size, |(_, apart)| *apart),
             nearest: nearest.map(|(other, _)| other.candidate.name().to_owned()),
             largest_believed: trace.candidate.strength.plausible.map(|_| (high - off).max(off - low)),
         }
     };
-    let mut prospects: Vec<Prospect> = best.iter().map(prospect).collect();
+    let mut prospects: Vec<Prospect> = traces.iter().map(prospect).collect();
     let share = |prospect: &Prospect| prospect.seen_from / prospect.largest_believed.unwrap_or(f64::INFINITY);
     prospects.sort_by(|a, b| share(a).total_cmp(&share(b)));
     Ok(prospects)
 }
 
-/// A candidate with its columns; where each release has its own, all are taken to be equal.
+/// Of each strength the prospect that is seen best, whatever the other parameters are.
+pub fn best_seen(prospects: Vec<Prospect>) -> Vec<Prospect> {
+    let mut best: Vec<Prospect> = Vec::new();
+    for prospect in prospects {
+        // Those that are seen best come first.
+        let is_there =
+            |other: &Prospect| (&other.effect, &other.parameter) == (&prospect.effect, &prospect.parameter);
+        if !best.iter().any(is_there) {
+            best.push(prospect);
+        }
+    }
+    best
+}
+
+/// A candidate with its columns.
 struct Trace<'a> {
     candidate: &'a Candidate,
     columns: Vec<usize>,
@@ -131,9 +140,5 @@ struct Trace<'a> {
 impl<'a> Trace<'a> {
     fn of(candidate: &'a Candidate, place: usize, columns: &[Column]) -> Self {
         Self { candidate, columns: (0..columns.len()).filter(|k| columns[*k].of == place).collect() }
-    }
-
-    fn ones(&self) -> Vec<f64> {
-        vec![1.0; self.columns.len()]
     }
 }

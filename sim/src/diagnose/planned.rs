@@ -5,6 +5,7 @@ use super::candidate::Candidate;
 use super::columns::{columns, predictions};
 use super::score::{distance, gram};
 use super::verdict::Separation;
+use super::words::listed;
 use crate::calibrate::joint::{Joint, Known};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::{CalibrateError, Problem, Trial};
@@ -19,15 +20,25 @@ enum Extra {
     LongRecord,
 }
 
+/// What may be recorded together, the least work first.
+const TOGETHER: [&[Extra]; 4] = [
+    &[Extra::BodyMarkers, Extra::Payload],
+    &[Extra::BodyMarkers, Extra::LongRecord],
+    &[Extra::Angles, Extra::Payload],
+    &[Extra::BodyMarkers, Extra::Angles, Extra::Payload, Extra::LongRecord],
+];
+/// Standard deviations from which on two effects are told apart.
+const APART: f64 = 5.0;
+
 impl Extra {
     const ALL: [Self; 4] = [Self::BodyMarkers, Self::Angles, Self::Payload, Self::LongRecord];
 
     fn words(self) -> &'static str {
         match self {
-            Self::BodyMarkers => "the same releases with markers at 0.3, 0.55 and 0.8 of the length",
-            Self::Angles => "the same releases once more from 25 degrees below",
-            Self::Payload => "the same releases once more with 20 g at the tip",
-            Self::LongRecord => "the same releases recorded three times as long",
+            Self::BodyMarkers => "with markers at 0.3, 0.55 and 0.8 of the length",
+            Self::Angles => "once more from 25 degrees below",
+            Self::Payload => "once more with 20 g at the tip",
+            Self::LongRecord => "three times as long",
         }
     }
 
@@ -84,7 +95,8 @@ impl Extra {
     }
 }
 
-/// The experiment that tells two effects apart best, of those that could be made: `strengths` are those of
+/// The experiment that tells two effects apart best, of those that could be made, several things together only where
+/// one is not enough: `strengths` are those of
 /// the first, `widening` the variance of the noise over that of white noise, `now` the distance in the
 /// experiment at hand.
 pub(super) fn separation(
@@ -97,8 +109,13 @@ pub(super) fn separation(
 ) -> Option<Separation> {
     let fitted: Vec<Trial> = problem.trials.iter().filter(|trial| !trial.release.held_out).cloned().collect();
     let mut best: Option<Separation> = None;
-    for extra in Extra::ALL {
-        let Some(trials) = extra.made(&fitted) else { continue };
+    for extras in Extra::ALL.iter().map(std::slice::from_ref).chain(TOGETHER) {
+        // One thing more is less work than several.
+        if extras.len() > 1 && best.as_ref().is_some_and(|best| best.distance >= APART) {
+            break;
+        }
+        let all = extras.iter().try_fold(fitted.clone(), |trials, extra| extra.made(&trials));
+        let Some(trials) = all else { continue };
         let mut planned = Problem { trials, ..problem.clone() };
         // What cannot be run, nobody will record.
         if record(&mut planned, known).is_err() {
@@ -112,7 +129,9 @@ pub(super) fn separation(
         let strengths = vec![strength - pair[0].off; first.len()];
         let distance = distance(&gram(&fit, &columns), &first, &second, &strengths) / widening.sqrt();
         if best.as_ref().is_none_or(|best| distance > best.distance) {
-            best = Some(Separation { what: extra.words().to_owned(), distance, distance_now: now });
+            let words: Vec<String> = extras.iter().map(|extra| extra.words().to_owned()).collect();
+            let what = format!("the same releases {}", listed(&words));
+            best = Some(Separation { what, distance, distance_now: now });
         }
     }
     best.filter(|best| best.distance > now)

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::Settings;
 use super::candidate::{Candidate, candidates};
 use super::columns::predictions;
 use super::judge::Locked;
@@ -10,6 +9,7 @@ use super::localise::{Shape, shapes};
 use super::refit::{Refit, Rough, refit, rough};
 use super::score::{Score, Scores, distance, scores_of};
 use super::verdict::{Evidence, Member};
+use super::{Listener, Settings};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -73,8 +73,10 @@ const LEAD: f64 = 12.0;
 const NEGLIGIBLE: f64 = 0.01;
 /// The same for a shape, which fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
-/// χ² by which an effect may worsen what was locked away before it is disbelieved.
-const WORSE: f64 = 9.0;
+/// χ² by which an effect may worsen what was locked away before it is disbelieved: one that is there betters it.
+const WORSE: f64 = 4.0;
+/// χ², in what noise gives, below which effects of which none is believed are not there at all.
+const CHANCE: f64 = 3.0;
 
 /// Looks for one effect beside those that the problem's models have, which took `explained` off χ². `before` is
 /// how they meet what was locked away.
@@ -85,14 +87,21 @@ pub(super) fn round(
     explained: f64,
     number: usize,
     settings: &Settings,
-    tell: &(dyn Fn(&str) + Sync),
+    listener: &dyn Listener,
 ) -> Result<Round, CalibrateError> {
+    let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));
     let off = predictions(fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let shapes = shapes(fit, &off, number, RARER * settings.false_alarm);
     let candidates = candidates(problem, &settings.excluded);
-    let tell_score = |name: &str| tell(&format!("round {number}: score of {name}"));
+    let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
+    let ranked = |entries: &[Entry]| {
+        let evidence: Vec<Evidence> = entries.iter().map(|entry| entry.evidence(number)).collect();
+        listener.ranked(scores.threshold, &evidence);
+        evidence
+    };
+    ranked(&entries);
     let is_loud = |entry: &Entry| entry.score.size > scores.threshold;
     let is_large = |entry: &Entry| entry.score.decrease >= NEGLIGIBLE * explained;
     let is_heard = entries.iter().any(|entry| is_loud(entry) && is_large(entry));
@@ -108,8 +117,11 @@ pub(super) fn round(
     } else if is_heard {
         let (shortlist, others) = shortlist(&mut entries);
         others.iter_mut().for_each(|entry| entry.reject("it promises less than others"));
-        let tell = |what: &str| tell(&format!("round {number}: {what}"));
-        fit_all(shortlist, problem, fit, scores.widening, &tell)?;
+        let tell_fit = |entry: &Entry| match entry.realised {
+            None => tell(&format!("fit of {}", entry.candidate.name())),
+            Some(_) => drop(ranked(std::slice::from_ref(entry))),
+        };
+        fit_all(shortlist, problem, fit, scores.widening, &tell_fit)?;
         choose(shortlist, problem, fit, &scores, before, &tell)?
     } else {
         for entry in &mut entries {
@@ -120,8 +132,8 @@ pub(super) fn round(
         }
         Heard::Nothing
     };
-    let evidence = entries.iter().map(|entry| entry.evidence(number)).collect();
-    Ok(Round { threshold: scores.threshold, evidence, shapes, is_shaped, negligible, heard })
+    let (threshold, evidence) = (scores.threshold, ranked(&entries));
+    Ok(Round { threshold, evidence, shapes, is_shaped, negligible, heard })
 }
 
 /// An effect on its way through a round.
@@ -211,19 +223,23 @@ fn shortlist(entries: &mut [Entry]) -> (&mut [Entry], &mut [Entry]) {
     entries.split_at_mut(count.min(SHORTLIST))
 }
 
-/// Fits all roughly, and in full those that come near the best.
+/// Fits all roughly, and in full those that come near the best; `tell` hears of each before its fit and after.
 fn fit_all(
     shortlist: &mut [Entry],
     problem: &Problem,
     fit: &Joint,
     widening: f64,
-    tell: &(dyn Fn(&str) + Sync),
+    tell: &(dyn Fn(&Entry) + Sync),
 ) -> Result<(), CalibrateError> {
     let of_entry = |entry: &mut Entry| {
-        tell(&format!("fit of {}", entry.candidate.name()));
+        tell(entry);
         let rough = rough(problem, &entry.candidate, entry.score.estimate, fit)?;
         match &rough {
-            Some(rough) => entry.rough = Some(rough.cost),
+            Some(rough) => {
+                entry.rough = Some(rough.cost);
+                entry.realised = Some(2.0 * (fit.cost() - rough.cost) / widening);
+                tell(entry);
+            }
             None => entry.reject("a model with it cannot be run"),
         }
         Ok(rough)
@@ -331,7 +347,7 @@ fn choose(
             members,
         })));
     }
-    Ok(Heard::Stranger)
+    Ok(if most < CHANCE * noise { Heard::Nothing } else { Heard::Stranger })
 }
 
 /// Distance of two traces at the strength of the first, standard deviations of the noise as it is.

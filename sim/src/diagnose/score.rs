@@ -33,9 +33,38 @@ pub(super) struct Subject {
     /// Share of a column's square that must be left when the fit has had its way: below that it is made of
     /// the errors of the slopes.
     pub own: f64,
+    /// Standard deviation that is believed of each strength, where each release has its own: the baseline can do
+    /// all but what differs between releases, and what it can do must not be asked for.
+    pub believed: Option<f64>,
+}
+
+/// What a pull is weighed by.
+struct Scale {
+    /// `statistic = Uᵀ inverse U`.
+    inverse: DMatrix<f64>,
+    /// What the statistic is where nothing is missing, on average.
+    degrees: f64,
 }
 
 impl Subject {
+    /// With the columns' gram matrix, the variance of their pull, and its widening.
+    fn scale(&self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, widening: f64) -> Scale {
+        match self.believed {
+            None => Scale { inverse: pseudo_inverse(variance).0, degrees: gram.nrows() as f64 },
+            Some(_) => {
+                let inverse = self.to_strengths(gram, widening) / widening;
+                let degrees = (&inverse * variance).trace();
+                Scale { inverse, degrees }
+            }
+        }
+    }
+
+    /// Takes the pull to the strengths that it asks for.
+    fn to_strengths(&self, gram: &DMatrix<f64>, widening: f64) -> DMatrix<f64> {
+        let belief = self.believed.map_or(0.0, |deviation| widening / (deviation * deviation));
+        pseudo_inverse(&(gram + DMatrix::identity(gram.nrows(), gram.nrows()) * belief)).0
+    }
+
     /// Whether a strength is on its side.
     fn admits(&self, columns: usize, estimate: f64) -> bool {
         columns > 1 || self.side == 0.0 || self.side * (estimate - self.off) > 0.0
@@ -140,7 +169,12 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
             score(subjects[c], own, &pull, &gram, &variance, widening)
         })
         .collect();
-    let threshold = threshold(subjects, &each, &variance, false_alarm);
+    let scale = |(subject, score): (&Subject, &Score)| {
+        let own = &score.columns;
+        subject.scale(&pick(&gram, own, own), &pick(&variance, own, own), widening)
+    };
+    let scales: Vec<Scale> = subjects.iter().zip(&each).map(scale).collect();
+    let threshold = threshold(subjects, &each, &scales, &variance, false_alarm);
     Scores { each, threshold, gram, widening }
 }
 
@@ -164,13 +198,24 @@ fn orthogonal(hessian: &DMatrix<f64>, n: usize) -> (DMatrix<f64>, DMatrix<f64>) 
 /// the second does what it can; standard deviations of white noise. With one column each it is
 /// `|s⊥| θ √(1 − cos²)`.
 pub(super) fn distance(gram: &DMatrix<f64>, first: &[usize], second: &[usize], strengths: &[f64]) -> f64 {
-    let mut left = pick(gram, first, first);
-    if !second.is_empty() {
-        let cross = pick(gram, first, second);
-        left -= &cross * pseudo_inverse(&pick(gram, second, second)).0 * cross.transpose();
-    }
     let strengths = DVector::from_column_slice(strengths);
-    strengths.dot(&(left * &strengths)).max(0.0).sqrt()
+    strengths.dot(&(left_beside(gram, first, second) * &strengths)).max(0.0).sqrt()
+}
+
+/// The same for strengths of unit size; where each release has its own, their signs are drawn, and it is the root
+/// mean square.
+pub(super) fn unit_distance(gram: &DMatrix<f64>, first: &[usize], second: &[usize]) -> f64 {
+    left_beside(gram, first, second).trace().max(0.0).sqrt()
+}
+
+/// Gram's matrix of what is left of the first columns when the second do what they can.
+fn left_beside(gram: &DMatrix<f64>, first: &[usize], second: &[usize]) -> DMatrix<f64> {
+    let left = pick(gram, first, first);
+    if second.is_empty() {
+        return left;
+    }
+    let cross = pick(gram, first, second);
+    left - &cross * pseudo_inverse(&pick(gram, second, second)).0 * cross.transpose()
 }
 
 /// The residuals of the fit with the slopes of all columns behind those of the unknowns.
@@ -208,15 +253,17 @@ fn score(
     if columns.is_empty() {
         return Score::default();
     }
-    let estimates = &pseudo_inverse(&pick(gram, &columns, &columns)).0 * &own;
+    let own_gram = pick(gram, &columns, &columns);
+    let estimates = subject.to_strengths(&own_gram, widening) * &own;
     let estimate = match &estimates.as_slice() {
         [one] => subject.off + one,
         all => (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt(),
     };
     let is_admissible = subject.admits(columns.len(), estimate);
-    let statistic = own.dot(&(&pseudo_inverse(&pick(variance, &columns, &columns)).0 * &own));
+    let scale = subject.scale(&own_gram, &pick(variance, &columns, &columns), widening);
+    let statistic = own.dot(&(&scale.inverse * &own));
     Score {
-        size: if is_admissible { normal_size(statistic, columns.len()) } else { 0.0 },
+        size: if is_admissible { normal_size(statistic, scale.degrees) } else { 0.0 },
         decrease: own.dot(&estimates) / widening,
         estimate,
         estimates: estimates.as_slice().to_vec(),
@@ -227,24 +274,25 @@ fn score(
 
 /// A χ² with so many degrees of freedom as a normal number. Source: Wilson and Hilferty (1931), Proc.
 /// National Academy of Sciences 17, 684-688; for one degree it is the root.
-fn normal_size(statistic: f64, degrees: usize) -> f64 {
-    if degrees == 1 {
+fn normal_size(statistic: f64, k: f64) -> f64 {
+    if k == 1.0 {
         return statistic.max(0.0).sqrt();
     }
-    let k = degrees as f64;
     let spread = 2.0 / (9.0 * k);
     (((statistic / k).max(0.0).cbrt() - (1.0 - spread)) / spread.sqrt()).max(0.0)
 }
 
 /// The quantile of the largest score where nothing is missing.
-fn threshold(subjects: &[Subject], scores: &[Score], variance: &DMatrix<f64>, false_alarm: f64) -> f64 {
+fn threshold(
+    subjects: &[Subject],
+    scores: &[Score],
+    scales: &[Scale],
+    variance: &DMatrix<f64>,
+    false_alarm: f64,
+) -> f64 {
     let eigen = SymmetricEigen::new(variance.clone());
     let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
     let root = &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
-    let inverses: Vec<DMatrix<f64>> = scores
-        .iter()
-        .map(|score| pseudo_inverse(&pick(variance, &score.columns, &score.columns)).0)
-        .collect();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
     let mut largest: Vec<f64> = (0..DRAWS)
         .map(|_| {
@@ -256,7 +304,7 @@ fn threshold(subjects: &[Subject], scores: &[Score], variance: &DMatrix<f64>, fa
                 if !subjects[c].admits(own.len(), estimate) {
                     return 0.0;
                 }
-                normal_size(own.dot(&(&inverses[c] * &own)), own.len())
+                normal_size(own.dot(&(&scales[c].inverse * &own)), scales[c].degrees)
             };
             scores.iter().enumerate().map(of).fold(0.0, f64::max)
         })

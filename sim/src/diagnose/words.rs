@@ -77,7 +77,7 @@ fn names(diagnosis: &Diagnosis) -> String {
 }
 
 /// One, two and three.
-fn listed(words: &[String]) -> String {
+pub(super) fn listed(words: &[String]) -> String {
     match words {
         [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
         words => words.concat(),

@@ -12,15 +12,22 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-use ::rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError};
+use ::rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError, RecordingStreamResult};
 use models::snapshot::Snapshot;
 
+use crate::diagnose::Outcome;
+use crate::diagnose::verdict::Evidence;
+
 mod blueprint;
+mod compared;
 mod drawing;
 mod scenery;
+mod search;
 mod sink;
+mod tree;
 
 use drawing::Drawing;
+use search::Search;
 use sink::Destination;
 pub use sink::{DEFAULT_PORT, Sink};
 
@@ -60,11 +67,16 @@ pub struct Scene {
 ///
 /// A viewer that is closed or hangs harms no run: what cannot be delivered waits in memory, up to
 /// 1 GiB, half an hour of simulated time, and [`finish`](Self::finish) gives up on it after 10 s.
-pub struct Stream {
+pub struct Stream<D = Drawing> {
     recording: Option<RecordingStream>,
     destination: Destination,
-    drawing: Drawing,
+    drawing: D,
 }
+
+/// A recording of a diagnosis in progress, with the same patience: the ranking of the candidates on the
+/// timeline `step`, and in the end each release on `sim_time`, measured and simulated before and after, below
+/// `releases/<name>`.
+pub type SearchStream = Stream<Search>;
 
 /// Why a recording cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -148,15 +160,7 @@ impl Stream {
     /// # Errors
     /// If the file cannot be written, or the viewer or the port cannot be had.
     pub fn open(sink: &Sink, scene: &Scene) -> Result<Self, RerunError> {
-        // Enabled whatever the environment variable RERUN says: the user asked for a recording.
-        let builder =
-            RecordingStreamBuilder::new(APPLICATION).recording_id(scene.recording_id.as_str()).enabled(true);
-        let (recording, destination) = sink.open(builder)?;
-        // Wall time would differ between equal runs, and hide behind the time that matters.
-        recording.set_log_time_enabled(false);
-        let live = !matches!(destination, Destination::File { .. });
-        let drawing = Drawing::begin(&recording, scene, live).map_err(refused("the scene"))?;
-        Ok(Self { recording: Some(recording), destination, drawing })
+        Self::begin(sink, &scene.recording_id, |recording, live| Drawing::begin(recording, scene, live))
     }
 
     /// Shows the rod at one instant; call with increasing time.
@@ -167,6 +171,64 @@ impl Stream {
             Some(recording) => (self.drawing).log(recording, snapshot).map_err(refused("a snapshot")),
             None => Ok(()),
         }
+    }
+}
+
+impl SearchStream {
+    /// Opens the recording of a diagnosis; runs from the same inputs should share its `recording_id`.
+    /// # Errors
+    /// If the file cannot be written, or the viewer or the port cannot be had.
+    pub fn open_search(sink: &Sink, name: &str, recording_id: &str) -> Result<Self, RerunError> {
+        Self::begin(sink, recording_id, |recording, live| Search::begin(recording, name, live))
+    }
+
+    /// Tells what is being done.
+    /// # Errors
+    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    pub fn doing(&mut self, what: &str) -> Result<(), RerunError> {
+        match &self.recording {
+            Some(recording) => self.drawing.doing(recording, what).map_err(refused("a message")),
+            None => Ok(()),
+        }
+    }
+
+    /// Shows candidates of a round as they stand, in the place of what was said of them before.
+    /// # Errors
+    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    pub fn ranked(&mut self, threshold: f64, candidates: &[Evidence]) -> Result<(), RerunError> {
+        match &self.recording {
+            Some(recording) => {
+                self.drawing.ranked(recording, threshold, candidates).map_err(refused("a ranking"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Shows the answer, and every release before and after.
+    /// # Errors
+    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    pub fn found(&mut self, outcome: &Outcome) -> Result<(), RerunError> {
+        match &self.recording {
+            Some(recording) => self.drawing.found(recording, outcome).map_err(refused("the answer")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl<D> Stream<D> {
+    fn begin(
+        sink: &Sink,
+        recording_id: &str,
+        draw: impl FnOnce(&RecordingStream, bool) -> RecordingStreamResult<D>,
+    ) -> Result<Self, RerunError> {
+        // Enabled whatever the environment variable RERUN says: the user asked for a recording.
+        let builder = RecordingStreamBuilder::new(APPLICATION).recording_id(recording_id).enabled(true);
+        let (recording, destination) = sink.open(builder)?;
+        // Wall time would differ between equal runs, and hide behind the time that matters.
+        recording.set_log_time_enabled(false);
+        let live = !matches!(destination, Destination::File { .. });
+        let drawing = draw(&recording, live).map_err(refused("the scene"))?;
+        Ok(Self { recording: Some(recording), destination, drawing })
     }
 
     /// What to type to see it, once it is open or saved; nothing if a viewer shows it already.
@@ -225,7 +287,7 @@ impl Stream {
 }
 
 /// An abandoned file keeps its partial name; the viewer opens it.
-impl Drop for Stream {
+impl<D> Drop for Stream<D> {
     fn drop(&mut self) {
         let _ = self.close();
     }

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
+use sim::calibrate::Problem;
 use sim::diagnose::{Settings, diagnose};
 use tests::blind::answer::Answer;
 use tests::blind::case::{Case, Limits, kinds, limits, strangers};
@@ -52,10 +53,11 @@ fn main() -> ExitCode {
     let begin = Instant::now();
     let nominal = problem(&Plan { hidden: Vec::new(), ..Case::empty(1).plan(words.body) }.draw(1));
     let limits = limits(&nominal).expect("the usual experiment can be simulated");
+    let usual = noise(&nominal);
     let mut answers = Vec::new();
     for case in cases(&words, &limits) {
         let own = case.hidden.first().and_then(|(name, _)| limits.get(name)).copied();
-        if let Some(answer) = ask(&case, own, &words, begin) {
+        if let Some(answer) = ask(&case, own, usual, &words, begin) {
             answers.push(answer);
         }
     }
@@ -67,6 +69,9 @@ fn main() -> ExitCode {
         false => ExitCode::SUCCESS,
     }
 }
+
+/// Score from which on a candidate that was not fitted is shown.
+const LOUD: f64 = 2.0;
 
 type AllLimits = std::collections::BTreeMap<&'static str, Limits>;
 
@@ -107,7 +112,14 @@ fn cases(words: &Words, limits: &AllLimits) -> Vec<Case> {
     all
 }
 
-fn ask(case: &Case, limits: Option<Limits>, words: &Words, begin: Instant) -> Option<Answer> {
+/// Noise of the recordings, m.
+fn noise(problem: &Problem) -> f64 {
+    let tracks = || problem.trials.iter().flat_map(|trial| &trial.release.tracks);
+    tracks().map(|track| track.noise).sum::<f64>() / tracks().count() as f64
+}
+
+/// `usual` is the noise that the limits are for, m.
+fn ask(case: &Case, limits: Option<Limits>, usual: f64, words: &Words, begin: Instant) -> Option<Answer> {
     let tell = |what: &str| {
         if words.tell {
             eprintln!("{:8.1} s  {what}", begin.elapsed().as_secs_f64());
@@ -115,6 +127,7 @@ fn ask(case: &Case, limits: Option<Limits>, words: &Words, begin: Instant) -> Op
     };
     let drawn = case.plan(words.body).draw(case.seed);
     let mut problem = problem(&drawn);
+    let limits = limits.map(|limits| limits.at_noise(noise(&problem) / usual));
     if case.is_decoyed {
         decoyed(&mut problem);
     }
@@ -159,7 +172,7 @@ fn details(answer: &Answer) {
     }
     let mut evidence: Vec<_> = diagnosis.evidence.iter().collect();
     evidence.sort_by(|a, b| a.round.cmp(&b.round).then(b.score.total_cmp(&a.score)));
-    for evidence in evidence.iter().filter(|evidence| evidence.realised_decrease.is_some()) {
+    for evidence in evidence.iter().filter(|own| own.realised_decrease.is_some() || own.score > LOUD) {
         println!(
             "      {} {:20} score {:7.2}  promises {:8.1}  keeps {:8.1}  locked {:6.1}  strength {:.3e}  {}",
             evidence.round,

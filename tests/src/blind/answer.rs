@@ -4,6 +4,7 @@ use sim::diagnose::{Curve, Diagnosis, Outcome, Verdict};
 
 use super::case::{Case, Limits};
 use crate::twin::drawn::Drawn;
+use crate::twin::hidden::Hidden;
 
 /// Distance from which on two effects are told apart, standard deviations.
 pub const TOLD_APART: f64 = 5.0;
@@ -82,7 +83,10 @@ impl Answer {
 
     /// The strength that was found where the name is right, with its interval.
     pub fn strength(&self) -> Option<(f64, [f64; 2])> {
-        let value = self.diagnosis.effects.first().filter(|_| self.is_right())?.parameters.first()?;
+        let (name, size) = self.case.hidden.first().filter(|_| self.is_right())?;
+        let parameter = Hidden::named(name, *size)?.parameter();
+        let mut values = self.diagnosis.effects.first()?.parameters.iter();
+        let value = values.find(|value| value.name == parameter)?;
         Some((value.value, value.interval_95?))
     }
 

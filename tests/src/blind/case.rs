@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use models::effects::by_name;
 use sim::calibrate::{CalibrateError, Problem};
-use sim::diagnose::plan::plan;
+use sim::diagnose::plan::{Prospect, plan};
 
 use crate::twin::drawn::Plan;
 use crate::twin::hidden::{self, Hidden, IN_CATALOGUE};
@@ -89,6 +89,12 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// The same where the noise is some times as large.
+    pub fn at_noise(self, times: f64) -> Self {
+        let Limits { seen_from, told_apart_from, largest } = self;
+        Self { seen_from: seen_from * times, told_apart_from: told_apart_from * times, largest }
+    }
+
     /// Distance of an effect of a size from its nearest, standard deviations.
     pub fn distance(&self, size: f64) -> f64 {
         5.0 * size / self.told_apart_from
@@ -107,8 +113,16 @@ impl Limits {
 pub fn limits(problem: &Problem) -> Result<BTreeMap<&'static str, Limits>, CalibrateError> {
     let prospects = plan(problem, &|_| ())?;
     let of = |name: &'static str| {
-        let prospect = prospects.iter().find(|prospect| prospect.effect == name)?;
-        let typical = Hidden::named(name, 1.0)?.strength().abs();
+        let typical = Hidden::named(name, 1.0)?;
+        let is_its = |own: &&Prospect| {
+            let is_near = |(name, value): (&str, f64)| {
+                let mut tried = own.tried.iter().filter(|(own, _)| own == name);
+                tried.all(|(_, tried)| (tried / value).ln().abs() < 0.8)
+            };
+            own.effect == name && own.parameter == typical.parameter() && typical.beside().is_none_or(is_near)
+        };
+        let prospect = prospects.iter().find(is_its)?;
+        let typical = typical.strength().abs();
         let limits = Limits {
             seen_from: prospect.seen_from / typical,
             told_apart_from: prospect.told_apart_from / typical,

@@ -30,6 +30,8 @@ pub struct Beam {
     pub bending_stiffness: f64,
     /// EA, N.
     pub axial_stiffness: f64,
+    /// Strain per tension beside that of EA, which takes no part in the damping, 1/N.
+    pub axial_compliance: f64,
     /// End fitting, payload.
     pub bodies: Vec<Body>,
     /// Downwards, m/s².
@@ -171,6 +173,11 @@ impl Beam {
         out
     }
 
+    /// Tension over stretch at rest as a share of EA.
+    fn softness(&self) -> f64 {
+        1.0 / (1.0 + self.axial_stiffness * self.axial_compliance)
+    }
+
     /// Forces conjugate to `[r', r'']`, per rest length.
     fn strain_forces<T: Real>(&self, [p, k]: [[T; 2]; 2], [p_rate, k_rate]: [[T; 2]; 2]) -> [T; 4] {
         let length = dot(p, p).sqrt();
@@ -178,7 +185,7 @@ impl Beam {
         let (kappa, kappa_by_p, kappa_by_k) = curvature([p, k]);
         let e_rate = dot(e_by_p, p_rate);
         let kappa_rate = dot(kappa_by_p, p_rate) + dot(kappa_by_k, k_rate);
-        let tension = (length - 1.0 + e_rate * self.beta) * self.axial_stiffness;
+        let tension = ((length - 1.0) * self.softness() + e_rate * self.beta) * self.axial_stiffness;
         let moment = (kappa + kappa_rate * self.beta) * self.bending_stiffness;
         let by_p = [0, 1].map(|i| tension * e_by_p[i] + moment * kappa_by_p[i]);
         [by_p[0], by_p[1], moment * kappa_by_k[0], moment * kappa_by_k[1]]
@@ -223,7 +230,8 @@ impl Beam {
                 let [_, first, second] = hermite(xi, self.element_length());
                 let (p, k) = (along(&first, &q[4 * e..]), along(&second, &q[4 * e..]));
                 let (e, (kappa, ..)) = (dot(p, p).sqrt() - 1.0, curvature([p, k]));
-                let density = self.axial_stiffness * e * e + self.bending_stiffness * kappa * kappa;
+                let density =
+                    self.softness() * self.axial_stiffness * e * e + self.bending_stiffness * kappa * kappa;
                 elastic += 0.5 * weight * self.element_length() * density;
             }
         }

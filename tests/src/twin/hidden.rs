@@ -16,6 +16,8 @@ mod strain;
 
 use std::mem::discriminant;
 
+use models::effects::by_name;
+
 pub use data::Occasion;
 pub use outside::{Gust, Slosh, TipState};
 pub use strain::Strain;
@@ -76,7 +78,7 @@ pub enum Hidden {
     TipOffset { /** m */ along: f64 },
     /// Mass at the fitting's centre of mass.
     TipMass { /** kg */ mass: f64 },
-    /// A compliance in series with EA.
+    /// A spring in series with EA, which does not rub.
     AxialCompliance { /** 1/N */ compliance: f64 },
     /// Force `F e^(−t/τ)` upwards on the fitting's centre of mass.
     HandRelease { /** F, N */ force: f64, /** τ, s */ time: f64 },
@@ -86,8 +88,8 @@ pub enum Hidden {
     StiffnessDrift { /** λ, 1/s */ rate: f64 },
     /// EI differs by release: `EI (1 + δ u)`, u of the release between −1 and 1.
     ReleaseDrift { /** δ */ change: f64 },
-    /// α and β grow with pressure: by `1 + b (p − p_ref) / p_ref`.
-    DampingOverPressure { /** b */ slope: f64, /** p_ref, Pa */ reference: f64 },
+    /// α and β grow with pressure: by `a p / p_ref` and `b p / p_ref`.
+    DampingOverPressure { /** b, s */ beta: f64, /** a, 1/s */ alpha: f64, /** p_ref, Pa */ reference: f64 },
     /// Moment `EI c₃ κ̇³`.
     StrainRateCubed { /** c₃, s³ m² */ coefficient: f64 },
     /// What is seen is turned about the clamp, from x towards z.
@@ -140,7 +142,7 @@ pub fn all(x: f64) -> [(&'static str, Hidden); 35] {
         ("initial_velocity", InitialVelocity { rate: 0.3 * x }),
         ("stiffness_drift", StiffnessDrift { rate: 3e-3 * x }),
         ("release_drift", ReleaseDrift { change: 0.015 * x }),
-        ("damping_over_pressure", DampingOverPressure { slope: 0.3 * x, reference: 40.0 * crate::PSI }),
+        ("damping_over_pressure", DampingOverPressure { beta: 1e-3 * x, alpha: 0.06 * x, reference: 1e5 }),
         ("strain_rate_cubed", StrainRateCubed { coefficient: 1e-7 * x }),
         ("frame_tilt", FrameTilt { angle: 2e-3 * x }),
         ("scale", Scale { excess: 2e-3 * x }),
@@ -162,7 +164,7 @@ impl Hidden {
         all(x).into_iter().find(|(known, _)| *known == name).map(|(_, hidden)| hidden)
     }
 
-    /// What the catalogue calls the strength of it: its first parameter.
+    /// What the catalogue calls [its](Self::parameter) strength.
     #[rustfmt::skip]
     pub fn strength(&self) -> f64 {
         let (AirDrag { drag_coefficient: strength }
@@ -190,7 +192,7 @@ impl Hidden {
         | InitialVelocity { rate: strength }
         | StiffnessDrift { rate: strength }
         | ReleaseDrift { change: strength }
-        | DampingOverPressure { slope: strength, .. }
+        | DampingOverPressure { beta: strength, .. }
         | StrainRateCubed { coefficient: strength }
         | FrameTilt { angle: strength }
         | Scale { excess: strength }
@@ -201,6 +203,24 @@ impl Hidden {
         | Wall { stiffness: strength, .. }
         | Ripple { share: strength, .. }) = *self;
         strength
+    }
+
+    /// The parameter of the catalogue that is its strength; empty for what no catalogue holds.
+    pub fn parameter(&self) -> &'static str {
+        let first = by_name(self.name()).map_or("", |effect| effect.about().parameters[0].name);
+        if let MarkerOffset { .. } = self { "along" } else { first }
+    }
+
+    /// The parameter of the catalogue beside its strength on which its traces depend most, with its value.
+    pub fn beside(&self) -> Option<(&'static str, f64)> {
+        match *self {
+            Dahl { yield_curvature, .. } => Some(("yield_curvature", yield_curvature)),
+            Viscoelastic { relaxation_time, .. } | Creep { relaxation_time, .. } => {
+                Some(("relaxation_time", relaxation_time))
+            }
+            HandRelease { time, .. } => Some(("release_time", time)),
+            _ => None,
+        }
     }
 
     /// Its name.

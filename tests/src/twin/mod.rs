@@ -50,6 +50,7 @@ pub fn muscle(psi: f64, elements: usize, alpha: f64, beta: f64) -> beam::Beam {
         mass: muscle.rest.mass_per_length * muscle.rest.length,
         bending_stiffness: at.bending_stiffness,
         axial_stiffness: at.axial_stiffness,
+        axial_compliance: 0.0,
         bodies: vec![fitting],
         gravity: muscle.gravity,
         incline: 0.0,

@@ -13,7 +13,7 @@ use tests::twin::hidden::Hidden;
 fn diagnosed(hidden: &[Hidden], seed: u64, settings: &Settings) -> Outcome {
     let usual = Plan::usual(hidden);
     let plan = Plan { angles: usual.angles[..2].to_vec(), duration: 6.0, ..usual };
-    diagnose(&problem(&plan.draw(seed)), settings, &|_| ()).expect("it can be diagnosed")
+    diagnose(&problem(&plan.draw(seed)), settings, &|_: &str| ()).expect("it can be diagnosed")
 }
 
 /// What is said without a catalogue: that something unknown is missing.

@@ -33,7 +33,7 @@ const GEOMETRY_INTERVAL: f64 = 0.0195; // s, a little below every second sample 
 const TRAIL_TIME: f64 = 1.5;
 
 /// Draws into a recording what changes, and remembers what that takes.
-pub(super) struct Drawing {
+pub struct Drawing {
     scene: Scene,
     layout: Layout,
     /// Where the tip was, and when.

@@ -17,9 +17,9 @@ const SKY: u32 = 0x56B4_E9FF;
 const ORANGE: u32 = 0xE69F_00FF;
 const GREEN: u32 = 0x009E_73FF;
 const PURPLE: u32 = 0xCC79_A7FF;
-const VERMILION: u32 = 0xD55E_00FF;
-const BLUE: u32 = 0x0072_B2FF;
-const GREY: u32 = 0x9999_99FF;
+pub(super) const VERMILION: u32 = 0xD55E_00FF;
+pub(super) const BLUE: u32 = 0x0072_B2FF;
+pub(super) const GREY: u32 = 0x9999_99FF;
 pub(super) const SIM: u32 = SKY;
 const EFFECT_COLORS: [u32; 6] = [SKY, ORANGE, GREEN, PURPLE, VERMILION, BLUE];
 
@@ -55,17 +55,7 @@ impl Scenery<'_> {
         // Data are z up; a 2D view's second axis points down.
         self.recording.log_static("world", &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
 
-        let height = 0.3 * self.scene.rod_length_m;
-        let step = height / 6.0;
-        let hatch = (0..=6).map(|k| {
-            let z = -0.5 * height + step * f64::from(k);
-            vec![single([0.0, z]), single([-step, z - step])]
-        });
-        let wall = vec![single([0.0, -0.5 * height]), single([0.0, 0.5 * height])];
-        let clamp = LineStrips2D::new([wall].into_iter().chain(hatch))
-            .with_colors([GREY])
-            .with_radii([2.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0].map(Radius::new_ui_points));
-        self.recording.log_static("world/clamp", &clamp)?;
+        self.recording.log_static("world/clamp", &clamp(0.3 * self.scene.rod_length_m))?;
 
         let x = self.layout.bounds.x;
         let z = x; // for a rod that rises, too
@@ -157,6 +147,19 @@ impl Scenery<'_> {
         let colors = EFFECT_COLORS.into_iter().cycle();
         self.scene.effects.iter().copied().zip(colors)
     }
+}
+
+/// A wall of some height, m, at the origin.
+pub(super) fn clamp(height: f64) -> LineStrips2D {
+    let step = height / 6.0;
+    let hatch = (0..=6).map(|k| {
+        let z = -0.5 * height + step * f64::from(k);
+        vec![single([0.0, z]), single([-step, z - step])]
+    });
+    let wall = vec![single([0.0, -0.5 * height]), single([0.0, 0.5 * height])];
+    LineStrips2D::new([wall].into_iter().chain(hatch))
+        .with_colors([GREY])
+        .with_radii([2.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0].map(Radius::new_ui_points))
 }
 
 /// Place of a line of the key to the forces, W, m.

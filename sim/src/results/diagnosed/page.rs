@@ -353,7 +353,12 @@ mod tests {
             parameters: vec![Parameter::new("rod.bending_stiffness", Scope::PerPressure)],
             nuisances: Nuisances { release_instant: true, hold_angle: Some(0.01), offset: Some(1e-3) },
         };
-        Outcome { diagnosis, repaired, curves: vec![curve(name, false), curve("locked", true)] }
+        Outcome {
+            diagnosis,
+            baseline: repaired.clone(),
+            repaired,
+            curves: vec![curve(name, false), curve("locked", true)],
+        }
     }
 
     fn page_of(verdict: Verdict, name: &str) -> String {

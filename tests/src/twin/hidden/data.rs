@@ -23,14 +23,11 @@ impl Hidden {
             TipMass { mass } => {
                 beam.bodies.push(Body { mass, center: beam.bodies[0].center, inertia: 0.0 });
             }
-            AxialCompliance { compliance } => {
-                beam.axial_stiffness /= 1.0 + beam.axial_stiffness * compliance;
-            }
+            AxialCompliance { compliance } => beam.axial_compliance += compliance,
             ReleaseDrift { change } => beam.bending_stiffness *= 1.0 + change * occasion.drift,
-            DampingOverPressure { slope, reference } => {
-                let factor = 1.0 + slope * (occasion.pressure - reference) / reference;
-                beam.alpha *= factor;
-                beam.beta *= factor;
+            DampingOverPressure { beta, alpha, reference } => {
+                beam.alpha += alpha * occasion.pressure / reference;
+                beam.beta += beta * occasion.pressure / reference;
             }
             // The fluid is weighed with the fitting that holds it.
             Sloshing { mass, .. } => beam.bodies[0].mass -= mass,

@@ -16,6 +16,7 @@ fn loaded(elements: usize, load: f64) -> Beam {
         mass: 1e-12,
         bending_stiffness: 1.0,
         axial_stiffness: 1e6,
+        axial_compliance: 0.0,
         bodies: vec![Body { mass: load, center: 0.0, inertia: 0.0 }],
         gravity: 1.0,
         incline: 0.0,

@@ -22,6 +22,7 @@ fn beam() -> Beam {
         mass: 1e-3,
         bending_stiffness: STIFFNESS,
         axial_stiffness: EA,
+        axial_compliance: 0.0,
         bodies: vec![Body { mass: 0.01, center: 0.0, inertia: 0.0 }],
         gravity: 0.0,
         incline: 0.0,

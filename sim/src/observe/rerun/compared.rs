@@ -1,0 +1,256 @@
+//! Releases as they were measured, and as they are simulated before something was added and after.
+//!
+//! One colour is before, vermilion, another after, blue, as in the report; what was measured is grey.
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
+use ::rerun::{
+    AsComponents, EntityPath, EntityPathPart, LineStrips2D, Points2D, Radius, RecordingStream,
+    RecordingStreamResult, Scalars, SeriesLines, SeriesPoints, Transform3D,
+};
+use rayon::prelude::*;
+
+use super::blueprint::Bounds;
+use super::drawing::{TIMELINE, single};
+use super::scenery::{BLUE, GREY, VERMILION, clamp, milli};
+use super::tree::{Kind, Property, Tree};
+use crate::calibrate::{Problem, Trial};
+use crate::diagnose::curve::Sample;
+use crate::diagnose::{Curve, Outcome};
+use crate::forward::{forward, uniform};
+
+/// Postures a second.
+const POSTURES: f64 = 50.0;
+/// Share of the residuals that the axis over the phase has room for.
+const MOST: f64 = 0.995;
+
+/// The two simulations, with their colours.
+const BEFORE: (&str, u32) = ("before", VERMILION);
+const AFTER: (&str, u32) = ("after", BLUE);
+
+/// Where a prediction stands in a sample.
+type Predicted = fn(&Sample) -> [f64; 2];
+const PREDICTIONS: [((&str, u32), Predicted); 2] =
+    [(BEFORE, |sample| sample.before), (AFTER, |sample| sample.after)];
+
+/// A release that was drawn.
+pub(super) struct Compared {
+    name: String,
+    is_locked: bool,
+    bounds: Bounds,
+}
+
+/// Draws all releases of an answer.
+pub(super) fn draw(recording: &RecordingStream, outcome: &Outcome) -> RecordingStreamResult<Vec<Compared>> {
+    let simulated = [&outcome.baseline, &outcome.repaired].map(postures);
+    let trials = outcome.repaired.trials.iter().enumerate();
+    trials
+        .map(|(t, trial)| {
+            let own = Own { recording, name: &trial.release.name };
+            let curves: Vec<&Curve> =
+                outcome.curves.iter().filter(|curve| curve.release == trial.release.name).collect();
+            let reach = 1.15 * (trial.model.rod().length + trial.model.tip_distance);
+            let mut compared = Compared {
+                name: trial.release.name.clone(),
+                is_locked: trial.release.held_out,
+                bounds: Bounds::hanging(reach),
+            };
+            own.draw_surroundings(reach)?;
+            for (which, postures) in [BEFORE, AFTER].into_iter().zip(&simulated) {
+                // What comes after is drawn on top.
+                let width = if which == BEFORE { 3.5 } else { 1.5 };
+                own.draw_rod(which, width, &postures[t], &mut compared.bounds)?;
+            }
+            own.draw_markers(&curves)?;
+            for curve in curves.iter().filter(|curve| curve.is_leading) {
+                own.plot(curve)?;
+                own.draw_phases(curve)?;
+            }
+            Ok(compared)
+        })
+        .collect()
+}
+
+/// The rod of each trial at instants after its release, s, m; as far as it can be run.
+fn postures(problem: &Problem) -> Vec<Vec<(f64, Vec<[f64; 2]>)>> {
+    let of_trial = |trial: &Trial| {
+        let mut run = trial.run.clone();
+        run.duration = trial.release.time.last().copied().unwrap_or(0.0);
+        run.samples = uniform(run.duration, POSTURES);
+        let mut all = Vec::new();
+        // Where it ends is seen.
+        let _ = forward(&trial.model, &run, &mut |sample| {
+            let snapshot = sample.snapshot();
+            let mut rod = snapshot.nodes;
+            rod.push(snapshot.tip);
+            all.push((snapshot.time, rod));
+            ControlFlow::Continue(())
+        });
+        all
+    };
+    problem.trials.par_iter().map(of_trial).collect()
+}
+
+/// What belongs to one release.
+struct Own<'a> {
+    recording: &'a RecordingStream,
+    name: &'a str,
+}
+
+/// Where something of a release stands.
+fn path(name: &str, parts: &[&str]) -> String {
+    let parts = ["releases", name].into_iter().chain(parts.iter().copied()).map(EntityPathPart::new);
+    EntityPath::new(parts.collect()).to_string()
+}
+
+impl Own<'_> {
+    fn log(&self, parts: &[&str], what: &impl AsComponents) -> RecordingStreamResult<()> {
+        self.recording.log(path(self.name, parts), what)
+    }
+
+    fn log_static(&self, parts: &[&str], what: &impl AsComponents) -> RecordingStreamResult<()> {
+        self.recording.log_static(path(self.name, parts), what)
+    }
+
+    fn draw_surroundings(&self, reach: f64) -> RecordingStreamResult<()> {
+        self.log_static(&["world"], &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
+        self.log_static(&["world", "clamp"], &clamp(0.25 * reach))?;
+        for (name, color) in [BEFORE, AFTER] {
+            let line = SeriesLines::new().with_names([name]).with_colors([color]).with_widths([1.5]);
+            self.log_static(&["height", name], &line)?;
+            self.log_static(&["residual", name], &line)?;
+        }
+        let dots = SeriesPoints::new().with_names(["measured"]).with_colors([GREY]).with_marker_sizes([1.5]);
+        self.log_static(&["height", "measured"], &dots)
+    }
+
+    fn draw_rod(
+        &self,
+        (name, color): (&str, u32),
+        width: f32,
+        postures: &[(f64, Vec<[f64; 2]>)],
+        bounds: &mut Bounds,
+    ) -> RecordingStreamResult<()> {
+        let style = LineStrips2D::update_fields()
+            .with_colors([color])
+            .with_radii([Radius::new_ui_points(width)])
+            .with_draw_order(20.0 - width);
+        self.log_static(&["world", name], &style)?;
+        for (time, rod) in postures {
+            self.recording.set_duration_secs(TIMELINE, *time);
+            rod.iter().for_each(|point| {
+                bounds.widen(*point);
+            });
+            let rod: Vec<[f32; 2]> = rod.iter().copied().map(single).collect();
+            self.log(&["world", name], &LineStrips2D::new([rod]))?;
+        }
+        Ok(())
+    }
+
+    /// All markers at once, at the times of the first.
+    fn draw_markers(&self, curves: &[&Curve]) -> RecordingStreamResult<()> {
+        let style = Points2D::update_fields()
+            .with_colors([GREY])
+            .with_radii([Radius::new_ui_points(4.0)])
+            .with_draw_order(40.0);
+        self.log_static(&["world", "measured"], &style)?;
+        let count = curves.iter().map(|curve| curve.samples.len()).max().unwrap_or(0);
+        for k in 0..count {
+            let seen: Vec<&Sample> =
+                curves.iter().filter_map(|curve| curve.samples.get(k)?.as_ref()).collect();
+            let Some(first) = seen.first() else { continue };
+            self.recording.set_duration_secs(TIMELINE, first.time);
+            let places = seen.iter().map(|sample| single(sample.measured));
+            self.log(&["world", "measured"], &Points2D::new(places))?;
+        }
+        Ok(())
+    }
+
+    fn plot(&self, curve: &Curve) -> RecordingStreamResult<()> {
+        for sample in curve.seen() {
+            self.recording.set_duration_secs(TIMELINE, sample.time);
+            self.log(&["height", "measured"], &Scalars::single(1e3 * sample.measured[1]))?;
+            for ((name, _), of) in PREDICTIONS {
+                self.log(&["height", name], &Scalars::single(1e3 * of(sample)[1]))?;
+                if !sample.is_held_back {
+                    self.log(&["residual", name], &Scalars::single(1e3 * sample.across(of(sample))))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The residual over the phase of the swing, which goes from 0 to 2, as a share of the largest, 1.
+    fn draw_phases(&self, curve: &Curve) -> RecordingStreamResult<()> {
+        let mut sizes: Vec<f64> = curve.heard().map(|sample| sample.across(sample.before).abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let place = (MOST * sizes.len() as f64) as usize;
+        let most = sizes.get(place).copied().unwrap_or(0.0).max(2.0 * curve.noise);
+        self.log_static(&["phase"], &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
+        for ((name, color), of) in PREDICTIONS {
+            let point = |sample: &Sample| {
+                let turn = sample.phase.rem_euclid(TAU) / TAU;
+                single([2.0 * turn, (sample.across(of(sample)) / most).clamp(-1.0, 1.0)])
+            };
+            let points = Points2D::new(curve.heard().map(point))
+                .with_colors([color])
+                .with_radii([Radius::new_ui_points(1.5)]);
+            self.log_static(&["phase", name], &points)?;
+        }
+        let level = |y: f32| vec![[0.0, y], [2.0, y]];
+        let upright = |x: f32| vec![[x, -1.0], [x, 1.0]];
+        let noise = (curve.noise / most) as f32;
+        let frame = [level(-1.0), level(0.0), level(1.0), upright(0.0), upright(1.0), upright(2.0)];
+        let frame = LineStrips2D::new(frame.into_iter().chain([level(2.0 * noise), level(-2.0 * noise)]))
+            .with_colors([0x8080_8080_u32])
+            .with_radii([Radius::new_ui_points(0.5)]);
+        self.log_static(&["phase", "frame"], &frame)?;
+        let labels = [
+            ([0.0, -1.1], "upper turn".to_owned()),
+            ([1.0, -1.1], "lower turn".to_owned()),
+            ([2.0, -1.1], "upper turn".to_owned()),
+            ([-0.1, 1.0], format!("{} mm", short(most))),
+            ([-0.1, 0.0], "0".to_owned()),
+        ];
+        let (places, labels): (Vec<[f32; 2]>, Vec<String>) = labels.into_iter().unzip();
+        let labels = Points2D::new(places)
+            .with_labels(labels)
+            .with_show_labels(true)
+            .with_colors([GREY])
+            .with_radii([Radius::new_ui_points(0.5)]);
+        self.log_static(&["phase", "labels"], &labels)
+    }
+}
+
+/// A length in mm to hundredths.
+fn short(length: f64) -> String {
+    milli((1e5 * length).round() / 1e5)
+}
+
+impl Compared {
+    /// Its tab: the rod, and beside it what goes over time and over the phase.
+    pub(super) fn lay_out(&self, tree: &mut Tree) -> RecordingStreamResult<String> {
+        let below = |part: &str| [format!("+ {}/**", path(&self.name, &[part]))];
+        let bounds = self.bounds.view();
+        let rod: &[Property] = &[("VisualBounds2D", &bounds)];
+        let legend = bp::PlotLegend::new().with_corner(bc::Corner2D::RightTop);
+        let plot: &[Property] = &[("PlotLegend", &legend)];
+        let phases = Bounds { x: [-0.25, 2.15], z: [-1.25, 1.1] }.view();
+        let phases: &[Property] = &[("VisualBounds2D", &phases)];
+        let title = "Rod before (vermilion) and after (blue), markers (grey); x right, z up (mm)";
+        let left = tree.view("2D", title, &below("world"), rod)?;
+        let rows = [
+            (tree.view("TimeSeries", "Height of the tip (mm)", &below("height"), plot)?, 1.0),
+            (
+                tree.view("TimeSeries", "Measured minus predicted, across (mm)", &below("residual"), plot)?,
+                1.0,
+            ),
+            (tree.view("2D", "The same over the swing's phase", &below("phase"), phases)?, 1.4),
+        ];
+        let right = tree.container(Kind::Vertical, &rows)?;
+        let title = format!("{}{}", self.name, if self.is_locked { " (locked away)" } else { "" });
+        tree.titled(Kind::Horizontal, Some(&title), &[(left, 1.0), (right, 1.2)])
+    }
+}

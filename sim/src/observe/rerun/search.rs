@@ -1,0 +1,153 @@
+//! A diagnosis while it works: what is being done, and the candidates as they stand.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use ::rerun::external::re_sdk_types::components::MediaType;
+use ::rerun::{RecordingStream, RecordingStreamResult, TextDocument, TextLog};
+
+use super::compared::{Compared, draw};
+use super::drawing::TIMELINE;
+use super::tree::{self, Kind, Tree, under};
+use crate::diagnose::verdict::Evidence;
+use crate::diagnose::{Diagnosis, Outcome};
+
+/// Counts what was said.
+const STEP: &str = "step";
+const LOG: &str = "search/log";
+const RANKING: &str = "search/ranking";
+const ANSWER: &str = "search/answer";
+
+/// Candidates shown of a round.
+const SHOWN: usize = 12;
+/// Letters of the longest bar.
+const LONGEST: f64 = 24.0;
+
+/// What of a diagnosis was shown.
+pub struct Search {
+    live: bool,
+    steps: i64,
+    /// Of each round its threshold and its candidates, as they were told last.
+    rounds: BTreeMap<usize, (f64, Vec<Evidence>)>,
+}
+
+impl Search {
+    /// Sends name and layout.
+    pub(super) fn begin(recording: &RecordingStream, name: &str, live: bool) -> RecordingStreamResult<Self> {
+        recording.send_recording_name(name)?;
+        tree::send(recording, 1, STEP, live, |tree| {
+            let pieces = [
+                (tree.view("TextDocument", "Candidates", &[under(RANKING)], &[])?, 2.0),
+                (tree.view("TextLog", "What is being done", &[under(LOG)], &[])?, 1.0),
+            ];
+            tree.container(Kind::Horizontal, &pieces)?;
+            Ok(())
+        })?;
+        Ok(Self { live, steps: 0, rounds: BTreeMap::new() })
+    }
+
+    fn next_step(&mut self, recording: &RecordingStream) {
+        self.steps += 1;
+        recording.set_time_sequence(STEP, self.steps);
+    }
+
+    pub(super) fn doing(&mut self, recording: &RecordingStream, what: &str) -> RecordingStreamResult<()> {
+        self.next_step(recording);
+        recording.log(LOG, &TextLog::new(what))
+    }
+
+    pub(super) fn ranked(
+        &mut self,
+        recording: &RecordingStream,
+        threshold: f64,
+        candidates: &[Evidence],
+    ) -> RecordingStreamResult<()> {
+        for candidate in candidates {
+            let (_, known) = self.rounds.entry(candidate.round).or_insert_with(|| (threshold, Vec::new()));
+            match known.iter_mut().find(|known| known.effect == candidate.effect) {
+                Some(known) => *known = candidate.clone(),
+                None => known.push(candidate.clone()),
+            }
+        }
+        self.next_step(recording);
+        recording.log(RANKING, &markdown(&ranking(&self.rounds)))
+    }
+
+    pub(super) fn found(
+        &mut self,
+        recording: &RecordingStream,
+        outcome: &Outcome,
+    ) -> RecordingStreamResult<()> {
+        // The last ranking is there at every time of a release, too.
+        self.next_step(recording);
+        recording.set_duration_secs(TIMELINE, 0.0);
+        recording.log(RANKING, &markdown(&ranking(&self.rounds)))?;
+        recording.log(ANSWER, &markdown(&answer(&outcome.diagnosis)))?;
+        recording.disable_timeline(STEP);
+        let compared = draw(recording, outcome)?;
+        tree::send(recording, 2, TIMELINE, self.live, |tree| found(tree, &compared))
+    }
+}
+
+/// The answer on one tab, each release on one of its own.
+fn found(tree: &mut Tree, compared: &[Compared]) -> RecordingStreamResult<()> {
+    let pieces = [
+        (tree.view("TextDocument", "Answer", &[under(ANSWER)], &[])?, 1.0),
+        (tree.view("TextDocument", "Candidates", &[under(RANKING)], &[])?, 1.4),
+    ];
+    let mut tabs = vec![(tree.titled(Kind::Horizontal, Some("Answer"), &pieces)?, 1.0)];
+    for release in compared {
+        tabs.push((release.lay_out(tree)?, 1.0));
+    }
+    tree.container(Kind::Tabs, &tabs)?;
+    Ok(())
+}
+
+fn markdown(text: &str) -> TextDocument {
+    TextDocument::new(text).with_media_type(MediaType::markdown())
+}
+
+/// The rounds, the last first, with bars for the scores.
+fn ranking(rounds: &BTreeMap<usize, (f64, Vec<Evidence>)>) -> String {
+    let mut text = String::new();
+    for (round, (threshold, candidates)) in rounds.iter().rev() {
+        let _ = writeln!(text, "### Round {round}: a score has to exceed {threshold:.2}\n");
+        text += "| candidate | score | | promises | keeps | |\n|---|---:|---|---:|---:|---|\n";
+        let mut sorted: Vec<&Evidence> = candidates.iter().collect();
+        sorted.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let most = sorted.first().map_or(1.0, |first| first.score.max(*threshold));
+        for own in sorted.iter().take(SHOWN) {
+            let bar = "•".repeat((LONGEST * own.score / most).round() as usize);
+            let keeps = own.realised_decrease.map_or(String::new(), |keeps| format!("{keeps:.0}"));
+            let why = own.rejected.as_deref().unwrap_or("");
+            let _ = writeln!(
+                text,
+                "| {} | {:.2} | {bar} | {:.0} | {keeps} | {why} |",
+                own.effect, own.score, own.predicted_decrease
+            );
+        }
+        text.push('\n');
+    }
+    text + "Promises and keeps: the decrease of χ² that the score foretells, and that of the fit.\n"
+}
+
+/// The answer in words, the gaps, the warnings.
+fn answer(diagnosis: &Diagnosis) -> String {
+    let mut text = format!(
+        "{}\n\n| release | gap over the noise: before | after |\n|---|---:|---:|\n",
+        diagnosis.summary
+    );
+    for gap in &diagnosis.gap {
+        let locked = if gap.held_out { ", locked away" } else { "" };
+        let _ = writeln!(text, "| {}{locked} | {:.2} | {:.2} |", cell(&gap.release), gap.before, gap.after);
+    }
+    for warning in &diagnosis.warnings {
+        let _ = write!(text, "\n- {}", cell(warning));
+    }
+    text
+}
+
+/// Words of others as a cell of a table.
+fn cell(words: &str) -> String {
+    words.replace('|', "\\|").replace('\n', " ")
+}
