@@ -6,6 +6,7 @@
 //! any other.
 
 mod error;
+mod known;
 mod read;
 mod write;
 
@@ -16,7 +17,8 @@ use serde::{Deserialize, Serialize};
 use crate::interpolate::Pchip;
 
 pub use error::MuscleError;
-pub use write::{CALIBRATED, CalibratedColumn};
+pub use known::{Knob, Known, KnownAt};
+pub use write::{CALIBRATED, CalibratedColumn, Found};
 
 /// Names of the built-in muscles, and their data.
 pub const BUILT_IN: &[(&str, &str)] =
@@ -35,6 +37,8 @@ pub struct Muscle {
     pub end_fitting: EndFitting,
     /// Gravity where it was measured, m/s².
     pub gravity: f64,
+    /// How well a calibration knows it, if one wrote it.
+    pub known: Option<Known>,
     pressure: Vec<f64>,
     length: Pchip,
     inner_diameter: Pchip,

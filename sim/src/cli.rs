@@ -9,6 +9,7 @@ mod failure;
 mod inspect;
 mod interrupt;
 mod live;
+mod predict;
 mod progress;
 mod rest;
 mod simulate;
@@ -49,6 +50,8 @@ enum Command {
     Calibrate(Calibrate),
     /// Find which physical effect the model lacks: scores, fits, judges, and repairs.
     Diagnose(Diagnose),
+    /// Foretell what a calibrated muscle will do with a payload, with intervals.
+    Predict(Predict),
     /// List the physical effects, or show the page of one.
     Effects {
         /// An effect.
@@ -255,6 +258,55 @@ struct Diagnose {
     quiet: bool,
 }
 
+#[derive(Args)]
+struct Predict {
+    /// Muscle file that a calibration wrote, or the name of a built-in muscle.
+    #[arg(long, value_name = "FILE")]
+    muscle: String,
+    /// Pressure above ambient, such as 40psi.
+    #[arg(long)]
+    pressure: String,
+    /// Mass at the tip.
+    #[arg(long, value_name = "MASS", default_value = "0 g", allow_hyphen_values = true)]
+    payload: String,
+    /// Its centre of mass beyond the active length [default: at its end].
+    #[arg(long, value_name = "LENGTH")]
+    payload_center: Option<String>,
+    /// Its rotary inertia about that, such as "1e-5 kg m^2" [default: a point mass].
+    #[arg(long, value_name = "INERTIA")]
+    payload_inertia: Option<String>,
+    /// The area that it turns to the air, such as "20 cm^2".
+    #[arg(long, value_name = "AREA")]
+    frontal_area: Option<String>,
+    /// Angle of the straight muscle above the horizontal, from which it is let go.
+    #[arg(long, default_value = "0 deg", allow_hyphen_values = true)]
+    angle: String,
+    /// How long to simulate.
+    #[arg(long, value_name = "TIME", default_value = "20 s")]
+    duration: String,
+    /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Draws from the errors of the calibration.
+    #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
+    draws: usize,
+    /// Of the random numbers.
+    #[arg(long, default_value_t = sim::predict::Settings::default().seed)]
+    seed: u64,
+    /// Folder for the results [default: outputs/ and the case's name].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace a folder that is there.
+    #[arg(long)]
+    overwrite: bool,
+    /// One JSON object on stdout, and nothing else.
+    #[arg(long)]
+    json: bool,
+    /// No progress, no table.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
 /// A length with its unit, m, more than nothing.
 fn length(text: &str) -> Result<f64, String> {
     match Quantity::parse(text).and_then(|quantity| quantity.to("m")) {
@@ -289,6 +341,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
+        Command::Predict(args) => predict::run(&args),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),

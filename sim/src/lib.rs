@@ -10,6 +10,7 @@ pub mod integrate;
 mod normal;
 pub mod observe;
 mod observed;
+pub mod predict;
 mod quantile;
 pub mod recording;
 pub mod results;

@@ -40,6 +40,7 @@ pub(crate) mod resolved;
 use std::path::{Path, PathBuf};
 
 use models::model::Model;
+use models::muscle::Known;
 
 use crate::forward::Run;
 use document::Document;
@@ -108,6 +109,11 @@ impl Scenario {
     /// Name of the muscle, if the rod is one.
     pub fn muscle_name(&self) -> Option<&str> {
         self.plan.muscle.as_ref().map(|muscle| muscle.muscle.name.as_str())
+    }
+
+    /// How well a calibration knows its muscle.
+    pub fn known(&self) -> Option<&Known> {
+        self.plan.muscle.as_ref()?.muscle.known.as_ref()
     }
 
     /// The runs that it asks for: one, or one for each row of the muscle's table.

@@ -97,6 +97,12 @@ pub enum MuscleError {
         /// What is admissible.
         must: &'static str,
     },
+    /// What a calibration says of its errors makes no sense.
+    #[error("{what}; calibrate again, or take the section [calibration] out")]
+    Calibration {
+        /// What is wrong, and where.
+        what: String,
+    },
     /// The muscle has no such estimate of its bending stiffness.
     #[error("{muscle} has no bending stiffness \"{asked}\": it has {}{}", .known.join(", "), did_you_mean(.asked, .known))]
     UnknownStiffness {

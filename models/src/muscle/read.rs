@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{EndFitting, Muscle, MuscleError, Rest};
+use super::{EndFitting, Known, Muscle, MuscleError, Rest};
 use crate::interpolate::Pchip;
 use crate::quantity::Quantity;
 
@@ -15,6 +15,7 @@ struct File {
     rest: RestKeys,
     end_fitting: EndFittingKeys,
     table: Table,
+    calibration: Option<Known>,
 }
 
 #[derive(Deserialize)]
@@ -89,6 +90,7 @@ pub(super) fn muscle(text: &str) -> Result<Muscle, MuscleError> {
     };
     let gravity = constant("gravity", &file.gravity, "m/s^2", NotBeNegative)?;
 
+    file.calibration.as_ref().map_or(Ok(()), Known::check)?;
     let table = file.table;
     table.check_shape()?;
     let pressure = table.pressure()?;
@@ -113,6 +115,7 @@ pub(super) fn muscle(text: &str) -> Result<Muscle, MuscleError> {
         rest,
         end_fitting,
         gravity,
+        known: file.calibration,
         length: curve(length),
         inner_diameter: curve(inner_diameter),
         outer_diameter: curve(outer_diameter),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Extrapolation, Muscle, MuscleError};
+use super::{Extrapolation, Known, Muscle, MuscleError};
 use crate::interpolate::Pchip;
 
 /// Name of the estimate of bending stiffness that a calibration writes.
@@ -15,6 +15,19 @@ pub struct CalibratedColumn {
     pub name: &'static str,
     /// Pressure, Pa, ascending, and value, SI; a single one holds at every pressure.
     pub values: Vec<(f64, f64)>,
+}
+
+/// What a calibration has found of a muscle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Found {
+    /// What was found over pressure.
+    pub columns: Vec<CalibratedColumn>,
+    /// Distributed mass in all, kg.
+    pub rod_mass: Option<f64>,
+    /// Mass of the end fitting, kg.
+    pub end_fitting_mass: Option<f64>,
+    /// How well all that is known.
+    pub known: Known,
 }
 
 impl CalibratedColumn {
@@ -38,7 +51,8 @@ impl Muscle {
     /// at one pressure says nothing of others; its values then stand in every row of this muscle.
     /// # Errors
     /// [`MuscleError`] for a pressure at which this muscle is none.
-    pub fn calibrated(&self, source: &str, columns: &[CalibratedColumn]) -> Result<String, MuscleError> {
+    pub fn calibrated(&self, source: &str, found: &Found) -> Result<String, MuscleError> {
+        let columns = &found.columns;
         let mut measured: Vec<f64> =
             columns.iter().flat_map(|column| column.values.iter().map(|(pressure, _)| *pressure)).collect();
         measured.sort_by(f64::total_cmp);
@@ -89,7 +103,9 @@ impl Muscle {
         let _ = writeln!(text, "source = {}", quoted(&format!("{source}; all else: {}", self.source)));
         let _ = writeln!(text, "gravity = \"{:?} m/s^2\"\n\n[rest]", self.gravity);
         let _ = writeln!(text, "length = \"{:?} m\"", self.rest.length);
-        let _ = writeln!(text, "mass_per_length = \"{:?} kg/m\"", self.rest.mass_per_length);
+        let mass_per_length =
+            found.rod_mass.map_or(self.rest.mass_per_length, |mass| mass / self.rest.length);
+        let _ = writeln!(text, "mass_per_length = \"{mass_per_length:?} kg/m\"");
         for (key, value, unit) in [
             ("inner_diameter", self.rest.inner_diameter, "m"),
             ("outer_diameter", self.rest.outer_diameter, "m"),
@@ -100,7 +116,8 @@ impl Muscle {
             }
         }
         let fitting = self.end_fitting;
-        let _ = writeln!(text, "\n[end_fitting]\nmass = \"{:?} kg\"", fitting.mass);
+        let mass = found.end_fitting_mass.unwrap_or(fitting.mass);
+        let _ = writeln!(text, "\n[end_fitting]\nmass = \"{mass:?} kg\"");
         let _ = writeln!(text, "center_of_mass = \"{:?} m\"", fitting.center_of_mass);
         let _ = writeln!(text, "rotary_inertia = \"{:?} kg m^2\"\n\n[table]", fitting.rotary_inertia);
         let list = |all: &[&str]| all.iter().map(|one| quoted(one)).collect::<Vec<_>>().join(", ");
@@ -118,6 +135,13 @@ impl Muscle {
             let _ = writeln!(text, "  [{}],", row.join(", "));
         }
         text += "]\n";
+        if !found.known.parameter.is_empty() {
+            let section = toml::Table::from_iter([(
+                "calibration".to_owned(),
+                toml::Value::try_from(&found.known).expect("it has nothing that TOML has not"),
+            )]);
+            let _ = write!(text, "\n# What `efam predict` takes its intervals from; SI.\n{section}");
+        }
         Ok(text)
     }
 
@@ -129,6 +153,7 @@ impl Muscle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::muscle::Knob;
 
     const PSI: f64 = 6_894.757_293_168_361;
 
@@ -136,15 +161,27 @@ mod tests {
     fn a_calibrated_muscle_is_read_back_with_its_columns() {
         let muscle = Muscle::built_in("garbulinski-2022").unwrap();
         let at = |psi: f64, value: f64| (psi * PSI, value);
-        let columns = [
+        let columns = vec![
             CalibratedColumn {
                 name: "bending_stiffness_calibrated",
                 values: vec![at(12.0, 0.009), at(40.0, 0.011)],
             },
             CalibratedColumn { name: "rayleigh_mass", values: vec![at(12.0, 0.7)] },
         ];
-        let text = muscle.calibrated("calibration of \"beam\"", &columns).unwrap();
+        let knob = Knob {
+            path: "effects.end_fitting.mass".to_owned(),
+            value: 0.056,
+            standard_error: Some(1e-4),
+            correlations: vec![1.0],
+            ..Knob::default()
+        };
+        let known = Known { releases: 2, parameter: vec![knob], ..Known::default() };
+        let one = columns[1].clone();
+        let found = Found { columns, end_fitting_mass: Some(0.056), known, ..Found::default() };
+        let text = muscle.calibrated("calibration of \"beam\"", &found).unwrap();
         let read = Muscle::from_toml(&text).unwrap();
+        assert_eq!((read.known.as_ref(), read.end_fitting.mass), (Some(&found.known), 0.056));
+        assert_eq!(read.rest.mass_per_length, muscle.rest.mass_per_length);
         assert!(read.source.starts_with("calibration of \"beam\"; all else: Garbulinski"));
         assert!(read.pressure_range().0 == 12.0 * PSI && read.pressure_range().1 == 40.0 * PSI);
         let (new, old) = (
@@ -155,7 +192,9 @@ mod tests {
         assert!((new.axial_stiffness / old.axial_stiffness - 1.0).abs() < 1e-12);
         assert!(0.009 < new.bending_stiffness && new.bending_stiffness < 0.011);
         assert_eq!((new.rayleigh_mass, new.rayleigh_stiffness), (Some(0.7), None));
-        let alone = muscle.calibrated("one", &columns[1..]).unwrap();
+        let found = Found { columns: vec![one], ..Found::default() };
+        let alone = muscle.calibrated("one", &found).unwrap();
+        assert_eq!(Muscle::from_toml(&alone).unwrap().known, None);
         assert_eq!(Muscle::from_toml(&alone).unwrap().pressures().len(), 20);
     }
 }

@@ -78,6 +78,10 @@ pub struct ReleaseFit {
     pub name: String,
     /// Its pressure, Pa.
     pub pressure_pa: Option<f64>,
+    /// Payload, kg.
+    pub payload_kg: f64,
+    /// Largest distance of the tip from where it was seen last, m.
+    pub excursion_m: f64,
     /// Whether it was kept out of the fit and only predicted.
     pub held_out: bool,
     /// End of what was fitted, s after release.

@@ -7,6 +7,7 @@ use super::profile::NORMAL_95;
 use super::uncertainty::TrackStatistics;
 use super::unknowns::{Group, Kind, Scaled, Unknowns};
 use super::{Fitted, warnings};
+use crate::experiment::release::Release;
 
 /// What was found, and the curves to show.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,12 +160,21 @@ fn release_fit(problem: &Problem, fit: &Fitted, r: usize) -> ReleaseFit {
     ReleaseFit {
         name: release.name.clone(),
         pressure_pa: release.pressure,
+        payload_kg: release.payload,
+        excursion_m: excursion(release),
         held_out: release.held_out,
         duration_s: measured.samples.last().map_or(0.0, |k| release.time[*k]),
         tracks: fit.uncertainty.tracks[r].iter().enumerate().map(track).collect(),
         numerical_error_mm: of_numerics(|numerics| &numerics.error),
         numerical_error_left_mm: of_numerics(|numerics| &numerics.left),
     }
+}
+
+/// Largest distance of the tip from where it was seen last, m.
+fn excursion(release: &Release) -> f64 {
+    let seen = || release.tracks[release.leading_track()].position.iter().flatten();
+    let Some([x, z]) = seen().next_back() else { return 0.0 };
+    seen().map(|at| (at[0] - x).hypot(at[1] - z)).fold(0.0, f64::max)
 }
 
 fn of_release(problem: &Problem, fit: &Fitted, r: usize) -> Vec<Curve> {

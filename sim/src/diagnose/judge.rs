@@ -121,3 +121,26 @@ pub(super) fn gaps(before: &Judgement, after: &Judgement, held_out: bool) -> Vec
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Coloured noise that is larger than stated is in what was fitted as well; an effect in the place of another
+    /// is not.
+    #[test]
+    fn what_was_locked_away_is_missed_only_beyond_what_noise_leaves() {
+        let gap = |held_out: bool, after: f64| Gap {
+            release: String::new(),
+            held_out,
+            before_mm: 1.0,
+            after_mm: 0.3,
+            before: 3.0,
+            after,
+            noise_mm: 0.3,
+        };
+        let all = |fitted: f64, locked: f64| is_astray(&[gap(false, fitted), gap(true, locked)]);
+        assert!(!all(1.0, 1.05) && !all(1.2, 1.25) && !is_astray(&[gap(false, 2.0)]));
+        assert!(all(1.0, 1.4) && all(0.5, 1.4));
+    }
+}

@@ -48,7 +48,7 @@ struct Scale {
 
 impl Subject {
     /// With the columns' gram matrix, the variance of their pull, and its widening.
-    fn scale(&self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, widening: f64) -> Scale {
+    fn scale(self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, widening: f64) -> Scale {
         match self.believed {
             None => Scale { inverse: pseudo_inverse(variance).0, degrees: gram.nrows() as f64 },
             Some(_) => {
@@ -60,7 +60,7 @@ impl Subject {
     }
 
     /// Takes the pull to the strengths that it asks for.
-    fn to_strengths(&self, gram: &DMatrix<f64>, widening: f64) -> DMatrix<f64> {
+    fn to_strengths(self, gram: &DMatrix<f64>, widening: f64) -> DMatrix<f64> {
         let belief = self.believed.map_or(0.0, |deviation| widening / (deviation * deviation));
         pseudo_inverse(&(gram + DMatrix::identity(gram.nrows(), gram.nrows()) * belief)).0
     }
@@ -312,4 +312,25 @@ fn threshold(
     largest.sort_by(f64::total_cmp);
     let place = ((1.0 - false_alarm) * DRAWS as f64) as usize;
     largest[place.min(DRAWS - 1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two releases whose common strength the baseline can do: only their difference is asked for, and what noise
+    /// there is in the common part asks for nothing.
+    #[test]
+    fn what_the_baseline_can_do_of_all_releases_is_not_asked_for() {
+        let differing = DMatrix::from_row_slice(2, 2, &[1.0, -1.0, -1.0, 1.0]) * 1e6;
+        let gram = &differing + DMatrix::identity(2, 2) * 1e-3;
+        let pull = &differing * DVector::from_column_slice(&[0.01, -0.01]) + DVector::from_element(2, 0.01);
+        let subject = |believed| Subject { believed, ..Subject::default() };
+        let strengths = subject(Some(0.015)).to_strengths(&gram, 1.0) * &pull;
+        assert!((strengths - DVector::from_column_slice(&[0.01, -0.01])).amax() < 1e-4);
+        // Without the belief the common part runs away.
+        assert!((subject(None).to_strengths(&gram, 1.0) * &pull).amax() > 1.0);
+        let scale = subject(Some(0.015)).scale(&gram, &gram, 1.0);
+        assert!((scale.degrees - 1.0).abs() < 0.01, "{}", scale.degrees);
+    }
 }

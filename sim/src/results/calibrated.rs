@@ -14,14 +14,14 @@
 use std::fmt::Write;
 use std::time::SystemTime;
 
-use models::muscle::{CalibratedColumn, Muscle, MuscleError};
+use models::muscle::{CalibratedColumn, Found, Knob, Known, Muscle, MuscleError};
 use serde_json::json;
 
 use super::folder::{self, Folder, MARK};
 use super::picture::{calibrated, over_pressure};
 use super::report::significant;
 use super::{Request, ResultsError};
-use crate::calibrate::calibration::Calibrated;
+use crate::calibrate::calibration::{Calibrated, Correlations};
 use crate::calibrate::{Calibration, Outcome};
 
 /// File names of a calibration's folder.
@@ -41,6 +41,10 @@ const COLUMNS: [(&str, &str); 3] = [
     ("effects.rayleigh_mass.alpha", "rayleigh_mass"),
     ("effects.rayleigh_stiffness.beta", "rayleigh_stiffness"),
 ];
+
+/// Parameters for which it has a constant.
+const ROD_MASS: &str = "rod.mass";
+const END_FITTING_MASS: &str = "effects.end_fitting.mass";
 
 /// Writes a calibration into an open folder; `request.resolved_scenario` is the experiment's text.
 /// # Errors
@@ -93,11 +97,13 @@ pub fn muscle_file(
     source: &str,
 ) -> Result<Option<String>, MuscleError> {
     let mut columns = Vec::new();
-    for (path, name) in COLUMNS {
+    let usable = |path: &str| {
         let found = calibration.of(path);
-        if found.is_empty() || found.iter().any(|one| one.release.is_some()) {
-            continue;
-        }
+        let is_usable = !found.is_empty() && found.iter().all(|one| one.release.is_none());
+        is_usable.then_some(found)
+    };
+    for (path, name) in COLUMNS {
+        let Some(found) = usable(path) else { continue };
         // What all pressures share stands at any of them.
         let anywhere = calibration.releases.iter().find_map(|release| release.pressure_pa).unwrap_or(0.0);
         let values = found.iter().map(|one| (one.pressure_pa.unwrap_or(anywhere), one.value));
@@ -106,7 +112,55 @@ pub fn muscle_file(
     if columns.is_empty() {
         return Ok(None);
     }
-    muscle.calibrated(source, &columns).map(Some)
+    let shared = |path: &str| usable(path).filter(|found| found.len() == 1).map(|found| found[0].value);
+    let found = Found {
+        columns,
+        rod_mass: shared(ROD_MASS),
+        end_fitting_mass: shared(END_FITTING_MASS),
+        known: known(calibration),
+    };
+    muscle.calibrated(source, &found).map(Some)
+}
+
+/// How well a calibration knows what goes into the muscle file.
+fn known(calibration: &Calibration) -> Known {
+    let is_written = |one: &&Calibrated| {
+        let path = one.name.as_str();
+        one.release.is_none()
+            && (COLUMNS.iter().any(|(column, _)| *column == path)
+                || [ROD_MASS, END_FITTING_MASS].contains(&path))
+    };
+    let own: Vec<&Calibrated> = calibration.parameters.iter().filter(is_written).collect();
+    let correlation = |a: &Calibrated, b: &Calibrated| {
+        if a.label() == b.label() {
+            return 1.0;
+        }
+        let together = |group: &&Correlations| {
+            let at = |one: &Calibrated| group.names.iter().position(|name| *name == one.label());
+            Some(group.matrix[at(a)?][at(b)?].clamp(-1.0, 1.0))
+        };
+        calibration.correlations.iter().find_map(|group| together(&group)).unwrap_or(0.0)
+    };
+    let knob = |one: &&Calibrated| Knob {
+        path: one.name.clone(),
+        pressure_pa: one.pressure_pa,
+        value: one.value,
+        standard_error: one.standard_error,
+        correlations: own.iter().map(|other| correlation(one, other)).collect(),
+    };
+    let fitted = || calibration.releases.iter().filter(|release| !release.held_out);
+    let range = |values: Vec<f64>| {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if values.is_empty() { [0.0; 2] } else { [least, most] }
+    };
+    Known {
+        releases: fitted().count(),
+        pressure_pa: range(fitted().filter_map(|release| release.pressure_pa).collect()),
+        payload_kg: range(fitted().map(|release| release.payload_kg).collect()),
+        excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
+        parameter: own.iter().map(knob).collect(),
+    }
 }
 
 fn residuals(outcome: &Outcome) -> String {

@@ -18,6 +18,7 @@ pub mod experiment;
 pub mod folder;
 pub mod page;
 pub mod picture;
+pub mod predicted;
 pub mod report;
 pub mod rest;
 pub mod summary;

@@ -5,6 +5,7 @@ mod diagnosed;
 mod diagnosed_residual;
 mod measured;
 mod panel;
+mod predicted;
 mod pressures;
 mod recording;
 mod spectrum;
@@ -25,6 +26,7 @@ use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded
 pub use calibrated::{calibrated, over_pressure};
 pub use diagnosed::diagnosed;
 pub use measured::measured;
+pub use predicted::predicted;
 pub use pressures::{PressureRow, pressures};
 pub use recording::recording;
 

@@ -16,6 +16,8 @@ pub struct Rest {
     pub tip: [f64; 2],
     /// Angle of the end body, rad.
     pub tip_angle: f64,
+    /// Bending moment at the root, N m; positive where the rod is bent towards +z.
+    pub root_moment: f64,
     /// Undamped frequency, Hz, and damping ratio of the slowest modes.
     pub modes: Result<Vec<(f64, f64)>, ModelError>,
 }
@@ -32,8 +34,12 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
     let (tip, _) = forward::tip(&system, &found.q, &at_rest);
     let in_hertz =
         |mode: &models::statics::Mode| (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio);
+    let (mut force, mut z_rate) = (vec![0.0; found.q.len()], vec![0.0; found.z.len()]);
+    system.force(0.0, &found.q, &at_rest, &found.z, &mut force, &mut z_rate);
+    let fields = &system.assembly.fields;
+    let root_moment = fields.moment[0] * fields.kappa_slope[0];
     let modes = modes(model, &found, count).map(|modes| modes.iter().map(in_hertz).collect());
-    Ok(Rest { nodes: posture.nodes, tip, tip_angle: posture.angle, modes })
+    Ok(Rest { nodes: posture.nodes, tip, tip_angle: posture.angle, root_moment, modes })
 }
 
 /// The model with the rod that its pressure makes of it at a time.

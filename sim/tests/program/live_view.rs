@@ -76,6 +76,28 @@ fn efam_saves_the_recording_with_its_results() {
     }
 }
 
+/// A worked example of a diagnosis with its recording: the search, and each release before and after.
+#[test]
+fn efam_saves_the_recording_of_a_diagnosis() {
+    let bench = Bench::new("diagnosis-recording");
+    let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/diagnosis/nothing/experiment.toml");
+    let (code, _, stderr) = bench.run(&["diagnose", experiment, "--out", "run", "--rerun", "save"]);
+    assert_eq!(code, 0, "{stderr}");
+    let recording = bench.0.join("run/run.rrd");
+    let bytes = fs::read(&recording).unwrap();
+    for part in ["search/ranking", "search/answer", "40psi-1.csv"] {
+        assert!(bytes.windows(part.len()).any(|found| found == part.as_bytes()), "{part}");
+    }
+    assert!(!bench.0.join("run/run.partial.rrd").exists());
+    match Command::new("rerun").args(["rrd", "verify"]).arg(&recording).status() {
+        Ok(status) => assert!(status.success(), "the viewer's own check"),
+        Err(_) => println!("skipped: rerun rrd verify; it needs the viewer: pip install rerun-sdk==0.36.3"),
+    }
+    // A plan has nothing to show.
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/release-15psi.toml");
+    assert_eq!(bench.run(&["diagnose", "--plan", scenario, "--rerun", "save"]).0, 2);
+}
+
 /// A viewer that accepts and then says nothing, or goes, must not stop a run.
 #[test]
 fn dead_viewer_stops_no_run() {

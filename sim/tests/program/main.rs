@@ -9,3 +9,4 @@ mod experiment;
 mod inspect;
 #[cfg(feature = "rerun")]
 mod live_view;
+mod predict;

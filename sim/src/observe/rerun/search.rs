@@ -151,3 +151,32 @@ fn answer(diagnosis: &Diagnosis) -> String {
 fn cell(words: &str) -> String {
     words.replace('|', "\\|").replace('\n', " ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The last round stands first, the best candidate before the others, and no word breaks a table.
+    #[test]
+    fn a_ranking_is_a_table_with_the_best_on_top() {
+        let candidate = |round, effect: &str, score| Evidence {
+            round,
+            effect: effect.to_owned(),
+            tried: Vec::new(),
+            score,
+            predicted_decrease: score * score,
+            realised_decrease: (round == 2).then_some(7.0),
+            strength: 1.0,
+            held_out_decrease: None,
+            rejected: None,
+        };
+        let first = (3.5, vec![candidate(1, "hose", 2.0), candidate(1, "air_drag", 8.0)]);
+        let rounds = BTreeMap::from([(1, first), (2, (3.4, vec![candidate(2, "dahl", 3.6)]))]);
+        let text = ranking(&rounds);
+        let at = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part} in {text}"));
+        assert!(at("Round 2: a score has to exceed 3.40") < at("Round 1"));
+        assert!(at("| dahl | 3.60 |") < at("| air_drag | 8.00 |") && at("| air_drag") < at("| hose"));
+        assert!(text.contains("| 13 | 7 |") && text.contains("| 64 |  |"));
+        assert_eq!(cell("a | b\nc"), "a \\| b c");
+    }
+}

@@ -1,0 +1,109 @@
+//! `efam predict`: what a calibrated muscle will do with a payload.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use models::muscle::BUILT_IN;
+use models::quantity::Quantity;
+use serde_json::{Value, json};
+use sim::predict::{Settings, predict};
+use sim::results::predicted::{prediction_table, write_prediction};
+use sim::results::{self, Request};
+use sim::scenario::Scenario;
+
+use super::Predict;
+use super::failure::Failure;
+use super::progress;
+
+pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
+    let begin = Instant::now();
+    let (text, input_hashes) = scenario(args)?;
+    let scenario = Scenario::parse(Path::new("efam-predict.toml"), &text, &args.set)?;
+    let cases = scenario.cases()?;
+    let [case] = &cases[..] else {
+        return Err(Failure::Usage("--pressure: one pressure, such as 40psi".to_owned()));
+    };
+    let request = Request {
+        name: case.name.clone(),
+        out: args.out.clone(),
+        overwrite: args.overwrite,
+        resolved_scenario: case.resolved.clone(),
+        input_hashes,
+        argv: std::env::args().collect(),
+        ..Request::default()
+    };
+    // What stands in the way is said before the simulations.
+    let folder = results::begin(&request)?;
+    let settings = Settings { draws: args.draws, seed: args.seed };
+    let progress = progress::line(args.quiet || args.json);
+    progress.set_message("simulating what the calibration admits");
+    let outcome = predict(case, scenario.known(), &settings, &|| progress.inc(1));
+    let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
+    progress.finish_and_clear();
+    let request = Request { wall_time_s: begin.elapsed().as_secs_f64(), ..request };
+    write_prediction(&folder, &request, &outcome)?;
+    let folder = folder.finish()?;
+    let mut out = io::stdout().lock();
+    if args.json {
+        writeln!(out, "{}", json!({ "folder": folder, "prediction": outcome.prediction }))?;
+    } else if !args.quiet {
+        write!(out, "{}", prediction_table(&outcome.prediction))?;
+        writeln!(out, "\nresults in {}", folder.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What is asked as a scenario, and the hash of the muscle's file.
+fn scenario(args: &Predict) -> Result<(String, BTreeMap<String, String>), Failure> {
+    let quoted = |text: &str| Value::from(text).to_string();
+    let mut hashes = BTreeMap::new();
+    let muscle = if BUILT_IN.iter().any(|(name, _)| *name == args.muscle) {
+        format!("name = {}", quoted(&args.muscle))
+    } else {
+        let file = PathBuf::from(&args.muscle);
+        let unreadable = |error: io::Error| {
+            let known = BUILT_IN.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+            Failure::Data(format!(
+                "{}: cannot be read ({error}); give the muscle.toml of a calibration, or a built-in muscle: {known}",
+                file.display()
+            ))
+        };
+        let bytes = std::fs::read(&file).map_err(unreadable)?;
+        let file = file.canonicalize().map_err(unreadable)?;
+        hashes.insert(file.display().to_string(), results::sha256(&bytes));
+        format!("file = {}", quoted(&file.display().to_string()))
+    };
+    let named = |option: &str, value: &str, unit: &str| {
+        let parsed = Quantity::parse(value).and_then(|quantity| quantity.to(unit));
+        parsed.map_err(|error| Failure::Usage(format!("{option} {value}: {error}")))
+    };
+    let pressure = named("--pressure", &args.pressure, "Pa")?;
+    let payload = named("--payload", &args.payload, "kg")?;
+    if payload.is_nan() || payload < 0.0 {
+        return Err(Failure::Usage(format!("--payload {}: it must not be negative", args.payload)));
+    }
+    let mut text = format!(
+        "name = {}\n[muscle]\n{muscle}\npressure = \"{pressure:?} Pa\"\nextrapolation = \"allowed\"\n[release]\nangle = {}\n[run]\nduration = {}\n[effects.payload]\nmass = \"{payload:?} kg\"\n",
+        quoted(&format!("{} with {}", args.pressure, args.payload)),
+        quoted(&args.angle),
+        quoted(&args.duration),
+    );
+    for (key, value) in [("center_of_mass", &args.payload_center), ("rotary_inertia", &args.payload_inertia)]
+    {
+        if let Some(value) = value {
+            let _ = writeln!(text, "{key} = {}", quoted(value));
+        }
+    }
+    if let Some(area) = &args.frontal_area {
+        let area = named("--frontal-area", area, "m^2")?;
+        let _ = writeln!(text, "[effects.tip_drag]\ndrag_area = \"{:?} m^2\"", DRAG_COEFFICIENT * area);
+    }
+    Ok((text, hashes))
+}
+
+/// Of a blunt body. Source: Hoerner (1965), Fluid-Dynamic Drag, chapter 3: a cube, face on, 1.05.
+const DRAG_COEFFICIENT: f64 = 1.05;

@@ -1,0 +1,278 @@
+//! Prediction: what a calibrated muscle will do in a case that nobody has recorded, with intervals.
+//!
+//! The errors of the calibration, with their correlations, are drawn and each draw is simulated: an interval
+//! holds 95 % of what comes out. What a calibration cannot know is not in it: that EI is another one under load,
+//! or at amplitudes that were never seen. Where a case lies outside what was calibrated, a warning says so.
+
+mod draws;
+pub mod quantity;
+
+use std::ops::ControlFlow;
+
+use models::model::Model;
+use models::muscle::Known;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::forward::{Run, forward};
+use crate::quantile::quantile;
+use crate::results::rest::rest;
+use crate::results::summary::{MODES, Summary, summarise};
+use crate::scenario::Case;
+use crate::trajectory::Trajectory;
+use draws::Draws;
+use quantity::{QUANTITIES, Quantity, Told};
+
+/// How a prediction is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Draws from the errors of the calibration.
+    pub draws: usize,
+    /// Of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    /// Two hundred: the ends of an interval are then known to a tenth of its width.
+    fn default() -> Self {
+        Self { draws: 200, seed: 1 }
+    }
+}
+
+/// Relative error of a step in a draw; that of the case's own run is the case's.
+const TOLERANCE: f64 = 1e-5;
+/// Ends of an interval.
+const ENDS: [f64; 2] = [0.025, 0.975];
+
+/// What is foretold of one case; SI.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// Name of the case.
+    pub name: String,
+    /// Pressure above ambient, Pa.
+    pub pressure_pa: Option<f64>,
+    /// Mass of the payload, kg.
+    pub payload_kg: f64,
+    /// The numbers.
+    pub quantities: Vec<Quantity>,
+    /// Damping and frequency of each cycle, the largest swings first.
+    pub cycles: Vec<Cycle>,
+    /// Draws that were simulated; none where the muscle file has no calibration.
+    pub draws: usize,
+    /// Draws that could not be simulated.
+    pub failed_draws: usize,
+    /// What should be known before the numbers are used, in words.
+    pub warnings: Vec<String>,
+}
+
+/// From one upper peak to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cycle {
+    /// Geometric mean of the heights of the two above the rest, m.
+    pub amplitude_m: f64,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// Its interval.
+    pub damping_ratio_95: Option<[f64; 2]>,
+    /// Damped frequency, Hz.
+    pub frequency_hz: f64,
+    /// Its interval.
+    pub frequency_hz_95: Option<[f64; 2]>,
+}
+
+/// The height of the tip over time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Band {
+    /// Time after release, s.
+    pub time: Vec<f64>,
+    /// Height, m.
+    pub height: Vec<f64>,
+    /// Its interval at each time, m; empty without draws.
+    pub interval_95: Vec<[f64; 2]>,
+}
+
+/// A prediction with what is drawn of it.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// The numbers.
+    pub prediction: Prediction,
+    /// The height of the tip.
+    pub band: Band,
+    /// The rod at rest and at the lowest point of the tip, m.
+    pub postures: Vec<(&'static str, Vec<[f64; 2]>)>,
+}
+
+/// A case that cannot be foretold.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{name}: {reason}")]
+pub struct PredictError {
+    /// The case.
+    pub name: String,
+    /// What happened.
+    pub reason: String,
+}
+
+/// Foretells a case; `known` is what a calibration says of its muscle. `tell` hears of each draw, from any
+/// thread.
+/// # Errors
+/// [`PredictError`] where the case itself cannot be simulated to its end; a draw that cannot is counted.
+pub fn predict(
+    case: &Case,
+    known: Option<&Known>,
+    settings: &Settings,
+    tell: &(dyn Fn() + Sync),
+) -> Result<Outcome, PredictError> {
+    let run = Run { energy: false, ..case.run.clone() };
+    let simulated = simulate(&case.model, &run);
+    let own = simulated.map_err(|reason| PredictError { name: case.name.clone(), reason })?;
+    let draws = known.map(|known| Draws::new(known, case, settings));
+    let quick = Run { tolerance: run.tolerance.max(TOLERANCE), ..run };
+    let simulate_draw = |draw: usize| {
+        let model = draws.as_ref()?.model(draw)?;
+        let done = simulate(&model, &quick).ok();
+        tell();
+        done
+    };
+    let count = if draws.is_some() { settings.draws } else { 0 };
+    let all: Vec<Simulated> = (0..count).into_par_iter().filter_map(simulate_draw).collect();
+    let mut prediction = Prediction {
+        name: case.name.clone(),
+        pressure_pa: case.pressure,
+        payload_kg: value(&case.model, "effects.payload.mass"),
+        quantities: QUANTITIES
+            .iter()
+            .map(|kind| kind.of(&own.told, all.iter().map(|one| &one.told)))
+            .collect(),
+        cycles: cycles(&own, &all),
+        draws: all.len(),
+        failed_draws: count - all.len(),
+        warnings: case.warnings.clone(),
+    };
+    prediction.warnings.extend(warnings(&prediction, known, draws.as_ref(), own.excursion));
+    Ok(Outcome { prediction, band: band(&own, &all), postures: own.postures })
+}
+
+/// One run, and what it says.
+struct Simulated {
+    told: Told,
+    summary: Summary,
+    height: Vec<f64>,
+    time: Vec<f64>,
+    /// Largest distance of the tip from its rest, m.
+    excursion: f64,
+    postures: Vec<(&'static str, Vec<[f64; 2]>)>,
+}
+
+fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
+    let (mut root, mut lowest) = (0.0f64, (f64::INFINITY, Vec::new()));
+    let trajectory: Trajectory = forward(model, run, &mut |sample| {
+        let snapshot = sample.snapshot();
+        root = root.max(snapshot.bending_moment.first().copied().unwrap_or(0.0).abs());
+        if snapshot.tip[1] < lowest.0 {
+            lowest = (snapshot.tip[1], [snapshot.nodes, vec![snapshot.tip]].concat());
+        }
+        ControlFlow::Continue(())
+    })
+    .map_err(|error| error.to_string())?;
+    let at_rest = rest(model, run.duration, MODES);
+    let (summary, _) = summarise(model, run, &trajectory, &at_rest);
+    let at_rest = at_rest.map_err(|error| error.to_string())?;
+    let [x, z] = at_rest.tip;
+    let excursion = trajectory.tip.iter().map(|tip| (tip[0] - x).hypot(tip[1] - z)).fold(0.0, f64::max);
+    let height = trajectory.tip.iter().map(|tip| tip[1]).collect();
+    let told = Told { summary: summary.clone(), root_moment: root, root_moment_at_rest: at_rest.root_moment };
+    let postures =
+        vec![("at rest", [at_rest.nodes.clone(), vec![at_rest.tip]].concat()), ("at its lowest", lowest.1)];
+    Ok(Simulated { told, summary, height, time: trajectory.times, excursion, postures })
+}
+
+fn value(model: &Model, path: &str) -> f64 {
+    model.index(path).map_or(0.0, |k| model.theta[k])
+}
+
+/// Interval of what draws say; none of fewer than half of them.
+fn interval(values: Vec<f64>, draws: usize) -> Option<[f64; 2]> {
+    if draws == 0 || 2 * values.len() < draws {
+        return None;
+    }
+    let [low, high] = ENDS.map(|share| quantile(values.clone(), share));
+    Some([low?, high?])
+}
+
+fn cycles(own: &Simulated, all: &[Simulated]) -> Vec<Cycle> {
+    let of = |one: &Simulated, k: usize| one.summary.cycles.as_ref()?.get(k).copied();
+    let interval_of = |k: usize, what: fn(&crate::results::summary::Cycle) -> f64| {
+        interval(all.iter().filter_map(|one| Some(what(&of(one, k)?))).collect(), all.len())
+    };
+    let cycle = |k: usize| {
+        let cycle = of(own, k)?;
+        Some(Cycle {
+            amplitude_m: cycle.amplitude_m,
+            damping_ratio: cycle.damping_ratio,
+            damping_ratio_95: interval_of(k, |cycle| cycle.damping_ratio),
+            frequency_hz: cycle.damped_frequency_hz,
+            frequency_hz_95: interval_of(k, |cycle| cycle.damped_frequency_hz),
+        })
+    };
+    (0..own.summary.cycles.as_ref().map_or(0, Vec::len)).filter_map(cycle).collect()
+}
+
+fn band(own: &Simulated, all: &[Simulated]) -> Band {
+    let at =
+        |k: usize| interval(all.iter().filter_map(|one| one.height.get(k).copied()).collect(), all.len());
+    Band {
+        time: own.time.clone(),
+        height: own.height.clone(),
+        interval_95: (0..own.height.len()).map_while(at).collect(),
+    }
+}
+
+/// Where the case lies outside what was calibrated, and what its intervals do not hold.
+fn warnings(
+    prediction: &Prediction,
+    known: Option<&Known>,
+    draws: Option<&Draws>,
+    excursion: f64,
+) -> Vec<String> {
+    let Some((known, draws)) = known.zip(draws) else {
+        return vec![
+            "no intervals: the muscle file has no section [calibration]; take the muscle.toml that efam calibrate writes"
+                .to_owned(),
+        ];
+    };
+    let mut words = Vec::new();
+    let outside = |value: f64, [low, high]: [f64; 2]| {
+        let room = 1e-6 * high.abs().max(f64::MIN_POSITIVE);
+        !(low - room..=high + room).contains(&value)
+    };
+    if let Some(pressure) = prediction.pressure_pa.filter(|pressure| outside(*pressure, known.pressure_pa)) {
+        let [low, high] = known.pressure_pa.map(|pressure| format!("{:.1}", 1e-3 * pressure));
+        words.push(format!(
+            "the pressure, {:.1} kPa, lies outside what was calibrated, {low} to {high} kPa: the intervals are too narrow by what changes on the way",
+            1e-3 * pressure
+        ));
+    }
+    if outside(prediction.payload_kg, known.payload_kg) {
+        let [low, high] = known.payload_kg.map(|payload| format!("{:.0}", 1e3 * payload));
+        words.push(format!(
+            "the payload, {:.0} g, lies outside what was calibrated, {low} to {high} g: that EI and losses are the same under it is assumed",
+            1e3 * prediction.payload_kg
+        ));
+    }
+    if known.excursion_m > 0.0 && excursion > 1.05 * known.excursion_m {
+        words.push(format!(
+            "the tip goes {:.0} mm from its rest, and was calibrated to {:.0} mm: that EI and losses are the same there is assumed",
+            1e3 * excursion,
+            1e3 * known.excursion_m
+        ));
+    }
+    for path in &draws.undetermined {
+        words.push(format!(
+            "{path} is not determined by the calibration: it is taken to be known to its own size"
+        ));
+    }
+    if prediction.failed_draws > 0 {
+        words.push(format!("{} draws could not be simulated, and are left out", prediction.failed_draws));
+    }
+    words
+}

@@ -1,0 +1,101 @@
+//! The numbers of a prediction: what they mean, and where they stand in a run.
+
+use serde::{Deserialize, Serialize};
+
+use super::interval;
+use crate::results::summary::{Mode, Summary};
+
+/// One number that is foretold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Quantity {
+    /// Its name, with the unit.
+    pub name: String,
+    /// What it is, in words.
+    pub meaning: String,
+    /// SI unit; empty if dimensionless.
+    pub unit: String,
+    /// Its value; none where the run has none.
+    pub value: Option<f64>,
+    /// The interval that holds 95 % of what the errors of the calibration admit.
+    pub interval_95: Option<[f64; 2]>,
+    /// Why there is no value.
+    pub missing: Option<String>,
+}
+
+/// What one run says.
+#[derive(Clone, Debug)]
+pub(super) struct Told {
+    pub summary: Summary,
+    /// Largest bending moment at the root, N m.
+    pub root_moment: f64,
+    /// The same at rest.
+    pub root_moment_at_rest: f64,
+}
+
+/// A kind of number.
+pub(super) struct Kind {
+    name: &'static str,
+    meaning: &'static str,
+    unit: &'static str,
+    /// Its entry in a summary, which says why it is missing.
+    entry: &'static str,
+    of: fn(&Told) -> Option<f64>,
+}
+
+impl Kind {
+    pub fn of<'a>(&self, own: &Told, all: impl Iterator<Item = &'a Told>) -> Quantity {
+        let (mut values, mut draws) = (Vec::new(), 0);
+        for told in all {
+            draws += 1;
+            values.extend((self.of)(told));
+        }
+        let value = (self.of)(own);
+        let missing = own.summary.missing.get(self.entry).filter(|_| value.is_none());
+        Quantity {
+            name: self.name.to_owned(),
+            meaning: self.meaning.to_owned(),
+            unit: self.unit.to_owned(),
+            value,
+            interval_95: interval(values, draws),
+            missing: missing.cloned(),
+        }
+    }
+}
+
+fn mode(told: &Told, number: usize) -> Option<&Mode> {
+    told.summary.modes.as_ref()?.get(number)
+}
+
+const fn kind(
+    name: &'static str,
+    meaning: &'static str,
+    unit: &'static str,
+    entry: &'static str,
+    of: fn(&Told) -> Option<f64>,
+) -> Kind {
+    Kind { name, meaning, unit, entry, of }
+}
+
+/// All numbers, in the order in which they are told.
+#[rustfmt::skip]
+pub(super) const QUANTITIES: [Kind; 19] = [
+    kind("rest_x_m", "tip at rest, along the level", "m", "rest", |t| Some(t.summary.rest?.tip_x_m)),
+    kind("rest_z_m", "tip at rest, height over the clamp", "m", "rest", |t| Some(t.summary.rest?.tip_z_m)),
+    kind("rest_angle_rad", "angle of the tip at rest", "rad", "rest", |t| Some(t.summary.rest?.tip_angle_rad)),
+    kind("small_frequency_hz", "frequency of small swings", "Hz", "modes", |t| Some(mode(t, 0)?.natural_frequency_hz)),
+    kind("small_damping_ratio", "damping ratio of small swings", "", "modes", |t| Some(mode(t, 0)?.damping_ratio)),
+    kind("second_mode_hz", "frequency of the second mode", "Hz", "modes", |t| Some(mode(t, 1)?.natural_frequency_hz)),
+    kind("second_damping_ratio", "damping ratio of the second mode", "", "modes", |t| Some(mode(t, 1)?.damping_ratio)),
+    kind("third_mode_hz", "frequency of the third mode", "Hz", "modes", |t| Some(mode(t, 2)?.natural_frequency_hz)),
+    kind("third_damping_ratio", "damping ratio of the third mode", "", "modes", |t| Some(mode(t, 2)?.damping_ratio)),
+    kind("frequency_hz", "frequency as released", "Hz", "damped_frequency_hz", |t| t.summary.damped_frequency_hz),
+    kind("damping_ratio", "damping ratio as released, by eq. 6", "", "damping_ratio", |t| t.summary.damping_ratio),
+    kind("lowest_z_m", "lowest point of the tip", "m", "lowest", |t| Some(t.summary.lowest?.tip_z_m)),
+    kind("least_angle_rad", "least angle of the tip", "rad", "least_tip_angle_rad", |t| t.summary.least_tip_angle_rad),
+    kind("first_peak_m", "first upper peak over the rest", "m", "peaks", |t| Some(t.summary.peaks.as_ref()?.first()?.height_m)),
+    kind("peak_speed_m_s", "greatest speed of the tip", "m/s", "peak_speed", |t| Some(t.summary.peak_speed?.speed_m_s)),
+    kind("settling_5_percent_s", "settled to 5 % after", "s", "settling_5_percent_s", |t| t.summary.settling_5_percent_s),
+    kind("settling_2_percent_s", "settled to 2 % after", "s", "settling_2_percent_s", |t| t.summary.settling_2_percent_s),
+    kind("root_moment_at_rest_n_m", "bending moment at the root at rest", "N m", "rest", |t| Some(t.root_moment_at_rest)),
+    kind("root_moment_n_m", "largest bending moment at the root", "N m", "rest", |t| Some(t.root_moment)),
+];

@@ -1,0 +1,90 @@
+//! What a prediction leaves on disk, and its table.
+//!
+//! ```text
+//! outputs/<UTC>_<name>_<hash8>/
+//!   prediction.json          numbers with intervals, cycles, warnings
+//!   prediction.svg           height of the tip, rod, damping and frequency over amplitude
+//!   scenario.resolved.toml   the case, for `efam simulate`
+//!   summary.json             what was asked, by which command
+//! ```
+
+use std::fmt::Write;
+use std::time::SystemTime;
+
+use serde_json::json;
+
+use super::folder::{self, Folder, MARK};
+use super::picture::predicted;
+use super::report::significant;
+use super::{Request, ResultsError, SCENARIO};
+use crate::predict::quantity::Quantity;
+use crate::predict::{Outcome, Prediction};
+
+/// The numbers.
+pub const PREDICTION: &str = "prediction.json";
+/// The picture.
+pub const PICTURE: &str = "prediction.svg";
+
+/// Writes a prediction into an open folder.
+/// # Errors
+/// [`ResultsError::Write`].
+pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -> Result<(), ResultsError> {
+    let prediction = &outcome.prediction;
+    let text = serde_json::to_string_pretty(prediction).expect("a prediction has nothing that JSON has not");
+    folder.write(PREDICTION, text.as_bytes())?;
+    folder.write(PICTURE, predicted(outcome).as_bytes())?;
+    folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;
+    let mark = json!({
+        "kind": "prediction",
+        "name": request.name,
+        "warnings": prediction.warnings,
+        "inputs_sha256": request.input_hashes,
+        "argv": request.argv,
+        "wall_time_s": request.wall_time_s,
+        "written_utc": folder::utc(SystemTime::now()),
+    });
+    folder.write(MARK, format!("{mark:#}\n").as_bytes())
+}
+
+/// Lengths are told in mm, angles in degrees.
+fn told(quantity: &Quantity) -> (f64, &str) {
+    match quantity.unit.as_str() {
+        "m" => (1e3, "mm"),
+        "rad" => (1.0f64.to_degrees(), "deg"),
+        unit => (1.0, unit),
+    }
+}
+
+/// A prediction as a table for people.
+pub fn prediction_table(prediction: &Prediction) -> String {
+    let mut text = format!("{:40}{:>12}   95 % interval\n", prediction.name, "");
+    for quantity in &prediction.quantities {
+        let (factor, unit) = told(quantity);
+        let Some(value) = quantity.value else {
+            let why = quantity.missing.as_deref().unwrap_or("there is none");
+            let _ = writeln!(text, "{:40}{:>12}   {why}", quantity.meaning, "-");
+            continue;
+        };
+        let interval = quantity.interval_95.map_or(String::new(), |[low, high]| {
+            format!("{} to {} ", significant(factor * low, 4), significant(factor * high, 4))
+        });
+        let value = significant(factor * value, 4);
+        let _ = writeln!(text, "{:40}{value:>12}   {interval}{unit}", quantity.meaning);
+    }
+    if let (Some(first), Some(last)) = (prediction.cycles.first(), prediction.cycles.last()) {
+        for cycle in [first, last] {
+            let name = format!("damping ratio at {} mm", significant(1e3 * cycle.amplitude_m, 3));
+            let interval = cycle.damping_ratio_95.map_or(String::new(), |[low, high]| {
+                format!("{} to {}", significant(low, 4), significant(high, 4))
+            });
+            let _ = writeln!(text, "{name:40}{:>12}   {interval}", significant(cycle.damping_ratio, 4));
+        }
+    }
+    if prediction.draws > 0 {
+        let _ = writeln!(text, "\nintervals from {} draws of the calibration's errors", prediction.draws);
+    }
+    for warning in &prediction.warnings {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
+}

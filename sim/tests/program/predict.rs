@@ -1,0 +1,130 @@
+//! `efam predict` on a muscle file with errors that are known.
+//!
+//! Goal: intervals are those that the errors of a calibration make, warnings say where a case lies outside of it,
+//! and what is wrong is said before anything is written.
+//! Setup: the paper's muscle at 40 psi, EI known to 1 %, mass damping 0.6 1/s known to a tenth.
+//! Expected: a damping ratio of small swings of α / 2ω, with the tenth of α for its error; a frequency whose error is
+//! that of EI times its slope, which two runs with other EI give.
+
+use serde_json::Value;
+
+use crate::bench::Bench;
+
+const CALIBRATION: &str = "
+[calibration]
+releases = 2
+pressure_pa = [275790.3, 275790.3]
+payload_kg = [0.0, 0.0]
+excursion_m = 0.2
+[[calibration.parameter]]
+path = \"rod.bending_stiffness\"
+pressure_pa = 275790.3
+value = 0.00801
+standard_error = 8.01e-5
+correlations = [1.0, 0.0]
+[[calibration.parameter]]
+path = \"effects.rayleigh_mass.alpha\"
+value = 0.6
+standard_error = 0.06
+correlations = [0.0, 1.0]
+";
+
+const ALPHA: [&str; 2] = ["--set", "effects.rayleigh_mass.alpha=\"0.6 1/s\""];
+
+fn bench(name: &str) -> Bench {
+    let bench = Bench::new(name);
+    let muscle = include_str!("../../../models/muscles/garbulinski-2022.toml");
+    bench.file("known.toml", &format!("{muscle}{CALIBRATION}"));
+    bench
+}
+
+fn predicted(bench: &Bench, out: &str, more: &[&str]) -> Value {
+    let asked = ["predict", "--muscle", "known.toml", "--pressure", "40 psi", "--duration", "8 s", "--json"];
+    let value = bench.json(&[&asked[..], &["--out", out], &ALPHA, more].concat());
+    value["prediction"].clone()
+}
+
+fn quantity(prediction: &Value, name: &str) -> (f64, Option<[f64; 2]>) {
+    let all = prediction["quantities"].as_array().expect("a list");
+    let own = all.iter().find(|own| own["name"] == name).unwrap_or_else(|| panic!("{name}"));
+    let ends = own["interval_95"].as_array();
+    let interval = ends.map(|ends| [0, 1].map(|side| ends[side].as_f64().expect("a number")));
+    (own["value"].as_f64().expect("a number"), interval)
+}
+
+#[test]
+fn intervals_are_those_that_the_errors_make() {
+    let bench = bench("predict-intervals");
+    let prediction = predicted(&bench, "own", &["--draws", "300"]);
+    assert_eq!(prediction["draws"], 300);
+    let half = |name: &str| {
+        let (_, interval) = quantity(&prediction, name);
+        let [low, high] = interval.expect("an interval");
+        0.5 * (high - low) / 1.96
+    };
+    // The ends of 300 draws are known to a tenth.
+    let (omega, ratio) = (quantity(&prediction, "small_frequency_hz").0, "small_damping_ratio");
+    let expected = 0.6 / (2.0 * std::f64::consts::TAU * omega);
+    assert!((quantity(&prediction, ratio).0 / expected - 1.0).abs() < 1e-3);
+    assert!((half(ratio) / (0.1 * expected) - 1.0).abs() < 0.2, "{}", half(ratio) / expected);
+    let at = |out: &str, stiffness: &str| {
+        let set = format!("rod.bending_stiffness=\"{stiffness} N m^2\"");
+        quantity(&predicted(&bench, out, &["--draws", "2", "--set", &set]), "small_frequency_hz").0
+    };
+    let slope = (at("more", "0.0080901") - at("less", "0.0079299")) / 2.0;
+    assert!((half("small_frequency_hz") / slope.abs() - 1.0).abs() < 0.2);
+    // The same seed, the same bits.
+    assert_eq!(predicted(&bench, "again", &["--draws", "300"])["quantities"], prediction["quantities"]);
+    for file in ["prediction.json", "prediction.svg", "scenario.resolved.toml", "summary.json"] {
+        assert!(bench.0.join("own").join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn what_lies_outside_the_calibration_is_said() {
+    let bench = bench("predict-outside");
+    let prediction = predicted(&bench, "out", &["--draws", "4", "--payload", "80 g"]);
+    let warnings = prediction["warnings"].as_array().expect("a list");
+    let says = |words: &str| warnings.iter().any(|own| own.as_str().is_some_and(|own| own.contains(words)));
+    assert!(says("the payload, 80 g, lies outside what was calibrated, 0 to 0 g"), "{warnings:?}");
+    assert!(says("was calibrated to 200 mm"), "{warnings:?}");
+    assert!(!says("the pressure"), "{warnings:?}");
+    // A muscle that nobody calibrated has no intervals, and that is said.
+    let arguments = ["predict", "--muscle", "garbulinski-2022", "--pressure", "15 psi", "--duration", "5 s"];
+    let value = bench.json(&[&arguments[..], &["--json", "--out", "plain"]].concat());
+    let plain = &value["prediction"];
+    assert!(plain["warnings"][0].as_str().is_some_and(|words| words.starts_with("no intervals:")));
+    assert_eq!((quantity(plain, "rest_z_m").1, &plain["draws"]), (None, &Value::from(0)));
+}
+
+#[test]
+fn what_cannot_be_foretold_is_said_before_anything_is_written() {
+    let bench = bench("predict-wrong");
+    let muscle = bench.text("known.toml");
+    bench.file("odd.toml", &muscle.replace("correlations = [0.0, 1.0]", "correlations = [0.0, 1.0, 2.0]"));
+    let before = bench.left();
+    let says = |code: i32, muscle: &str, more: &[&str], expected: &str| {
+        let asked = ["predict", "--muscle", muscle, "--out", "out"];
+        let (own, stdout, stderr) = bench.run(&[&asked[..], more].concat());
+        assert_eq!((own, stdout.as_str()), (code, ""), "{more:?}: {stderr}");
+        assert!(stderr.contains(expected), "{more:?}\n{stderr}");
+        assert_eq!(bench.left(), before, "{more:?} leaves something behind");
+    };
+    let fine = ["--pressure", "40psi"];
+    says(3, "absent.toml", &fine, "absent.toml: cannot be read (");
+    says(
+        3,
+        "odd.toml",
+        &fine,
+        "calibration.parameter 2 (effects.rayleigh_mass.alpha): correlations has 3 numbers",
+    );
+    says(2, "known.toml", &["--pressure", "40"], "--pressure 40:");
+    says(
+        2,
+        "known.toml",
+        &["--pressure", "40 psi", "--payload", "-5 g"],
+        "--payload -5 g: it must not be negative",
+    );
+    says(2, "known.toml", &["--pressure", "40 psi", "--angle", "3 kg"], "release.angle: \"3 kg\" is a mass");
+    says(2, "known.toml", &["--pressure", "40 psi", "--set", "effects.air_drg.x=1"], "air_drag");
+}
