@@ -68,13 +68,16 @@ const RARER: f64 = 0.01;
 const NEAR: f64 = 0.1;
 /// χ² by which the best may lead without standing alone.
 const LEAD: f64 = 12.0;
+/// Distance below which two effects are one, standard deviations.
+const ONE: f64 = 2.0;
 /// Share of the χ² that was explained before below which nothing more is looked for: a tenth in size. How friction
 /// turns round, or air resists, no law says better.
 const NEGLIGIBLE: f64 = 0.01;
 /// The same for a shape, which fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
-/// χ² by which an effect may worsen what was locked away before it is disbelieved: one that is there betters it.
-const WORSE: f64 = 4.0;
+/// Share of what an effect explains of the fitted releases by which it has to better what was locked away: one that
+/// is there betters both.
+const AGREES: f64 = 0.1;
 /// χ², in what noise gives, below which effects of which none is believed are not there at all.
 const CHANCE: f64 = 3.0;
 
@@ -287,8 +290,10 @@ fn choose(
     let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
     let (least, leader) = (worth(best), shortlist[0].candidate.name());
     let most = 2.0 * (null - best.cost) / widening;
+    // What cannot be told apart by its trace, no lead tells apart: it would come from an error of a law.
+    let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[0], entry, scores)).collect();
     let roughest = shortlist.iter().filter_map(|entry| entry.rough).fold(f64::INFINITY, f64::min);
-    for entry in shortlist.iter_mut() {
+    for (entry, distance) in shortlist.iter_mut().zip(distances) {
         let Some(refit) = &entry.refit else {
             let behind = entry.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - roughest) / widening);
             entry.realised = entry.rough.map(|_| most - behind);
@@ -299,7 +304,7 @@ fn choose(
         entry.realised = Some(2.0 * (null - refit.cost) / widening);
         if entry.strength().is_none_or(|strength| strength == entry.candidate.off) {
             entry.reject("fitted in full it vanishes");
-        } else if behind >= LEAD {
+        } else if behind >= LEAD && distance >= ONE {
             entry.falls_behind(behind, leader);
         }
     }
@@ -313,6 +318,11 @@ fn choose(
     for lead in 0..shortlist.len() {
         let entry = &mut shortlist[lead];
         let Some(refit) = entry.refit.clone().filter(|_| entry.rejected.is_none()) else { continue };
+        let own = entry.realised.unwrap_or(0.0);
+        if own < noise {
+            entry.reject(format!("fitted in full it explains {own:.1} of χ², and noise {noise:.1}"));
+            continue;
+        }
         tell("what was locked away");
         let locked = Locked::meet(&refit.fitted.problem, &refit.known)?;
         if let (Some(before), Some(after)) = (before, &locked) {
@@ -321,8 +331,8 @@ fn choose(
             let pair = before.zip(after);
             entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / widening);
         }
-        if entry.held_out.is_some_and(|decrease| decrease < -WORSE) {
-            entry.reject("what was locked away is worse off with it");
+        if entry.held_out.is_some_and(|decrease| decrease < AGREES * own) {
+            entry.reject("what was locked away does not agree");
             continue;
         }
         let lead = &shortlist[lead];
