@@ -59,7 +59,7 @@ fn reservations(page: &mut Page, outcome: &Outcome) {
     let diagnosis = &outcome.diagnosis;
     page.section("Before you use this");
     page.text(
-        "How often such answers are right is known from a few dozen drawn experiments only (README, How often it is right). Do not publish a name on its word alone.",
+        "How often such answers are right is known from some two hundred drawn experiments only (README, How often it is right). Do not publish a name on its word alone.",
     );
     if !diagnosis.warnings.is_empty() {
         page.heading("Warnings");
