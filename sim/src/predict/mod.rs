@@ -39,8 +39,6 @@ impl Default for Settings {
     }
 }
 
-/// Relative error of a step in a draw; that of the case's own run is the case's.
-const TOLERANCE: f64 = 1e-5;
 /// Ends of an interval.
 const ENDS: [f64; 2] = [0.025, 0.975];
 
@@ -126,10 +124,9 @@ pub fn predict(
     let simulated = simulate(&case.model, &run);
     let own = simulated.map_err(|reason| PredictError { name: case.name.clone(), reason })?;
     let draws = known.map(|known| Draws::new(known, case, settings));
-    let quick = Run { tolerance: run.tolerance.max(TOLERANCE), ..run };
     let simulate_draw = |draw: usize| {
         let model = draws.as_ref()?.model(draw)?;
-        let done = simulate(&model, &quick).ok();
+        let done = simulate(&model, &run).ok();
         tell();
         done
     };
