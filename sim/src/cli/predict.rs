@@ -44,7 +44,8 @@ pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
     let outcome = predict(case, scenario.known(), &settings, &|| progress.inc(1));
     let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
     progress.finish_and_clear();
-    let request = Request { wall_time_s: begin.elapsed().as_secs_f64(), ..request };
+    let warnings = outcome.prediction.warnings.clone();
+    let request = Request { warnings, wall_time_s: begin.elapsed().as_secs_f64(), ..request };
     write_prediction(&folder, &request, &outcome)?;
     let folder = folder.finish()?;
     let mut out = io::stdout().lock();

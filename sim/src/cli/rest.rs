@@ -9,6 +9,7 @@ use models::statics::{self, equilibrium};
 use models::system::System;
 use serde_json::json;
 use sim::forward::tip;
+use sim::results::rest::root_moment;
 use sim::scenario::{Case, Scenario};
 
 use super::Source;
@@ -21,10 +22,7 @@ pub fn statics(source: &Source, json: bool) -> Result<ExitCode, Failure> {
         let rest = equilibrium(&case.model, None)?;
         let mut system = System::new(&case.model);
         let at_rest = vec![0.0; rest.q.len()];
-        let (mut force, mut z_rate) = (vec![0.0; rest.q.len()], vec![0.0; rest.z.len()]);
-        system.force(0.0, &rest.q, &at_rest, &rest.z, &mut force, &mut z_rate);
-        let fields = &system.assembly.fields;
-        let root_moment = fields.moment[0] * fields.kappa_slope[0];
+        let root_moment = root_moment(&mut system, &rest);
         let angle = rest.q[rest.q.len() - 1];
         let tip = tip(&system, &rest.q, &at_rest).0;
         rows.push(json!({

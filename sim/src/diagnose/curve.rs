@@ -43,6 +43,12 @@ pub struct Sample {
     pub is_held_back: bool,
 }
 
+/// Where a prediction stands in a sample.
+pub type Predicted = fn(&Sample) -> [f64; 2];
+
+/// The two predictions, before an effect is added and after.
+pub const BEFORE_AND_AFTER: [Predicted; 2] = [|sample| sample.before, |sample| sample.after];
+
 impl Curve {
     /// The samples that were seen.
     pub fn seen(&self) -> impl Iterator<Item = &Sample> {

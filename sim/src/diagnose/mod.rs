@@ -2,8 +2,9 @@
 //! is added.
 //!
 //! A baseline is calibrated with the errors of mesh and step removed, on a mesh fine enough for that
-//! (`gate.rs`). The residual is asked for shapes before any name (`localise.rs`), and every candidate of the catalogue is scored at the value where it is off,
-//! orthogonally to all that the baseline may still adjust (`score.rs`). Those that promise most are fitted
+//! (`gate.rs`). The residual is asked for shapes before any name (`localise.rs`), and every candidate of the
+//! catalogue is scored at the value where it is off, orthogonally to all that the baseline may still adjust
+//! (`score.rs`). Those that promise most are fitted
 //! roughly, the best of them in full, and the one that explains most is added, unless others do as well: then
 //! the answer is a class, with the recording that would tell them apart (`planned.rs`). Releases that are
 //! locked away judge it (`judge.rs`). The search goes on with the larger model until nothing scores; what

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::candidate::{Candidate, candidates};
 use super::columns::{Column, columns, predictions};
 use super::planned::record;
-use super::score::{gram, unit_distance};
+use super::score::{APART, gram, unit_distance};
 use super::section::{SHARED, USUAL_TILT, admit_tilt};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Slopes;
@@ -19,8 +19,6 @@ use crate::calibrate::{CalibrateError, Nuisances, Parameter, Problem, Scope, Tri
 use crate::experiment::release::{Point, Release, Track};
 use crate::scenario::Case;
 
-/// Standard deviations by which traces have to differ.
-const APART: f64 = 5.0;
 /// Standard error of the release instant in a recording, s: that of a camera at 100 Hz.
 const INSTANT: f64 = 2e-3;
 

@@ -3,7 +3,7 @@
 
 use super::candidate::Candidate;
 use super::columns::{columns, predictions};
-use super::score::{distance, gram};
+use super::score::{APART, distance, gram};
 use super::verdict::Separation;
 use super::words::listed;
 use crate::calibrate::joint::{Joint, Known};
@@ -27,8 +27,6 @@ const TOGETHER: [&[Extra]; 4] = [
     &[Extra::Angles, Extra::Payload],
     &[Extra::BodyMarkers, Extra::Angles, Extra::Payload, Extra::LongRecord],
 ];
-/// Standard deviations from which on two effects are told apart.
-const APART: f64 = 5.0;
 
 impl Extra {
     const ALL: [Self; 4] = [Self::BodyMarkers, Self::Angles, Self::Payload, Self::LongRecord];

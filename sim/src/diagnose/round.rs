@@ -7,7 +7,7 @@ use super::columns::predictions;
 use super::judge::Locked;
 use super::localise::{Shape, shapes};
 use super::refit::{Refit, Rough, refit, rough};
-use super::score::{Score, Scores, distance, scores_of};
+use super::score::{ONE, Score, Scores, distance, scores_of};
 use super::verdict::{Evidence, Member};
 use super::{Listener, Settings};
 use crate::calibrate::joint::Joint;
@@ -68,8 +68,6 @@ const RARER: f64 = 0.01;
 const NEAR: f64 = 0.1;
 /// χ² by which the best may lead without standing alone.
 const LEAD: f64 = 12.0;
-/// Distance below which two effects are one, standard deviations.
-const ONE: f64 = 2.0;
 /// Share of the χ² that was explained before below which nothing more is looked for: a tenth in size. How friction
 /// turns round, or air resists, no law says better.
 const NEGLIGIBLE: f64 = 0.01;

@@ -39,30 +39,41 @@ pub(super) struct Subject {
 }
 
 /// What a pull is weighed by.
-struct Scale {
+struct Weight {
     /// `statistic = Uᵀ inverse U`.
     inverse: DMatrix<f64>,
     /// What the statistic is where nothing is missing, on average.
     degrees: f64,
+    /// Takes the pull to the strengths that it asks for.
+    to_strengths: DMatrix<f64>,
 }
+
+impl Weight {
+    /// The size of a pull, as a normal number.
+    fn size(&self, pull: &DVector<f64>) -> f64 {
+        normal_size(pull.dot(&(&self.inverse * pull)), self.degrees)
+    }
+}
+
+/// Standard deviations from which on two effects are told apart, and below which they are one.
+pub(super) const APART: f64 = 5.0;
+pub(super) const ONE: f64 = 2.0;
 
 impl Subject {
     /// With the columns' gram matrix, the variance of their pull, and its widening.
-    fn scale(self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, widening: f64) -> Scale {
-        match self.believed {
-            None => Scale { inverse: pseudo_inverse(variance).0, degrees: gram.nrows() as f64 },
-            Some(_) => {
-                let inverse = self.to_strengths(gram, widening) / widening;
-                let degrees = (&inverse * variance).trace();
-                Scale { inverse, degrees }
-            }
-        }
-    }
-
-    /// Takes the pull to the strengths that it asks for.
-    fn to_strengths(self, gram: &DMatrix<f64>, widening: f64) -> DMatrix<f64> {
+    fn weight(self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, widening: f64) -> Weight {
+        let count = gram.nrows();
         let belief = self.believed.map_or(0.0, |deviation| widening / (deviation * deviation));
-        pseudo_inverse(&(gram + DMatrix::identity(gram.nrows(), gram.nrows()) * belief)).0
+        let to_strengths = pseudo_inverse(&(gram + DMatrix::identity(count, count) * belief)).0;
+        let (inverse, degrees) = match self.believed {
+            None => (pseudo_inverse(variance).0, count as f64),
+            Some(_) => {
+                let inverse = &to_strengths / widening;
+                let degrees = (&inverse * variance).trace();
+                (inverse, degrees)
+            }
+        };
+        Weight { inverse, degrees, to_strengths }
     }
 
     /// Whether a strength is on its side.
@@ -163,18 +174,14 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
         variance *= QUIETEST / seen.max(f64::MIN_POSITIVE);
     }
     let widening = seen.max(1.0);
-    let each: Vec<Score> = (0..subjects.len())
+    let (each, weights): (Vec<Score>, Vec<Weight>) = (0..subjects.len())
         .map(|c| {
             let own: Vec<usize> = (0..m).filter(|k| columns[*k].of == c && is_own(*k)).collect();
-            score(subjects[c], own, &pull, &gram, &variance, widening)
+            let weight = subjects[c].weight(&pick(&gram, &own, &own), &pick(&variance, &own, &own), widening);
+            (score(subjects[c], own, &pull, &weight, widening), weight)
         })
-        .collect();
-    let scale = |(subject, score): (&Subject, &Score)| {
-        let own = &score.columns;
-        subject.scale(&pick(&gram, own, own), &pick(&variance, own, own), widening)
-    };
-    let scales: Vec<Scale> = subjects.iter().zip(&each).map(scale).collect();
-    let threshold = threshold(subjects, &each, &scales, &variance, false_alarm);
+        .unzip();
+    let threshold = threshold(subjects, &each, &weights, &variance, false_alarm);
     Scores { each, threshold, gram, widening }
 }
 
@@ -245,25 +252,21 @@ fn score(
     subject: Subject,
     columns: Vec<usize>,
     pull: &DVector<f64>,
-    gram: &DMatrix<f64>,
-    variance: &DMatrix<f64>,
+    weight: &Weight,
     widening: f64,
 ) -> Score {
     let own = DVector::from_fn(columns.len(), |a, _| pull[columns[a]]);
     if columns.is_empty() {
         return Score::default();
     }
-    let own_gram = pick(gram, &columns, &columns);
-    let estimates = subject.to_strengths(&own_gram, widening) * &own;
+    let estimates = &weight.to_strengths * &own;
     let estimate = match &estimates.as_slice() {
         [one] => subject.off + one,
         all => (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt(),
     };
     let is_admissible = subject.admits(columns.len(), estimate);
-    let scale = subject.scale(&own_gram, &pick(variance, &columns, &columns), widening);
-    let statistic = own.dot(&(&scale.inverse * &own));
     Score {
-        size: if is_admissible { normal_size(statistic, scale.degrees) } else { 0.0 },
+        size: if is_admissible { weight.size(&own) } else { 0.0 },
         decrease: own.dot(&estimates) / widening,
         estimate,
         estimates: estimates.as_slice().to_vec(),
@@ -286,7 +289,7 @@ fn normal_size(statistic: f64, k: f64) -> f64 {
 fn threshold(
     subjects: &[Subject],
     scores: &[Score],
-    scales: &[Scale],
+    weights: &[Weight],
     variance: &DMatrix<f64>,
     false_alarm: f64,
 ) -> f64 {
@@ -304,7 +307,7 @@ fn threshold(
                 if !subjects[c].admits(own.len(), estimate) {
                     return 0.0;
                 }
-                normal_size(own.dot(&(&scales[c].inverse * &own)), scales[c].degrees)
+                weights[c].size(&own)
             };
             scores.iter().enumerate().map(of).fold(0.0, f64::max)
         })
@@ -326,11 +329,12 @@ mod tests {
         let gram = &differing + DMatrix::identity(2, 2) * 1e-3;
         let pull = &differing * DVector::from_column_slice(&[0.01, -0.01]) + DVector::from_element(2, 0.01);
         let subject = |believed| Subject { believed, ..Subject::default() };
-        let strengths = subject(Some(0.015)).to_strengths(&gram, 1.0) * &pull;
+        let weight = |believed| subject(believed).weight(&gram, &gram, 1.0);
+        let strengths = weight(Some(0.015)).to_strengths * &pull;
         assert!((strengths - DVector::from_column_slice(&[0.01, -0.01])).amax() < 1e-4);
         // Without the belief the common part runs away.
-        assert!((subject(None).to_strengths(&gram, 1.0) * &pull).amax() > 1.0);
-        let scale = subject(Some(0.015)).scale(&gram, &gram, 1.0);
-        assert!((scale.degrees - 1.0).abs() < 0.01, "{}", scale.degrees);
+        assert!((weight(None).to_strengths * &pull).amax() > 1.0);
+        let weight = weight(Some(0.015));
+        assert!((weight.degrees - 1.0).abs() < 0.01, "{}", weight.degrees);
     }
 }

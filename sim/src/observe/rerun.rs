@@ -167,10 +167,7 @@ impl Stream {
     /// # Errors
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
     pub fn log(&mut self, snapshot: &Snapshot) -> Result<(), RerunError> {
-        match &self.recording {
-            Some(recording) => (self.drawing).log(recording, snapshot).map_err(refused("a snapshot")),
-            None => Ok(()),
-        }
+        self.show("a snapshot", |drawing, recording| drawing.log(recording, snapshot))
     }
 }
 
@@ -186,32 +183,21 @@ impl SearchStream {
     /// # Errors
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
     pub fn doing(&mut self, what: &str) -> Result<(), RerunError> {
-        match &self.recording {
-            Some(recording) => self.drawing.doing(recording, what).map_err(refused("a message")),
-            None => Ok(()),
-        }
+        self.show("a message", |search, recording| search.doing(recording, what))
     }
 
     /// Shows candidates of a round as they stand, in the place of what was said of them before.
     /// # Errors
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
     pub fn ranked(&mut self, threshold: f64, candidates: &[Evidence]) -> Result<(), RerunError> {
-        match &self.recording {
-            Some(recording) => {
-                self.drawing.ranked(recording, threshold, candidates).map_err(refused("a ranking"))
-            }
-            None => Ok(()),
-        }
+        self.show("a ranking", |search, recording| search.ranked(recording, threshold, candidates))
     }
 
     /// Shows the answer, and every release before and after.
     /// # Errors
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
     pub fn found(&mut self, outcome: &Outcome) -> Result<(), RerunError> {
-        match &self.recording {
-            Some(recording) => self.drawing.found(recording, outcome).map_err(refused("the answer")),
-            None => Ok(()),
-        }
+        self.show("the answer", |search, recording| search.found(recording, outcome))
     }
 }
 
@@ -229,6 +215,17 @@ impl<D> Stream<D> {
         let live = !matches!(destination, Destination::File { .. });
         let drawing = draw(&recording, live).map_err(refused("the scene"))?;
         Ok(Self { recording: Some(recording), destination, drawing })
+    }
+
+    fn show(
+        &mut self,
+        what: &'static str,
+        draw: impl FnOnce(&mut D, &RecordingStream) -> RecordingStreamResult<()>,
+    ) -> Result<(), RerunError> {
+        match &self.recording {
+            Some(recording) => draw(&mut self.drawing, recording).map_err(refused(what)),
+            None => Ok(()),
+        }
     }
 
     /// What to type to see it, once it is open or saved; nothing if a viewer shows it already.

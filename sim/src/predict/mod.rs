@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::forward::{Run, forward};
 use crate::quantile::quantile;
 use crate::results::rest::rest;
-use crate::results::summary::{MODES, Summary, summarise};
+use crate::results::summary::{MODES, summarise};
 use crate::scenario::Case;
 use crate::trajectory::Trajectory;
 use draws::Draws;
@@ -152,7 +152,6 @@ pub fn predict(
 /// One run, and what it says.
 struct Simulated {
     told: Told,
-    summary: Summary,
     height: Vec<f64>,
     time: Vec<f64>,
     /// Largest distance of the tip from its rest, m.
@@ -177,10 +176,10 @@ fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
     let [x, z] = at_rest.tip;
     let excursion = trajectory.tip.iter().map(|tip| (tip[0] - x).hypot(tip[1] - z)).fold(0.0, f64::max);
     let height = trajectory.tip.iter().map(|tip| tip[1]).collect();
-    let told = Told { summary: summary.clone(), root_moment: root, root_moment_at_rest: at_rest.root_moment };
+    let told = Told { summary, root_moment: root, root_moment_at_rest: at_rest.root_moment };
     let postures =
         vec![("at rest", [at_rest.nodes.clone(), vec![at_rest.tip]].concat()), ("at its lowest", lowest.1)];
-    Ok(Simulated { told, summary, height, time: trajectory.times, excursion, postures })
+    Ok(Simulated { told, height, time: trajectory.times, excursion, postures })
 }
 
 fn value(model: &Model, path: &str) -> f64 {
@@ -197,7 +196,7 @@ fn interval(values: Vec<f64>, draws: usize) -> Option<[f64; 2]> {
 }
 
 fn cycles(own: &Simulated, all: &[Simulated]) -> Vec<Cycle> {
-    let of = |one: &Simulated, k: usize| one.summary.cycles.as_ref()?.get(k).copied();
+    let of = |one: &Simulated, k: usize| one.told.summary.cycles.as_ref()?.get(k).copied();
     let interval_of = |k: usize, what: fn(&crate::results::summary::Cycle) -> f64| {
         interval(all.iter().filter_map(|one| Some(what(&of(one, k)?))).collect(), all.len())
     };
@@ -211,7 +210,7 @@ fn cycles(own: &Simulated, all: &[Simulated]) -> Vec<Cycle> {
             frequency_hz_95: interval_of(k, |cycle| cycle.damped_frequency_hz),
         })
     };
-    (0..own.summary.cycles.as_ref().map_or(0, Vec::len)).filter_map(cycle).collect()
+    (0..own.told.summary.cycles.as_ref().map_or(0, Vec::len)).filter_map(cycle).collect()
 }
 
 fn band(own: &Simulated, all: &[Simulated]) -> Band {

@@ -17,10 +17,10 @@ use std::time::SystemTime;
 use models::muscle::{CalibratedColumn, Found, Knob, Known, Muscle, MuscleError};
 use serde_json::json;
 
-use super::folder::{self, Folder, MARK};
+use super::folder::Folder;
 use super::picture::{calibrated, over_pressure};
 use super::report::significant;
-use super::{Request, ResultsError};
+use super::{Request, ResultsError, write_mark};
 use crate::calibrate::calibration::{Calibrated, Correlations};
 use crate::calibrate::{Calibration, Outcome};
 
@@ -74,17 +74,8 @@ pub fn write_calibration(
         json!({ "name": found.label(), "value": found.value, "unit": found.unit,
                 "standard_error": found.standard_error, "interval_95": found.interval_95 })
     };
-    let mark = json!({
-        "kind": "calibration",
-        "name": request.name,
-        "parameters": calibration.parameters.iter().map(short).collect::<Vec<_>>(),
-        "warnings": request.warnings,
-        "inputs_sha256": request.input_hashes,
-        "argv": request.argv,
-        "wall_time_s": request.wall_time_s,
-        "written_utc": folder::utc(SystemTime::now()),
-    });
-    folder.write(MARK, format!("{mark:#}\n").as_bytes())
+    let parameters: Vec<_> = calibration.parameters.iter().map(short).collect();
+    write_mark(folder, request, "calibration", SystemTime::now(), json!({ "parameters": parameters }))
 }
 
 /// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value

@@ -18,10 +18,10 @@ use std::time::SystemTime;
 use serde_json::json;
 
 use super::calibrated::EXPERIMENT;
-use super::folder::{self, Folder, MARK};
+use super::folder::Folder;
 use super::picture::diagnosed;
 use super::report::significant;
-use super::{Request, ResultsError};
+use super::{Request, ResultsError, write_mark};
 use crate::diagnose::plan::Prospect;
 use crate::diagnose::verdict::{Evidence, Gap};
 use crate::diagnose::{Diagnosis, Outcome};
@@ -54,19 +54,12 @@ pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) ->
         folder.write(&format!("{}.svg", picture.name), picture.svg.as_bytes())?;
     }
     folder.write(REPORT, page::page(request, outcome, &pictures, written).as_bytes())?;
-    let mark = json!({
-        "kind": "diagnosis",
-        "name": request.name,
+    let own = json!({
         "verdict": diagnosis.verdict,
         "summary": diagnosis.summary,
         "effects": diagnosis.effects,
-        "warnings": diagnosis.warnings,
-        "inputs_sha256": request.input_hashes,
-        "argv": request.argv,
-        "wall_time_s": request.wall_time_s,
-        "written_utc": folder::utc(written),
     });
-    folder.write(MARK, format!("{mark:#}\n").as_bytes())
+    write_mark(folder, request, "diagnosis", written, own)
 }
 
 /// Candidates shown of each round.

@@ -30,6 +30,7 @@ use std::time::SystemTime;
 
 use models::model::Model;
 use models::snapshot::Energy;
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::forward::Run;
@@ -117,6 +118,29 @@ pub fn open(out: Option<&Path>, overwrite: bool, name: &str, asks: &str) -> Resu
         Some(folder) => Target::Given { folder, overwrite },
         None => Target::Dated { root: Path::new(OUTPUTS), name, hash: &hash, at: SystemTime::now() },
     })
+}
+
+/// Writes the mark of a folder: by which command it was made, from what, with `own` beside that.
+fn write_mark(
+    folder: &Folder,
+    request: &Request,
+    kind: &str,
+    written: SystemTime,
+    own: Value,
+) -> Result<(), ResultsError> {
+    let mut mark = json!({
+        "kind": kind,
+        "name": request.name,
+        "warnings": request.warnings,
+        "inputs_sha256": request.input_hashes,
+        "argv": request.argv,
+        "wall_time_s": request.wall_time_s,
+        "written_utc": folder::utc(written),
+    });
+    if let (Value::Object(mark), Value::Object(own)) = (&mut mark, own) {
+        mark.extend(own);
+    }
+    folder.write(MARK, format!("{mark:#}\n").as_bytes())
 }
 
 /// Writes the files of a run into an open folder, or into a folder `within` it: one of many runs. The

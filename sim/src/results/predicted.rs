@@ -13,10 +13,10 @@ use std::time::SystemTime;
 
 use serde_json::json;
 
-use super::folder::{self, Folder, MARK};
+use super::folder::Folder;
 use super::picture::predicted;
 use super::report::significant;
-use super::{Request, ResultsError, SCENARIO};
+use super::{Request, ResultsError, SCENARIO, write_mark};
 use crate::predict::quantity::Quantity;
 use crate::predict::{Outcome, Prediction};
 
@@ -34,16 +34,7 @@ pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -
     folder.write(PREDICTION, text.as_bytes())?;
     folder.write(PICTURE, predicted(outcome).as_bytes())?;
     folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;
-    let mark = json!({
-        "kind": "prediction",
-        "name": request.name,
-        "warnings": prediction.warnings,
-        "inputs_sha256": request.input_hashes,
-        "argv": request.argv,
-        "wall_time_s": request.wall_time_s,
-        "written_utc": folder::utc(SystemTime::now()),
-    });
-    folder.write(MARK, format!("{mark:#}\n").as_bytes())
+    write_mark(folder, request, "prediction", SystemTime::now(), json!({}))
 }
 
 /// Lengths are told in mm, angles in degrees.

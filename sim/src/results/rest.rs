@@ -2,7 +2,7 @@
 
 use models::error::ModelError;
 use models::model::Model;
-use models::statics::{equilibrium, modes};
+use models::statics::{Equilibrium, equilibrium, modes};
 use models::system::System;
 
 use crate::forward;
@@ -34,12 +34,18 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
     let (tip, _) = forward::tip(&system, &found.q, &at_rest);
     let in_hertz =
         |mode: &models::statics::Mode| (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio);
-    let (mut force, mut z_rate) = (vec![0.0; found.q.len()], vec![0.0; found.z.len()]);
-    system.force(0.0, &found.q, &at_rest, &found.z, &mut force, &mut z_rate);
-    let fields = &system.assembly.fields;
-    let root_moment = fields.moment[0] * fields.kappa_slope[0];
+    let root_moment = root_moment(&mut system, &found);
     let modes = modes(model, &found, count).map(|modes| modes.iter().map(in_hertz).collect());
     Ok(Rest { nodes: posture.nodes, tip, tip_angle: posture.angle, root_moment, modes })
+}
+
+/// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.
+pub fn root_moment(system: &mut System, at: &Equilibrium) -> f64 {
+    let at_rest = vec![0.0; at.q.len()];
+    let (mut force, mut z_rate) = (vec![0.0; at.q.len()], vec![0.0; at.z.len()]);
+    system.force(0.0, &at.q, &at_rest, &at.z, &mut force, &mut z_rate);
+    let fields = &system.assembly.fields;
+    fields.moment[0] * fields.kappa_slope[0]
 }
 
 /// The model with the rod that its pressure makes of it at a time.

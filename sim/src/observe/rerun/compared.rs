@@ -17,9 +17,10 @@ use super::drawing::{TIMELINE, single};
 use super::scenery::{BLUE, GREY, VERMILION, clamp, milli};
 use super::tree::{Kind, Property, Tree};
 use crate::calibrate::{Problem, Trial};
-use crate::diagnose::curve::Sample;
+use crate::diagnose::curve::{BEFORE_AND_AFTER, Predicted, Sample};
 use crate::diagnose::{Curve, Outcome};
 use crate::forward::{forward, uniform};
+use crate::quantile::quantile;
 
 /// Postures a second.
 const POSTURES: f64 = 50.0;
@@ -30,10 +31,8 @@ const MOST: f64 = 0.995;
 const BEFORE: (&str, u32) = ("before", VERMILION);
 const AFTER: (&str, u32) = ("after", BLUE);
 
-/// Where a prediction stands in a sample.
-type Predicted = fn(&Sample) -> [f64; 2];
 const PREDICTIONS: [((&str, u32), Predicted); 2] =
-    [(BEFORE, |sample| sample.before), (AFTER, |sample| sample.after)];
+    [(BEFORE, BEFORE_AND_AFTER[0]), (AFTER, BEFORE_AND_AFTER[1])];
 
 /// A release that was drawn.
 pub(super) struct Compared {
@@ -184,10 +183,8 @@ impl Own<'_> {
 
     /// The residual over the phase of the swing, which goes from 0 to 2, as a share of the largest, 1.
     fn draw_phases(&self, curve: &Curve) -> RecordingStreamResult<()> {
-        let mut sizes: Vec<f64> = curve.heard().map(|sample| sample.across(sample.before).abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        let place = (MOST * sizes.len() as f64) as usize;
-        let most = sizes.get(place).copied().unwrap_or(0.0).max(2.0 * curve.noise);
+        let sizes = curve.heard().map(|sample| sample.across(sample.before).abs()).collect();
+        let most = quantile(sizes, MOST).unwrap_or(0.0).max(2.0 * curve.noise);
         self.log_static(&["phase"], &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
         for ((name, color), of) in PREDICTIONS {
             let point = |sample: &Sample| {

@@ -6,16 +6,14 @@ use super::diagnosed::{after, before};
 use super::panel::{Axis, Key, Panel, Row, Stroke, heading, px};
 use super::{Area, BLACK, BLUE, Drawn, GREY, MILLI, Picture, VERMILION, drawn};
 use crate::diagnose::Curve;
-use crate::diagnose::curve::Sample;
+use crate::diagnose::curve::{BEFORE_AND_AFTER, Predicted, Sample};
 
 /// Points that a line has at most.
 const MOST_POINTS: usize = 2000;
 /// Standard deviations of the noise that are shaded.
 const SHADED: f64 = 2.0;
 
-/// Whether a prediction is the one with what was added.
-type Predicted = fn(&Sample) -> [f64; 2];
-const PREDICTIONS: [(&str, Predicted); 2] = [("Before", |s| s.before), ("After", |s| s.after)];
+const PREDICTIONS: [(&str, Predicted); 2] = [("Before", BEFORE_AND_AFTER[0]), ("After", BEFORE_AND_AFTER[1])];
 
 /// Samples held back one after the other from which on they are no ghosts, but what the model misses.
 const NO_GHOSTS: usize = 3;
