@@ -260,15 +260,19 @@ struct Diagnose {
 
 #[derive(Args)]
 struct Predict {
+    /// Scenario whose rod is asked about, such as the rod.toml of a calibration; or else --muscle.
+    #[arg(value_name = "SCENARIO", required_unless_present = "muscle")]
+    scenario: Option<PathBuf>,
     /// Muscle file that a calibration wrote, or the name of a built-in muscle.
-    #[arg(long, value_name = "FILE")]
-    muscle: String,
-    /// Pressure above ambient, such as 40psi.
+    #[arg(long, value_name = "FILE", conflicts_with = "scenario", requires = "pressure")]
+    muscle: Option<String>,
+    /// Pressure above ambient, such as 40psi; several, as 10psi,40psi; or from one to another, as
+    /// 10psi..100psi or, in 19 values, 10psi..100psi:19.
     #[arg(long)]
-    pressure: String,
-    /// Mass at the tip.
-    #[arg(long, value_name = "MASS", default_value = "0 g", allow_hyphen_values = true)]
-    payload: String,
+    pressure: Option<String>,
+    /// Mass at the tip; several, or from one to another, as 0g..200g.
+    #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
+    payload: Option<String>,
     /// Its centre of mass beyond the active length [default: at its end].
     #[arg(long, value_name = "LENGTH")]
     payload_center: Option<String>,
@@ -278,16 +282,17 @@ struct Predict {
     /// The area that it turns to the air, such as "20 cm^2".
     #[arg(long, value_name = "AREA")]
     frontal_area: Option<String>,
-    /// Angle of the straight muscle above the horizontal, from which it is let go.
-    #[arg(long, default_value = "0 deg", allow_hyphen_values = true)]
-    angle: String,
-    /// How long to simulate.
-    #[arg(long, value_name = "TIME", default_value = "20 s")]
-    duration: String,
+    /// Angle of the straight rod above the horizontal, from which it is let go [default: the scenario's,
+    /// or level].
+    #[arg(long, allow_hyphen_values = true)]
+    angle: Option<String>,
+    /// How long to simulate [default: the scenario's, or 20 s].
+    #[arg(long, value_name = "TIME")]
+    duration: Option<String>,
     /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
-    /// Draws from the errors of the calibration.
+    /// Draws from the errors of the calibration, of one case.
     #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
     draws: usize,
     /// Of the random numbers.

@@ -10,7 +10,7 @@ use serde_json::json;
 use sim::calibrate::{Settings, calibrate, problem};
 use sim::cleaning::clean;
 use sim::experiment::{Entry, Experiment};
-use sim::results::calibrated::{MUSCLE, muscle_file, table, write_calibration};
+use sim::results::calibrated::{muscle_file, rod_files, table, write_calibration};
 use sim::results::{self, Request};
 
 use super::Calibrate;
@@ -38,8 +38,13 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
         calibration.releases.iter().filter(|release| !release.held_out).count(),
         experiment.path.display()
     );
-    let muscle = experiment.muscle().map(|muscle| muscle_file(muscle, calibration, &source)).transpose();
-    let muscle = muscle.map_err(|error| Failure::Usage(error.to_string()))?.flatten();
+    let models = match experiment.muscle() {
+        Some(muscle) => muscle_file(muscle, calibration, &source)
+            .map_err(|error| Failure::Usage(error.to_string()))?
+            .into_iter()
+            .collect(),
+        None => rod_files(&problem, calibration, &source),
+    };
     let request = Request {
         name: experiment.name.clone(),
         resolved_scenario: experiment.text().to_owned(),
@@ -49,7 +54,7 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..Request::default()
     };
-    write_calibration(&folder, &request, &outcome, muscle.as_deref())?;
+    write_calibration(&folder, &request, &outcome, &models)?;
     let folder = folder.finish()?;
 
     let mut out = io::stdout().lock();
@@ -58,8 +63,9 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
     } else if !args.quiet {
         write!(out, "{}", table(calibration))?;
         writeln!(out, "\nresults in {}", folder.display())?;
-        if muscle.is_some() {
-            writeln!(out, "simulate with them by --muscle {}", folder.join(MUSCLE).display())?;
+        for model in &models {
+            let option = if experiment.muscle().is_some() { "--muscle " } else { "" };
+            writeln!(out, "predict with them: efam predict {option}{}", folder.join(&model.name).display())?;
         }
     }
     Ok(ExitCode::SUCCESS)

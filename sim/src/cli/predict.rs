@@ -1,19 +1,22 @@
 //! `efam predict`: what a calibrated muscle will do with a payload.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use models::muscle::BUILT_IN;
 use models::quantity::Quantity;
-use serde_json::{Value, json};
+use serde_json::json;
+use sim::predict::asked::Asked;
+use sim::predict::grid::{grid, runs};
+use sim::predict::span::values;
 use sim::predict::{Settings, predict};
+use sim::results::grid::{grid_table, write_grid};
 use sim::results::predicted::{prediction_table, write_prediction};
 use sim::results::{self, Request};
-use sim::scenario::Scenario;
+use sim::scenario::Case;
 
 use super::Predict;
 use super::failure::Failure;
@@ -21,14 +24,26 @@ use super::progress;
 
 pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    let (text, input_hashes) = scenario(args)?;
-    let scenario = Scenario::parse(Path::new("efam-predict.toml"), &text, &args.set)?;
-    let cases = scenario.cases()?;
-    let [case] = &cases[..] else {
-        return Err(Failure::Usage("--pressure: one pressure, such as 40psi".to_owned()));
-    };
+    let (asked, input_hashes) = asked(args)?;
+    let pressures = several("--pressure", &args.pressure, "Pa")?;
+    let payloads = several("--payload", &args.payload, "kg")?;
+    if payloads.iter().any(|payload| *payload < 0.0) {
+        let payload = args.payload.as_deref().unwrap_or_default();
+        return Err(Failure::Usage(format!("--payload {payload}: it must not be negative")));
+    }
+    if !pressures.is_empty() && !asked.has_muscle() {
+        return Err(Failure::Usage(
+            "--pressure: the scenario's rod is no muscle, and is the same at every pressure; leave it out"
+                .to_owned(),
+        ));
+    }
+    // What the scenario refuses is said before a folder is opened.
+    let (case, known) = asked.case(pressures.first().copied(), payloads.first().copied())?;
+    let is_grid = pressures.len() > 1 || payloads.len() > 1;
+    let name = title(args, &case.name);
+    let case = Case { name: name.clone(), ..case };
     let request = Request {
-        name: case.name.clone(),
+        name: name.replace([',', ':', '/'], " "),
         out: args.out.clone(),
         overwrite: args.overwrite,
         resolved_scenario: case.resolved.clone(),
@@ -38,73 +53,103 @@ pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
     };
     // What stands in the way is said before the simulations.
     let folder = results::begin(&request)?;
-    let settings = Settings { draws: args.draws, seed: args.seed };
-    let progress = progress::line(args.quiet || args.json);
-    progress.set_message("simulating what the calibration admits");
-    let outcome = predict(case, scenario.known(), &settings, &|| progress.inc(1));
-    let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
-    progress.finish_and_clear();
-    let warnings = outcome.prediction.warnings.clone();
-    let request = Request { warnings, wall_time_s: begin.elapsed().as_secs_f64(), ..request };
-    write_prediction(&folder, &request, &outcome)?;
+    let is_silent = args.quiet || args.json;
+    let done = |warnings: &[String]| Request {
+        warnings: warnings.to_vec(),
+        wall_time_s: begin.elapsed().as_secs_f64(),
+        ..request.clone()
+    };
+    let (told, table) = if is_grid {
+        let payloads = if payloads.is_empty() { vec![0.0] } else { payloads };
+        let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
+        let cases = pressures.len().max(1) * payloads.len();
+        let progress = progress::steps(is_silent, cases, &format!("cases of {} runs", runs(known.as_ref())));
+        let grid = grid(&name, (&pressures, &payloads), &make, known.as_ref(), &|| progress.inc(1))?;
+        progress.finish_and_clear();
+        write_grid(&folder, &done(&grid.warnings), &grid)?;
+        (json!({ "grid": grid }), grid_table(&grid))
+    } else {
+        let settings = Settings { draws: args.draws, seed: args.seed };
+        let draws = known.as_ref().map_or(0, |_| args.draws);
+        let progress = progress::steps(is_silent, draws, "draws");
+        let outcome = predict(&case, known.as_ref(), &settings, &|| progress.inc(1));
+        let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
+        progress.finish_and_clear();
+        write_prediction(&folder, &done(&outcome.prediction.warnings), &outcome)?;
+        (json!({ "prediction": outcome.prediction }), prediction_table(&outcome.prediction))
+    };
     let folder = folder.finish()?;
     let mut out = io::stdout().lock();
     if args.json {
-        writeln!(out, "{}", json!({ "folder": folder, "prediction": outcome.prediction }))?;
+        let mut told = told;
+        told["folder"] = json!(folder);
+        writeln!(out, "{told}")?;
     } else if !args.quiet {
-        write!(out, "{}", prediction_table(&outcome.prediction))?;
+        write!(out, "{table}")?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// What is asked as a scenario, and the hash of the muscle's file.
-fn scenario(args: &Predict) -> Result<(String, BTreeMap<String, String>), Failure> {
-    let quoted = |text: &str| Value::from(text).to_string();
-    let mut hashes = BTreeMap::new();
-    let muscle = if BUILT_IN.iter().any(|(name, _)| *name == args.muscle) {
-        format!("name = {}", quoted(&args.muscle))
-    } else {
-        let file = PathBuf::from(&args.muscle);
-        let unreadable = |error: io::Error| {
-            let known = BUILT_IN.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-            Failure::Data(format!(
-                "{}: cannot be read ({error}); give the muscle.toml of a calibration, or a built-in muscle: {known}",
-                file.display()
-            ))
-        };
-        let bytes = std::fs::read(&file).map_err(unreadable)?;
-        let file = file.canonicalize().map_err(unreadable)?;
-        hashes.insert(file.display().to_string(), results::sha256(&bytes));
-        format!("file = {}", quoted(&file.display().to_string()))
-    };
-    let named = |option: &str, value: &str, unit: &str| {
-        let parsed = Quantity::parse(value).and_then(|quantity| quantity.to(unit));
-        parsed.map_err(|error| Failure::Usage(format!("{option} {value}: {error}")))
-    };
-    let pressure = named("--pressure", &args.pressure, "Pa")?;
-    let payload = named("--payload", &args.payload, "kg")?;
-    if payload.is_nan() || payload < 0.0 {
-        return Err(Failure::Usage(format!("--payload {}: it must not be negative", args.payload)));
+/// What is asked, in words: `40psi with 80g`.
+fn title(args: &Predict, case: &str) -> String {
+    let payload = args.payload.as_ref().map_or(String::new(), |payload| format!(" with {payload}"));
+    match (&args.scenario, &args.pressure) {
+        (None, Some(pressure)) => format!("{pressure}{payload}"),
+        (_, Some(pressure)) => format!("{case} at {pressure}{payload}"),
+        (_, None) => format!("{case}{payload}"),
     }
-    let mut text = format!(
-        "name = {}\n[muscle]\n{muscle}\npressure = \"{pressure:?} Pa\"\nextrapolation = \"allowed\"\n[release]\nangle = {}\n[run]\nduration = {}\n[effects.payload]\nmass = \"{payload:?} kg\"\n",
-        quoted(&format!("{} with {}", args.pressure, args.payload)),
-        quoted(&args.angle),
-        quoted(&args.duration),
-    );
-    for (key, value) in [("center_of_mass", &args.payload_center), ("rotary_inertia", &args.payload_inertia)]
-    {
-        if let Some(value) = value {
-            let _ = writeln!(text, "{key} = {}", quoted(value));
-        }
-    }
-    if let Some(area) = &args.frontal_area {
-        let area = named("--frontal-area", area, "m^2")?;
-        let _ = writeln!(text, "[effects.tip_drag]\ndrag_area = \"{:?} m^2\"", DRAG_COEFFICIENT * area);
-    }
-    Ok((text, hashes))
 }
 
-/// Of a blunt body. Source: Hoerner (1965), Fluid-Dynamic Drag, chapter 3: a cube, face on, 1.05.
-const DRAG_COEFFICIENT: f64 = 1.05;
+/// The rod that is asked about, and the hash of its file.
+fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
+    let mut hashes = BTreeMap::new();
+    let mut read = |file: &Path, what: &str| {
+        let bytes = std::fs::read(file).map_err(|error| {
+            Failure::Data(format!("{}: cannot be read ({error}); give {what}", file.display()))
+        })?;
+        hashes.insert(file.display().to_string(), results::sha256(&bytes));
+        Ok::<_, Failure>(bytes)
+    };
+    let mut asked = match (&args.scenario, &args.muscle) {
+        (Some(scenario), _) => {
+            let bytes = read(scenario, "a scenario, such as the rod.toml of a calibration")?;
+            let text = String::from_utf8(bytes);
+            Asked::scenario(
+                scenario,
+                text.map_err(|_| Failure::Data(format!("{}: is no text", scenario.display())))?,
+            )
+        }
+        (None, muscle) => {
+            let muscle = muscle.as_deref().unwrap_or_default();
+            if !BUILT_IN.iter().any(|(name, _)| *name == muscle) {
+                let known = BUILT_IN.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+                read(
+                    Path::new(muscle),
+                    &format!("the muscle.toml of a calibration, or a built-in muscle: {known}"),
+                )?;
+            }
+            Asked::muscle(muscle)
+        }
+    };
+    asked.payload_center = one("--payload-center", &args.payload_center, "m")?;
+    asked.payload_inertia = one("--payload-inertia", &args.payload_inertia, "kg m^2")?;
+    asked.frontal_area = one("--frontal-area", &args.frontal_area, "m^2")?;
+    asked.angle = one("--angle", &args.angle, "rad")?;
+    asked.duration = one("--duration", &args.duration, "s")?;
+    asked.set.clone_from(&args.set);
+    Ok((asked, hashes))
+}
+
+/// The quantity of an option.
+fn one(option: &str, value: &Option<String>, unit: &str) -> Result<Option<f64>, Failure> {
+    let Some(text) = value else { return Ok(None) };
+    let parsed = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
+    parsed.map(Some).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
+}
+
+/// The quantities of an option that may have several.
+fn several(option: &str, value: &Option<String>, unit: &str) -> Result<Vec<f64>, Failure> {
+    let Some(text) = value else { return Ok(Vec::new()) };
+    values(text, unit).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
+}

@@ -16,6 +16,16 @@ pub fn bar(quiet: bool, samples: usize) -> ProgressBar {
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
+/// A bar over so many steps of a kind; hidden where nobody looks.
+pub fn steps(quiet: bool, count: usize, kind: &str) -> ProgressBar {
+    if quiet || !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len} {msg}, {eta} left");
+    let bar = ProgressBar::new(count as u64).with_message(kind.to_owned());
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
 /// A line that says what is being done; hidden where nobody looks.
 pub fn line(quiet: bool) -> ProgressBar {
     if quiet || !io::stderr().is_terminal() {

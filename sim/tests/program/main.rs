@@ -10,3 +10,4 @@ mod inspect;
 #[cfg(feature = "rerun")]
 mod live_view;
 mod predict;
+mod predict_rod;
