@@ -38,12 +38,14 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
         calibration.releases.iter().filter(|release| !release.held_out).count(),
         experiment.path.display()
     );
+    let kept = problem.trials.first().filter(|_| !settings.remove_mesh);
+    let nodes = kept.map(|trial| trial.model.edges + 1);
     let models = match experiment.muscle() {
-        Some(muscle) => muscle_file(muscle, calibration, &source)
+        Some(muscle) => muscle_file(muscle, calibration, nodes, &source)
             .map_err(|error| Failure::Usage(error.to_string()))?
             .into_iter()
             .collect(),
-        None => rod_files(&problem, calibration, &source),
+        None => rod_files(&problem, calibration, nodes, &source),
     };
     let request = Request {
         name: experiment.name.clone(),
