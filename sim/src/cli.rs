@@ -13,6 +13,7 @@ mod predict;
 mod progress;
 mod rest;
 mod simulate;
+mod view;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -52,6 +53,11 @@ enum Command {
     Diagnose(Diagnose),
     /// Foretell what a calibrated muscle will do with a payload, with intervals.
     Predict(Predict),
+    /// Open the Rerun recording of a finished run in the viewer.
+    View {
+        /// The run's folder.
+        run: PathBuf,
+    },
     /// List the physical effects, or show the page of one.
     Effects {
         /// An effect.
@@ -218,6 +224,9 @@ struct Calibrate {
     /// Also find intervals by the profile of the likelihood, which takes longer.
     #[arg(long)]
     profile: bool,
+    /// Show in Rerun how it goes on, and each release as fitted: save, spawn, connect, connect=URL or serve.
+    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
+    rerun: Option<Rerun>,
     /// No progress, no table.
     #[arg(short, long)]
     quiet: bool,
@@ -295,6 +304,9 @@ struct Predict {
     /// Draws from the errors of the calibration, of one case.
     #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
     draws: usize,
+    /// Show the family of rods in Rerun: save, spawn, connect, connect=URL or serve.
+    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
+    rerun: Option<Rerun>,
     /// Of the random numbers.
     #[arg(long, default_value_t = sim::predict::Settings::default().seed)]
     seed: u64,
@@ -347,6 +359,7 @@ pub fn main() -> ExitCode {
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Predict(args) => predict::run(&args),
+        Command::View { run } => view::run(&run),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),

@@ -61,5 +61,5 @@ fn six_releases(bencher: Bencher) {
         parameters: paths.map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
         nuisances: Nuisances { release_instant: true, hold_angle: None, offset: None },
     };
-    bencher.bench_local(|| calibrate(&problem, &Settings::default(), &|_| ()).expect("a fit"));
+    bencher.bench_local(|| calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit"));
 }

@@ -3,7 +3,7 @@
 use models::quantity::format_si;
 use serde::{Deserialize, Serialize};
 
-use super::problem::{Prior, Scale, Scope};
+use super::problem::{Prior, Problem, Scale, Scope, is_same_pressure};
 use super::search::Stage;
 
 /// What was found, how well it is known, how well it fits, and what it cost.
@@ -151,6 +151,24 @@ impl Calibrated {
 }
 
 impl Calibration {
+    /// A problem with what was found in its models.
+    pub fn applied(&self, problem: &Problem) -> Problem {
+        let mut problem = problem.clone();
+        for trial in &mut problem.trials {
+            let release = &trial.release;
+            let is_own = |one: &&Calibrated| match (&one.release, one.pressure_pa) {
+                (Some(own), _) => *own == release.name,
+                (None, Some(own)) => release.pressure.is_some_and(|pressure| is_same_pressure(pressure, own)),
+                (None, None) => true,
+            };
+            let own = self.parameters.iter().filter(is_own);
+            let values: Vec<(usize, f64)> =
+                own.filter_map(|one| Some((trial.model.index(&one.name).ok()?, one.value))).collect();
+            (trial.model, trial.run.initial) = trial.with(&values);
+        }
+        problem
+    }
+
     /// The parameters of a path, in the order of their pressures.
     pub fn of(&self, path: &str) -> Vec<&Calibrated> {
         let mut all: Vec<_> = self.parameters.iter().filter(|found| found.name == path).collect();

@@ -81,7 +81,7 @@ impl<'a> Joint<'a> {
     pub fn search(problem: &'a Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Self, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
         let start = objective.start();
-        let say = |stage: &super::Stage| match stage.swings {
+        let say = |stage: &super::Stage, _: &DVector<f64>| match stage.swings {
             Some(swings) => {
                 tell(&format!("{swings:.1} swings, residuals {:.2} times the noise", stage.spread))
             }

@@ -74,13 +74,39 @@ pub(crate) struct Fitted<'a> {
     profiles: Vec<Option<[f64; 2]>>,
 }
 
-/// Finds the parameters of a problem; `tell` hears what is being done, from any thread.
+/// Who hears how a calibration goes on, from any thread. A closure hears what is being done.
+pub trait Listener: Sync {
+    /// What is being done.
+    fn doing(&self, what: &str);
+
+    /// A stretch of the recordings was fitted.
+    fn fitted(&self, _progress: &Progress) {}
+}
+
+impl<F: Fn(&str) + Sync> Listener for F {
+    fn doing(&self, what: &str) {
+        self(what);
+    }
+}
+
+/// How far a search has come.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// The releases that are fitted together, in words.
+    pub part: String,
+    /// Largest robust spread of the residuals of a release, in units of the noise.
+    pub spread: f64,
+    /// Each parameter: what it is, its value, its SI unit.
+    pub parameters: Vec<(String, f64, &'static str)>,
+}
+
+/// Finds the parameters of a problem; `listener` hears what is being done.
 /// # Errors
 /// [`CalibrateError`] for a problem that makes no sense, and where no start leads to a fit.
 pub fn calibrate(
     problem: &Problem,
     settings: &Settings,
-    tell: &(dyn Fn(&str) + Sync),
+    listener: &dyn Listener,
 ) -> Result<Outcome, CalibrateError> {
     if problem.parameters.is_empty() {
         return Err(CalibrateError::NoParameters);
@@ -89,7 +115,7 @@ pub fn calibrate(
     let parts = parts(problem, &unknowns);
     let fitted: Vec<Fitted> = parts
         .into_par_iter()
-        .map(|part| fit(part, settings, tell))
+        .map(|part| fit(part, settings, listener))
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<_, _>>()?;
@@ -99,7 +125,7 @@ pub fn calibrate(
 fn fit<'a>(
     part: Part<'a>,
     settings: &Settings,
-    tell: &(dyn Fn(&str) + Sync),
+    listener: &dyn Listener,
 ) -> Result<Fitted<'a>, CalibrateError> {
     let objective = Objective::new(part)?;
     let start = objective.start();
@@ -108,15 +134,25 @@ fn fit<'a>(
         [first, rest @ ..] => format!("{} and {} more", first.release.name, rest.len()),
         [] => String::new(),
     };
-    let say = |stage: &Stage| {
+    let say = |stage: &Stage, x: &DVector<f64>| {
         let stretch = stage.swings.map_or("all of it".to_owned(), |swings| format!("{swings:.2} swings"));
-        tell(&format!("{name}: {stretch}, residuals {:.2} times the noise", stage.spread));
+        listener.doing(&format!("{name}: {stretch}, residuals {:.2} times the noise", stage.spread));
+        let unknowns = objective.part.unknowns.iter().zip(x.iter());
+        let parameters = unknowns.filter(|(unknown, _)| !unknown.is_nuisance());
+        listener.fitted(&Progress {
+            part: name.clone(),
+            spread: stage.spread,
+            parameters: parameters
+                .map(|(unknown, x)| (unknown.label(), unknown.scaled.value(*x), unknown.unit))
+                .collect(),
+        });
     };
     let Some(mut found) = search(&objective, &start, &say) else {
         return Err(objective.refusal(&start));
     };
-    let numerics =
-        refine(&objective, &mut found, !settings.remove_mesh, &|what| tell(&format!("{name}: {what}")));
+    let numerics = refine(&objective, &mut found, !settings.remove_mesh, &|what| {
+        listener.doing(&format!("{name}: {what}"))
+    });
     let shift = shift(&objective, &found);
     let effort = objective.effort();
     let uncertainty = uncertainty(&objective, &found);

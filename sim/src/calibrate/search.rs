@@ -64,11 +64,11 @@ const STAGE_TOLERANCE: f64 = 5e-2;
 const STAGE_SHARE: f64 = 3e-3;
 const MOST_EVALUATIONS: usize = 30;
 
-/// Finds the best fit of a part; `tell` hears of each stage.
+/// Finds the best fit of a part; `tell` hears of each stage, and where it ended.
 pub(crate) fn search(
     objective: &Objective,
     start: &DVector<f64>,
-    tell: &(dyn Fn(&Stage) + Sync),
+    tell: &(dyn Fn(&Stage, &DVector<f64>) + Sync),
 ) -> Option<Found> {
     let starts = ranked(objective, start);
     let mut best: Option<Found> = None;
@@ -130,7 +130,7 @@ fn climb(
     objective: &Objective,
     start: &DVector<f64>,
     number: usize,
-    tell: &(dyn Fn(&Stage) + Sync),
+    tell: &(dyn Fn(&Stage, &DVector<f64>) + Sync),
 ) -> Option<Found> {
     let all = objective.all();
     let mut times = swing_times(objective, start);
@@ -156,8 +156,8 @@ fn climb(
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
         let solution = minimise_in(objective, &x, None, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
         stages.push(stage(number, (!is_all).then_some(swings), &solution));
-        tell(&stages[stages.len() - 1]);
         x = solution.x.clone();
+        tell(&stages[stages.len() - 1], &x);
         if is_all {
             let Solution { at, predicted, converged, .. } = solution;
             return Some(Found { x, at, view, stages, predicted, converged, starts: 1 });

@@ -2,6 +2,7 @@
 
 use models::error::ModelError;
 use models::model::ModelParameter;
+use models::quantity::format_si;
 
 use super::error::CalibrateError;
 use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial, is_same_pressure};
@@ -79,6 +80,17 @@ pub(crate) struct Unknowns {
     pub list: Vec<Unknown>,
     /// Of each trial; empty for a release that is held out.
     pub of_trial: Vec<Vec<Local>>,
+}
+
+impl Unknown {
+    /// Its name and what it belongs to, releases by their number.
+    pub fn label(&self) -> String {
+        match self.group {
+            Group::Pressure(pressure) => format!("{} at {}", self.name, format_si(pressure, "Pa")),
+            Group::Release(t) => format!("{} of release {}", self.name, t + 1),
+            _ => self.name.clone(),
+        }
+    }
 }
 
 impl Scaled {

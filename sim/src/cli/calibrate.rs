@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use serde_json::json;
@@ -16,6 +17,7 @@ use sim::results::{self, Request};
 use super::Calibrate;
 use super::experiment::open;
 use super::failure::Failure;
+use super::live::{LiveFit, Rerun, Watcher};
 use super::progress;
 
 pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
@@ -28,7 +30,13 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
     let cleaned = clean(&experiment)?;
     let (problem, settings) = problem(&experiment, &cleaned)?;
     let settings = Settings { profile: args.profile, ..settings };
-    let outcome = calibrate(&problem, &settings, &|stage| progress.set_message(stage.to_owned()))?;
+    let open = |how| {
+        let id = results::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
+        LiveFit::fit(how, &experiment.name, &id, folder.path())
+    };
+    let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
+    let watcher = Watcher { progress: &progress, live: live.as_ref() };
+    let outcome = calibrate(&problem, &settings, &watcher)?;
     progress.finish_and_clear();
 
     let calibration = &outcome.calibration;
@@ -57,6 +65,12 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     write_calibration(&folder, &request, &outcome, &models)?;
+    let live = live.map(|live| live.into_inner().unwrap_or_else(PoisonError::into_inner));
+    let live = live.map(|mut live| live.found(&problem, &outcome).map(|()| live)).transpose()?;
+    // A file belongs to the results; a viewer is served when they are there.
+    let saves = args.rerun == Some(Rerun::Save);
+    let (file, viewer) = if saves { (live, None) } else { (None, live) };
+    file.map_or(Ok(()), |file| file.finish(false))?;
     let folder = folder.finish()?;
 
     let mut out = io::stdout().lock();
@@ -70,6 +84,8 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
             writeln!(out, "predict with them: efam predict {option}{}", folder.join(&model.name).display())?;
         }
     }
+    drop(out);
+    viewer.map_or(Ok(()), |viewer| viewer.finish(args.rerun == Some(Rerun::Serve)))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -9,8 +9,7 @@ use models::effects::{CATALOGUE, by_name};
 use models::nearest::nearest;
 use serde_json::json;
 use sim::cleaning::clean;
-use sim::diagnose::verdict::Evidence;
-use sim::diagnose::{Listener, Settings, diagnose, plan, problem};
+use sim::diagnose::{Settings, diagnose, plan, problem};
 use sim::results::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
 use sim::results::{self, Request};
 use sim::scenario::Scenario;
@@ -19,8 +18,8 @@ use super::Diagnose;
 use super::calibrate::input_hashes;
 use super::experiment::open;
 use super::failure::Failure;
-use super::live::{LiveSearch, Rerun};
-use super::progress::{self, ProgressBar};
+use super::live::{LiveSearch, Rerun, Watcher};
+use super::progress;
 
 pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
     if args.plan {
@@ -45,7 +44,7 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
         Settings { false_alarm: args.false_alarm, most_effects: args.most, excluded: args.without.clone() };
     let open = |how| {
         let id = results::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
-        LiveSearch::open(how, &experiment.name, &id, folder.path())
+        LiveSearch::search(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
     let watcher = Watcher { progress: &progress, live: live.as_ref() };
@@ -78,32 +77,6 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
     drop(out);
     viewer.map_or(Ok(()), |viewer| viewer.finish(args.rerun == Some(Rerun::Serve)))?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// Sees a diagnosis go on: the line of progress, and the viewer.
-struct Watcher<'a> {
-    progress: &'a ProgressBar,
-    live: Option<&'a Mutex<LiveSearch>>,
-}
-
-impl Watcher<'_> {
-    /// What the viewer refuses is no reason to stop a search.
-    fn show(&self, show: impl FnOnce(&mut LiveSearch) -> Result<(), Failure>) {
-        if let Some(live) = self.live {
-            let _ = show(&mut live.lock().unwrap_or_else(PoisonError::into_inner));
-        }
-    }
-}
-
-impl Listener for Watcher<'_> {
-    fn doing(&self, what: &str) {
-        self.progress.set_message(what.to_owned());
-        self.show(|live| live.doing(what));
-    }
-
-    fn ranked(&self, threshold: f64, candidates: &[Evidence]) {
-        self.show(|live| live.ranked(threshold, candidates));
-    }
 }
 
 /// What releases that are not recorded yet could show.

@@ -1,13 +1,21 @@
-//! `--rerun`: the rod in the viewer while it is integrated, a diagnosis while it works.
+//! `--rerun`: the rod in the viewer while it is integrated, a calibration or a diagnosis while it works, a family of
+//! rods that is foretold.
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use models::snapshot::Snapshot;
-use sim::diagnose::Outcome;
+use sim::calibrate::{self, Problem, Progress};
+use sim::diagnose;
 use sim::diagnose::verdict::Evidence;
+use sim::predict::family::Member;
 use sim::scenario::Case;
 
 use super::failure::Failure;
+use super::progress::ProgressBar;
+
+/// Name of a recording that is saved.
+pub const RECORDING: &str = "run.rrd";
 
 /// How to show the rod.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,44 +44,76 @@ impl Rerun {
 }
 
 #[cfg(feature = "rerun")]
-pub use with_rerun::{Live, LiveSearch};
+pub use with_rerun::{Live, LiveFamily, LiveFit, LiveSearch};
 #[cfg(not(feature = "rerun"))]
-pub use without::{Live, LiveSearch};
+pub use without::{Live, LiveFamily, LiveFit, LiveSearch};
+
+/// Sees a search go on: the line of progress, and the viewer.
+pub struct Watcher<'a, L> {
+    pub progress: &'a ProgressBar,
+    pub live: Option<&'a Mutex<L>>,
+}
+
+impl<L> Watcher<'_, L> {
+    /// What the viewer refuses is no reason to stop a search.
+    fn show(&self, show: impl FnOnce(&mut L) -> Result<(), Failure>) {
+        if let Some(live) = self.live {
+            let _ = show(&mut live.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+    }
+}
+
+impl diagnose::Listener for Watcher<'_, LiveSearch> {
+    fn doing(&self, what: &str) {
+        self.progress.set_message(what.to_owned());
+        self.show(|live| live.doing(what));
+    }
+
+    fn ranked(&self, threshold: f64, candidates: &[Evidence]) {
+        self.show(|live| live.ranked(threshold, candidates));
+    }
+}
+
+impl calibrate::Listener for Watcher<'_, LiveFit> {
+    fn doing(&self, what: &str) {
+        self.progress.set_message(what.to_owned());
+        self.show(|live| live.doing(what));
+    }
+
+    fn fitted(&self, progress: &Progress) {
+        self.show(|live| live.fitted(progress));
+    }
+}
 
 #[cfg(feature = "rerun")]
 mod with_rerun {
-    use sim::observe::rerun::{RerunError, Scene, SearchStream, Sink, Stream};
+    use sim::observe::rerun::{FamilyStream, FitStream, RerunError, Scene, SearchStream, Sink, Stream};
 
     use super::*;
 
-    /// A recording in progress.
-    pub struct Live(Stream);
+    /// A recording in progress: of a run, unless it says otherwise.
+    pub struct Live<S = Stream>(S);
+
+    /// That of a diagnosis.
+    pub type LiveSearch = Live<SearchStream>;
+    /// That of a calibration.
+    pub type LiveFit = Live<FitStream>;
+    /// A family of rods, drawn when it is opened.
+    pub type LiveFamily = Live<FamilyStream>;
 
     impl Live {
         pub fn open(how: &Rerun, case: &Case, folder: &Path) -> Result<Live, Failure> {
-            let stream = Stream::open(&sink(how, folder), &scene(case)).map_err(failure)?;
-            tell(how, &stream);
-            Ok(Live(stream))
+            opened(how, Stream::open(&sink(how, folder), &scene(case)))
         }
 
         pub fn log(&mut self, snapshot: &Snapshot) -> Result<(), Failure> {
             self.0.log(snapshot).map_err(failure)
         }
-
-        /// Delivers what is left; a server goes on until it is interrupted.
-        pub fn finish(self, hold: bool) -> Result<(), Failure> {
-            finish(self.0, hold)
-        }
     }
 
-    /// The recording of a diagnosis in progress.
-    pub struct LiveSearch(SearchStream);
-
     impl LiveSearch {
-        pub fn open(how: &Rerun, name: &str, id: &str, folder: &Path) -> Result<LiveSearch, Failure> {
-            let stream = SearchStream::open_search(&sink(how, folder), name, id).map_err(failure)?;
-            tell(how, &stream);
-            Ok(LiveSearch(stream))
+        pub fn search(how: &Rerun, name: &str, id: &str, folder: &Path) -> Result<LiveSearch, Failure> {
+            opened(how, SearchStream::open_search(&sink(how, folder), name, id))
         }
 
         pub fn doing(&mut self, what: &str) -> Result<(), Failure> {
@@ -84,41 +124,71 @@ mod with_rerun {
             self.0.ranked(threshold, candidates).map_err(failure)
         }
 
-        pub fn found(&mut self, outcome: &Outcome) -> Result<(), Failure> {
+        pub fn found(&mut self, outcome: &diagnose::Outcome) -> Result<(), Failure> {
             self.0.found(outcome).map_err(failure)
         }
+    }
 
+    impl LiveFit {
+        pub fn fit(how: &Rerun, name: &str, id: &str, folder: &Path) -> Result<LiveFit, Failure> {
+            opened(how, FitStream::open_fit(&sink(how, folder), name, id))
+        }
+
+        pub fn doing(&mut self, what: &str) -> Result<(), Failure> {
+            self.0.doing(what).map_err(failure)
+        }
+
+        pub fn fitted(&mut self, progress: &Progress) -> Result<(), Failure> {
+            self.0.fitted(progress).map_err(failure)
+        }
+
+        pub fn found(&mut self, problem: &Problem, outcome: &calibrate::Outcome) -> Result<(), Failure> {
+            self.0.found(problem, outcome).map_err(failure)
+        }
+    }
+
+    impl LiveFamily {
+        pub fn family(
+            how: &Rerun,
+            name: &str,
+            id: &str,
+            folder: &Path,
+            members: &[Member],
+        ) -> Result<LiveFamily, Failure> {
+            opened(how, FamilyStream::open_family(&sink(how, folder), name, id, members))
+        }
+    }
+
+    impl<D> Live<Stream<D>> {
         /// Delivers what is left; a server goes on until it is interrupted.
         pub fn finish(self, hold: bool) -> Result<(), Failure> {
-            finish(self.0, hold)
+            if hold {
+                self.0.hold();
+            }
+            match self.0.finish() {
+                Err(error @ RerunError::ViewerLost { .. }) => {
+                    eprintln!("warning: {error}");
+                    Ok(())
+                }
+                done => done.map_err(failure),
+            }
         }
+    }
+
+    fn opened<D>(how: &Rerun, stream: Result<Stream<D>, RerunError>) -> Result<Live<Stream<D>>, Failure> {
+        let stream = stream.map_err(failure)?;
+        if let Some(how) = stream.how_to_view().filter(|_| *how == Rerun::Serve) {
+            eprintln!("to see it: {how}");
+        }
+        Ok(Live(stream))
     }
 
     fn sink(how: &Rerun, folder: &Path) -> Sink {
         match how {
-            Rerun::Save => Sink::Save(folder.join("run.rrd")),
+            Rerun::Save => Sink::Save(folder.join(RECORDING)),
             Rerun::Spawn => Sink::Spawn,
             Rerun::Connect(url) => Sink::Connect(url.clone()),
             Rerun::Serve => Sink::serve_here(),
-        }
-    }
-
-    fn tell<D>(how: &Rerun, stream: &Stream<D>) {
-        if let Some(how) = stream.how_to_view().filter(|_| *how == Rerun::Serve) {
-            eprintln!("to see it: {how}");
-        }
-    }
-
-    fn finish<D>(stream: Stream<D>, hold: bool) -> Result<(), Failure> {
-        if hold {
-            stream.hold();
-        }
-        match stream.finish() {
-            Err(error @ RerunError::ViewerLost { .. }) => {
-                eprintln!("warning: {error}");
-                Ok(())
-            }
-            done => done.map_err(failure),
         }
     }
 
@@ -145,10 +215,18 @@ mod with_rerun {
 
 #[cfg(not(feature = "rerun"))]
 mod without {
+    use std::marker::PhantomData;
+
     use super::*;
 
+    enum Never {}
+
     /// There is none in a program that was built without Rerun.
-    pub enum Live {}
+    pub struct Live<S = ()>(Never, PhantomData<S>);
+
+    pub type LiveSearch = Live<diagnose::Outcome>;
+    pub type LiveFit = Live<calibrate::Outcome>;
+    pub type LiveFamily = Live<Member>;
 
     impl Live {
         pub fn open(_: &Rerun, _: &Case, _: &Path) -> Result<Live, Failure> {
@@ -156,36 +234,55 @@ mod without {
         }
 
         pub fn log(&mut self, _: &Snapshot) -> Result<(), Failure> {
-            match *self {}
-        }
-
-        pub fn finish(self, _: bool) -> Result<(), Failure> {
-            match self {}
+            match self.0 {}
         }
     }
 
-    /// Nor of a diagnosis.
-    pub enum LiveSearch {}
-
     impl LiveSearch {
-        pub fn open(_: &Rerun, _: &str, _: &str, _: &Path) -> Result<LiveSearch, Failure> {
+        pub fn search(_: &Rerun, _: &str, _: &str, _: &Path) -> Result<LiveSearch, Failure> {
             Err(missing())
         }
 
         pub fn doing(&mut self, _: &str) -> Result<(), Failure> {
-            match *self {}
+            match self.0 {}
         }
 
         pub fn ranked(&mut self, _: f64, _: &[Evidence]) -> Result<(), Failure> {
-            match *self {}
+            match self.0 {}
         }
 
-        pub fn found(&mut self, _: &Outcome) -> Result<(), Failure> {
-            match *self {}
+        pub fn found(&mut self, _: &diagnose::Outcome) -> Result<(), Failure> {
+            match self.0 {}
+        }
+    }
+
+    impl LiveFit {
+        pub fn fit(_: &Rerun, _: &str, _: &str, _: &Path) -> Result<LiveFit, Failure> {
+            Err(missing())
         }
 
+        pub fn doing(&mut self, _: &str) -> Result<(), Failure> {
+            match self.0 {}
+        }
+
+        pub fn fitted(&mut self, _: &Progress) -> Result<(), Failure> {
+            match self.0 {}
+        }
+
+        pub fn found(&mut self, _: &Problem, _: &calibrate::Outcome) -> Result<(), Failure> {
+            match self.0 {}
+        }
+    }
+
+    impl LiveFamily {
+        pub fn family(_: &Rerun, _: &str, _: &str, _: &Path, _: &[Member]) -> Result<LiveFamily, Failure> {
+            Err(missing())
+        }
+    }
+
+    impl<S> Live<S> {
         pub fn finish(self, _: bool) -> Result<(), Failure> {
-            match self {}
+            match self.0 {}
         }
     }
 

@@ -7,9 +7,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use models::muscle::BUILT_IN;
-use models::quantity::Quantity;
+use models::quantity::{Quantity, format_si};
 use serde_json::json;
 use sim::predict::asked::Asked;
+use sim::predict::family::{Member, family};
 use sim::predict::grid::{grid, runs};
 use sim::predict::span::values;
 use sim::predict::{Settings, predict};
@@ -20,6 +21,7 @@ use sim::scenario::Case;
 
 use super::Predict;
 use super::failure::Failure;
+use super::live::{LiveFamily, Rerun};
 use super::progress;
 
 pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
@@ -59,7 +61,7 @@ pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..request.clone()
     };
-    let (told, table) = if is_grid {
+    let (told, table, members) = if is_grid {
         let payloads = if payloads.is_empty() { vec![0.0] } else { payloads };
         let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
         let cases = pressures.len().max(1) * payloads.len();
@@ -67,7 +69,13 @@ pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
         let grid = grid(&name, (&pressures, &payloads), &make, known.as_ref(), &|| progress.inc(1))?;
         progress.finish_and_clear();
         write_grid(&folder, &done(&grid.warnings), &grid)?;
-        (json!({ "grid": grid }), grid_table(&grid))
+        let cases = grid.cells.iter().map(|cell| {
+            let case = asked.case(cell.pressure_pa, Some(cell.payload_kg))?.0;
+            let name = cell_name(cell.pressure_pa, cell.payload_kg);
+            Ok::<_, Failure>(Member { name, ..Member::case(&case) })
+        });
+        let members = if args.rerun.is_some() { cases.collect::<Result<Vec<_>, _>>()? } else { Vec::new() };
+        (json!({ "grid": grid }), grid_table(&grid), members)
     } else {
         let settings = Settings { draws: args.draws, seed: args.seed };
         let draws = known.as_ref().map_or(0, |_| args.draws);
@@ -76,8 +84,19 @@ pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
         let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
         progress.finish_and_clear();
         write_prediction(&folder, &done(&outcome.prediction.warnings), &outcome)?;
-        (json!({ "prediction": outcome.prediction }), prediction_table(&outcome.prediction))
+        let members =
+            if args.rerun.is_some() { family(&case, known.as_ref(), &settings) } else { Vec::new() };
+        (json!({ "prediction": outcome.prediction }), prediction_table(&outcome.prediction), members)
     };
+    let open = |how| {
+        let id = results::sha256(format!("{name}{}", case.resolved).as_bytes());
+        LiveFamily::family(how, &name, &id, folder.path(), &members)
+    };
+    let live = args.rerun.as_ref().map(open).transpose()?;
+    // A file belongs to the results; a viewer is served when they are there.
+    let saves = args.rerun == Some(Rerun::Save);
+    let (file, viewer) = if saves { (live, None) } else { (None, live) };
+    file.map_or(Ok(()), |file| file.finish(false))?;
     let folder = folder.finish()?;
     let mut out = io::stdout().lock();
     if args.json {
@@ -88,7 +107,15 @@ pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
         write!(out, "{table}")?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
+    drop(out);
+    viewer.map_or(Ok(()), |viewer| viewer.finish(args.rerun == Some(Rerun::Serve)))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// A case of several, by what distinguishes it.
+fn cell_name(pressure: Option<f64>, payload: f64) -> String {
+    let payload = format_si(payload, "kg");
+    pressure.map_or(payload.clone(), |pressure| format!("{}, {payload}", format_si(pressure, "Pa")))
 }
 
 /// What is asked, in words: `40psi with 80g`.

@@ -15,18 +15,23 @@ use std::time::Duration;
 use ::rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError, RecordingStreamResult};
 use models::snapshot::Snapshot;
 
+use crate::calibrate::{self, Problem, Progress};
 use crate::diagnose::Outcome;
 use crate::diagnose::verdict::Evidence;
+use crate::predict::family::Member;
 
 mod blueprint;
 mod compared;
 mod drawing;
+mod family;
+mod fit;
 mod scenery;
 mod search;
 mod sink;
 mod tree;
 
 use drawing::Drawing;
+use fit::Fit;
 use search::Search;
 use sink::Destination;
 pub use sink::{DEFAULT_PORT, Sink};
@@ -77,6 +82,13 @@ pub struct Stream<D = Drawing> {
 /// timeline `step`, and in the end each release on `sim_time`, measured and simulated before and after, below
 /// `releases/<name>`.
 pub type SearchStream = Stream<Search>;
+
+/// A recording of a calibration in progress, with the same patience: residuals and parameters on the timeline
+/// `step`, and in the end each release on `sim_time`, measured and as fitted, below `releases/<name>`.
+pub type FitStream = Stream<Fit>;
+
+/// A recording of a family of rods, below `family/<name>`, complete when it is opened.
+pub type FamilyStream = Stream<()>;
 
 /// Why a recording cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -198,6 +210,50 @@ impl SearchStream {
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
     pub fn found(&mut self, outcome: &Outcome) -> Result<(), RerunError> {
         self.show("the answer", |search, recording| search.found(recording, outcome))
+    }
+}
+
+impl FitStream {
+    /// Opens the recording of a calibration; runs from the same inputs should share its `recording_id`.
+    /// # Errors
+    /// If the file cannot be written, or the viewer or the port cannot be had.
+    pub fn open_fit(sink: &Sink, name: &str, recording_id: &str) -> Result<Self, RerunError> {
+        Self::begin(sink, recording_id, |recording, live| Fit::begin(recording, name, live))
+    }
+
+    /// Tells what is being done.
+    /// # Errors
+    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    pub fn doing(&mut self, what: &str) -> Result<(), RerunError> {
+        self.show("a message", |fit, recording| fit.doing(recording, what))
+    }
+
+    /// Shows how far a search has come.
+    /// # Errors
+    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    pub fn fitted(&mut self, progress: &Progress) -> Result<(), RerunError> {
+        self.show("a stage", |fit, recording| fit.fitted(recording, progress))
+    }
+
+    /// Shows the answer, and every release as fitted.
+    /// # Errors
+    /// [`RerunError::Refused`]; a viewer that left is told at the end.
+    pub fn found(&mut self, problem: &Problem, outcome: &calibrate::Outcome) -> Result<(), RerunError> {
+        self.show("the answer", |fit, recording| fit.found(recording, problem, outcome))
+    }
+}
+
+impl FamilyStream {
+    /// Opens the recording of a family of rods, and draws it.
+    /// # Errors
+    /// If the file cannot be written, or the viewer or the port cannot be had.
+    pub fn open_family(
+        sink: &Sink,
+        name: &str,
+        recording_id: &str,
+        members: &[Member],
+    ) -> Result<Self, RerunError> {
+        Self::begin(sink, recording_id, |recording, live| family::draw(recording, name, live, members))
     }
 }
 

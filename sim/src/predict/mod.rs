@@ -7,6 +7,7 @@
 
 pub mod asked;
 mod errors;
+pub mod family;
 pub mod grid;
 pub mod quantity;
 mod simulated;

@@ -54,7 +54,7 @@ pub fn fit(psi: f64, releases: Vec<Release>, start: [f64; 3]) -> Calibration {
         parameters: PATHS.into_iter().zip(start).map(parameter).collect(),
         nuisances: Nuisances::default(),
     };
-    calibrate(&problem, &Settings::default(), &|_| {}).expect("a problem that makes sense").calibration
+    calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a problem that makes sense").calibration
 }
 
 /// An estimate beside the truth.

@@ -1,4 +1,4 @@
-//! Releases as they were measured, and as they are simulated before something was added and after.
+//! Releases as they were measured, and as they are simulated: before something was added and after, or as fitted.
 //!
 //! One colour is before, vermilion, another after, blue, as in the report; what was measured is grey.
 
@@ -7,19 +7,20 @@ use std::ops::ControlFlow;
 
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
 use ::rerun::{
-    AsComponents, EntityPath, EntityPathPart, LineStrips2D, Points2D, Radius, RecordingStream,
-    RecordingStreamResult, Scalars, SeriesLines, SeriesPoints, Transform3D,
+    AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, Scalars,
+    SeriesLines, SeriesPoints, Transform3D,
 };
+use models::model::Model;
 use rayon::prelude::*;
 
 use super::blueprint::Bounds;
 use super::drawing::{TIMELINE, single};
 use super::scenery::{BLUE, GREY, VERMILION, clamp, milli};
-use super::tree::{Kind, Property, Tree};
+use super::tree::{self, Kind, Property, Tree};
 use crate::calibrate::{Problem, Trial};
 use crate::diagnose::curve::{BEFORE_AND_AFTER, Predicted, Sample};
 use crate::diagnose::{Curve, Outcome};
-use crate::forward::{forward, uniform};
+use crate::forward::{Run, forward, uniform};
 use crate::quantile::quantile;
 
 /// Postures a second.
@@ -27,81 +28,120 @@ const POSTURES: f64 = 50.0;
 /// Share of the residuals that the axis over the phase has room for.
 const MOST: f64 = 0.995;
 
-/// The two simulations, with their colours.
-const BEFORE: (&str, u32) = ("before", VERMILION);
-const AFTER: (&str, u32) = ("after", BLUE);
+/// A simulation that is shown: its name and colour, where its prediction stands in a sample, the width of its rod.
+pub(super) struct Shown {
+    pub name: &'static str,
+    pub color: u32,
+    pub of: Predicted,
+    pub width: f32,
+}
 
-const PREDICTIONS: [((&str, u32), Predicted); 2] =
-    [(BEFORE, BEFORE_AND_AFTER[0]), (AFTER, BEFORE_AND_AFTER[1])];
+/// Without what was added, and with it; what comes after is drawn on top.
+const BEFORE: Shown = Shown { name: "before", color: VERMILION, of: BEFORE_AND_AFTER[0], width: 3.5 };
+const AFTER: Shown = Shown { name: "after", color: BLUE, of: BEFORE_AND_AFTER[1], width: 1.5 };
+/// What a calibration has found.
+const FITTED: Shown = Shown { name: "fitted", color: BLUE, of: BEFORE_AND_AFTER[1], width: 2.0 };
 
 /// A release that was drawn.
 pub(super) struct Compared {
     name: String,
     is_locked: bool,
     bounds: Bounds,
+    /// Whether its residual is shown over the phase of the swing, too.
+    has_phases: bool,
+    /// Title of the view of the rods.
+    title: &'static str,
 }
 
-/// Draws all releases of an answer.
+/// Draws all releases of a diagnosis.
 pub(super) fn draw(recording: &RecordingStream, outcome: &Outcome) -> RecordingStreamResult<Vec<Compared>> {
-    let simulated = [&outcome.baseline, &outcome.repaired].map(postures);
-    let trials = outcome.repaired.trials.iter().enumerate();
-    trials
-        .map(|(t, trial)| {
-            let own = Own { recording, name: &trial.release.name };
-            let curves: Vec<&Curve> =
-                outcome.curves.iter().filter(|curve| curve.release == trial.release.name).collect();
-            let reach = 1.15 * (trial.model.rod().length + trial.model.tip_distance);
-            let mut compared = Compared {
-                name: trial.release.name.clone(),
-                is_locked: trial.release.held_out,
-                bounds: Bounds::hanging(reach),
-            };
-            own.draw_surroundings(reach)?;
-            for (which, postures) in [BEFORE, AFTER].into_iter().zip(&simulated) {
-                // What comes after is drawn on top.
-                let width = if which == BEFORE { 3.5 } else { 1.5 };
-                own.draw_rod(which, width, &postures[t], &mut compared.bounds)?;
-            }
-            own.draw_markers(&curves)?;
-            for curve in curves.iter().filter(|curve| curve.is_leading) {
-                own.plot(curve)?;
+    let title = "Rod before (vermilion) and after (blue), markers (grey); x right, z up (mm)";
+    let simulated = [(BEFORE, &outcome.baseline), (AFTER, &outcome.repaired)];
+    draw_all(recording, &simulated, &outcome.curves, (true, title))
+}
+
+/// Draws all releases of a calibration, whose problem has what was found.
+pub(super) fn draw_fitted(
+    recording: &RecordingStream,
+    fitted: &Problem,
+    curves: &[Curve],
+) -> RecordingStreamResult<Vec<Compared>> {
+    let title = "Rod as fitted (blue), markers (grey); x right, z up (mm)";
+    draw_all(recording, &[(FITTED, fitted)], curves, (false, title))
+}
+
+fn draw_all(
+    recording: &RecordingStream,
+    simulated: &[(Shown, &Problem)],
+    curves: &[Curve],
+    (has_phases, title): (bool, &'static str),
+) -> RecordingStreamResult<Vec<Compared>> {
+    let rods: Vec<_> = simulated.iter().map(|(_, problem)| postures_of(problem)).collect();
+    let shown: Vec<&Shown> = simulated.iter().map(|(shown, _)| shown).collect();
+    let Some((_, last)) = simulated.last() else { return Ok(Vec::new()) };
+    let drawn = last.trials.iter().enumerate().map(|(t, trial)| {
+        let own = Own { recording, name: &trial.release.name, shown: &shown };
+        let curves: Vec<&Curve> = curves.iter().filter(|curve| curve.release == trial.release.name).collect();
+        let reach = 1.15 * (trial.model.rod().length + trial.model.tip_distance);
+        let mut compared = Compared {
+            name: trial.release.name.clone(),
+            is_locked: trial.release.held_out,
+            bounds: Bounds::hanging(reach),
+            has_phases,
+            title,
+        };
+        own.draw_surroundings(reach)?;
+        for (shown, rods) in shown.iter().zip(&rods) {
+            own.draw_rod(shown, &rods[t], &mut compared.bounds)?;
+        }
+        own.draw_markers(&curves)?;
+        for curve in curves.iter().filter(|curve| curve.is_leading) {
+            own.plot(curve)?;
+            if has_phases {
                 own.draw_phases(curve)?;
             }
-            Ok(compared)
-        })
-        .collect()
+        }
+        Ok(compared)
+    });
+    drawn.collect()
 }
 
-/// The rod of each trial at instants after its release, s, m; as far as it can be run.
-fn postures(problem: &Problem) -> Vec<Vec<(f64, Vec<[f64; 2]>)>> {
+/// A rod at instants after its release, s, m.
+pub(super) type Postures = Vec<(f64, Vec<[f64; 2]>)>;
+
+fn postures_of(problem: &Problem) -> Vec<Postures> {
     let of_trial = |trial: &Trial| {
-        let mut run = trial.run.clone();
-        run.duration = trial.release.time.last().copied().unwrap_or(0.0);
-        run.samples = uniform(run.duration, POSTURES);
-        let mut all = Vec::new();
-        // Where it ends is seen.
-        let _ = forward(&trial.model, &run, &mut |sample| {
-            let snapshot = sample.snapshot();
-            let mut rod = snapshot.nodes;
-            rod.push(snapshot.tip);
-            all.push((snapshot.time, rod));
-            ControlFlow::Continue(())
-        });
-        all
+        let duration = trial.release.time.last().copied().unwrap_or(0.0);
+        postures(&trial.model, &Run { duration, ..trial.run.clone() })
     };
     problem.trials.par_iter().map(of_trial).collect()
+}
+
+/// The rod of a run, with the observed point behind its last node, as far as it can be run.
+pub(super) fn postures(model: &Model, run: &Run) -> Postures {
+    let run = Run { samples: uniform(run.duration, POSTURES), ..run.clone() };
+    let mut all = Vec::new();
+    // Where it ends is seen.
+    let _ = forward(model, &run, &mut |sample| {
+        let snapshot = sample.snapshot();
+        let mut rod = snapshot.nodes;
+        rod.push(snapshot.tip);
+        all.push((snapshot.time, rod));
+        ControlFlow::Continue(())
+    });
+    all
 }
 
 /// What belongs to one release.
 struct Own<'a> {
     recording: &'a RecordingStream,
     name: &'a str,
+    shown: &'a [&'a Shown],
 }
 
 /// Where something of a release stands.
 fn path(name: &str, parts: &[&str]) -> String {
-    let parts = ["releases", name].into_iter().chain(parts.iter().copied()).map(EntityPathPart::new);
-    EntityPath::new(parts.collect()).to_string()
+    tree::path(&[&["releases", name], parts].concat())
 }
 
 impl Own<'_> {
@@ -116,8 +156,8 @@ impl Own<'_> {
     fn draw_surroundings(&self, reach: f64) -> RecordingStreamResult<()> {
         self.log_static(&["world"], &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
         self.log_static(&["world", "clamp"], &clamp(0.25 * reach))?;
-        for (name, color) in [BEFORE, AFTER] {
-            let line = SeriesLines::new().with_names([name]).with_colors([color]).with_widths([1.5]);
+        for Shown { name, color, .. } in self.shown {
+            let line = SeriesLines::new().with_names([*name]).with_colors([*color]).with_widths([1.5]);
             self.log_static(&["height", name], &line)?;
             self.log_static(&["residual", name], &line)?;
         }
@@ -127,15 +167,14 @@ impl Own<'_> {
 
     fn draw_rod(
         &self,
-        (name, color): (&str, u32),
-        width: f32,
-        postures: &[(f64, Vec<[f64; 2]>)],
+        Shown { name, color, width, .. }: &Shown,
+        postures: &Postures,
         bounds: &mut Bounds,
     ) -> RecordingStreamResult<()> {
         let style = LineStrips2D::update_fields()
-            .with_colors([color])
-            .with_radii([Radius::new_ui_points(width)])
-            .with_draw_order(20.0 - width);
+            .with_colors([*color])
+            .with_radii([Radius::new_ui_points(*width)])
+            .with_draw_order(20.0 - *width);
         self.log_static(&["world", name], &style)?;
         for (time, rod) in postures {
             self.recording.set_duration_secs(TIMELINE, *time);
@@ -171,7 +210,7 @@ impl Own<'_> {
         for sample in curve.seen() {
             self.recording.set_duration_secs(TIMELINE, sample.time);
             self.log(&["height", "measured"], &Scalars::single(1e3 * sample.measured[1]))?;
-            for ((name, _), of) in PREDICTIONS {
+            for Shown { name, of, .. } in self.shown {
                 self.log(&["height", name], &Scalars::single(1e3 * of(sample)[1]))?;
                 if !sample.is_held_back {
                     self.log(&["residual", name], &Scalars::single(1e3 * sample.across(of(sample))))?;
@@ -186,13 +225,13 @@ impl Own<'_> {
         let sizes = curve.heard().map(|sample| sample.across(sample.before).abs()).collect();
         let most = quantile(sizes, MOST).unwrap_or(0.0).max(2.0 * curve.noise);
         self.log_static(&["phase"], &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
-        for ((name, color), of) in PREDICTIONS {
+        for Shown { name, color, of, .. } in self.shown {
             let point = |sample: &Sample| {
                 let turn = sample.phase.rem_euclid(TAU) / TAU;
                 single([2.0 * turn, (sample.across(of(sample)) / most).clamp(-1.0, 1.0)])
             };
             let points = Points2D::new(curve.heard().map(point))
-                .with_colors([color])
+                .with_colors([*color])
                 .with_radii([Radius::new_ui_points(1.5)]);
             self.log_static(&["phase", name], &points)?;
         }
@@ -236,16 +275,17 @@ impl Compared {
         let plot: &[Property] = &[("PlotLegend", &legend)];
         let phases = Bounds { x: [-0.25, 2.15], z: [-1.25, 1.1] }.view();
         let phases: &[Property] = &[("VisualBounds2D", &phases)];
-        let title = "Rod before (vermilion) and after (blue), markers (grey); x right, z up (mm)";
-        let left = tree.view("2D", title, &below("world"), rod)?;
-        let rows = [
+        let left = tree.view("2D", self.title, &below("world"), rod)?;
+        let mut rows = vec![
             (tree.view("TimeSeries", "Height of the tip (mm)", &below("height"), plot)?, 1.0),
             (
                 tree.view("TimeSeries", "Measured minus predicted, across (mm)", &below("residual"), plot)?,
                 1.0,
             ),
-            (tree.view("2D", "The same over the swing's phase", &below("phase"), phases)?, 1.4),
         ];
+        if self.has_phases {
+            rows.push((tree.view("2D", "The same over the swing's phase", &below("phase"), phases)?, 1.4));
+        }
         let right = tree.container(Kind::Vertical, &rows)?;
         let title = format!("{}{}", self.name, if self.is_locked { " (locked away)" } else { "" });
         tree.titled(Kind::Horizontal, Some(&title), &[(left, 1.0), (right, 1.2)])

@@ -13,7 +13,7 @@ use crate::diagnose::verdict::Evidence;
 use crate::diagnose::{Diagnosis, Outcome};
 
 /// Counts what was said.
-const STEP: &str = "step";
+pub(super) const STEP: &str = "step";
 const LOG: &str = "search/log";
 const RANKING: &str = "search/ranking";
 const ANSWER: &str = "search/answer";
@@ -103,7 +103,7 @@ fn found(tree: &mut Tree, compared: &[Compared]) -> RecordingStreamResult<()> {
     Ok(())
 }
 
-fn markdown(text: &str) -> TextDocument {
+pub(super) fn markdown(text: &str) -> TextDocument {
     TextDocument::new(text).with_media_type(MediaType::markdown())
 }
 
@@ -148,7 +148,7 @@ fn answer(diagnosis: &Diagnosis) -> String {
 }
 
 /// Words of others as a cell of a table.
-fn cell(words: &str) -> String {
+pub(super) fn cell(words: &str) -> String {
     words.replace('|', "\\|").replace('\n', " ")
 }
 

@@ -6,7 +6,9 @@
 use ::rerun::external::re_log_types::BlueprintActivationCommand;
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
 use ::rerun::external::re_sdk_types::datatypes::Uuid;
-use ::rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, RecordingStreamResult};
+use ::rerun::{
+    AsComponents, EntityPath, EntityPathPart, RecordingStream, RecordingStreamBuilder, RecordingStreamResult,
+};
 
 use super::APPLICATION;
 
@@ -143,4 +145,9 @@ impl Tree<'_> {
 /// All that is below a path.
 pub(super) fn under(path: &str) -> String {
     format!("+ /{path}/**")
+}
+
+/// Where something stands whose parts may have any name.
+pub(super) fn path(parts: &[&str]) -> String {
+    EntityPath::new(parts.iter().map(|part| EntityPathPart::new(*part)).collect()).to_string()
 }

@@ -68,7 +68,7 @@ pub fn muscle_file(
 }
 
 /// The rods of a calibration that are no muscle, each a scenario of its first release with what was found in it: one
-/// for each pressure. What belongs to a single release is left as it was.
+/// for each pressure.
 pub fn rod_files(
     problem: &Problem,
     calibration: &Calibration,
@@ -77,26 +77,19 @@ pub fn rod_files(
 ) -> Vec<ModelFile> {
     let mut pressures: Vec<Option<f64>> = Vec::new();
     let mut files = Vec::new();
-    for trial in problem.trials.iter().filter(|trial| !trial.release.held_out) {
+    let applied = calibration.applied(problem);
+    for trial in applied.trials.iter().filter(|trial| !trial.release.held_out) {
         let pressure = trial.release.pressure;
         if pressures.contains(&pressure) {
             continue;
         }
         pressures.push(pressure);
-        let is_own = |one: &Calibrated| {
-            one.release.is_none() && (one.pressure_pa.is_none() || one.pressure_pa == pressure)
-        };
-        let mut model = trial.model.clone();
-        for one in calibration.parameters.iter().filter(|one| is_own(one)) {
-            if let Ok(k) = model.index(&one.name) {
-                model.theta[k] = one.value;
-            }
-        }
+        let is_own = |one: &Calibrated| one.pressure_pa.is_none() || one.pressure_pa == pressure;
         let duration = trial.release.time.last().copied().unwrap_or(20.0);
         let mut known = known(calibration, nodes, &is_own);
         // At its own pressure each number is what it is.
         known.parameter.iter_mut().for_each(|knob| knob.pressure_pa = None);
-        let text = plain(source, &trial.release.name, &model, duration) + "\n" + &known.section();
+        let text = plain(source, &trial.release.name, &trial.model, duration) + "\n" + &known.section();
         files.push(ModelFile { name: format!("rod-{}.toml", files.len() + 1), text });
     }
     if let [only] = &mut files[..] {

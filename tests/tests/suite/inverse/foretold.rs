@@ -56,7 +56,7 @@ fn truth(seed: u64, payload: f64) -> [f64; 4] {
 fn foretold(seed: u64) -> Vec<Cell> {
     let mut problem = problem(&plan(&[]).draw(seed));
     problem.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
-    let outcome = calibrate(&problem, &Settings::default(), &|_| ()).expect("a fit");
+    let outcome = calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit");
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
     let file = muscle_file(&muscle, &outcome.calibration, None, "twin").expect("a muscle").expect("columns");
     let text =

@@ -201,7 +201,7 @@ fn stiffness_against_mass_is_said_to_be_hard_to_tell() {
         nuisances: Nuisances { release_instant: true, hold_angle: None, offset: None },
     };
     let settings = Settings { remove_mesh: false, ..Settings::default() };
-    let found = calibrate(&problem, &settings, &|_| ()).unwrap().calibration;
+    let found = calibrate(&problem, &settings, &|_: &str| ()).unwrap().calibration;
     let said = found.warnings.join("\n");
     let is_vague = found.of(EI)[0].relative_error().is_none_or(|error| error > 1.0);
     assert!(is_vague, "{found:?}");
@@ -240,7 +240,7 @@ fn the_profile_agrees_with_the_curvature_of_a_parabola() {
         nuisances: Nuisances { release_instant: true, hold_angle: None, offset: None },
     };
     let settings = Settings { profile: true, ..Settings::default() };
-    let found = calibrate(&problem, &settings, &|_| ()).unwrap().calibration;
+    let found = calibrate(&problem, &settings, &|_: &str| ()).unwrap().calibration;
     for one in &found.parameters {
         let (curved, profiled) = (one.interval_95.unwrap(), one.profile_95.unwrap());
         let width = curved[1] - curved[0];
@@ -257,7 +257,7 @@ fn what_makes_no_sense_is_refused_in_words() {
     let one = trial(&model, release);
     let refused = |trials: Vec<Trial>, parameters: Vec<Parameter>| {
         let problem = Problem { trials, parameters, nuisances: Nuisances::default() };
-        calibrate(&problem, &Settings::default(), &|_| ()).unwrap_err().to_string()
+        calibrate(&problem, &Settings::default(), &|_: &str| ()).unwrap_err().to_string()
     };
     let only = |path: &str| vec![Parameter::new(path, Scope::PerPressure)];
     assert!(refused(Vec::new(), three()).contains("no release to calibrate with"));

@@ -1,0 +1,44 @@
+//! `efam view`: a finished run in the Rerun viewer.
+
+use std::io;
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+use sim::results::{MARK, SCENARIO};
+
+use super::failure::Failure;
+use super::live::RECORDING;
+
+/// The viewer, of the version that can read what we write.
+const VIEWER: &str = "rerun";
+
+/// Opens the recording of a run's folder.
+pub fn run(folder: &Path) -> Result<ExitCode, Failure> {
+    let shown = folder.display();
+    if !folder.join(MARK).is_file() {
+        return Err(Failure::Usage(format!(
+            "{shown}: is no folder of a run, for it has no {MARK}; give one that efam wrote, such as one below outputs/"
+        )));
+    }
+    let recording = folder.join(RECORDING);
+    if !recording.is_file() {
+        let again = match folder.join(SCENARIO).is_file() {
+            true => format!("the same bits come from `efam simulate {}/{SCENARIO} --rerun spawn`", shown),
+            false => "run it again with --rerun save".to_owned(),
+        };
+        return Err(Failure::Usage(format!(
+            "{shown}: has no {RECORDING}, because it was not asked for; {again}"
+        )));
+    }
+    let started = Command::new(VIEWER).arg(&recording).status();
+    match started {
+        Ok(status) if status.success() => Ok(ExitCode::SUCCESS),
+        Ok(status) => Err(Failure::Output(format!(
+            "the viewer `{VIEWER}` ended with {status}; try `{VIEWER} --version`"
+        ))),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Err(Failure::Output(format!(
+            "no program `{VIEWER}` on the PATH; install it with `pip install rerun-sdk==0.36.3`"
+        ))),
+        Err(error) => Err(Failure::Output(format!("the viewer `{VIEWER}` does not start ({error})"))),
+    }
+}
