@@ -31,8 +31,9 @@ fn plan(hidden: &[Hidden]) -> Plan {
     Plan { angles: vec![0.0, -25f64.to_radians()], ..Plan::usual(hidden) }
 }
 
-/// What the beam of a seed does with a payload, in the order of [`NAMES`], its setup being as it should.
-fn truth(seed: u64, payload: f64) -> [f64; 4] {
+/// What the beam of a seed does with a payload, in the order of [`NAMES`], its setup being as it should; none where
+/// its swing has no one frequency, as with the heaviest payload it may.
+fn truth(seed: u64, payload: f64) -> [Option<f64>; 4] {
     let usual = plan(&[Hidden::TipMass { mass: payload }]);
     let priors = Priors { hold_angle: 0.0, instant: 0.0, tilt: 0.0, offset: 0.0, ..usual.priors };
     let drawn = Plan { duration: SECONDS, priors, ..usual }.draw(seed);
@@ -43,13 +44,14 @@ fn truth(seed: u64, payload: f64) -> [f64; 4] {
     let z: Vec<f64> = own.expect("a release of the plan").truth[0].iter().map(|at| at[1]).collect();
     let excursion = Excursion::about_end(3.0, &z, 0.01).expect("twenty seconds");
     let (omega, peaks) = swing(&excursion, &swing_spectrum(&excursion));
-    let (omega, peaks) = (omega.expect("it swings"), peaks.expect("it swings"));
-    let ratio = fit_decay(&peaks, omega).expect("it decays").damping_ratio;
+    let omega = omega.ok();
+    let decay = omega.zip(peaks.ok()).and_then(|(omega, peaks)| fit_decay(&peaks, omega).ok());
     // Between samples, by the parabola through the lowest three.
     let k = (1..z.len() - 1).min_by(|a, b| z[*a].total_cmp(&z[*b])).expect("samples");
     let (slope, bend) = (0.5 * (z[k + 1] - z[k - 1]), z[k + 1] - 2.0 * z[k] + z[k - 1]);
     let lowest = z[k] - 0.5 * slope * slope / bend;
-    [excursion.rest(), omega / std::f64::consts::TAU, ratio, lowest]
+    let ratio = decay.map(|decay| decay.damping_ratio);
+    [Some(excursion.rest()), omega.map(|omega| omega / std::f64::consts::TAU), ratio, Some(lowest)]
 }
 
 /// What a calibration of a seed's releases without a payload foretells.
@@ -77,23 +79,23 @@ fn coverage(seeds: std::ops::Range<u64>) -> [f64; 4] {
         let of = |(cell, payload): (&Cell, &f64)| {
             let truth = truth(seed, *payload);
             [0, 1, 2, 3].map(|k| {
-                let quantity = cell.quantity(NAMES[k]).expect("a number");
-                let [low, high] = quantity.interval_95.expect("an interval");
-                let middle = quantity.value.expect("a value");
-                ((truth[k] - middle) / (0.5 * (high - low)), 0.5 * (high - low) / middle.abs())
+                let quantity = cell.quantity(NAMES[k])?;
+                let ([low, high], middle) = (quantity.interval_95?, quantity.value?);
+                Some(((truth[k]? - middle) / (0.5 * (high - low)), 0.5 * (high - low) / middle.abs()))
             })
         };
         cells.iter().zip(&PAYLOADS).map(of).collect::<Vec<_>>()
     };
-    let all: Vec<Vec<[(f64, f64); 4]>> = seeds.into_par_iter().map(one).collect();
+    let all: Vec<Vec<[Option<(f64, f64)>; 4]>> = seeds.into_par_iter().map(one).collect();
     let mut shares = [0.0; 4];
     for (k, name) in NAMES.iter().enumerate() {
         for (p, payload) in PAYLOADS.iter().enumerate() {
-            let own: Vec<(f64, f64)> = all.iter().map(|cells| cells[p][k]).collect();
+            let own: Vec<(f64, f64)> = all.iter().filter_map(|cells| cells[p][k]).collect();
             let mean = |of: &dyn Fn(&(f64, f64)) -> f64| own.iter().map(of).sum::<f64>() / own.len() as f64;
             println!(
-                "{name:16} {:>4.0} g: held {:>5.1} %, off by {:+.2} half widths in the mean, {:.2} rms; half width {:.3} %",
+                "{name:16} {:>4.0} g: of {} held {:>5.1} %, off by {:+.2} half widths in the mean, {:.2} rms; half width {:.3} %",
                 1e3 * payload,
+                own.len(),
                 100.0 * mean(&|own| f64::from(own.0.abs() <= 1.0)),
                 mean(&|own| own.0),
                 mean(&|own| own.0 * own.0).sqrt(),

@@ -96,7 +96,7 @@ fn three() -> Vec<Parameter> {
 }
 
 fn solve(problem: &Problem) -> Outcome {
-    calibrate(problem, &Settings::default(), &|_| ()).unwrap()
+    calibrate(problem, &Settings::default(), &|_: &str| ()).unwrap()
 }
 
 /// Distance of an estimate from the truth in standard errors.
