@@ -98,6 +98,27 @@ fn efam_saves_the_recording_of_a_diagnosis() {
     assert_eq!(bench.run(&["diagnose", "--plan", scenario, "--rerun", "save"]).0, 2);
 }
 
+/// A calibration as it converges, with each release; and the rods that its muscle is foretold to be.
+#[test]
+fn efam_saves_the_recordings_of_a_calibration_and_of_a_prediction() {
+    let bench = Bench::new("fit-recording");
+    let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/diagnosis/nothing/experiment.toml");
+    let asked = ["--payload", "0g,80g", "--duration", "3 s", "--out", "family", "--rerun", "save", "--quiet"];
+    let predict = ["predict", "--muscle", "fit/muscle.toml", "--pressure", "40psi"];
+    let calibrate = ["calibrate", experiment, "--out", "fit", "--rerun", "save", "--quiet"];
+    for (arguments, parts) in [
+        (calibrate.to_vec(), ["fit/run.rrd", "fit/residuals", "40psi-1.csv", "fit/parameters"]),
+        ([&predict[..], &asked].concat(), ["family/run.rrd", "family", "height", "80 g"]),
+    ] {
+        let (code, _, stderr) = bench.run(&arguments);
+        assert_eq!(code, 0, "{stderr}");
+        let bytes = fs::read(bench.0.join(parts[0])).unwrap();
+        for part in &parts[1..] {
+            assert!(bytes.windows(part.len()).any(|found| found == part.as_bytes()), "{part}");
+        }
+    }
+}
+
 /// A viewer that accepts and then says nothing, or goes, must not stop a run.
 #[test]
 fn dead_viewer_stops_no_run() {

@@ -11,3 +11,4 @@ mod inspect;
 mod live_view;
 mod predict;
 mod predict_rod;
+mod view;
