@@ -6,30 +6,52 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use clap::Args;
 use serde_json::json;
-use sim::calibrate::{Settings, calibrate, problem};
-use sim::cleaning::clean;
+use sim::calibrate::{Outcome, Settings, calibrate, problem};
 use sim::experiment::{Entry, Experiment};
 use sim::results::calibrated::{MUSCLE, muscle_file, table, write_calibration};
 use sim::results::{self, Request};
 
-use super::Calibrate;
-use super::experiment::open;
+use super::arguments::OfExperiment;
+use super::experiment::{open, read};
 use super::failure::Failure;
-use super::progress;
+use super::interrupt;
+use super::voice::{Voice, print};
 
-pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
+const HELP: &str = "Examples:
+  efam calibrate beam.toml
+  efam calibrate beam.toml --profile --out outputs/beam --overwrite
+  efam calibrate beam.toml --set calibrate.mesh=\"kept\" --json
+
+Exit codes: 3 for data that cannot be used, 4 if no fit is found, 130 if it is
+interrupted, which saves nothing.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Calibrate {
+    #[command(flatten)]
+    of: OfExperiment,
+    /// Also find intervals by the profile of the likelihood, which takes longer.
+    #[arg(long)]
+    profile: bool,
+}
+
+pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     // What stands in the way is said before a long search.
-    let (experiment, folder) = open(&args.of)?;
+    let (experiment, folder) = open(&args.of, voice)?;
     let input_hashes = input_hashes(&experiment);
-    let progress = progress::line(args.quiet || args.of.json);
-    progress.set_message("reading and cleaning the recordings");
-    let cleaned = clean(&experiment)?;
-    let (problem, settings) = problem(&experiment, &cleaned)?;
-    let settings = Settings { profile: args.profile, ..settings };
-    let outcome = calibrate(&problem, &settings, &|stage| progress.set_message(stage.to_owned()))?;
-    progress.finish_and_clear();
+    let stages = voice.stages();
+    let work = || -> Result<Outcome, Failure> {
+        let cleaned = read(&experiment, &stages)?;
+        let (problem, settings) = problem(&experiment, &cleaned)?;
+        let settings = Settings { profile: args.profile, ..settings };
+        Ok(calibrate(&problem, &settings, &|stage| stages.tell(stage))?)
+    };
+    let (folder, outcome) = interrupt::during(folder, &stages, work);
+    let outcome = outcome?;
+    stages.tell("writing");
 
     let calibration = &outcome.calibration;
     let source = format!(
@@ -50,12 +72,14 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     write_calibration(&folder, &request, &outcome, muscle.as_deref())?;
+    interrupt::check()?;
     let folder = folder.finish()?;
-
-    let mut out = io::stdout().lock();
-    if args.of.json {
-        writeln!(out, "{}", json!({ "folder": folder, "calibration": calibration }))?;
-    } else if !args.quiet {
+    stages.clear();
+    voice.detail(format!("written to {}", folder.display()));
+    if args.of.output.form.json {
+        print(&json!({ "folder": folder, "calibration": calibration }))?;
+    } else if !voice.quiet {
+        let mut out = io::stdout().lock();
         write!(out, "{}", table(calibration))?;
         writeln!(out, "\nresults in {}", folder.display())?;
         if muscle.is_some() {

@@ -3,12 +3,36 @@
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use clap::Args;
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::nearest;
 use models::quantity::format_si;
 use serde_json::{Value, json};
 
+use super::arguments::Form;
 use super::failure::Failure;
+use super::voice::{Voice, print};
+
+const HELP: &str = "Examples:
+  efam effects
+  efam effects viscoelastic
+  efam effects --json";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Effects {
+    /// An effect.
+    name: Option<String>,
+    #[command(flatten)]
+    form: Form,
+}
+
+pub fn run(args: &Effects, voice: &Voice) -> Result<ExitCode, Failure> {
+    match &args.name {
+        Some(name) => page(name, args.form.json, voice),
+        None => list(args.form.json, voice),
+    }
+}
 
 const KINDS: [(Kind, &str); 6] = [
     (Kind::Elastic, "elastic: gives back what it stores"),
@@ -20,14 +44,17 @@ const KINDS: [(Kind, &str); 6] = [
 ];
 
 /// Lists all effects, kind by kind.
-pub fn list(json: bool) -> Result<ExitCode, Failure> {
-    let mut out = io::stdout().lock();
+fn list(json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     let abouts = || CATALOGUE.iter().map(|effect| effect.about());
     if json {
         let effects: Vec<_> = abouts().map(of_about).collect();
-        writeln!(out, "{}", json!({ "effects": effects }))?;
+        print(&json!({ "effects": effects }))?;
         return Ok(ExitCode::SUCCESS);
     }
+    if voice.quiet {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut out = io::stdout().lock();
     for (kind, title) in KINDS {
         if abouts().all(|about| about.kind != kind) {
             continue;
@@ -46,20 +73,19 @@ pub fn list(json: bool) -> Result<ExitCode, Failure> {
 }
 
 /// Shows the page of an effect.
-pub fn page(name: &str, json: bool) -> Result<ExitCode, Failure> {
+fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     let Some(effect) = by_name(name) else {
         let names: Vec<_> = CATALOGUE.iter().map(|effect| effect.about().name).collect();
         let meant = nearest(name, names.iter().copied())
             .map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
         return Err(Failure::Usage(format!("no effect `{name}`{meant}; there are {}", names.join(", "))));
     };
-    let mut out = io::stdout().lock();
     if json {
         let mut value = of_about(effect.about());
         value["page"] = effect.page().into();
-        writeln!(out, "{value}")?;
-    } else {
-        writeln!(out, "{}", effect.page())?;
+        print(&value)?;
+    } else if !voice.quiet {
+        writeln!(io::stdout(), "{}", effect.page())?;
     }
     Ok(ExitCode::SUCCESS)
 }

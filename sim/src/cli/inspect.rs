@@ -4,10 +4,36 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::Args;
 use serde_json::{Value, json};
-use sim::recording::{Marker, ReadOptions, Recording, read};
+use sim::recording::{Length, Marker, ReadOptions, Recording, read};
 
+use super::arguments::Form;
 use super::failure::Failure;
+use super::voice::{Voice, print};
+
+const HELP: &str = "Examples:
+  efam inspect trial.c3d
+  efam inspect swing.csv --unit mm --rate 100
+  efam inspect 15psi.csv 40psi.csv --json
+
+Exit codes: 3 if a recording cannot be read; the others are shown all the same.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Inspect {
+    /// Recordings: tables as text or Parquet, Vicon, Motive, Qualisys, TRC, C3D.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Unit of the positions, where the file is silent or wrong: m, cm, mm, um, in or ft.
+    #[arg(long)]
+    unit: Option<Length>,
+    /// Samples a second, where the file is silent or wrong.
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    #[command(flatten)]
+    form: Form,
+}
 
 /// Markers in a table; all are in the JSON.
 const MOST_ROWS: usize = 100;
@@ -15,18 +41,20 @@ const MOST_ROWS: usize = 100;
 const NAME: usize = 24;
 
 /// Shows each file; those that cannot be read are reported after the others.
-pub fn run(files: &[PathBuf], options: &ReadOptions, json: bool) -> Result<ExitCode, Failure> {
+pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
+    let options = ReadOptions { unit: args.unit, rate_hz: args.rate };
     let (mut values, mut failures) = (Vec::new(), Vec::new());
-    let mut out = io::stdout().lock();
-    for file in files {
-        match read(file, options) {
-            Ok(recording) if json => values.push(of_recording(&recording)),
-            Ok(recording) => table(&mut out, &recording)?,
+    for file in &args.files {
+        voice.detail(format!("reading {}", file.display()));
+        match read(file, &options) {
+            Ok(recording) if args.form.json => values.push(of_recording(&recording)),
+            Ok(recording) if !voice.quiet => table(&mut io::stdout().lock(), &recording)?,
+            Ok(_) => {}
             Err(error) => failures.push(error.to_string()),
         }
     }
-    if json {
-        writeln!(out, "{}", json!({ "recordings": values }))?;
+    if args.form.json {
+        print(&json!({ "recordings": values }))?;
     }
     match failures.is_empty() {
         true => Ok(ExitCode::SUCCESS),

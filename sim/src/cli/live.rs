@@ -44,6 +44,7 @@ pub use without::{Live, LiveSearch};
 mod with_rerun {
     use sim::observe::rerun::{RerunError, Scene, SearchStream, Sink, Stream};
 
+    use super::super::interrupt;
     use super::*;
 
     /// A recording in progress.
@@ -111,7 +112,7 @@ mod with_rerun {
 
     fn finish<D>(stream: Stream<D>, hold: bool) -> Result<(), Failure> {
         if hold {
-            stream.hold();
+            stream.hold(interrupt::is_asked);
         }
         match stream.finish() {
             Err(error @ RerunError::ViewerLost { .. }) => {

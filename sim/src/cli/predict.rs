@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use models::muscle::BUILT_IN;
@@ -17,9 +18,18 @@ use sim::scenario::Scenario;
 
 use super::Predict;
 use super::failure::Failure;
-use super::progress;
+use super::interrupt;
+use super::voice::{Voice, print};
 
-pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
+pub const HELP: &str = "Examples:
+  efam predict --muscle outputs/beam/muscle.toml --pressure 40psi --payload 80g
+  efam predict --muscle garbulinski-2022 --pressure 15psi --angle \"25 deg\"
+  efam predict --muscle muscle.toml --pressure 40psi --draws 400 --json
+
+Exit codes: 3 for a muscle file that cannot be used, 4 if the case cannot be
+simulated, 130 if it is interrupted, which saves nothing.";
+
+pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let (text, input_hashes) = scenario(args)?;
     let scenario = Scenario::parse(Path::new("efam-predict.toml"), &text, &args.set)?;
@@ -29,29 +39,42 @@ pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
     };
     let request = Request {
         name: case.name.clone(),
-        out: args.out.clone(),
-        overwrite: args.overwrite,
+        out: args.output.out.clone(),
+        overwrite: args.output.overwrite,
         resolved_scenario: case.resolved.clone(),
         input_hashes,
         argv: std::env::args().collect(),
         ..Request::default()
     };
     // What stands in the way is said before the simulations.
+    interrupt::listen();
     let folder = results::begin(&request)?;
     let settings = Settings { draws: args.draws, seed: args.seed };
-    let progress = progress::line(args.quiet || args.json);
-    progress.set_message("simulating what the calibration admits");
-    let outcome = predict(case, scenario.known(), &settings, &|| progress.inc(1));
+    let stages = voice.stages();
+    let threads = rayon::current_num_threads();
+    stages.tell(&format!("simulating what the calibration admits, on {threads} threads"));
+    let done = AtomicUsize::new(0);
+    let tell = || {
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        if done.is_multiple_of(args.draws.div_ceil(10)) {
+            stages.tell(&format!("{done} of {} draws", args.draws));
+        }
+    };
+    let work = || predict(case, scenario.known(), &settings, &tell);
+    let (folder, outcome) = interrupt::during(folder, &stages, work);
     let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
-    progress.finish_and_clear();
+    stages.tell("writing");
     let warnings = outcome.prediction.warnings.clone();
     let request = Request { warnings, wall_time_s: begin.elapsed().as_secs_f64(), ..request };
     write_prediction(&folder, &request, &outcome)?;
+    interrupt::check()?;
     let folder = folder.finish()?;
-    let mut out = io::stdout().lock();
-    if args.json {
-        writeln!(out, "{}", json!({ "folder": folder, "prediction": outcome.prediction }))?;
-    } else if !args.quiet {
+    stages.clear();
+    voice.detail(format!("written to {}", folder.display()));
+    if args.output.form.json {
+        print(&json!({ "folder": folder, "prediction": outcome.prediction }))?;
+    } else if !voice.quiet {
+        let mut out = io::stdout().lock();
         write!(out, "{}", prediction_table(&outcome.prediction))?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use clap::Args;
 use models::quantity::format_si;
 use models::statics::{self, equilibrium};
 use models::system::System;
@@ -12,13 +13,47 @@ use sim::forward::tip;
 use sim::results::rest::root_moment;
 use sim::scenario::{Case, Scenario};
 
-use super::Source;
+use super::arguments::{Form, Source};
 use super::failure::Failure;
+use super::voice::{Voice, print};
+
+const STATICS_HELP: &str = "Examples:
+  efam statics scenarios/payload-80g.toml
+  efam statics scenarios/all-rows.toml --json
+
+Exit codes: 4 if no rest posture is found.";
+
+#[derive(Args)]
+#[command(after_help = STATICS_HELP)]
+pub struct Statics {
+    #[command(flatten)]
+    source: Source,
+    #[command(flatten)]
+    form: Form,
+}
+
+const MODES_HELP: &str = "Examples:
+  efam modes scenarios/payload-80g.toml --count 5
+  efam modes scenarios/steel-ruler.toml --json
+
+Exit codes: 4 if no rest posture is found.";
+
+#[derive(Args)]
+#[command(after_help = MODES_HELP)]
+pub struct Modes {
+    #[command(flatten)]
+    source: Source,
+    /// How many, from the slowest.
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    count: usize,
+    #[command(flatten)]
+    form: Form,
+}
 
 /// Shows the rest posture.
-pub fn statics(source: &Source, json: bool) -> Result<ExitCode, Failure> {
+pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(source)? {
+    for case in cases(&args.source, voice)? {
         let rest = equilibrium(&case.model, None)?;
         let mut system = System::new(&case.model);
         let at_rest = vec![0.0; rest.q.len()];
@@ -31,11 +66,13 @@ pub fn statics(source: &Source, json: bool) -> Result<ExitCode, Failure> {
             "iterations": rest.iterations, "stable": rest.stable, "warnings": case.warnings,
         }));
     }
-    let mut out = io::stdout().lock();
-    if json {
-        writeln!(out, "{}", json!({ "statics": rows }))?;
+    if args.form.json {
+        print(&json!({ "statics": rows }))?;
+    }
+    if args.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
+    let mut out = io::stdout().lock();
     writeln!(out, "{:24}{:>12}{:>12}{:>14}{:>16}", "", "tip x", "tip z", "end angle", "root moment")?;
     for row in rows {
         let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
@@ -54,22 +91,24 @@ pub fn statics(source: &Source, json: bool) -> Result<ExitCode, Failure> {
 }
 
 /// Shows the slowest vibrations about the rest posture.
-pub fn modes(source: &Source, count: usize, json: bool) -> Result<ExitCode, Failure> {
+pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(source)? {
+    for case in cases(&args.source, voice)? {
         let rest = equilibrium(&case.model, None)?;
-        for (index, mode) in statics::modes(&case.model, &rest, count)?.iter().enumerate() {
+        for (index, mode) in statics::modes(&case.model, &rest, args.count)?.iter().enumerate() {
             rows.push(json!({
                 "name": case.name, "pressure_pa": case.pressure, "mode": index + 1,
                 "frequency_hz": mode.angular_frequency / TAU, "damping_ratio": mode.damping_ratio,
             }));
         }
     }
-    let mut out = io::stdout().lock();
-    if json {
-        writeln!(out, "{}", json!({ "modes": rows }))?;
+    if args.form.json {
+        print(&json!({ "modes": rows }))?;
+    }
+    if args.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
+    let mut out = io::stdout().lock();
     writeln!(out, "{:24}{:>6}{:>14}{:>16}", "", "mode", "frequency", "damping ratio")?;
     for row in rows {
         let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
@@ -85,10 +124,8 @@ pub fn modes(source: &Source, count: usize, json: bool) -> Result<ExitCode, Fail
     Ok(ExitCode::SUCCESS)
 }
 
-fn cases(source: &Source) -> Result<Vec<Case>, Failure> {
+fn cases(source: &Source, voice: &Voice) -> Result<Vec<Case>, Failure> {
     let cases = Scenario::load(&source.scenario, &source.overrides())?.cases()?;
-    for warning in cases.iter().flat_map(|case| &case.warnings) {
-        eprintln!("warning: {warning}");
-    }
+    voice.warn(cases.iter().flat_map(|case| &case.warnings));
     Ok(cases)
 }

@@ -7,6 +7,8 @@ mod diagnose;
 mod diagnosis_page;
 mod experiment;
 mod inspect;
+#[cfg(unix)]
+mod interrupted;
 #[cfg(feature = "rerun")]
 mod live_view;
 mod predict;

@@ -17,7 +17,7 @@ const DOORS: [(&str, &[&str]); 17] = [
     ("argmin", &["sim/src/analysis/nelder_mead.rs"]),
     ("arrow", &["sim/src/results/table.rs", "sim/src/recording/columnar.rs"]),
     ("bytes", &["sim/src/results/table.rs", "sim/src/recording/columnar.rs"]),
-    ("clap", &["sim/src/cli.rs", "tests/src/bin/blind_bench.rs"]),
+    ("clap", &["sim/src/cli.rs", "sim/src/cli/", "tests/src/bin/blind_bench.rs"]),
     ("csv", &["sim/src/recording/cells.rs"]),
     ("ctrlc", &["sim/src/cli/interrupt.rs"]),
     ("diffsol", &["sim/src/integrate/diffsol.rs", "sim/src/integrate/diffsol/"]),
