@@ -3,16 +3,20 @@
 mod analyse;
 mod arguments;
 mod calibrate;
+mod completions;
 mod diagnose;
+mod doctor;
 mod effects;
 mod experiment;
 mod failure;
 mod inspect;
 mod interrupt;
 mod live;
+mod man;
 mod predict;
 mod progress;
 mod rest;
+mod schema;
 mod simulate;
 mod voice;
 
@@ -71,6 +75,14 @@ enum Command {
     Statics(rest::Statics),
     /// Show the small vibrations about the rest posture.
     Modes(rest::Modes),
+    /// Say what this program has, and what it finds around it: threads, the viewer, where results go.
+    Doctor(doctor::Doctor),
+    /// Print the JSON schema of what a command prints with --json.
+    Schema(schema::Schema),
+    /// Print what a shell has to know to complete command lines.
+    Completions(completions::Completions),
+    /// Print a manual page, or write all.
+    Man(man::Manual),
 }
 
 #[derive(Subcommand)]
@@ -141,6 +153,10 @@ pub fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args, &voice),
         Command::Statics(args) => rest::statics(&args, &voice),
         Command::Modes(args) => rest::modes(&args, &voice),
+        Command::Doctor(args) => doctor::run(&args, &voice),
+        Command::Schema(args) => schema::run(&args),
+        Command::Completions(args) => completions::run(&args, Efam::command()),
+        Command::Man(args) => man::run(&args, Efam::command(), &voice),
     };
     match done {
         Ok(code) => code,
@@ -222,6 +238,18 @@ mod tests {
             let wide = help.lines().find(|line| line.chars().count() > 80);
             assert_eq!(wide, None, "{name}: wraps on a terminal of 80 columns");
         }
+    }
+
+    #[test]
+    fn all_that_prints_json_has_a_schema() {
+        let mut all = Vec::new();
+        leaves(&Efam::command(), "", &mut all);
+        let prints = |command: &clap::Command| command.get_arguments().any(|own| own.get_id() == "json");
+        let mut printing: Vec<_> = all.iter().filter(|own| prints(&own.1)).map(|own| own.0.trim()).collect();
+        let mut published = schema::SCHEMAS.map(|(command, _)| command);
+        printing.sort_unstable();
+        published.sort_unstable();
+        assert_eq!(printing, published);
     }
 
     #[test]

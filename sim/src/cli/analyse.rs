@@ -5,13 +5,15 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::Args;
+use serde::Serialize;
 use sim::analysis::bending_stiffness::StiffnessFit;
 use sim::analysis::{AnalysisError, static_stiffness};
-use sim::experiment::analyse::{Analysed, analyse};
+use sim::experiment::analyse::{Analysed, Said, analyse};
 use sim::results::experiment::write;
+use sim::schema::JsonSchema;
 
 use super::arguments::Cleaning;
-use super::experiment::{decisions, json, open, read, table};
+use super::experiment::{CheckPrinted, decisions, open, read, table};
 use super::failure::Failure;
 use super::interrupt;
 use super::voice::{Voice, print};
@@ -34,6 +36,15 @@ pub struct Analyse {
     nodes: Vec<usize>,
 }
 
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    #[serde(flatten)]
+    cleaned: CheckPrinted<'a>,
+    /// Each release that is used.
+    analysis: Vec<Said<'a>>,
+}
+
 pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
     let (args, nodes) = (&args.cleaning, &args.nodes);
     if let Some(wrong) = nodes.iter().find(|nodes| !(4..=2000).contains(*nodes)) {
@@ -52,9 +63,8 @@ pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
     let folder = folder.finish()?;
     stages.clear();
     if args.of.output.form.json {
-        let mut value = json(&cleaned, &folder);
-        value["analysis"] = analysed.iter().map(Analysed::json).collect();
-        print(&value)?;
+        let analysis = analysed.iter().map(Analysed::said).collect();
+        print(&Printed { cleaned: CheckPrinted::of(&cleaned, &folder), analysis })?;
     }
     if args.of.output.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);

@@ -7,11 +7,12 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use serde_json::json;
-use sim::calibrate::{Outcome, Settings, calibrate, problem};
+use serde::Serialize;
+use sim::calibrate::{Calibration, Outcome, Settings, calibrate, problem};
 use sim::experiment::{Entry, Experiment};
 use sim::results::calibrated::{MUSCLE, muscle_file, table, write_calibration};
 use sim::results::{self, Request};
+use sim::schema::JsonSchema;
 
 use super::arguments::OfExperiment;
 use super::experiment::{open, read};
@@ -35,6 +36,15 @@ pub struct Calibrate {
     /// Also find intervals by the profile of the likelihood, which takes longer.
     #[arg(long)]
     profile: bool,
+}
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// Where the results are.
+    folder: &'a Path,
+    /// What was found.
+    calibration: &'a Calibration,
 }
 
 pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
@@ -77,7 +87,7 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     stages.clear();
     voice.detail(format!("written to {}", folder.display()));
     if args.of.output.form.json {
-        print(&json!({ "folder": folder, "calibration": calibration }))?;
+        print(&Printed { folder: &folder, calibration })?;
     } else if !voice.quiet {
         let mut out = io::stdout().lock();
         write!(out, "{}", table(calibration))?;

@@ -1,7 +1,7 @@
 //! `efam diagnose`: which physical effect the model of an experiment lacks.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -10,12 +10,14 @@ use clap::Args;
 use models::effects::{CATALOGUE, by_name};
 use models::nearest::nearest;
 use models::quantity::Quantity;
-use serde_json::json;
+use serde::Serialize;
+use sim::diagnose::plan::Prospect;
 use sim::diagnose::verdict::Evidence;
-use sim::diagnose::{Listener, Outcome, Settings, diagnose, plan, problem};
+use sim::diagnose::{Diagnosis, Listener, Outcome, Settings, diagnose, plan, problem};
 use sim::results::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
 use sim::results::{self, Request};
 use sim::scenario::Scenario;
+use sim::schema::JsonSchema;
 
 use super::arguments::OfExperiment;
 use super::calibrate::input_hashes;
@@ -65,6 +67,26 @@ pub struct Diagnose {
     /// serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse, conflicts_with = "plan")]
     rerun: Option<Rerun>,
+}
+
+/// What is printed for programs: of a diagnosis, or with `--plan` of a plan.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Printed<'a> {
+    /// Of an experiment.
+    Diagnosed {
+        /// Where the results are.
+        folder: &'a Path,
+        /// What was found.
+        diagnosis: &'a Diagnosis,
+    },
+    /// Of releases that are planned.
+    Planned {
+        /// How many releases.
+        releases: usize,
+        /// Each effect, that which is seen best first.
+        prospects: &'a [Prospect],
+    },
 }
 
 /// A length with its unit, m, more than nothing.
@@ -137,7 +159,7 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     stages.clear();
     voice.detail(format!("written to {}", folder.display()));
     if args.of.output.form.json {
-        print(&json!({ "folder": folder, "diagnosis": outcome.diagnosis }))?;
+        print(&Printed::Diagnosed { folder: &folder, diagnosis: &outcome.diagnosis })?;
     } else if !voice.quiet {
         let mut out = io::stdout().lock();
         write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
@@ -189,7 +211,7 @@ fn planned(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     let prospects = plan::best_seen(prospects?);
     stages.clear();
     if args.of.output.form.json {
-        print(&json!({ "releases": cases.len(), "prospects": prospects }))?;
+        print(&Printed::Planned { releases: cases.len(), prospects: &prospects })?;
     } else if !voice.quiet {
         let mut out = io::stdout().lock();
         write!(out, "{}", plan_table(&prospects, cases.len()))?;

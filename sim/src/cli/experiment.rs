@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use serde_json::{Value, json};
-use sim::cleaning::{Cleaned, clean};
+use serde::Serialize;
+use sim::cleaning::{Cleaned, Decision, clean};
 use sim::experiment::{Experiment, init};
 use sim::recording::{self, ReadOptions};
-use sim::results::experiment::{row, write};
+use sim::results::experiment::{Row, write};
 use sim::results::{self, Folder, ResultsError};
+use sim::schema::JsonSchema;
 
 use super::arguments::{Cleaning, Form, OfExperiment};
 use super::failure::Failure;
@@ -55,6 +56,37 @@ pub struct Check {
     cleaning: Cleaning,
 }
 
+/// What is printed of a first experiment file for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct InitPrinted<'a> {
+    /// The file.
+    file: &'a Path,
+    /// Recordings in it.
+    recordings: usize,
+    /// Lines with something that was guessed.
+    guesses: usize,
+    /// Lines with something that cannot be known from recordings.
+    to_fill_in: usize,
+}
+
+/// What is printed of cleaned recordings for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct CheckPrinted<'a> {
+    /// Each release.
+    releases: Vec<Row<'a>>,
+    /// What was decided, and how to decide otherwise.
+    decisions: &'a [Decision],
+    /// Where the results are.
+    folder: &'a Path,
+}
+
+impl<'a> CheckPrinted<'a> {
+    pub fn of(cleaned: &'a Cleaned, folder: &'a Path) -> Self {
+        let releases = cleaned.releases.iter().map(Row::of).collect();
+        Self { releases, decisions: &cleaned.decisions, folder }
+    }
+}
+
 /// Writes a first experiment file.
 pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     let out = &args.out;
@@ -77,9 +109,7 @@ pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     let guesses = text.lines().filter(|line| line.contains("GUESS")).count();
     let unknown = text.lines().filter(|line| line.contains("FILL IN")).count();
     if args.form.json {
-        print(
-            &json!({ "file": out, "recordings": recordings.len(), "guesses": guesses, "to_fill_in": unknown }),
-        )?;
+        print(&InitPrinted { file: out, recordings: recordings.len(), guesses, to_fill_in: unknown })?;
     }
     if args.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
@@ -129,7 +159,7 @@ pub fn check(args: &Check, voice: &Voice) -> Result<ExitCode, Failure> {
     let folder = folder.finish()?;
     stages.clear();
     if args.of.output.form.json {
-        print(&json(&cleaned, &folder))?;
+        print(&CheckPrinted::of(&cleaned, &folder))?;
     }
     if args.of.output.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
@@ -172,12 +202,6 @@ pub fn read(experiment: &Experiment, stages: &Stages) -> Result<Cleaned, Failure
         stages.tell(&format!("{}: {samples} samples at {rate:.1} Hz; releases: {releases}", of.name));
     }
     Ok(cleaned)
-}
-
-/// Releases and decisions as one JSON object.
-pub fn json(cleaned: &Cleaned, folder: &Path) -> Value {
-    let releases: Vec<Value> = cleaned.releases.iter().map(row).collect();
-    json!({ "releases": releases, "decisions": cleaned.decisions, "folder": folder.display().to_string() })
 }
 
 /// A line for each release.

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 use sim::recording::{Length, Marker, ReadOptions, Recording, read};
+use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;
@@ -40,6 +41,55 @@ const MOST_ROWS: usize = 100;
 /// Letters of a marker's name in a table.
 const NAME: usize = 24;
 
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed {
+    /// Those that could be read.
+    recordings: Vec<Inspected>,
+}
+
+/// A recording.
+#[derive(Serialize, JsonSchema)]
+struct Inspected {
+    /// Its path.
+    file: String,
+    /// Its format.
+    format: &'static str,
+    /// Samples a second.
+    rate_hz: f64,
+    /// From the first sample to the last.
+    duration_s: f64,
+    /// How many.
+    samples: usize,
+    /// Time of the first sample.
+    first_time_s: Option<f64>,
+    /// What was tracked.
+    markers: Vec<Tracked>,
+    /// What was found out about the file, in words.
+    findings: Vec<String>,
+}
+
+/// A marker or a rigid body.
+#[derive(Serialize, JsonSchema)]
+struct Tracked {
+    /// Its name.
+    name: String,
+    /// Whether it has an orientation.
+    rigid_body: bool,
+    /// Samples without a position.
+    lost: usize,
+    /// The same over all samples.
+    lost_share: f64,
+    /// The longest gap.
+    longest_gap_samples: usize,
+    /// The longest gap.
+    longest_gap_s: f64,
+    /// Lowest and highest value of each coordinate; none if it was never seen.
+    lowest_and_highest_m: Option<[[f64; 2]; 3]>,
+    /// Standard deviation of the noise of each coordinate, at most; none if it was hardly seen.
+    noise_m: Option<[f64; 3]>,
+}
+
 /// Shows each file; those that cannot be read are reported after the others.
 pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
     let options = ReadOptions { unit: args.unit, rate_hz: args.rate };
@@ -54,7 +104,7 @@ pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
         }
     }
     if args.form.json {
-        print(&json!({ "recordings": values }))?;
+        print(&Printed { recordings: values })?;
     }
     match failures.is_empty() {
         true => Ok(ExitCode::SUCCESS),
@@ -113,31 +163,31 @@ fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {
     writeln!(out)
 }
 
-fn of_recording(recording: &Recording) -> Value {
-    json!({
-        "file": recording.source.display().to_string(),
-        "format": recording.format.name(),
-        "rate_hz": recording.rate_hz,
-        "duration_s": duration(recording),
-        "samples": recording.time.len(),
-        "first_time_s": recording.time.first(),
-        "markers": recording.markers.iter().map(|marker| of_marker(marker, recording)).collect::<Vec<_>>(),
-        "findings": recording.findings,
-    })
+fn of_recording(recording: &Recording) -> Inspected {
+    Inspected {
+        file: recording.source.display().to_string(),
+        format: recording.format.name(),
+        rate_hz: recording.rate_hz,
+        duration_s: duration(recording),
+        samples: recording.time.len(),
+        first_time_s: recording.time.first().copied(),
+        markers: recording.markers.iter().map(|marker| of_marker(marker, recording)).collect(),
+        findings: recording.findings.clone(),
+    }
 }
 
-fn of_marker(marker: &Marker, recording: &Recording) -> Value {
+fn of_marker(marker: &Marker, recording: &Recording) -> Tracked {
     let quality = marker.quality();
-    json!({
-        "name": marker.name,
-        "rigid_body": marker.orientation.is_some(),
-        "lost": quality.lost,
-        "lost_share": quality.lost as f64 / recording.time.len() as f64,
-        "longest_gap_samples": quality.longest_gap,
-        "longest_gap_s": quality.longest_gap as f64 / recording.rate_hz,
-        "lowest_and_highest_m": quality.extent,
-        "noise_m": quality.noise,
-    })
+    Tracked {
+        name: marker.name.clone(),
+        rigid_body: marker.orientation.is_some(),
+        lost: quality.lost,
+        lost_share: quality.lost as f64 / recording.time.len() as f64,
+        longest_gap_samples: quality.longest_gap,
+        longest_gap_s: quality.longest_gap as f64 / recording.rate_hz,
+        lowest_and_highest_m: quality.extent,
+        noise_m: quality.noise,
+    }
 }
 
 /// From the first sample to the last, s.

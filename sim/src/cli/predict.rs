@@ -10,11 +10,13 @@ use std::time::Instant;
 
 use models::muscle::BUILT_IN;
 use models::quantity::Quantity;
-use serde_json::{Value, json};
-use sim::predict::{Settings, predict};
+use serde::Serialize;
+use serde_json::Value;
+use sim::predict::{Prediction, Settings, predict};
 use sim::results::predicted::{prediction_table, write_prediction};
 use sim::results::{self, Request};
 use sim::scenario::Scenario;
+use sim::schema::JsonSchema;
 
 use super::Predict;
 use super::failure::Failure;
@@ -28,6 +30,15 @@ pub const HELP: &str = "Examples:
 
 Exit codes: 3 for a muscle file that cannot be used, 4 if the case cannot be
 simulated, 130 if it is interrupted, which saves nothing.";
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// Where the results are.
+    folder: &'a Path,
+    /// What is foretold.
+    prediction: &'a Prediction,
+}
 
 pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
@@ -72,7 +83,7 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     stages.clear();
     voice.detail(format!("written to {}", folder.display()));
     if args.output.form.json {
-        print(&json!({ "folder": folder, "prediction": outcome.prediction }))?;
+        print(&Printed { folder: &folder, prediction: &outcome.prediction })?;
     } else if !voice.quiet {
         let mut out = io::stdout().lock();
         write!(out, "{}", prediction_table(&outcome.prediction))?;

@@ -10,6 +10,7 @@ use std::time::Instant;
 use clap::Args;
 use models::quantity::format_si;
 use rayon::prelude::*;
+use serde::Serialize;
 use serde_json::json;
 use sim::forward::{ForwardError, forward};
 use sim::results::folder::{Folder, MARK};
@@ -17,6 +18,7 @@ use sim::results::picture::{PressureRow, pressures};
 use sim::results::report::report;
 use sim::results::{self, Request, Summary};
 use sim::scenario::{Case, Scenario};
+use sim::schema::JsonSchema;
 use sim::trajectory::{Status, Trajectory};
 
 use super::arguments::{Output, Source};
@@ -53,6 +55,17 @@ pub struct Simulate {
 
 /// The picture of a sweep over pressures.
 const PRESSURES: &str = "pressures.svg";
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// Name of the scenario.
+    scenario: &'a str,
+    /// Where the results are.
+    folder: &'a Path,
+    /// Each run; several where all rows of a muscle were asked for.
+    runs: Vec<&'a Summary>,
+}
 
 /// A simulated case: its summary, and its pressure above ambient, Pa.
 type Done = (Summary, Option<f64>);
@@ -201,8 +214,8 @@ fn tell(
     done: &[Done],
 ) -> Result<(), Failure> {
     if args.output.form.json {
-        let runs: Vec<_> = done.iter().map(|(summary, _)| summary).collect();
-        return print(&json!({ "scenario": scenario.name, "folder": folder, "runs": runs }));
+        let runs = done.iter().map(|(summary, _)| summary).collect();
+        return print(&Printed { scenario: &scenario.name, folder, runs });
     }
     if voice.quiet {
         return Ok(());

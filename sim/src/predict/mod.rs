@@ -19,6 +19,7 @@ use crate::quantile::quantile;
 use crate::results::rest::rest;
 use crate::results::summary::{MODES, summarise};
 use crate::scenario::Case;
+use crate::schema::JsonSchema;
 use crate::trajectory::Trajectory;
 use draws::Draws;
 use quantity::{QUANTITIES, Quantity, Told};
@@ -43,7 +44,7 @@ impl Default for Settings {
 const ENDS: [f64; 2] = [0.025, 0.975];
 
 /// What is foretold of one case; SI.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Prediction {
     /// Name of the case.
     pub name: String,
@@ -64,7 +65,7 @@ pub struct Prediction {
 }
 
 /// From one upper peak to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cycle {
     /// Geometric mean of the heights of the two above the rest, m.
     pub amplitude_m: f64,

@@ -5,6 +5,7 @@ mod calibrate;
 mod cli;
 mod diagnose;
 mod diagnosis_page;
+mod doctor;
 mod experiment;
 mod inspect;
 #[cfg(unix)]
@@ -12,3 +13,4 @@ mod interrupted;
 #[cfg(feature = "rerun")]
 mod live_view;
 mod predict;
+mod schema;
