@@ -7,6 +7,7 @@ use models::muscle::Extrapolation;
 
 use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD};
 use crate::forward::{Initial, Run};
+use crate::results::folder::plain_name;
 
 pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String {
     let mut out = String::from(
@@ -50,7 +51,8 @@ pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String 
 /// A model as the scenario of a release, straight from its release angle; `head` is a comment.
 pub(crate) fn plain(head: &str, name: &str, model: &Model, duration: f64) -> String {
     let mut out: String = head.lines().map(|line| format!("# {line}\n")).collect();
-    put(&mut out, "name", quoted(name));
+    // A release is called after its file and number, of which a scenario's name admits not every letter.
+    put(&mut out, "name", quoted(&plain_name(name)));
     let has_diameter = model.rod().diameter > 0.0;
     rod(&mut out, model, &|k| ROD[k].0 != "diameter" || has_diameter);
     out += "\n[run]\n";
