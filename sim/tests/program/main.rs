@@ -14,3 +14,5 @@ mod interrupted;
 mod live_view;
 mod predict;
 mod schema;
+#[cfg(unix)]
+mod tutorials;
