@@ -190,6 +190,7 @@ pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
 
 fn cases(source: &Source, voice: &Voice) -> Result<Vec<Case>, Failure> {
     let cases = Scenario::load(&source.scenario, &source.overrides())?.cases()?;
+    voice.detail(format!("{}: {} to show", source.scenario.display(), cases.len()));
     voice.warn(cases.iter().flat_map(|case| &case.warnings));
     Ok(cases)
 }
