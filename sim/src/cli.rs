@@ -23,9 +23,9 @@ mod voice;
 use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 
-use clap::{Args, ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use arguments::{Manner, Output};
+use arguments::Manner;
 use voice::Voice;
 
 /// Exit codes, as the help prints them.
@@ -59,7 +59,7 @@ enum Command {
     /// Find which physical effect the model lacks: scores, fits, judges, and repairs.
     Diagnose(diagnose::Diagnose),
     /// Foretell what a calibrated muscle will do with a payload, with intervals.
-    Predict(Predict),
+    Predict(predict::Predict),
     /// List the physical effects, or show the page of one.
     Effects(effects::Effects),
     /// Write an experiment file from recordings, or check one: what is kept of its recordings.
@@ -91,46 +91,6 @@ enum OnExperiment {
     Init(experiment::Init),
     /// Clean the recordings, and show what was cut, masked and decided.
     Check(experiment::Check),
-}
-
-#[derive(Args)]
-#[command(after_help = predict::HELP)]
-struct Predict {
-    /// Muscle file that a calibration wrote, or the name of a built-in muscle.
-    #[arg(long, value_name = "FILE")]
-    muscle: String,
-    /// Pressure above ambient, such as 40psi.
-    #[arg(long)]
-    pressure: String,
-    /// Mass at the tip.
-    #[arg(long, value_name = "MASS", default_value = "0 g", allow_hyphen_values = true)]
-    payload: String,
-    /// Its centre of mass beyond the active length [default: at its end].
-    #[arg(long, value_name = "LENGTH")]
-    payload_center: Option<String>,
-    /// Its rotary inertia about that, such as "1e-5 kg m^2" [default: a point mass].
-    #[arg(long, value_name = "INERTIA")]
-    payload_inertia: Option<String>,
-    /// The area that it turns to the air, such as "20 cm^2".
-    #[arg(long, value_name = "AREA")]
-    frontal_area: Option<String>,
-    /// Angle of the straight muscle above the horizontal, from which it is let go.
-    #[arg(long, default_value = "0 deg", allow_hyphen_values = true)]
-    angle: String,
-    /// How long to simulate.
-    #[arg(long, value_name = "TIME", default_value = "20 s")]
-    duration: String,
-    /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
-    #[arg(long, value_name = "PATH=VALUE")]
-    set: Vec<String>,
-    /// Draws from the errors of the calibration.
-    #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
-    draws: usize,
-    /// Of the random numbers.
-    #[arg(long, default_value_t = sim::predict::Settings::default().seed)]
-    seed: u64,
-    #[command(flatten)]
-    output: Output,
 }
 
 pub fn main() -> ExitCode {

@@ -26,6 +26,7 @@
 //! tolerance = 1e-6
 //! [effects.payload]           # any effect of `efam effects`, with any of its parameters
 //! mass = "80 g"
+//! [calibration]               # how well a calibration knows these numbers: written by efam, for predictions
 //! ```
 //!
 //! Every quantity carries its unit. What is left out has the value above, except the payload.
@@ -111,9 +112,9 @@ impl Scenario {
         self.plan.muscle.as_ref().map(|muscle| muscle.muscle.name.as_str())
     }
 
-    /// How well a calibration knows its muscle.
+    /// How well a calibration knows its rod: by its own section `[calibration]`, or else that of its muscle.
     pub fn known(&self) -> Option<&Known> {
-        self.plan.muscle.as_ref()?.muscle.known.as_ref()
+        self.plan.known.as_ref()
     }
 
     /// The runs that it asks for: one, or one for each row of the muscle's table.

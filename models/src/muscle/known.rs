@@ -109,6 +109,28 @@ impl Known {
         weights
     }
 
+    /// The section `[calibration]` of a muscle's or a scenario's file.
+    pub fn section(&self) -> String {
+        let own = toml::Value::try_from(self).expect("it has nothing that TOML has not");
+        format!(
+            "# What `efam predict` takes its intervals from; SI.\n{}",
+            toml::Table::from_iter([("calibration".to_owned(), own)])
+        )
+    }
+
+    /// What the section of a text says; nothing where it has none.
+    /// # Errors
+    /// [`MuscleError`] for a section that makes no sense.
+    pub fn read(text: &str) -> Result<Option<Self>, MuscleError> {
+        #[derive(Deserialize)]
+        struct File {
+            calibration: Option<Known>,
+        }
+        let known = toml::from_str::<File>(text)?.calibration;
+        known.as_ref().map_or(Ok(()), Known::check)?;
+        Ok(known)
+    }
+
     /// # Errors
     /// [`MuscleError::Calibration`], with what is wrong.
     pub(super) fn check(&self) -> Result<(), MuscleError> {

@@ -136,11 +136,7 @@ impl Muscle {
         }
         text += "]\n";
         if !found.known.parameter.is_empty() {
-            let section = toml::Table::from_iter([(
-                "calibration".to_owned(),
-                toml::Value::try_from(&found.known).expect("it has nothing that TOML has not"),
-            )]);
-            let _ = write!(text, "\n# What `efam predict` takes its intervals from; SI.\n{section}");
+            let _ = write!(text, "\n{}", found.known.section());
         }
         Ok(text)
     }

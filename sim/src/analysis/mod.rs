@@ -14,6 +14,7 @@
 //! Simulated and measured tips take the same way, so that their numbers can be compared.
 
 pub mod bending_stiffness;
+pub mod brent;
 pub mod decay;
 pub mod dynamic_stiffness;
 mod error;

@@ -1,4 +1,4 @@
-//! The simplex search of Nelder and Mead, with which the paper fits: the one door of argmin.
+//! The simplex search of Nelder and Mead, with which the paper fits, by argmin.
 //!
 //! Source: Lagarias, Reeds, Wright and Wright (1998), Convergence properties of the Nelder-Mead
 //! simplex method in low dimensions, SIAM Journal on Optimization 9; MATLAB's fminsearch. Reflection

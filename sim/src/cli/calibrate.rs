@@ -8,9 +8,9 @@ use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
-use sim::calibrate::{Calibration, Outcome, Settings, calibrate, problem};
+use sim::calibrate::{Calibration, Outcome, Problem, Settings, calibrate, problem};
 use sim::experiment::{Entry, Experiment};
-use sim::results::calibrated::{MUSCLE, muscle_file, table, write_calibration};
+use sim::results::calibrated::{muscle_file, rod_files, table, write_calibration};
 use sim::results::{self, Request};
 use sim::schema::JsonSchema;
 
@@ -53,14 +53,15 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     let (experiment, folder) = open(&args.of, voice)?;
     let input_hashes = input_hashes(&experiment);
     let stages = voice.stages();
-    let work = || -> Result<Outcome, Failure> {
+    let work = || -> Result<(Problem, Outcome), Failure> {
         let cleaned = read(&experiment, &stages)?;
         let (problem, settings) = problem(&experiment, &cleaned)?;
         let settings = Settings { profile: args.profile, ..settings };
-        Ok(calibrate(&problem, &settings, &|stage| stages.tell(stage))?)
+        let outcome = calibrate(&problem, &settings, &|stage| stages.tell(stage))?;
+        Ok((problem, outcome))
     };
-    let (folder, outcome) = interrupt::during(folder, &stages, work);
-    let outcome = outcome?;
+    let (folder, done) = interrupt::during(folder, &stages, work);
+    let (problem, outcome) = done?;
     stages.tell("writing");
 
     let calibration = &outcome.calibration;
@@ -70,8 +71,13 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
         calibration.releases.iter().filter(|release| !release.held_out).count(),
         experiment.path.display()
     );
-    let muscle = experiment.muscle().map(|muscle| muscle_file(muscle, calibration, &source)).transpose();
-    let muscle = muscle.map_err(|error| Failure::Usage(error.to_string()))?.flatten();
+    let models = match experiment.muscle() {
+        Some(muscle) => muscle_file(muscle, calibration, &source)
+            .map_err(|error| Failure::Usage(error.to_string()))?
+            .into_iter()
+            .collect(),
+        None => rod_files(&problem, calibration, &source),
+    };
     let request = Request {
         name: experiment.name.clone(),
         resolved_scenario: experiment.text().to_owned(),
@@ -81,7 +87,7 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..Request::default()
     };
-    write_calibration(&folder, &request, &outcome, muscle.as_deref())?;
+    write_calibration(&folder, &request, &outcome, &models)?;
     interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();
@@ -92,8 +98,9 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
         let mut out = io::stdout().lock();
         write!(out, "{}", table(calibration))?;
         writeln!(out, "\nresults in {}", folder.display())?;
-        if muscle.is_some() {
-            writeln!(out, "simulate with them by --muscle {}", folder.join(MUSCLE).display())?;
+        for model in &models {
+            let option = if experiment.muscle().is_some() { "--muscle " } else { "" };
+            writeln!(out, "predict with them: efam predict {option}{}", folder.join(&model.name).display())?;
         }
     }
     Ok(ExitCode::SUCCESS)

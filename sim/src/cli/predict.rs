@@ -1,55 +1,126 @@
 //! `efam predict`: what a calibrated muscle will do with a payload.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use clap::Args;
 use models::muscle::BUILT_IN;
 use models::quantity::Quantity;
 use serde::Serialize;
-use serde_json::Value;
+use sim::predict::asked::Asked;
+use sim::predict::grid::{Grid, grid, runs};
+use sim::predict::span::values;
 use sim::predict::{Prediction, Settings, predict};
+use sim::results::grid::{grid_table, write_grid};
 use sim::results::predicted::{prediction_table, write_prediction};
-use sim::results::{self, Request};
-use sim::scenario::Scenario;
+use sim::results::{self, Folder, Request};
+use sim::scenario::Case;
 use sim::schema::JsonSchema;
 
-use super::Predict;
+use super::arguments::Output;
 use super::failure::Failure;
 use super::interrupt;
 use super::voice::{Voice, print};
 
-pub const HELP: &str = "Examples:
+const HELP: &str = "Examples:
   efam predict --muscle outputs/beam/muscle.toml --pressure 40psi --payload 80g
   efam predict --muscle garbulinski-2022 --pressure 15psi --angle \"25 deg\"
-  efam predict --muscle muscle.toml --pressure 40psi --draws 400 --json
+  efam predict --muscle muscle.toml --pressure 10psi..100psi:19 --payload 0g,50g
+  efam predict outputs/beam/rod.toml --payload 20g --draws 400 --json
 
 Exit codes: 3 for a muscle file that cannot be used, 4 if the case cannot be
 simulated, 130 if it is interrupted, which saves nothing.";
 
-/// What is printed for programs.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Predict {
+    /// Scenario whose rod is asked about, such as the rod.toml of a calibration; or else --muscle.
+    #[arg(value_name = "SCENARIO", required_unless_present = "muscle")]
+    scenario: Option<PathBuf>,
+    /// Muscle file that a calibration wrote, or the name of a built-in muscle.
+    #[arg(long, value_name = "FILE", conflicts_with = "scenario", requires = "pressure")]
+    muscle: Option<String>,
+    /// Pressure above ambient, such as 40psi; several, as 10psi,40psi; or from one to another, as
+    /// 10psi..100psi or, in 19 values, 10psi..100psi:19.
+    #[arg(long)]
+    pressure: Option<String>,
+    /// Mass at the tip; several, or from one to another, as 0g..200g.
+    #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
+    payload: Option<String>,
+    /// Its centre of mass beyond the active length [default: at its end].
+    #[arg(long, value_name = "LENGTH")]
+    payload_center: Option<String>,
+    /// Its rotary inertia about that, such as "1e-5 kg m^2" [default: a point mass].
+    #[arg(long, value_name = "INERTIA")]
+    payload_inertia: Option<String>,
+    /// The area that it turns to the air, such as "20 cm^2".
+    #[arg(long, value_name = "AREA")]
+    frontal_area: Option<String>,
+    /// Angle of the straight rod above the horizontal, from which it is let go [default: the scenario's,
+    /// or level].
+    #[arg(long, allow_hyphen_values = true)]
+    angle: Option<String>,
+    /// How long to simulate [default: the scenario's, or 20 s].
+    #[arg(long, value_name = "TIME")]
+    duration: Option<String>,
+    /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Draws from the errors of the calibration, of one case.
+    #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
+    draws: usize,
+    /// Of the random numbers.
+    #[arg(long, default_value_t = sim::predict::Settings::default().seed)]
+    seed: u64,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// What is printed for programs: of one case, or of a grid of them.
 #[derive(Serialize, JsonSchema)]
-pub struct Printed<'a> {
-    /// Where the results are.
-    folder: &'a Path,
-    /// What is foretold.
-    prediction: &'a Prediction,
+#[serde(untagged)]
+pub enum Printed<'a> {
+    /// Of one case.
+    One {
+        /// Where the results are.
+        folder: &'a Path,
+        /// What is foretold.
+        prediction: &'a Prediction,
+    },
+    /// Of several pressures or payloads.
+    Several {
+        /// Where the results are.
+        folder: &'a Path,
+        /// What is foretold.
+        grid: &'a Grid,
+    },
 }
 
 pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    let (text, input_hashes) = scenario(args)?;
-    let scenario = Scenario::parse(Path::new("efam-predict.toml"), &text, &args.set)?;
-    let cases = scenario.cases()?;
-    let [case] = &cases[..] else {
-        return Err(Failure::Usage("--pressure: one pressure, such as 40psi".to_owned()));
-    };
+    let (asked, input_hashes) = asked(args)?;
+    let pressures = several("--pressure", &args.pressure, "Pa")?;
+    let payloads = several("--payload", &args.payload, "kg")?;
+    if payloads.iter().any(|payload| *payload < 0.0) {
+        let payload = args.payload.as_deref().unwrap_or_default();
+        return Err(Failure::Usage(format!("--payload {payload}: it must not be negative")));
+    }
+    if !pressures.is_empty() && !asked.has_muscle() {
+        return Err(Failure::Usage(
+            "--pressure: the scenario's rod is no muscle, and is the same at every pressure; leave it out"
+                .to_owned(),
+        ));
+    }
+    // What the scenario refuses is said before a folder is opened.
+    let (case, known) = asked.case(pressures.first().copied(), payloads.first().copied())?;
+    let is_grid = pressures.len() > 1 || payloads.len() > 1;
+    let name = title(args, &case.name);
+    let case = Case { name: name.clone(), ..case };
     let request = Request {
-        name: case.name.clone(),
+        name: name.replace([',', ':', '/'], " "),
         out: args.output.out.clone(),
         overwrite: args.output.overwrite,
         resolved_scenario: case.resolved.clone(),
@@ -60,85 +131,124 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     // What stands in the way is said before the simulations.
     interrupt::listen();
     let folder = results::begin(&request)?;
-    let settings = Settings { draws: args.draws, seed: args.seed };
-    let stages = voice.stages();
-    let threads = rayon::current_num_threads();
-    stages.tell(&format!("simulating what the calibration admits, on {threads} threads"));
-    let done = AtomicUsize::new(0);
-    let tell = || {
-        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-        if done.is_multiple_of(args.draws.div_ceil(10)) {
-            stages.tell(&format!("{done} of {} draws", args.draws));
-        }
+    voice.detail(format!("{name}: on {} threads", rayon::current_num_threads()));
+    let done = |warnings: &[String]| Request {
+        warnings: warnings.to_vec(),
+        wall_time_s: begin.elapsed().as_secs_f64(),
+        ..request.clone()
     };
-    let work = || predict(case, scenario.known(), &settings, &tell);
-    let (folder, outcome) = interrupt::during(folder, &stages, work);
-    let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
-    stages.tell("writing");
-    let warnings = outcome.prediction.warnings.clone();
-    let request = Request { warnings, wall_time_s: begin.elapsed().as_secs_f64(), ..request };
-    write_prediction(&folder, &request, &outcome)?;
+    if is_grid {
+        let payloads = if payloads.is_empty() { vec![0.0] } else { payloads };
+        let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
+        let cases = pressures.len().max(1) * payloads.len();
+        let stages = voice.steps(cases, &format!("cases of {} runs", runs(known.as_ref())));
+        let step = || stages.step();
+        let work = || grid(&name, (&pressures, &payloads), &make, known.as_ref(), &step);
+        let (folder, grid) = interrupt::during(folder, &stages, work);
+        let grid = grid?;
+        stages.clear();
+        write_grid(&folder, &done(&grid.warnings), &grid)?;
+        let folder = finish(folder, voice)?;
+        tell(args, voice, &folder, &Printed::Several { folder: &folder, grid: &grid }, &|| grid_table(&grid))
+    } else {
+        let settings = Settings { draws: args.draws, seed: args.seed };
+        let stages = voice.steps(known.as_ref().map_or(0, |_| args.draws), "draws");
+        let step = || stages.step();
+        let work = || predict(&case, known.as_ref(), &settings, &step);
+        let (folder, outcome) = interrupt::during(folder, &stages, work);
+        let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
+        stages.clear();
+        let prediction = &outcome.prediction;
+        write_prediction(&folder, &done(&prediction.warnings), &outcome)?;
+        let folder = finish(folder, voice)?;
+        tell(args, voice, &folder, &Printed::One { folder: &folder, prediction }, &|| {
+            prediction_table(prediction)
+        })
+    }
+}
+
+/// Gives the folder its name, unless it is interrupted.
+fn finish(folder: Folder, voice: &Voice) -> Result<PathBuf, Failure> {
     interrupt::check()?;
     let folder = folder.finish()?;
-    stages.clear();
     voice.detail(format!("written to {}", folder.display()));
+    Ok(folder)
+}
+
+fn tell(
+    args: &Predict,
+    voice: &Voice,
+    folder: &Path,
+    printed: &Printed,
+    table: &dyn Fn() -> String,
+) -> Result<ExitCode, Failure> {
     if args.output.form.json {
-        print(&Printed { folder: &folder, prediction: &outcome.prediction })?;
+        print(printed)?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
-        write!(out, "{}", prediction_table(&outcome.prediction))?;
-        writeln!(out, "\nresults in {}", folder.display())?;
+        writeln!(io::stdout().lock(), "{}\nresults in {}", table(), folder.display())?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// What is asked as a scenario, and the hash of the muscle's file.
-fn scenario(args: &Predict) -> Result<(String, BTreeMap<String, String>), Failure> {
-    let quoted = |text: &str| Value::from(text).to_string();
-    let mut hashes = BTreeMap::new();
-    let muscle = if BUILT_IN.iter().any(|(name, _)| *name == args.muscle) {
-        format!("name = {}", quoted(&args.muscle))
-    } else {
-        let file = PathBuf::from(&args.muscle);
-        let unreadable = |error: io::Error| {
-            let known = BUILT_IN.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-            Failure::Data(format!(
-                "{}: cannot be read ({error}); give the muscle.toml of a calibration, or a built-in muscle: {known}",
-                file.display()
-            ))
-        };
-        let bytes = std::fs::read(&file).map_err(unreadable)?;
-        let file = file.canonicalize().map_err(unreadable)?;
-        hashes.insert(file.display().to_string(), results::sha256(&bytes));
-        format!("file = {}", quoted(&file.display().to_string()))
-    };
-    let named = |option: &str, value: &str, unit: &str| {
-        let parsed = Quantity::parse(value).and_then(|quantity| quantity.to(unit));
-        parsed.map_err(|error| Failure::Usage(format!("{option} {value}: {error}")))
-    };
-    let pressure = named("--pressure", &args.pressure, "Pa")?;
-    let payload = named("--payload", &args.payload, "kg")?;
-    if payload.is_nan() || payload < 0.0 {
-        return Err(Failure::Usage(format!("--payload {}: it must not be negative", args.payload)));
+/// What is asked, in words: `40psi with 80g`.
+fn title(args: &Predict, case: &str) -> String {
+    let payload = args.payload.as_ref().map_or(String::new(), |payload| format!(" with {payload}"));
+    match (&args.scenario, &args.pressure) {
+        (None, Some(pressure)) => format!("{pressure}{payload}"),
+        (_, Some(pressure)) => format!("{case} at {pressure}{payload}"),
+        (_, None) => format!("{case}{payload}"),
     }
-    let mut text = format!(
-        "name = {}\n[muscle]\n{muscle}\npressure = \"{pressure:?} Pa\"\nextrapolation = \"allowed\"\n[release]\nangle = {}\n[run]\nduration = {}\n[effects.payload]\nmass = \"{payload:?} kg\"\n",
-        quoted(&format!("{} with {}", args.pressure, args.payload)),
-        quoted(&args.angle),
-        quoted(&args.duration),
-    );
-    for (key, value) in [("center_of_mass", &args.payload_center), ("rotary_inertia", &args.payload_inertia)]
-    {
-        if let Some(value) = value {
-            let _ = writeln!(text, "{key} = {}", quoted(value));
-        }
-    }
-    if let Some(area) = &args.frontal_area {
-        let area = named("--frontal-area", area, "m^2")?;
-        let _ = writeln!(text, "[effects.tip_drag]\ndrag_area = \"{:?} m^2\"", DRAG_COEFFICIENT * area);
-    }
-    Ok((text, hashes))
 }
 
-/// Of a blunt body. Source: Hoerner (1965), Fluid-Dynamic Drag, chapter 3: a cube, face on, 1.05.
-const DRAG_COEFFICIENT: f64 = 1.05;
+/// The rod that is asked about, and the hash of its file.
+fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
+    let mut hashes = BTreeMap::new();
+    let mut read = |file: &Path, what: &str| {
+        let bytes = std::fs::read(file).map_err(|error| {
+            Failure::Data(format!("{}: cannot be read ({error}); give {what}", file.display()))
+        })?;
+        hashes.insert(file.display().to_string(), results::sha256(&bytes));
+        Ok::<_, Failure>(bytes)
+    };
+    let mut asked = match (&args.scenario, &args.muscle) {
+        (Some(scenario), _) => {
+            let bytes = read(scenario, "a scenario, such as the rod.toml of a calibration")?;
+            let text = String::from_utf8(bytes);
+            Asked::scenario(
+                scenario,
+                text.map_err(|_| Failure::Data(format!("{}: is no text", scenario.display())))?,
+            )
+        }
+        (None, muscle) => {
+            let muscle = muscle.as_deref().unwrap_or_default();
+            if !BUILT_IN.iter().any(|(name, _)| *name == muscle) {
+                let known = BUILT_IN.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+                read(
+                    Path::new(muscle),
+                    &format!("the muscle.toml of a calibration, or a built-in muscle: {known}"),
+                )?;
+            }
+            Asked::muscle(muscle)
+        }
+    };
+    asked.payload_center = one("--payload-center", &args.payload_center, "m")?;
+    asked.payload_inertia = one("--payload-inertia", &args.payload_inertia, "kg m^2")?;
+    asked.frontal_area = one("--frontal-area", &args.frontal_area, "m^2")?;
+    asked.angle = one("--angle", &args.angle, "rad")?;
+    asked.duration = one("--duration", &args.duration, "s")?;
+    asked.set.clone_from(&args.set);
+    Ok((asked, hashes))
+}
+
+/// The quantity of an option.
+fn one(option: &str, value: &Option<String>, unit: &str) -> Result<Option<f64>, Failure> {
+    let Some(text) = value else { return Ok(None) };
+    let parsed = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
+    parsed.map(Some).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
+}
+
+/// The quantities of an option that may have several.
+fn several(option: &str, value: &Option<String>, unit: &str) -> Result<Vec<f64>, Failure> {
+    let Some(text) = value else { return Ok(Vec::new()) };
+    values(text, unit).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
+}

@@ -12,6 +12,13 @@ pub fn bar(samples: usize) -> ProgressBar {
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
+/// A bar over so many steps of a kind.
+pub fn steps(count: usize, kind: &str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len} {msg}, {eta} left");
+    let bar = ProgressBar::new(count as u64).with_message(kind.to_owned());
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
 /// A line that says what is being done.
 pub fn line() -> ProgressBar {
     let bar = ProgressBar::new_spinner();

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use serde::Serialize;
@@ -39,7 +40,13 @@ impl Voice {
 
     /// Stages of something long.
     pub fn stages(&self) -> Stages<'_> {
-        Stages { voice: self, line: self.shows_progress().then(progress::line) }
+        Stages { line: self.shows_progress().then(progress::line), ..Stages::silent(self) }
+    }
+
+    /// Steps of a kind, so many.
+    pub fn steps(&self, count: usize, kind: &str) -> Stages<'_> {
+        let line = self.shows_progress().then(|| progress::steps(count, kind));
+        Stages { line, count, kind: kind.to_owned(), ..Stages::silent(self) }
     }
 
     /// A bar over samples of simulated time.
@@ -57,14 +64,34 @@ impl Voice {
 pub struct Stages<'a> {
     voice: &'a Voice,
     line: Option<ProgressBar>,
+    /// Steps in all, of which kind, and how many are done.
+    count: usize,
+    kind: String,
+    done: AtomicUsize,
 }
 
-impl Stages<'_> {
+impl<'a> Stages<'a> {
+    fn silent(voice: &'a Voice) -> Self {
+        Self { voice, line: None, count: 0, kind: String::new(), done: AtomicUsize::new(0) }
+    }
+
     /// Says what begins now; from any thread.
     pub fn tell(&self, what: &str) {
         match &self.line {
             Some(line) => line.set_message(what.to_owned()),
             None => self.voice.detail(what),
+        }
+    }
+
+    /// One more step is done; from any thread.
+    pub fn step(&self) {
+        let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
+        match &self.line {
+            Some(line) => line.inc(1),
+            None if done.is_multiple_of(self.count.div_ceil(10)) => {
+                self.voice.detail(format!("{done} of {} {}", self.count, self.kind));
+            }
+            None => {}
         }
     }
 

@@ -68,6 +68,9 @@ const RARER: f64 = 0.01;
 const NEAR: f64 = 0.1;
 /// χ² by which the best may lead without standing alone.
 const LEAD: f64 = 12.0;
+/// χ² that an unknown takes away where it means nothing, and as much again: Akaike (1974), IEEE Transactions on
+/// Automatic Control 19, 716-723.
+const FAIR: f64 = 2.0;
 /// Share of the χ² that was explained before below which nothing more is looked for: a tenth in size. How friction
 /// turns round, or air resists, no law says better.
 const NEGLIGIBLE: f64 = 0.01;
@@ -277,7 +280,10 @@ fn choose(
     let series = fit.found.at.carried.blocks.iter().flatten();
     let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / widening;
     let price = |refit: &Refit| refit.unknowns as f64 * samples.max(1.0).ln();
-    let worth = |refit: &Refit| 2.0 * refit.cost / widening + price(refit);
+    let left = |refit: &Refit| 2.0 * refit.cost / widening;
+    let worth = |refit: &Refit| left(refit) + price(refit);
+    // An unknown less is a reason to be asked first, and none to stand alone.
+    let fair = |refit: &Refit| left(refit) + FAIR * refit.unknowns as f64;
     let of = |entry: &Entry| entry.refit.as_ref().map_or(f64::INFINITY, worth);
     shortlist.sort_by(|a, b| of(a).total_cmp(&of(b)));
     let Some(best) = shortlist.first().and_then(|entry| entry.refit.as_ref()) else {
@@ -286,7 +292,7 @@ fn choose(
     // The null may have a better minimum where the effect has led.
     let again = Joint::follow(problem, &best.known, &|_| ())?;
     let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
-    let (least, leader) = (worth(best), shortlist[0].candidate.name());
+    let (least, fairest, leader) = (worth(best), fair(best), shortlist[0].candidate.name());
     let most = 2.0 * (null - best.cost) / widening;
     // What cannot be told apart by its trace, no lead tells apart: it would come from an error of a law.
     let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[0], entry, scores)).collect();
@@ -302,7 +308,7 @@ fn choose(
         entry.realised = Some(2.0 * (null - refit.cost) / widening);
         if entry.strength().is_none_or(|strength| strength == entry.candidate.off) {
             entry.reject("fitted in full it vanishes");
-        } else if behind >= LEAD && distance >= ONE {
+        } else if behind.min(fair(refit) - fairest) >= LEAD && distance >= ONE {
             entry.falls_behind(behind, leader);
         }
     }

@@ -4,25 +4,26 @@
 //! holds 95 % of what comes out. What a calibration cannot know is not in it: that EI is another one under load,
 //! or at amplitudes that were never seen. Where a case lies outside what was calibrated, a warning says so.
 
-mod draws;
+pub mod asked;
+mod errors;
+pub mod grid;
 pub mod quantity;
+mod simulated;
+pub mod span;
+mod warnings;
 
-use std::ops::ControlFlow;
-
-use models::model::Model;
 use models::muscle::Known;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::forward::{Run, forward};
+use crate::forward::Run;
 use crate::quantile::quantile;
-use crate::results::rest::rest;
-use crate::results::summary::{MODES, summarise};
 use crate::scenario::Case;
 use crate::schema::JsonSchema;
-use crate::trajectory::Trajectory;
-use draws::Draws;
-use quantity::{QUANTITIES, Quantity, Told};
+use errors::Errors;
+use quantity::{QUANTITIES, Quantity};
+use simulated::{Simulated, simulate, value};
+use warnings::{Extent, warnings};
 
 /// How a prediction is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,14 +125,14 @@ pub fn predict(
     let run = Run { energy: false, ..case.run.clone() };
     let simulated = simulate(&case.model, &run);
     let own = simulated.map_err(|reason| PredictError { name: case.name.clone(), reason })?;
-    let draws = known.map(|known| Draws::new(known, case, settings));
+    let errors = known.map(|known| Errors::new(known, case));
     let simulate_draw = |draw: usize| {
-        let model = draws.as_ref()?.model(draw)?;
+        let model = errors.as_ref()?.drawn(settings.seed, draw)?;
         let done = simulate(&model, &run).ok();
         tell();
         done
     };
-    let count = if draws.is_some() { settings.draws } else { 0 };
+    let count = if errors.is_some() { settings.draws } else { 0 };
     let all: Vec<Simulated> = (0..count).into_par_iter().filter_map(simulate_draw).collect();
     let mut prediction = Prediction {
         name: case.name.clone(),
@@ -139,52 +140,24 @@ pub fn predict(
         payload_kg: value(&case.model, "effects.payload.mass"),
         quantities: QUANTITIES
             .iter()
-            .map(|kind| kind.of(&own.told, all.iter().map(|one| &one.told)))
+            .map(|kind| kind.drawn(&own.told, all.iter().map(|one| &one.told)))
             .collect(),
         cycles: cycles(&own, &all),
         draws: all.len(),
         failed_draws: count - all.len(),
         warnings: case.warnings.clone(),
     };
-    prediction.warnings.extend(warnings(&prediction, known, draws.as_ref(), own.excursion));
+    let extent = Extent {
+        pressures: case.pressure.as_slice(),
+        payloads: &[prediction.payload_kg],
+        excursion: own.excursion,
+    };
+    prediction.warnings.extend(warnings(&extent, known, errors.as_ref()));
+    if prediction.failed_draws > 0 {
+        let words = format!("{} draws could not be simulated, and are left out", prediction.failed_draws);
+        prediction.warnings.push(words);
+    }
     Ok(Outcome { prediction, band: band(&own, &all), postures: own.postures })
-}
-
-/// One run, and what it says.
-struct Simulated {
-    told: Told,
-    height: Vec<f64>,
-    time: Vec<f64>,
-    /// Largest distance of the tip from its rest, m.
-    excursion: f64,
-    postures: Vec<(&'static str, Vec<[f64; 2]>)>,
-}
-
-fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
-    let (mut root, mut lowest) = (0.0f64, (f64::INFINITY, Vec::new()));
-    let trajectory: Trajectory = forward(model, run, &mut |sample| {
-        let snapshot = sample.snapshot();
-        root = root.max(snapshot.bending_moment.first().copied().unwrap_or(0.0).abs());
-        if snapshot.tip[1] < lowest.0 {
-            lowest = (snapshot.tip[1], [snapshot.nodes, vec![snapshot.tip]].concat());
-        }
-        ControlFlow::Continue(())
-    })
-    .map_err(|error| error.to_string())?;
-    let at_rest = rest(model, run.duration, MODES);
-    let (summary, _) = summarise(model, run, &trajectory, &at_rest);
-    let at_rest = at_rest.map_err(|error| error.to_string())?;
-    let [x, z] = at_rest.tip;
-    let excursion = trajectory.tip.iter().map(|tip| (tip[0] - x).hypot(tip[1] - z)).fold(0.0, f64::max);
-    let height = trajectory.tip.iter().map(|tip| tip[1]).collect();
-    let told = Told { summary, root_moment: root, root_moment_at_rest: at_rest.root_moment };
-    let postures =
-        vec![("at rest", [at_rest.nodes.clone(), vec![at_rest.tip]].concat()), ("at its lowest", lowest.1)];
-    Ok(Simulated { told, height, time: trajectory.times, excursion, postures })
-}
-
-fn value(model: &Model, path: &str) -> f64 {
-    model.index(path).map_or(0.0, |k| model.theta[k])
 }
 
 /// Interval of what draws say; none of fewer than half of them.
@@ -222,54 +195,4 @@ fn band(own: &Simulated, all: &[Simulated]) -> Band {
         height: own.height.clone(),
         interval_95: (0..own.height.len()).map_while(at).collect(),
     }
-}
-
-/// Where the case lies outside what was calibrated, and what its intervals do not hold.
-fn warnings(
-    prediction: &Prediction,
-    known: Option<&Known>,
-    draws: Option<&Draws>,
-    excursion: f64,
-) -> Vec<String> {
-    let Some((known, draws)) = known.zip(draws) else {
-        return vec![
-            "no intervals: the muscle file has no section [calibration]; take the muscle.toml that efam calibrate writes"
-                .to_owned(),
-        ];
-    };
-    let mut words = Vec::new();
-    let outside = |value: f64, [low, high]: [f64; 2]| {
-        let room = 1e-6 * high.abs().max(f64::MIN_POSITIVE);
-        !(low - room..=high + room).contains(&value)
-    };
-    if let Some(pressure) = prediction.pressure_pa.filter(|pressure| outside(*pressure, known.pressure_pa)) {
-        let [low, high] = known.pressure_pa.map(|pressure| format!("{:.1}", 1e-3 * pressure));
-        words.push(format!(
-            "the pressure, {:.1} kPa, lies outside what was calibrated, {low} to {high} kPa: the intervals are too narrow by what changes on the way",
-            1e-3 * pressure
-        ));
-    }
-    if outside(prediction.payload_kg, known.payload_kg) {
-        let [low, high] = known.payload_kg.map(|payload| format!("{:.0}", 1e3 * payload));
-        words.push(format!(
-            "the payload, {:.0} g, lies outside what was calibrated, {low} to {high} g: that EI and losses are the same under it is assumed",
-            1e3 * prediction.payload_kg
-        ));
-    }
-    if known.excursion_m > 0.0 && excursion > 1.05 * known.excursion_m {
-        words.push(format!(
-            "the tip goes {:.0} mm from its rest, and was calibrated to {:.0} mm: that EI and losses are the same there is assumed",
-            1e3 * excursion,
-            1e3 * known.excursion_m
-        ));
-    }
-    for path in &draws.undetermined {
-        words.push(format!(
-            "{path} is not determined by the calibration: it is taken to be known to its own size"
-        ));
-    }
-    if prediction.failed_draws > 0 {
-        words.push(format!("{} draws could not be simulated, and are left out", prediction.failed_draws));
-    }
-    words
 }

@@ -40,16 +40,12 @@ pub(super) struct Kind {
     unit: &'static str,
     /// Its entry in a summary, which says why it is missing.
     entry: &'static str,
-    of: fn(&Told) -> Option<f64>,
+    pub of: fn(&Told) -> Option<f64>,
 }
 
 impl Kind {
-    pub fn of<'a>(&self, own: &Told, all: impl Iterator<Item = &'a Told>) -> Quantity {
-        let (mut values, mut draws) = (Vec::new(), 0);
-        for told in all {
-            draws += 1;
-            values.extend((self.of)(told));
-        }
+    /// What a run says of it, with its interval.
+    pub fn told(&self, own: &Told, interval_95: Option<[f64; 2]>) -> Quantity {
         let value = (self.of)(own);
         let missing = own.summary.missing.get(self.entry).filter(|_| value.is_none());
         Quantity {
@@ -57,10 +53,30 @@ impl Kind {
             meaning: self.meaning.to_owned(),
             unit: self.unit.to_owned(),
             value,
-            interval_95: interval(values, draws),
+            interval_95,
             missing: missing.cloned(),
         }
     }
+
+    /// What a run says of it, with the interval of what draws say.
+    pub fn drawn<'a>(&self, own: &Told, all: impl Iterator<Item = &'a Told>) -> Quantity {
+        let (mut values, mut draws) = (Vec::new(), 0);
+        for told in all {
+            draws += 1;
+            values.extend((self.of)(told));
+        }
+        let mut interval = interval(values, draws);
+        // A number on its bound lies at the end of what the draws say.
+        if let (Some(ends), Some(value)) = (&mut interval, (self.of)(own)) {
+            *ends = [ends[0].min(value), ends[1].max(value)];
+        }
+        self.told(own, interval)
+    }
+}
+
+/// Name and unit of every number, in the order in which they are told.
+pub fn units() -> impl Iterator<Item = (&'static str, &'static str)> {
+    QUANTITIES.iter().map(|kind| (kind.name, kind.unit))
 }
 
 fn mode(told: &Told, number: usize) -> Option<&Mode> {

@@ -4,6 +4,7 @@
 //! outputs/<UTC>_<name>_<hash8>/
 //!   calibration.json       parameters, intervals, correlations, fit of each release, warnings
 //!   muscle.toml            the muscle with the calibrated columns, for `efam simulate --muscle`
+//!   rod.toml               the rod instead, where it is no muscle: a scenario
 //!   experiment.toml        the experiment as it was read
 //!   residuals.csv          measurement and fit, sample by sample
 //!   fit-01.svg …           each track: fit over measurement, residuals, decay, damping
@@ -11,40 +12,30 @@
 //!   summary.json           the parameters alone, and by which command
 //! ```
 
+mod model;
+
 use std::fmt::Write;
 use std::time::SystemTime;
 
-use models::muscle::{CalibratedColumn, Found, Knob, Known, Muscle, MuscleError};
 use serde_json::json;
 
 use super::folder::Folder;
 use super::picture::{calibrated, over_pressure};
 use super::report::significant;
 use super::{Request, ResultsError, write_mark};
-use crate::calibrate::calibration::{Calibrated, Correlations};
+use crate::calibrate::calibration::Calibrated;
 use crate::calibrate::{Calibration, Outcome};
+
+pub use model::{ModelFile, muscle_file, rod_files};
 
 /// File names of a calibration's folder.
 pub const CALIBRATION: &str = "calibration.json";
-/// The muscle.
-pub const MUSCLE: &str = "muscle.toml";
 /// The experiment.
 pub const EXPERIMENT: &str = "experiment.toml";
 /// The curves.
 pub const RESIDUALS: &str = "residuals.csv";
 /// The picture over pressure.
 pub const PARAMETERS: &str = "parameters.svg";
-
-/// Parameters that a muscle file has columns for.
-const COLUMNS: [(&str, &str); 3] = [
-    ("rod.bending_stiffness", "bending_stiffness_calibrated"),
-    ("effects.rayleigh_mass.alpha", "rayleigh_mass"),
-    ("effects.rayleigh_stiffness.beta", "rayleigh_stiffness"),
-];
-
-/// Parameters for which it has a constant.
-const ROD_MASS: &str = "rod.mass";
-const END_FITTING_MASS: &str = "effects.end_fitting.mass";
 
 /// Writes a calibration into an open folder; `request.resolved_scenario` is the experiment's text.
 /// # Errors
@@ -53,15 +44,15 @@ pub fn write_calibration(
     folder: &Folder,
     request: &Request,
     outcome: &Outcome,
-    muscle: Option<&str>,
+    models: &[ModelFile],
 ) -> Result<(), ResultsError> {
     let calibration = &outcome.calibration;
     let text =
         serde_json::to_string_pretty(calibration).expect("a calibration has nothing that JSON has not");
     folder.write(CALIBRATION, text.as_bytes())?;
     folder.write(EXPERIMENT, request.resolved_scenario.as_bytes())?;
-    if let Some(muscle) = muscle {
-        folder.write(MUSCLE, muscle.as_bytes())?;
+    for model in models {
+        folder.write(&model.name, model.text.as_bytes())?;
     }
     folder.write(RESIDUALS, residuals(outcome).as_bytes())?;
     for (k, curve) in outcome.curves.iter().enumerate() {
@@ -76,82 +67,6 @@ pub fn write_calibration(
     };
     let parameters: Vec<_> = calibration.parameters.iter().map(short).collect();
     write_mark(folder, request, "calibration", SystemTime::now(), json!({ "parameters": parameters }))
-}
-
-/// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value
-/// for each release.
-/// # Errors
-/// [`MuscleError`] for a pressure at which the muscle is none.
-pub fn muscle_file(
-    muscle: &Muscle,
-    calibration: &Calibration,
-    source: &str,
-) -> Result<Option<String>, MuscleError> {
-    let mut columns = Vec::new();
-    let usable = |path: &str| {
-        let found = calibration.of(path);
-        let is_usable = !found.is_empty() && found.iter().all(|one| one.release.is_none());
-        is_usable.then_some(found)
-    };
-    for (path, name) in COLUMNS {
-        let Some(found) = usable(path) else { continue };
-        // What all pressures share stands at any of them.
-        let anywhere = calibration.releases.iter().find_map(|release| release.pressure_pa).unwrap_or(0.0);
-        let values = found.iter().map(|one| (one.pressure_pa.unwrap_or(anywhere), one.value));
-        columns.push(CalibratedColumn { name, values: values.collect() });
-    }
-    if columns.is_empty() {
-        return Ok(None);
-    }
-    let shared = |path: &str| usable(path).filter(|found| found.len() == 1).map(|found| found[0].value);
-    let found = Found {
-        columns,
-        rod_mass: shared(ROD_MASS),
-        end_fitting_mass: shared(END_FITTING_MASS),
-        known: known(calibration),
-    };
-    muscle.calibrated(source, &found).map(Some)
-}
-
-/// How well a calibration knows what goes into the muscle file.
-fn known(calibration: &Calibration) -> Known {
-    let is_written = |one: &&Calibrated| {
-        let path = one.name.as_str();
-        one.release.is_none()
-            && (COLUMNS.iter().any(|(column, _)| *column == path)
-                || [ROD_MASS, END_FITTING_MASS].contains(&path))
-    };
-    let own: Vec<&Calibrated> = calibration.parameters.iter().filter(is_written).collect();
-    let correlation = |a: &Calibrated, b: &Calibrated| {
-        if a.label() == b.label() {
-            return 1.0;
-        }
-        let together = |group: &&Correlations| {
-            let at = |one: &Calibrated| group.names.iter().position(|name| *name == one.label());
-            Some(group.matrix[at(a)?][at(b)?].clamp(-1.0, 1.0))
-        };
-        calibration.correlations.iter().find_map(|group| together(&group)).unwrap_or(0.0)
-    };
-    let knob = |one: &&Calibrated| Knob {
-        path: one.name.clone(),
-        pressure_pa: one.pressure_pa,
-        value: one.value,
-        standard_error: one.standard_error,
-        correlations: own.iter().map(|other| correlation(one, other)).collect(),
-    };
-    let fitted = || calibration.releases.iter().filter(|release| !release.held_out);
-    let range = |values: Vec<f64>| {
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if values.is_empty() { [0.0; 2] } else { [least, most] }
-    };
-    Known {
-        releases: fitted().count(),
-        pressure_pa: range(fitted().filter_map(|release| release.pressure_pa).collect()),
-        payload_kg: range(fitted().map(|release| release.payload_kg).collect()),
-        excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
-        parameter: own.iter().map(knob).collect(),
-    }
 }
 
 fn residuals(outcome: &Outcome) -> String {

@@ -12,10 +12,12 @@
 //! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
 
 pub mod calibrated;
+pub mod columns;
 pub mod diagnosed;
 mod error;
 pub mod experiment;
 pub mod folder;
+pub mod grid;
 pub mod page;
 pub mod picture;
 pub mod predicted;

@@ -3,6 +3,7 @@
 mod calibrated;
 mod diagnosed;
 mod diagnosed_residual;
+mod grid;
 mod measured;
 mod panel;
 mod predicted;
@@ -25,9 +26,10 @@ use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded
 
 pub use calibrated::{calibrated, over_pressure};
 pub use diagnosed::diagnosed;
+pub use grid::grid_pictures;
 pub use measured::measured;
 pub use predicted::predicted;
-pub use pressures::{PressureRow, pressures};
+pub use pressures::{PASCAL_PER_PSI, PressureRow, pressures};
 pub use recording::recording;
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);

@@ -37,8 +37,8 @@ pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -
     write_mark(folder, request, "prediction", SystemTime::now(), json!({}))
 }
 
-/// Lengths are told in mm, angles in degrees.
-fn told(quantity: &Quantity) -> (f64, &str) {
+/// Factor and unit in which a number is told: lengths in mm, angles in degrees.
+pub(super) fn readable(quantity: &Quantity) -> (f64, &str) {
     match quantity.unit.as_str() {
         "m" => (1e3, "mm"),
         "rad" => (1.0f64.to_degrees(), "deg"),
@@ -46,11 +46,20 @@ fn told(quantity: &Quantity) -> (f64, &str) {
     }
 }
 
+/// A value, so many times finer, with its unit and its interval.
+pub(super) fn with_interval(value: f64, interval: Option<[f64; 2]>, factor: f64, unit: &str) -> String {
+    let value = significant(factor * value, 4);
+    match interval.map(|ends| ends.map(|end| significant(factor * end, 4))) {
+        Some([low, high]) => format!("{value} {unit} ({low} to {high})"),
+        None => format!("{value} {unit}"),
+    }
+}
+
 /// A prediction as a table for people.
 pub fn prediction_table(prediction: &Prediction) -> String {
     let mut text = format!("{:40}{:>12}   95 % interval\n", prediction.name, "");
     for quantity in &prediction.quantities {
-        let (factor, unit) = told(quantity);
+        let (factor, unit) = readable(quantity);
         let Some(value) = quantity.value else {
             let why = quantity.missing.as_deref().unwrap_or("there is none");
             let _ = writeln!(text, "{:40}{:>12}   {why}", quantity.meaning, "-");

@@ -9,35 +9,17 @@
 //! recording shows the tip at the time of the row by its own clock.
 
 use std::io::{self, Write};
-use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
-use arrow_schema::{DataType, Field, Schema};
 use models::model::Model;
 use models::system::System;
-use parquet::arrow::ArrowWriter;
-use parquet::basic::Compression;
-use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
 
+use super::columns::{Column, CsvFile, Holds, ParquetFile};
 use crate::trajectory::Trajectory;
 
 /// Numbers held at once while writing; a row group has as many.
 const MOST_CELLS: usize = 1 << 22;
 /// Columns whose values only a run that follows its energy has.
 const FOLLOWED: [&str; 3] = ["dissipated_J", "supplied_J", "total_J"];
-
-/// A column.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    /// Name with unit, such as `tip_z_m`.
-    pub name: String,
-    /// SI unit.
-    pub unit: &'static str,
-    /// Whether it is empty in this run.
-    pub empty: bool,
-}
 
 /// A trajectory, row by row.
 pub struct Table<'a> {
@@ -60,54 +42,22 @@ impl<'a> Table<'a> {
         &self.columns
     }
 
-    /// Writes Parquet, compressed by Snappy; `about` becomes the file's key-value metadata.
+    /// Writes Parquet; `about` becomes the file's key-value metadata.
     /// # Errors
     /// What the writer met.
     pub fn write_parquet<W: Write + Send>(&self, to: W, about: &[(&str, String)]) -> io::Result<()> {
-        let fields: Vec<Field> = self.columns.iter().map(field).collect();
-        let schema = Arc::new(Schema::new(fields));
-        let entries = about.iter().map(|(key, value)| KeyValue::new((*key).to_owned(), value.clone()));
-        let properties = WriterProperties::builder()
-            .set_compression(Compression::SNAPPY)
-            .set_dictionary_enabled(false) // hardly any number comes twice
-            .set_key_value_metadata(Some(entries.collect()))
-            .build();
-        let mut writer = ArrowWriter::try_new(to, schema.clone(), Some(properties)).map_err(cause)?;
-        self.chunks(&mut |chunk| {
-            let arrays = self.columns.iter().zip(chunk).map(|(column, values)| -> ArrayRef {
-                match column.empty {
-                    true => Arc::new(Float64Array::new_null(values.len())),
-                    false => Arc::new(Float64Array::from(values)),
-                }
-            });
-            let batch =
-                RecordBatch::try_new(schema.clone(), arrays.collect()).expect("columns of one length");
-            writer.write(&batch).and_then(|()| writer.flush()).map_err(cause)
-        })?;
-        writer.close().map(|_| ()).map_err(cause)
+        let mut file = ParquetFile::begin(to, &self.columns, about)?;
+        self.chunks(&mut |chunk| file.write(chunk))?;
+        file.finish()
     }
 
     /// Writes CSV with the same columns; numbers read back to the same bits.
     /// # Errors
     /// What the writer met.
     pub fn write_csv(&self, to: impl Write) -> io::Result<()> {
-        let mut to = io::BufWriter::new(to);
-        let names: Vec<_> = self.columns.iter().map(|column| column.name.as_str()).collect();
-        writeln!(to, "{}", names.join(","))?;
-        self.chunks(&mut |chunk| {
-            for row in 0..chunk[0].len() {
-                for (k, (column, values)) in self.columns.iter().zip(&chunk).enumerate() {
-                    let comma = if k > 0 { "," } else { "" };
-                    match column.empty {
-                        true => write!(to, "{comma}")?,
-                        false => write!(to, "{comma}{:?}", values[row])?,
-                    }
-                }
-                writeln!(to)?;
-            }
-            Ok(())
-        })?;
-        to.flush()
+        let mut file = CsvFile::begin(to, &self.columns)?;
+        self.chunks(&mut |chunk| file.write(&chunk))?;
+        file.finish()
     }
 
     /// Hands over the columns, some rows at a time.
@@ -161,8 +111,9 @@ impl<'a> Table<'a> {
 
 fn columns(edges: usize, energy_followed: bool, has_sensor: bool) -> Vec<Column> {
     let named = |(name, unit): (&str, &'static str)| {
-        let empty = !energy_followed && FOLLOWED.contains(&name);
-        Column { name: name.to_owned(), unit, empty }
+        let is_empty = !energy_followed && FOLLOWED.contains(&name);
+        let holds = if is_empty { Holds::Nothing } else { Holds::Numbers };
+        Column { name: name.to_owned(), unit, holds }
     };
     let mut columns: Vec<Column> = [
         ("time_s", "s"),
@@ -189,32 +140,19 @@ fn columns(edges: usize, energy_followed: bool, has_sensor: bool) -> Vec<Column>
         for (what, suffix, unit) in
             [("x", "m", "m"), ("z", "m", "m"), ("vx", "m_s", "m/s"), ("vz", "m_s", "m/s")]
         {
-            columns.push(Column { name: format!("{what}_{node:0width$}_{suffix}"), unit, empty: false });
+            let name = format!("{what}_{node:0width$}_{suffix}");
+            columns.push(Column { name, unit, holds: Holds::Numbers });
         }
     }
     columns
 }
 
-fn field(column: &Column) -> Field {
-    let unit = [("unit".to_owned(), column.unit.to_owned())].into();
-    Field::new(&column.name, DataType::Float64, column.empty).with_metadata(unit)
-}
-
-/// What the file system said, where it was that.
-fn cause(error: ParquetError) -> io::Error {
-    match error {
-        ParquetError::External(inner) => match inner.downcast::<io::Error>() {
-            Ok(error) => *error,
-            Err(inner) => io::Error::other(inner),
-        },
-        error => io::Error::other(error),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use arrow_array::{Float64Array, RecordBatch};
     use bytes::Bytes;
     use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+    use parquet::file::metadata::KeyValue;
 
     use super::*;
     use crate::results::tests::{muscle_at_15_psi, released, spec_at_15_psi};

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use models::effects::{self, CATALOGUE, Parameter};
 use models::model::Root;
-use models::muscle::{CALIBRATED, Extrapolation, Muscle};
+use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
 
 use super::document::{Document, Keys};
 use super::error::{Problem, ScenarioError};
@@ -30,6 +30,8 @@ pub(crate) struct Plan {
     /// Everything but where it starts.
     pub run: Run,
     pub effects: Vec<EffectPlan>,
+    /// How well a calibration knows the model.
+    pub known: Option<Known>,
 }
 
 /// An effect and the parameters that are given.
@@ -97,13 +99,22 @@ pub(crate) const METHODS: [(&str, Method); 5] = [
     ("esdirk34", Method::Esdirk34),
 ];
 
+/// The section of what a calibration says of the model's numbers.
+const CALIBRATION: &str = "calibration";
+
 /// Samples that a run may have: more is a slip of the rate or the duration.
 const MOST_SAMPLES: f64 = 1e7;
 
 impl Plan {
     pub fn read(document: &Document) -> Result<Plan, ScenarioError> {
-        document.keys().only(&["name", "muscle", "rod", "release", "run", "integrator", "effects"])?;
-        Plan::of(document, true)
+        let keys = document.keys();
+        keys.only(&["name", "muscle", "rod", "release", "run", "integrator", "effects", CALIBRATION])?;
+        let mut plan = Plan::of(document, true)?;
+        if keys.has(CALIBRATION) {
+            let known = Known::read(document.text());
+            plan.known = known.map_err(|error| keys.wrong(CALIBRATION, Problem::Muscle(error)))?;
+        }
+        Ok(plan)
     }
 
     /// The model of an experiment, whose muscle has its pressure elsewhere; none without muscle and rod.
@@ -142,6 +153,7 @@ impl Plan {
             rate,
             run,
             effects: read_effects(&keys.table("effects")?)?,
+            known: muscle.as_ref().and_then(|muscle| muscle.muscle.known.clone()),
             muscle,
         })
     }

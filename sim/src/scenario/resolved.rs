@@ -5,9 +5,8 @@ use std::fmt::Write;
 use models::model::{Model, Root};
 use models::muscle::Extrapolation;
 
-use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD};
+use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD, fits_name};
 use crate::forward::{Initial, Run};
-use crate::results::folder::plain_name;
 
 pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String {
     let mut out = String::from(
@@ -51,8 +50,8 @@ pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String 
 /// A model as the scenario of a release, straight from its release angle; `head` is a comment.
 pub(crate) fn plain(head: &str, name: &str, model: &Model, duration: f64) -> String {
     let mut out: String = head.lines().map(|line| format!("# {line}\n")).collect();
-    // A release is called after its file and number, of which a scenario's name admits not every letter.
-    put(&mut out, "name", quoted(&plain_name(name)));
+    let name: String = name.chars().map(|c| if fits_name(c) { c } else { '-' }).collect();
+    put(&mut out, "name", quoted(&format!("{}{name}", if name.starts_with('.') { "-" } else { "" })));
     let has_diameter = model.rod().diameter > 0.0;
     rod(&mut out, model, &|k| ROD[k].0 != "diameter" || has_diameter);
     out += "\n[run]\n";

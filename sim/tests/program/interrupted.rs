@@ -92,7 +92,7 @@ fn of_all_else_nothing_is_left() {
                 "--out",
                 "out",
             ],
-            "simulating what the calibration admits",
+            " threads",
         ),
         (&["diagnose", "--plan", "s.toml", "--set", "rod.nodes=200"], "] hose"),
     ] {

@@ -13,6 +13,7 @@ mod interrupted;
 #[cfg(feature = "rerun")]
 mod live_view;
 mod predict;
+mod predict_rod;
 mod schema;
 #[cfg(unix)]
 mod tutorials;

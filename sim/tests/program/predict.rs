@@ -80,6 +80,55 @@ fn intervals_are_those_that_the_errors_make() {
     }
 }
 
+/// Errors that are carried along their directions are those of draws; a case of a grid is the case alone; and what
+/// the table says stands in Parquet as well.
+#[test]
+fn a_grid_says_of_each_case_what_it_is_alone() {
+    let bench = bench("predict-grid");
+    let asked = [
+        "predict",
+        "--muscle",
+        "known.toml",
+        "--pressure",
+        "30psi,40psi,50psi",
+        "--duration",
+        "8 s",
+        "--json",
+    ];
+    let value = bench.json(&[&asked[..], &["--payload", "0g..100g:2", "--out", "grid"], &ALPHA].concat());
+    let grid = &value["grid"];
+    let cells = grid["cells"].as_array().expect("a list");
+    assert_eq!(cells.len(), 6);
+    let cell = cells.iter().find(|cell| {
+        let is = |key: &str, value: f64| (cell[key].as_f64().expect("a number") / value - 1.0).abs() < 1e-9;
+        is("pressure_pa", 275_790.291_7) && is("payload_kg", 0.1)
+    });
+    let alone = predicted(&bench, "alone", &["--payload", "100 g", "--draws", "120"]);
+    for name in ["rest_z_m", "small_frequency_hz", "small_damping_ratio", "root_moment_n_m"] {
+        let [(own, Some(interval)), (single, Some(drawn))] =
+            [quantity(cell.expect("the case"), name), quantity(&alone, name)]
+        else {
+            panic!("{name} has an interval");
+        };
+        assert_eq!(own, single, "{name}");
+        let width = |[low, high]: [f64; 2]| high - low;
+        // The ends of 120 draws are known to 16 %.
+        assert!((width(interval) / width(drawn) - 1.0).abs() < 0.35, "{name}: {interval:?}, {drawn:?}");
+    }
+    // EI of Table 2 has its least frequency between 70 and 80 psi.
+    let slowest = grid["slowest"].as_array().expect("a list");
+    assert!(slowest.iter().all(|slowest| slowest["at_end"] == true), "{slowest:?}");
+    let rows = bench.text("grid/grid.csv").lines().count();
+    assert_eq!(rows, 7);
+    let parquet = std::fs::read(bench.0.join("grid/grid.parquet")).expect("it is there");
+    assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
+    for (picture, axis) in
+        [("maps", "payload, g"), ("over-pressure", "pressure, kPa"), ("over-payload", "payload, g")]
+    {
+        assert!(bench.text(&format!("grid/{picture}.svg")).contains(axis), "{picture}");
+    }
+}
+
 #[test]
 fn what_lies_outside_the_calibration_is_said() {
     let bench = bench("predict-outside");
@@ -125,6 +174,9 @@ fn what_cannot_be_foretold_is_said_before_anything_is_written() {
         &["--pressure", "40 psi", "--payload", "-5 g"],
         "--payload -5 g: it must not be negative",
     );
-    says(2, "known.toml", &["--pressure", "40 psi", "--angle", "3 kg"], "release.angle: \"3 kg\" is a mass");
+    says(2, "known.toml", &["--pressure", "40 psi", "--angle", "3 kg"], "--angle 3 kg: \"3 kg\" is a mass");
+    says(2, "known.toml", &["--pressure", "40psi..10psi"], "from the smaller to the larger");
+    says(2, "known.toml", &["--pressure", "10psi..40psi:1"], "how many values, 2 to 1000");
+    says(2, "known.toml", &[], "--pressure");
     says(2, "known.toml", &["--pressure", "40 psi", "--set", "effects.air_drg.x=1"], "air_drag");
 }

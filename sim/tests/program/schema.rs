@@ -136,6 +136,8 @@ fn what_is_printed_fits_its_schema() {
     let still = ["--plan", "s.toml", "--set", "muscle.pressure=15 psi", "--set", "release.from=equilibrium"];
     try_one("diagnose", &still);
     try_one("predict", &["--muscle", "garbulinski-2022", "--pressure", "15psi", "--duration", "3 s"]);
+    let grid = ["--pressure", "15psi,40psi", "--payload", "0g..80g:3", "--duration", "2 s"];
+    try_one("predict", &[&["--muscle", "garbulinski-2022"], &grid[..]].concat());
     try_one("effects", &[]);
     try_one("effects", &["viscoelastic"]);
     try_one("experiment init", &[&recording, "--out", "e.toml"]);

@@ -258,6 +258,22 @@ impl<'a> Panel<'a> {
         Ok(())
     }
 
+    /// A cell of a map, with hardly a rim.
+    pub fn cell(&mut self, x: Range<f64>, y: Range<f64>, color: RGBColor) -> Drawn {
+        let ends = [(x.start, y.start), (x.end, y.end)];
+        self.chart.draw_series([Rectangle::new(ends, color.filled())])?;
+        self.chart.draw_series([Rectangle::new(ends, hair(255, 0.5))])?;
+        Ok(())
+    }
+
+    /// A small number about a point.
+    pub fn number(&mut self, at: (f64, f64), text: &str, color: &RGBColor) -> Drawn {
+        let style = (FONT, f64::from(px(NOTE_SIZE - 2.0))).into_font().color(color);
+        let style = style.pos(Pos::new(HPos::Center, VPos::Center));
+        self.chart.draw_series([Text::new(text.to_owned(), at, style)])?;
+        Ok(())
+    }
+
     /// Text that begins at a point.
     pub fn text(&mut self, at: (f64, f64), text: &str) -> Drawn {
         let style = (FONT, f64::from(px(TEXT_SIZE - 2.0))).into_font().color(&BLACK);

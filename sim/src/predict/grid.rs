@@ -1,0 +1,308 @@
+//! Predictions over pressures and payloads: every number at each, the payload that takes the tip past straight
+//! down, the pressure at which the muscle swings slowest.
+//!
+//! A hundred cases are too many for hundreds of draws each. Here the errors of the calibration are carried
+//! through the simulation along their principal directions, one standard deviation to either side, or as far as a
+//! number may go: with three parameters seven runs a case. An interval is 1.96 times the root of the sum of squares, which is as good as
+//! the numbers are linear over one standard deviation.
+
+use std::f64::consts::FRAC_PI_2;
+
+use models::muscle::Known;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::errors::Errors;
+use super::quantity::{QUANTITIES, Quantity, Told};
+use super::simulated::{simulate, value};
+use super::warnings::{Extent, warnings};
+use crate::analysis::brent::{least, root};
+use crate::forward::Run;
+use crate::results::rest::rest;
+use crate::scenario::{Case, ScenarioError};
+use crate::schema::JsonSchema;
+
+/// Standard deviations from the middle of a normal distribution to the ends of the 95 % in its middle.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// Predictions over pressures and payloads; SI.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Grid {
+    /// What was asked.
+    pub name: String,
+    /// Pressures above ambient, Pa, ascending; none of a rod that is no muscle.
+    pub pressures_pa: Vec<f64>,
+    /// Masses of the payload, kg, ascending.
+    pub payloads_kg: Vec<f64>,
+    /// Each pressure with each payload, the payloads of the first pressure first.
+    pub cells: Vec<Cell>,
+    /// Of each pressure, or of the rod, from which payload on a release takes the tip past straight down.
+    pub past_straight_down: Vec<PastStraightDown>,
+    /// Of each payload at which pressure small swings are slowest; none with a single pressure.
+    pub slowest: Vec<Slowest>,
+    /// What should be known before the numbers are used, in words.
+    pub warnings: Vec<String>,
+}
+
+/// One pressure with one payload.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Cell {
+    /// Pressure above ambient, Pa; none of a rod that is no muscle.
+    pub pressure_pa: Option<f64>,
+    /// Mass of the payload, kg.
+    pub payload_kg: f64,
+    /// The numbers; empty where it could not be simulated.
+    pub quantities: Vec<Quantity>,
+    /// Why it could not be simulated.
+    pub failed: Option<String>,
+    /// Whether pressure, payload or amplitude lie outside what was calibrated; none without a calibration.
+    pub extrapolated: Option<bool>,
+}
+
+impl Cell {
+    /// A number by its name.
+    pub fn quantity(&self, name: &str) -> Option<&Quantity> {
+        self.quantities.iter().find(|quantity| quantity.name == name)
+    }
+}
+
+/// From which payload on a release takes the tip past straight down.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PastStraightDown {
+    /// Pressure above ambient, Pa.
+    pub pressure_pa: Option<f64>,
+    /// The payload, kg; none where it happens nowhere between those that were asked, or with all of them.
+    pub payload_kg: Option<f64>,
+    /// The interval that holds 95 % of what the errors of the calibration admit, kg.
+    pub interval_95: Option<[f64; 2]>,
+    /// Whether it happens with the lightest payload already.
+    pub always: bool,
+}
+
+/// Where small swings are slowest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Slowest {
+    /// Mass of the payload, kg.
+    pub payload_kg: f64,
+    /// Pressure, Pa.
+    pub pressure_pa: f64,
+    /// Natural frequency there, Hz.
+    pub frequency_hz: f64,
+    /// Its interval, of the nearest pressure that was asked.
+    pub interval_95: Option<[f64; 2]>,
+    /// Whether it is the lowest or the highest pressure that was asked: beyond it may be slower still.
+    pub at_end: bool,
+}
+
+/// Makes a case at a pressure, Pa, with a payload, kg.
+pub type Make<'a> = &'a (dyn Fn(Option<f64>, f64) -> Result<Case, ScenarioError> + Sync);
+
+/// Runs of each case of a grid, where a calibration knows so many numbers.
+pub fn runs(known: Option<&Known>) -> usize {
+    1 + 2 * known.map_or(0, |known| known.at(0.0).paths.len())
+}
+
+/// Foretells every pressure with every payload. `tell` hears of each case that is done, from any thread.
+/// # Errors
+/// [`ScenarioError`] for a case that makes no sense; one that cannot be simulated says so in its cell.
+pub fn grid(
+    name: &str,
+    (pressures, payloads): (&[f64], &[f64]),
+    make: Make,
+    known: Option<&Known>,
+    tell: &(dyn Fn() + Sync),
+) -> Result<Grid, ScenarioError> {
+    let columns: Vec<Option<f64>> = match pressures {
+        [] => vec![None],
+        all => all.iter().copied().map(Some).collect(),
+    };
+    let asked = columns.iter().flat_map(|pressure| payloads.iter().map(|payload| (*pressure, *payload)));
+    let cases = asked.map(|(pressure, payload)| make(pressure, payload)).collect::<Result<Vec<_>, _>>()?;
+    let foretold: Vec<(Cell, f64)> = cases
+        .par_iter()
+        .map(|case| {
+            let done = foretell(case, known);
+            tell();
+            done
+        })
+        .collect();
+    let mut grid = Grid {
+        name: name.to_owned(),
+        pressures_pa: pressures.to_vec(),
+        payloads_kg: payloads.to_vec(),
+        ..Grid::default()
+    };
+    let excursion = foretold.iter().map(|(_, excursion)| *excursion).fold(0.0, f64::max);
+    grid.cells = foretold.into_iter().map(|(cell, _)| cell).collect();
+    let rows: Vec<&[Cell]> = grid.cells.chunks(payloads.len()).collect();
+    grid.past_straight_down =
+        rows.par_iter().map(|row| past_straight_down(row, make)).collect::<Result<_, ScenarioError>>()?;
+    if pressures.len() > 1 {
+        let of = |k: usize| slowest(&rows.iter().map(|row| &row[k]).collect::<Vec<_>>(), make);
+        let all: Vec<Option<Slowest>> =
+            (0..payloads.len()).into_par_iter().map(of).collect::<Result<_, ScenarioError>>()?;
+        grid.slowest = all.into_iter().flatten().collect();
+    }
+    let extent = Extent { pressures, payloads, excursion };
+    let errors = known.map(|known| Errors::new(known, &cases[0]));
+    let mut words: Vec<String> = cases.iter().flat_map(|case| case.warnings.clone()).collect();
+    words.sort();
+    words.dedup();
+    grid.warnings = words;
+    grid.warnings.extend(warnings(&extent, known, errors.as_ref()));
+    let failed = grid.cells.iter().filter(|cell| cell.failed.is_some()).count();
+    if failed > 0 {
+        grid.warnings
+            .push(format!("{failed} of {} cases could not be simulated; each says why", cases.len()));
+    }
+    Ok(grid)
+}
+
+/// A case, and the largest distance of its tip from the rest, m.
+fn foretell(case: &Case, known: Option<&Known>) -> (Cell, f64) {
+    let run = Run { energy: false, ..case.run.clone() };
+    let mut cell = Cell {
+        pressure_pa: case.pressure,
+        payload_kg: value(&case.model, "effects.payload.mass"),
+        ..Cell::default()
+    };
+    let own = match simulate(&case.model, &run) {
+        Ok(own) => own,
+        Err(why) => {
+            cell.failed = Some(why);
+            return (cell, 0.0);
+        }
+    };
+    let errors = known.map(|known| Errors::new(known, case));
+    let side_of = |errors: &Errors, direction: usize, side: f64| {
+        let (model, share) = errors.along(direction, side)?;
+        Some((simulate(&model, &run).ok()?.told, share))
+    };
+    let both = |errors: &Errors, direction: usize| [-1.0, 1.0].map(|side| side_of(errors, direction, side));
+    let sides: Vec<[Option<(Told, f64)>; 2]> = errors
+        .iter()
+        .flat_map(|errors| (0..errors.directions()).map(move |direction| both(errors, direction)))
+        .collect();
+    let slope = |side: &Option<(Told, f64)>, kind: fn(&Told) -> Option<f64>, value: f64| {
+        let (told, share) = side.as_ref()?;
+        Some((kind(told)? - value) / share)
+    };
+    cell.quantities = QUANTITIES
+        .iter()
+        .map(|kind| {
+            let value = (kind.of)(&own.told);
+            let interval = value.filter(|_| known.is_some()).and_then(|value| {
+                carried(value, sides.iter().map(|pair| [0, 1].map(|side| slope(&pair[side], kind.of, value))))
+            });
+            kind.told(&own.told, interval)
+        })
+        .collect();
+    cell.extrapolated = known.zip(errors.as_ref()).map(|(known, errors)| {
+        let pressures: Vec<f64> = case.pressure.into_iter().collect();
+        let extent = Extent { pressures: &pressures, payloads: &[cell.payload_kg], excursion: own.excursion };
+        warnings(&extent, Some(known), Some(errors)).len() > errors.undetermined.len()
+    });
+    (cell, own.excursion)
+}
+
+/// The interval of a number from what one standard deviation to either side along each direction changes of it; none
+/// where both sides of one say nothing.
+fn carried(value: f64, changes: impl Iterator<Item = [Option<f64>; 2]>) -> Option<[f64; 2]> {
+    let mut variance = 0.0;
+    for change in changes {
+        let slope = match change {
+            [Some(low), Some(high)] => 0.5 * (high - low),
+            [Some(side), None] | [None, Some(side)] => side,
+            [None, None] => return None,
+        };
+        variance += slope * slope;
+    }
+    let half = NORMAL_95 * variance.sqrt();
+    Some([value - half, value + half])
+}
+
+/// What is least of the tip's angle, rad, beyond straight down; its half interval.
+fn beyond(cell: &Cell) -> Option<(f64, f64)> {
+    let quantity = cell.quantity("least_angle_rad")?;
+    let half = quantity.interval_95.map_or(0.0, |[low, high]| 0.5 * (high - low));
+    Some((quantity.value? + FRAC_PI_2, half))
+}
+
+fn past_straight_down(row: &[Cell], make: Make) -> Result<PastStraightDown, ScenarioError> {
+    let pressure = row.first().and_then(|cell| cell.pressure_pa);
+    let known: Vec<(f64, f64, f64)> = row
+        .iter()
+        .filter_map(|cell| beyond(cell).map(|(angle, half)| (cell.payload_kg, angle, half)))
+        .collect();
+    let always = known.first().is_some_and(|(_, angle, _)| *angle < 0.0);
+    let crosses = |pair: &&[(f64, f64, f64)]| pair[0].1 >= 0.0 && pair[1].1 < 0.0;
+    let none = PastStraightDown { pressure_pa: pressure, payload_kg: None, interval_95: None, always };
+    let Some([low, high]) = known.windows(2).find(crosses).and_then(|pair| <[_; 2]>::try_from(pair).ok())
+    else {
+        return Ok(none);
+    };
+    let mut refused = None;
+    let payload = root(low.0..high.0, |payload| {
+        let case = make(pressure, payload).map_err(|error| refused = Some(error)).ok()?;
+        let run = Run { energy: false, ..case.run.clone() };
+        Some(simulate(&case.model, &run).ok()?.told.summary.least_tip_angle_rad? + FRAC_PI_2)
+    });
+    if let Some(error) = refused {
+        return Err(error);
+    }
+    let slope = (high.1 - low.1) / (high.0 - low.0);
+    let half = 0.5 * (low.2 + high.2) / slope.abs();
+    let interval = payload.filter(|_| half > 0.0).map(|payload| [(payload - half).max(0.0), payload + half]);
+    Ok(PastStraightDown { payload_kg: payload, interval_95: interval, ..none })
+}
+
+fn slowest(cells: &[&Cell], make: Make) -> Result<Option<Slowest>, ScenarioError> {
+    let name = "small_frequency_hz";
+    let of = |cell: &Cell| cell.quantity(name).and_then(|quantity| quantity.value);
+    let known: Vec<(&Cell, f64)> = cells.iter().filter_map(|cell| Some((*cell, of(cell)?))).collect();
+    let Some(at) = (0..known.len()).min_by(|a, b| known[*a].1.total_cmp(&known[*b].1)) else {
+        return Ok(None);
+    };
+    let pressure = |k: usize| known[k].0.pressure_pa.unwrap_or(0.0);
+    let (cell, frequency) = known[at];
+    let interval = cell.quantity(name).and_then(|quantity| quantity.interval_95);
+    let mut slowest = Slowest {
+        payload_kg: cell.payload_kg,
+        pressure_pa: pressure(at),
+        frequency_hz: frequency,
+        interval_95: interval,
+        at_end: at == 0 || at + 1 == known.len(),
+    };
+    if slowest.at_end {
+        return Ok(Some(slowest));
+    }
+    let mut refused = None;
+    let mut frequency_at = |pressure: f64| {
+        let case = make(Some(pressure), cell.payload_kg).map_err(|error| refused = Some(error)).ok()?;
+        let modes = rest(&case.model, case.run.duration, 1).ok()?.modes.ok()?;
+        modes.first().map(|(frequency, _)| *frequency)
+    };
+    if let Some(at) = least(pressure(at - 1)..pressure(at + 1), &mut frequency_at) {
+        let found = frequency_at(at).filter(|found| *found <= slowest.frequency_hz);
+        if let Some(found) = found {
+            let moved = found - slowest.frequency_hz;
+            slowest.interval_95 = interval.map(|ends| ends.map(|end| end + moved));
+            (slowest.pressure_pa, slowest.frequency_hz) = (at, found);
+        }
+    }
+    refused.map_or(Ok(Some(slowest)), Err)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two directions that move a number by 3 and 4 make a standard deviation of 5; where one side has no answer
+    /// the other counts, where neither has there is no interval.
+    #[test]
+    fn errors_are_carried_along_their_directions() {
+        let [low, high] = carried(10.0, [[Some(-3.0), Some(3.0)], [None, Some(4.0)]].into_iter()).unwrap();
+        assert!((high - low - 2.0 * NORMAL_95 * 5.0).abs() < 1e-12 && (high + low - 20.0).abs() < 1e-12);
+        assert_eq!(carried(10.0, [[None, None]].into_iter()), None);
+    }
+}

@@ -1,0 +1,136 @@
+//! The model with what a calibration has found, and how well that is known: what `efam simulate` and `efam predict`
+//! take.
+
+use models::muscle::{CalibratedColumn, Found, Knob, Known, Muscle, MuscleError};
+
+use crate::calibrate::calibration::{Calibrated, Correlations};
+use crate::calibrate::{Calibration, Problem};
+use crate::scenario::resolved::plain;
+
+/// A file with a calibrated model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelFile {
+    /// Its name: `muscle.toml`, or `rod.toml`.
+    pub name: String,
+    /// What stands in it.
+    pub text: String,
+}
+
+/// Parameters that a muscle file has columns for.
+const COLUMNS: [(&str, &str); 3] = [
+    ("rod.bending_stiffness", "bending_stiffness_calibrated"),
+    ("effects.rayleigh_mass.alpha", "rayleigh_mass"),
+    ("effects.rayleigh_stiffness.beta", "rayleigh_stiffness"),
+];
+
+/// Parameters for which it has a constant.
+const ROD_MASS: &str = "rod.mass";
+const END_FITTING_MASS: &str = "effects.end_fitting.mass";
+
+/// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value
+/// for each release.
+/// # Errors
+/// [`MuscleError`] for a pressure at which the muscle is none.
+pub fn muscle_file(
+    muscle: &Muscle,
+    calibration: &Calibration,
+    source: &str,
+) -> Result<Option<ModelFile>, MuscleError> {
+    let mut columns = Vec::new();
+    let usable = |path: &str| {
+        let found = calibration.of(path);
+        let is_usable = !found.is_empty() && found.iter().all(|one| one.release.is_none());
+        is_usable.then_some(found)
+    };
+    for (path, name) in COLUMNS {
+        let Some(found) = usable(path) else { continue };
+        // What all pressures share stands at any of them.
+        let anywhere = calibration.releases.iter().find_map(|release| release.pressure_pa).unwrap_or(0.0);
+        let values = found.iter().map(|one| (one.pressure_pa.unwrap_or(anywhere), one.value));
+        columns.push(CalibratedColumn { name, values: values.collect() });
+    }
+    if columns.is_empty() {
+        return Ok(None);
+    }
+    let shared = |path: &str| usable(path).filter(|found| found.len() == 1).map(|found| found[0].value);
+    let found = Found {
+        columns,
+        rod_mass: shared(ROD_MASS),
+        end_fitting_mass: shared(END_FITTING_MASS),
+        known: known(calibration, &|one| {
+            let path = one.name.as_str();
+            COLUMNS.iter().any(|(column, _)| *column == path) || [ROD_MASS, END_FITTING_MASS].contains(&path)
+        }),
+    };
+    let text = muscle.calibrated(source, &found)?;
+    Ok(Some(ModelFile { name: "muscle.toml".to_owned(), text }))
+}
+
+/// The rods of a calibration that are no muscle, each a scenario of its first release with what was found in it: one
+/// for each pressure. What belongs to a single release is left as it was.
+pub fn rod_files(problem: &Problem, calibration: &Calibration, source: &str) -> Vec<ModelFile> {
+    let mut pressures: Vec<Option<f64>> = Vec::new();
+    let mut files = Vec::new();
+    for trial in problem.trials.iter().filter(|trial| !trial.release.held_out) {
+        let pressure = trial.release.pressure;
+        if pressures.contains(&pressure) {
+            continue;
+        }
+        pressures.push(pressure);
+        let is_own = |one: &Calibrated| {
+            one.release.is_none() && (one.pressure_pa.is_none() || one.pressure_pa == pressure)
+        };
+        let mut model = trial.model.clone();
+        for one in calibration.parameters.iter().filter(|one| is_own(one)) {
+            if let Ok(k) = model.index(&one.name) {
+                model.theta[k] = one.value;
+            }
+        }
+        let duration = trial.release.time.last().copied().unwrap_or(20.0);
+        let mut known = known(calibration, &is_own);
+        // At its own pressure each number is what it is.
+        known.parameter.iter_mut().for_each(|knob| knob.pressure_pa = None);
+        let text = plain(source, &trial.release.name, &model, duration) + "\n" + &known.section();
+        files.push(ModelFile { name: format!("rod-{}.toml", files.len() + 1), text });
+    }
+    if let [only] = &mut files[..] {
+        only.name = "rod.toml".to_owned();
+    }
+    files
+}
+
+/// How well a calibration knows some of its numbers.
+fn known(calibration: &Calibration, is_told: &dyn Fn(&Calibrated) -> bool) -> Known {
+    let is_told = |one: &&Calibrated| one.release.is_none() && is_told(one);
+    let own: Vec<&Calibrated> = calibration.parameters.iter().filter(is_told).collect();
+    let correlation = |a: &Calibrated, b: &Calibrated| {
+        if a.label() == b.label() {
+            return 1.0;
+        }
+        let together = |group: &&Correlations| {
+            let at = |one: &Calibrated| group.names.iter().position(|name| *name == one.label());
+            Some(group.matrix[at(a)?][at(b)?].clamp(-1.0, 1.0))
+        };
+        calibration.correlations.iter().find_map(|group| together(&group)).unwrap_or(0.0)
+    };
+    let knob = |one: &&Calibrated| Knob {
+        path: one.name.clone(),
+        pressure_pa: one.pressure_pa,
+        value: one.value,
+        standard_error: one.standard_error,
+        correlations: own.iter().map(|other| correlation(one, other)).collect(),
+    };
+    let fitted = || calibration.releases.iter().filter(|release| !release.held_out);
+    let range = |values: Vec<f64>| {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if values.is_empty() { [0.0; 2] } else { [least, most] }
+    };
+    Known {
+        releases: fitted().count(),
+        pressure_pa: range(fitted().filter_map(|release| release.pressure_pa).collect()),
+        payload_kg: range(fitted().map(|release| release.payload_kg).collect()),
+        excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
+        parameter: own.iter().map(knob).collect(),
+    }
+}

@@ -1,0 +1,214 @@
+//! Predictions over pressures and payloads: maps where both vary, curves with intervals where one does.
+
+use std::ops::Range;
+
+use plotters::prelude::RGBColor;
+
+use super::panel::{Axis, Drawn, Key, Panel, Stroke, heading, padded, px};
+use super::{Area, BLACK, BLUE, GREEN, GREY, MILLI, ORANGE, Picture, VERMILION, drawn};
+use crate::predict::grid::{Cell, Grid, PastStraightDown};
+use crate::results::report::significant;
+
+/// Numbers that are drawn: name, title, label of its axis, factor to its unit.
+const NUMBERS: [(&str, &str, &str, f64); 6] = [
+    ("frequency_hz", "Frequency as released", "damped frequency, Hz", 1.0),
+    ("damping_ratio", "Damping ratio as released", "damping ratio", 1.0),
+    ("rest_z_m", "Height of the tip at rest", "height over the clamp, mm", MILLI),
+    ("settling_5_percent_s", "Settled to 5 % after", "time, s", 1.0),
+    ("small_frequency_hz", "Frequency of small swings", "natural frequency, Hz", 1.0),
+    ("root_moment_n_m", "Largest bending moment at the root", "moment, N m", 1.0),
+];
+/// Pressures or payloads of a map up to which its cells hold their numbers.
+const LEGIBLE: usize = 12;
+/// Lines in one panel at most.
+const LINES: usize = 5;
+
+/// All pictures of a grid.
+pub fn grid_pictures(grid: &Grid) -> Vec<Picture> {
+    let (pressures, payloads) = (grid.pressures_pa.len(), grid.payloads_kg.len());
+    let mut pictures = Vec::new();
+    if pressures > 1 && payloads > 1 {
+        pictures.push(Picture {
+            name: "maps".to_owned(),
+            title: "Over pressure and payload".to_owned(),
+            caption: "Darker is more; the numbers stand in the cells where there is room.".to_owned(),
+            svg: six_panels(grid, &|area, number| map(area, grid, number)),
+        });
+    }
+    if pressures > 1 {
+        let along = |cell: &Cell| 1e-3 * cell.pressure_pa.unwrap_or(0.0);
+        pictures.push(curves(
+            grid,
+            "over-pressure",
+            "pressure, kPa",
+            &along,
+            &|cell| MILLI * cell.payload_kg,
+            "g",
+        ));
+    }
+    if payloads > 1 {
+        let of = |cell: &Cell| 1e-3 * cell.pressure_pa.unwrap_or(0.0);
+        pictures.push(curves(
+            grid,
+            "over-payload",
+            "payload, g",
+            &|cell| MILLI * cell.payload_kg,
+            &of,
+            "kPa",
+        ));
+    }
+    let answered: Vec<&PastStraightDown> =
+        grid.past_straight_down.iter().filter(|past| past.payload_kg.is_some()).collect();
+    if answered.len() > 1 {
+        pictures.push(Picture {
+            name: "past-straight-down".to_owned(),
+            title: "Payload that takes the tip past straight down".to_owned(),
+            caption: "In a release; bars hold 95 % of what the errors of the calibration admit.".to_owned(),
+            svg: drawn((760, 420), |page| past_straight_down(page, &answered)),
+        });
+    }
+    pictures
+}
+
+type Number = (&'static str, &'static str, &'static str, f64);
+
+fn six_panels(grid: &Grid, panel: &dyn Fn(&Area, &Number) -> Drawn) -> String {
+    drawn((1200, 1230), |page| {
+        heading(page, &format!("Prediction: {}", grid.name))?;
+        let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((3, 2));
+        panels.iter().zip(&NUMBERS).try_for_each(|(area, number)| panel(area, number))
+    })
+}
+
+fn value(cell: &Cell, (name, .., factor): &Number) -> Option<f64> {
+    cell.quantity(name)?.value.map(|value| factor * value)
+}
+
+/// Cells over pressure and payload, darker where there is more.
+fn map(area: &Area, grid: &Grid, number: &Number) -> Drawn {
+    let title = format!("{}, {}", number.1, number.2.rsplit(", ").next().unwrap_or_default());
+    let title = if number.2.contains(", ") { title } else { number.1.to_owned() };
+    let values: Vec<f64> = grid.cells.iter().filter_map(|cell| value(cell, number)).collect();
+    if values.is_empty() {
+        return Panel::without_data(area, &title, "no case has it");
+    }
+    let range = padded(values.into_iter(), 0.0);
+    let (x, y) = (edges(&grid.pressures_pa, 1e-3), edges(&grid.payloads_kg, MILLI));
+    let whole = |edges: &[f64]| edges[0]..edges[edges.len() - 1];
+    let axes = (Axis(whole(&x), "pressure, kPa"), Axis(whole(&y), "payload, g"));
+    let mut panel = Panel::new(area, &title, &axes.0, &axes.1, &[])?;
+    let is_legible = grid.pressures_pa.len() <= LEGIBLE && grid.payloads_kg.len() <= LEGIBLE;
+    for (k, cell) in grid.cells.iter().enumerate() {
+        let (i, j) = (k / grid.payloads_kg.len(), k % grid.payloads_kg.len());
+        let Some(value) = value(cell, number) else { continue };
+        let share = (value - range.start) / (range.end - range.start);
+        panel.cell(x[i]..x[i + 1], y[j]..y[j + 1], shade(share))?;
+        if is_legible {
+            let middle = (0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1]));
+            let ink = if share > 0.5 { RGBColor(255, 255, 255) } else { BLACK };
+            panel.number(middle, &significant(value, 3).replace('-', "\u{2212}"), &ink)?;
+        }
+    }
+    Ok(())
+}
+
+/// From nearly white to dark blue, its lightness falling evenly, so that it can be read without colour.
+fn shade(share: f64) -> RGBColor {
+    let mix = |light: f64, dark: f64| (light + share.clamp(0.0, 1.0) * (dark - light)).round() as u8;
+    RGBColor(mix(240.0, 8.0), mix(246.0, 48.0), mix(252.0, 107.0))
+}
+
+/// Half way between values, and as far beyond the first and last.
+fn edges(values: &[f64], factor: f64) -> Vec<f64> {
+    let middles = values.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let [below, above] = [values[1] - first, last - values[values.len() - 2]].map(|step| 0.5 * step);
+    let all = [first - below].into_iter().chain(middles).chain([last + above]);
+    all.map(|value| factor * value).collect()
+}
+
+/// A line for each of some values of the other variable, with its intervals.
+fn curves(
+    grid: &Grid,
+    name: &str,
+    label: &str,
+    along: &dyn Fn(&Cell) -> f64,
+    of: &dyn Fn(&Cell) -> f64,
+    unit: &str,
+) -> Picture {
+    let mut all: Vec<f64> = grid.cells.iter().map(of).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    let spread = |k: usize| all[k * (all.len() - 1) / (LINES.min(all.len()) - 1).max(1)];
+    let mut lines: Vec<f64> = (0..LINES.min(all.len())).map(spread).collect();
+    lines.dedup();
+    let strokes = [
+        Stroke::new(BLUE, 2.0),
+        Stroke::dashed(VERMILION, 2.0, 8.0, 4.0),
+        Stroke::dashed(GREEN, 2.0, 3.0, 3.0),
+        Stroke::new(ORANGE, 2.0),
+        Stroke::dashed(BLACK, 1.6, 12.0, 4.0),
+    ];
+    let has_pressure = !grid.pressures_pa.is_empty();
+    let keys = || -> Vec<Key> {
+        let name = |line: &f64| format!("{} {unit}", significant(*line, 3));
+        match has_pressure || unit == "g" {
+            true => lines.iter().zip(strokes).map(|(line, stroke)| Key::line(stroke, name(line))).collect(),
+            false => Vec::new(),
+        }
+    };
+    let panel = |area: &Area, number: &Number| -> Drawn {
+        let factor = number.3;
+        let point = |cell: &Cell| Some((along(cell), value(cell, number)?));
+        let ends = |cell: &Cell| {
+            let ends = cell.quantity(number.0)?.interval_95?;
+            Some((along(cell), ends.map(|end| factor * end)))
+        };
+        let shown = || grid.cells.iter().filter(|cell| lines.contains(&of(cell)));
+        if shown().filter_map(point).count() == 0 {
+            return Panel::without_data(area, number.1, "no case has it");
+        }
+        let heights = shown().flat_map(|cell| {
+            let ends = ends(cell).map(|(_, ends)| ends);
+            [point(cell).map(|point| point.1), ends.map(|ends| ends[0]), ends.map(|ends| ends[1])]
+        });
+        let x: Range<f64> = padded(shown().map(along), 0.03);
+        let y = Axis(padded(heights.flatten(), 0.06), number.2);
+        let mut panel = Panel::new(area, number.1, &Axis(x, label), &y, &keys())?;
+        for (line, stroke) in lines.iter().zip(strokes) {
+            let own = || grid.cells.iter().filter(|cell| of(cell) == *line);
+            for (x, [low, high]) in own().filter_map(ends) {
+                panel.line(
+                    [(x, low), (x, high)].into_iter(),
+                    &Stroke { alpha: 0.6, ..Stroke::new(stroke.color, 1.4) },
+                )?;
+            }
+            panel.line(own().filter_map(point), &stroke)?;
+            panel.dots(own().filter_map(point), &stroke, 2.6)?;
+        }
+        Ok(())
+    };
+    Picture {
+        name: name.to_owned(),
+        title: format!("Over {}", label.split(',').next().unwrap_or(label)),
+        caption: "Bars hold 95 % of what the errors of the calibration admit.".to_owned(),
+        svg: six_panels(grid, &panel),
+    }
+}
+
+fn past_straight_down(area: &Area, answered: &[&PastStraightDown]) -> Drawn {
+    let point = |past: &PastStraightDown| Some((1e-3 * past.pressure_pa?, MILLI * past.payload_kg?));
+    let points: Vec<(f64, f64)> = answered.iter().filter_map(|past| point(past)).collect();
+    let ends = answered.iter().flat_map(|past| past.interval_95.into_iter().flatten().map(|end| MILLI * end));
+    let x = Axis(padded(points.iter().map(|point| point.0), 0.05), "pressure, kPa");
+    let y = Axis(padded(points.iter().map(|point| point.1).chain(ends), 0.08), "payload, g");
+    let line = Stroke::new(BLUE, 1.8);
+    let mut panel = Panel::new(area, "Payload that takes the tip past straight down", &x, &y, &[])?;
+    for past in answered {
+        if let (Some((x, _)), Some([low, high])) = (point(past), past.interval_95) {
+            panel.line([(x, MILLI * low), (x, MILLI * high)].into_iter(), &Stroke::new(GREY, 1.6))?;
+        }
+    }
+    panel.line(points.iter().copied(), &line)?;
+    panel.dots(points, &line, 3.5)
+}
