@@ -17,6 +17,8 @@ pub struct Known {
     pub payload_kg: [f64; 2],
     /// Largest excursion of the tip from its rest that was seen, m.
     pub excursion_m: f64,
+    /// Nodes of the mesh that the numbers belong to; none where its error was removed.
+    pub nodes: Option<usize>,
     /// The numbers.
     pub parameter: Vec<Knob>,
 }

@@ -53,15 +53,15 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     let (experiment, folder) = open(&args.of, voice)?;
     let input_hashes = input_hashes(&experiment);
     let stages = voice.stages();
-    let work = || -> Result<(Problem, Outcome), Failure> {
+    let work = || -> Result<(Problem, Settings, Outcome), Failure> {
         let cleaned = read(&experiment, &stages)?;
         let (problem, settings) = problem(&experiment, &cleaned)?;
         let settings = Settings { profile: args.profile, ..settings };
         let outcome = calibrate(&problem, &settings, &|stage| stages.tell(stage))?;
-        Ok((problem, outcome))
+        Ok((problem, settings, outcome))
     };
     let (folder, done) = interrupt::during(folder, &stages, work);
-    let (problem, outcome) = done?;
+    let (problem, settings, outcome) = done?;
     stages.tell("writing");
 
     let calibration = &outcome.calibration;
@@ -71,12 +71,14 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
         calibration.releases.iter().filter(|release| !release.held_out).count(),
         experiment.path.display()
     );
+    let kept = problem.trials.first().filter(|_| !settings.remove_mesh);
+    let nodes = kept.map(|trial| trial.model.edges + 1);
     let models = match experiment.muscle() {
-        Some(muscle) => muscle_file(muscle, calibration, &source)
+        Some(muscle) => muscle_file(muscle, calibration, nodes, &source)
             .map_err(|error| Failure::Usage(error.to_string()))?
             .into_iter()
             .collect(),
-        None => rod_files(&problem, calibration, &source),
+        None => rod_files(&problem, calibration, nodes, &source),
     };
     let request = Request {
         name: experiment.name.clone(),

@@ -69,7 +69,12 @@ impl Asked {
         put("effects.payload.rotary_inertia", self.payload_inertia, "kg m^2");
         put("effects.tip_drag.drag_area", self.frontal_area.map(|area| DRAG_COEFFICIENT * area), "m^2");
         set.extend(self.set.iter().cloned());
-        let scenario = Scenario::parse(&self.path, &self.text, &set)?;
+        let mut scenario = Scenario::parse(&self.path, &self.text, &set)?;
+        // Numbers that belong to a mesh are taken with it.
+        if let Some(nodes) = scenario.known().and_then(|known| known.nodes) {
+            set.insert(0, format!("rod.nodes={nodes}"));
+            scenario = Scenario::parse(&self.path, &self.text, &set)?;
+        }
         let mut cases = scenario.cases()?;
         let case = cases.swap_remove(0);
         Ok((case, scenario.known().cloned()))

@@ -13,7 +13,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::errors::Errors;
-use super::quantity::{QUANTITIES, Quantity, Told};
+use super::mesh_of;
+use super::quantity::{Quantity, quantities, units};
 use super::simulated::{simulate, value};
 use super::warnings::{Extent, warnings};
 use crate::analysis::brent::{least, root};
@@ -24,6 +25,9 @@ use crate::schema::JsonSchema;
 
 /// Standard deviations from the middle of a normal distribution to the ends of the 95 % in its middle.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// The number that says whether the tip went past straight down.
+const LEAST_ANGLE: &str = "least_angle_rad";
 
 /// Predictions over pressures and payloads; SI.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -166,7 +170,7 @@ fn foretell(case: &Case, known: Option<&Known>) -> (Cell, f64) {
         payload_kg: value(&case.model, "effects.payload.mass"),
         ..Cell::default()
     };
-    let own = match simulate(&case.model, &run) {
+    let mut own = match simulate(&case.model, &run) {
         Ok(own) => own,
         Err(why) => {
             cell.failed = Some(why);
@@ -174,29 +178,23 @@ fn foretell(case: &Case, known: Option<&Known>) -> (Cell, f64) {
         }
     };
     let errors = known.map(|known| Errors::new(known, case));
-    let side_of = |errors: &Errors, direction: usize, side: f64| {
+    let change = |errors: &Errors, direction: usize, side: f64| -> Option<Vec<Option<f64>>> {
         let (model, share) = errors.along(direction, side)?;
-        Some((simulate(&model, &run).ok()?.told, share))
+        let moved = simulate(&model, &run).ok()?;
+        let pairs = moved.numbers.iter().zip(&own.numbers);
+        Some(pairs.map(|(moved, own)| Some((moved.as_ref()? - own.as_ref()?) / share)).collect())
     };
-    let both = |errors: &Errors, direction: usize| [-1.0, 1.0].map(|side| side_of(errors, direction, side));
-    let sides: Vec<[Option<(Told, f64)>; 2]> = errors
+    let both = |errors: &Errors, direction: usize| [-1.0, 1.0].map(|side| change(errors, direction, side));
+    let changes: Vec<[Option<Vec<Option<f64>>>; 2]> = errors
         .iter()
-        .flat_map(|errors| (0..errors.directions()).map(move |direction| both(errors, direction)))
+        .flat_map(|errors| (0..errors.directions()).map(|direction| both(errors, direction)))
         .collect();
-    let slope = |side: &Option<(Told, f64)>, kind: fn(&Told) -> Option<f64>, value: f64| {
-        let (told, share) = side.as_ref()?;
-        Some((kind(told)? - value) / share)
-    };
-    cell.quantities = QUANTITIES
-        .iter()
-        .map(|kind| {
-            let value = (kind.of)(&own.told);
-            let interval = value.filter(|_| known.is_some()).and_then(|value| {
-                carried(value, sides.iter().map(|pair| [0, 1].map(|side| slope(&pair[side], kind.of, value))))
-            });
-            kind.told(&own.told, interval)
-        })
-        .collect();
+    // On one mesh the changes are the same but for a small part of themselves.
+    mesh_of(known, &own, case, &run).iter().for_each(|mesh| mesh.removed(&mut own));
+    cell.quantities = quantities(&own, |k, value| {
+        let of = |side: &Option<Vec<Option<f64>>>| side.as_ref()?[k];
+        known.and_then(|_| carried(value, changes.iter().map(|[low, high]| [of(low), of(high)])))
+    });
     cell.extrapolated = known.zip(errors.as_ref()).map(|(known, errors)| {
         let pressures: Vec<f64> = case.pressure.into_iter().collect();
         let extent = Extent { pressures: &pressures, payloads: &[cell.payload_kg], excursion: own.excursion };
@@ -223,7 +221,7 @@ fn carried(value: f64, changes: impl Iterator<Item = [Option<f64>; 2]>) -> Optio
 
 /// What is least of the tip's angle, rad, beyond straight down; its half interval.
 fn beyond(cell: &Cell) -> Option<(f64, f64)> {
-    let quantity = cell.quantity("least_angle_rad")?;
+    let quantity = cell.quantity(LEAST_ANGLE)?;
     let half = quantity.interval_95.map_or(0.0, |[low, high]| 0.5 * (high - low));
     Some((quantity.value? + FRAC_PI_2, half))
 }
@@ -245,7 +243,8 @@ fn past_straight_down(row: &[Cell], make: Make) -> Result<PastStraightDown, Scen
     let payload = root(low.0..high.0, |payload| {
         let case = make(pressure, payload).map_err(|error| refused = Some(error)).ok()?;
         let run = Run { energy: false, ..case.run.clone() };
-        Some(simulate(&case.model, &run).ok()?.told.summary.least_tip_angle_rad? + FRAC_PI_2)
+        let k = units().position(|(name, _)| name == LEAST_ANGLE)?;
+        Some(simulate(&case.model, &run).ok()?.numbers[k]? + FRAC_PI_2)
     });
     if let Some(error) = refused {
         return Err(error);

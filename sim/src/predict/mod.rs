@@ -1,7 +1,8 @@
 //! Prediction: what a calibrated muscle will do in a case that nobody has recorded, with intervals.
 //!
 //! The errors of the calibration, with their correlations, are drawn and each draw is simulated: an interval
-//! holds 95 % of what comes out. What a calibration cannot know is not in it: that EI is another one under load,
+//! holds 95 % of what comes out. A calibration removes the error of the mesh from what it finds, so that is
+//! removed from what is foretold as well. What a calibration cannot know is not in it: that EI is another one under load,
 //! or at amplitudes that were never seen. Where a case lies outside what was calibrated, a warning says so.
 
 pub mod asked;
@@ -18,11 +19,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::forward::Run;
 use crate::quantile::quantile;
+use crate::results::summary;
 use crate::scenario::Case;
 use crate::schema::JsonSchema;
 use errors::Errors;
-use quantity::{QUANTITIES, Quantity};
-use simulated::{Simulated, simulate, value};
+use quantity::{Quantity, quantities};
+use simulated::{Mesh, Simulated, simulate, value};
 use warnings::{Extent, warnings};
 
 /// How a prediction is made.
@@ -124,11 +126,14 @@ pub fn predict(
 ) -> Result<Outcome, PredictError> {
     let run = Run { energy: false, ..case.run.clone() };
     let simulated = simulate(&case.model, &run);
-    let own = simulated.map_err(|reason| PredictError { name: case.name.clone(), reason })?;
+    let mut own = simulated.map_err(|reason| PredictError { name: case.name.clone(), reason })?;
+    let mesh = mesh_of(known, &own, case, &run);
+    mesh.iter().for_each(|mesh| mesh.removed(&mut own));
     let errors = known.map(|known| Errors::new(known, case));
     let simulate_draw = |draw: usize| {
         let model = errors.as_ref()?.drawn(settings.seed, draw)?;
-        let done = simulate(&model, &run).ok();
+        let mut done = simulate(&model, &run).ok();
+        mesh.iter().zip(&mut done).for_each(|(mesh, done)| mesh.removed(done));
         tell();
         done
     };
@@ -138,10 +143,11 @@ pub fn predict(
         name: case.name.clone(),
         pressure_pa: case.pressure,
         payload_kg: value(&case.model, "effects.payload.mass"),
-        quantities: QUANTITIES
-            .iter()
-            .map(|kind| kind.drawn(&own.told, all.iter().map(|one| &one.told)))
-            .collect(),
+        quantities: quantities(&own, |k, value| {
+            let [low, high] = interval(all.iter().filter_map(|one| one.numbers[k]).collect(), all.len())?;
+            // A number on its bound lies at the end of what the draws say.
+            Some([low.min(value), high.max(value)])
+        }),
         cycles: cycles(&own, &all),
         draws: all.len(),
         failed_draws: count - all.len(),
@@ -160,6 +166,11 @@ pub fn predict(
     Ok(Outcome { prediction, band: band(&own, &all), postures: own.postures })
 }
 
+/// What the mesh does to what is foretold, where a calibration found its numbers without a mesh.
+fn mesh_of(known: Option<&Known>, own: &Simulated, case: &Case, run: &Run) -> Option<Mesh> {
+    known.filter(|known| known.nodes.is_none()).and_then(|_| Mesh::of(own, &case.model, run))
+}
+
 /// Interval of what draws say; none of fewer than half of them.
 fn interval(values: Vec<f64>, draws: usize) -> Option<[f64; 2]> {
     if draws == 0 || 2 * values.len() < draws {
@@ -170,21 +181,17 @@ fn interval(values: Vec<f64>, draws: usize) -> Option<[f64; 2]> {
 }
 
 fn cycles(own: &Simulated, all: &[Simulated]) -> Vec<Cycle> {
-    let of = |one: &Simulated, k: usize| one.told.summary.cycles.as_ref()?.get(k).copied();
-    let interval_of = |k: usize, what: fn(&crate::results::summary::Cycle) -> f64| {
-        interval(all.iter().filter_map(|one| Some(what(&of(one, k)?))).collect(), all.len())
+    let interval_of = |k: usize, what: fn(&summary::Cycle) -> f64| {
+        interval(all.iter().filter_map(|one| one.cycles.get(k).map(what)).collect(), all.len())
     };
-    let cycle = |k: usize| {
-        let cycle = of(own, k)?;
-        Some(Cycle {
-            amplitude_m: cycle.amplitude_m,
-            damping_ratio: cycle.damping_ratio,
-            damping_ratio_95: interval_of(k, |cycle| cycle.damping_ratio),
-            frequency_hz: cycle.damped_frequency_hz,
-            frequency_hz_95: interval_of(k, |cycle| cycle.damped_frequency_hz),
-        })
+    let cycle = |(k, cycle): (usize, &summary::Cycle)| Cycle {
+        amplitude_m: cycle.amplitude_m,
+        damping_ratio: cycle.damping_ratio,
+        damping_ratio_95: interval_of(k, |cycle| cycle.damping_ratio),
+        frequency_hz: cycle.damped_frequency_hz,
+        frequency_hz_95: interval_of(k, |cycle| cycle.damped_frequency_hz),
     };
-    (0..own.told.summary.cycles.as_ref().map_or(0, Vec::len)).filter_map(cycle).collect()
+    own.cycles.iter().enumerate().map(cycle).collect()
 }
 
 fn band(own: &Simulated, all: &[Simulated]) -> Band {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::interval;
+use super::simulated::Simulated;
 use crate::results::summary::{Mode, Summary};
 use crate::schema::JsonSchema;
 
@@ -24,13 +24,38 @@ pub struct Quantity {
 }
 
 /// What one run says.
-#[derive(Clone, Debug)]
-pub(super) struct Told {
-    pub summary: Summary,
+pub(super) struct Told<'a> {
+    pub summary: &'a Summary,
     /// Largest bending moment at the root, N m.
     pub root_moment: f64,
     /// The same at rest.
     pub root_moment_at_rest: f64,
+    /// Lowest point of the tip, m.
+    pub lowest: Option<f64>,
+}
+
+/// All numbers of a run, in the order of [`QUANTITIES`].
+pub(super) fn numbers(told: &Told) -> Vec<Option<f64>> {
+    QUANTITIES.iter().map(|kind| (kind.of)(told)).collect()
+}
+
+/// All numbers of a run, each with its interval.
+pub(super) fn quantities(
+    own: &Simulated,
+    interval: impl Fn(usize, f64) -> Option<[f64; 2]>,
+) -> Vec<Quantity> {
+    let quantity = |(k, kind): (usize, &Kind)| {
+        let value = own.numbers[k];
+        Quantity {
+            name: kind.name.to_owned(),
+            meaning: kind.meaning.to_owned(),
+            unit: kind.unit.to_owned(),
+            value,
+            interval_95: value.and_then(|value| interval(k, value)),
+            missing: own.missing.get(kind.entry).filter(|_| value.is_none()).cloned(),
+        }
+    };
+    QUANTITIES.iter().enumerate().map(quantity).collect()
 }
 
 /// A kind of number.
@@ -40,38 +65,7 @@ pub(super) struct Kind {
     unit: &'static str,
     /// Its entry in a summary, which says why it is missing.
     entry: &'static str,
-    pub of: fn(&Told) -> Option<f64>,
-}
-
-impl Kind {
-    /// What a run says of it, with its interval.
-    pub fn told(&self, own: &Told, interval_95: Option<[f64; 2]>) -> Quantity {
-        let value = (self.of)(own);
-        let missing = own.summary.missing.get(self.entry).filter(|_| value.is_none());
-        Quantity {
-            name: self.name.to_owned(),
-            meaning: self.meaning.to_owned(),
-            unit: self.unit.to_owned(),
-            value,
-            interval_95,
-            missing: missing.cloned(),
-        }
-    }
-
-    /// What a run says of it, with the interval of what draws say.
-    pub fn drawn<'a>(&self, own: &Told, all: impl Iterator<Item = &'a Told>) -> Quantity {
-        let (mut values, mut draws) = (Vec::new(), 0);
-        for told in all {
-            draws += 1;
-            values.extend((self.of)(told));
-        }
-        let mut interval = interval(values, draws);
-        // A number on its bound lies at the end of what the draws say.
-        if let (Some(ends), Some(value)) = (&mut interval, (self.of)(own)) {
-            *ends = [ends[0].min(value), ends[1].max(value)];
-        }
-        self.told(own, interval)
-    }
+    of: fn(&Told) -> Option<f64>,
 }
 
 /// Name and unit of every number, in the order in which they are told.
@@ -79,7 +73,7 @@ pub fn units() -> impl Iterator<Item = (&'static str, &'static str)> {
     QUANTITIES.iter().map(|kind| (kind.name, kind.unit))
 }
 
-fn mode(told: &Told, number: usize) -> Option<&Mode> {
+fn mode<'a>(told: &Told<'a>, number: usize) -> Option<&'a Mode> {
     told.summary.modes.as_ref()?.get(number)
 }
 
@@ -107,7 +101,7 @@ pub(super) const QUANTITIES: [Kind; 19] = [
     kind("third_damping_ratio", "damping ratio of the third mode", "", "modes", |t| Some(mode(t, 2)?.damping_ratio)),
     kind("frequency_hz", "frequency as released", "Hz", "damped_frequency_hz", |t| t.summary.damped_frequency_hz),
     kind("damping_ratio", "damping ratio as released, by eq. 6", "", "damping_ratio", |t| t.summary.damping_ratio),
-    kind("lowest_z_m", "lowest point of the tip", "m", "lowest", |t| Some(t.summary.lowest?.tip_z_m)),
+    kind("lowest_z_m", "lowest point of the tip", "m", "lowest", |t| t.lowest),
     kind("least_angle_rad", "least angle of the tip", "rad", "least_tip_angle_rad", |t| t.summary.least_tip_angle_rad),
     kind("first_peak_m", "first upper peak over the rest", "m", "peaks", |t| Some(t.summary.peaks.as_ref()?.first()?.height_m)),
     kind("peak_speed_m_s", "greatest speed of the tip", "m/s", "peak_speed", |t| Some(t.summary.peak_speed?.speed_m_s)),

@@ -18,6 +18,7 @@ mod dynamics {
 mod inverse {
     mod chain;
     mod coverage;
+    mod foretold;
     mod poor_starts;
     mod pressures;
     mod small_cases;

@@ -34,6 +34,7 @@ const END_FITTING_MASS: &str = "effects.end_fitting.mass";
 pub fn muscle_file(
     muscle: &Muscle,
     calibration: &Calibration,
+    nodes: Option<usize>,
     source: &str,
 ) -> Result<Option<ModelFile>, MuscleError> {
     let mut columns = Vec::new();
@@ -57,7 +58,7 @@ pub fn muscle_file(
         columns,
         rod_mass: shared(ROD_MASS),
         end_fitting_mass: shared(END_FITTING_MASS),
-        known: known(calibration, &|one| {
+        known: known(calibration, nodes, &|one| {
             let path = one.name.as_str();
             COLUMNS.iter().any(|(column, _)| *column == path) || [ROD_MASS, END_FITTING_MASS].contains(&path)
         }),
@@ -68,7 +69,12 @@ pub fn muscle_file(
 
 /// The rods of a calibration that are no muscle, each a scenario of its first release with what was found in it: one
 /// for each pressure. What belongs to a single release is left as it was.
-pub fn rod_files(problem: &Problem, calibration: &Calibration, source: &str) -> Vec<ModelFile> {
+pub fn rod_files(
+    problem: &Problem,
+    calibration: &Calibration,
+    nodes: Option<usize>,
+    source: &str,
+) -> Vec<ModelFile> {
     let mut pressures: Vec<Option<f64>> = Vec::new();
     let mut files = Vec::new();
     for trial in problem.trials.iter().filter(|trial| !trial.release.held_out) {
@@ -87,7 +93,7 @@ pub fn rod_files(problem: &Problem, calibration: &Calibration, source: &str) -> 
             }
         }
         let duration = trial.release.time.last().copied().unwrap_or(20.0);
-        let mut known = known(calibration, &is_own);
+        let mut known = known(calibration, nodes, &is_own);
         // At its own pressure each number is what it is.
         known.parameter.iter_mut().for_each(|knob| knob.pressure_pa = None);
         let text = plain(source, &trial.release.name, &model, duration) + "\n" + &known.section();
@@ -100,7 +106,7 @@ pub fn rod_files(problem: &Problem, calibration: &Calibration, source: &str) -> 
 }
 
 /// How well a calibration knows some of its numbers.
-fn known(calibration: &Calibration, is_told: &dyn Fn(&Calibrated) -> bool) -> Known {
+fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Calibrated) -> bool) -> Known {
     let is_told = |one: &&Calibrated| one.release.is_none() && is_told(one);
     let own: Vec<&Calibrated> = calibration.parameters.iter().filter(is_told).collect();
     let correlation = |a: &Calibrated, b: &Calibrated| {
@@ -131,6 +137,7 @@ fn known(calibration: &Calibration, is_told: &dyn Fn(&Calibrated) -> bool) -> Kn
         pressure_pa: range(fitted().filter_map(|release| release.pressure_pa).collect()),
         payload_kg: range(fitted().map(|release| release.payload_kg).collect()),
         excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
+        nodes,
         parameter: own.iter().map(knob).collect(),
     }
 }
