@@ -1,376 +1,240 @@
-//! The command line: parse, call one function, print, exit code. The only file that names clap.
+//! The command line: parse, call one function, print, exit code. clap is named here and below, nowhere else.
 
 mod analyse;
+mod arguments;
 mod calibrate;
+mod completions;
 mod diagnose;
+mod doctor;
 mod effects;
 mod experiment;
 mod failure;
 mod inspect;
 mod interrupt;
 mod live;
+mod man;
 mod predict;
 mod progress;
 mod rest;
+mod schema;
 mod simulate;
 mod view;
+mod voice;
 
-use std::path::PathBuf;
+use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use live::Rerun;
-use models::quantity::Quantity;
-use sim::recording::{Length, ReadOptions};
+use arguments::Manner;
+use voice::Voice;
 
 /// Exit codes, as the help prints them.
 const EXIT_CODES: &str = "Exit codes:
     0  all is well
-    1  results could not be written or shown
+    1  results could not be written or shown; or `efam doctor` found a fault
     2  the command line or the scenario is wrong
     3  a muscle file, a recording or other data are wrong
     4  the simulation or the search for a rest posture could not go on
-  130  interrupted; what was integrated is saved (a second Ctrl-C exits at once, and saves nothing)
+  130  interrupted: a simulation is saved up to there, nothing of all else;
+       a second Ctrl-C ends at once, and saves nothing
 
-Results and tables go to stdout; progress, warnings and errors to stderr. NO_COLOR is respected.";
+Results and tables go to stdout; progress, warnings and errors to stderr.";
 
 /// A cantilevered fluidic artificial muscle, simulated in the time domain.
 #[derive(Parser)]
-#[command(name = "efam", version, after_help = EXIT_CODES, after_long_help = EXIT_CODES)]
+#[command(name = "efam", version, after_help = EXIT_CODES)]
 struct Efam {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    manner: Manner,
 }
 
 #[derive(Subcommand)]
 enum Command {
     /// Simulate a scenario; the results go to a folder of their own.
-    Simulate(Simulate),
+    Simulate(simulate::Simulate),
     /// Find parameters of a model from the releases of an experiment.
-    Calibrate(Calibrate),
+    Calibrate(calibrate::Calibrate),
     /// Find which physical effect the model lacks: scores, fits, judges, and repairs.
-    Diagnose(Diagnose),
+    Diagnose(diagnose::Diagnose),
     /// Foretell what a calibrated muscle will do with a payload, with intervals.
-    Predict(Predict),
+    Predict(predict::Predict),
     /// Open the Rerun recording of a finished run in the viewer.
-    View {
-        /// The run's folder.
-        run: PathBuf,
-    },
+    View(view::View),
     /// List the physical effects, or show the page of one.
-    Effects {
-        /// An effect.
-        name: Option<String>,
-        /// One JSON object instead.
-        #[arg(long)]
-        json: bool,
-    },
+    Effects(effects::Effects),
     /// Write an experiment file from recordings, or check one: what is kept of its recordings.
     Experiment {
         #[command(subcommand)]
         what: OnExperiment,
     },
     /// Clean an experiment's recordings and analyse each release: frequency, damping, stiffness.
-    Analyse {
-        #[command(flatten)]
-        of: Cleaning,
-        /// Numbers of nodes with which to fit the tip at rest.
-        #[arg(long, value_delimiter = ',', value_name = "N,…", default_values_t = sim::analysis::static_stiffness::NODES)]
-        nodes: Vec<usize>,
-    },
+    Analyse(analyse::Analyse),
     /// Say what is in recordings of a motion-capture system.
-    Inspect {
-        /// Recordings: tables as text or Parquet, Vicon, Motive, Qualisys, TRC, C3D.
-        #[arg(required = true, value_name = "FILE")]
-        files: Vec<PathBuf>,
-        #[command(flatten)]
-        overrides: Overrides,
-        /// One JSON object instead.
-        #[arg(long)]
-        json: bool,
-    },
+    Inspect(inspect::Inspect),
     /// Show the posture in which a scenario's rod hangs.
-    Statics {
-        #[command(flatten)]
-        source: Source,
-        /// One JSON object instead.
-        #[arg(long)]
-        json: bool,
-    },
+    Statics(rest::Statics),
     /// Show the small vibrations about the rest posture.
-    Modes {
-        #[command(flatten)]
-        source: Source,
-        /// How many, from the slowest.
-        #[arg(long, default_value_t = 3, value_name = "N")]
-        count: usize,
-        /// One JSON object instead.
-        #[arg(long)]
-        json: bool,
-    },
+    Modes(rest::Modes),
+    /// Say what this program has, and what it finds around it: threads, the viewer, where results go.
+    Doctor(doctor::Doctor),
+    /// Print the JSON schema of what a command prints with --json.
+    Schema(schema::Schema),
+    /// Print what a shell has to know to complete command lines.
+    Completions(completions::Completions),
+    /// Print a manual page, or write all.
+    Man(man::Manual),
 }
 
 #[derive(Subcommand)]
 enum OnExperiment {
     /// Write a first experiment file from the recordings themselves.
-    Init(Init),
+    Init(experiment::Init),
     /// Clean the recordings, and show what was cut, masked and decided.
-    Check(Cleaning),
-}
-
-#[derive(Args)]
-struct Init {
-    /// Recordings, in any format that can be read.
-    #[arg(required = true)]
-    files: Vec<PathBuf>,
-    /// The file to write.
-    #[arg(long, value_name = "FILE", default_value = "experiment.toml")]
-    out: PathBuf,
-    /// Replace a file that is there.
-    #[arg(long)]
-    overwrite: bool,
-}
-
-/// An experiment, what is set over it, and where its results go.
-#[derive(Args)]
-struct OfExperiment {
-    /// Experiment, a TOML file.
-    experiment: PathBuf,
-    /// Set a value over the experiment's, such as `recording[1].up="+z"`; may be repeated.
-    #[arg(long, value_name = "PATH=VALUE")]
-    set: Vec<String>,
-    /// Folder for the results [default: outputs/ and the experiment's name].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace a folder that is there.
-    #[arg(long)]
-    overwrite: bool,
-    /// One JSON object on stdout, and nothing else.
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(Args)]
-struct Cleaning {
-    #[command(flatten)]
-    of: OfExperiment,
-    /// List every decision, with the key that decides otherwise.
-    #[arg(long)]
-    decisions: bool,
-}
-
-/// A scenario and what is set over it.
-#[derive(Args)]
-struct Source {
-    /// Scenario, a TOML file.
-    scenario: PathBuf,
-    /// Set a value over the scenario's, such as effects.payload.mass="50 g"; may be repeated.
-    #[arg(long, value_name = "PATH=VALUE")]
-    set: Vec<String>,
-    /// Muscle file to use instead of the scenario's muscle.
-    #[arg(long, value_name = "FILE")]
-    muscle: Option<String>,
-    /// Pressure to use instead of the scenario's, such as 40psi.
-    #[arg(long)]
-    pressure: Option<String>,
-}
-
-/// What stands above a recording's own statements.
-#[derive(Args)]
-struct Overrides {
-    /// Unit of the positions: m, cm, mm, um, in or ft.
-    #[arg(long)]
-    unit: Option<Length>,
-    /// Samples a second.
-    #[arg(long, value_name = "HZ")]
-    rate: Option<f64>,
-}
-
-impl Overrides {
-    fn options(&self) -> ReadOptions {
-        ReadOptions { unit: self.unit, rate_hz: self.rate }
-    }
-}
-
-#[derive(Args)]
-struct Simulate {
-    #[command(flatten)]
-    source: Source,
-    /// Folder for the results [default: outputs/ and the scenario's name].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace a folder that is there.
-    #[arg(long)]
-    overwrite: bool,
-    /// Also write CSV.
-    #[arg(long)]
-    csv: bool,
-    /// One JSON object on stdout, and nothing else.
-    #[arg(long)]
-    json: bool,
-    /// Show the rod in Rerun: save, spawn, connect, connect=URL or serve.
-    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
-    rerun: Option<Rerun>,
-    /// No progress, no table.
-    #[arg(short, long)]
-    quiet: bool,
-}
-
-#[derive(Args)]
-struct Calibrate {
-    #[command(flatten)]
-    of: OfExperiment,
-    /// Also find intervals by the profile of the likelihood, which takes longer.
-    #[arg(long)]
-    profile: bool,
-    /// Show in Rerun how it goes on, and each release as fitted: save, spawn, connect, connect=URL or serve.
-    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
-    rerun: Option<Rerun>,
-    /// No progress, no table.
-    #[arg(short, long)]
-    quiet: bool,
-}
-
-#[derive(Args)]
-struct Diagnose {
-    #[command(flatten)]
-    of: OfExperiment,
-    /// Probability that a round names something where nothing is missing.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
-    false_alarm: f64,
-    /// Effects added at most.
-    #[arg(long, value_name = "COUNT", default_value_t = 3)]
-    most: usize,
-    /// Leave an effect out of the catalogue; may be repeated.
-    #[arg(long, value_name = "EFFECT")]
-    without: Vec<String>,
-    /// The file is a scenario, a release that is not recorded yet: say which effects it could show, and
-    /// from which size on.
-    #[arg(long)]
-    plan: bool,
-    /// Another scenario of the plan; may be repeated.
-    #[arg(long, value_name = "SCENARIO", requires = "plan")]
-    also: Vec<PathBuf>,
-    /// Noise of the camera that is planned.
-    #[arg(long, value_name = "LENGTH", requires = "plan", default_value = "0.3 mm", value_parser = length)]
-    noise: f64,
-    /// A marker on the body that is planned, as a share of the length; may be repeated.
-    #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share)]
-    marker: Vec<f64>,
-    /// Show in Rerun how it goes on, and each release before and after: save, spawn, connect, connect=URL or
-    /// serve.
-    #[arg(long, value_name = "HOW", value_parser = Rerun::parse, conflicts_with = "plan")]
-    rerun: Option<Rerun>,
-    /// No progress, no table.
-    #[arg(short, long)]
-    quiet: bool,
-}
-
-#[derive(Args)]
-struct Predict {
-    /// Scenario whose rod is asked about, such as the rod.toml of a calibration; or else --muscle.
-    #[arg(value_name = "SCENARIO", required_unless_present = "muscle")]
-    scenario: Option<PathBuf>,
-    /// Muscle file that a calibration wrote, or the name of a built-in muscle.
-    #[arg(long, value_name = "FILE", conflicts_with = "scenario", requires = "pressure")]
-    muscle: Option<String>,
-    /// Pressure above ambient, such as 40psi; several, as 10psi,40psi; or from one to another, as
-    /// 10psi..100psi or, in 19 values, 10psi..100psi:19.
-    #[arg(long)]
-    pressure: Option<String>,
-    /// Mass at the tip; several, or from one to another, as 0g..200g.
-    #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
-    payload: Option<String>,
-    /// Its centre of mass beyond the active length [default: at its end].
-    #[arg(long, value_name = "LENGTH")]
-    payload_center: Option<String>,
-    /// Its rotary inertia about that, such as "1e-5 kg m^2" [default: a point mass].
-    #[arg(long, value_name = "INERTIA")]
-    payload_inertia: Option<String>,
-    /// The area that it turns to the air, such as "20 cm^2".
-    #[arg(long, value_name = "AREA")]
-    frontal_area: Option<String>,
-    /// Angle of the straight rod above the horizontal, from which it is let go [default: the scenario's,
-    /// or level].
-    #[arg(long, allow_hyphen_values = true)]
-    angle: Option<String>,
-    /// How long to simulate [default: the scenario's, or 20 s].
-    #[arg(long, value_name = "TIME")]
-    duration: Option<String>,
-    /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
-    #[arg(long, value_name = "PATH=VALUE")]
-    set: Vec<String>,
-    /// Draws from the errors of the calibration, of one case.
-    #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
-    draws: usize,
-    /// Show the family of rods in Rerun: save, spawn, connect, connect=URL or serve.
-    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
-    rerun: Option<Rerun>,
-    /// Of the random numbers.
-    #[arg(long, default_value_t = sim::predict::Settings::default().seed)]
-    seed: u64,
-    /// Folder for the results [default: outputs/ and the case's name].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace a folder that is there.
-    #[arg(long)]
-    overwrite: bool,
-    /// One JSON object on stdout, and nothing else.
-    #[arg(long)]
-    json: bool,
-    /// No progress, no table.
-    #[arg(short, long)]
-    quiet: bool,
-}
-
-/// A length with its unit, m, more than nothing.
-fn length(text: &str) -> Result<f64, String> {
-    match Quantity::parse(text).and_then(|quantity| quantity.to("m")) {
-        Ok(length) if length > 0.0 => Ok(length),
-        Ok(_) => Err("it must be more than nothing, such as \"0.3 mm\"".to_owned()),
-        Err(error) => Err(error.to_string()),
-    }
-}
-
-/// A probability, not 0 and not 1.
-fn share(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(share) if share > 0.0 && share < 1.0 => Ok(share),
-        _ => Err("it must lie between 0 and 1, such as 0.01".to_owned()),
-    }
-}
-
-impl Source {
-    /// All overrides as `path=value`.
-    fn overrides(&self) -> Vec<String> {
-        let quoted = |path: &str, value: &Option<String>| {
-            value.as_ref().map(|value| format!("{path}={}", serde_json::Value::from(value.as_str())))
-        };
-        let muscle = quoted("muscle.file", &self.muscle);
-        let pressure = quoted("muscle.pressure", &self.pressure);
-        muscle.into_iter().chain(pressure).chain(self.set.iter().cloned()).collect()
-    }
+    Check(experiment::Check),
 }
 
 pub fn main() -> ExitCode {
-    let done = match Efam::parse().command {
-        Command::Simulate(args) => simulate::run(&args),
-        Command::Calibrate(args) => calibrate::run(&args),
-        Command::Diagnose(args) => diagnose::run(&args),
-        Command::Predict(args) => predict::run(&args),
-        Command::View { run } => view::run(&run),
-        Command::Effects { name: None, json } => effects::list(json),
-        Command::Effects { name: Some(name), json } => effects::page(&name, json),
-        Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),
-        Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args),
-        Command::Analyse { of, nodes } => analyse::run(&of, &nodes),
-        Command::Inspect { files, overrides, json } => inspect::run(&files, &overrides.options(), json),
-        Command::Statics { source, json } => rest::statics(&source, json),
-        Command::Modes { source, count, json } => rest::modes(&source, count, json),
+    let color = Manner::color(std::env::args().skip(1));
+    let parsed = Efam::command().color(color).try_get_matches();
+    let efam = match parsed.and_then(|matches| Efam::from_arg_matches(&matches)) {
+        Ok(efam) => efam,
+        Err(error) => error.exit(),
+    };
+    let voice = Voice::new(efam.manner.quiet, efam.manner.verbose);
+    let done = match efam.command {
+        Command::Simulate(args) => simulate::run(&args, &voice),
+        Command::Calibrate(args) => calibrate::run(&args, &voice),
+        Command::Diagnose(args) => diagnose::run(&args, &voice),
+        Command::Predict(args) => predict::run(&args, &voice),
+        Command::View(args) => view::run(&args),
+        Command::Effects(args) => effects::run(&args, &voice),
+        Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args, &voice),
+        Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args, &voice),
+        Command::Analyse(args) => analyse::run(&args, &voice),
+        Command::Inspect(args) => inspect::run(&args, &voice),
+        Command::Statics(args) => rest::statics(&args, &voice),
+        Command::Modes(args) => rest::modes(&args, &voice),
+        Command::Doctor(args) => doctor::run(&args, &voice),
+        Command::Schema(args) => schema::run(&args),
+        Command::Completions(args) => completions::run(&args, Efam::command()),
+        Command::Man(args) => man::run(&args, Efam::command(), &voice),
     };
     match done {
         Ok(code) => code,
-        Err(failure) => failure.report(),
+        Err(failure) => failure.report(is_colored(efam.manner.color)),
+    }
+}
+
+/// Whether errors are coloured.
+fn is_colored(choice: ColorChoice) -> bool {
+    match choice {
+        ColorChoice::Always => true,
+        ColorChoice::Never => false,
+        ColorChoice::Auto => {
+            let is_unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+            io::stderr().is_terminal() && !is_unwanted
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Words of a command line as a shell splits it; quotes hold words together, and may stand within one.
+    fn words(line: &str) -> Vec<String> {
+        let (mut words, mut word, mut quote) = (Vec::new(), String::new(), None);
+        for letter in line.chars() {
+            match (letter, quote) {
+                (' ', None) => words.push(std::mem::take(&mut word)),
+                ('"' | '\'', None) => quote = Some(letter),
+                (_, Some(end)) if letter == end => quote = None,
+                _ => word.push(letter),
+            }
+        }
+        words.push(word);
+        words.retain(|word| !word.is_empty());
+        words
+    }
+
+    /// Commands that do something, by their words.
+    fn leaves(command: &clap::Command, name: &str, all: &mut Vec<(String, clap::Command)>) {
+        for below in command.get_subcommands() {
+            leaves(below, &format!("{name} {}", below.get_name()), all);
+        }
+        if !command.has_subcommands() {
+            all.push((name.to_owned(), command.clone()));
+        }
+    }
+
+    fn parses(line: &str) {
+        // What stands behind a pipe or a comment is the shell's.
+        let own = line.split(['|', '>', '#']).next().expect("a split has one");
+        match Efam::try_parse_from(words(own)) {
+            // Help is an answer, too.
+            Err(error) if error.use_stderr() => panic!("{line}\n{error}"),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Efam::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_has_examples_that_parse() {
+        let mut all = Vec::new();
+        leaves(&Efam::command(), "efam", &mut all);
+        assert!(all.len() > 10, "{}", all.len());
+        for (name, command) in all {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let examples: Vec<_> =
+                help.lines().map(str::trim).filter(|line| line.starts_with("efam ")).collect();
+            assert!(
+                examples.iter().any(|line| line.starts_with(&name)),
+                "{name}: its help has no example of it:\n{help}"
+            );
+            for example in examples {
+                parses(example);
+            }
+            let wide = help.lines().find(|line| line.chars().count() > 80);
+            assert_eq!(wide, None, "{name}: wraps on a terminal of 80 columns");
+        }
+    }
+
+    #[test]
+    fn all_that_prints_json_has_a_schema() {
+        let mut all = Vec::new();
+        leaves(&Efam::command(), "", &mut all);
+        let prints = |command: &clap::Command| command.get_arguments().any(|own| own.get_id() == "json");
+        let mut printing: Vec<_> = all.iter().filter(|own| prints(&own.1)).map(|own| own.0.trim()).collect();
+        let mut published = schema::SCHEMAS.map(|(command, _)| command);
+        printing.sort_unstable();
+        published.sort_unstable();
+        assert_eq!(printing, published);
+    }
+
+    #[test]
+    fn what_the_readme_shows_parses() {
+        let readme = include_str!("../../README.md");
+        let lines: Vec<_> = readme.lines().filter_map(|line| line.strip_prefix("    efam ")).collect();
+        assert!(lines.len() > 10, "{}", lines.len());
+        for line in lines {
+            parses(&format!("efam {line}"));
+        }
+    }
+
+    #[test]
+    fn the_first_word_on_colour_is_found_wherever_it_stands() {
+        let color = |line: &str| Manner::color(words(line).into_iter());
+        assert_eq!(color("simulate a.toml --color never"), ColorChoice::Never);
+        assert_eq!(color("--color=always simulat"), ColorChoice::Always);
+        assert_eq!(color("simulate --colour=always"), ColorChoice::Auto);
+        assert_eq!(color("simulate -- --color=always"), ColorChoice::Auto);
+        assert_eq!(color("simulate --color"), ColorChoice::Auto);
     }
 }

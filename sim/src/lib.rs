@@ -15,4 +15,5 @@ mod quantile;
 pub mod recording;
 pub mod results;
 pub mod scenario;
+pub mod schema;
 pub mod trajectory;

@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::problem::{Prior, Problem, Scale, Scope, is_same_pressure};
 use super::search::Stage;
+use crate::schema::JsonSchema;
 
 /// What was found, how well it is known, how well it fits, and what it cost.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Calibration {
     /// The parameters.
     pub parameters: Vec<Calibrated>,
@@ -24,7 +25,7 @@ pub struct Calibration {
 }
 
 /// One number that was found; SI units.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Calibrated {
     /// Path of the parameter, or name of the nuisance.
     pub name: String,
@@ -63,7 +64,7 @@ pub struct Calibrated {
 }
 
 /// Correlations of estimates.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Correlations {
     /// What is correlated.
     pub names: Vec<String>,
@@ -72,7 +73,7 @@ pub struct Correlations {
 }
 
 /// How one release is met.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReleaseFit {
     /// Its name.
     pub name: String,
@@ -95,7 +96,7 @@ pub struct ReleaseFit {
 }
 
 /// How one track is met.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrackFit {
     /// Name of the marker.
     pub marker: String,
@@ -116,7 +117,7 @@ pub struct TrackFit {
 }
 
 /// One search.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SearchReport {
     /// The releases that were fitted together.
     pub releases: Vec<String>,

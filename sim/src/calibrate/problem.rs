@@ -5,6 +5,7 @@ use models::model::Model;
 
 use crate::experiment::release::Release;
 use crate::forward::{Initial, Run};
+use crate::schema::JsonSchema;
 
 /// Several measured releases and the parameters that they share or have of their own.
 #[derive(Clone)]
@@ -49,7 +50,7 @@ pub struct Parameter {
 }
 
 /// What shares one value of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {
     /// All releases.
@@ -61,7 +62,7 @@ pub enum Scope {
 }
 
 /// Knowledge of a parameter from elsewhere: a normal distribution of its value, SI.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, JsonSchema)]
 pub struct Prior {
     /// Its mean.
     pub mean: f64,
@@ -70,7 +71,7 @@ pub struct Prior {
 }
 
 /// How a parameter is scaled in the search.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scale {
     /// By its typical size.

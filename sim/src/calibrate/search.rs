@@ -13,12 +13,13 @@ use super::loss::Huber;
 use super::objective::{Objective, Seen, View};
 use super::prediction::{Fidelity, Slopes};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
+use crate::schema::JsonSchema;
 
 /// How finely a fit runs the model; what that leaves is removed in the end.
 pub(crate) const FIT: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1 };
 
 /// A stretch of the recordings that was fitted.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, JsonSchema)]
 pub struct Stage {
     /// Start from which it came, the best by the first swing being 0.
     pub start: usize,

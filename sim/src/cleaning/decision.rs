@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
+use crate::schema::JsonSchema;
+
 /// One decision.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Decision {
     /// Recording, such as `15psi.csv`, or release of it, such as `15psi.csv#3`.
     pub about: String,

@@ -33,6 +33,7 @@ use serde::Serialize;
 use crate::experiment::release::Release;
 use crate::experiment::{Experiment, ExperimentError};
 use crate::recording::Recording;
+use crate::schema::JsonSchema;
 
 pub use base::BasePose;
 pub use cycles::Cut;
@@ -96,7 +97,7 @@ pub struct CleanRelease {
 }
 
 /// Numbers of a release; lengths in m, in W where nothing else is said.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Statistics {
     /// Samples of hold and swing.
     pub samples: usize,

@@ -4,32 +4,72 @@ use std::f64::consts::TAU;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use sim::analysis::AnalysisError;
+use clap::Args;
+use serde::Serialize;
 use sim::analysis::bending_stiffness::StiffnessFit;
-use sim::cleaning::clean;
-use sim::experiment::analyse::{Analysed, analyse};
+use sim::analysis::{AnalysisError, static_stiffness};
+use sim::experiment::analyse::{Analysed, Said, analyse};
 use sim::results::experiment::write;
+use sim::schema::JsonSchema;
 
-use super::Cleaning;
-use super::experiment::{decisions, json, open, table};
+use super::arguments::Cleaning;
+use super::experiment::{CheckPrinted, decisions, open, read, table};
 use super::failure::Failure;
+use super::interrupt;
+use super::voice::{Voice, print};
 
-pub fn run(args: &Cleaning, nodes: &[usize]) -> Result<ExitCode, Failure> {
+const HELP: &str = "Examples:
+  efam analyse beam.toml
+  efam analyse beam.toml --nodes 16,32,64 --decisions
+  efam analyse beam.toml --out outputs/analysed --json
+
+Exit codes: 2 for the experiment file, 3 for its recordings, 130 if it is
+interrupted, which saves nothing.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Analyse {
+    #[command(flatten)]
+    cleaning: Cleaning,
+    /// Numbers of nodes with which to fit the tip at rest.
+    #[arg(long, value_delimiter = ',', value_name = "N,…", default_values_t = static_stiffness::NODES)]
+    nodes: Vec<usize>,
+}
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    #[serde(flatten)]
+    cleaned: CheckPrinted<'a>,
+    /// Each release that is used.
+    analysis: Vec<Said<'a>>,
+}
+
+pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
+    let (args, nodes) = (&args.cleaning, &args.nodes);
     if let Some(wrong) = nodes.iter().find(|nodes| !(4..=2000).contains(*nodes)) {
         return Err(Failure::Usage(format!("--nodes {wrong}: must lie in 4..=2000")));
     }
-    let (experiment, folder) = open(&args.of)?;
-    let cleaned = clean(&experiment)?;
-    let analysed = analyse(&experiment, &cleaned, nodes)?;
+    let (experiment, folder) = open(&args.of, voice)?;
+    let stages = voice.stages();
+    let (folder, cleaned) = interrupt::during(folder, &stages, || read(&experiment, &stages));
+    let cleaned = cleaned?;
+    stages.tell("frequency, damping and stiffness of each release");
+    let (folder, analysed) = interrupt::during(folder, &stages, || analyse(&experiment, &cleaned, nodes));
+    let analysed = analysed?;
+    stages.tell("writing");
     write(&folder, &experiment, &cleaned, Some(&analysed))?;
+    interrupt::check()?;
     let folder = folder.finish()?;
-    let mut out = io::stdout().lock();
-    if args.of.json {
-        let mut value = json(&cleaned, &folder);
-        value["analysis"] = analysed.iter().map(Analysed::json).collect();
-        writeln!(out, "{value}")?;
+    stages.clear();
+    if args.of.output.form.json {
+        let analysis = analysed.iter().map(Analysed::said).collect();
+        print(&Printed { cleaned: CheckPrinted::of(&cleaned, &folder), analysis })?;
+    }
+    if args.of.output.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
+    let mut out = io::stdout().lock();
     table(&mut out, &cleaned)?;
     if args.decisions {
         decisions(&mut out, &cleaned)?;

@@ -4,40 +4,75 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::Instant;
 
-use serde_json::json;
-use sim::calibrate::{Settings, calibrate, problem};
-use sim::cleaning::clean;
+use clap::Args;
+use serde::Serialize;
+use sim::calibrate::{Calibration, Outcome, Problem, Settings, calibrate, problem};
 use sim::experiment::{Entry, Experiment};
 use sim::results::calibrated::{muscle_file, rod_files, table, write_calibration};
 use sim::results::{self, Request};
+use sim::schema::JsonSchema;
 
-use super::Calibrate;
-use super::experiment::open;
+use super::arguments::OfExperiment;
+use super::experiment::{open, read};
 use super::failure::Failure;
-use super::live::{LiveFit, Rerun, Watcher};
-use super::progress;
+use super::interrupt;
+use super::live::{LiveFit, Recording, Rerun, Watcher, unlocked};
+use super::voice::{Voice, print};
 
-pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
+const HELP: &str = "Examples:
+  efam calibrate beam.toml
+  efam calibrate beam.toml --profile --out outputs/beam --overwrite
+  efam calibrate beam.toml --set calibrate.mesh=\"kept\" --json
+
+Exit codes: 3 for data that cannot be used, 4 if no fit is found, 130 if it is
+interrupted, which saves nothing.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Calibrate {
+    #[command(flatten)]
+    of: OfExperiment,
+    /// Also find intervals by the profile of the likelihood, which takes longer.
+    #[arg(long)]
+    profile: bool,
+    /// Show in Rerun how it goes on, and each release as fitted: save, spawn, connect, connect=URL or serve.
+    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
+    rerun: Option<Rerun>,
+}
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// Where the results are.
+    folder: &'a Path,
+    /// What was found.
+    calibration: &'a Calibration,
+}
+
+pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     // What stands in the way is said before a long search.
-    let (experiment, folder) = open(&args.of)?;
+    let (experiment, folder) = open(&args.of, voice)?;
     let input_hashes = input_hashes(&experiment);
-    let progress = progress::line(args.quiet || args.of.json);
-    progress.set_message("reading and cleaning the recordings");
-    let cleaned = clean(&experiment)?;
-    let (problem, settings) = problem(&experiment, &cleaned)?;
-    let settings = Settings { profile: args.profile, ..settings };
+    let stages = voice.stages();
     let open = |how| {
-        let id = results::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
+        let id = results::sha256(format!("{input_hashes:?}{}", args.profile).as_bytes());
         LiveFit::fit(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
-    let watcher = Watcher { progress: &progress, live: live.as_ref() };
-    let outcome = calibrate(&problem, &settings, &watcher)?;
-    progress.finish_and_clear();
+    let work = || -> Result<(Problem, Settings, Outcome), Failure> {
+        let cleaned = read(&experiment, &stages)?;
+        let (problem, settings) = problem(&experiment, &cleaned)?;
+        let settings = Settings { profile: args.profile, ..settings };
+        let outcome = calibrate(&problem, &settings, &Watcher { stages: &stages, live: live.as_ref() })?;
+        Ok((problem, settings, outcome))
+    };
+    let (folder, done) = interrupt::during(folder, &stages, work);
+    let (problem, settings, outcome) = done?;
+    stages.tell("writing");
 
     let calibration = &outcome.calibration;
     let source = format!(
@@ -65,18 +100,16 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     write_calibration(&folder, &request, &outcome, &models)?;
-    let live = live.map(|live| live.into_inner().unwrap_or_else(PoisonError::into_inner));
-    let live = live.map(|mut live| live.found(&problem, &outcome).map(|()| live)).transpose()?;
-    // A file belongs to the results; a viewer is served when they are there.
-    let saves = args.rerun == Some(Rerun::Save);
-    let (file, viewer) = if saves { (live, None) } else { (None, live) };
-    file.map_or(Ok(()), |file| file.finish(false))?;
+    let live = unlocked(live).map(|mut live| live.found(&problem, &outcome).map(|()| live)).transpose()?;
+    let viewer = Recording::saved(live, args.rerun.as_ref())?;
+    interrupt::check()?;
     let folder = folder.finish()?;
-
-    let mut out = io::stdout().lock();
-    if args.of.json {
-        writeln!(out, "{}", json!({ "folder": folder, "calibration": calibration }))?;
-    } else if !args.quiet {
+    stages.clear();
+    voice.detail(format!("written to {}", folder.display()));
+    if args.of.output.form.json {
+        print(&Printed { folder: &folder, calibration })?;
+    } else if !voice.quiet {
+        let mut out = io::stdout().lock();
         write!(out, "{}", table(calibration))?;
         writeln!(out, "\nresults in {}", folder.display())?;
         for model in &models {
@@ -84,8 +117,7 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
             writeln!(out, "predict with them: efam predict {option}{}", folder.join(&model.name).display())?;
         }
     }
-    drop(out);
-    viewer.map_or(Ok(()), |viewer| viewer.finish(args.rerun == Some(Rerun::Serve)))?;
+    Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)
 }
 

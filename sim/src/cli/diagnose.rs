@@ -1,29 +1,113 @@
 //! `efam diagnose`: which physical effect the model of an experiment lacks.
 
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::Instant;
 
+use clap::Args;
 use models::effects::{CATALOGUE, by_name};
 use models::nearest::nearest;
-use serde_json::json;
-use sim::cleaning::clean;
-use sim::diagnose::{Settings, diagnose, plan, problem};
+use models::quantity::Quantity;
+use serde::Serialize;
+use sim::diagnose::plan::Prospect;
+use sim::diagnose::{Diagnosis, Outcome, Settings, diagnose, plan, problem};
 use sim::results::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
 use sim::results::{self, Request};
 use sim::scenario::Scenario;
+use sim::schema::JsonSchema;
 
-use super::Diagnose;
+use super::arguments::OfExperiment;
 use super::calibrate::input_hashes;
-use super::experiment::open;
+use super::experiment::{open, read};
 use super::failure::Failure;
-use super::live::{LiveSearch, Rerun, Watcher};
-use super::progress;
+use super::interrupt;
+use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
+use super::voice::{Voice, print};
 
-pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
+const HELP: &str = "Examples:
+  efam diagnose scenarios/diagnosis/air-drag/experiment.toml
+  efam diagnose beam.toml --most 1 --without tip_drag --out outputs/beam -v
+  efam diagnose beam.toml --rerun save --json
+  efam diagnose --plan scenarios/release-15psi.toml --noise \"0.1 mm\"
+
+Exit codes: 0 whatever the answer is, 3 for data that cannot be used, 4 if the
+baseline cannot be fitted, 130 if it is interrupted, which saves nothing.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Diagnose {
+    #[command(flatten)]
+    of: OfExperiment,
+    /// Probability that a round names something where nothing is missing.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
+    false_alarm: f64,
+    /// Effects added at most.
+    #[arg(long, value_name = "COUNT", default_value_t = 3)]
+    most: usize,
+    /// Leave an effect out of the catalogue; may be repeated.
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+    /// The file is a scenario, a release that is not recorded yet: say which effects it could show, and
+    /// from which size on.
+    #[arg(long)]
+    plan: bool,
+    /// Another scenario of the plan; may be repeated.
+    #[arg(long, value_name = "SCENARIO", requires = "plan")]
+    also: Vec<PathBuf>,
+    /// Noise of the camera that is planned.
+    #[arg(long, value_name = "LENGTH", requires = "plan", default_value = "0.3 mm", value_parser = length)]
+    noise: f64,
+    /// A marker on the body that is planned, as a share of the length; may be repeated.
+    #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share)]
+    marker: Vec<f64>,
+    /// Show in Rerun how it goes on, and each release before and after: save, spawn, connect, connect=URL or
+    /// serve.
+    #[arg(long, value_name = "HOW", value_parser = Rerun::parse, conflicts_with = "plan")]
+    rerun: Option<Rerun>,
+}
+
+/// What is printed for programs: of a diagnosis, or with `--plan` of a plan.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Printed<'a> {
+    /// Of an experiment.
+    Diagnosed {
+        /// Where the results are.
+        folder: &'a Path,
+        /// What was found.
+        diagnosis: &'a Diagnosis,
+    },
+    /// Of releases that are planned.
+    Planned {
+        /// How many releases.
+        releases: usize,
+        /// Each effect, that which is seen best first.
+        prospects: &'a [Prospect],
+    },
+}
+
+/// A length with its unit, m, more than nothing.
+fn length(text: &str) -> Result<f64, String> {
+    match Quantity::parse(text).and_then(|quantity| quantity.to("m")) {
+        Ok(length) if length > 0.0 => Ok(length),
+        Ok(_) => Err("it must be more than nothing, such as \"0.3 mm\"".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// A probability, not 0 and not 1.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if share > 0.0 && share < 1.0 => Ok(share),
+        _ => Err("it must lie between 0 and 1, such as 0.01".to_owned()),
+    }
+}
+
+pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.plan {
-        return planned(args);
+        return planned(args, voice);
     }
     let begin = Instant::now();
     if let Some(name) = args.without.iter().find(|name| by_name(name).is_none()) {
@@ -34,12 +118,9 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
         )));
     }
     // What stands in the way is said before a long search.
-    let (experiment, folder) = open(&args.of)?;
+    let (experiment, folder) = open(&args.of, voice)?;
     let input_hashes = input_hashes(&experiment);
-    let progress = progress::line(args.quiet || args.of.json);
-    progress.set_message("reading and cleaning the recordings");
-    let cleaned = clean(&experiment)?;
-    let problem = problem(&experiment, &cleaned)?;
+    let stages = voice.stages();
     let settings =
         Settings { false_alarm: args.false_alarm, most_effects: args.most, excluded: args.without.clone() };
     let open = |how| {
@@ -47,9 +128,15 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
         LiveSearch::search(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
-    let watcher = Watcher { progress: &progress, live: live.as_ref() };
-    let outcome = diagnose(&problem, &settings, &watcher)?;
-    progress.finish_and_clear();
+    let work = || -> Result<Outcome, Failure> {
+        let cleaned = read(&experiment, &stages)?;
+        let problem = problem(&experiment, &cleaned)?;
+        let watcher = Watcher { stages: &stages, live: live.as_ref() };
+        Ok(diagnose(&problem, &settings, &watcher)?)
+    };
+    let (folder, outcome) = interrupt::during(folder, &stages, work);
+    let outcome = outcome?;
+    stages.tell("writing");
     let request = Request {
         name: experiment.name.clone(),
         resolved_scenario: experiment.text().to_owned(),
@@ -60,44 +147,42 @@ pub fn run(args: &Diagnose) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     write_diagnosis(&folder, &request, &outcome)?;
-    let live = live.map(|live| live.into_inner().unwrap_or_else(PoisonError::into_inner));
-    let live = live.map(|mut live| live.found(&outcome).map(|()| live)).transpose()?;
-    // A file belongs to the results; a viewer is served when they are there.
-    let saves = args.rerun == Some(Rerun::Save);
-    let (file, viewer) = if saves { (live, None) } else { (None, live) };
-    file.map_or(Ok(()), |file| file.finish(false))?;
+    let live = unlocked(live).map(|mut live| live.found(&outcome).map(|()| live)).transpose()?;
+    let viewer = Recording::saved(live, args.rerun.as_ref())?;
+    interrupt::check()?;
     let folder = folder.finish()?;
-    let mut out = io::stdout().lock();
-    if args.of.json {
-        writeln!(out, "{}", json!({ "folder": folder, "diagnosis": outcome.diagnosis }))?;
-    } else if !args.quiet {
+    stages.clear();
+    voice.detail(format!("written to {}", folder.display()));
+    if args.of.output.form.json {
+        print(&Printed::Diagnosed { folder: &folder, diagnosis: &outcome.diagnosis })?;
+    } else if !voice.quiet {
+        let mut out = io::stdout().lock();
         write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
-    drop(out);
-    viewer.map_or(Ok(()), |viewer| viewer.finish(args.rerun == Some(Rerun::Serve)))?;
+    Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// What releases that are not recorded yet could show.
-fn planned(args: &Diagnose) -> Result<ExitCode, Failure> {
+fn planned(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut cases = Vec::new();
     for path in std::iter::once(&args.of.experiment).chain(&args.also) {
         let overrides = if path == &args.of.experiment { &args.of.set[..] } else { &[] };
         cases.extend(Scenario::load(path, overrides)?.cases()?);
     }
-    for warning in cases.iter().flat_map(|case| &case.warnings) {
-        eprintln!("warning: {warning}");
-    }
+    voice.warn(cases.iter().flat_map(|case| &case.warnings));
+    interrupt::listen();
     let problem = plan::problem(&cases, args.noise, &args.marker);
-    let progress = progress::line(args.quiet || args.of.json);
-    let prospects = plan::plan(&problem, &|what| progress.set_message(what.to_owned()))?;
-    let prospects = plan::best_seen(prospects);
-    progress.finish_and_clear();
-    let mut out = io::stdout().lock();
-    if args.of.json {
-        writeln!(out, "{}", json!({ "releases": cases.len(), "prospects": prospects }))?;
-    } else if !args.quiet {
+    let stages = voice.stages();
+    let work = || plan::plan(&problem, &|what| stages.tell(what));
+    let ((), prospects) = interrupt::during((), &stages, work);
+    let prospects = plan::best_seen(prospects?);
+    stages.clear();
+    if args.of.output.form.json {
+        print(&Printed::Planned { releases: cases.len(), prospects: &prospects })?;
+    } else if !voice.quiet {
+        let mut out = io::stdout().lock();
         write!(out, "{}", plan_table(&prospects, cases.len()))?;
     }
     Ok(ExitCode::SUCCESS)

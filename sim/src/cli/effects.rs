@@ -3,12 +3,90 @@
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use clap::Args;
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::nearest;
 use models::quantity::format_si;
-use serde_json::{Value, json};
+use serde::Serialize;
+use sim::schema::JsonSchema;
 
+use super::arguments::Form;
 use super::failure::Failure;
+use super::voice::{Voice, print};
+
+const HELP: &str = "Examples:
+  efam effects
+  efam effects viscoelastic
+  efam effects --json";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Effects {
+    /// An effect.
+    name: Option<String>,
+    #[command(flatten)]
+    form: Form,
+}
+
+/// What is printed for programs: of all effects, or of one.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Printed {
+    /// Without a name.
+    Catalogue {
+        /// All effects.
+        effects: Vec<Effect>,
+    },
+    /// With a name.
+    Page {
+        /// The effect.
+        #[serde(flatten)]
+        effect: Effect,
+        /// Its page.
+        page: String,
+    },
+}
+
+/// A physical effect.
+#[derive(Serialize, JsonSchema)]
+pub struct Effect {
+    /// Its stable name.
+    name: &'static str,
+    /// What it is, in words.
+    meaning: &'static str,
+    /// elastic, dissipative, inertial, load, measurement or description.
+    kind: String,
+    /// Its parameters.
+    parameters: Vec<OfEffect>,
+    /// What one sees of it in a release.
+    looks_like: &'static str,
+    /// Effects that are easily taken for it.
+    confounded_with: &'static [&'static str],
+}
+
+/// A parameter of an effect; SI.
+#[derive(Serialize, JsonSchema)]
+struct OfEffect {
+    /// Scenario key.
+    name: &'static str,
+    /// What it is, in words.
+    meaning: &'static str,
+    /// SI unit; empty if dimensionless.
+    unit: &'static str,
+    /// Its value where a scenario is silent.
+    default: f64,
+    /// Smallest and largest admissible value.
+    range: [f64; 2],
+    /// Value at which it does nothing, if there is one.
+    off: Option<f64>,
+}
+
+pub fn run(args: &Effects, voice: &Voice) -> Result<ExitCode, Failure> {
+    match &args.name {
+        Some(name) => page(name, args.form.json, voice),
+        None => list(args.form.json, voice),
+    }
+}
 
 const KINDS: [(Kind, &str); 6] = [
     (Kind::Elastic, "elastic: gives back what it stores"),
@@ -20,14 +98,17 @@ const KINDS: [(Kind, &str); 6] = [
 ];
 
 /// Lists all effects, kind by kind.
-pub fn list(json: bool) -> Result<ExitCode, Failure> {
-    let mut out = io::stdout().lock();
+fn list(json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     let abouts = || CATALOGUE.iter().map(|effect| effect.about());
     if json {
-        let effects: Vec<_> = abouts().map(of_about).collect();
-        writeln!(out, "{}", json!({ "effects": effects }))?;
+        let effects = abouts().map(of_about).collect();
+        print(&Printed::Catalogue { effects })?;
         return Ok(ExitCode::SUCCESS);
     }
+    if voice.quiet {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut out = io::stdout().lock();
     for (kind, title) in KINDS {
         if abouts().all(|about| about.kind != kind) {
             continue;
@@ -46,20 +127,17 @@ pub fn list(json: bool) -> Result<ExitCode, Failure> {
 }
 
 /// Shows the page of an effect.
-pub fn page(name: &str, json: bool) -> Result<ExitCode, Failure> {
+fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     let Some(effect) = by_name(name) else {
         let names: Vec<_> = CATALOGUE.iter().map(|effect| effect.about().name).collect();
         let meant = nearest(name, names.iter().copied())
             .map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
         return Err(Failure::Usage(format!("no effect `{name}`{meant}; there are {}", names.join(", "))));
     };
-    let mut out = io::stdout().lock();
     if json {
-        let mut value = of_about(effect.about());
-        value["page"] = effect.page().into();
-        writeln!(out, "{value}")?;
-    } else {
-        writeln!(out, "{}", effect.page())?;
+        print(&Printed::Page { effect: of_about(effect.about()), page: effect.page() })?;
+    } else if !voice.quiet {
+        writeln!(io::stdout(), "{}", effect.page())?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -71,21 +149,21 @@ fn of_parameter(p: &Parameter) -> String {
     format!("{}; default {default}, {:e}..={:e}{unit}{off}", p.meaning, p.range.0, p.range.1)
 }
 
-fn of_about(about: &About) -> Value {
-    let parameters: Vec<_> = (about.parameters.iter())
-        .map(|p| {
-            json!({
-                "name": p.name, "meaning": p.meaning, "unit": p.unit, "default": p.default,
-                "range": [p.range.0, p.range.1], "off": p.off,
-            })
-        })
-        .collect();
-    json!({
-        "name": about.name,
-        "meaning": about.meaning,
-        "kind": format!("{:?}", about.kind).to_lowercase(),
-        "parameters": parameters,
-        "looks_like": about.looks_like,
-        "confounded_with": about.confounded_with,
-    })
+fn of_about(about: &'static About) -> Effect {
+    let parameter = |p: &'static Parameter| OfEffect {
+        name: p.name,
+        meaning: p.meaning,
+        unit: p.unit,
+        default: p.default,
+        range: [p.range.0, p.range.1],
+        off: p.off,
+    };
+    Effect {
+        name: about.name,
+        meaning: about.meaning,
+        kind: format!("{:?}", about.kind).to_lowercase(),
+        parameters: about.parameters.iter().map(parameter).collect(),
+        looks_like: about.looks_like,
+        confounded_with: about.confounded_with,
+    }
 }

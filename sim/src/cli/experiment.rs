@@ -5,25 +5,98 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use serde_json::{Value, json};
-use sim::cleaning::{Cleaned, clean};
+use clap::Args;
+use serde::Serialize;
+use sim::cleaning::{Cleaned, Decision, clean};
 use sim::experiment::{Experiment, init};
-use sim::recording::{ReadOptions, read};
-use sim::results::experiment::{row, write};
+use sim::recording::{self, ReadOptions};
+use sim::results::experiment::{Row, write};
 use sim::results::{self, Folder, ResultsError};
+use sim::schema::JsonSchema;
 
+use super::arguments::{Cleaning, Form, OfExperiment};
 use super::failure::Failure;
-use super::{Cleaning, Init, OfExperiment};
+use super::interrupt;
+use super::voice::{Stages, Voice, print};
+
+const INIT_HELP: &str = "Examples:
+  efam experiment init 15psi.csv 20psi.csv
+  efam experiment init trial.c3d --out beam.toml
+
+Exit codes: 3 if a recording cannot be read.";
+
+#[derive(Args)]
+#[command(after_help = INIT_HELP)]
+pub struct Init {
+    /// Recordings, in any format that can be read.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// The file to write.
+    #[arg(long, value_name = "FILE", default_value = "experiment.toml")]
+    out: PathBuf,
+    /// Replace a file that is there.
+    #[arg(long)]
+    overwrite: bool,
+    #[command(flatten)]
+    form: Form,
+}
+
+const CHECK_HELP: &str = "Examples:
+  efam experiment check beam.toml
+  efam experiment check beam.toml --decisions --out outputs/check
+  efam experiment check beam.toml --set recording[1].up=\"+z\" --json
+
+Exit codes: 2 for the experiment file, 3 for its recordings, 130 if it is
+interrupted, which saves nothing.";
+
+#[derive(Args)]
+#[command(after_help = CHECK_HELP)]
+pub struct Check {
+    #[command(flatten)]
+    cleaning: Cleaning,
+}
+
+/// What is printed of a first experiment file for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct InitPrinted<'a> {
+    /// The file.
+    file: &'a Path,
+    /// Recordings in it.
+    recordings: usize,
+    /// Lines with something that was guessed.
+    guesses: usize,
+    /// Lines with something that cannot be known from recordings.
+    to_fill_in: usize,
+}
+
+/// What is printed of cleaned recordings for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct CheckPrinted<'a> {
+    /// Each release.
+    releases: Vec<Row<'a>>,
+    /// What was decided, and how to decide otherwise.
+    decisions: &'a [Decision],
+    /// Where the results are.
+    folder: &'a Path,
+}
+
+impl<'a> CheckPrinted<'a> {
+    pub fn of(cleaned: &'a Cleaned, folder: &'a Path) -> Self {
+        let releases = cleaned.releases.iter().map(Row::of).collect();
+        Self { releases, decisions: &cleaned.decisions, folder }
+    }
+}
 
 /// Writes a first experiment file.
-pub fn init(args: &Init) -> Result<ExitCode, Failure> {
+pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     let out = &args.out;
     if out.exists() && !args.overwrite {
         return Err(ResultsError::Exists { folder: out.clone() }.into());
     }
     let mut recordings = Vec::new();
     for file in &args.files {
-        recordings.push((relative(file, out), read(file, &ReadOptions::default())?));
+        voice.detail(format!("reading {}", file.display()));
+        recordings.push((relative(file, out), recording::read(file, &ReadOptions::default())?));
     }
     let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());
     let text = init::draft(&name, &recordings);
@@ -35,6 +108,12 @@ pub fn init(args: &Init) -> Result<ExitCode, Failure> {
     })?;
     let guesses = text.lines().filter(|line| line.contains("GUESS")).count();
     let unknown = text.lines().filter(|line| line.contains("FILL IN")).count();
+    if args.form.json {
+        print(&InitPrinted { file: out, recordings: recordings.len(), guesses, to_fill_in: unknown })?;
+    }
+    if args.form.json || voice.quiet {
+        return Ok(ExitCode::SUCCESS);
+    }
     writeln!(
         io::stdout(),
         "{}: {} recording{}; look at {guesses} lines with GUESS and {unknown} with FILL IN, then\n  efam experiment check {}",
@@ -68,16 +147,24 @@ fn relative(file: &Path, out: &Path) -> String {
 }
 
 /// Cleans the recordings and shows what came of it.
-pub fn check(args: &Cleaning) -> Result<ExitCode, Failure> {
-    let (experiment, folder) = open(&args.of)?;
-    let cleaned = clean(&experiment)?;
+pub fn check(args: &Check, voice: &Voice) -> Result<ExitCode, Failure> {
+    let args = &args.cleaning;
+    let (experiment, folder) = open(&args.of, voice)?;
+    let stages = voice.stages();
+    let (folder, cleaned) = interrupt::during(folder, &stages, || read(&experiment, &stages));
+    let cleaned = cleaned?;
+    stages.tell("writing");
     write(&folder, &experiment, &cleaned, None)?;
+    interrupt::check()?;
     let folder = folder.finish()?;
-    let mut out = io::stdout().lock();
-    if args.of.json {
-        writeln!(out, "{}", json(&cleaned, &folder))?;
+    stages.clear();
+    if args.of.output.form.json {
+        print(&CheckPrinted::of(&cleaned, &folder))?;
+    }
+    if args.of.output.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
+    let mut out = io::stdout().lock();
     table(&mut out, &cleaned)?;
     if args.decisions {
         decisions(&mut out, &cleaned)?;
@@ -93,16 +180,28 @@ pub fn check(args: &Cleaning) -> Result<ExitCode, Failure> {
 }
 
 /// Reads the experiment and opens the folder before the work, so that what stands in the way is said first.
-pub fn open(args: &OfExperiment) -> Result<(Experiment, Folder), Failure> {
+/// From here on Ctrl-C is listened to.
+pub fn open(args: &OfExperiment, voice: &Voice) -> Result<(Experiment, Folder), Failure> {
     let experiment = Experiment::load(&args.experiment, &args.set)?;
-    let folder = results::open(args.out.as_deref(), args.overwrite, &experiment.name, experiment.text())?;
+    let (recordings, threads) = (experiment.recordings.len(), rayon::current_num_threads());
+    let path = experiment.path.display();
+    voice.detail(format!("{path}: {recordings} recordings, on {threads} threads"));
+    interrupt::listen();
+    let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
+    let folder = results::open(out, overwrite, &experiment.name, experiment.text())?;
     Ok((experiment, folder))
 }
 
-/// Releases and decisions as one JSON object.
-pub fn json(cleaned: &Cleaned, folder: &Path) -> Value {
-    let releases: Vec<Value> = cleaned.releases.iter().map(row).collect();
-    json!({ "releases": releases, "decisions": cleaned.decisions, "folder": folder.display().to_string() })
+/// Reads and cleans the recordings, and says what is kept of each.
+pub fn read(experiment: &Experiment, stages: &Stages) -> Result<Cleaned, Failure> {
+    stages.tell("reading and cleaning the recordings");
+    let cleaned = clean(experiment)?;
+    for (k, of) in cleaned.recordings.iter().enumerate() {
+        let (samples, rate) = (of.recording.time.len(), of.recording.rate_hz);
+        let releases = cleaned.releases.iter().filter(|release| release.recording == k).count();
+        stages.tell(&format!("{}: {samples} samples at {rate:.1} Hz; releases: {releases}", of.name));
+    }
+    Ok(cleaned)
 }
 
 /// A line for each release.

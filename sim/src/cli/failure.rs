@@ -11,6 +11,8 @@ use sim::recording::RecordingError;
 use sim::results::ResultsError;
 use sim::scenario::ScenarioError;
 
+use super::interrupt;
+
 /// Why a command ended before its time.
 pub enum Failure {
     /// The scenario.
@@ -23,6 +25,8 @@ pub enum Failure {
     Data(String),
     /// Results that could not be written or shown.
     Output(String),
+    /// Ctrl-C, where nothing of what was begun is worth keeping.
+    Interrupted,
     /// Nobody reads stdout any longer, as behind `| head`: no failure at all.
     Unread,
 }
@@ -103,15 +107,17 @@ impl Failure {
             Failure::Data(_) => 3,
             Failure::Scenario(_) | Failure::Usage(_) => 2,
             Failure::Diverged(_) => 4,
+            Failure::Interrupted => interrupt::EXIT_CODE,
         }
     }
 
-    /// Prints the message, with an excerpt of the scenario on a terminal.
-    pub fn report(&self) -> ExitCode {
+    /// Prints the message, with an excerpt of the scenario on a terminal or where colours are asked for.
+    pub fn report(&self, is_colored: bool) -> ExitCode {
         let mut stderr = io::stderr();
         let text = match self {
             Failure::Unread => String::new(),
-            Failure::Scenario(error) if stderr.is_terminal() => excerpt(error),
+            Failure::Interrupted => "interrupted: nothing was saved\n".to_owned(),
+            Failure::Scenario(error) if is_colored || stderr.is_terminal() => excerpt(error, is_colored),
             Failure::Scenario(error) => format!("error: {error}\n"),
             Failure::Usage(text) | Failure::Diverged(text) | Failure::Data(text) | Failure::Output(text) => {
                 format!("error: {text}\n")
@@ -123,7 +129,7 @@ impl Failure {
 }
 
 /// The message with the line at fault and a mark under it.
-fn excerpt(error: &ScenarioError) -> String {
+fn excerpt(error: &ScenarioError, is_colored: bool) -> String {
     let Some(at) = error.at.as_ref().filter(|at| !at.text.is_empty()) else {
         return format!("error: {error}\n");
     };
@@ -131,8 +137,7 @@ fn excerpt(error: &ScenarioError) -> String {
     let diagnostic = MietteDiagnostic::new(error.message()).with_label(label);
     let source = NamedSource::new(at.file.clone(), at.text.to_string());
     let report = Report::new(diagnostic).with_source_code(source);
-    let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    let theme = if plain { GraphicalTheme::unicode_nocolor() } else { GraphicalTheme::unicode() };
+    let theme = if is_colored { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let mut text = String::new();
     match GraphicalReportHandler::new_themed(theme).render_report(&mut text, report.as_ref()) {
         Ok(()) => text,

@@ -4,29 +4,107 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use serde_json::{Value, json};
-use sim::recording::{Marker, ReadOptions, Recording, read};
+use clap::Args;
+use serde::Serialize;
+use sim::recording::{Length, Marker, ReadOptions, Recording, read};
+use sim::schema::JsonSchema;
 
+use super::arguments::Form;
 use super::failure::Failure;
+use super::voice::{Voice, print};
+
+const HELP: &str = "Examples:
+  efam inspect trial.c3d
+  efam inspect swing.csv --unit mm --rate 100
+  efam inspect 15psi.csv 40psi.csv --json
+
+Exit codes: 3 if a recording cannot be read; the others are shown all the same.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Inspect {
+    /// Recordings: tables as text or Parquet, Vicon, Motive, Qualisys, TRC, C3D.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Unit of the positions, where the file is silent or wrong: m, cm, mm, um, in or ft.
+    #[arg(long)]
+    unit: Option<Length>,
+    /// Samples a second, where the file is silent or wrong.
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    #[command(flatten)]
+    form: Form,
+}
 
 /// Markers in a table; all are in the JSON.
 const MOST_ROWS: usize = 100;
 /// Letters of a marker's name in a table.
 const NAME: usize = 24;
 
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed {
+    /// Those that could be read.
+    recordings: Vec<Inspected>,
+}
+
+/// A recording.
+#[derive(Serialize, JsonSchema)]
+struct Inspected {
+    /// Its path.
+    file: String,
+    /// Its format.
+    format: &'static str,
+    /// Samples a second.
+    rate_hz: f64,
+    /// From the first sample to the last.
+    duration_s: f64,
+    /// How many.
+    samples: usize,
+    /// Time of the first sample.
+    first_time_s: Option<f64>,
+    /// What was tracked.
+    markers: Vec<Tracked>,
+    /// What was found out about the file, in words.
+    findings: Vec<String>,
+}
+
+/// A marker or a rigid body.
+#[derive(Serialize, JsonSchema)]
+struct Tracked {
+    /// Its name.
+    name: String,
+    /// Whether it has an orientation.
+    rigid_body: bool,
+    /// Samples without a position.
+    lost: usize,
+    /// The same over all samples.
+    lost_share: f64,
+    /// The longest gap.
+    longest_gap_samples: usize,
+    /// The longest gap.
+    longest_gap_s: f64,
+    /// Lowest and highest value of each coordinate; none if it was never seen.
+    lowest_and_highest_m: Option<[[f64; 2]; 3]>,
+    /// Standard deviation of the noise of each coordinate, at most; none if it was hardly seen.
+    noise_m: Option<[f64; 3]>,
+}
+
 /// Shows each file; those that cannot be read are reported after the others.
-pub fn run(files: &[PathBuf], options: &ReadOptions, json: bool) -> Result<ExitCode, Failure> {
+pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
+    let options = ReadOptions { unit: args.unit, rate_hz: args.rate };
     let (mut values, mut failures) = (Vec::new(), Vec::new());
-    let mut out = io::stdout().lock();
-    for file in files {
-        match read(file, options) {
-            Ok(recording) if json => values.push(of_recording(&recording)),
-            Ok(recording) => table(&mut out, &recording)?,
+    for file in &args.files {
+        voice.detail(format!("reading {}", file.display()));
+        match read(file, &options) {
+            Ok(recording) if args.form.json => values.push(of_recording(&recording)),
+            Ok(recording) if !voice.quiet => table(&mut io::stdout().lock(), &recording)?,
+            Ok(_) => {}
             Err(error) => failures.push(error.to_string()),
         }
     }
-    if json {
-        writeln!(out, "{}", json!({ "recordings": values }))?;
+    if args.form.json {
+        print(&Printed { recordings: values })?;
     }
     match failures.is_empty() {
         true => Ok(ExitCode::SUCCESS),
@@ -85,31 +163,31 @@ fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {
     writeln!(out)
 }
 
-fn of_recording(recording: &Recording) -> Value {
-    json!({
-        "file": recording.source.display().to_string(),
-        "format": recording.format.name(),
-        "rate_hz": recording.rate_hz,
-        "duration_s": duration(recording),
-        "samples": recording.time.len(),
-        "first_time_s": recording.time.first(),
-        "markers": recording.markers.iter().map(|marker| of_marker(marker, recording)).collect::<Vec<_>>(),
-        "findings": recording.findings,
-    })
+fn of_recording(recording: &Recording) -> Inspected {
+    Inspected {
+        file: recording.source.display().to_string(),
+        format: recording.format.name(),
+        rate_hz: recording.rate_hz,
+        duration_s: duration(recording),
+        samples: recording.time.len(),
+        first_time_s: recording.time.first().copied(),
+        markers: recording.markers.iter().map(|marker| of_marker(marker, recording)).collect(),
+        findings: recording.findings.clone(),
+    }
 }
 
-fn of_marker(marker: &Marker, recording: &Recording) -> Value {
+fn of_marker(marker: &Marker, recording: &Recording) -> Tracked {
     let quality = marker.quality();
-    json!({
-        "name": marker.name,
-        "rigid_body": marker.orientation.is_some(),
-        "lost": quality.lost,
-        "lost_share": quality.lost as f64 / recording.time.len() as f64,
-        "longest_gap_samples": quality.longest_gap,
-        "longest_gap_s": quality.longest_gap as f64 / recording.rate_hz,
-        "lowest_and_highest_m": quality.extent,
-        "noise_m": quality.noise,
-    })
+    Tracked {
+        name: marker.name.clone(),
+        rigid_body: marker.orientation.is_some(),
+        lost: quality.lost,
+        lost_share: quality.lost as f64 / recording.time.len() as f64,
+        longest_gap_samples: quality.longest_gap,
+        longest_gap_s: quality.longest_gap as f64 / recording.rate_hz,
+        lowest_and_highest_m: quality.extent,
+        noise_m: quality.noise,
+    }
 }
 
 /// From the first sample to the last, s.

@@ -1,11 +1,22 @@
-//! Ctrl-C: the first one asks for an end at the next sample, the second one ends at once.
+//! Ctrl-C: the first one asks for an end at the next opportunity, the second one ends at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::Duration;
 
-/// Exit code of a run that was interrupted.
+use super::failure::Failure;
+use super::voice::Stages;
+
+/// Exit code of what was interrupted.
 pub const EXIT_CODE: u8 = 130;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
+
+/// How long an interruption may go unnoticed.
+const NOTICED: Duration = Duration::from_millis(50);
+/// As a main thread has it.
+const STACK: usize = 8 << 20;
 
 /// Listens from here on.
 pub fn listen() {
@@ -21,4 +32,37 @@ pub fn listen() {
 /// Whether an end was asked for.
 pub fn is_asked() -> bool {
     ASKED.load(Ordering::SeqCst)
+}
+
+/// Stops a command that was interrupted while it wrote, before its folder gets its name.
+pub fn check() -> Result<(), Failure> {
+    if is_asked() { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// Does what takes long. On Ctrl-C, `kept` is dropped, such as a folder that is not finished, and the program
+/// ends: what works here keeps no state that would have to be put in order, and half a search says nothing.
+pub fn during<K, T: Send>(kept: K, stages: &Stages, work: impl FnOnce() -> T + Send) -> (K, T) {
+    let (done, wait) = mpsc::channel::<()>();
+    thread::scope(|scope| {
+        let work = move || {
+            let result = work();
+            drop(done);
+            result
+        };
+        let worker = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+        let worker = worker.expect("a thread can be had");
+        // The channel breaks when the work is over, also when it panics.
+        while wait.recv_timeout(NOTICED) == Err(RecvTimeoutError::Timeout) {
+            if is_asked() {
+                stages.clear();
+                drop(kept);
+                Failure::Interrupted.report(false);
+                std::process::exit(EXIT_CODE.into());
+            }
+        }
+        match worker.join() {
+            Ok(result) => (kept, result),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })
 }

@@ -12,7 +12,7 @@ use sim::predict::family::Member;
 use sim::scenario::Case;
 
 use super::failure::Failure;
-use super::progress::ProgressBar;
+use super::voice::Stages;
 
 /// Name of a recording that is saved.
 pub const RECORDING: &str = "run.rrd";
@@ -48,9 +48,33 @@ pub use with_rerun::{Live, LiveFamily, LiveFit, LiveSearch};
 #[cfg(not(feature = "rerun"))]
 pub use without::{Live, LiveFamily, LiveFit, LiveSearch};
 
+/// A recording that is delivered in the end.
+pub trait Recording: Sized {
+    /// Delivers what is left; a server goes on until it is interrupted.
+    fn finish(self, hold: bool) -> Result<(), Failure>;
+
+    /// Delivers a file, which belongs to the results; a viewer is given back, to be served when they are there.
+    fn saved(live: Option<Self>, how: Option<&Rerun>) -> Result<Option<Self>, Failure> {
+        match live {
+            Some(live) if how == Some(&Rerun::Save) => live.finish(false).map(|()| None),
+            live => Ok(live),
+        }
+    }
+
+    /// Delivers what a viewer has not yet.
+    fn shown(live: Option<Self>, how: Option<&Rerun>) -> Result<(), Failure> {
+        live.map_or(Ok(()), |live| live.finish(how == Some(&Rerun::Serve)))
+    }
+}
+
+/// What is locked by those who watch, when they are done.
+pub fn unlocked<L>(live: Option<Mutex<L>>) -> Option<L> {
+    live.map(|live| live.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
 /// Sees a search go on: the line of progress, and the viewer.
 pub struct Watcher<'a, L> {
-    pub progress: &'a ProgressBar,
+    pub stages: &'a Stages<'a>,
     pub live: Option<&'a Mutex<L>>,
 }
 
@@ -65,7 +89,7 @@ impl<L> Watcher<'_, L> {
 
 impl diagnose::Listener for Watcher<'_, LiveSearch> {
     fn doing(&self, what: &str) {
-        self.progress.set_message(what.to_owned());
+        self.stages.tell(what);
         self.show(|live| live.doing(what));
     }
 
@@ -76,7 +100,7 @@ impl diagnose::Listener for Watcher<'_, LiveSearch> {
 
 impl calibrate::Listener for Watcher<'_, LiveFit> {
     fn doing(&self, what: &str) {
-        self.progress.set_message(what.to_owned());
+        self.stages.tell(what);
         self.show(|live| live.doing(what));
     }
 
@@ -89,6 +113,7 @@ impl calibrate::Listener for Watcher<'_, LiveFit> {
 mod with_rerun {
     use sim::observe::rerun::{FamilyStream, FitStream, RerunError, Scene, SearchStream, Sink, Stream};
 
+    use super::super::interrupt;
     use super::*;
 
     /// A recording in progress: of a run, unless it says otherwise.
@@ -159,11 +184,10 @@ mod with_rerun {
         }
     }
 
-    impl<D> Live<Stream<D>> {
-        /// Delivers what is left; a server goes on until it is interrupted.
-        pub fn finish(self, hold: bool) -> Result<(), Failure> {
+    impl<D> Recording for Live<Stream<D>> {
+        fn finish(self, hold: bool) -> Result<(), Failure> {
             if hold {
-                self.0.hold();
+                self.0.hold(interrupt::is_asked);
             }
             match self.0.finish() {
                 Err(error @ RerunError::ViewerLost { .. }) => {
@@ -280,8 +304,8 @@ mod without {
         }
     }
 
-    impl<S> Live<S> {
-        pub fn finish(self, _: bool) -> Result<(), Failure> {
+    impl<S> Recording for Live<S> {
+        fn finish(self, _: bool) -> Result<(), Failure> {
             match self.0 {}
         }
     }

@@ -2,29 +2,109 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use clap::Args;
 use models::muscle::BUILT_IN;
 use models::quantity::{Quantity, format_si};
-use serde_json::json;
+use serde::Serialize;
 use sim::predict::asked::Asked;
 use sim::predict::family::{Member, family};
-use sim::predict::grid::{grid, runs};
+use sim::predict::grid::{Cell, Grid, grid, runs};
 use sim::predict::span::values;
-use sim::predict::{Settings, predict};
+use sim::predict::{Prediction, Settings, predict};
 use sim::results::grid::{grid_table, write_grid};
 use sim::results::predicted::{prediction_table, write_prediction};
-use sim::results::{self, Request};
+use sim::results::{self, Folder, Request};
 use sim::scenario::Case;
+use sim::schema::JsonSchema;
 
-use super::Predict;
+use super::arguments::Output;
 use super::failure::Failure;
-use super::live::{LiveFamily, Rerun};
-use super::progress;
+use super::interrupt;
+use super::live::{LiveFamily, Recording, Rerun};
+use super::voice::{Voice, print};
 
-pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
+const HELP: &str = "Examples:
+  efam predict --muscle outputs/beam/muscle.toml --pressure 40psi --payload 80g
+  efam predict --muscle garbulinski-2022 --pressure 15psi --angle \"25 deg\"
+  efam predict --muscle muscle.toml --pressure 10psi..100psi:19 --payload 0g,50g
+  efam predict outputs/beam/rod.toml --payload 20g --draws 400 --json
+
+Exit codes: 3 for a muscle file that cannot be used, 4 if the case cannot be
+simulated, 130 if it is interrupted, which saves nothing.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Predict {
+    /// Scenario whose rod is asked about, such as the rod.toml of a calibration; or else --muscle.
+    #[arg(value_name = "SCENARIO", required_unless_present = "muscle")]
+    scenario: Option<PathBuf>,
+    /// Muscle file that a calibration wrote, or the name of a built-in muscle.
+    #[arg(long, value_name = "FILE", conflicts_with = "scenario", requires = "pressure")]
+    muscle: Option<String>,
+    /// Pressure above ambient, such as 40psi; several, as 10psi,40psi; or from one to another, as
+    /// 10psi..100psi or, in 19 values, 10psi..100psi:19.
+    #[arg(long)]
+    pressure: Option<String>,
+    /// Mass at the tip; several, or from one to another, as 0g..200g.
+    #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
+    payload: Option<String>,
+    /// Its centre of mass beyond the active length [default: at its end].
+    #[arg(long, value_name = "LENGTH")]
+    payload_center: Option<String>,
+    /// Its rotary inertia about that, such as "1e-5 kg m^2" [default: a point mass].
+    #[arg(long, value_name = "INERTIA")]
+    payload_inertia: Option<String>,
+    /// The area that it turns to the air, such as "20 cm^2".
+    #[arg(long, value_name = "AREA")]
+    frontal_area: Option<String>,
+    /// Angle of the straight rod above the horizontal, from which it is let go [default: the scenario's,
+    /// or level].
+    #[arg(long, allow_hyphen_values = true)]
+    angle: Option<String>,
+    /// How long to simulate [default: the scenario's, or 20 s].
+    #[arg(long, value_name = "TIME")]
+    duration: Option<String>,
+    /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Draws from the errors of the calibration, of one case.
+    #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
+    draws: usize,
+    /// Of the random numbers.
+    #[arg(long, default_value_t = sim::predict::Settings::default().seed)]
+    seed: u64,
+    /// Show the family of rods in Rerun: save, spawn, connect, connect=URL or serve.
+    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
+    rerun: Option<Rerun>,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// What is printed for programs: of one case, or of a grid of them.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Printed<'a> {
+    /// Of one case.
+    One {
+        /// Where the results are.
+        folder: &'a Path,
+        /// What is foretold.
+        prediction: &'a Prediction,
+    },
+    /// Of several pressures or payloads.
+    Several {
+        /// Where the results are.
+        folder: &'a Path,
+        /// What is foretold.
+        grid: &'a Grid,
+    },
+}
+
+pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let (asked, input_hashes) = asked(args)?;
     let pressures = several("--pressure", &args.pressure, "Pa")?;
@@ -46,76 +126,101 @@ pub fn run(args: &Predict) -> Result<ExitCode, Failure> {
     let case = Case { name: name.clone(), ..case };
     let request = Request {
         name: name.replace([',', ':', '/'], " "),
-        out: args.out.clone(),
-        overwrite: args.overwrite,
+        out: args.output.out.clone(),
+        overwrite: args.output.overwrite,
         resolved_scenario: case.resolved.clone(),
         input_hashes,
         argv: std::env::args().collect(),
         ..Request::default()
     };
     // What stands in the way is said before the simulations.
+    interrupt::listen();
     let folder = results::begin(&request)?;
-    let is_silent = args.quiet || args.json;
+    voice.detail(format!("{name}: on {} threads", rayon::current_num_threads()));
     let done = |warnings: &[String]| Request {
         warnings: warnings.to_vec(),
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..request.clone()
     };
-    let (told, table, members) = if is_grid {
+    if is_grid {
         let payloads = if payloads.is_empty() { vec![0.0] } else { payloads };
         let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
         let cases = pressures.len().max(1) * payloads.len();
-        let progress = progress::steps(is_silent, cases, &format!("cases of {} runs", runs(known.as_ref())));
-        let grid = grid(&name, (&pressures, &payloads), &make, known.as_ref(), &|| progress.inc(1))?;
-        progress.finish_and_clear();
+        let stages = voice.steps(cases, &format!("cases of {} runs", runs(known.as_ref())));
+        let step = || stages.step();
+        let work = || grid(&name, (&pressures, &payloads), &make, known.as_ref(), &step);
+        let (folder, grid) = interrupt::during(folder, &stages, work);
+        let grid = grid?;
+        stages.clear();
         write_grid(&folder, &done(&grid.warnings), &grid)?;
-        let cases = grid.cells.iter().map(|cell| {
-            let case = asked.case(cell.pressure_pa, Some(cell.payload_kg))?.0;
-            let name = cell_name(cell.pressure_pa, cell.payload_kg);
-            Ok::<_, Failure>(Member { name, ..Member::case(&case) })
-        });
-        let members = if args.rerun.is_some() { cases.collect::<Result<Vec<_>, _>>()? } else { Vec::new() };
-        (json!({ "grid": grid }), grid_table(&grid), members)
+        let member = |cell: &Cell| -> Result<Member, Failure> {
+            let case = make(cell.pressure_pa, cell.payload_kg)?;
+            Ok(Member { name: cell_name(cell), ..Member::case(&case) })
+        };
+        let members = || grid.cells.iter().map(member).collect();
+        let (folder, viewer) = finish(args, voice, folder, &request, &members)?;
+        tell(args, voice, &folder, &Printed::Several { folder: &folder, grid: &grid }, &|| {
+            grid_table(&grid)
+        })?;
+        Recording::shown(viewer, args.rerun.as_ref())?;
     } else {
         let settings = Settings { draws: args.draws, seed: args.seed };
-        let draws = known.as_ref().map_or(0, |_| args.draws);
-        let progress = progress::steps(is_silent, draws, "draws");
-        let outcome = predict(&case, known.as_ref(), &settings, &|| progress.inc(1));
+        let stages = voice.steps(known.as_ref().map_or(0, |_| args.draws), "draws");
+        let step = || stages.step();
+        let work = || predict(&case, known.as_ref(), &settings, &step);
+        let (folder, outcome) = interrupt::during(folder, &stages, work);
         let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
-        progress.finish_and_clear();
-        write_prediction(&folder, &done(&outcome.prediction.warnings), &outcome)?;
-        let members =
-            if args.rerun.is_some() { family(&case, known.as_ref(), &settings) } else { Vec::new() };
-        (json!({ "prediction": outcome.prediction }), prediction_table(&outcome.prediction), members)
-    };
-    let open = |how| {
-        let id = results::sha256(format!("{name}{}", case.resolved).as_bytes());
-        LiveFamily::family(how, &name, &id, folder.path(), &members)
-    };
-    let live = args.rerun.as_ref().map(open).transpose()?;
-    // A file belongs to the results; a viewer is served when they are there.
-    let saves = args.rerun == Some(Rerun::Save);
-    let (file, viewer) = if saves { (live, None) } else { (None, live) };
-    file.map_or(Ok(()), |file| file.finish(false))?;
-    let folder = folder.finish()?;
-    let mut out = io::stdout().lock();
-    if args.json {
-        let mut told = told;
-        told["folder"] = json!(folder);
-        writeln!(out, "{told}")?;
-    } else if !args.quiet {
-        write!(out, "{table}")?;
-        writeln!(out, "\nresults in {}", folder.display())?;
+        stages.clear();
+        let prediction = &outcome.prediction;
+        write_prediction(&folder, &done(&prediction.warnings), &outcome)?;
+        let members = || Ok(family(&case, known.as_ref(), &settings));
+        let (folder, viewer) = finish(args, voice, folder, &request, &members)?;
+        let printed = Printed::One { folder: &folder, prediction };
+        tell(args, voice, &folder, &printed, &|| prediction_table(prediction))?;
+        Recording::shown(viewer, args.rerun.as_ref())?;
     }
-    drop(out);
-    viewer.map_or(Ok(()), |viewer| viewer.finish(args.rerun == Some(Rerun::Serve)))?;
     Ok(ExitCode::SUCCESS)
 }
 
+/// Shows the rods if that is asked, and gives the folder its name, unless it is interrupted.
+fn finish(
+    args: &Predict,
+    voice: &Voice,
+    folder: Folder,
+    request: &Request,
+    members: &dyn Fn() -> Result<Vec<Member>, Failure>,
+) -> Result<(PathBuf, Option<LiveFamily>), Failure> {
+    let open = |how| {
+        let id = results::sha256(format!("{}{}", request.name, request.resolved_scenario).as_bytes());
+        LiveFamily::family(how, &request.name, &id, folder.path(), &members()?)
+    };
+    let live = args.rerun.as_ref().map(open).transpose()?;
+    let viewer = Recording::saved(live, args.rerun.as_ref())?;
+    interrupt::check()?;
+    let folder = folder.finish()?;
+    voice.detail(format!("written to {}", folder.display()));
+    Ok((folder, viewer))
+}
+
 /// A case of several, by what distinguishes it.
-fn cell_name(pressure: Option<f64>, payload: f64) -> String {
-    let payload = format_si(payload, "kg");
-    pressure.map_or(payload.clone(), |pressure| format!("{}, {payload}", format_si(pressure, "Pa")))
+fn cell_name(cell: &Cell) -> String {
+    let payload = format_si(cell.payload_kg, "kg");
+    cell.pressure_pa.map_or(payload.clone(), |pressure| format!("{}, {payload}", format_si(pressure, "Pa")))
+}
+
+fn tell(
+    args: &Predict,
+    voice: &Voice,
+    folder: &Path,
+    printed: &Printed,
+    table: &dyn Fn() -> String,
+) -> Result<(), Failure> {
+    if args.output.form.json {
+        print(printed)?;
+    } else if !voice.quiet {
+        writeln!(io::stdout().lock(), "{}\nresults in {}", table(), folder.display())?;
+    }
+    Ok(())
 }
 
 /// What is asked, in words: `40psi with 80g`.

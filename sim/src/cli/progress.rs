@@ -1,36 +1,26 @@
 //! Progress on a terminal. The only file that names indicatif.
 
-use std::io::{self, IsTerminal};
 use std::time::Duration;
 
 pub use indicatif::ProgressBar;
 use indicatif::ProgressStyle;
 
-/// A bar over so many samples of simulated time; hidden where nobody looks.
-pub fn bar(quiet: bool, samples: usize) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
+/// A bar over so many samples of simulated time.
+pub fn bar(samples: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {percent} % of simulated time, {eta} left");
     let bar = ProgressBar::new(samples as u64);
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// A bar over so many steps of a kind; hidden where nobody looks.
-pub fn steps(quiet: bool, count: usize, kind: &str) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
+/// A bar over so many steps of a kind.
+pub fn steps(count: usize, kind: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} {msg}, {eta} left");
     let bar = ProgressBar::new(count as u64).with_message(kind.to_owned());
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// A line that says what is being done; hidden where nobody looks.
-pub fn line(quiet: bool) -> ProgressBar {
-    if quiet || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
+/// A line that says what is being done.
+pub fn line() -> ProgressBar {
     let bar = ProgressBar::new_spinner();
     bar.enable_steady_tick(Duration::from_millis(200));
     bar

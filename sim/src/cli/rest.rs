@@ -4,91 +4,193 @@ use std::f64::consts::TAU;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use clap::Args;
 use models::quantity::format_si;
 use models::statics::{self, equilibrium};
 use models::system::System;
-use serde_json::json;
+use serde::Serialize;
 use sim::forward::tip;
 use sim::results::rest::root_moment;
 use sim::scenario::{Case, Scenario};
+use sim::schema::JsonSchema;
 
-use super::Source;
+use super::arguments::{Form, Source};
 use super::failure::Failure;
+use super::voice::{Voice, print};
+
+const STATICS_HELP: &str = "Examples:
+  efam statics scenarios/payload-80g.toml
+  efam statics scenarios/all-rows.toml --json
+
+Exit codes: 4 if no rest posture is found.";
+
+#[derive(Args)]
+#[command(after_help = STATICS_HELP)]
+pub struct Statics {
+    #[command(flatten)]
+    source: Source,
+    #[command(flatten)]
+    form: Form,
+}
+
+const MODES_HELP: &str = "Examples:
+  efam modes scenarios/payload-80g.toml --count 5
+  efam modes scenarios/steel-ruler.toml --json
+
+Exit codes: 4 if no rest posture is found.";
+
+#[derive(Args)]
+#[command(after_help = MODES_HELP)]
+pub struct Modes {
+    #[command(flatten)]
+    source: Source,
+    /// How many, from the slowest.
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    count: usize,
+    #[command(flatten)]
+    form: Form,
+}
+
+/// What is printed of rest postures for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct StaticsPrinted {
+    /// One for each case of the scenario.
+    statics: Vec<Resting>,
+}
+
+/// A rest posture; in W, SI.
+#[derive(Serialize, JsonSchema)]
+struct Resting {
+    /// Name of the case.
+    name: String,
+    /// Pressure above ambient.
+    pressure_pa: Option<f64>,
+    /// Tip along the undeformed rod.
+    tip_x_m: f64,
+    /// Tip upwards.
+    tip_z_m: f64,
+    /// Angle of the end body from x towards z.
+    tip_angle_rad: f64,
+    /// Bending moment at the root.
+    root_moment_n_m: f64,
+    /// What is left of the forces.
+    imbalance_n: f64,
+    /// Iterations of the search.
+    iterations: usize,
+    /// Whether the posture is stable.
+    stable: bool,
+    /// What should be known before the numbers are used.
+    warnings: Vec<String>,
+}
+
+/// What is printed of vibrations for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct ModesPrinted {
+    /// All modes of all cases of the scenario, slowest first.
+    modes: Vec<Vibration>,
+}
+
+/// A small vibration about the rest.
+#[derive(Serialize, JsonSchema)]
+struct Vibration {
+    /// Name of the case.
+    name: String,
+    /// Pressure above ambient.
+    pressure_pa: Option<f64>,
+    /// Its number, the slowest being 1.
+    mode: usize,
+    /// Undamped frequency.
+    frequency_hz: f64,
+    /// Share of critical damping.
+    damping_ratio: f64,
+}
 
 /// Shows the rest posture.
-pub fn statics(source: &Source, json: bool) -> Result<ExitCode, Failure> {
+pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(source)? {
+    for case in cases(&args.source, voice)? {
         let rest = equilibrium(&case.model, None)?;
         let mut system = System::new(&case.model);
         let at_rest = vec![0.0; rest.q.len()];
         let root_moment = root_moment(&mut system, &rest);
-        let angle = rest.q[rest.q.len() - 1];
         let tip = tip(&system, &rest.q, &at_rest).0;
-        rows.push(json!({
-            "name": case.name, "pressure_pa": case.pressure, "tip_x_m": tip[0], "tip_z_m": tip[1],
-            "tip_angle_rad": angle, "root_moment_n_m": root_moment, "imbalance_n": rest.imbalance,
-            "iterations": rest.iterations, "stable": rest.stable, "warnings": case.warnings,
-        }));
+        rows.push(Resting {
+            name: case.name,
+            pressure_pa: case.pressure,
+            tip_x_m: tip[0],
+            tip_z_m: tip[1],
+            tip_angle_rad: rest.q[rest.q.len() - 1],
+            root_moment_n_m: root_moment,
+            imbalance_n: rest.imbalance,
+            iterations: rest.iterations,
+            stable: rest.stable,
+            warnings: case.warnings,
+        });
     }
-    let mut out = io::stdout().lock();
-    if json {
-        writeln!(out, "{}", json!({ "statics": rows }))?;
+    if args.form.json {
+        print(&StaticsPrinted { statics: rows })?;
         return Ok(ExitCode::SUCCESS);
     }
+    if voice.quiet {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut out = io::stdout().lock();
     writeln!(out, "{:24}{:>12}{:>12}{:>14}{:>16}", "", "tip x", "tip z", "end angle", "root moment")?;
     for row in rows {
-        let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
-        let angle = format!("{:.2} deg", number("tip_angle_rad").to_degrees());
+        let angle = format!("{:.2} deg", row.tip_angle_rad.to_degrees());
         writeln!(
             out,
             "{:24}{:>12}{:>12}{angle:>14}{:>16}{}",
-            row["name"].as_str().unwrap_or_default(),
-            format_si(number("tip_x_m"), "m"),
-            format_si(number("tip_z_m"), "m"),
-            format_si(number("root_moment_n_m"), "N m"),
-            if row["stable"] == true { "" } else { "  not stable" }
+            row.name,
+            format_si(row.tip_x_m, "m"),
+            format_si(row.tip_z_m, "m"),
+            format_si(row.root_moment_n_m, "N m"),
+            if row.stable { "" } else { "  not stable" }
         )?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// Shows the slowest vibrations about the rest posture.
-pub fn modes(source: &Source, count: usize, json: bool) -> Result<ExitCode, Failure> {
+pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(source)? {
+    for case in cases(&args.source, voice)? {
         let rest = equilibrium(&case.model, None)?;
-        for (index, mode) in statics::modes(&case.model, &rest, count)?.iter().enumerate() {
-            rows.push(json!({
-                "name": case.name, "pressure_pa": case.pressure, "mode": index + 1,
-                "frequency_hz": mode.angular_frequency / TAU, "damping_ratio": mode.damping_ratio,
-            }));
+        for (index, mode) in statics::modes(&case.model, &rest, args.count)?.iter().enumerate() {
+            rows.push(Vibration {
+                name: case.name.clone(),
+                pressure_pa: case.pressure,
+                mode: index + 1,
+                frequency_hz: mode.angular_frequency / TAU,
+                damping_ratio: mode.damping_ratio,
+            });
         }
     }
-    let mut out = io::stdout().lock();
-    if json {
-        writeln!(out, "{}", json!({ "modes": rows }))?;
+    if args.form.json {
+        print(&ModesPrinted { modes: rows })?;
         return Ok(ExitCode::SUCCESS);
     }
+    if voice.quiet {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut out = io::stdout().lock();
     writeln!(out, "{:24}{:>6}{:>14}{:>16}", "", "mode", "frequency", "damping ratio")?;
     for row in rows {
-        let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
         writeln!(
             out,
             "{:24}{:>6}{:>14}{:>16.4}",
-            row["name"].as_str().unwrap_or_default(),
-            row["mode"].to_string(),
-            format_si(number("frequency_hz"), "Hz"),
-            number("damping_ratio")
+            row.name,
+            row.mode,
+            format_si(row.frequency_hz, "Hz"),
+            row.damping_ratio
         )?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn cases(source: &Source) -> Result<Vec<Case>, Failure> {
+fn cases(source: &Source, voice: &Voice) -> Result<Vec<Case>, Failure> {
     let cases = Scenario::load(&source.scenario, &source.overrides())?.cases()?;
-    for warning in cases.iter().flat_map(|case| &case.warnings) {
-        eprintln!("warning: {warning}");
-    }
+    voice.detail(format!("{}: {} to show", source.scenario.display(), cases.len()));
+    voice.warn(cases.iter().flat_map(|case| &case.warnings));
     Ok(cases)
 }

@@ -7,8 +7,10 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use clap::Args;
 use models::quantity::format_si;
 use rayon::prelude::*;
+use serde::Serialize;
 use serde_json::json;
 use sim::forward::{ForwardError, forward};
 use sim::results::folder::{Folder, MARK};
@@ -16,20 +18,59 @@ use sim::results::picture::{PressureRow, pressures};
 use sim::results::report::report;
 use sim::results::{self, Request, Summary};
 use sim::scenario::{Case, Scenario};
+use sim::schema::JsonSchema;
 use sim::trajectory::{Status, Trajectory};
 
+use super::arguments::{Output, Source};
 use super::failure::Failure;
-use super::live::{Live, Rerun};
-use super::progress::{self, ProgressBar};
-use super::{Simulate, interrupt};
+use super::interrupt;
+use super::live::{Live, Recording, Rerun};
+use super::progress::ProgressBar;
+use super::voice::{Voice, print};
+
+const HELP: &str = "Examples:
+  efam simulate scenarios/release-15psi.toml
+  efam simulate scenarios/release-15psi.toml --pressure 40psi --csv
+  efam simulate scenarios/payload-80g.toml --set effects.payload.mass=\"50 g\"
+  efam simulate scenarios/release-15psi.toml --muscle muscle.toml --json
+  efam simulate scenarios/undamped.toml --out outputs/undamped --overwrite -v
+
+Exit codes: 4 if it cannot go on, 130 if it is interrupted; both save what was
+integrated.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Simulate {
+    #[command(flatten)]
+    source: Source,
+    #[command(flatten)]
+    output: Output,
+    /// Also write CSV.
+    #[arg(long)]
+    csv: bool,
+    /// Show the rod in Rerun: save, spawn, connect, connect=URL or serve.
+    #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
+    rerun: Option<Rerun>,
+}
 
 /// The picture of a sweep over pressures.
 const PRESSURES: &str = "pressures.svg";
 
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// Name of the scenario.
+    scenario: &'a str,
+    /// Where the results are.
+    folder: &'a Path,
+    /// Each run; several where all rows of a muscle were asked for.
+    runs: Vec<&'a Summary>,
+}
+
 /// A simulated case: its summary, and its pressure above ambient, Pa.
 type Done = (Summary, Option<f64>);
 
-pub fn run(args: &Simulate) -> Result<ExitCode, Failure> {
+pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let scenario = Scenario::load(&args.source.scenario, &args.source.overrides())?;
     let cases = scenario.cases()?;
     let is_sweep = scenario.is_all_rows();
@@ -37,14 +78,14 @@ pub fn run(args: &Simulate) -> Result<ExitCode, Failure> {
         let message = "--rerun shows one run; choose one pressure, such as --pressure 40psi";
         return Err(Failure::Usage(message.to_owned()));
     }
-    for warning in cases.iter().flat_map(|case| &case.warnings) {
-        eprintln!("warning: {warning}");
-    }
+    voice.warn(cases.iter().flat_map(|case| &case.warnings));
+    interrupt::listen();
+    let (runs, threads) = (cases.len(), rayon::current_num_threads());
+    voice.detail(format!("{}: {runs} to simulate, on {threads} threads", scenario.path.display()));
     let request = request(args, &scenario, &cases[0]);
     let folder = results::begin(&request)?;
-    interrupt::listen();
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
-    let progress = progress::bar(args.quiet, samples);
+    let progress = voice.bar(samples);
     let runs: Vec<_> = match &args.rerun {
         Some(how) => vec![timed(|| shown(how, &cases[0], &folder, &progress))],
         None => cases.par_iter().map(|case| timed(|| follow(case, &progress, &mut |_| Ok(())))).collect(),
@@ -61,13 +102,15 @@ pub fn run(args: &Simulate) -> Result<ExitCode, Failure> {
         };
         let within = is_sweep.then_some(case.name.as_str());
         let summary = results::write_run(&folder, within, &own, &case.model, &case.run, &run?)?;
+        voice.detail(integrated(&summary));
         done.push((summary, case.pressure));
     }
     if is_sweep {
         write_sweep(&folder, &scenario, &done)?;
     }
     let folder = folder.finish()?;
-    tell(args, &scenario, &folder, &done)?;
+    voice.detail(format!("written to {}", folder.display()));
+    tell(args, voice, &scenario, &folder, &done)?;
     outcome(&folder, &done)
 }
 
@@ -75,14 +118,22 @@ fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
     let hash = results::sha256(scenario.text().as_bytes());
     Request {
         name: scenario.name.clone(),
-        out: args.out.clone(),
-        overwrite: args.overwrite,
+        out: args.output.out.clone(),
+        overwrite: args.output.overwrite,
         csv: args.csv,
         resolved_scenario: first.resolved.clone(),
         input_hashes: BTreeMap::from([(scenario.path.display().to_string(), hash)]),
         argv: std::env::args().collect(),
         ..Request::default()
     }
+}
+
+/// What a run cost, in a line.
+fn integrated(summary: &Summary) -> String {
+    let Summary { name, simulated_s, effort, wall_time_s, .. } = summary;
+    let (steps, method) = (effort.steps, summary.settings.method);
+    let nodes = summary.settings.nodes;
+    format!("{name}: {simulated_s} s with {nodes} nodes by {method:?}: {steps} steps in {wall_time_s:.3} s")
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
@@ -155,16 +206,21 @@ fn shown(how: &Rerun, case: &Case, folder: &Folder, progress: &ProgressBar) -> R
     Ok(trajectory)
 }
 
-fn tell(args: &Simulate, scenario: &Scenario, folder: &Path, done: &[Done]) -> Result<(), Failure> {
+fn tell(
+    args: &Simulate,
+    voice: &Voice,
+    scenario: &Scenario,
+    folder: &Path,
+    done: &[Done],
+) -> Result<(), Failure> {
+    if args.output.form.json {
+        let runs = done.iter().map(|(summary, _)| summary).collect();
+        return print(&Printed { scenario: &scenario.name, folder, runs });
+    }
+    if voice.quiet {
+        return Ok(());
+    }
     let mut out = io::stdout().lock();
-    if args.json {
-        let runs: Vec<_> = done.iter().map(|(summary, _)| summary).collect();
-        writeln!(out, "{}", json!({ "scenario": scenario.name, "folder": folder, "runs": runs }))?;
-        return Ok(());
-    }
-    if args.quiet {
-        return Ok(());
-    }
     match done {
         [(summary, _)] => writeln!(out, "{}", report(summary))?,
         _ => write!(out, "{}", over_pressure(done))?,

@@ -1,9 +1,10 @@
 //! `efam view`: a finished run in the Rerun viewer.
 
 use std::io;
-use std::path::Path;
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
+use clap::Args;
 use sim::results::{MARK, SCENARIO};
 
 use super::failure::Failure;
@@ -12,8 +13,21 @@ use super::live::RECORDING;
 /// The viewer, of the version that can read what we write.
 const VIEWER: &str = "rerun";
 
+const HELP: &str = "Examples:
+  efam view outputs/beam
+
+Exit codes: 1 if there is no viewer, 2 if the folder holds no recording.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct View {
+    /// Folder of a run that was made with --rerun save.
+    run: PathBuf,
+}
+
 /// Opens the recording of a run's folder.
-pub fn run(folder: &Path) -> Result<ExitCode, Failure> {
+pub fn run(args: &View) -> Result<ExitCode, Failure> {
+    let folder = &args.run;
     let shown = folder.display();
     if !folder.join(MARK).is_file() {
         return Err(Failure::Usage(format!(

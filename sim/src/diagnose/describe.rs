@@ -16,9 +16,10 @@ use super::score::{Score, scores_of};
 use super::verdict::Added;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem};
+use crate::schema::JsonSchema;
 
 /// A description, not a cause.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Description {
     /// The terms that were needed, as parameters of `latent_moment`.
     pub moment: Added,

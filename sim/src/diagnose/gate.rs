@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 use crate::calibrate::joint::{Fitted, Joint};
 use crate::calibrate::prediction::Measured;
 use crate::calibrate::{CalibrateError, Problem};
+use crate::schema::JsonSchema;
 
 /// Mesh and step, as a diagnosis found them and left them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Numerics {
     /// Nodes of the models as they were given, the most of all releases.
     pub nodes_given: usize,

@@ -18,9 +18,10 @@ use super::swing::{share_of_largest, swing};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
 use crate::experiment::release::Point;
+use crate::schema::JsonSchema;
 
 /// A shape that the residual may have.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Shape {
     /// Round; the last one is of the repaired model.
     pub round: usize,

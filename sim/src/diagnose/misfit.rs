@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 
 use super::curve::{Curve, Sample};
 use crate::calibrate::problem::is_same_pressure;
+use crate::schema::JsonSchema;
 
 /// Something that a simulation does wrong.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Misfit {
     /// What it does.
     pub what: Wrong,
@@ -36,7 +37,7 @@ pub struct Misfit {
 }
 
 /// What a simulation may do wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Wrong {
     /// It decays more slowly than what was measured.

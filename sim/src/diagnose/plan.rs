@@ -18,12 +18,13 @@ use crate::calibrate::prediction::Slopes;
 use crate::calibrate::{CalibrateError, Nuisances, Parameter, Problem, Scope, Trial};
 use crate::experiment::release::{Point, Release, Track};
 use crate::scenario::Case;
+use crate::schema::JsonSchema;
 
 /// Standard error of the release instant in a recording, s: that of a camera at 100 Hz.
 const INSTANT: f64 = 2e-3;
 
 /// What a planned experiment says of one effect.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Prospect {
     /// Its stable name.
     pub effect: String,
@@ -33,9 +34,11 @@ pub struct Prospect {
     pub unit: String,
     /// Values at which its other parameters are taken.
     pub tried: Vec<(String, f64)>,
-    /// Strength beyond which it is seen; infinite where the baseline can do all that it does.
+    /// Strength beyond which it is seen; infinite, in JSON null, where the baseline can do all that it does.
+    #[schemars(with = "Option<f64>")]
     pub seen_from: f64,
-    /// Strength beyond which it is told from every other effect.
+    /// Strength beyond which it is told from every other effect; null likewise.
+    #[schemars(with = "Option<f64>")]
     pub told_apart_from: f64,
     /// The effect that resembles it most.
     pub nearest: Option<String>,

@@ -6,9 +6,10 @@ use super::describe::Description;
 use super::gate::Numerics;
 use super::localise::Shape;
 use super::misfit::Misfit;
+use crate::schema::JsonSchema;
 
 /// The answer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// One effect, or several, each told from all others.
@@ -23,7 +24,7 @@ pub enum Verdict {
 }
 
 /// A diagnosis with its evidence.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
@@ -58,7 +59,7 @@ pub struct Diagnosis {
 }
 
 /// An effect that the repaired model has.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Added {
     /// Its stable name.
     pub effect: String,
@@ -67,7 +68,7 @@ pub struct Added {
 }
 
 /// A parameter of an added effect; SI.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Value {
     /// Scenario key.
     pub name: String,
@@ -82,7 +83,7 @@ pub struct Value {
 }
 
 /// One of several effects that do the same to these recordings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Member {
     /// Its stable name.
     pub effect: String,
@@ -94,7 +95,7 @@ pub struct Member {
 }
 
 /// An experiment that would tell the members of a class apart.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Separation {
     /// What to do, in words.
     pub what: String,
@@ -105,7 +106,7 @@ pub struct Separation {
 }
 
 /// What speaks for and against one candidate in one round.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Evidence {
     /// Round, 1 being the search for the first effect.
     pub round: usize,
@@ -128,7 +129,7 @@ pub struct Evidence {
 }
 
 /// How far simulation and recordings are apart.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gap {
     /// Name of the release.
     pub release: String,

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::{Experiment, ExperimentError};
 use crate::analysis::dynamic_stiffness::{self, DynamicStiffness};
@@ -11,6 +11,8 @@ use crate::analysis::measured::{self, Measured};
 use crate::analysis::static_stiffness::{self, StaticFit};
 use crate::analysis::{AnalysisError, bending_stiffness::StiffnessFit};
 use crate::cleaning::{CleanRelease, Cleaned};
+use crate::results::summary::Cycle;
+use crate::schema::JsonSchema;
 
 /// What is said of one release.
 #[derive(Clone, Debug)]
@@ -56,63 +58,141 @@ fn one<'a>(
     Ok(Analysed { of, measured, at_rest, in_motion })
 }
 
+/// What is written of an analysed release; what could not be found is none, and its reason stands beside it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Said<'a> {
+    /// Name of the release.
+    pub name: &'a str,
+    /// How far the tip sinks from hold to rest.
+    pub static_drop_m: f64,
+    /// Why nothing could be said of the swing.
+    pub why_not: Option<String>,
+    /// The coordinate that was analysed, x or z.
+    pub coordinate: Option<&'static str>,
+    /// From the spectrum.
+    pub damped_frequency_hz: Option<f64>,
+    /// How well the cycles agree about it.
+    pub frequency_error_share: Option<f64>,
+    /// By eq. 7.
+    pub natural_frequency_hz: Option<f64>,
+    /// By eq. 6 on the upper peaks.
+    pub damping_ratio: Option<f64>,
+    /// Root mean square distance of the peaks from that fit.
+    pub decay_residual_m: Option<f64>,
+    /// Why there is no such fit.
+    pub why_no_decay: Option<&'a str>,
+    /// Time after the release from which on spectrum and peaks count.
+    pub counted_from_s: Option<f64>,
+    /// Samples in gaps that were bridged.
+    pub bridged_samples: Option<usize>,
+    /// The longest of these gaps.
+    pub longest_bridge_s: Option<f64>,
+    /// Time of a gap that is too long to be bridged: what follows is left out.
+    pub left_out_after_s: Option<f64>,
+    /// Damping and frequency from each upper peak to the next.
+    pub cycles: Vec<Cycle>,
+    /// EI from the tip at rest, by model; empty without a model.
+    pub static_stiffness: Vec<AtRest>,
+    /// EI from the frequency; none without a model or a frequency.
+    pub dynamic_stiffness: Option<InMotion>,
+}
+
+/// EI from the tip at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct AtRest {
+    /// pder or euler_bernoulli.
+    pub model: &'static str,
+    /// Nodes of the discrete rod.
+    pub nodes: Option<usize>,
+    /// By Nelder and Mead.
+    pub nelder_mead: Stiffness,
+    /// By Gauss and Newton.
+    pub gauss_newton: Stiffness,
+}
+
+/// EI with which a model meets the tip at rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Stiffness {
+    /// EI.
+    pub bending_stiffness_n_m2: Option<f64>,
+    /// Measured tip minus predicted, in W.
+    pub residual_m: Option<[f64; 2]>,
+    /// Tips that were predicted on the way.
+    pub evaluations: Option<usize>,
+    /// Why there is none.
+    pub why_not: Option<String>,
+}
+
+/// EI with which the slowest mode has the measured frequency.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct InMotion {
+    /// EI.
+    pub bending_stiffness_n_m2: Option<f64>,
+    /// Relative change of EI for one of frequency.
+    pub sensitivity: Option<f64>,
+    /// Why there is none.
+    pub why_not: Option<String>,
+}
+
 impl Analysed<'_> {
-    /// As one JSON object.
-    pub fn json(&self) -> Value {
-        let mut value =
-            json!({ "name": self.of.release.name, "static_drop_m": self.of.statistics.static_drop });
-        match &self.measured {
-            Err(error) => value["why_not"] = error.to_string().into(),
-            Ok(measured) => {
-                let hertz = |omega: f64| omega / TAU;
-                let decay = measured.decay.as_ref();
-                value["coordinate"] = measured.coordinate.name().into();
-                value["damped_frequency_hz"] =
-                    json!(measured.damped_frequency.as_ref().ok().map(|w| hertz(*w)));
-                value["frequency_error_share"] = json!(measured.frequency_error());
-                value["natural_frequency_hz"] = json!(measured.natural_frequency().map(hertz));
-                value["damping_ratio"] = json!(decay.ok().map(|decay| decay.damping_ratio));
-                value["decay_residual_m"] = json!(decay.ok().map(|decay| decay.rms_residual));
-                value["why_no_decay"] = json!(decay.err());
-                value["counted_from_s"] = measured.since.into();
-                value["bridged_samples"] = measured.bridged.filled.into();
-                value["longest_bridge_s"] = measured.bridged.longest.into();
-                value["left_out_after_s"] = json!(measured.bridged.cut_at);
-                let cycles = measured.cycles.as_deref().unwrap_or_default();
-                value["cycles"] = cycles
-                    .iter()
-                    .map(|cycle| {
-                        json!({
-                            "time_s": cycle.time, "amplitude_m": cycle.amplitude,
-                            "damping_ratio": cycle.damping_ratio,
-                            "damped_frequency_hz": hertz(cycle.damped_frequency),
-                        })
-                    })
-                    .collect();
-            }
+    /// What is written of it.
+    pub fn said(&self) -> Said<'_> {
+        let (name, static_drop_m) = (self.of.release.name.as_str(), self.of.statistics.static_drop);
+        let own = Said {
+            name,
+            static_drop_m,
+            static_stiffness: self.at_rest.iter().map(at_rest).collect(),
+            dynamic_stiffness: self.in_motion.as_ref().map(in_motion),
+            ..Said::default()
+        };
+        let measured = match &self.measured {
+            Ok(measured) => measured,
+            Err(error) => return Said { why_not: Some(error.to_string()), ..own },
+        };
+        let decay = measured.decay.as_ref();
+        Said {
+            coordinate: Some(measured.coordinate.name()),
+            damped_frequency_hz: measured.damped_frequency.as_ref().ok().map(|omega| omega / TAU),
+            frequency_error_share: measured.frequency_error(),
+            natural_frequency_hz: measured.natural_frequency().map(|omega| omega / TAU),
+            damping_ratio: decay.ok().map(|decay| decay.damping_ratio),
+            decay_residual_m: decay.ok().map(|decay| decay.rms_residual),
+            why_no_decay: decay.err().map(String::as_str),
+            counted_from_s: Some(measured.since),
+            bridged_samples: Some(measured.bridged.filled),
+            longest_bridge_s: Some(measured.bridged.longest),
+            left_out_after_s: measured.bridged.cut_at,
+            cycles: measured.cycles.as_deref().unwrap_or_default().iter().map(Cycle::from).collect(),
+            ..own
         }
-        let fit = |fit: &Result<StiffnessFit, AnalysisError>| match fit {
-            Ok(fit) => json!({
-                "bending_stiffness_n_m2": fit.bending_stiffness, "residual_m": fit.residual,
-                "evaluations": fit.evaluations,
-            }),
-            Err(error) => json!({ "why_not": error.to_string() }),
-        };
-        value["static_stiffness"] = (self.at_rest.iter())
-            .map(|row| {
-                json!({
-                    "model": if row.nodes.is_some() { "pder" } else { "euler_bernoulli" }, "nodes": row.nodes,
-                    "nelder_mead": fit(&row.nelder_mead), "gauss_newton": fit(&row.gauss_newton),
-                })
-            })
-            .collect();
-        value["dynamic_stiffness"] = match &self.in_motion {
-            None => Value::Null,
-            Some(Ok(found)) => json!({
-                "bending_stiffness_n_m2": found.bending_stiffness, "sensitivity": found.sensitivity,
-            }),
-            Some(Err(error)) => json!({ "why_not": error.to_string() }),
-        };
-        value
+    }
+}
+
+fn at_rest(row: &StaticFit) -> AtRest {
+    let stiffness = |fit: &Result<StiffnessFit, AnalysisError>| match fit {
+        Ok(fit) => Stiffness {
+            bending_stiffness_n_m2: Some(fit.bending_stiffness),
+            residual_m: Some(fit.residual),
+            evaluations: Some(fit.evaluations),
+            why_not: None,
+        },
+        Err(error) => Stiffness { why_not: Some(error.to_string()), ..Stiffness::default() },
+    };
+    AtRest {
+        model: if row.nodes.is_some() { "pder" } else { "euler_bernoulli" },
+        nodes: row.nodes,
+        nelder_mead: stiffness(&row.nelder_mead),
+        gauss_newton: stiffness(&row.gauss_newton),
+    }
+}
+
+fn in_motion(found: &Result<DynamicStiffness, AnalysisError>) -> InMotion {
+    match found {
+        Ok(found) => InMotion {
+            bending_stiffness_n_m2: Some(found.bending_stiffness),
+            sensitivity: Some(found.sensitivity),
+            why_not: None,
+        },
+        Err(error) => InMotion { why_not: Some(error.to_string()), ..InMotion::default() },
     }
 }

@@ -10,6 +10,8 @@ mod verlet;
 use models::model::Model;
 use thiserror::Error;
 
+use crate::schema::JsonSchema;
+
 #[cfg(feature = "diffsol")]
 use diffsol::Implicit;
 use rosenbrock::Rosenbrock;
@@ -43,7 +45,7 @@ pub struct Control {
 }
 
 /// What a run cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
 pub struct Effort {
     /// Accepted steps.
     pub steps: usize,
@@ -76,7 +78,7 @@ pub trait Stepper {
 }
 
 /// A method of integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// [`Method::Verlet`] for a model that loses no energy, [`Method::Rodas4`] for all others.

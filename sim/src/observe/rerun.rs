@@ -44,6 +44,8 @@ const VIEWER_PATIENCE: Duration = Duration::from_secs(10);
 
 /// How long the disk may take for the same.
 const DISK_PATIENCE: Duration = Duration::from_secs(60);
+/// How often a server looks whether it is over.
+const HELD: Duration = Duration::from_millis(50);
 
 /// What stays the same during a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -296,12 +298,10 @@ impl<D> Stream<D> {
         }
     }
 
-    /// Serves on until the program is interrupted; returns at once from all sinks but `Serve`.
-    pub fn hold(&self) {
-        if matches!(self.destination, Destination::Server { .. }) {
-            loop {
-                thread::park(); // may wake for no reason
-            }
+    /// Serves on until that is over; returns at once from all sinks but `Serve`.
+    pub fn hold(&self, is_over: impl Fn() -> bool) {
+        while matches!(self.destination, Destination::Server { .. }) && !is_over() {
+            thread::sleep(HELD);
         }
     }
 

@@ -21,6 +21,7 @@ use crate::analysis::brent::{least, root};
 use crate::forward::Run;
 use crate::results::rest::rest;
 use crate::scenario::{Case, ScenarioError};
+use crate::schema::JsonSchema;
 
 /// Standard deviations from the middle of a normal distribution to the ends of the 95 % in its middle.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -29,7 +30,7 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 const LEAST_ANGLE: &str = "least_angle_rad";
 
 /// Predictions over pressures and payloads; SI.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Grid {
     /// What was asked.
     pub name: String,
@@ -48,7 +49,7 @@ pub struct Grid {
 }
 
 /// One pressure with one payload.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cell {
     /// Pressure above ambient, Pa; none of a rod that is no muscle.
     pub pressure_pa: Option<f64>,
@@ -70,7 +71,7 @@ impl Cell {
 }
 
 /// From which payload on a release takes the tip past straight down.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PastStraightDown {
     /// Pressure above ambient, Pa.
     pub pressure_pa: Option<f64>,
@@ -83,7 +84,7 @@ pub struct PastStraightDown {
 }
 
 /// Where small swings are slowest.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Slowest {
     /// Mass of the payload, kg.
     pub payload_kg: f64,

@@ -22,6 +22,7 @@ use crate::forward::Run;
 use crate::quantile::quantile;
 use crate::results::summary;
 use crate::scenario::Case;
+use crate::schema::JsonSchema;
 use errors::Errors;
 use quantity::{Quantity, quantities};
 use simulated::{Mesh, Simulated, simulate, value};
@@ -47,7 +48,7 @@ impl Default for Settings {
 const ENDS: [f64; 2] = [0.025, 0.975];
 
 /// What is foretold of one case; SI.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Prediction {
     /// Name of the case.
     pub name: String,
@@ -68,7 +69,7 @@ pub struct Prediction {
 }
 
 /// From one upper peak to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cycle {
     /// Geometric mean of the heights of the two above the rest, m.
     pub amplitude_m: f64,

@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::simulated::Simulated;
 use crate::results::summary::{Mode, Summary};
+use crate::schema::JsonSchema;
 
 /// One number that is foretold.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Quantity {
     /// Its name, with the unit.
     pub name: String,

@@ -10,14 +10,16 @@
 
 use std::fmt::Write;
 
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 
 use super::folder::{Folder, MARK, plain_name};
 use super::{ResultsError, picture};
-use crate::cleaning::{CleanRelease, Cleaned};
+use crate::cleaning::{CleanRelease, Cleaned, Statistics};
 use crate::experiment::Experiment;
 use crate::experiment::analyse::Analysed;
 use crate::experiment::release::Release;
+use crate::schema::JsonSchema;
 
 /// Writes recordings, releases, decisions and, if it was asked for, the analysis into an open folder.
 /// # Errors
@@ -56,30 +58,57 @@ pub fn write(
             "base_moved_m": recording.base.as_ref().map(|base| base.moved),
             "base_turned_rad": recording.base.as_ref().map(|base| base.turned),
         })).collect::<Vec<_>>(),
-        "releases": cleaned.releases.iter().map(row).collect::<Vec<_>>(),
+        "releases": cleaned.releases.iter().map(Row::of).collect::<Vec<_>>(),
         "decisions": cleaned.decisions,
         "efam": env!("CARGO_PKG_VERSION"),
     });
     if let Some(analysed) = analysed {
-        summary["analysis"] = analysed.iter().map(Analysed::json).collect();
+        summary["analysis"] = json!(analysed.iter().map(Analysed::said).collect::<Vec<_>>());
     }
     folder.write(MARK, format!("{summary:#}").as_bytes())
 }
 
-/// A release as one JSON object.
-pub fn row(release: &CleanRelease) -> Value {
-    json!({
-        "name": release.release.name,
-        "pressure_pa": release.release.pressure,
-        "payload_kg": release.release.payload,
-        "instant_s": release.instant,
-        "instant_error_s": release.release.release_uncertainty,
-        "angle_rad": release.angle,
-        "held_out": release.release.held_out,
-        "dropped": release.dropped,
-        "representative": release.representative,
-        "statistics": release.statistics,
-    })
+/// A cleaned release, as it is written; SI.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Row<'a> {
+    /// Its name: that of the recording, and its number in it.
+    pub name: &'a str,
+    /// Pressure above ambient.
+    pub pressure_pa: Option<f64>,
+    /// Mass at the tip.
+    pub payload_kg: f64,
+    /// When it is let go, on the recording's clock.
+    pub instant_s: f64,
+    /// Standard error of that.
+    pub instant_error_s: f64,
+    /// Angle of the straight rod while it is held, if it is given.
+    pub angle_rad: Option<f64>,
+    /// Whether it is locked away.
+    pub held_out: bool,
+    /// Why it is not used, if it is not.
+    pub dropped: Option<&'a str>,
+    /// Whether it stands for the releases of the same pressure and payload.
+    pub representative: bool,
+    /// Its numbers.
+    pub statistics: &'a Statistics,
+}
+
+impl<'a> Row<'a> {
+    /// What is written of a release.
+    pub fn of(release: &'a CleanRelease) -> Self {
+        Self {
+            name: &release.release.name,
+            pressure_pa: release.release.pressure,
+            payload_kg: release.release.payload,
+            instant_s: release.instant,
+            instant_error_s: release.release.release_uncertainty,
+            angle_rad: release.angle,
+            held_out: release.release.held_out,
+            dropped: release.dropped.as_deref(),
+            representative: release.representative,
+            statistics: &release.statistics,
+        }
+    }
 }
 
 /// Numbers read back to the same bits; an empty cell is a sample that was lost or masked.

@@ -20,13 +20,14 @@ use crate::analysis::swing::{swing, swing_spectrum};
 use crate::analysis::{AnalysisError, Excursion};
 use crate::forward::{Initial, Run};
 use crate::integrate::{Effort, Method};
+use crate::schema::JsonSchema;
 use crate::trajectory::{Status, Trajectory};
 
 /// Number of modes in a summary.
 pub const MODES: usize = 3;
 
 /// What a run comes to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Summary {
     /// Name of the run.
     pub name: String,
@@ -95,7 +96,7 @@ pub struct Summary {
 }
 
 /// Where the tip is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Place {
     /// When; null for the rest.
     pub time_s: Option<f64>,
@@ -108,7 +109,7 @@ pub struct Place {
 }
 
 /// An upper peak.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Peak {
     /// After release.
     pub time_s: f64,
@@ -117,7 +118,7 @@ pub struct Peak {
 }
 
 /// From one upper peak to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cycle {
     /// Midway between the two.
     pub time_s: f64,
@@ -130,7 +131,7 @@ pub struct Cycle {
 }
 
 /// A small vibration about the rest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Mode {
     /// Undamped.
     pub natural_frequency_hz: f64,
@@ -139,7 +140,7 @@ pub struct Mode {
 }
 
 /// Where the tip was fastest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PeakSpeed {
     /// When.
     pub time_s: f64,
@@ -148,7 +149,7 @@ pub struct PeakSpeed {
 }
 
 /// How well kinetic, elastic, potential, dissipated and supplied energy add up to a constant.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EnergyBalance {
     /// Largest change of potential energy: what there is to move with.
     #[serde(rename = "potential_released_J")]
@@ -164,7 +165,7 @@ pub struct EnergyBalance {
 }
 
 /// How a model was run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Settings {
     /// Integrator that made the run.
     pub method: Method,
@@ -189,7 +190,7 @@ pub struct Settings {
 }
 
 /// A parameter's value.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Parameter {
     /// SI.
     pub value: f64,
@@ -198,7 +199,7 @@ pub struct Parameter {
 }
 
 /// What wrote a summary.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Versions {
     /// This program.
     pub efam: String,
@@ -269,7 +270,7 @@ pub fn summarise(
         damping_ratio: missing.note("damping_ratio", decay_says(|decay| decay.damping_ratio)),
         decay_amplitude_m: missing.note("decay_amplitude_m", decay_says(|decay| decay.initial_amplitude)),
         decay_residual_m: missing.note("decay_residual_m", decay_says(|decay| decay.rms_residual)),
-        cycles: missing.note("cycles", cycles.map(|cycles| cycles.iter().map(cycle).collect())),
+        cycles: missing.note("cycles", cycles.map(|cycles| cycles.iter().map(Cycle::from).collect())),
         modes: missing.note("modes", modes.map(|modes| modes.iter().map(mode).collect())),
         settling_2_percent_s: missing.note("settling_2_percent_s", settling(0.02)),
         settling_5_percent_s: missing.note("settling_5_percent_s", settling(0.05)),
@@ -349,12 +350,14 @@ fn peak(peak: &peaks::Peak) -> Peak {
     Peak { time_s: peak.time, height_m: peak.height }
 }
 
-fn cycle(cycle: &decay::Cycle) -> Cycle {
-    Cycle {
-        time_s: cycle.time,
-        amplitude_m: cycle.amplitude,
-        damping_ratio: cycle.damping_ratio,
-        damped_frequency_hz: cycle.damped_frequency / TAU,
+impl From<&decay::Cycle> for Cycle {
+    fn from(cycle: &decay::Cycle) -> Self {
+        Self {
+            time_s: cycle.time,
+            amplitude_m: cycle.amplitude,
+            damping_ratio: cycle.damping_ratio,
+            damped_frequency_hz: cycle.damped_frequency / TAU,
+        }
     }
 }
 

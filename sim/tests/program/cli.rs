@@ -4,8 +4,7 @@
 //! leaves anything half-written. Expected: the texts below; they are golden.
 
 use std::fs;
-use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Command;
 
 use crate::bench::Bench;
 
@@ -216,45 +215,6 @@ fn a_full_disk_leaves_nothing_half_written() {
     assert!(stderr.contains(": cannot be written: No space left on device"), "{stderr}");
 }
 
-#[cfg(unix)]
-#[test]
-fn ctrl_c_saves_what_was_integrated() {
-    let bench = Bench::new("interrupt");
-    // Hours of work.
-    bench.file(
-        "s.toml",
-        &format!("{MUSCLE}[run]\nduration = \"3600 s\"\n[integrator]\nfixed_step = \"10 us\"\n"),
-    );
-    let mut child = bench
-        .command(&["simulate", "s.toml", "--json", "--out", "out"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("efam runs");
-    let begin = Instant::now();
-    // It listens from when its folder is there on; a moment more for samples.
-    while bench.left().len() < 2 && begin.elapsed() < Duration::from_secs(20) {
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    std::thread::sleep(Duration::from_millis(500));
-    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.is_ok_and(|kill| kill.success()));
-    while child.try_wait().expect("a child").is_none() {
-        if begin.elapsed() > Duration::from_secs(60) {
-            let _ = child.kill();
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    let Output { status, stdout, stderr } = child.wait_with_output().expect("it ended");
-    let stderr = String::from_utf8_lossy(&stderr);
-    assert_eq!(status.code(), Some(130), "{stderr}");
-    assert!(stderr.starts_with("interrupted: s: the "), "{stderr}");
-    let object: serde_json::Value = serde_json::from_slice(&stdout).expect("one JSON object");
-    assert_eq!(object["runs"][0]["status"]["kind"], "cut_short");
-    assert_eq!(bench.summary()["status"]["kind"], "cut_short");
-    assert_eq!(bench.left(), ["out", "s.toml"]);
-}
-
 #[test]
 fn all_rows_are_the_same_on_any_number_of_threads() {
     let bench = Bench::new("threads");
@@ -302,6 +262,49 @@ fn the_command_line_itself_is_checked() {
     let (code, stdout, _) = bench.run(&["--help"]);
     assert_eq!(code, 0);
     assert!(stdout.contains("130  interrupted"), "{stdout}");
+}
+
+#[test]
+fn how_much_is_said_is_for_the_user_to_say() {
+    let bench = Bench::new("manner");
+    bench.file("s.toml", &format!("{MUSCLE}{SHORT}"));
+    let said = |arguments: &[&str]| {
+        let (code, stdout, stderr) = bench.run(arguments);
+        assert_eq!(code, 0, "{arguments:?}: {stderr}");
+        (stdout, stderr)
+    };
+    let (table, nothing) = said(&["simulate", "s.toml", "--out", "plain"]);
+    assert!(table.starts_with("run  ") && nothing.is_empty(), "{table}{nothing}");
+    let (table, details) = said(&["-v", "simulate", "s.toml", "--out", "verbose"]);
+    assert!(table.starts_with("run  "), "{table}");
+    for part in [" s] s.toml: 1 to simulate, on ", "0.1 s with 32 nodes by Verlet: ", "written to verbose"] {
+        assert!(details.contains(part), "{part}\n{details}");
+    }
+    for arguments in [&["statics", "s.toml"][..], &["modes", "s.toml"], &["effects"], &["effects", "payload"]]
+    {
+        assert!(said(arguments).0.len() > 50, "{arguments:?}");
+        let quiet = said(&[arguments, &["--quiet"]].concat());
+        assert_eq!(quiet, (String::new(), String::new()), "{arguments:?}");
+        let json = said(&[arguments, &["--quiet", "--json"]].concat());
+        assert!(json.0.starts_with('{'), "{arguments:?}: {}", json.0);
+    }
+    assert_eq!(bench.run(&["effects", "-q", "-v"]).0, 2, "one or the other");
+}
+
+#[test]
+fn colours_are_used_where_they_are_wanted() {
+    let bench = Bench::new("colour");
+    bench.file("s.toml", &format!("{MUSCLE}presure = 1\n"));
+    let is_colored = |arguments: &[&str]| {
+        let (code, _, stderr) = bench.run(arguments);
+        assert_eq!(code, 2, "{stderr}");
+        stderr.contains('\u{1b}')
+    };
+    for wrong in [&["simulat"][..], &["simulate", "s.toml"]] {
+        assert!(!is_colored(wrong), "{wrong:?}: nobody looks");
+        assert!(is_colored(&[wrong, &["--color", "always"]].concat()), "{wrong:?}");
+        assert!(!is_colored(&[wrong, &["--color=never"]].concat()), "{wrong:?}");
+    }
 }
 
 #[test]
