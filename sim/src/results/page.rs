@@ -1,9 +1,16 @@
 //! One page for people: HTML that needs nothing beside it, no network and no script. All text is escaped
 //! here; only pictures go in as they are.
 
+mod around;
+
 use std::fmt::Write;
 
 use super::picture::Picture;
+
+pub use around::{BeforeUse, Masked, extrapolated};
+
+/// The page of a folder.
+pub const REPORT: &str = "report.html";
 
 /// How it looks, light and dark, wide and narrow.
 const STYLE: &str = include_str!("page.css");

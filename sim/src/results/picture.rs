@@ -8,7 +8,9 @@ mod panel;
 mod predicted;
 mod pressures;
 mod recording;
+mod released;
 mod spectrum;
+mod tips;
 
 use models::model::Model;
 use models::snapshot::Energy;
@@ -29,6 +31,8 @@ pub use measured::measured;
 pub use predicted::predicted;
 pub use pressures::{PressureRow, pressures};
 pub use recording::recording;
+pub use released::released;
+pub use tips::{Tip, over_pressure_and_amplitude, tips};
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);
 const GREY: RGBColor = RGBColor(110, 110, 110);
@@ -39,6 +43,8 @@ const GREEN: RGBColor = RGBColor(0, 158, 115);
 const ORANGE: RGBColor = RGBColor(230, 159, 0);
 
 const MILLI: f64 = 1e3;
+/// Folder of the pictures that a page shows.
+pub const PICTURES: &str = "pictures";
 /// Postures drawn in the first swing.
 const SHAPES: usize = 24;
 /// Swings over which the energies are drawn.
@@ -57,6 +63,13 @@ pub struct Picture {
     pub caption: String,
     /// As SVG.
     pub svg: String,
+}
+
+impl Picture {
+    /// Its place among the pictures of a folder.
+    pub fn file(&self) -> String {
+        format!("{PICTURES}/{}.svg", self.name)
+    }
 }
 
 /// What the picture of a run shows.
