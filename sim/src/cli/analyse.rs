@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::time::Instant;
 
 use sim::analysis::AnalysisError;
 use sim::analysis::bending_stiffness::StiffnessFit;
@@ -11,17 +12,18 @@ use sim::experiment::analyse::{Analysed, analyse};
 use sim::results::experiment::write;
 
 use super::Cleaning;
-use super::experiment::{decisions, json, open, table};
+use super::experiment::{decisions, json, open, request, table};
 use super::failure::Failure;
 
 pub fn run(args: &Cleaning, nodes: &[usize]) -> Result<ExitCode, Failure> {
     if let Some(wrong) = nodes.iter().find(|nodes| !(4..=2000).contains(*nodes)) {
         return Err(Failure::Usage(format!("--nodes {wrong}: must lie in 4..=2000")));
     }
+    let begin = Instant::now();
     let (experiment, folder) = open(&args.of)?;
     let cleaned = clean(&experiment)?;
     let analysed = analyse(&experiment, &cleaned, nodes)?;
-    write(&folder, &experiment, &cleaned, Some(&analysed))?;
+    write(&folder, &request(&experiment, begin), &experiment, &cleaned, Some(&analysed))?;
     let folder = folder.finish()?;
     let mut out = io::stdout().lock();
     if args.of.json {

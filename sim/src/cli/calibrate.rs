@@ -49,7 +49,7 @@ pub fn run(args: &Calibrate) -> Result<ExitCode, Failure> {
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..Request::default()
     };
-    write_calibration(&folder, &request, &outcome, muscle.as_deref())?;
+    write_calibration(&folder, &request, &problem, &outcome, muscle.as_deref())?;
     let folder = folder.finish()?;
 
     let mut out = io::stdout().lock();

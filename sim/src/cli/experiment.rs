@@ -4,14 +4,16 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Instant;
 
 use serde_json::{Value, json};
 use sim::cleaning::{Cleaned, clean};
 use sim::experiment::{Experiment, init};
 use sim::recording::{ReadOptions, read};
 use sim::results::experiment::{row, write};
-use sim::results::{self, Folder, ResultsError};
+use sim::results::{self, Folder, Request, ResultsError};
 
+use super::calibrate::input_hashes;
 use super::failure::Failure;
 use super::{Cleaning, Init, OfExperiment};
 
@@ -69,9 +71,10 @@ fn relative(file: &Path, out: &Path) -> String {
 
 /// Cleans the recordings and shows what came of it.
 pub fn check(args: &Cleaning) -> Result<ExitCode, Failure> {
+    let begin = Instant::now();
     let (experiment, folder) = open(&args.of)?;
     let cleaned = clean(&experiment)?;
-    write(&folder, &experiment, &cleaned, None)?;
+    write(&folder, &request(&experiment, begin), &experiment, &cleaned, None)?;
     let folder = folder.finish()?;
     let mut out = io::stdout().lock();
     if args.of.json {
@@ -90,6 +93,18 @@ pub fn check(args: &Cleaning) -> Result<ExitCode, Failure> {
     }
     writeln!(out, "{}", folder.display())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// By which command an experiment was read, and what it stands on.
+pub fn request(experiment: &Experiment, begin: Instant) -> Request {
+    Request {
+        name: experiment.name.clone(),
+        resolved_scenario: experiment.text().to_owned(),
+        input_hashes: input_hashes(experiment),
+        argv: std::env::args().collect(),
+        wall_time_s: begin.elapsed().as_secs_f64(),
+        ..Request::default()
+    }
 }
 
 /// Reads the experiment and opens the folder before the work, so that what stands in the way is said first.

@@ -8,8 +8,11 @@
 //!   residuals.csv          measurement and fit, sample by sample
 //!   fit-01.svg …           each track: fit over measurement, residuals, decay, damping
 //!   parameters.svg         parameters over pressure
+//!   report.html            the page for people, with the pictures that lie in pictures/
 //!   summary.json           the parameters alone, and by which command
 //! ```
+
+mod page;
 
 use std::fmt::Write;
 use std::time::SystemTime;
@@ -18,11 +21,12 @@ use models::muscle::{CalibratedColumn, Found, Knob, Known, Muscle, MuscleError};
 use serde_json::json;
 
 use super::folder::Folder;
-use super::picture::{calibrated, over_pressure};
+use super::page::REPORT;
+use super::picture::{calibrated, fitted, over_pressure};
 use super::report::significant;
 use super::{Request, ResultsError, write_mark};
 use crate::calibrate::calibration::{Calibrated, Correlations};
-use crate::calibrate::{Calibration, Outcome};
+use crate::calibrate::{Calibration, Outcome, Problem};
 
 /// File names of a calibration's folder.
 pub const CALIBRATION: &str = "calibration.json";
@@ -52,6 +56,7 @@ const END_FITTING_MASS: &str = "effects.end_fitting.mass";
 pub fn write_calibration(
     folder: &Folder,
     request: &Request,
+    problem: &Problem,
     outcome: &Outcome,
     muscle: Option<&str>,
 ) -> Result<(), ResultsError> {
@@ -75,7 +80,13 @@ pub fn write_calibration(
                 "standard_error": found.standard_error, "interval_95": found.interval_95 })
     };
     let parameters: Vec<_> = calibration.parameters.iter().map(short).collect();
-    write_mark(folder, request, "calibration", SystemTime::now(), json!({ "parameters": parameters }))
+    let (pictures, written) = (fitted(calibration, &outcome.curves), SystemTime::now());
+    for picture in &pictures {
+        folder.write(&picture.file(), picture.svg.as_bytes())?;
+    }
+    let html = page::page(request, problem, outcome, &pictures, written);
+    folder.write(REPORT, html.as_bytes())?;
+    write_mark(folder, request, "calibration", written, json!({ "parameters": parameters }))
 }
 
 /// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value

@@ -1,8 +1,12 @@
 //! Pictures of runs, as SVG: readable without colour, and told apart by those who see few.
 
+mod analysed;
 mod calibrated;
 mod diagnosed;
 mod diagnosed_residual;
+mod fitted;
+mod lines;
+mod matrix;
 mod measured;
 mod panel;
 mod predicted;
@@ -25,8 +29,10 @@ use super::total;
 use crate::trajectory::{Status, Trajectory};
 use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
 
+pub use analysed::{analysed, recordings};
 pub use calibrated::{calibrated, over_pressure};
 pub use diagnosed::diagnosed;
+pub use fitted::fitted;
 pub use measured::measured;
 pub use predicted::predicted;
 pub use pressures::{PressureRow, pressures};

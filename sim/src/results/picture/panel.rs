@@ -13,7 +13,8 @@ pub type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 
 /// Fine pixels in one of the picture.
 pub const SCALE: i32 = 4;
-const FONT: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
+/// Fonts, the first that is there.
+pub const FONT: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
 const TITLE_SIZE: f64 = 19.0;
 const TEXT_SIZE: f64 = 16.0;
 const NOTE_SIZE: f64 = 13.0;
@@ -271,11 +272,16 @@ impl<'a> Panel<'a> {
 pub fn heading(page: &Area, text: &str) -> Drawn {
     let (width, _) = size(page);
     let most = ((width - 2.0 * MARGIN) / (CHARACTER * TITLE_SIZE / TEXT_SIZE)) as usize;
-    let text: String = match text.chars().count() > most {
-        true => text.chars().take(most - 1).chain(['…']).collect(),
-        false => text.to_owned(),
-    };
+    let text = shortened(text, most);
     write(page, &text, (LEFT + MARGIN, 12.0), TITLE_SIZE, true, Pos::new(HPos::Left, VPos::Top))
+}
+
+/// Text of that many letters at most, its end cut off where it is longer.
+pub fn shortened(text: &str, most: usize) -> String {
+    match text.chars().count() > most {
+        true => text.chars().take(most.saturating_sub(1)).chain(['…']).collect(),
+        false => text.to_owned(),
+    }
 }
 
 /// Width and height of the axes in an area, in pixels.

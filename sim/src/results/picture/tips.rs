@@ -1,9 +1,10 @@
 //! Tips of several runs in one picture: paths, heights over time, cycles over the amplitude. Lines differ in
 //! dash and in brightness, so that they are told apart without colour, and paths carry their name.
 
+use super::lines::{Lines, Named, spread};
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, padded, plot_size};
 use super::released::{SIZE, stride};
-use super::{Area, BLACK, BLUE, Drawn, GREEN, GREY, MILLI, ORANGE, Picture, VERMILION, drawn, in_milli};
+use super::{Area, BLACK, BLUE, Drawn, GREEN, MILLI, Picture, VERMILION, drawn, in_milli};
 use crate::results::summary::Cycle;
 
 /// The tip of a run.
@@ -19,26 +20,8 @@ pub struct Tip<'a> {
     pub rest: Option<[f64; 2]>,
 }
 
-/// Lines of a picture, at most: more cannot be told apart.
-const MOST_LINES: usize = 6;
-
-/// Looks of lines that are told apart by dash alone.
-pub(super) fn looks() -> [Stroke; MOST_LINES] {
-    [
-        Stroke::new(BLUE, 1.6),
-        Stroke::dashed(VERMILION, 1.8, 9.0, 4.0),
-        Stroke::dashed(GREEN, 2.0, 2.5, 3.0),
-        Stroke::new(BLACK, 2.8),
-        Stroke::dashed(ORANGE, 2.4, 14.0, 3.0),
-        Stroke::dashed(GREY, 2.0, 5.0, 2.5),
-    ]
-}
-
-/// So many of them, evenly spread, with the first and the last.
-fn spread<T: Copy>(all: &[T], most: usize) -> Vec<T> {
-    let count = all.len().min(most);
-    (0..count).map(|k| all[if count > 1 { k * (all.len() - 1) / (count - 1) } else { 0 }]).collect()
-}
+/// Time over which heights are drawn, s.
+const MOST_TIME: f64 = 8.0;
 
 /// Paths of all tips, and heights of some.
 pub fn tips(all: &[Tip]) -> Vec<Picture> {
@@ -96,24 +79,22 @@ pub(super) fn trajectories(area: &Area, title: &str, tips: &[&Tip]) -> Drawn {
     Ok(())
 }
 
-/// Heights over time, each with a look of its own.
+/// Heights over time, each with a look of its own, in the first swings.
 pub(super) fn heights(area: &Area, tips: &[&Tip]) -> Drawn {
-    let looks = looks();
-    let keys: Vec<Key> =
-        tips.iter().zip(looks).map(|(tip, look)| Key::line(look, tip.name.clone())).collect();
-    let end = tips.iter().filter_map(|tip| tip.times.last()).copied().fold(0.0, f64::max).min(8.0);
-    let points = |tip: &Tip| {
+    let points = |tip: &&Tip| {
         let all = tip.times.iter().zip(tip.path).map(|(time, at)| (*time, MILLI * at[1]));
-        all.take_while(|point| point.0 <= end).collect::<Vec<_>>()
+        (tip.name.clone(), all.take_while(|point| point.0 <= MOST_TIME).collect())
     };
-    let lines: Vec<Vec<(f64, f64)>> = tips.iter().map(|tip| points(tip)).collect();
-    let y = padded(lines.iter().flatten().map(|point| point.1), 0.05);
-    let (x, y) = (Axis(0.0..end, "time since release, s"), Axis(y, "z, mm"));
-    let mut panel = Panel::new(area, "Height of the tip", &x, &y, &keys)?;
-    for (line, look) in lines.into_iter().zip(looks) {
-        panel.line(line.into_iter(), &look)?;
-    }
-    Ok(())
+    let lines: Vec<Named> = tips.iter().map(points).collect();
+    let of = Lines {
+        title: "Height of the tip",
+        x: "time since release, s",
+        y: "z, mm",
+        marks: false,
+        from_zero: false,
+        why: "no samples",
+    };
+    of.draw(area, &lines)
 }
 
 /// Damping and frequency of each cycle over its amplitude, of some of the runs; nothing without cycles.
@@ -149,18 +130,11 @@ fn cycles(
     runs: &[&(String, &[Cycle])],
     of: fn(&Cycle) -> f64,
 ) -> Drawn {
-    let looks = looks();
-    let keys: Vec<Key> = runs.iter().zip(looks).map(|(run, look)| Key::line(look, run.0.clone())).collect();
-    let points = |run: &(String, &[Cycle])| -> Vec<(f64, f64)> {
-        run.1.iter().map(|cycle| (MILLI * cycle.amplitude_m, of(cycle))).collect()
+    let points = |run: &&(String, &[Cycle])| {
+        (run.0.clone(), run.1.iter().map(|cycle| (MILLI * cycle.amplitude_m, of(cycle))).collect())
     };
-    let lines: Vec<Vec<(f64, f64)>> = runs.iter().map(|run| points(run)).collect();
-    let end = 1.05 * lines.iter().flatten().map(|point| point.0).fold(f64::MIN_POSITIVE, f64::max);
-    let y = Axis(padded(lines.iter().flatten().map(|point| point.1), 0.1), label);
-    let mut panel = Panel::new(area, title, &Axis(0.0..end, "amplitude, mm"), &y, &keys)?;
-    for (line, look) in lines.into_iter().zip(looks) {
-        panel.dots(line.iter().copied(), &look, 2.2)?;
-        panel.line(line.into_iter(), &look)?;
-    }
-    Ok(())
+    let lines: Vec<Named> = runs.iter().map(points).collect();
+    let panel =
+        Lines { title, x: "amplitude, mm", y: label, marks: true, from_zero: false, why: "no cycles" };
+    panel.draw(area, &lines)
 }
