@@ -11,6 +11,7 @@ mod interrupt;
 mod live;
 mod predict;
 mod progress;
+mod report;
 mod rest;
 mod simulate;
 
@@ -52,6 +53,8 @@ enum Command {
     Diagnose(Diagnose),
     /// Foretell what a calibrated muscle will do with a payload, with intervals.
     Predict(Predict),
+    /// Put runs beside one another, on a page and in numbers.
+    Report(report::Report),
     /// List the physical effects, or show the page of one.
     Effects {
         /// An effect.
@@ -342,6 +345,7 @@ pub fn main() -> ExitCode {
         Command::Calibrate(args) => calibrate::run(&args),
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Predict(args) => predict::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),

@@ -3,6 +3,7 @@
 //! ```text
 //! outputs/<UTC>_<name>_<hash8>/
 //!   report.html         the page for people, with the pictures that lie in pictures/
+//!   experiment.toml     the experiment as it was read
 //!   summary.json        recordings, releases with their numbers, decisions; the analysis, if it was asked for
 //!   <recording>.svg     what was cut and masked
 //!   <release>.csv       the cleaned release: t_s, <marker>_x_m, <marker>_z_m in the frame at the clamp
@@ -16,6 +17,7 @@ use std::time::SystemTime;
 
 use serde_json::{Value, json};
 
+use super::calibrated::EXPERIMENT;
 use super::folder::{Folder, plain_name};
 use super::page::REPORT;
 use super::{Request, ResultsError, picture, write_mark};
@@ -58,6 +60,7 @@ pub fn write(
     }
     let html = page::page(request, experiment, cleaned, analysed, &pictures, written);
     folder.write(REPORT, html.as_bytes())?;
+    folder.write(EXPERIMENT, request.resolved_scenario.as_bytes())?;
     let mut summary = json!({
         "experiment": experiment.path.display().to_string(),
         "recordings": cleaned.recordings.iter().map(|recording| json!({

@@ -15,6 +15,7 @@
 mod assumed;
 pub mod beside_the_paper;
 pub mod calibrated;
+pub mod compared;
 pub mod diagnosed;
 mod error;
 pub mod experiment;
@@ -24,6 +25,7 @@ pub mod picture;
 pub mod predicted;
 pub mod quantities;
 pub mod report;
+pub mod reread;
 pub mod rest;
 pub mod simulated;
 pub mod summary;

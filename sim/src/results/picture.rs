@@ -33,12 +33,13 @@ pub use analysed::{analysed, recordings};
 pub use calibrated::{calibrated, over_pressure};
 pub use diagnosed::diagnosed;
 pub use fitted::fitted;
+pub use lines::Named;
 pub use measured::measured;
 pub use predicted::predicted;
 pub use pressures::{PressureRow, pressures};
 pub use recording::recording;
 pub use released::released;
-pub use tips::{Tip, over_pressure_and_amplitude, tips};
+pub use tips::{Tip, over_pressure_and_amplitude, over_pressures, tips, tips_of_runs};
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);
 const GREY: RGBColor = RGBColor(110, 110, 110);

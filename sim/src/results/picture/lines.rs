@@ -7,7 +7,7 @@ use super::{Area, BLACK, BLUE, Drawn, GREEN, GREY, ORANGE, VERMILION};
 pub(super) const MOST_LINES: usize = 8;
 
 /// A line with its name.
-pub(super) type Named = (String, Vec<(f64, f64)>);
+pub type Named = (String, Vec<(f64, f64)>);
 
 /// Looks of lines that are told apart by dash and width alone.
 pub(super) fn looks() -> [Stroke; MOST_LINES] {
