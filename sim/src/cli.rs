@@ -6,6 +6,7 @@ mod diagnose;
 mod effects;
 mod experiment;
 mod failure;
+mod figures;
 mod inspect;
 mod interrupt;
 mod live;
@@ -55,6 +56,8 @@ enum Command {
     Predict(Predict),
     /// Put runs beside one another, on a page and in numbers.
     Report(report::Report),
+    /// Redraw the paper's Figures 4 to 9 from runs of our own.
+    Figures(figures::Figures),
     /// List the physical effects, or show the page of one.
     Effects {
         /// An effect.
@@ -346,6 +349,7 @@ pub fn main() -> ExitCode {
         Command::Diagnose(args) => diagnose::run(&args),
         Command::Predict(args) => predict::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Figures(args) => figures::run(&args),
         Command::Effects { name: None, json } => effects::list(json),
         Command::Effects { name: Some(name), json } => effects::page(&name, json),
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args),

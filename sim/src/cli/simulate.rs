@@ -112,10 +112,11 @@ fn outcome(folder: &Path, done: &[Member]) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-type See<'a> = dyn FnMut(&mut sim::forward::Sample) -> Result<(), Failure> + 'a;
+/// What sees every sample, and may fail.
+pub type See<'a> = dyn FnMut(&mut sim::forward::Sample) -> Result<(), Failure> + 'a;
 
 /// Runs a case until its end, Ctrl-C, or where it fails; what was integrated is kept.
-fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajectory, Failure> {
+pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajectory, Failure> {
     let mut failure = None;
     let mut observe = |sample: &mut sim::forward::Sample| {
         progress.inc(1);

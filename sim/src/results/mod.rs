@@ -19,6 +19,7 @@ pub mod compared;
 pub mod diagnosed;
 mod error;
 pub mod experiment;
+pub mod figures;
 pub mod folder;
 pub mod page;
 pub mod picture;

@@ -81,6 +81,13 @@ impl Page {
         let _ = writeln!(self.body, "<dl>\n{}</dl>", facts.iter().map(row).collect::<String>());
     }
 
+    /// Paragraphs, each led by what it is about.
+    pub fn remarks(&mut self, facts: &[(&str, &str)]) {
+        for (name, text) in facts {
+            let _ = writeln!(self.body, "<p><strong>{}:</strong> {}</p>", escaped(name), escaped(text));
+        }
+    }
+
     /// A table; nothing without rows.
     pub fn table(&mut self, table: &Table) {
         if table.rows.is_empty() {
@@ -188,6 +195,7 @@ mod tests {
             page.text(text);
             page.list(&[text.to_owned()]);
             page.facts(&[(text.to_owned(), text.to_owned())]);
+            page.remarks(&[(text, text)]);
             let rows = || vec![vec![text.to_owned(), text.to_owned()]];
             page.table(&Table { caption: text, heads: &[text], rows: rows() });
             page.folded(text, &Table { caption: text, heads: &[text], rows: rows() });
