@@ -1,6 +1,7 @@
 //! The program `efam` from outside.
 
 mod bench;
+mod browser;
 mod calibrate;
 mod cli;
 mod diagnose;

@@ -151,7 +151,7 @@ pub(super) fn damping(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
         area,
         title,
         &Axis(0.0..1.05 * end, "amplitude, mm"),
-        &Axis(y.clone(), "damping ratio"),
+        &Axis(y.clone(), "damping ratio, dimensionless"),
         &keys,
     )?;
     panel.line(fitted.into_iter(), &line)?;
@@ -209,6 +209,7 @@ pub(super) fn one_parameter(path: &str, found: &[&Calibrated], area: &Area) -> D
     let y = if log && y.start < 0.0 { 0.0..y.end } else { y };
     let x = padded(found.iter().map(|one| at(one)), 0.08);
     let unit = found.first().map_or("", |one| one.unit.as_str());
+    let unit = if unit.is_empty() { "dimensionless" } else { unit };
     let label = format!("{}, {prefix}{unit}", path.rsplit('.').next().unwrap_or(path));
     let mut panel = Panel::new(area, path, &Axis(x, "pressure, kPa"), &Axis(y, &label), &keys)?;
     for one in found {

@@ -79,7 +79,7 @@ pub(super) fn damping(of: &Measured, area: &Area) -> Drawn {
     let x = 0.0..1.08 * points.iter().map(|point| point.0).fold(f64::MIN_POSITIVE, f64::max);
     let y = padded(points.iter().map(|point| point.1).chain(of_fit).chain([0.0]), 0.08);
     let end = x.end;
-    let axes = (Axis(x, "amplitude, mm"), Axis(y, "damping ratio"));
+    let axes = (Axis(x, "amplitude, mm"), Axis(y, "damping ratio, dimensionless"));
     let mut panel = Panel::new(area, title, &axes.0, &axes.1, &keys)?;
     panel.line(of_fit.into_iter().flat_map(|ratio| [(0.0, ratio), (end, ratio)]), &fitted)?;
     panel.line(points.iter().copied(), &each)?;

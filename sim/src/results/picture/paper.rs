@@ -155,14 +155,14 @@ fn shapes(area: &Area, name: &str, all: &[Pressure]) -> Drawn {
         (Some(first), Some(last)) => format!("{name}: {} to {}", psi(first.pressure), psi(last.pressure)),
         _ => name.to_owned(),
     };
-    let x = -0.95 * APART..APART * all.len() as f64 + 60.0;
+    let x = -1.1 * APART..APART * all.len() as f64 + 60.0;
     let z = -APART * SHAPES.len() as f64 + 20.0..0.45 * APART;
     let (x, z) = equal_scale(x, z, plot_size(area, &keys));
     let labels = ["x, mm, each pressure 350 mm farther right", "z, mm, each model 350 mm lower"];
     let mut panel = Panel::new(area, &title, &Axis(x, labels[0]), &Axis(z, labels[1]), &keys)?;
     for (row, nodes) in SHAPES.iter().enumerate() {
         let height = -APART * row as f64;
-        panel.text((-0.9 * APART, height - 60.0), &model(*nodes).replace("Euler-Bernoulli", "Euler-B."))?;
+        panel.text((-1.05 * APART, height - 60.0), &model(*nodes).replace("Euler-Bernoulli", "Euler-B."))?;
     }
     for (column, of) in all.iter().enumerate() {
         panel.text((APART * column as f64 - 20.0, 0.25 * APART), &psi(of.pressure))?;
