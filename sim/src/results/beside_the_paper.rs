@@ -32,7 +32,7 @@ simulated damping ratio, lowest to highest pressure: {damping}
 measured: about 4.5 times, two thirds of the highest by 30 psi
 Missing here: the muscle is stiffer in motion than at rest, and more so at high pressure, where it \
 also loses more.
-A bending moment that resists change, viscoelastic or frictional, has both; see `efam effects viscoelastic`.
+A bending moment that resists change, viscoelastic or frictional, has both; see efam effects viscoelastic.
 "
     )
 }

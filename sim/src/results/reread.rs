@@ -166,7 +166,13 @@ pub fn reread(folder: &Path) -> Result<Reread, RereadError> {
             (Kind::Simulation(Box::new(simulated(folder, &mark)?)), keys(&folder.join(SCENARIO))?)
         }
     };
-    let mut warnings = list("warnings");
+    let (mut warnings, argv, mut keys) = (list("warnings"), list("argv"), keys);
+    // A scenario is written as it was run, an experiment as its file is.
+    if kind.is_of_experiment() {
+        let pairs = argv.windows(2).filter(|pair| pair[0] == "--set");
+        let set = pairs.filter_map(|pair| pair[1].split_once('='));
+        keys.extend(set.map(|(key, value)| (key.to_owned(), value.trim_matches('"').to_owned())));
+    }
     if let Kind::Set(runs) = &kind {
         let own = |(_, summary): &(Option<f64>, Summary)| summary.warnings.clone();
         warnings = runs.iter().flat_map(own).collect();
@@ -176,7 +182,7 @@ pub fn reread(folder: &Path) -> Result<Reread, RereadError> {
         folder: folder.to_owned(),
         name: text("name"),
         warnings,
-        argv: list("argv"),
+        argv,
         written: text("written_utc"),
         hashes,
         keys,

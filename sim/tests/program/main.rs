@@ -10,4 +10,5 @@ mod experiment;
 mod inspect;
 #[cfg(feature = "rerun")]
 mod live_view;
+mod pages;
 mod predict;

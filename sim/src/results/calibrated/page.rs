@@ -114,7 +114,7 @@ fn before_use(problem: &Problem, calibration: &Calibration) -> BeforeUse {
         (absent + held_back > 0).then(|| names.into_iter().chain(counts).collect())
     };
     BeforeUse {
-        note: Some("A parameter means what it means in this model: an effect that the model lacks goes into those that it has. `efam diagnose` asks whether one is missing.".to_owned()),
+        note: Some("A parameter means what it means in this model: an effect that the model lacks goes into those that it has. efam diagnose asks whether one is missing.".to_owned()),
         warnings: calibration.warnings.clone(),
         locked_away: Some(held_out.map(|release| release.name.clone()).collect()),
         extrapolated: Some(mesh.collect()),

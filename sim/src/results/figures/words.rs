@@ -62,7 +62,7 @@ pub fn words(all: &[Pressure]) -> Vec<Words> {
             9,
             "Natural frequency: 20 % apart, highest at 10 psi, lowest at 30 to 40 psi, then a linear rise. Damping ratio: about 4.5 times from 5 to 100 psi, two thirds of its highest by 30 psi.",
             swings(all),
-            "Missing in ours: the muscle is stiffer in motion than at rest, and more so at high pressure, where it also loses more. A moment that resists change, viscoelastic or frictional, has both (`efam effects viscoelastic`). Only trends of the paper's are published as text, so no more is claimed.",
+            "Missing in ours: the muscle is stiffer in motion than at rest, and more so at high pressure, where it also loses more. A moment that resists change, viscoelastic or frictional, has both (efam effects viscoelastic). Only trends of the paper's are published as text, so no more is claimed.",
         ),
     ]
 }
