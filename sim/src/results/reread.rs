@@ -160,8 +160,8 @@ pub fn reread(folder: &Path) -> Result<Reread, RereadError> {
             (Kind::Prediction(json(&folder.join(PREDICTION))?), keys(&folder.join(SCENARIO))?)
         }
         (Some("analysis"), _) => (Kind::Analysis(mark.clone()), keys(&folder.join(EXPERIMENT))?),
+        (Some("set") | None, Some(runs)) => set(folder, &file, runs)?,
         (Some(other), _) => (Kind::Other(other.to_owned()), BTreeMap::new()),
-        (None, Some(runs)) => set(folder, &file, runs)?,
         (None, None) => {
             (Kind::Simulation(Box::new(simulated(folder, &mark)?)), keys(&folder.join(SCENARIO))?)
         }

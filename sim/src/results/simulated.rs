@@ -6,13 +6,13 @@ use std::time::SystemTime;
 use models::quantity::format_si;
 use serde_json::json;
 
-use super::folder::{Folder, MARK};
+use super::folder::Folder;
 use super::page::{BeforeUse, Page, REPORT, Table, extrapolated};
 use super::picture::{Picture, PressureRow, Tip, over_pressure_and_amplitude, pressures, tips};
 use super::quantities::quantities;
 use super::report::{short, significant};
 use super::summary::{Cycle, Mode, Summary};
-use super::{Request, ResultsError, assumed};
+use super::{Request, ResultsError, assumed, write_mark};
 use crate::trajectory::{Status, Trajectory};
 
 /// The picture of a set of runs over pressure.
@@ -81,14 +81,12 @@ pub fn write_set(
     for picture in &pictures[1..] {
         folder.write(&picture.file(), picture.svg.as_bytes())?;
     }
-    let html = set_page(request, members, &pictures, remarks, SystemTime::now());
+    let written = SystemTime::now();
+    let html = set_page(request, members, &pictures, remarks, written);
     folder.write(REPORT, html.as_bytes())?;
-    let runs: Vec<_> = members
-        .iter()
-        .map(|member| json!({ "pressure_pa": member.pressure, "run": member.summary }))
-        .collect();
-    let mark = json!({ "name": request.name, "runs": runs });
-    folder.write(MARK, format!("{mark:#}\n").as_bytes())
+    let run = |member: &Member| json!({ "pressure_pa": member.pressure, "run": member.summary });
+    let runs: Vec<_> = members.iter().map(run).collect();
+    write_mark(folder, request, "set", written, json!({ "runs": runs }))
 }
 
 fn set_page(

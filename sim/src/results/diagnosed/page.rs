@@ -195,7 +195,7 @@ mod tests {
     use std::time::SystemTime;
 
     use super::*;
-    use crate::calibrate::Nuisances;
+    use crate::calibrate::{Nuisances, Parameter, Problem, Scope};
     use crate::diagnose::curve::Sample;
     use crate::diagnose::localise::Shape;
     use crate::diagnose::verdict::{Added, Evidence, Gap, Member, Separation};

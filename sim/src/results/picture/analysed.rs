@@ -80,12 +80,13 @@ fn over_pressure(all: &[Analysed]) -> Vec<Picture> {
         return Vec::new();
     }
     let picture = |name: &str, title: &str, caption: &str, label: &str, lines: Vec<Named>| {
+        let from_zero = name != "frequency";
         let of = Lines {
             title,
             x: "pressure, kPa",
             y: label,
             marks: true,
-            from_zero: true,
+            from_zero,
             why: "no release at a stated pressure has it",
         };
         Picture {
