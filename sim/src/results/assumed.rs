@@ -29,10 +29,7 @@ pub fn of_run(summary: &Summary) -> Vec<String> {
         .filter_map(given)
         .collect();
     if !losses.is_empty() {
-        words.push(format!(
-            "Damping as the scenario or the muscle file has it: {}. No recording went into this run.",
-            losses.join(", ")
-        ));
+        words.push(format!("Damping is as the scenario or the muscle file has it: {}.", losses.join(", ")));
     }
     let absent: Vec<&str> = (CATALOGUE.iter().map(|effect| effect.about()))
         .filter(|about| !acts(about.name) && about.kind != Kind::Description)

@@ -182,7 +182,7 @@ fn set_table(members: &[Member]) -> Table<'static> {
 fn before_use(first: Option<&Summary>, warnings: &[String]) -> BeforeUse {
     let (extrapolated, warnings) = extrapolated(warnings);
     BeforeUse {
-        note: Some("This is simulated, and no recording stands behind it. What the model lacks, the numbers lack too.".to_owned()),
+        note: Some("This is simulated, not measured: what the model lacks, the numbers lack too.".to_owned()),
         warnings,
         extrapolated: Some(extrapolated),
         assumed: first.map(assumed::of_run).unwrap_or_default(),

@@ -145,6 +145,9 @@ fn what_is_no_run_is_named_and_nothing_is_written() {
     bench.file("s.toml", &scenario());
     bench.json(&["simulate", "s.toml", "--json", "--out", "run", "--set", "run.duration=\"0.5 s\""]);
     std::fs::create_dir(bench.0.join("photos")).expect("a folder");
+    // One sample is a run, and has no path.
+    bench.json(&["simulate", "s.toml", "--json", "--out", "point", "--set", "run.duration=\"1 ms\""]);
+    bench.json(&["report", "run", "point", "--json", "--out", "ok"]);
     let before = bench.left();
     for (folder, code, says) in [
         ("nowhere", 2, "nowhere: is no folder; give the folder of a run"),

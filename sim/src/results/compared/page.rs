@@ -112,6 +112,9 @@ fn before_use(runs: &[Reread], comparison: &Comparison) -> BeforeUse {
     let mut warnings = Vec::new();
     for (run, compared) in runs.iter().zip(&comparison.runs) {
         warnings.extend(run.warnings.iter().map(|warning| format!("{}: {warning}", compared.letter)));
+        if let Kind::Other(word) = &run.kind {
+            warnings.push(format!("{}: of a {word} there is nothing to compare", compared.letter));
+        }
         if let Kind::Simulation(of) = &run.kind
             && of.summary.status != Status::Complete
         {
