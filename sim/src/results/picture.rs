@@ -16,6 +16,7 @@ mod recording;
 mod released;
 mod spectrum;
 mod tips;
+mod words;
 
 use models::model::Model;
 use models::snapshot::Energy;
@@ -38,7 +39,7 @@ pub use lines::Named;
 pub use measured::measured;
 pub use paper::{every_other, example, in_psi, model as model_name, models, paper};
 pub use predicted::predicted;
-pub use pressures::{PressureRow, pressures};
+pub use pressures::{PASCAL_PER_PSI, PressureRow, pressures};
 pub use recording::recording;
 pub use released::released;
 pub use tips::{Tip, over_pressure_and_amplitude, over_pressures, tips, tips_of_runs};

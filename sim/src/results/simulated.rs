@@ -8,7 +8,9 @@ use serde_json::json;
 
 use super::folder::Folder;
 use super::page::{BeforeUse, Page, REPORT, Table, extrapolated};
-use super::picture::{Picture, PressureRow, Tip, over_pressure_and_amplitude, pressures, tips};
+use super::picture::{
+    PASCAL_PER_PSI, Picture, PressureRow, Tip, over_pressure_and_amplitude, pressures, tips,
+};
 use super::quantities::quantities;
 use super::report::{short, significant};
 use super::summary::{Cycle, Mode, Summary};
@@ -49,8 +51,6 @@ impl Member {
 pub fn psi(pascal: f64) -> String {
     format!("{} psi", (1e3 * pascal / PASCAL_PER_PSI).round() / 1e3)
 }
-
-const PASCAL_PER_PSI: f64 = 6_894.757_293_168;
 
 /// Writes what a set of runs has in common into its folder: one summary, one page, pictures over pressure.
 /// # Errors

@@ -6,7 +6,8 @@ use plotters::prelude::{Circle, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontDesc, FontFamily, FontStyle, ShapeStyle};
 
-use super::panel::{FONT, px, shortened};
+use super::panel::{FONT, px};
+use super::words::shortened;
 use super::{Area, BLACK, BLUE, Drawn, GREY, Picture, VERMILION, drawn, heading};
 use crate::calibrate::calibration::Correlations;
 

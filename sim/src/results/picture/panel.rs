@@ -6,6 +6,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::words::{shortened, wrapped};
 use super::{Area, BLACK, GREY};
 
 /// What drawing returns.
@@ -276,14 +277,6 @@ pub fn heading(page: &Area, text: &str) -> Drawn {
     write(page, &text, (LEFT + MARGIN, 12.0), TITLE_SIZE, true, Pos::new(HPos::Left, VPos::Top))
 }
 
-/// Text of that many letters at most, its end cut off where it is longer.
-pub fn shortened(text: &str, most: usize) -> String {
-    match text.chars().count() > most {
-        true => text.chars().take(most.saturating_sub(1)).chain(['…']).collect(),
-        false => text.to_owned(),
-    }
-}
-
 /// Width and height of the axes in an area, in pixels.
 pub fn plot_size(area: &Area, keys: &[Key]) -> (f64, f64) {
     let (width, height) = size(area);
@@ -392,20 +385,6 @@ fn write(area: &Area, text: &str, (x, y): (f64, f64), size: f64, bold: bool, pos
     let weight = if bold { FontStyle::Bold } else { FontStyle::Normal };
     let style = FontDesc::new(FontFamily::Name(FONT), f64::from(px(size)), weight).color(&BLACK).pos(pos);
     area.draw(&Text::new(text.to_owned(), (px(x), px(y)), style))
-}
-
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let line = lines.last_mut().expect("there is always one");
-        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > width {
-            lines.push(word.to_owned());
-        } else {
-            line.push_str(if line.is_empty() { "" } else { " " });
-            line.push_str(word);
-        }
-    }
-    lines
 }
 
 #[cfg(test)]

@@ -3,12 +3,13 @@
 use super::lines::{Lines, Named, looks};
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, plot_size};
 use super::tips::trajectories;
-use super::{Area, BLACK, Drawn, MILLI, Picture, PressureRow, Release, Tip, drawn, pressures};
+use super::{
+    Area, BLACK, Drawn, MILLI, PASCAL_PER_PSI, Picture, PressureRow, Release, Tip, drawn, pressures,
+};
 use crate::analysis::static_stiffness::NODES;
 use crate::figures::{Pressure, Shape};
 use crate::results::simulated::psi;
 
-const PASCAL_PER_PSI: f64 = 6_894.757_293_168;
 /// By how much the shapes of one pressure stand beside those of the one before, and of one model below those
 /// of the one above, mm: the paper's own distance.
 const APART: f64 = 350.0;

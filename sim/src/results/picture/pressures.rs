@@ -34,7 +34,8 @@ impl PressureRow {
     }
 }
 
-const PASCAL_PER_PSI: f64 = 6_894.757_293_168;
+/// A pound-force per square inch, Pa.
+pub const PASCAL_PER_PSI: f64 = 6_894.757_293_168;
 
 /// Two panels over pressure, psi: natural frequency and damping ratio; as SVG.
 pub fn pressures(name: &str, rows: &[PressureRow]) -> String {
