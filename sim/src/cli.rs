@@ -9,12 +9,14 @@ mod doctor;
 mod effects;
 mod experiment;
 mod failure;
+mod figures;
 mod inspect;
 mod interrupt;
 mod live;
 mod man;
 mod predict;
 mod progress;
+mod report;
 mod rest;
 mod schema;
 mod simulate;
@@ -63,6 +65,10 @@ enum Command {
     Predict(predict::Predict),
     /// Open the Rerun recording of a finished run in the viewer.
     View(view::View),
+    /// Put runs beside one another, on a page and in numbers.
+    Report(report::Report),
+    /// Redraw the paper's Figures 4 to 9 from runs of our own.
+    Figures(figures::Figures),
     /// List the physical effects, or show the page of one.
     Effects(effects::Effects),
     /// Write an experiment file from recordings, or check one: what is kept of its recordings.
@@ -110,6 +116,8 @@ pub fn main() -> ExitCode {
         Command::Diagnose(args) => diagnose::run(&args, &voice),
         Command::Predict(args) => predict::run(&args, &voice),
         Command::View(args) => view::run(&args),
+        Command::Report(args) => report::run(&args, &voice),
+        Command::Figures(args) => figures::run(&args, &voice),
         Command::Effects(args) => effects::run(&args, &voice),
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args, &voice),
         Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args, &voice),

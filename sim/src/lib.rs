@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod cleaning;
 pub mod diagnose;
 pub mod experiment;
+pub mod figures;
 pub mod forward;
 pub mod integrate;
 mod normal;

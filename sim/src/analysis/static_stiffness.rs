@@ -58,8 +58,8 @@ fn both(
     }
 }
 
-/// The rod as the paper's beam; end fitting and payload are one weight at their common centre of mass.
-fn beam(model: &Model) -> EulerBernoulli {
+/// The rod as the paper's beam, with the rod's own bending stiffness; end fitting and payload are one weight at their common centre of mass.
+pub fn beam(model: &Model) -> EulerBernoulli {
     let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
     let gravity = value("effects.gravity.acceleration");
     let bodies = ["end_fitting", "payload"].map(|name| {

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
@@ -13,7 +14,7 @@ use sim::results::experiment::write;
 use sim::schema::JsonSchema;
 
 use super::arguments::Cleaning;
-use super::experiment::{CheckPrinted, decisions, open, read, table};
+use super::experiment::{CheckPrinted, decisions, open, read, request, table};
 use super::failure::Failure;
 use super::interrupt;
 use super::voice::{Voice, print};
@@ -50,6 +51,7 @@ pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
     if let Some(wrong) = nodes.iter().find(|nodes| !(4..=2000).contains(*nodes)) {
         return Err(Failure::Usage(format!("--nodes {wrong}: must lie in 4..=2000")));
     }
+    let begin = Instant::now();
     let (experiment, folder) = open(&args.of, voice)?;
     let stages = voice.stages();
     let (folder, cleaned) = interrupt::during(folder, &stages, || read(&experiment, &stages));
@@ -58,7 +60,7 @@ pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
     let (folder, analysed) = interrupt::during(folder, &stages, || analyse(&experiment, &cleaned, nodes));
     let analysed = analysed?;
     stages.tell("writing");
-    write(&folder, &experiment, &cleaned, Some(&analysed))?;
+    write(&folder, &request(&experiment, begin), &experiment, &cleaned, Some(&analysed))?;
     interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();

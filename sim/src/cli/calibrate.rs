@@ -99,7 +99,7 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..Request::default()
     };
-    write_calibration(&folder, &request, &outcome, &models)?;
+    write_calibration(&folder, &request, &problem, &outcome, &models)?;
     let live = unlocked(live).map(|mut live| live.found(&problem, &outcome).map(|()| live)).transpose()?;
     let viewer = Recording::saved(live, args.rerun.as_ref())?;
     interrupt::check()?;

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
@@ -11,10 +12,11 @@ use sim::cleaning::{Cleaned, Decision, clean};
 use sim::experiment::{Experiment, init};
 use sim::recording::{self, ReadOptions};
 use sim::results::experiment::{Row, write};
-use sim::results::{self, Folder, ResultsError};
+use sim::results::{self, Folder, Request, ResultsError};
 use sim::schema::JsonSchema;
 
 use super::arguments::{Cleaning, Form, OfExperiment};
+use super::calibrate::input_hashes;
 use super::failure::Failure;
 use super::interrupt;
 use super::voice::{Stages, Voice, print};
@@ -148,13 +150,14 @@ fn relative(file: &Path, out: &Path) -> String {
 
 /// Cleans the recordings and shows what came of it.
 pub fn check(args: &Check, voice: &Voice) -> Result<ExitCode, Failure> {
+    let begin = Instant::now();
     let args = &args.cleaning;
     let (experiment, folder) = open(&args.of, voice)?;
     let stages = voice.stages();
     let (folder, cleaned) = interrupt::during(folder, &stages, || read(&experiment, &stages));
     let cleaned = cleaned?;
     stages.tell("writing");
-    write(&folder, &experiment, &cleaned, None)?;
+    write(&folder, &request(&experiment, begin), &experiment, &cleaned, None)?;
     interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();
@@ -177,6 +180,18 @@ pub fn check(args: &Check, voice: &Voice) -> Result<ExitCode, Failure> {
     }
     writeln!(out, "{}", folder.display())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// By which command an experiment was read, and what it stands on.
+pub fn request(experiment: &Experiment, begin: Instant) -> Request {
+    Request {
+        name: experiment.name.clone(),
+        resolved_scenario: experiment.text().to_owned(),
+        input_hashes: input_hashes(experiment),
+        argv: std::env::args().collect(),
+        wall_time_s: begin.elapsed().as_secs_f64(),
+        ..Request::default()
+    }
 }
 
 /// Reads the experiment and opens the folder before the work, so that what stands in the way is said first.

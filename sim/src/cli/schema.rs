@@ -9,7 +9,10 @@ use sim::schema::of;
 
 use super::failure::Failure;
 use super::voice::print;
-use super::{analyse, calibrate, diagnose, doctor, effects, experiment, inspect, predict, rest, simulate};
+use super::{
+    analyse, calibrate, diagnose, doctor, effects, experiment, figures, inspect, predict, report, rest,
+    simulate,
+};
 
 const HELP: &str = "Examples:
   efam schema simulate
@@ -30,11 +33,13 @@ pub struct Schema {
 type Make = fn() -> Value;
 
 /// Commands that print JSON, and the schema of it.
-pub const SCHEMAS: [(&str, Make); 12] = [
+pub const SCHEMAS: [(&str, Make); 14] = [
     ("simulate", of::<simulate::Printed>),
     ("calibrate", of::<calibrate::Printed>),
     ("diagnose", of::<diagnose::Printed>),
     ("predict", of::<predict::Printed>),
+    ("report", of::<report::Printed>),
+    ("figures", of::<figures::Printed>),
     ("effects", of::<effects::Printed>),
     ("experiment init", of::<experiment::InitPrinted>),
     ("experiment check", of::<experiment::CheckPrinted>),

@@ -11,11 +11,11 @@ use clap::Args;
 use models::quantity::format_si;
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::json;
 use sim::forward::{ForwardError, forward};
-use sim::results::folder::{Folder, MARK};
-use sim::results::picture::{PressureRow, pressures};
+use sim::results::beside_the_paper::beside_the_paper;
+use sim::results::folder::Folder;
 use sim::results::report::report;
+use sim::results::simulated::{Member, write_set};
 use sim::results::{self, Request, Summary};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
@@ -53,9 +53,6 @@ pub struct Simulate {
     rerun: Option<Rerun>,
 }
 
-/// The picture of a sweep over pressures.
-const PRESSURES: &str = "pressures.svg";
-
 /// What is printed for programs.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
@@ -66,9 +63,6 @@ pub struct Printed<'a> {
     /// Each run; several where all rows of a muscle were asked for.
     runs: Vec<&'a Summary>,
 }
-
-/// A simulated case: its summary, and its pressure above ambient, Pa.
-type Done = (Summary, Option<f64>);
 
 pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let scenario = Scenario::load(&args.source.scenario, &args.source.overrides())?;
@@ -86,12 +80,14 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let folder = results::begin(&request)?;
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
     let progress = voice.bar(samples);
+    let begin = Instant::now();
     let runs: Vec<_> = match &args.rerun {
         Some(how) => vec![timed(|| shown(how, &cases[0], &folder, &progress))],
         None => cases.par_iter().map(|case| timed(|| follow(case, &progress, &mut |_| Ok(())))).collect(),
     };
     progress.finish_and_clear();
-    let mut done: Vec<Done> = Vec::with_capacity(runs.len());
+    let wall_time_s = begin.elapsed().as_secs_f64();
+    let mut done: Vec<Member> = Vec::with_capacity(runs.len());
     for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
         let own = Request {
             name: case.name.clone(),
@@ -101,12 +97,15 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
             ..request.clone()
         };
         let within = is_sweep.then_some(case.name.as_str());
-        let summary = results::write_run(&folder, within, &own, &case.model, &case.run, &run?)?;
+        let run = run?;
+        let summary = results::write_run(&folder, within, &own, &case.model, &case.run, &run)?;
         voice.detail(integrated(&summary));
-        done.push((summary, case.pressure));
+        done.push(Member::new(summary, case.pressure, run));
     }
     if is_sweep {
-        write_sweep(&folder, &scenario, &done)?;
+        let remarks = is_the_papers(&scenario).then(|| beside_the_paper(&done));
+        let request = Request { wall_time_s, ..request };
+        write_set(&folder, &request, &done, remarks.as_deref())?;
     }
     let folder = folder.finish()?;
     voice.detail(format!("written to {}", folder.display()));
@@ -142,25 +141,13 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (done, begin.elapsed().as_secs_f64())
 }
 
-/// What belongs to all runs of a sweep: the picture over pressures, and one summary.
-fn write_sweep(folder: &Folder, scenario: &Scenario, done: &[Done]) -> Result<(), Failure> {
-    let row = |(summary, pressure): &Done| pressure.map(|pressure| PressureRow::new(pressure, summary));
-    let rows: Vec<PressureRow> = done.iter().filter_map(row).collect();
-    folder.write(PRESSURES, pressures(&scenario.name, &rows).as_bytes())?;
-    let runs: Vec<_> =
-        done.iter().map(|(summary, pressure)| json!({ "pressure_pa": pressure, "run": summary })).collect();
-    let mark = json!({ "name": scenario.name, "runs": runs });
-    folder.write(MARK, format!("{mark:#}\n").as_bytes())?;
-    Ok(())
-}
-
 /// What the statuses say: interrupted, diverged, or well.
-fn outcome(folder: &Path, done: &[Done]) -> Result<ExitCode, Failure> {
+fn outcome(folder: &Path, done: &[Member]) -> Result<ExitCode, Failure> {
     let saved = |time: f64| {
         let time = format_si(time, "s");
         format!("the {time} before that are in {}, marked in summary.json", folder.display())
     };
-    for (summary, _) in done {
+    for Member { summary, .. } in done {
         match &summary.status {
             Status::Complete => {}
             Status::CutShort { time } => {
@@ -175,10 +162,11 @@ fn outcome(folder: &Path, done: &[Done]) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-type See<'a> = dyn FnMut(&mut sim::forward::Sample) -> Result<(), Failure> + 'a;
+/// What sees every sample, and may fail.
+pub type See<'a> = dyn FnMut(&mut sim::forward::Sample) -> Result<(), Failure> + 'a;
 
 /// Runs a case until its end, Ctrl-C, or where it fails; what was integrated is kept.
-fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajectory, Failure> {
+pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajectory, Failure> {
     let mut failure = None;
     let mut observe = |sample: &mut sim::forward::Sample| {
         progress.inc(1);
@@ -211,10 +199,10 @@ fn tell(
     voice: &Voice,
     scenario: &Scenario,
     folder: &Path,
-    done: &[Done],
+    done: &[Member],
 ) -> Result<(), Failure> {
     if args.output.form.json {
-        let runs = done.iter().map(|(summary, _)| summary).collect();
+        let runs = done.iter().map(|member| &member.summary).collect();
         return print(&Printed { scenario: &scenario.name, folder, runs });
     }
     if voice.quiet {
@@ -222,24 +210,29 @@ fn tell(
     }
     let mut out = io::stdout().lock();
     match done {
-        [(summary, _)] => writeln!(out, "{}", report(summary))?,
+        [one] => writeln!(out, "{}", report(&one.summary))?,
         _ => write!(out, "{}", over_pressure(done))?,
     }
-    if scenario.is_all_rows() && scenario.muscle_name() == Some("garbulinski-2022") {
+    if is_the_papers(scenario) {
         write!(out, "\n{}", beside_the_paper(done))?;
     }
     writeln!(out, "\nresults in {}", folder.display())?;
     Ok(())
 }
 
+/// Whether all pressures of the paper's muscle are run, so that its trends can be set beside.
+fn is_the_papers(scenario: &Scenario) -> bool {
+    scenario.is_all_rows() && scenario.muscle_name() == Some("garbulinski-2022")
+}
+
 /// A line a run.
-fn over_pressure(done: &[Done]) -> String {
+fn over_pressure(done: &[Member]) -> String {
     let line = |name: &str, cells: [String; 4]| {
         let [pressure, frequency, ratio, steps] = cells;
         format!("{name:24}{pressure:>12}{frequency:>12}{ratio:>16}{steps:>10}\n")
     };
     let mut table = line("", ["pressure", "frequency", "damping ratio", "steps"].map(str::to_owned));
-    for (summary, pressure) in done {
+    for Member { summary, pressure, .. } in done {
         let text =
             |value: Option<f64>, unit: &str| value.map_or("-".to_owned(), |value| format_si(value, unit));
         let ratio = summary.damping_ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.4}"));
@@ -248,39 +241,4 @@ fn over_pressure(done: &[Done]) -> String {
             &line(&summary.name, [text(*pressure, "Pa"), frequency, ratio, summary.effort.steps.to_string()]);
     }
     table
-}
-
-/// The trends that the paper measured beside those simulated, and what would make up the difference.
-fn beside_the_paper(done: &[Done]) -> String {
-    let at = |(summary, pressure): &Done| Some((summary.damped_frequency_hz?, (*pressure)?));
-    let mut swings: Vec<_> = done.iter().filter_map(at).collect();
-    swings.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let psi = |pascal: f64| (pascal / 6894.757).round();
-    let ours = match swings[..] {
-        [slow, .., fast] => format!(
-            "{:.2} to {:.2} Hz, {:.0} % apart; highest at {} psi, lowest at {} psi",
-            slow.0,
-            fast.0,
-            100.0 * (fast.0 / slow.0 - 1.0),
-            psi(fast.1),
-            psi(slow.1)
-        ),
-        _ => "no swing".to_owned(),
-    };
-    let ratio = |(summary, _): &Done| summary.damping_ratio;
-    let damping = match (done.first().and_then(ratio), done.last().and_then(ratio)) {
-        (Some(first), Some(last)) => format!("from {first:.3} to {last:.3}, {:.1} times", last / first),
-        _ => "unknown".to_owned(),
-    };
-    format!(
-        "simulated frequency: {ours}
-measured (Garbulinski and Wereley 2022): 20 % apart; highest at 10 psi, lowest at 30 to 40 psi, \
-rising in a straight line above
-simulated damping ratio, lowest to highest pressure: {damping}
-measured: about 4.5 times, two thirds of the highest by 30 psi
-Missing here: the muscle is stiffer in motion than at rest, and more so at high pressure, where it \
-also loses more.
-A bending moment that resists change, viscoelastic or frictional, has both; see `efam effects viscoelastic`.
-"
-    )
 }

@@ -9,10 +9,12 @@
 //!   residuals.csv          measurement and fit, sample by sample
 //!   fit-01.svg …           each track: fit over measurement, residuals, decay, damping
 //!   parameters.svg         parameters over pressure
+//!   report.html            the page for people, with the pictures that lie in pictures/
 //!   summary.json           the parameters alone, and by which command
 //! ```
 
 mod model;
+mod page;
 
 use std::fmt::Write;
 use std::time::SystemTime;
@@ -20,11 +22,12 @@ use std::time::SystemTime;
 use serde_json::json;
 
 use super::folder::Folder;
-use super::picture::{calibrated, over_pressure};
+use super::page::REPORT;
+use super::picture::{calibrated, fitted, over_pressure};
 use super::report::significant;
 use super::{Request, ResultsError, write_mark};
 use crate::calibrate::calibration::Calibrated;
-use crate::calibrate::{Calibration, Outcome};
+use crate::calibrate::{Calibration, Outcome, Problem};
 
 pub use model::{ModelFile, muscle_file, rod_files};
 
@@ -43,6 +46,7 @@ pub const PARAMETERS: &str = "parameters.svg";
 pub fn write_calibration(
     folder: &Folder,
     request: &Request,
+    problem: &Problem,
     outcome: &Outcome,
     models: &[ModelFile],
 ) -> Result<(), ResultsError> {
@@ -66,7 +70,13 @@ pub fn write_calibration(
                 "standard_error": found.standard_error, "interval_95": found.interval_95 })
     };
     let parameters: Vec<_> = calibration.parameters.iter().map(short).collect();
-    write_mark(folder, request, "calibration", SystemTime::now(), json!({ "parameters": parameters }))
+    let (pictures, written) = (fitted(calibration, &outcome.curves), SystemTime::now());
+    for picture in &pictures {
+        folder.write(&picture.file(), picture.svg.as_bytes())?;
+    }
+    let html = page::page(request, problem, outcome, &pictures, written);
+    folder.write(REPORT, html.as_bytes())?;
+    write_mark(folder, request, "calibration", written, json!({ "parameters": parameters }))
 }
 
 fn residuals(outcome: &Outcome) -> String {

@@ -19,6 +19,7 @@ use serde_json::json;
 
 use super::calibrated::EXPERIMENT;
 use super::folder::Folder;
+use super::page::REPORT;
 use super::picture::diagnosed;
 use super::report::significant;
 use super::{Request, ResultsError, write_mark};
@@ -29,8 +30,6 @@ use crate::scenario::resolved::plain;
 
 /// The verdict.
 pub const DIAGNOSIS: &str = "diagnosis.json";
-/// The page.
-pub const REPORT: &str = "report.html";
 
 /// Writes a diagnosis into an open folder; `request.resolved_scenario` is the experiment's text.
 /// # Errors

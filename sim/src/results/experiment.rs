@@ -2,19 +2,26 @@
 //!
 //! ```text
 //! outputs/<UTC>_<name>_<hash8>/
+//!   report.html         the page for people, with the pictures that lie in pictures/
+//!   experiment.toml     the experiment as it was read
 //!   summary.json        recordings, releases with their numbers, decisions; the analysis, if it was asked for
 //!   <recording>.svg     what was cut and masked
 //!   <release>.csv       the cleaned release: t_s, <marker>_x_m, <marker>_z_m in the frame at the clamp
 //!   <release>.svg       its swing, spectrum and damping, if it was analysed
 //! ```
 
+mod page;
+
 use std::fmt::Write;
+use std::time::SystemTime;
 
 use serde::Serialize;
 use serde_json::json;
 
-use super::folder::{Folder, MARK, plain_name};
-use super::{ResultsError, picture};
+use super::calibrated::EXPERIMENT;
+use super::folder::{Folder, plain_name};
+use super::page::REPORT;
+use super::{Request, ResultsError, picture, write_mark};
 use crate::cleaning::{CleanRelease, Cleaned, Statistics};
 use crate::experiment::Experiment;
 use crate::experiment::analyse::Analysed;
@@ -26,15 +33,18 @@ use crate::schema::JsonSchema;
 /// [`ResultsError::Write`].
 pub fn write(
     folder: &Folder,
+    request: &Request,
     experiment: &Experiment,
     cleaned: &Cleaned,
     analysed: Option<&[Analysed]>,
 ) -> Result<(), ResultsError> {
+    let mut pictures = picture::recordings(cleaned);
+    pictures.extend(analysed.map(picture::analysed).unwrap_or_default());
     let mut names = Vec::new();
     for (k, recording) in cleaned.recordings.iter().enumerate() {
         let releases: Vec<_> = cleaned.releases.iter().filter(|release| release.recording == k).collect();
         let name = unique(&plain_name(&recording.name), &mut names);
-        folder.write(&format!("{name}.svg"), picture::recording(recording, &releases).as_bytes())?;
+        folder.write(&format!("{name}.svg"), pictures[k].svg.as_bytes())?;
         for release in releases {
             let text = csv(&release.release);
             folder.write(&format!("{name}-{}.csv", release.number), text.as_bytes())?;
@@ -46,8 +56,14 @@ pub fn write(
             }
         }
     }
+    let written = SystemTime::now();
+    for picture in &pictures[cleaned.recordings.len()..] {
+        folder.write(&picture.file(), picture.svg.as_bytes())?;
+    }
+    let html = page::page(request, experiment, cleaned, analysed, &pictures, written);
+    folder.write(REPORT, html.as_bytes())?;
+    folder.write(EXPERIMENT, request.resolved_scenario.as_bytes())?;
     let mut summary = json!({
-        "name": experiment.name,
         "experiment": experiment.path.display().to_string(),
         "recordings": cleaned.recordings.iter().map(|recording| json!({
             "name": recording.name,
@@ -65,7 +81,8 @@ pub fn write(
     if let Some(analysed) = analysed {
         summary["analysis"] = json!(analysed.iter().map(Analysed::said).collect::<Vec<_>>());
     }
-    folder.write(MARK, format!("{summary:#}").as_bytes())
+    let kind = if analysed.is_some() { "analysis" } else { "check" };
+    write_mark(folder, request, kind, written, summary)
 }
 
 /// A cleaned release, as it is written; SI.

@@ -6,23 +6,31 @@
 //!   summary.json             what it comes to: rest, peaks, frequencies, damping, energy, effort
 //!   trajectory.parquet       every sample (trajectory.csv on request)
 //!   release.svg              the picture
+//!   report.html              the page for people, with the pictures that lie in pictures/
 //! ```
 //!
 //! [`write()`] makes the folder: complete, or not at all. Many runs go into one by [`begin`] and
 //! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
 
+mod assumed;
+pub mod beside_the_paper;
 pub mod calibrated;
 pub mod columns;
+pub mod compared;
 pub mod diagnosed;
 mod error;
 pub mod experiment;
+pub mod figures;
 pub mod folder;
 pub mod grid;
 pub mod page;
 pub mod picture;
 pub mod predicted;
+pub mod quantities;
 pub mod report;
+pub mod reread;
 pub mod rest;
+pub mod simulated;
 pub mod summary;
 pub mod table;
 
@@ -160,7 +168,7 @@ pub fn write_run(
     let within = within.map_or(String::new(), |name| folder::plain_name(name) + "/");
     let place = |file: &str| format!("{within}{file}");
     for (name, bytes) in &request.extra_files {
-        let is_ours = [SCENARIO, PARQUET, CSV, PICTURE, MARK].contains(&name.as_str());
+        let is_ours = [SCENARIO, PARQUET, CSV, PICTURE, MARK, page::REPORT].contains(&name.as_str());
         if is_ours || folder::plain_name(name) != *name {
             return Err(ResultsError::FileName { name: name.clone() });
         }
@@ -196,15 +204,24 @@ pub fn write_run(
     if request.csv {
         folder.write_with(&place(CSV), |file| table.write_csv(file))?;
     }
-    let picture = picture::release(&picture::Release {
+    let shown = picture::Release {
         model,
         trajectory,
         energy_followed: run.energy,
         rest: rest.as_ref().ok(),
         summary: &summary,
         swing: &swing,
-    });
-    folder.write(&place(PICTURE), picture.as_bytes())?;
+    };
+    folder.write(&place(PICTURE), picture::release(&shown).as_bytes())?;
+    // Many runs have one page, which is that of the folder.
+    if within.is_empty() {
+        let pictures = picture::released(&shown);
+        for picture in &pictures {
+            folder.write(&picture.file(), picture.svg.as_bytes())?;
+        }
+        let html = simulated::page(request, &summary, &pictures, SystemTime::now());
+        folder.write(page::REPORT, html.as_bytes())?;
+    }
     let json = serde_json::to_string_pretty(&summary).expect("a summary has nothing that JSON has not");
     folder.write(&place(MARK), json.as_bytes())?;
     Ok(summary)
@@ -296,7 +313,10 @@ pub(crate) mod tests {
         assert_eq!(written.folder.file_name(), out.file_name());
         let mut files: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         files.sort();
-        assert_eq!(files, ["muscle.toml", PICTURE, SCENARIO, MARK, CSV, PARQUET]);
+        assert_eq!(
+            files,
+            ["muscle.toml", picture::PICTURES, PICTURE, page::REPORT, SCENARIO, MARK, CSV, PARQUET]
+        );
         let json: serde_json::Value = serde_json::from_slice(&fs::read(out.join(MARK)).unwrap()).unwrap();
         assert_eq!(json["real_time_factor"], 20.0 / 0.1);
         // FIPS 180-2, appendix B.1.

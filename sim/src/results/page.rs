@@ -1,9 +1,16 @@
 //! One page for people: HTML that needs nothing beside it, no network and no script. All text is escaped
 //! here; only pictures go in as they are.
 
+mod around;
+
 use std::fmt::Write;
 
 use super::picture::Picture;
+
+pub use around::{BeforeUse, Masked, extrapolated};
+
+/// The page of a folder.
+pub const REPORT: &str = "report.html";
 
 /// How it looks, light and dark, wide and narrow.
 const STYLE: &str = include_str!("page.css");
@@ -72,6 +79,13 @@ impl Page {
             format!("<dt>{}</dt><dd>{}</dd>\n", escaped(name), escaped(value))
         };
         let _ = writeln!(self.body, "<dl>\n{}</dl>", facts.iter().map(row).collect::<String>());
+    }
+
+    /// Paragraphs, each led by what it is about.
+    pub fn remarks(&mut self, facts: &[(&str, &str)]) {
+        for (name, text) in facts {
+            let _ = writeln!(self.body, "<p><strong>{}:</strong> {}</p>", escaped(name), escaped(text));
+        }
     }
 
     /// A table; nothing without rows.
@@ -181,6 +195,7 @@ mod tests {
             page.text(text);
             page.list(&[text.to_owned()]);
             page.facts(&[(text.to_owned(), text.to_owned())]);
+            page.remarks(&[(text, text)]);
             let rows = || vec![vec![text.to_owned(), text.to_owned()]];
             page.table(&Table { caption: text, heads: &[text], rows: rows() });
             page.folded(text, &Table { caption: text, heads: &[text], rows: rows() });

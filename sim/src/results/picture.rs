@@ -1,15 +1,23 @@
 //! Pictures of runs, as SVG: readable without colour, and told apart by those who see few.
 
+mod analysed;
 mod calibrated;
 mod diagnosed;
 mod diagnosed_residual;
+mod fitted;
 mod grid;
+mod lines;
+mod matrix;
 mod measured;
 mod panel;
+mod paper;
 mod predicted;
 mod pressures;
 mod recording;
+mod released;
 mod spectrum;
+mod tips;
+mod words;
 
 use models::model::Model;
 use models::snapshot::Energy;
@@ -24,13 +32,19 @@ use super::total;
 use crate::trajectory::{Status, Trajectory};
 use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
 
+pub use analysed::{analysed, recordings};
 pub use calibrated::{calibrated, over_pressure};
 pub use diagnosed::diagnosed;
+pub use fitted::fitted;
 pub use grid::grid_pictures;
+pub use lines::Named;
 pub use measured::measured;
+pub use paper::{every_other, example, in_psi, model as model_name, models, paper};
 pub use predicted::predicted;
 pub use pressures::{PASCAL_PER_PSI, PressureRow, pressures};
 pub use recording::recording;
+pub use released::released;
+pub use tips::{Tip, over_pressure_and_amplitude, over_pressures, tips, tips_of_runs};
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);
 const GREY: RGBColor = RGBColor(110, 110, 110);
@@ -41,6 +55,8 @@ const GREEN: RGBColor = RGBColor(0, 158, 115);
 const ORANGE: RGBColor = RGBColor(230, 159, 0);
 
 const MILLI: f64 = 1e3;
+/// Folder of the pictures that a page shows.
+pub const PICTURES: &str = "pictures";
 /// Postures drawn in the first swing.
 const SHAPES: usize = 24;
 /// Swings over which the energies are drawn.
@@ -59,6 +75,13 @@ pub struct Picture {
     pub caption: String,
     /// As SVG.
     pub svg: String,
+}
+
+impl Picture {
+    /// Its place among the pictures of a folder.
+    pub fn file(&self) -> String {
+        format!("{PICTURES}/{}.svg", self.name)
+    }
 }
 
 /// What the picture of a run shows.

@@ -175,7 +175,7 @@ fn parts(share: f64) -> String {
 }
 
 /// A number with that many digits that count, without exponent.
-pub(crate) fn significant(value: f64, digits: i32) -> String {
+pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }

@@ -209,6 +209,17 @@ pub struct Versions {
     pub target: String,
 }
 
+impl Versions {
+    /// Of the program that runs.
+    pub fn here() -> Self {
+        Self {
+            efam: env!("CARGO_PKG_VERSION").to_owned(),
+            rustc: env!("EFAM_RUSTC").to_owned(),
+            target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+        }
+    }
+}
+
 /// What the tip's height says, kept for the picture.
 #[derive(Clone, Debug, Default)]
 pub struct Swing {
@@ -284,11 +295,7 @@ pub fn summarise(
         settings: settings(model, run),
         parameters: parameters(model),
         inputs_sha256: BTreeMap::new(),
-        versions: Versions {
-            efam: env!("CARGO_PKG_VERSION").to_owned(),
-            rustc: env!("EFAM_RUSTC").to_owned(),
-            target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
-        },
+        versions: Versions::here(),
         argv: Vec::new(),
         written_utc: String::new(),
     };

@@ -1,6 +1,7 @@
 //! The program `efam` from outside.
 
 mod bench;
+mod browser;
 mod calibrate;
 mod cli;
 mod diagnose;
@@ -12,6 +13,7 @@ mod inspect;
 mod interrupted;
 #[cfg(feature = "rerun")]
 mod live_view;
+mod pages;
 mod predict;
 mod predict_rod;
 mod schema;

@@ -138,6 +138,13 @@ fn what_is_printed_fits_its_schema() {
     try_one("predict", &["--muscle", "garbulinski-2022", "--pressure", "15psi", "--duration", "3 s"]);
     let grid = ["--pressure", "15psi,40psi", "--payload", "0g..80g:3", "--duration", "2 s"];
     try_one("predict", &[&["--muscle", "garbulinski-2022"], &grid[..]].concat());
+    let simulated = |name: &str, pressure: &str| {
+        bench.json(&["simulate", "short.toml", "--pressure", pressure, "--json", "--out", name]);
+    };
+    simulated("first", "15psi");
+    simulated("second", "40psi");
+    try_one("report", &["first", "second"]);
+    try_one("figures", &["--set", "run.duration=3 s", "--set", "integrator.tolerance=1e-4"]);
     try_one("effects", &[]);
     try_one("effects", &["viscoelastic"]);
     try_one("experiment init", &[&recording, "--out", "e.toml"]);

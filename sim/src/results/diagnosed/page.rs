@@ -2,11 +2,10 @@
 
 use models::effects::by_name;
 
-use super::super::page::{Page, Table};
+use super::super::page::{BeforeUse, Masked, Page, Table};
 use super::super::picture::Picture;
 use super::super::report::{short, significant};
-use super::super::{Request, folder};
-use crate::calibrate::{Parameter, Problem, Scope};
+use super::super::{Request, assumed};
 use crate::diagnose::verdict::{Added, Value};
 use crate::diagnose::{Curve, Diagnosis, Outcome, Verdict};
 
@@ -20,7 +19,7 @@ pub(super) fn page(
     let diagnosis = &outcome.diagnosis;
     let title = format!("Diagnosis of {}", request.name);
     let mut page = Page::new(&title, verdict(diagnosis.verdict), &diagnosis.summary);
-    reservations(&mut page, outcome);
+    page.before_use(&reservations(outcome));
     effects(&mut page, diagnosis);
     let of = |names: &[&str]| {
         pictures.iter().filter(|picture| names.iter().any(|name| picture.name.starts_with(name))).collect()
@@ -41,7 +40,7 @@ pub(super) fn page(
         page.figure(picture);
     }
     evidence(&mut page, diagnosis);
-    facts(&mut page, request, diagnosis, written);
+    page.facts_of(request, written, facts(diagnosis));
     page.finish()
 }
 
@@ -55,36 +54,19 @@ fn verdict(verdict: Verdict) -> &'static str {
 }
 
 /// What should be known before the answer is used.
-fn reservations(page: &mut Page, outcome: &Outcome) {
-    let diagnosis = &outcome.diagnosis;
-    page.section("Before you use this");
-    page.text(
-        "How often such answers are right is known from some two hundred drawn experiments only (README, How often it is right). Do not publish a name on its word alone.",
-    );
-    if !diagnosis.warnings.is_empty() {
-        page.heading("Warnings");
-        page.list(&diagnosis.warnings);
+fn reservations(outcome: &Outcome) -> BeforeUse {
+    BeforeUse {
+        note: Some("How often such answers are right is known from some two hundred drawn experiments only (README, How often it is right). Do not publish a name on its word alone.".to_owned()),
+        warnings: outcome.diagnosis.warnings.clone(),
+        locked_away: Some(outcome.diagnosis.held_out.clone()),
+        extrapolated: None,
+        masked: Some(Masked {
+            caption: "Samples that do not count: of the hold, lost or masked; and so far off that they are held back",
+            heads: &["release", "marker", "samples", "not there", "held back"],
+            rows: outcome.curves.iter().filter_map(lost).collect(),
+        }),
+        assumed: assumed::of_problem(&outcome.repaired),
     }
-    page.heading("Locked away");
-    match diagnosis.held_out.is_empty() {
-        true => page.text("Nothing: no release judges the answer that did not make it."),
-        false => {
-            page.text("These releases took no part in the search, and judge what it found:");
-            page.list(&diagnosis.held_out);
-        }
-    }
-    page.heading("Lost, masked or held back");
-    let lost: Vec<Vec<String>> = outcome.curves.iter().filter_map(lost).collect();
-    if lost.is_empty() {
-        page.text("No sample.");
-    }
-    page.table(&Table {
-        caption: "Samples that do not count: of the hold, lost or masked; and so far off that they are held back",
-        heads: &["release", "marker", "samples", "not there", "held back"],
-        rows: lost,
-    });
-    page.heading("Assumed");
-    page.list(&assumed(&outcome.repaired));
 }
 
 /// How much of a track is not there, or hardly counts.
@@ -93,43 +75,6 @@ fn lost(curve: &Curve) -> Option<Vec<String>> {
     let counts = [all, all - seen, seen - heard].map(|count| count.to_string());
     let names = [curve.release.clone(), curve.marker.clone()];
     (heard < all).then(|| names.into_iter().chain(counts).collect())
-}
-
-/// What the model holds fixed, and what was fitted beside the effects.
-fn assumed(problem: &Problem) -> Vec<String> {
-    let unit = |path: &str| {
-        let model = &problem.trials.first()?.model;
-        Some(model.parameters[model.index(path).ok()?].unit)
-    };
-    let fitted = |parameter: &Parameter| {
-        let scope = match parameter.scope {
-            Scope::Shared => "one value for all releases",
-            Scope::PerPressure => "one value for each pressure",
-            Scope::PerRelease => "one value for each release",
-        };
-        let believed = parameter.prior.map_or(String::new(), |prior| {
-            let (mean, deviation) = (significant(prior.mean, 4), significant(prior.deviation, 2));
-            let unit = unit(&parameter.path).unwrap_or_default();
-            format!(", believed to be {mean} ± {deviation} {unit}").trim_end().to_owned()
-        });
-        format!("{} is fitted: {scope}{believed}", parameter.path)
-    };
-    let mut words: Vec<String> = problem.parameters.iter().map(fitted).collect();
-    let nuisances = &problem.nuisances;
-    if nuisances.release_instant {
-        words.push("the instant of each release is fitted within its error".to_owned());
-    }
-    if let Some(angle) = nuisances.hold_angle {
-        words.push(format!(
-            "the angle at which each release is held is fitted, to {} degrees",
-            significant(angle.to_degrees(), 2)
-        ));
-    }
-    if let Some(offset) = nuisances.offset {
-        words.push(format!("the place of each marker is fitted, to {} mm", significant(1e3 * offset, 2)));
-    }
-    words.push("everything else is as experiment.toml says".to_owned());
-    words
 }
 
 fn effects(page: &mut Page, diagnosis: &Diagnosis) {
@@ -233,23 +178,16 @@ fn evidence(page: &mut Page, diagnosis: &Diagnosis) {
     );
 }
 
-fn facts(page: &mut Page, request: &Request, diagnosis: &Diagnosis, written: std::time::SystemTime) {
-    page.section("Facts of this run");
+/// What only a diagnosis has among its facts.
+fn facts(diagnosis: &Diagnosis) -> Vec<(String, String)> {
     let thresholds: Vec<String> =
         diagnosis.thresholds.iter().enumerate().map(|(k, t)| format!("round {}: {t:.2}", k + 1)).collect();
-    let mut facts = vec![
-        ("command".to_owned(), request.argv.join(" ")),
-        ("program".to_owned(), format!("efam {}", env!("CARGO_PKG_VERSION"))),
-        ("written, UTC".to_owned(), folder::utc(written)),
-        ("wall time".to_owned(), format!("{:.1} s", request.wall_time_s)),
+    vec![
         ("false-alarm level of a round".to_owned(), significant(diagnosis.false_alarm, 2)),
         ("score to be exceeded".to_owned(), thresholds.join(", ")),
         ("nodes".to_owned(), diagnosis.numerics.nodes.to_string()),
         ("left of the mesh's error, over the noise".to_owned(), format!("{:.2}", diagnosis.numerics.left)),
-    ];
-    let hash = |(file, hash): (&String, &String)| (format!("SHA-256 of {file}"), hash.clone());
-    facts.extend(request.input_hashes.iter().map(hash));
-    page.facts(&facts);
+    ]
 }
 
 #[cfg(test)]
@@ -257,7 +195,7 @@ mod tests {
     use std::time::SystemTime;
 
     use super::*;
-    use crate::calibrate::Nuisances;
+    use crate::calibrate::{Nuisances, Parameter, Problem, Scope};
     use crate::diagnose::curve::Sample;
     use crate::diagnose::localise::Shape;
     use crate::diagnose::verdict::{Added, Evidence, Gap, Member, Separation};

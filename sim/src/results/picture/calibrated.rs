@@ -27,7 +27,7 @@ pub fn calibrated(curve: &Curve) -> String {
 }
 
 /// The swing of a path; nothing where it has none.
-fn swing_of(curve: &Curve, path: &[[f64; 2]]) -> Option<Measured> {
+pub(super) fn swing_of(curve: &Curve, path: &[[f64; 2]]) -> Option<Measured> {
     let late = path.len() - (REST * path.len() as f64) as usize;
     let mean = |axis: usize| {
         let tail = &curve.predicted[late.min(path.len().saturating_sub(1))..];
@@ -58,7 +58,7 @@ fn strokes() -> (Stroke, Stroke) {
     (Stroke::new(GREY, 3.2), Stroke::dashed(BLACK, 1.4, 7.0, 3.0))
 }
 
-fn overlay(curve: &Curve, area: &Area) -> Drawn {
+pub(super) fn overlay(curve: &Curve, area: &Area) -> Drawn {
     let title = "Height of the marker";
     if curve.time.len() < 2 {
         return Panel::without_data(area, title, "no samples");
@@ -76,7 +76,7 @@ fn overlay(curve: &Curve, area: &Area) -> Drawn {
     panel.line(curve.time.iter().copied().zip(predicted), &fitted)
 }
 
-fn residuals(curve: &Curve, area: &Area) -> Drawn {
+pub(super) fn residuals(curve: &Curve, area: &Area) -> Drawn {
     let title = "Measurement minus fit";
     if curve.time.len() < 2 {
         return Panel::without_data(area, title, "no samples");
@@ -102,7 +102,7 @@ fn residuals(curve: &Curve, area: &Area) -> Drawn {
     panel.dots(curve.time.iter().copied().zip(x.into_iter().map(inside)), &first, 1.2)
 }
 
-fn decay(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
+pub(super) fn decay(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
     let title = "Decay: upper peaks above rest";
     let points = |of: &Option<Measured>| -> Vec<(f64, f64)> {
         let peaks = of.iter().flat_map(|of| &of.peaks).filter(|peak| peak.height > 0.0);
@@ -131,7 +131,7 @@ fn decay(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
     panel.dots(seen, &mark, 3.5)
 }
 
-fn damping(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
+pub(super) fn damping(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
     let title = "Damping ratio over amplitude, cycle by cycle";
     let points = |of: &Option<Measured>| -> Vec<(f64, f64)> {
         let cycles = of.iter().filter_map(|of| of.cycles.as_ref().ok()).flatten();
@@ -151,7 +151,7 @@ fn damping(both: &[Option<Measured>; 2], area: &Area) -> Drawn {
         area,
         title,
         &Axis(0.0..1.05 * end, "amplitude, mm"),
-        &Axis(y.clone(), "damping ratio"),
+        &Axis(y.clone(), "damping ratio, dimensionless"),
         &keys,
     )?;
     panel.line(fitted.into_iter(), &line)?;
@@ -162,14 +162,20 @@ const PASCAL_PER_KILO: f64 = 1e3;
 /// Panels of one page.
 const MOST_PANELS: usize = 4;
 
-/// Parameters over pressure with their intervals; as SVG. Nothing where none is one for each pressure.
-pub fn over_pressure(name: &str, calibration: &Calibration) -> Option<String> {
-    let mut paths: Vec<&str> = Vec::new();
+/// Paths of the parameters that have a value for each pressure.
+pub(super) fn paths_over_pressure(calibration: &Calibration) -> Vec<String> {
+    let mut paths: Vec<String> = Vec::new();
     for found in calibration.parameters.iter().filter(|found| found.pressure_pa.is_some()) {
-        if !paths.contains(&found.name.as_str()) {
-            paths.push(&found.name);
+        if !paths.contains(&found.name) {
+            paths.push(found.name.clone());
         }
     }
+    paths
+}
+
+/// Parameters over pressure with their intervals; as SVG. Nothing where none is one for each pressure.
+pub fn over_pressure(name: &str, calibration: &Calibration) -> Option<String> {
+    let mut paths = paths_over_pressure(calibration);
     paths.truncate(MOST_PANELS);
     let columns = if paths.len() > 2 { 2 } else { paths.len() };
     if columns == 0 {
@@ -186,7 +192,7 @@ pub fn over_pressure(name: &str, calibration: &Calibration) -> Option<String> {
     }))
 }
 
-fn one_parameter(path: &str, found: &[&Calibrated], area: &Area) -> Drawn {
+pub(super) fn one_parameter(path: &str, found: &[&Calibrated], area: &Area) -> Drawn {
     let at = |one: &Calibrated| one.pressure_pa.unwrap_or(0.0) / PASCAL_PER_KILO;
     let bounds = |one: &Calibrated| one.interval_95.unwrap_or([one.value; 2]);
     // Powers of a thousand keep the numbers of the axis short.
@@ -203,6 +209,7 @@ fn one_parameter(path: &str, found: &[&Calibrated], area: &Area) -> Drawn {
     let y = if log && y.start < 0.0 { 0.0..y.end } else { y };
     let x = padded(found.iter().map(|one| at(one)), 0.08);
     let unit = found.first().map_or("", |one| one.unit.as_str());
+    let unit = if unit.is_empty() { "dimensionless" } else { unit };
     let label = format!("{}, {prefix}{unit}", path.rsplit('.').next().unwrap_or(path));
     let mut panel = Panel::new(area, path, &Axis(x, "pressure, kPa"), &Axis(y, &label), &keys)?;
     for one in found {

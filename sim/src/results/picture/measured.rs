@@ -30,7 +30,7 @@ fn title(name: &str, of: &Measured) -> String {
     }
 }
 
-fn swing(of: &Measured, area: &Area) -> Drawn {
+pub(super) fn swing(of: &Measured, area: &Area) -> Drawn {
     let step = of.bridged.step;
     let end = step * of.bridged.values.len() as f64;
     let rest = of.rest_on_side();
@@ -56,7 +56,7 @@ fn swing(of: &Measured, area: &Area) -> Drawn {
     panel.dots(of.peaks.iter().map(|peak| (peak.time, MILLI * (rest + peak.height))), &top, 3.5)
 }
 
-fn frequencies(of: &Measured, area: &Area) -> Drawn {
+pub(super) fn frequencies(of: &Measured, area: &Area) -> Drawn {
     let title = "Amplitude spectrum";
     match &of.damped_frequency {
         Ok(damped) => spectrum(area, title, &of.spectrum, damped / TAU, &[]),
@@ -64,7 +64,7 @@ fn frequencies(of: &Measured, area: &Area) -> Drawn {
     }
 }
 
-fn damping(of: &Measured, area: &Area) -> Drawn {
+pub(super) fn damping(of: &Measured, area: &Area) -> Drawn {
     let title = "Damping ratio over amplitude, cycle by cycle";
     let cycles = match &of.cycles {
         Ok(cycles) => cycles,
@@ -79,7 +79,7 @@ fn damping(of: &Measured, area: &Area) -> Drawn {
     let x = 0.0..1.08 * points.iter().map(|point| point.0).fold(f64::MIN_POSITIVE, f64::max);
     let y = padded(points.iter().map(|point| point.1).chain(of_fit).chain([0.0]), 0.08);
     let end = x.end;
-    let axes = (Axis(x, "amplitude, mm"), Axis(y, "damping ratio"));
+    let axes = (Axis(x, "amplitude, mm"), Axis(y, "damping ratio, dimensionless"));
     let mut panel = Panel::new(area, title, &axes.0, &axes.1, &keys)?;
     panel.line(of_fit.into_iter().flat_map(|ratio| [(0.0, ratio), (end, ratio)]), &fitted)?;
     panel.line(points.iter().copied(), &each)?;

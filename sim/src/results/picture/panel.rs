@@ -6,6 +6,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::words::{shortened, wrapped};
 use super::{Area, BLACK, GREY};
 
 /// What drawing returns.
@@ -13,7 +14,8 @@ pub type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 
 /// Fine pixels in one of the picture.
 pub const SCALE: i32 = 4;
-const FONT: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
+/// Fonts, the first that is there.
+pub const FONT: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
 const TITLE_SIZE: f64 = 19.0;
 const TEXT_SIZE: f64 = 16.0;
 const NOTE_SIZE: f64 = 13.0;
@@ -287,10 +289,7 @@ impl<'a> Panel<'a> {
 pub fn heading(page: &Area, text: &str) -> Drawn {
     let (width, _) = size(page);
     let most = ((width - 2.0 * MARGIN) / (CHARACTER * TITLE_SIZE / TEXT_SIZE)) as usize;
-    let text: String = match text.chars().count() > most {
-        true => text.chars().take(most - 1).chain(['…']).collect(),
-        false => text.to_owned(),
-    };
+    let text = shortened(text, most);
     write(page, &text, (LEFT + MARGIN, 12.0), TITLE_SIZE, true, Pos::new(HPos::Left, VPos::Top))
 }
 
@@ -402,20 +401,6 @@ fn write(area: &Area, text: &str, (x, y): (f64, f64), size: f64, bold: bool, pos
     let weight = if bold { FontStyle::Bold } else { FontStyle::Normal };
     let style = FontDesc::new(FontFamily::Name(FONT), f64::from(px(size)), weight).color(&BLACK).pos(pos);
     area.draw(&Text::new(text.to_owned(), (px(x), px(y)), style))
-}
-
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let line = lines.last_mut().expect("there is always one");
-        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > width {
-            lines.push(word.to_owned());
-        } else {
-            line.push_str(if line.is_empty() { "" } else { " " });
-            line.push_str(word);
-        }
-    }
-    lines
 }
 
 #[cfg(test)]

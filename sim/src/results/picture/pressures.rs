@@ -75,7 +75,7 @@ fn frequency(rows: &[PressureRow], area: &Area) -> Drawn {
     panel.line(swing.iter().copied(), &line)?;
     panel.line(mode.iter().copied(), &small)?;
     panel.dots(swing, &line, 3.5)?;
-    panel.dots(mode, &small, 2.5)
+    panel.rings(mode, &Stroke::new(VERMILION, 1.4), 5.0)
 }
 
 fn damping(rows: &[PressureRow], area: &Area) -> Drawn {
@@ -89,7 +89,9 @@ fn damping(rows: &[PressureRow], area: &Area) -> Drawn {
     };
     let keys = [Key::line(line, format!("release{ratio} (paper: about 4.5 times)"))];
     let title = "Damping ratio";
-    let Some((mut panel, y)) = axes(area, title, "damping ratio", [&swing, &Vec::new()], &keys)? else {
+    let Some((mut panel, y)) =
+        axes(area, title, "damping ratio, dimensionless", [&swing, &Vec::new()], &keys)?
+    else {
         return Ok(());
     };
     let [upper, lower] = words(y);
@@ -158,8 +160,8 @@ mod tests {
         assert!(svg.contains("release, spread 54 % (paper: 20 %)"));
         assert!(svg.contains("release: 1.5 times from 5 to 100 psi (paper: about 4.5 times)"));
         assert!(svg.contains("highest at 10 psi") && svg.contains("two thirds of its maximum by 30 psi"));
-        // One dot and its rim a run and curve: nothing of the paper's.
-        assert_eq!(svg.matches("<circle").count(), 2 * 3 * rows.len());
+        // One dot and its rim a run and curve, a ring for each mode: nothing of the paper's.
+        assert_eq!(svg.matches("<circle").count(), 5 * rows.len());
     }
 
     #[test]
@@ -171,7 +173,7 @@ mod tests {
             ..row(5.0, 1.0)
         };
         let svg = pressures("one row", &[nothing, row(10.0, 1.2)]);
-        assert_eq!(svg.matches("<circle").count(), 2 * 3);
+        assert_eq!(svg.matches("<circle").count(), 5);
         assert!(pressures("no rows", &[nothing]).contains("no run has it"));
     }
 }

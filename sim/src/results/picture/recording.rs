@@ -7,6 +7,9 @@ use crate::cleaning::{CleanRecording, CleanRelease};
 /// Points that a line has at most.
 const MOST_POINTS: usize = 4000;
 
+/// Range of an axis below which its numbers would be rounded to one, mm.
+const LEAST_RANGE: f64 = 1e-3;
+
 /// Three panels of one recording and its releases; as SVG.
 pub fn recording(of: &CleanRecording, releases: &[&CleanRelease]) -> String {
     drawn((1200, 820), |page| {
@@ -128,6 +131,8 @@ fn across(of: &CleanRecording, releases: &[&CleanRelease], area: &Area) -> Drawn
         ),
     };
     let y = padded(used(of).map(|at| at[1]), 0.1);
+    // A path that never leaves the plane still needs an axis to be read by.
+    let y = if y.end - y.start < LEAST_RANGE { -1.0..1.0 } else { y };
     let keys = [Key::line(line, "tip, used")];
     let mut panel = Panel::new(area, &title, &Axis(first..last, "time, s"), &Axis(y, "y, mm"), &keys)?;
     for piece in pieces(of) {

@@ -18,7 +18,7 @@ pub fn spectrum(area: &Area, title: &str, of: &Spectrum, damped: f64, modes: &[f
         let bins = of.amplitude.iter().enumerate();
         bins.map(|(k, amplitude)| (step * k as f64, MILLI * amplitude)).take_while(|bin| bin.0 <= reach)
     };
-    let (curve, at_peak) = (Stroke::new(BLUE, 1.8), Stroke::new(VERMILION, 2.5));
+    let (curve, at_peak) = (Stroke::new(BLUE, 1.8), Stroke::dashed(VERMILION, 2.8, 2.0, 2.0));
     let of_mode = Stroke::dashed(BLACK, 1.2, 6.0, 4.0);
     let mut keys = vec![Key::line(curve, "amplitude"), Key::line(at_peak, format!("damped {damped:.3} Hz"))];
     if !modes.is_empty() {

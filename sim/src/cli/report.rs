@@ -1,0 +1,117 @@
+//! `efam report`: runs beside one another.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+use sim::results::compared::{Comparison, compare, write_comparison};
+use sim::results::folder::MARK;
+use sim::results::report::significant;
+use sim::results::reread::{Reread, RereadError, reread};
+use sim::results::{self, Request};
+use sim::schema::JsonSchema;
+
+use super::arguments::Output;
+use super::failure::Failure;
+use super::voice::{Voice, print};
+
+const HELP: &str = "Examples:
+  efam report outputs/beam outputs/loaded-beam
+  efam report outputs/a outputs/b --out outputs/a-and-b --json
+
+Exit codes: 2 for a folder that is no run, 3 for one that cannot be read.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Report {
+    /// Folders of runs: of simulate, calibrate, diagnose, predict, analyse.
+    #[arg(required = true, value_name = "RUN")]
+    runs: Vec<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// Where the page is.
+    folder: &'a Path,
+    /// The runs beside one another.
+    comparison: &'a Comparison,
+}
+
+pub fn run(args: &Report, voice: &Voice) -> Result<ExitCode, Failure> {
+    let begin = Instant::now();
+    let runs: Vec<Reread> = args.runs.iter().map(|run| reread(run)).collect::<Result<_, _>>()?;
+    let comparison = compare(&runs);
+    let mut names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let hash = |run: &PathBuf| {
+        let file = run.join(MARK);
+        let bytes = std::fs::read(&file).ok()?;
+        Some((file.display().to_string(), results::sha256(&bytes)))
+    };
+    let request = Request {
+        name: names.join(", "),
+        input_hashes: args.runs.iter().filter_map(hash).collect(),
+        argv: std::env::args().collect(),
+        ..Request::default()
+    };
+    let asks = format!("{:?}", request.input_hashes);
+    let folder = results::open(
+        args.output.out.as_deref(),
+        args.output.overwrite,
+        &format!("report {}", request.name),
+        &asks,
+    )?;
+    let request = Request { wall_time_s: begin.elapsed().as_secs_f64(), ..request };
+    write_comparison(&folder, &request, &runs, &comparison)?;
+    let folder = folder.finish()?;
+    if args.output.form.json {
+        print(&Printed { folder: &folder, comparison: &comparison })?;
+    } else if !voice.quiet {
+        let mut out = io::stdout().lock();
+        tell(&mut out, &comparison)?;
+        writeln!(out, "\nresults in {}", folder.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn tell(out: &mut impl Write, comparison: &Comparison) -> io::Result<()> {
+    for run in &comparison.runs {
+        writeln!(out, "{}  {}, {}", run.letter, run.name, run.kind)?;
+    }
+    for of in &comparison.differences {
+        let values: Vec<&str> = of.values.iter().map(|value| value.as_deref().unwrap_or("-")).collect();
+        writeln!(out, "{:40}{}", of.key, values.join(" | "))?;
+    }
+    let rows =
+        [&comparison.quantities, &comparison.over_pressure, &comparison.predictions, &comparison.analyses];
+    for row in rows.into_iter().flatten() {
+        let value = |value: &Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 4));
+        let values: Vec<String> = row.values.iter().map(|own| format!("{:>12}", value(own))).collect();
+        writeln!(out, "{:40}{}  {}", row.name, values.join(""), row.unit)?;
+    }
+    for one in &comparison.parameters {
+        let value = |value: &Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 5));
+        let values: Vec<String> = one.values.iter().map(|own| format!("{:>14}", value(own))).collect();
+        writeln!(out, "{:58}{}  {}", one.name, values.join(""), one.unit)?;
+    }
+    for of in &comparison.verdicts {
+        writeln!(out, "{}  {}: {}", of.letter, of.verdict, of.effects.join(", "))?;
+    }
+    Ok(())
+}
+
+impl From<RereadError> for Failure {
+    fn from(error: RereadError) -> Self {
+        match error {
+            RereadError::NoFolder { .. } | RereadError::NoRun { .. } => Failure::Usage(error.to_string()),
+            error => Failure::Data(error.to_string()),
+        }
+    }
+}
