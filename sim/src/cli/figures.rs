@@ -24,7 +24,7 @@ use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam figures
-  efam figures --set effects.rayleigh_mass.alpha=\"0.8 1/s\" --out outputs/figures --overwrite
+  efam figures --set effects.rayleigh_mass.alpha=\"0.8 1/s\" --overwrite
 
 Exit codes: 4 if a release cannot be simulated, 130 if it is interrupted, which
 saves nothing.";

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! outputs/<UTC>_<name>_<hash8>/
+//!   report.html              all of it, for people
 //!   grid.json                every number of every case, with intervals; warnings
 //!   grid.parquet, grid.csv   the same, one row a case
 //!   over-payload.svg, over-pressure.svg, map-….svg    the pictures
@@ -17,7 +18,9 @@ use serde_json::json;
 
 use super::columns::{Column, CsvFile, Holds, ParquetFile};
 use super::folder::Folder;
+use super::page::REPORT;
 use super::picture::{PASCAL_PER_PSI, grid_pictures};
+use super::predicted::page::of_several;
 use super::predicted::{readable, with_interval};
 use super::report::significant;
 use super::{Request, ResultsError, SCENARIO, write_mark};
@@ -49,11 +52,13 @@ pub fn write_grid(folder: &Folder, request: &Request, grid: &Grid) -> Result<(),
         file.write(&values)?;
         file.finish()
     })?;
-    for picture in grid_pictures(grid) {
+    let (pictures, written) = (grid_pictures(grid), SystemTime::now());
+    for picture in &pictures {
         folder.write(&format!("{}.svg", picture.name), picture.svg.as_bytes())?;
     }
+    folder.write(REPORT, of_several(request, grid, &pictures, written).as_bytes())?;
     folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;
-    write_mark(folder, request, "grid", SystemTime::now(), json!({}))
+    write_mark(folder, request, "grid", written, json!({}))
 }
 
 /// Pressure, payload, and each number with the ends of its interval; a row for each case.

@@ -2,11 +2,14 @@
 //!
 //! ```text
 //! outputs/<UTC>_<name>_<hash8>/
+//!   report.html              all of it, for people
 //!   prediction.json          numbers with intervals, cycles, warnings
 //!   prediction.svg           height of the tip, rod, damping and frequency over amplitude
 //!   scenario.resolved.toml   the case, for `efam simulate`
 //!   summary.json             what was asked, by which command
 //! ```
+
+pub(super) mod page;
 
 use std::fmt::Write;
 use std::time::SystemTime;
@@ -14,6 +17,7 @@ use std::time::SystemTime;
 use serde_json::json;
 
 use super::folder::Folder;
+use super::page::REPORT;
 use super::picture::predicted;
 use super::report::significant;
 use super::{Request, ResultsError, SCENARIO, write_mark};
@@ -32,9 +36,11 @@ pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -
     let prediction = &outcome.prediction;
     let text = serde_json::to_string_pretty(prediction).expect("a prediction has nothing that JSON has not");
     folder.write(PREDICTION, text.as_bytes())?;
-    folder.write(PICTURE, predicted(outcome).as_bytes())?;
+    let (picture, written) = (predicted(outcome), SystemTime::now());
+    folder.write(PICTURE, picture.svg.as_bytes())?;
+    folder.write(REPORT, page::of_one(request, prediction, &[picture], written).as_bytes())?;
     folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;
-    write_mark(folder, request, "prediction", SystemTime::now(), json!({}))
+    write_mark(folder, request, "prediction", written, json!({}))
 }
 
 /// Factor and unit in which a number is told: lengths in mm, angles in degrees.

@@ -2,13 +2,13 @@
 //! rod.
 
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, heading, padded, plot_size, px};
-use super::{Area, BLACK, BLUE, Drawn, GREY, MILLI, VERMILION, drawn};
+use super::{Area, BLACK, BLUE, Drawn, GREY, MILLI, Picture, VERMILION, drawn};
 use crate::predict::{Band, Cycle, Outcome};
 
-/// Four panels, as SVG.
-pub fn predicted(outcome: &Outcome) -> String {
+/// Four panels.
+pub fn predicted(outcome: &Outcome) -> Picture {
     let prediction = &outcome.prediction;
-    drawn((1200, 840), |page| {
+    let svg = drawn((1200, 840), |page| {
         heading(page, &format!("Prediction: {}", prediction.name))?;
         let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((2, 2));
         height(&panels[0], &outcome.band)?;
@@ -18,7 +18,13 @@ pub fn predicted(outcome: &Outcome) -> String {
         over_amplitude(&panels[2], "Damping over amplitude", "damping ratio", cycles, damping)?;
         let frequency = |cycle: &Cycle| (cycle.frequency_hz, cycle.frequency_hz_95);
         over_amplitude(&panels[3], "Frequency over amplitude", "damped frequency, Hz", cycles, frequency)
-    })
+    });
+    Picture {
+        name: "prediction".to_owned(),
+        title: "The release as foretold".to_owned(),
+        caption: "Dashes and bars hold 95 % of what the errors of the calibration admit.".to_owned(),
+        svg,
+    }
 }
 
 fn height(area: &Area, band: &Band) -> Drawn {
