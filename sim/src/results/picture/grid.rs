@@ -20,6 +20,8 @@ const NUMBERS: [(&str, &str, &str, f64); 6] = [
 ];
 /// Pressures or payloads of a map up to which its cells hold their numbers.
 const LEGIBLE: usize = 12;
+/// Share of the range from which on a cell is so dark that white is read better on it.
+const DARK: f64 = 0.68;
 /// Lines in one panel at most.
 const LINES: usize = 5;
 
@@ -105,7 +107,7 @@ fn map(area: &Area, grid: &Grid, number: &Number) -> Drawn {
         panel.cell(x[i]..x[i + 1], y[j]..y[j + 1], shade(share))?;
         if is_legible {
             let middle = (0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1]));
-            let ink = if share > 0.5 { RGBColor(255, 255, 255) } else { BLACK };
+            let ink = if share > DARK { RGBColor(255, 255, 255) } else { BLACK };
             panel.number(middle, &significant(value, 3).replace('-', "\u{2212}"), &ink)?;
         }
     }

@@ -270,7 +270,7 @@ impl<'a> Panel<'a> {
 
     /// A small number about a point.
     pub fn number(&mut self, at: (f64, f64), text: &str, color: &RGBColor) -> Drawn {
-        let style = (FONT, f64::from(px(NOTE_SIZE - 2.0))).into_font().color(color);
+        let style = (FONT, f64::from(px(NOTE_SIZE))).into_font().color(color);
         let style = style.pos(Pos::new(HPos::Center, VPos::Center));
         self.chart.draw_series([Text::new(text.to_owned(), at, style)])?;
         Ok(())

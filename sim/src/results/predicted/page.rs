@@ -36,7 +36,7 @@ pub(in crate::results) fn of_one(
         rows: prediction.quantities.iter().map(row).collect(),
     });
     page.section("The release");
-    page.figures(pictures);
+    pictures.iter().for_each(|picture| page.figure(picture));
     page.section("Cycle by cycle");
     let [ratios, frequencies] =
         [|cycle: &Cycle| cycle.damping_ratio_95, |cycle: &Cycle| cycle.frequency_hz_95];
