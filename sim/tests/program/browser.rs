@@ -3,8 +3,8 @@
 //! Goal: a page that renders at 1200 and 400 pixels, light and dark, with no message on the console, no request
 //! that leaves the machine, no text over other text, nothing wider than the window, and enough contrast.
 //! Setup: small runs of each command; headless Chromium behind a proxy that is not there, so that nothing leaves,
-//! with a log of what is asked for. One frame asks for something, to show that it would be noted. The pages as they are forbid all scripts, so texts are measured in copies
-//! without that policy, in frames of the widths. Where no Chromium is there the test says so and passes;
+//! with a log of what is asked for. One frame asks for something, to show that it would be noted. The pages as they
+//! are forbid all scripts, so texts are measured in copies without that policy, in frames of the widths. Where no Chromium is there the test says so and passes;
 //! `EFAM_BROWSER` names another.
 
 use std::collections::BTreeSet;
@@ -62,9 +62,24 @@ fn pages(bench: &Bench) -> Vec<&'static str> {
     let names = CATALOGUE.iter().map(|effect| effect.about().name);
     arguments.extend(names.filter(|name| !ASKED.contains(name)).flat_map(|name| ["--without", name]));
     bench.json(&arguments);
+    let predict = [
+        "predict",
+        "--muscle",
+        "calibration/muscle.toml",
+        "--pressure",
+        "15psi",
+        "--duration",
+        "4 s",
+        "--json",
+    ];
+    bench.json(&[&predict[..], &["--draws", "8", "--out", "prediction"]].concat());
+    let several = ["--pressure", "15psi,20psi", "--payload", "0g..80g:3", "--out", "grid"];
+    bench.json(&[&predict[..3], &predict[5..], &several].concat());
     bench.json(&["report", "run", "short", "calibration", "diagnosis", "--json", "--out", "report"]);
     bench.json(&["figures", "--json", "--set", "run.duration=\"5 s\"", "--out", "figures"]);
-    vec!["run", "short", "rows", "check", "analysis", "calibration", "diagnosis", "report", "figures"]
+    let simulated = ["run", "short", "rows"];
+    let measured = ["check", "analysis", "calibration", "diagnosis"];
+    [&simulated[..], &measured, &["prediction", "grid", "report", "figures"]].concat()
 }
 
 /// Copies without the policy that measure themselves, and a page that frames all of them and all as they are.
