@@ -111,6 +111,16 @@ impl Known {
         weights
     }
 
+    /// What is known of some of the numbers alone.
+    pub fn of(&self, is_kept: impl Fn(&Knob) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.parameter.len()).filter(|k| is_kept(&self.parameter[*k])).collect();
+        let knob = |k: &usize| {
+            let own = &self.parameter[*k];
+            Knob { correlations: kept.iter().map(|l| own.correlations[*l]).collect(), ..own.clone() }
+        };
+        Self { parameter: kept.iter().map(knob).collect(), ..self.clone() }
+    }
+
     /// The section `[calibration]` of a muscle's or a scenario's file.
     pub fn section(&self) -> String {
         let own = toml::Value::try_from(self).expect("it has nothing that TOML has not");
@@ -191,6 +201,15 @@ mod tests {
         let between = at(1.5e5).covariance[0][0].sqrt();
         assert!((between / (0.5 * 1e-4f64.hypot(2e-4)) - 1.0).abs() < 1e-3, "{between}");
         assert!((at(9e5).covariance[0][0].sqrt() / 2e-4 - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_known_of_some_keeps_their_correlations() {
+        let some = known().of(|knob| knob.value != 0.02);
+        let paths: Vec<&str> = some.parameter.iter().map(|knob| knob.path.as_str()).collect();
+        assert_eq!(paths, ["rod.bending_stiffness", "alpha"]);
+        assert_eq!(some.parameter[1].correlations, [0.5, 1.0]);
+        assert!(some.check().is_ok());
     }
 
     #[test]

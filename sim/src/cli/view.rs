@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 use clap::Args;
+use sim::observe::VIEWER as VERSION;
 use sim::results::{MARK, SCENARIO};
 
 use super::failure::Failure;
@@ -51,7 +52,7 @@ pub fn run(args: &View) -> Result<ExitCode, Failure> {
             "the viewer `{VIEWER}` ended with {status}; try `{VIEWER} --version`"
         ))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Err(Failure::Output(format!(
-            "no program `{VIEWER}` on the PATH; install it with `pip install rerun-sdk==0.36.3`"
+            "no program `{VIEWER}` on the PATH; install it with `pip install rerun-sdk=={VERSION}`"
         ))),
         Err(error) => Err(Failure::Output(format!("the viewer `{VIEWER}` does not start ({error})"))),
     }

@@ -30,6 +30,8 @@ mod swing;
 pub mod verdict;
 mod words;
 
+use models::muscle;
+
 use crate::calibrate::joint::{Fitted, Known};
 use crate::calibrate::{CalibrateError, Problem};
 pub use curve::Curve;
@@ -41,6 +43,7 @@ use describe::describe;
 use idle::without_idle;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
 use planned::separation;
+use refit::errors;
 use round::{Best, Heard, round};
 use verdict::{Added, Evidence};
 
@@ -87,6 +90,8 @@ pub struct Outcome {
     pub baseline: Problem,
     /// The same with the effects in its models.
     pub repaired: Problem,
+    /// How well its parameters are known.
+    pub errors: muscle::Known,
     /// Each track of each release as it was measured, and as it is predicted before and after; first those
     /// that were fitted.
     pub curves: Vec<Curve>,
@@ -223,7 +228,10 @@ impl Course<'_> {
 
     /// Says what it all comes to.
     fn conclude(mut self) -> Result<Outcome, CalibrateError> {
-        let known = self.model.fit()?.known();
+        let (known, errors) = {
+            let fit = self.model.fit()?;
+            (fit.known(), errors(&fit))
+        };
         let (gap, curves) = {
             let mut pairs = vec![(&self.before.fitted, &self.after, false)];
             let locked = self.before.locked.as_ref().zip(self.locked());
@@ -252,7 +260,7 @@ impl Course<'_> {
         let (mut baseline, mut repaired) = (self.problem, self.model.problem);
         set(&mut baseline, &self.before.known);
         set(&mut repaired, &known);
-        Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, curves })
+        Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
     }
 
     /// Whether what was added stands alone, and else what would tell it from the others.

@@ -1,5 +1,7 @@
 //! A candidate fitted in full: its parameters beside all others, mesh and step removed anew.
 
+use models::muscle::{self, Knob};
+
 use super::candidate::Candidate;
 use super::verdict::{Added, Value};
 use crate::calibrate::joint::{Fitted, Joint, Known};
@@ -76,6 +78,47 @@ impl Added {
     /// An effect that was added, as a fit has it.
     pub(super) fn of(fit: &Joint, candidate: &Candidate) -> Self {
         Self { effect: candidate.name().to_owned(), parameters: values(fit, candidate) }
+    }
+}
+
+/// How well a fit knows the parameters that all releases or those of a pressure share; the error of the mesh is
+/// removed from them.
+pub(super) fn errors(fit: &Joint) -> muscle::Known {
+    let (all, of) = (fit.known(), uncertainty(&fit.objective, &fit.found));
+    let is_told =
+        |known: &Known| !known.unknown.is_nuisance() && !matches!(known.unknown.group, Group::Release(_));
+    let own: Vec<usize> = (0..all.len()).filter(|k| is_told(&all[*k])).collect();
+    let deviation = |k: usize| of.covariance[(k, k)].max(0.0).sqrt();
+    let correlation = |k: usize, l: usize| match (k == l, deviation(k) * deviation(l)) {
+        (true, _) => 1.0,
+        (false, both) if both > 0.0 => (of.covariance[(k, l)] / both).clamp(-1.0, 1.0),
+        _ => 0.0,
+    };
+    let knob = |k: &usize| {
+        let (unknown, x) = (&all[*k].unknown, all[*k].x);
+        let error = deviation(*k) * unknown.scaled.slope(x).abs();
+        Knob {
+            path: unknown.name.clone(),
+            pressure_pa: match unknown.group {
+                Group::Pressure(pressure) => Some(pressure),
+                _ => None,
+            },
+            value: unknown.scaled.value(x),
+            standard_error: Some(error).filter(|error| of.is_determined[*k] && error.is_finite()),
+            correlations: own.iter().map(|l| correlation(*k, *l)).collect(),
+        }
+    };
+    let trials = || fit.objective.part.members.iter();
+    let range = |values: Vec<f64>| {
+        let least = values.iter().copied().reduce(f64::min).unwrap_or(0.0);
+        [least, values.iter().copied().reduce(f64::max).unwrap_or(0.0)]
+    };
+    muscle::Known {
+        releases: trials().count(),
+        pressure_pa: range(trials().filter_map(|trial| trial.release.pressure).collect()),
+        payload_kg: range(trials().map(|trial| trial.release.payload).collect()),
+        parameter: own.iter().map(knob).collect(),
+        ..muscle::Known::default()
     }
 }
 

@@ -295,6 +295,7 @@ mod tests {
             diagnosis,
             baseline: repaired.clone(),
             repaired,
+            errors: Default::default(),
             curves: vec![curve(name, false), curve("locked", true)],
         }
     }

@@ -72,6 +72,9 @@ fn foretold(seed: u64) -> Vec<Cell> {
     grid.expect("a grid").cells
 }
 
+/// How far the truth is off a number, in half widths of its interval, and that half width over the number.
+type Off = (f64, f64);
+
 /// Share of draws whose intervals hold the truth, by number; the figures are printed.
 fn coverage(seeds: std::ops::Range<u64>) -> [f64; 4] {
     let one = |seed: u64| {
@@ -86,12 +89,12 @@ fn coverage(seeds: std::ops::Range<u64>) -> [f64; 4] {
         };
         cells.iter().zip(&PAYLOADS).map(of).collect::<Vec<_>>()
     };
-    let all: Vec<Vec<[Option<(f64, f64)>; 4]>> = seeds.into_par_iter().map(one).collect();
+    let all: Vec<Vec<[Option<Off>; 4]>> = seeds.into_par_iter().map(one).collect();
     let mut shares = [0.0; 4];
     for (k, name) in NAMES.iter().enumerate() {
         for (p, payload) in PAYLOADS.iter().enumerate() {
-            let own: Vec<(f64, f64)> = all.iter().filter_map(|cells| cells[p][k]).collect();
-            let mean = |of: &dyn Fn(&(f64, f64)) -> f64| own.iter().map(of).sum::<f64>() / own.len() as f64;
+            let own: Vec<Off> = all.iter().filter_map(|cells| cells[p][k]).collect();
+            let mean = |of: &dyn Fn(&Off) -> f64| own.iter().map(of).sum::<f64>() / own.len() as f64;
             println!(
                 "{name:16} {:>4.0} g: of {} held {:>5.1} %, off by {:+.2} half widths in the mean, {:.2} rms; half width {:.3} %",
                 1e3 * payload,
