@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::problem::{Prior, Problem, Scale, Scope, is_same_pressure};
 use super::search::Stage;
+use super::unknowns::HOLD_ANGLE;
 use crate::schema::JsonSchema;
 
 /// What was found, how well it is known, how well it fits, and what it cost.
@@ -168,6 +169,23 @@ impl Calibration {
             (trial.model, trial.run.initial) = trial.with(&values);
         }
         problem
+    }
+
+    /// The same, each rod let go from the angle at which it was held.
+    pub fn as_held(&self, problem: &Problem) -> Problem {
+        let mut problem = self.applied(problem);
+        for trial in &mut problem.trials {
+            if let Ok(k) = trial.model.index("release.angle") {
+                trial.model.theta[k] += self.nuisance(&trial.release.name, HOLD_ANGLE);
+            }
+        }
+        problem
+    }
+
+    /// What was found of a release beside the parameters; zero where it was taken as given.
+    pub(crate) fn nuisance(&self, release: &str, name: &str) -> f64 {
+        let is_it = |one: &&Calibrated| one.name == name && one.release.as_deref() == Some(release);
+        self.nuisances.iter().find(is_it).map_or(0.0, |one| one.value)
     }
 
     /// The parameters of a path, in the order of their pressures.

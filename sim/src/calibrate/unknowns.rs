@@ -7,6 +7,10 @@ use models::quantity::format_si;
 use super::error::CalibrateError;
 use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial, is_same_pressure};
 
+/// Names of what is unknown of a release.
+pub(crate) const RELEASE_INSTANT: &str = "release instant";
+pub(crate) const HOLD_ANGLE: &str = "hold angle";
+
 /// One number to be found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Unknown {
@@ -195,12 +199,12 @@ impl Unknowns {
         };
         if nuisances.release_instant {
             let deviation = trial.release.release_uncertainty.max(LEAST_INSTANT);
-            add(Kind::Instant, Acts::Instant, "release instant", "s", deviation, FARTHEST_INSTANT);
+            add(Kind::Instant, Acts::Instant, RELEASE_INSTANT, "s", deviation, FARTHEST_INSTANT);
         }
         let angle_is_fitted = problem.parameters.iter().any(|parameter| parameter.path == RELEASE_ANGLE);
         if let Some(deviation) = nuisances.hold_angle.filter(|_| trial.is_straight() && !angle_is_fitted) {
             let acts = Acts::OnTheta(index(trial, RELEASE_ANGLE)?);
-            add(Kind::HoldAngle, acts, "hold angle", "rad", deviation, f64::INFINITY);
+            add(Kind::HoldAngle, acts, HOLD_ANGLE, "rad", deviation, f64::INFINITY);
         }
         if let Some(deviation) = nuisances.offset {
             for (track, of) in trial.release.tracks.iter().enumerate() {

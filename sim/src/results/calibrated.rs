@@ -23,7 +23,7 @@ use serde_json::json;
 
 use super::folder::Folder;
 use super::page::REPORT;
-use super::picture::{calibrated, fitted, over_pressure};
+use super::picture::{against_markers, calibrated, fitted, over_pressure};
 use super::report::significant;
 use super::{Request, ResultsError, write_mark};
 use crate::calibrate::calibration::Calibrated;
@@ -70,7 +70,8 @@ pub fn write_calibration(
                 "standard_error": found.standard_error, "interval_95": found.interval_95 })
     };
     let parameters: Vec<_> = calibration.parameters.iter().map(short).collect();
-    let (pictures, written) = (fitted(calibration, &outcome.curves), SystemTime::now());
+    let (mut pictures, written) = (fitted(calibration, &outcome.curves), SystemTime::now());
+    pictures.extend(against_markers(problem, outcome));
     for picture in &pictures {
         folder.write(&picture.file(), picture.svg.as_bytes())?;
     }

@@ -1,5 +1,6 @@
 //! Pictures of runs, as SVG: readable without colour, and told apart by those who see few.
 
+mod against_markers;
 mod analysed;
 mod calibrated;
 mod diagnosed;
@@ -32,6 +33,7 @@ use super::total;
 use crate::trajectory::{Status, Trajectory};
 use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
 
+pub use against_markers::against_markers;
 pub use analysed::{analysed, recordings};
 pub use calibrated::{calibrated, over_pressure};
 pub use diagnosed::diagnosed;

@@ -90,7 +90,7 @@ impl Fit {
                 curve(own, is_leading)
             })
             .collect();
-        let compared = draw_fitted(recording, &outcome.calibration.applied(problem), &curves)?;
+        let compared = draw_fitted(recording, &outcome.calibration.as_held(problem), &curves)?;
         tree::send(recording, 4, TIMELINE, self.live, |tree| lay_out(tree, &compared))
     }
 }

@@ -31,6 +31,7 @@ pub(super) fn page(
     page.section("How well each release is met");
     fits(&mut page, calibration);
     page.figures(of("fit-"));
+    page.figures(of("shapes-"));
     page.section("What the data cannot tell apart");
     match calibration.correlations.iter().all(|group| group.names.len() < 2) {
         true => page.text("Each search found one parameter alone: there is nothing to be correlated with."),
