@@ -111,12 +111,13 @@ impl Known {
         weights
     }
 
-    /// What is known of some of the numbers alone.
+    /// What is known of some of the numbers alone, which then hold wherever they are used.
     pub fn of(&self, is_kept: impl Fn(&Knob) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.parameter.len()).filter(|k| is_kept(&self.parameter[*k])).collect();
         let knob = |k: &usize| {
             let own = &self.parameter[*k];
-            Knob { correlations: kept.iter().map(|l| own.correlations[*l]).collect(), ..own.clone() }
+            let correlations = kept.iter().map(|l| own.correlations[*l]).collect();
+            Knob { correlations, pressure_pa: None, ..own.clone() }
         };
         Self { parameter: kept.iter().map(knob).collect(), ..self.clone() }
     }
@@ -209,6 +210,7 @@ mod tests {
         let paths: Vec<&str> = some.parameter.iter().map(|knob| knob.path.as_str()).collect();
         assert_eq!(paths, ["rod.bending_stiffness", "alpha"]);
         assert_eq!(some.parameter[1].correlations, [0.5, 1.0]);
+        assert_eq!(some.parameter[0].pressure_pa, None);
         assert!(some.check().is_ok());
     }
 

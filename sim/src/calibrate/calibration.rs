@@ -3,7 +3,7 @@
 use models::quantity::format_si;
 use serde::{Deserialize, Serialize};
 
-use super::problem::{Prior, Problem, Scale, Scope, is_same_pressure};
+use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
 use super::search::Stage;
 use super::unknowns::HOLD_ANGLE;
 use crate::schema::JsonSchema;
@@ -160,8 +160,7 @@ impl Calibration {
             let release = &trial.release;
             let is_own = |one: &&Calibrated| match (&one.release, one.pressure_pa) {
                 (Some(own), _) => *own == release.name,
-                (None, Some(own)) => release.pressure.is_some_and(|pressure| is_same_pressure(pressure, own)),
-                (None, None) => true,
+                (None, pressure) => is_of_pressure(pressure, release.pressure),
             };
             let own = self.parameters.iter().filter(is_own);
             let values: Vec<(usize, f64)> =

@@ -117,6 +117,11 @@ pub(crate) fn is_same_pressure(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME_PRESSURE * a.abs().max(b.abs())
 }
 
+/// Whether what belongs to a pressure, or to all, belongs to a release at another, Pa.
+pub(crate) fn is_of_pressure(own: Option<f64>, pressure: Option<f64>) -> bool {
+    own.is_none_or(|own| pressure.is_some_and(|pressure| is_same_pressure(own, pressure)))
+}
+
 impl Parameter {
     /// A parameter with the registry's start, bounds and scale, and no prior.
     pub fn new(path: &str, scope: Scope) -> Self {

@@ -15,7 +15,6 @@ mod page;
 use std::fmt::Write;
 use std::time::SystemTime;
 
-use models::muscle::Knob;
 use serde_json::json;
 
 use super::calibrated::EXPERIMENT;
@@ -24,7 +23,7 @@ use super::page::REPORT;
 use super::picture::diagnosed;
 use super::report::significant;
 use super::{Request, ResultsError, write_mark};
-use crate::calibrate::problem::is_same_pressure;
+use crate::calibrate::problem::is_of_pressure;
 use crate::diagnose::plan::Prospect;
 use crate::diagnose::verdict::{Evidence, Gap};
 use crate::diagnose::{Diagnosis, Outcome};
@@ -48,9 +47,7 @@ pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) ->
     for (k, trial) in outcome.repaired.trials.iter().enumerate() {
         let duration = trial.release.time.last().copied().unwrap_or(1.0);
         let mut text = plain(&head, &trial.release.name, &trial.model, duration);
-        let mut known = outcome.errors.of(|knob| is_of(knob, trial.release.pressure));
-        // At its own pressure each number is what it is.
-        known.parameter.iter_mut().for_each(|knob| knob.pressure_pa = None);
+        let known = outcome.errors.of(|knob| is_of_pressure(knob.pressure_pa, trial.release.pressure));
         text += &format!("\n{}", known.section());
         folder.write(&format!("repaired-{}.toml", k + 1), text.as_bytes())?;
     }
@@ -65,14 +62,6 @@ pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) ->
         "effects": diagnosis.effects,
     });
     write_mark(folder, request, "diagnosis", written, own)
-}
-
-/// Whether a number is one of a release at that pressure, Pa.
-fn is_of(knob: &Knob, pressure: Option<f64>) -> bool {
-    match (knob.pressure_pa, pressure) {
-        (Some(own), Some(pressure)) => is_same_pressure(own, pressure),
-        (own, _) => own.is_none(),
-    }
 }
 
 /// Candidates shown of each round.

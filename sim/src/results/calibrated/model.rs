@@ -4,6 +4,7 @@
 use models::muscle::{CalibratedColumn, Found, Knob, Known, Muscle, MuscleError};
 
 use crate::calibrate::calibration::{Calibrated, Correlations};
+use crate::calibrate::problem::is_of_pressure;
 use crate::calibrate::{Calibration, Problem};
 use crate::scenario::resolved::plain;
 
@@ -77,19 +78,20 @@ pub fn rod_files(
 ) -> Vec<ModelFile> {
     let mut pressures: Vec<Option<f64>> = Vec::new();
     let mut files = Vec::new();
+    let known = known(calibration, nodes, &|_| true);
     let applied = calibration.applied(problem);
     for trial in applied.trials.iter().filter(|trial| !trial.release.held_out) {
         let pressure = trial.release.pressure;
-        if pressures.contains(&pressure) {
+        if pressures
+            .iter()
+            .any(|known| known.is_some() == pressure.is_some() && is_of_pressure(*known, pressure))
+        {
             continue;
         }
         pressures.push(pressure);
-        let is_own = |one: &Calibrated| one.pressure_pa.is_none() || one.pressure_pa == pressure;
         let duration = trial.release.time.last().copied().unwrap_or(20.0);
-        let mut known = known(calibration, nodes, &is_own);
-        // At its own pressure each number is what it is.
-        known.parameter.iter_mut().for_each(|knob| knob.pressure_pa = None);
-        let text = plain(source, &trial.release.name, &trial.model, duration) + "\n" + &known.section();
+        let own = known.of(|knob| is_of_pressure(knob.pressure_pa, pressure));
+        let text = plain(source, &trial.release.name, &trial.model, duration) + "\n" + &own.section();
         files.push(ModelFile { name: format!("rod-{}.toml", files.len() + 1), text });
     }
     if let [only] = &mut files[..] {
