@@ -111,6 +111,14 @@ impl Known {
         weights
     }
 
+    /// Least and largest of some values; zeros of none.
+    pub fn span(values: impl Iterator<Item = f64>) -> [f64; 2] {
+        let ends = values.fold(None, |ends: Option<[f64; 2]>, value| {
+            Some(ends.map_or([value; 2], |[low, high]| [low.min(value), high.max(value)]))
+        });
+        ends.unwrap_or_default()
+    }
+
     /// What is known of some of the numbers alone, which then hold wherever they are used.
     pub fn of(&self, is_kept: impl Fn(&Knob) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.parameter.len()).filter(|k| is_kept(&self.parameter[*k])).collect();

@@ -109,14 +109,10 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
         }
     };
     let trials = || fit.objective.part.members.iter();
-    let range = |values: Vec<f64>| {
-        let least = values.iter().copied().reduce(f64::min).unwrap_or(0.0);
-        [least, values.iter().copied().reduce(f64::max).unwrap_or(0.0)]
-    };
     muscle::Known {
         releases: trials().count(),
-        pressure_pa: range(trials().filter_map(|trial| trial.release.pressure).collect()),
-        payload_kg: range(trials().map(|trial| trial.release.payload).collect()),
+        pressure_pa: muscle::Known::span(trials().filter_map(|trial| trial.release.pressure)),
+        payload_kg: muscle::Known::span(trials().map(|trial| trial.release.payload)),
         parameter: own.iter().map(knob).collect(),
         ..muscle::Known::default()
     }

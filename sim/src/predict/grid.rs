@@ -101,9 +101,11 @@ pub struct Slowest {
 /// Makes a case at a pressure, Pa, with a payload, kg.
 pub type Make<'a> = &'a (dyn Fn(Option<f64>, f64) -> Result<Case, ScenarioError> + Sync);
 
-/// Runs of each case of a grid, where a calibration knows so many numbers.
+/// Runs of each case of a grid: two for each number that a calibration knows, and two on finer meshes where it
+/// removed that.
 pub fn runs(known: Option<&Known>) -> usize {
-    1 + 2 * known.map_or(0, |known| known.at(0.0).paths.len())
+    let of = |known: &Known| 2 * known.at(0.0).paths.len() + if known.nodes.is_none() { 2 } else { 0 };
+    1 + known.map_or(0, of)
 }
 
 /// Foretells every pressure with every payload. `tell` hears of each case that is done, from any thread.

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
-use ::rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines, SeriesPoints, TextLog};
+use ::rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines, SeriesPoints};
 
 use super::compared::{Compared, draw_fitted};
 use super::drawing::TIMELINE;
-use super::search::{STEP, cell, markdown};
+use super::search::{STEP, Steps, cell, markdown};
 use super::tree::{self, Kind, Property, Tree, under};
 use crate::calibrate::{self, Calibration, Outcome, Problem, Progress};
 use crate::diagnose::Curve;
@@ -24,8 +24,7 @@ type Parameters = Vec<(String, f64, &'static str)>;
 
 /// What of a calibration was shown.
 pub struct Fit {
-    live: bool,
-    steps: i64,
+    steps: Steps,
     /// What was found so far, by what was fitted together.
     parts: BTreeMap<String, Parameters>,
 }
@@ -33,23 +32,16 @@ pub struct Fit {
 impl Fit {
     /// Sends name and layout.
     pub(super) fn begin(recording: &RecordingStream, name: &str, live: bool) -> RecordingStreamResult<Self> {
-        recording.send_recording_name(name)?;
-        tree::send(recording, 3, STEP, live, |tree| {
+        let steps = Steps::begin(recording, (name, live), 3, |tree| {
             let pieces = working(tree)?;
             tree.container(Kind::Horizontal, &pieces)?;
             Ok(())
         })?;
-        Ok(Self { live, steps: 0, parts: BTreeMap::new() })
-    }
-
-    fn next_step(&mut self, recording: &RecordingStream) {
-        self.steps += 1;
-        recording.set_time_sequence(STEP, self.steps);
+        Ok(Self { steps, parts: BTreeMap::new() })
     }
 
     pub(super) fn doing(&mut self, recording: &RecordingStream, what: &str) -> RecordingStreamResult<()> {
-        self.next_step(recording);
-        recording.log(LOG, &TextLog::new(what))
+        self.steps.doing(recording, LOG, what)
     }
 
     /// A stretch was fitted.
@@ -58,7 +50,7 @@ impl Fit {
         recording: &RecordingStream,
         progress: &Progress,
     ) -> RecordingStreamResult<()> {
-        self.next_step(recording);
+        self.steps.next(recording);
         let path = tree::path(&["fit", "residuals", &progress.part]);
         if !self.parts.contains_key(&progress.part) {
             let name = progress.part.as_str();
@@ -77,7 +69,7 @@ impl Fit {
         problem: &Problem,
         outcome: &Outcome,
     ) -> RecordingStreamResult<()> {
-        self.next_step(recording);
+        self.steps.next(recording);
         recording.set_duration_secs(TIMELINE, 0.0);
         recording.log(PARAMETERS, &markdown(&answer(&outcome.calibration)))?;
         recording.disable_timeline(STEP);
@@ -91,7 +83,7 @@ impl Fit {
             })
             .collect();
         let compared = draw_fitted(recording, &outcome.calibration.as_held(problem), &curves)?;
-        tree::send(recording, 4, TIMELINE, self.live, |tree| lay_out(tree, &compared))
+        tree::send(recording, 4, TIMELINE, self.steps.live, |tree| lay_out(tree, &compared))
     }
 }
 

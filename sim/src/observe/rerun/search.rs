@@ -23,10 +23,41 @@ const SHOWN: usize = 12;
 /// Letters of the longest bar.
 const LONGEST: f64 = 24.0;
 
+/// The steps of a search, counted as they are shown.
+pub(super) struct Steps {
+    /// Whether a viewer follows.
+    pub live: bool,
+    count: i64,
+}
+
+impl Steps {
+    /// Sends name and layout.
+    pub fn begin(
+        recording: &RecordingStream,
+        (name, live): (&str, bool),
+        number: u128,
+        layout: impl FnOnce(&mut Tree) -> RecordingStreamResult<()>,
+    ) -> RecordingStreamResult<Self> {
+        recording.send_recording_name(name)?;
+        tree::send(recording, number, STEP, live, layout)?;
+        Ok(Self { live, count: 0 })
+    }
+
+    pub fn next(&mut self, recording: &RecordingStream) {
+        self.count += 1;
+        recording.set_time_sequence(STEP, self.count);
+    }
+
+    /// A step that says what is being done.
+    pub fn doing(&mut self, recording: &RecordingStream, log: &str, what: &str) -> RecordingStreamResult<()> {
+        self.next(recording);
+        recording.log(log, &TextLog::new(what))
+    }
+}
+
 /// What of a diagnosis was shown.
 pub struct Search {
-    live: bool,
-    steps: i64,
+    steps: Steps,
     /// Of each round its threshold and its candidates, as they were told last.
     rounds: BTreeMap<usize, (f64, Vec<Evidence>)>,
 }
@@ -34,8 +65,7 @@ pub struct Search {
 impl Search {
     /// Sends name and layout.
     pub(super) fn begin(recording: &RecordingStream, name: &str, live: bool) -> RecordingStreamResult<Self> {
-        recording.send_recording_name(name)?;
-        tree::send(recording, 1, STEP, live, |tree| {
+        let steps = Steps::begin(recording, (name, live), 1, |tree| {
             let pieces = [
                 (tree.view("TextDocument", "Candidates", &[under(RANKING)], &[])?, 2.0),
                 (tree.view("TextLog", "What is being done", &[under(LOG)], &[])?, 1.0),
@@ -43,17 +73,11 @@ impl Search {
             tree.container(Kind::Horizontal, &pieces)?;
             Ok(())
         })?;
-        Ok(Self { live, steps: 0, rounds: BTreeMap::new() })
-    }
-
-    fn next_step(&mut self, recording: &RecordingStream) {
-        self.steps += 1;
-        recording.set_time_sequence(STEP, self.steps);
+        Ok(Self { steps, rounds: BTreeMap::new() })
     }
 
     pub(super) fn doing(&mut self, recording: &RecordingStream, what: &str) -> RecordingStreamResult<()> {
-        self.next_step(recording);
-        recording.log(LOG, &TextLog::new(what))
+        self.steps.doing(recording, LOG, what)
     }
 
     pub(super) fn ranked(
@@ -69,7 +93,7 @@ impl Search {
                 None => known.push(candidate.clone()),
             }
         }
-        self.next_step(recording);
+        self.steps.next(recording);
         recording.log(RANKING, &markdown(&ranking(&self.rounds)))
     }
 
@@ -79,13 +103,13 @@ impl Search {
         outcome: &Outcome,
     ) -> RecordingStreamResult<()> {
         // The last ranking is there at every time of a release, too.
-        self.next_step(recording);
+        self.steps.next(recording);
         recording.set_duration_secs(TIMELINE, 0.0);
         recording.log(RANKING, &markdown(&ranking(&self.rounds)))?;
         recording.log(ANSWER, &markdown(&answer(&outcome.diagnosis)))?;
         recording.disable_timeline(STEP);
         let compared = draw(recording, outcome)?;
-        tree::send(recording, 2, TIMELINE, self.live, |tree| found(tree, &compared))
+        tree::send(recording, 2, TIMELINE, self.steps.live, |tree| found(tree, &compared))
     }
 }
 

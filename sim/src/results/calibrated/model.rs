@@ -122,15 +122,10 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
         correlations: own.iter().map(|other| correlation(one, other)).collect(),
     };
     let fitted = || calibration.releases.iter().filter(|release| !release.held_out);
-    let range = |values: Vec<f64>| {
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if values.is_empty() { [0.0; 2] } else { [least, most] }
-    };
     Known {
         releases: fitted().count(),
-        pressure_pa: range(fitted().filter_map(|release| release.pressure_pa).collect()),
-        payload_kg: range(fitted().map(|release| release.payload_kg).collect()),
+        pressure_pa: Known::span(fitted().filter_map(|release| release.pressure_pa)),
+        payload_kg: Known::span(fitted().map(|release| release.payload_kg)),
         excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
         nodes,
         parameter: own.iter().map(knob).collect(),
