@@ -8,11 +8,11 @@
 //! left as it is.
 //!
 //! Where the curve ends is found by the rule of Politis and White (2004), Econometric Reviews 23,
-//! 53-70: the first lag after which several in a row cannot be told from zero. The taper is theirs too: flat
-//! as far as the lags that matter, then falling to zero at twice that lag, so that nothing of these is taken
-//! away. It may leave a spectrum that is negative somewhere; the taper is then Bartlett's, with which none is:
-//! Newey and West (1987), Econometrica 55, 703-708. Bartlett's throughout takes a fifth of the variance that
-//! noise with a memory of three samples has at the frequency of a swing.
+//! 53-70: the first lag after which several in a row cannot be told from zero. The taper is theirs too, flat
+//! and then falling to zero, but twice as long: what each lag is too small to show, many are not. It is flat as
+//! far as twice that lag, and ends at four times it. It may leave a spectrum that is negative somewhere; the taper is then Bartlett's, with which none is:
+//! Newey and West (1987), Econometrica 55, 703-708. Bartlett's throughout, at twice that lag, takes a quarter of
+//! the variance that noise with a memory of three samples has at the frequency of a swing.
 
 /// Autocovariance of a plane's residuals, tapered: at lag zero their variance by coordinate, and
 /// nothing beyond the lags that matter.
@@ -59,7 +59,7 @@ impl Autocovariance {
             }
         }
         let last = correlation.len() - 1 - quiet;
-        let reach = 2 * last;
+        let reach = 4 * last;
         for lag in correlation.len()..=reach.min(most) {
             correlation.push(product(lag) / variance);
         }
