@@ -9,10 +9,11 @@
 //!
 //! Where the curve ends is found by the rule of Politis and White (2004), Econometric Reviews 23,
 //! 53-70: the first lag after which several in a row cannot be told from zero. The taper is theirs too, flat
-//! and then falling to zero, but twice as long: what each lag is too small to show, many are not. It is flat as
-//! far as twice that lag, and ends at four times it. It may leave a spectrum that is negative somewhere; the taper is then Bartlett's, with which none is:
-//! Newey and West (1987), Econometrica 55, 703-708. Bartlett's throughout, at twice that lag, takes a quarter of
-//! the variance that noise with a memory of three samples has at the frequency of a swing.
+//! and then falling to zero, but twice as long: what each lag is too small to show, many are not. It is flat
+//! as far as twice that lag, and ends at four times it. It may leave a spectrum that is negative somewhere;
+//! the taper is then Bartlett's, with which none is: Newey and West (1987), Econometrica 55, 703-708.
+//! Bartlett's throughout, ending at twice that lag, takes a quarter of the variance that noise with a memory of
+//! three samples has at the frequency of a swing.
 
 /// Autocovariance of a plane's residuals, tapered: at lag zero their variance by coordinate, and
 /// nothing beyond the lags that matter.

@@ -25,6 +25,12 @@ impl Known {
         (name, kind, group) == (&other.name, &other.kind, &other.group)
     }
 
+    /// Whether it is the same parameter with one value for all.
+    fn is_shared(&self, other: &Unknown) -> bool {
+        let Unknown { name, kind, group, .. } = &self.unknown;
+        (name, kind, *group) == (&other.name, &other.kind, Group::All)
+    }
+
     /// Whether it is a parameter of a trial's model.
     pub fn is_of(&self, place: usize, trial: &Trial) -> bool {
         let is_parameter = matches!(self.unknown.kind, Kind::Parameter(_));
@@ -228,7 +234,9 @@ impl<'a> Joint<'a> {
 fn placed(objective: &Objective, known: &[Known]) -> DVector<f64> {
     let mut x = objective.start();
     for (x, unknown) in x.iter_mut().zip(&objective.part.unknowns) {
-        if let Some(known) = known.iter().find(|known| known.is(unknown)) {
+        // What all shared is where one's own begins.
+        let shared = || known.iter().find(|known| known.is_shared(unknown));
+        if let Some(known) = known.iter().find(|known| known.is(unknown)).or_else(shared) {
             *x = known.x;
         }
     }

@@ -1,6 +1,6 @@
 //! What may be missing: the effects of the catalogue, each as a way to move the prediction.
 
-use models::effects::{About, CATALOGUE, Effect, Kind, Parameter as EffectParameter, Reach};
+use models::effects::{About, CATALOGUE, Effect, Kind, Parameter as EffectParameter, Place, Reach};
 use models::error::ModelError;
 
 use super::score::Subject;
@@ -18,9 +18,24 @@ pub(super) struct Candidate {
     /// Parameters of which several values are tried, at one of them.
     /// Those of which a diagnosis knows what to believe are fitted in the end, the others stay there.
     pub tried: Vec<(&'static EffectParameter, f64)>,
+    /// What shares one strength.
+    pub scope: Scope,
 }
 
 impl Candidate {
+    /// The same with a strength for each pressure, if it is an effect of the rod's material, which pressure
+    /// changes.
+    pub fn of_each_pressure(&self) -> Option<Self> {
+        let is_material = self.effect.about().places.contains(&Place::Bend);
+        (self.scope == Scope::Shared && is_material)
+            .then(|| Self { scope: Scope::PerPressure, ..self.clone() })
+    }
+
+    /// Whether it has a strength for each pressure though one for all would be natural.
+    pub fn is_widened(&self) -> bool {
+        self.scope == Scope::PerPressure && self.effect.about().reach == Reach::Muscle
+    }
+
     pub fn name(&self) -> &'static str {
         self.effect.about().name
     }
@@ -33,7 +48,9 @@ impl Candidate {
     /// What a score needs of it.
     pub fn subject(&self) -> Subject {
         let (low, high) = self.believed();
-        let side = if low >= self.off {
+        let side = if self.is_widened() {
+            0.0 // more at one pressure is less at another
+        } else if low >= self.off {
             1.0
         } else if high <= self.off {
             -1.0
@@ -48,7 +65,7 @@ impl Candidate {
     fn belief(&self) -> Option<Prior> {
         let (low, high) = self.believed();
         let widest = (high - self.off).max(self.off - low);
-        let is_own = self.effect.about().reach == Reach::Release && widest.is_finite();
+        let is_own = self.scope == Scope::PerRelease && widest.is_finite();
         is_own.then_some(Prior { mean: self.off, deviation: 0.5 * widest })
     }
 
@@ -69,16 +86,17 @@ impl Candidate {
         Ok(trial)
     }
 
-    /// The problem with the effect in it and its parameters among the unknowns. `estimate` is where
-    /// the strength begins.
+    /// The problem with the effect in it and its parameters among the unknowns; one that is in it gets the
+    /// scope of this. `estimate` is where the strength begins.
     pub fn added_to(&self, problem: &Problem, estimate: f64) -> Result<Problem, ModelError> {
-        let scope = match self.effect.about().reach {
-            Reach::Muscle => Scope::Shared,
-            Reach::Pressure => Scope::PerPressure,
-            Reach::Release => Scope::PerRelease,
-        };
+        let scope = self.scope;
         let (low, high) = self.believed();
         let mut problem = problem.clone();
+        let path = self.path();
+        if let Some(own) = problem.parameters.iter_mut().find(|parameter| parameter.path == path) {
+            own.scope = scope;
+            return Ok(problem);
+        }
         for trial in &mut problem.trials {
             *trial = self.on(trial, self.off)?;
         }
@@ -87,7 +105,7 @@ impl Candidate {
             bounds: Some((low, high)),
             prior: self.belief(),
             scale: Some(Scale::Linear),
-            ..Parameter::new(&self.path(), scope)
+            ..Parameter::new(&path, scope)
         });
         for (parameter, value) in self.tried.iter().filter(|(parameter, _)| parameter.plausible.is_some()) {
             let (low, high) = believed(parameter);
@@ -144,7 +162,12 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
             let parts = strengths(about).into_iter().filter(|(part, _)| part.name != strength.name);
             let with_parts = |tried: &Vec<_>| tried.iter().copied().chain(parts.clone()).collect();
             let tried = tried.iter().map(with_parts);
-            all.extend(tried.map(|tried| Candidate { effect, strength, off, tried }));
+            let scope = match about.reach {
+                Reach::Muscle => Scope::Shared,
+                Reach::Pressure => Scope::PerPressure,
+                Reach::Release => Scope::PerRelease,
+            };
+            all.extend(tried.map(|tried| Candidate { effect, strength, off, tried, scope }));
         }
     }
     all

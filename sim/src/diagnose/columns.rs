@@ -1,13 +1,13 @@
 //! How the predictions of a fit would move with a candidate's strength, at the value where it is off.
 
-use models::effects::Reach;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use crate::calibrate::Trial;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::Series;
 use crate::calibrate::prediction::{Prediction, predict};
+use crate::calibrate::problem::is_same_pressure;
+use crate::calibrate::{Scope, Trial};
 
 /// Derivatives of the predictions by one strength, in units of the noise, shape
 /// `[release][track][sample]` of the samples that are fitted.
@@ -28,8 +28,8 @@ const LARGEST: f64 = 3e-5;
 /// Share of the believed range with which to begin.
 const FIRST: f64 = 1e-4;
 
-/// The columns of all candidates: one, or one a release where each has its own value. A candidate whose
-/// models cannot be run has none.
+/// The columns of all candidates: one, or one a release or a pressure where each has its own value. A candidate
+/// whose models cannot be run has none; one whose strength is fitted already has none for the first pressure.
 /// `off` is what the fit predicts: an effect that is off leaves a run as it is.
 pub(super) fn columns(
     fit: &Joint,
@@ -38,28 +38,64 @@ pub(super) fn columns(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Vec<Column> {
     let of_candidate = |(c, candidate): (usize, &Candidate)| {
+        if let Some(place) = fit.objective.part.unknowns.iter().position(|own| own.name == candidate.path()) {
+            return Some(of_pressures(fit, &fitted(fit, place), c).split_off(1));
+        }
         // The step that suits one release suits the others, or nearly.
         let (first, step) = movement(fit, candidate, 0, off.first()?, first_step(candidate))?;
         let of_other = |r: usize| Some(movement(fit, candidate, r, &off[r], step)?.0);
         let others: Option<Vec<_>> = (1..off.len()).into_par_iter().map(of_other).collect();
         let all = [vec![first], others?].concat();
         tell(candidate.name());
-        Some(match candidate.effect.about().reach {
-            Reach::Release => (0..all.len())
-                .map(|own| {
-                    let only = |(r, release): (usize, &Vec<Vec<[f64; 2]>>)| {
-                        release
-                            .iter()
-                            .map(|track| if r == own { track.clone() } else { vec![[0.0; 2]; track.len()] })
-                            .collect()
-                    };
-                    Column { of: c, part: own, slopes: all.iter().enumerate().map(only).collect() }
-                })
-                .collect(),
-            Reach::Muscle | Reach::Pressure => vec![Column { of: c, part: 0, slopes: all }],
+        Some(match candidate.scope {
+            Scope::PerRelease => {
+                (0..all.len()).map(|own| Column::only(c, own, &all, |release| release == own)).collect()
+            }
+            _ if candidate.is_widened() => of_pressures(fit, &all, c),
+            Scope::Shared | Scope::PerPressure => vec![Column { of: c, part: 0, slopes: all }],
         })
     };
     candidates.par_iter().enumerate().filter_map(of_candidate).collect::<Vec<Vec<Column>>>().concat()
+}
+
+impl Column {
+    /// What moves in some of the releases alone.
+    fn only(of: usize, part: usize, all: &[Vec<Vec<[f64; 2]>>], is_own: impl Fn(usize) -> bool) -> Self {
+        let still = |track: &Vec<[f64; 2]>| vec![[0.0; 2]; track.len()];
+        let slopes = all.iter().enumerate().map(|(r, release)| match is_own(r) {
+            true => release.clone(),
+            false => release.iter().map(still).collect(),
+        });
+        Self { of, part, slopes: slopes.collect() }
+    }
+}
+
+/// Of what moves in all releases a column for each pressure.
+fn of_pressures(fit: &Joint, all: &[Vec<Vec<[f64; 2]>>], of: usize) -> Vec<Column> {
+    let pressure = |trial: &&Trial| trial.release.pressure;
+    let members = &fit.objective.part.members;
+    let mut pressures: Vec<f64> = members.iter().filter_map(pressure).collect();
+    pressures.sort_by(f64::total_cmp);
+    pressures.dedup_by(|a, b| is_same_pressure(*a, *b));
+    let column = |(number, own): (usize, &f64)| {
+        Column::only(of, number, all, |r| {
+            pressure(&members[r]).is_some_and(|there| is_same_pressure(there, *own))
+        })
+    };
+    pressures.iter().enumerate().map(column).collect()
+}
+
+/// How the predictions move with the value of an unknown that is fitted.
+fn fitted(fit: &Joint, place: usize) -> Vec<Vec<Vec<[f64; 2]>>> {
+    let part = &fit.objective.part;
+    let per = part.unknowns[place].scaled.slope(fit.found.x[place]).recip();
+    let of_release = |(r, block): (usize, &Vec<Series>)| {
+        let local = part.locals[r].iter().position(|local| local.unknown == place);
+        let of_sample =
+            |slopes: &Vec<[f64; 2]>| local.map_or([0.0; 2], |k| slopes[k].map(|slope| per * slope));
+        block.iter().map(|series| series.slopes.iter().map(of_sample).collect()).collect()
+    };
+    fit.found.at.carried.blocks.iter().enumerate().map(of_release).collect()
 }
 
 /// What a fit predicts of all its releases; none where it cannot be run.

@@ -15,7 +15,7 @@ use super::refit::{Rough, rough};
 use super::score::{Score, scores_of};
 use super::verdict::Added;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::{CalibrateError, Problem};
+use crate::calibrate::{CalibrateError, Problem, Scope};
 use crate::schema::JsonSchema;
 
 /// A description, not a cause.
@@ -100,7 +100,8 @@ fn others(terms: &[&str]) -> Vec<Candidate> {
     let is_new = |term: &&'static Parameter| !terms.contains(&term.name);
     let of = |strength: &'static Parameter| {
         let rest = all().filter(is_new).filter(|term| term.name != strength.name);
-        Candidate { effect, strength, off: 0.0, tried: rest.map(|term| (term, 0.0)).collect() }
+        let tried = rest.map(|term| (term, 0.0)).collect();
+        Candidate { effect, strength, off: 0.0, tried, scope: Scope::Shared }
     };
     all().filter(is_new).map(of).collect()
 }

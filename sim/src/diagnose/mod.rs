@@ -9,7 +9,9 @@
 //! the answer is a class, with the recording that would tell them apart (`planned.rs`). Releases that are
 //! locked away judge it (`judge.rs`). The search goes on with the larger model until nothing scores; what
 //! became idle is left out again (`idle.rs`). Where a candidate or a shape stands out that no effect explains,
-//! the answer is that something unknown is missing, and what it would take is described (`describe.rs`).
+//! the answer is that something unknown is missing, and what it would take is described (`describe.rs`). Before
+//! that the search is made once more with effects of the rod's material that differ in size from pressure to
+//! pressure.
 
 mod candidate;
 mod columns;
@@ -44,8 +46,8 @@ use idle::without_idle;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
 use planned::separation;
 use refit::errors;
-use round::{Best, Heard, round};
-use verdict::{Added, Evidence};
+use round::{Asked, Best, Heard, round};
+use verdict::{Added, Evidence, Gap};
 
 /// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
 pub trait Listener: Sync {
@@ -112,19 +114,13 @@ pub fn diagnose(
     let locked = Locked::meet(&model.problem, &known)?;
     let diagnosis = Diagnosis { false_alarm: settings.false_alarm, numerics, ..Diagnosis::default() };
     drop(fit);
-    let mut course = Course {
-        problem: model.problem.clone(),
-        settings,
-        listener,
-        after: before.clone(),
-        before: Before { fitted: before, locked, known },
-        model,
-        cost,
-        added: Vec::new(),
-        diagnosis,
-    };
+    let before = Before { model, cost, fitted: before, locked, known };
+    let mut course = Course::new(&before, settings, listener, diagnosis);
     course.search()?;
-    course.leave_out_idle()?;
+    if course.is_unknown()? && course.can_be_widened() {
+        listener.doing("again, with strengths that differ from pressure to pressure");
+        course = course.widened()?;
+    }
     course.conclude()
 }
 
@@ -138,30 +134,61 @@ struct Course<'a> {
     problem: Problem,
     settings: &'a Settings,
     listener: &'a dyn Listener,
-    before: Before,
+    before: &'a Before,
     /// The model with all that was added, fitted; its cost, and how it meets what it was fitted to.
     model: Fitted,
     cost: f64,
     after: Judgement,
     added: Vec<Best>,
+    /// Whether effects of the rod's material have a strength for each pressure.
+    is_widened: bool,
     diagnosis: Diagnosis,
 }
 
-/// How the baseline meets what it was fitted to, and what was locked away; what it found.
+/// The baseline: its cost, how it meets what it was fitted to, and what was locked away; what it found.
 struct Before {
+    model: Fitted,
+    cost: f64,
     fitted: Judgement,
     locked: Option<Locked>,
     known: Vec<Known>,
 }
 
-impl Course<'_> {
-    /// Adds effect after effect while something speaks.
+impl<'a> Course<'a> {
+    fn new(
+        before: &'a Before,
+        settings: &'a Settings,
+        listener: &'a dyn Listener,
+        diagnosis: Diagnosis,
+    ) -> Self {
+        Self {
+            problem: before.model.problem.clone(),
+            settings,
+            listener,
+            before,
+            model: before.model.clone(),
+            cost: before.cost,
+            after: before.fitted.clone(),
+            added: Vec::new(),
+            is_widened: false,
+            diagnosis,
+        }
+    }
+
+    /// Adds effect after effect while something speaks, and leaves out what became idle.
     fn search(&mut self) -> Result<(), CalibrateError> {
+        self.add_all()?;
+        self.leave_out_idle()
+    }
+
+    fn add_all(&mut self) -> Result<(), CalibrateError> {
+        let rounds = self.diagnosis.thresholds.len();
         for number in 1..=self.settings.most_effects + 1 {
+            let is_last = number > self.settings.most_effects;
+            let asked = Asked { number: rounds + number, is_last, is_widened: self.is_widened };
             let fit = self.model.fit()?;
-            let explained = self.added.iter().map(|best| best.gain).sum();
             let (problem, locked) = (&self.model.problem, self.locked());
-            let found = round(&fit, problem, locked, explained, number, self.settings, self.listener)?;
+            let found = round(&fit, problem, locked, &self.added, asked, self.settings, self.listener)?;
             drop(fit);
             self.diagnosis.thresholds.push(found.threshold);
             self.diagnosis.evidence.extend(found.evidence);
@@ -191,9 +218,14 @@ impl Course<'_> {
         Ok(())
     }
 
-    fn add(&mut self, best: Box<Best>) -> Result<(), CalibrateError> {
+    fn add(&mut self, mut best: Box<Best>) -> Result<(), CalibrateError> {
         self.model = best.refit.fitted.clone();
         self.cost = best.refit.cost;
+        // It may be there already, with one strength for all pressures.
+        let name = best.candidate.name();
+        if let Some(place) = self.added.iter().position(|added| added.candidate.name() == name) {
+            best.widen(self.added.remove(place));
+        }
         self.added.push(*best);
         let fit = self.model.fit()?;
         let candidates = self.added.iter().map(|best| &best.candidate);
@@ -221,6 +253,53 @@ impl Course<'_> {
         Ok(())
     }
 
+    /// Whether releases at several pressures are fitted.
+    fn can_be_widened(&self) -> bool {
+        let fitted = self.problem.trials.iter().filter(|trial| !trial.release.held_out);
+        let [lowest, highest] = muscle::Known::span(fitted.filter_map(|trial| trial.release.pressure));
+        lowest < highest
+    }
+
+    /// The same search with strengths that differ from pressure to pressure, if that has an answer; or else
+    /// this, with the evidence of both.
+    fn widened(mut self) -> Result<Self, CalibrateError> {
+        let Diagnosis { false_alarm, numerics, evidence, thresholds, shapes, .. } = self.diagnosis.clone();
+        let diagnosis =
+            Diagnosis { false_alarm, numerics, evidence, thresholds, shapes, ..Diagnosis::default() };
+        let mut wider = Self::new(self.before, self.settings, self.listener, diagnosis);
+        wider.is_widened = true;
+        wider.search()?;
+        if wider.added.is_empty() || wider.is_unknown()? {
+            for evidence in wider.diagnosis.evidence.iter_mut().skip(self.diagnosis.evidence.len()) {
+                evidence
+                    .rejected
+                    .get_or_insert_with(|| "beside it something else would be missing".to_owned());
+            }
+            self.diagnosis.evidence = wider.diagnosis.evidence;
+            self.diagnosis.thresholds = wider.diagnosis.thresholds;
+            return Ok(self);
+        }
+        Ok(wider)
+    }
+
+    /// Gaps before and after of what was fitted and what was locked away, and the curves behind them.
+    fn gaps(&self) -> (Vec<Gap>, Vec<Curve>) {
+        let mut pairs = vec![(&self.before.fitted, &self.after, false)];
+        let locked = self.before.locked.as_ref().zip(self.locked());
+        pairs.extend(locked.map(|(before, after)| (&before.judgement, &after.judgement, true)));
+        let gap = pairs.iter().flat_map(|(before, after, held_out)| gaps(before, after, *held_out));
+        (gap.collect(), curves(&pairs))
+    }
+
+    /// Whether what was found is no answer: more would be missing, a setup would be needed that nobody believes
+    /// in, or what was locked away is missed.
+    fn is_unknown(&self) -> Result<bool, CalibrateError> {
+        if self.added.is_empty() || self.diagnosis.verdict == Verdict::Unknown {
+            return Ok(self.diagnosis.verdict == Verdict::Unknown);
+        }
+        Ok(words::is_strained(&self.model.fit()?.known()) || is_astray(&self.gaps().0))
+    }
+
     /// How the model with all that was added meets what was locked away.
     fn locked(&self) -> Option<&Locked> {
         self.added.last().map_or(self.before.locked.as_ref(), |best| best.locked.as_ref())
@@ -232,14 +311,8 @@ impl Course<'_> {
             let fit = self.model.fit()?;
             (fit.known(), errors(&fit))
         };
-        let (gap, curves) = {
-            let mut pairs = vec![(&self.before.fitted, &self.after, false)];
-            let locked = self.before.locked.as_ref().zip(self.locked());
-            pairs.extend(locked.map(|(before, after)| (&before.judgement, &after.judgement, true)));
-            let gap = pairs.iter().flat_map(|(before, after, held_out)| gaps(before, after, *held_out));
-            (gap.collect::<Vec<_>>(), curves(&pairs))
-        };
-        if !self.added.is_empty() && (words::is_strained(&known) || is_astray(&gap)) {
+        let (gap, curves) = self.gaps();
+        if self.is_unknown()? {
             self.diagnosis.verdict = Verdict::Unknown;
         }
         if self.diagnosis.verdict == Verdict::Unknown {

@@ -1,6 +1,7 @@
 //! A candidate fitted in full: its parameters beside all others, mesh and step removed anew.
 
 use models::muscle::{self, Knob};
+use models::quantity::format_si;
 
 use super::candidate::Candidate;
 use super::verdict::{Added, Value};
@@ -29,6 +30,8 @@ pub(super) struct Refit {
 pub(super) struct Rough {
     pub problem: Problem,
     pub known: Vec<Known>,
+    /// Unknowns without it.
+    pub without: usize,
     /// Cost under the loss of the noise, with mesh and step as they are.
     pub cost: f64,
 }
@@ -58,7 +61,7 @@ pub(super) fn rough(
         let (known, cost) = (fit.known(), fit.cost());
         drop(fit);
         if best.as_ref().is_none_or(|best| cost < best.cost) {
-            best = Some(Rough { problem, known, cost });
+            best = Some(Rough { problem, known, without: without.found.x.len(), cost });
         }
     }
     Ok(best)
@@ -68,8 +71,7 @@ pub(super) fn rough(
 pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
     let Some(fit) = Joint::follow(&rough.problem, &rough.known, &|_| ())? else { return Ok(None) };
     let (values, known, cost) = (values(&fit, candidate), fit.known(), fit.cost());
-    let prefix = prefix(candidate);
-    let unknowns = known.iter().filter(|known| known.unknown.name.starts_with(&prefix)).count();
+    let unknowns = known.len() - rough.without;
     let fitted = Fitted::new(rough.problem.clone(), fit.found);
     Ok(Some(Refit { fitted, known, cost, values, unknowns }))
 }
@@ -137,7 +139,7 @@ fn values(fit: &Joint, candidate: &Candidate) -> Vec<Value> {
             unit: known.unknown.unit.to_owned(),
             of: match known.unknown.group {
                 Group::All => None,
-                Group::Pressure(pressure) => Some(format!("{pressure} Pa")),
+                Group::Pressure(pressure) => Some(format_si(pressure, "Pa")),
                 Group::Release(t) => fit.name_of(t),
             },
             value: known.value(),

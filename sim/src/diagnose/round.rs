@@ -29,6 +29,17 @@ pub(super) struct Round {
     pub heard: Heard,
 }
 
+/// Which round it is.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    /// From 1.
+    pub number: usize,
+    /// Whether no more may be added.
+    pub is_last: bool,
+    /// Whether effects of the rod's material have a strength for each pressure.
+    pub is_widened: bool,
+}
+
 /// What speaks in the residual.
 pub(super) enum Heard {
     /// No candidate.
@@ -57,6 +68,17 @@ pub(super) struct Best {
     pub members: Vec<(Member, Candidate)>,
 }
 
+impl Best {
+    /// Takes the place of the same effect with one strength for all pressures.
+    pub fn widen(&mut self, narrow: Self) {
+        self.gain += narrow.gain;
+        self.price += narrow.price;
+        if self.members.is_empty() {
+            self.members = narrow.members;
+        }
+    }
+}
+
 /// Candidates fitted in full, at most.
 const SHORTLIST: usize = 6;
 /// Share of the largest promised decrease from which on a candidate is fitted.
@@ -82,21 +104,26 @@ const AGREES: f64 = 0.1;
 /// χ², in what noise gives, below which effects of which none is believed are not there at all.
 const CHANCE: f64 = 3.0;
 
-/// Looks for one effect beside those that the problem's models have, which took `explained` off χ². `before` is
-/// how they meet what was locked away.
+/// Looks for one effect beside those that the problem's models have, `added` among them; or for one of these that
+/// is not as strong at one pressure as at another. `before` is how they meet what was locked away.
 pub(super) fn round(
     fit: &Joint,
     problem: &Problem,
     before: Option<&Locked>,
-    explained: f64,
-    number: usize,
+    added: &[Best],
+    Asked { number, is_last, is_widened }: Asked,
     settings: &Settings,
     listener: &dyn Listener,
 ) -> Result<Round, CalibrateError> {
     let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));
     let off = predictions(fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let shapes = shapes(fit, &off, number, RARER * settings.false_alarm);
-    let candidates = candidates(problem, &settings.excluded);
+    let mut candidates = candidates(problem, &settings.excluded);
+    if is_widened {
+        candidates.iter_mut().for_each(|own| *own = own.of_each_pressure().unwrap_or_else(|| own.clone()));
+    }
+    candidates.extend(added.iter().filter_map(|best| best.candidate.of_each_pressure()));
+    let explained = added.iter().map(|best| best.gain).sum::<f64>();
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
@@ -111,7 +138,7 @@ pub(super) fn round(
     let is_heard = entries.iter().any(|entry| is_loud(entry) && is_large(entry));
     let loudest = entries.first().filter(|entry| is_loud(entry)).map(|entry| entry.candidate.name());
     let negligible = loudest.filter(|_| !is_heard);
-    let one_more = loudest.filter(|_| is_heard && number > settings.most_effects);
+    let one_more = loudest.filter(|_| is_heard && is_last);
     let is_shape =
         |shape: &Shape| shape.score > shape.threshold && shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
     let is_shaped = shapes.iter().any(is_shape);
@@ -191,6 +218,7 @@ impl Entry {
         Evidence {
             round,
             effect: self.candidate.name().to_owned(),
+            of_each_pressure: self.candidate.is_widened(),
             tried: tried.map(|(parameter, value)| (parameter.name.to_owned(), *value)).collect(),
             score: self.score.size,
             predicted_decrease: self.score.decrease,
@@ -306,7 +334,8 @@ fn choose(
         };
         let behind = worth(refit) - least;
         entry.realised = Some(2.0 * (null - refit.cost) / widening);
-        if entry.strength().is_none_or(|strength| strength == entry.candidate.off) {
+        let vanishes = |strength: f64| strength == entry.candidate.off && !entry.candidate.is_widened();
+        if entry.strength().is_none_or(vanishes) {
             entry.reject("fitted in full it vanishes");
         } else if behind.min(fair(refit) - fairest) >= LEAD && distance >= ONE {
             entry.falls_behind(behind, leader);
@@ -367,7 +396,9 @@ fn choose(
 /// Distance of two traces at the strength of the first, standard deviations of the noise as it is.
 fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
     let strengths = match first.strength() {
-        Some(strength) if first.score.columns.len() == 1 => vec![strength - first.candidate.off],
+        Some(strength) if first.score.columns.len() == 1 && !first.candidate.is_widened() => {
+            vec![strength - first.candidate.off]
+        }
         _ => first.score.estimates.clone(),
     };
     let distance = distance(&scores.gram, &first.score.columns, &second.score.columns, &strengths);

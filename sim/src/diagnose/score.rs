@@ -93,7 +93,8 @@ pub(super) struct Score {
     pub decrease: f64,
     /// What the residual asks of each column.
     pub estimates: Vec<f64>,
-    /// Strength that the residual asks for; the root mean square where each release has its own.
+    /// Strength that the residual asks for; the mean where each pressure has its own, the root mean square where
+    /// each release has.
     pub estimate: f64,
     /// Whether the estimate has an admissible sign.
     pub is_admissible: bool,
@@ -260,9 +261,10 @@ fn score(
         return Score::default();
     }
     let estimates = &weight.to_strengths * &own;
-    let estimate = match &estimates.as_slice() {
-        [one] => subject.off + one,
-        all => (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt(),
+    let mean = |of: fn(f64) -> f64| estimates.iter().map(|x| of(*x)).sum::<f64>() / estimates.len() as f64;
+    let estimate = match subject.believed {
+        Some(_) if columns.len() > 1 => mean(|x| x * x).sqrt(),
+        _ => subject.off + mean(|x| x),
     };
     let is_admissible = subject.admits(columns.len(), estimate);
     Score {

@@ -112,6 +112,9 @@ pub struct Evidence {
     pub round: usize,
     /// Its stable name.
     pub effect: String,
+    /// Whether it was found before, and what is asked is a strength for each pressure.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_each_pressure: bool,
     /// Values at which parameters were tried.
     pub tried: Vec<(String, f64)>,
     /// Size of its score.
@@ -126,6 +129,13 @@ pub struct Evidence {
     pub held_out_decrease: Option<f64>,
     /// Why it is not the answer; none for the one that is.
     pub rejected: Option<String>,
+}
+
+impl Evidence {
+    /// What was asked for, as a row of a table names it.
+    pub fn asked(&self) -> String {
+        if self.of_each_pressure { format!("{}, by pressure", self.effect) } else { self.effect.clone() }
+    }
 }
 
 /// How far simulation and recordings are apart.

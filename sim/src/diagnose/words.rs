@@ -72,8 +72,17 @@ fn capitalised(words: &str) -> String {
 }
 
 fn names(diagnosis: &Diagnosis) -> String {
-    let names: Vec<_> = diagnosis.effects.iter().map(|added| called(&added.effect)).collect();
-    capitalised(&listed(&names))
+    let is_of_each = |added: &Added| {
+        diagnosis
+            .evidence
+            .iter()
+            .any(|own| own.effect == added.effect && own.of_each_pressure && own.rejected.is_none())
+    };
+    let name = |added: &Added| match is_of_each(added) {
+        true => format!("{} of another size at each pressure", called(&added.effect)),
+        false => called(&added.effect),
+    };
+    capitalised(&listed(&diagnosis.effects.iter().map(name).collect::<Vec<_>>()))
 }
 
 /// One, two and three.
@@ -186,8 +195,10 @@ fn removed(diagnosis: &Diagnosis) -> Option<String> {
 /// What the next best effect would explain in the place of the one that was added.
 fn next_best(diagnosis: &Diagnosis) -> Option<String> {
     let [only] = &diagnosis.effects[..] else { return None };
-    let first = || diagnosis.evidence.iter().filter(|evidence| evidence.round == 1);
-    let own = first().find(|evidence| evidence.effect == only.effect)?.realised_decrease?;
+    let is_found = |own: &&Evidence| own.effect == only.effect && own.rejected.is_none();
+    let found = diagnosis.evidence.iter().find(is_found)?;
+    let (round, own) = (found.round, found.realised_decrease?);
+    let first = || diagnosis.evidence.iter().filter(|evidence| evidence.round == round);
     let is_other = |evidence: &&Evidence| {
         evidence.effect != only.effect
             && diagnosis.members.iter().all(|member| member.effect != evidence.effect)

@@ -113,7 +113,7 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
             let _ = writeln!(
                 out,
                 "  {:22}{:>8.2}{:>10.1}{keeps:>10}{:>12}  {}",
-                evidence.effect,
+                evidence.asked(),
                 evidence.score,
                 evidence.predicted_decrease,
                 significant(evidence.strength, 3),

@@ -50,6 +50,36 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
     assert!(repaired.trials.iter().all(|trial| trial.model.effect("viscoelastic").is_some()));
 }
 
+/// No effect of one size does what this does; the size at the locked pressure is its own, too, and one release more
+/// is locked away at a pressure that is not.
+#[test]
+fn an_effect_of_another_size_at_each_pressure_is_found() {
+    let drawn = |size: f64| {
+        let usual = Plan::usual(&[Hidden::named("viscoelastic", size).expect("it is known")]);
+        Plan { angles: usual.angles[..2].to_vec(), duration: 6.0, ..usual }.draw(905)
+    };
+    // What is drawn by chance does not depend on what is hidden.
+    let mut all = drawn(0.5);
+    for (k, size) in [(1, 1.0), (2, 2.0)] {
+        all.releases.splice(2 * k..2 * k + 2, drawn(size).releases.drain(2 * k..2 * k + 2));
+    }
+    let settings = Settings { most_effects: 1, ..Settings::default() };
+    let found = diagnose(&problem(&all), &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
+    assert!(matches!(found.verdict, Verdict::Named | Verdict::Class), "{}", found.summary);
+    assert!(
+        found.summary.contains("Viscoelastic bending of another size at each pressure"),
+        "{}",
+        found.summary
+    );
+    let own = found.effects[0].parameters.iter().filter(|own| own.name == "branch_stiffness");
+    let sizes: Vec<f64> = own.map(|own| own.value).collect();
+    let typical = Hidden::named("viscoelastic", 1.0).expect("it is known").strength();
+    assert_eq!(sizes.len(), 2, "{:?}", found.effects);
+    assert!((sizes[0] / (0.5 * typical) - 1.0).abs() < 0.15, "{sizes:?}");
+    assert!((sizes[1] / (2.0 * typical) - 1.0).abs() < 0.1, "{sizes:?}");
+    assert!(worst_gap(&found) < 1.25, "{:?}", found.gap);
+}
+
 /// With nothing to choose from, what is hidden is described, and not called nothing.
 #[test]
 fn what_the_catalogue_does_not_hold_is_unknown() {

@@ -147,7 +147,9 @@ fn ranking(rounds: &BTreeMap<usize, (f64, Vec<Evidence>)>) -> String {
             let _ = writeln!(
                 text,
                 "| {} | {:.2} | {bar} | {:.0} | {keeps} | {why} |",
-                own.effect, own.score, own.predicted_decrease
+                own.asked(),
+                own.score,
+                own.predicted_decrease
             );
         }
         text.push('\n');
@@ -186,6 +188,7 @@ mod tests {
         let candidate = |round, effect: &str, score| Evidence {
             round,
             effect: effect.to_owned(),
+            of_each_pressure: false,
             tried: Vec::new(),
             score,
             predicted_decrease: score * score,

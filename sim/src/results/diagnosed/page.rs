@@ -159,7 +159,7 @@ fn evidence(page: &mut Page, diagnosis: &Diagnosis) {
     let row = |own: &crate::diagnose::verdict::Evidence| {
         let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.1}"));
         vec![
-            own.effect.clone(),
+            own.asked(),
             own.round.to_string(),
             format!("{:.2}", own.score),
             number(Some(own.predicted_decrease)),
@@ -228,6 +228,7 @@ mod tests {
         let evidence = |effect: &str, rejected: Option<&str>| Evidence {
             round: 1,
             effect: effect.to_owned(),
+            of_each_pressure: false,
             tried: Vec::new(),
             score: 12.0,
             predicted_decrease: 140.0,
