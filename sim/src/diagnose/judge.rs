@@ -53,6 +53,11 @@ impl Locked {
         }
     }
 
+    /// What belongs to them alone, as fitted to them.
+    pub fn known(&self) -> Result<Vec<Known>, CalibrateError> {
+        Ok(self.fitted.fit()?.known())
+    }
+
     /// What they cost the model beyond what was fitted, whose fit is given; none where all together cannot be
     /// run.
     pub fn cost(&self, fit: &Joint, problem: &Problem) -> Result<Option<f64>, CalibrateError> {

@@ -330,9 +330,16 @@ impl<'a> Course<'a> {
         self.diagnosis.warnings.extend(words::warnings(&self.problem));
         self.diagnosis.warnings.extend(words::strained(&known));
         self.diagnosis.summary = words::summary(&self.diagnosis);
+        // What was fitted comes last: a pressure may have releases of both kinds.
+        let of_locked = |locked: Option<&Locked>| locked.map_or(Ok(Vec::new()), Locked::known);
+        let (before, after) = (of_locked(self.before.locked.as_ref())?, of_locked(self.locked())?);
         let (mut baseline, mut repaired) = (self.problem, self.model.problem);
-        set(&mut baseline, &self.before.known);
-        set(&mut repaired, &known);
+        for known in [&before, &self.before.known] {
+            set(&mut baseline, known);
+        }
+        for known in [&after, &known] {
+            set(&mut repaired, known);
+        }
         Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
     }
 

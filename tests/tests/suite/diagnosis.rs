@@ -64,7 +64,8 @@ fn an_effect_of_another_size_at_each_pressure_is_found() {
         all.releases.splice(2 * k..2 * k + 2, drawn(size).releases.drain(2 * k..2 * k + 2));
     }
     let settings = Settings { most_effects: 1, ..Settings::default() };
-    let found = diagnose(&problem(&all), &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
+    let outcome = diagnose(&problem(&all), &settings, &|_: &str| ()).expect("it can be diagnosed");
+    let Outcome { diagnosis: found, repaired, .. } = outcome;
     assert!(matches!(found.verdict, Verdict::Named | Verdict::Class), "{}", found.summary);
     assert!(
         found.summary.contains("Viscoelastic bending of another size at each pressure"),
@@ -77,6 +78,10 @@ fn an_effect_of_another_size_at_each_pressure_is_found() {
     assert_eq!(sizes.len(), 2, "{:?}", found.effects);
     assert!((sizes[0] / (0.5 * typical) - 1.0).abs() < 0.15, "{sizes:?}");
     assert!((sizes[1] / (2.0 * typical) - 1.0).abs() < 0.1, "{sizes:?}");
+    // At the locked pressure it has the size that was fitted there.
+    let locked = &repaired.trials[2].model;
+    let own = locked.theta[locked.index("effects.viscoelastic.branch_stiffness").expect("it is there")];
+    assert!((own / typical - 1.0).abs() < 0.1, "{own}");
     assert!(worst_gap(&found) < 1.25, "{:?}", found.gap);
 }
 
