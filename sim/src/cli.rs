@@ -20,6 +20,7 @@ mod report;
 mod rest;
 mod schema;
 mod simulate;
+mod sweep;
 mod view;
 mod voice;
 
@@ -63,6 +64,8 @@ enum Command {
     Diagnose(diagnose::Diagnose),
     /// Foretell what a calibrated muscle will do with a payload, with intervals.
     Predict(predict::Predict),
+    /// Simulate many points of a design: here on all cores, or on a cluster.
+    Sweep(sweep::Sweep),
     /// Open the Rerun recording of a finished run in the viewer.
     View(view::View),
     /// Put runs beside one another, on a page and in numbers.
@@ -115,6 +118,7 @@ pub fn main() -> ExitCode {
         Command::Calibrate(args) => calibrate::run(&args, &voice),
         Command::Diagnose(args) => diagnose::run(&args, &voice),
         Command::Predict(args) => predict::run(&args, &voice),
+        Command::Sweep(args) => sweep::run(&args, &voice),
         Command::View(args) => view::run(&args),
         Command::Report(args) => report::run(&args, &voice),
         Command::Figures(args) => figures::run(&args, &voice),
@@ -173,7 +177,7 @@ mod tests {
         for below in command.get_subcommands() {
             leaves(below, &format!("{name} {}", below.get_name()), all);
         }
-        if !command.has_subcommands() {
+        if !command.is_subcommand_required_set() {
             all.push((name.to_owned(), command.clone()));
         }
     }

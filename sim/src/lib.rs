@@ -17,4 +17,5 @@ pub mod recording;
 pub mod results;
 pub mod scenario;
 pub mod schema;
+pub mod sweep;
 pub mod trajectory;

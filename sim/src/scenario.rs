@@ -117,6 +117,24 @@ impl Scenario {
         self.plan.known.as_ref()
     }
 
+    /// What its files say, each as `path=value`: set over its text, that needs no other file.
+    pub fn without_files(&self) -> Vec<String> {
+        let keys = self.document.keys();
+        let names = |table: &str, key: &str| keys.table(table).is_ok_and(|table| table.has(key));
+        let mut set = Vec::new();
+        if let Some(muscle) = self.plan.muscle.as_ref().filter(|_| names("muscle", "file")) {
+            set.push(format!("muscle.text={}", serde_json::Value::from(muscle.text.as_str())));
+        }
+        if let (plan::From::Points(points), true) = (&self.plan.from, names("release", "posture")) {
+            let row = |[x, z, vx, vz]: &[f64; 4]| {
+                format!("[\"{x:?} m\", \"{z:?} m\", \"{vx:?} m/s\", \"{vz:?} m/s\"]")
+            };
+            let rows: Vec<String> = points.iter().map(row).collect();
+            set.push(format!("release.nodes=[{}]", rows.join(", ")));
+        }
+        set
+    }
+
     /// The runs that it asks for: one, or one for each row of the muscle's table.
     /// # Errors
     /// [`ScenarioError`] for what the muscle or the model refuses.

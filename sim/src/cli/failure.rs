@@ -10,6 +10,7 @@ use sim::experiment::ExperimentError;
 use sim::recording::RecordingError;
 use sim::results::ResultsError;
 use sim::scenario::ScenarioError;
+use sim::sweep::SweepError;
 
 use super::interrupt;
 
@@ -85,6 +86,18 @@ impl From<ResultsError> for Failure {
         match error {
             ResultsError::Write { .. } | ResultsError::FileName { .. } => Failure::Output(error.to_string()),
             _ => Failure::Usage(error.to_string()),
+        }
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Scenario(error) => error.into(),
+            SweepError::Results(error) => error.into(),
+            SweepError::NoShard { .. } | SweepError::Foreign { .. } => Failure::Usage(error.to_string()),
+            SweepError::Unwritten { .. } => Failure::Output(error.to_string()),
+            error => Failure::Data(error.to_string()),
         }
     }
 }

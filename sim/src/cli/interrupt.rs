@@ -42,6 +42,18 @@ pub fn check() -> Result<(), Failure> {
 /// Does what takes long. On Ctrl-C, `kept` is dropped, such as a folder that is not finished, and the program
 /// ends: what works here keeps no state that would have to be put in order, and half a search says nothing.
 pub fn during<K, T: Send>(kept: K, stages: &Stages, work: impl FnOnce() -> T + Send) -> (K, T) {
+    during_or(kept, stages, work, || {
+        Failure::Interrupted.report(false);
+    })
+}
+
+/// The same with its own last words, for what keeps what it has done on its way.
+pub fn during_or<K, T: Send>(
+    kept: K,
+    stages: &Stages,
+    work: impl FnOnce() -> T + Send,
+    last_words: impl FnOnce(),
+) -> (K, T) {
     let (done, wait) = mpsc::channel::<()>();
     thread::scope(|scope| {
         let work = move || {
@@ -56,7 +68,7 @@ pub fn during<K, T: Send>(kept: K, stages: &Stages, work: impl FnOnce() -> T + S
             if is_asked() {
                 stages.clear();
                 drop(kept);
-                Failure::Interrupted.report(false);
+                last_words();
                 std::process::exit(EXIT_CODE.into());
             }
         }

@@ -11,7 +11,7 @@ use super::failure::Failure;
 use super::voice::print;
 use super::{
     analyse, calibrate, diagnose, doctor, effects, experiment, figures, inspect, predict, report, rest,
-    simulate,
+    simulate, sweep,
 };
 
 const HELP: &str = "Examples:
@@ -33,11 +33,17 @@ pub struct Schema {
 type Make = fn() -> Value;
 
 /// Commands that print JSON, and the schema of it.
-pub const SCHEMAS: [(&str, Make); 14] = [
+pub const SCHEMAS: [(&str, Make); 20] = [
     ("simulate", of::<simulate::Printed>),
     ("calibrate", of::<calibrate::Printed>),
     ("diagnose", of::<diagnose::Printed>),
     ("predict", of::<predict::Printed>),
+    ("sweep", of::<sweep::MergedPrinted>),
+    ("sweep plan", of::<sweep::plan::Printed>),
+    ("sweep run", of::<sweep::run::Printed>),
+    ("sweep submit", of::<sweep::submit::Printed>),
+    ("sweep status", of::<sweep::status::Printed>),
+    ("sweep merge", of::<sweep::MergedPrinted>),
     ("report", of::<report::Printed>),
     ("figures", of::<figures::Printed>),
     ("effects", of::<effects::Printed>),

@@ -83,6 +83,13 @@ impl<'a> Stages<'a> {
         }
     }
 
+    /// Says what has been done, where that is a line of its own.
+    pub fn told(&self, what: &str) {
+        if self.line.is_none() {
+            self.voice.detail(what);
+        }
+    }
+
     /// One more step is done; from any thread.
     pub fn step(&self) {
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);

@@ -19,7 +19,7 @@ const TRIES: usize = 10_000;
 const LEAST_SHARE: f64 = 1e-3;
 
 /// The errors of a calibration at the pressure of a case.
-pub(super) struct Errors<'a> {
+pub(crate) struct Errors<'a> {
     model: &'a Model,
     /// Of each parameter that is drawn its path, its value in the model, and what it may be.
     drawn: Vec<(String, f64, [f64; 2])>,
@@ -64,6 +64,19 @@ impl<'a> Errors<'a> {
     /// The model of a draw, the same whoever asks for it; none that makes no sense. Errors that take a number
     /// out of what it may be are drawn anew: of two that move against one another, neither gives way alone.
     pub fn drawn(&self, seed: u64, draw: usize) -> Option<Model> {
+        self.model(&self.errors(seed, draw))
+    }
+
+    /// What the model of a draw has of its own: paths and values.
+    pub fn values(&self, seed: u64, draw: usize) -> Vec<(String, f64)> {
+        let errors = self.errors(seed, draw);
+        let value = |((path, value, [least, most]), error): (&(String, f64, [f64; 2]), &f64)| {
+            (path.clone(), (value + error).clamp(*least, *most))
+        };
+        self.drawn.iter().zip(errors.iter()).map(value).collect()
+    }
+
+    fn errors(&self, seed: u64, draw: usize) -> DVector<f64> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.wrapping_add((draw as u64) << 20));
         let mut draw = || &self.root * DVector::from_fn(self.drawn.len(), |_, _| normal(&mut random));
         let mut errors = draw();
@@ -73,7 +86,7 @@ impl<'a> Errors<'a> {
             }
             errors = draw();
         }
-        self.model(&errors)
+        errors
     }
 
     /// How many directions there are.

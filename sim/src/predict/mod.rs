@@ -6,11 +6,11 @@
 //! or at amplitudes that were never seen. Where a case lies outside what was calibrated, a warning says so.
 
 pub mod asked;
-mod errors;
+pub(crate) mod errors;
 pub mod family;
 pub mod grid;
 pub mod quantity;
-mod simulated;
+pub(crate) mod simulated;
 pub mod span;
 mod warnings;
 

@@ -8,16 +8,21 @@ use models::model::Model;
 use super::quantity::{Told, numbers};
 use crate::calibrate::problem::refine;
 use crate::forward::{Initial, Run, forward};
+use crate::integrate::Effort;
 use crate::results::rest::rest;
-use crate::results::summary::{Cycle, MODES, summarise};
+use crate::results::summary::{Cycle, EnergyBalance, MODES, summarise};
 use crate::trajectory::Trajectory;
 
 /// One run, and what it says.
-pub(super) struct Simulated {
+pub(crate) struct Simulated {
     /// In the order of `QUANTITIES`; none where the run has none.
     pub numbers: Vec<Option<f64>>,
     /// Why numbers are missing, by the entry of a summary.
     pub missing: BTreeMap<String, String>,
+    /// How well the energy adds up; none where the run did not follow it.
+    pub energy: Option<EnergyBalance>,
+    /// What the run cost.
+    pub effort: Effort,
     /// Upper peak by upper peak.
     pub cycles: Vec<Cycle>,
     /// Height of the tip at each sample, m.
@@ -33,7 +38,7 @@ pub(super) struct Simulated {
 /// Runs a model to its end.
 /// # Errors
 /// Why it cannot, in words.
-pub(super) fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
+pub(crate) fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
     let (mut root, mut lowest) = (0.0f64, (f64::INFINITY, Vec::new()));
     let trajectory: Trajectory = forward(model, run, &mut |sample| {
         let snapshot = sample.snapshot();
@@ -66,6 +71,8 @@ pub(super) fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
         time: trajectory.times,
         cycles: summary.cycles.unwrap_or_default(),
         missing: summary.missing,
+        energy: summary.energy,
+        effort: summary.effort,
     })
 }
 

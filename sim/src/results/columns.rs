@@ -1,9 +1,11 @@
-//! Numbers in columns, each with its unit, as Parquet and as CSV.
+//! Columns, each with its unit, as Parquet and as CSV: numbers, counts, texts.
+
+mod read;
 
 use std::io::{self, BufWriter, Write};
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
@@ -11,12 +13,14 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
+pub use read::{About, about, read};
+
 /// A column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Name with unit, such as `tip_z_m`.
     pub name: String,
-    /// SI unit.
+    /// SI unit; empty if dimensionless.
     pub unit: &'static str,
     /// What it holds.
     pub holds: Holds,
@@ -31,6 +35,126 @@ pub enum Holds {
     NumbersOrNone,
     /// Nothing, whatever is written.
     Nothing,
+    /// A whole number in each row.
+    Counts,
+    /// A text in each row, or none.
+    Texts,
+}
+
+/// The cells of a column in some rows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cells {
+    /// Numbers; not a number where there is none.
+    Numbers(Vec<f64>),
+    /// Whole numbers.
+    Counts(Vec<i64>),
+    /// Texts.
+    Texts(Vec<Option<String>>),
+}
+
+impl From<Vec<f64>> for Cells {
+    fn from(numbers: Vec<f64>) -> Self {
+        Cells::Numbers(numbers)
+    }
+}
+
+impl Holds {
+    /// No cell of it yet.
+    pub fn none(self) -> Cells {
+        match self {
+            Holds::Numbers | Holds::NumbersOrNone | Holds::Nothing => Cells::Numbers(Vec::new()),
+            Holds::Counts => Cells::Counts(Vec::new()),
+            Holds::Texts => Cells::Texts(Vec::new()),
+        }
+    }
+}
+
+impl Cells {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Cells::Numbers(all) => all.len(),
+            Cells::Counts(all) => all.len(),
+            Cells::Texts(all) => all.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Puts others of the same kind behind them.
+    /// # Panics
+    /// If they are of another kind.
+    pub fn append(&mut self, others: Cells) {
+        match (self, others) {
+            (Cells::Numbers(own), Cells::Numbers(others)) => own.extend(others),
+            (Cells::Counts(own), Cells::Counts(others)) => own.extend(others),
+            (Cells::Texts(own), Cells::Texts(others)) => own.extend(others),
+            _ => panic!("cells of one column are of one kind"),
+        }
+    }
+
+    /// Takes away the first of them.
+    pub fn take(&mut self, count: usize) -> Cells {
+        fn first<T>(all: &mut Vec<T>, count: usize) -> Vec<T> {
+            let rest = all.split_off(count.min(all.len()));
+            std::mem::replace(all, rest)
+        }
+        match self {
+            Cells::Numbers(all) => Cells::Numbers(first(all, count)),
+            Cells::Counts(all) => Cells::Counts(first(all, count)),
+            Cells::Texts(all) => Cells::Texts(first(all, count)),
+        }
+    }
+
+    /// Those of some rows.
+    pub fn some(&self, rows: &[usize]) -> Cells {
+        match self {
+            Cells::Numbers(all) => Cells::Numbers(rows.iter().map(|row| all[*row]).collect()),
+            Cells::Counts(all) => Cells::Counts(rows.iter().map(|row| all[*row]).collect()),
+            Cells::Texts(all) => Cells::Texts(rows.iter().map(|row| all[*row].clone()).collect()),
+        }
+    }
+
+    /// As numbers; none of texts.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        let (numbers, counts): (&[f64], &[i64]) = match self {
+            Cells::Numbers(all) => (all, &[]),
+            Cells::Counts(all) => (&[], all),
+            Cells::Texts(_) => (&[], &[]),
+        };
+        numbers.iter().copied().chain(counts.iter().map(|count| *count as f64))
+    }
+
+    fn array(self, holds: Holds) -> ArrayRef {
+        match (self, holds) {
+            (cells, Holds::Nothing) => Arc::new(Float64Array::new_null(cells.len())),
+            (Cells::Numbers(all), Holds::NumbersOrNone) => {
+                Arc::new(all.into_iter().map(number).collect::<Float64Array>())
+            }
+            (Cells::Numbers(all), _) => Arc::new(Float64Array::from(all)),
+            (Cells::Counts(all), _) => Arc::new(Int64Array::from(all)),
+            (Cells::Texts(all), _) => Arc::new(StringArray::from(all)),
+        }
+    }
+
+    /// A cell as CSV has it.
+    fn text(&self, holds: Holds, row: usize) -> String {
+        match self {
+            Cells::Numbers(_) if holds == Holds::Nothing => String::new(),
+            Cells::Numbers(all) if holds == Holds::NumbersOrNone && all[row].is_nan() => String::new(),
+            Cells::Numbers(all) => format!("{:?}", all[row]),
+            Cells::Counts(all) => all[row].to_string(),
+            Cells::Texts(all) => match all[row].as_deref().unwrap_or_default() {
+                text if text.contains(['"', ',', '\n', '\r']) => {
+                    format!("\"{}\"", text.replace('"', "\"\""))
+                }
+                text => text.to_owned(),
+            },
+        }
+    }
 }
 
 /// A file in Parquet, compressed by Snappy, with the unit of each column in its metadata under `unit`.
@@ -59,16 +183,10 @@ impl<W: Write + Send> ParquetFile<W> {
     /// Writes some rows, column by column.
     /// # Errors
     /// What the writer met.
-    pub fn write(&mut self, columns: Vec<Vec<f64>>) -> io::Result<()> {
-        let arrays = self.holds.iter().zip(columns).map(|(holds, values)| -> ArrayRef {
-            Arc::new(match holds {
-                Holds::Numbers => Float64Array::from(values),
-                Holds::NumbersOrNone => values.into_iter().map(number).collect(),
-                Holds::Nothing => Float64Array::new_null(values.len()),
-            })
-        });
-        let batch =
-            RecordBatch::try_new(self.schema.clone(), arrays.collect()).expect("columns of one length");
+    pub fn write(&mut self, columns: Vec<Cells>) -> io::Result<()> {
+        let arrays = self.holds.iter().zip(columns).map(|(holds, cells)| cells.array(*holds));
+        let batch = RecordBatch::try_new(self.schema.clone(), arrays.collect())
+            .expect("columns of one length and of what they hold");
         self.writer.write(&batch).and_then(|()| self.writer.flush()).map_err(cause)
     }
 
@@ -100,14 +218,11 @@ impl<W: Write> CsvFile<W> {
     /// Writes some rows, column by column.
     /// # Errors
     /// What the writer met.
-    pub fn write(&mut self, columns: &[Vec<f64>]) -> io::Result<()> {
+    pub fn write(&mut self, columns: &[Cells]) -> io::Result<()> {
         for row in 0..columns[0].len() {
-            for (k, (holds, values)) in self.holds.iter().zip(columns).enumerate() {
+            for (k, (holds, cells)) in self.holds.iter().zip(columns).enumerate() {
                 let comma = if k > 0 { "," } else { "" };
-                match (holds, number(values[row])) {
-                    (Holds::Nothing, _) | (Holds::NumbersOrNone, None) => write!(self.to, "{comma}")?,
-                    _ => write!(self.to, "{comma}{:?}", values[row])?,
-                }
+                write!(self.to, "{comma}{}", cells.text(*holds, row))?;
             }
             writeln!(self.to)?;
         }
@@ -128,7 +243,13 @@ fn number(value: f64) -> Option<f64> {
 
 fn field(column: &Column) -> Field {
     let unit = [("unit".to_owned(), column.unit.to_owned())].into();
-    Field::new(&column.name, DataType::Float64, column.holds != Holds::Numbers).with_metadata(unit)
+    let (kind, may_lack) = match column.holds {
+        Holds::Numbers => (DataType::Float64, false),
+        Holds::NumbersOrNone | Holds::Nothing => (DataType::Float64, true),
+        Holds::Counts => (DataType::Int64, false),
+        Holds::Texts => (DataType::Utf8, true),
+    };
+    Field::new(&column.name, kind, may_lack).with_metadata(unit)
 }
 
 /// What the file system said, where it was that.

@@ -16,7 +16,7 @@ use std::time::SystemTime;
 
 use serde_json::json;
 
-use super::columns::{Column, CsvFile, Holds, ParquetFile};
+use super::columns::{Cells, Column, CsvFile, Holds, ParquetFile};
 use super::folder::Folder;
 use super::page::REPORT;
 use super::picture::{PASCAL_PER_PSI, grid_pictures};
@@ -62,12 +62,13 @@ pub fn write_grid(folder: &Folder, request: &Request, grid: &Grid) -> Result<(),
 }
 
 /// Pressure, payload, and each number with the ends of its interval; a row for each case.
-fn columns(grid: &Grid) -> (Vec<Column>, Vec<Vec<f64>>) {
+fn columns(grid: &Grid) -> (Vec<Column>, Vec<Cells>) {
     let mut columns = Vec::new();
     let mut values = Vec::new();
     let mut put = |name: &str, unit: &'static str, of: &dyn Fn(&Cell) -> Option<f64>| {
         columns.push(Column { name: name.to_owned(), unit, holds: Holds::NumbersOrNone });
-        values.push(grid.cells.iter().map(|cell| of(cell).unwrap_or(f64::NAN)).collect());
+        let numbers: Vec<f64> = grid.cells.iter().map(|cell| of(cell).unwrap_or(f64::NAN)).collect();
+        values.push(Cells::from(numbers));
     };
     put("pressure_pa", "Pa", &|cell| cell.pressure_pa);
     put("payload_kg", "kg", &|cell| Some(cell.payload_kg));

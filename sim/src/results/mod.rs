@@ -13,6 +13,7 @@
 //! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
 
 mod assumed;
+pub mod atomic;
 pub mod beside_the_paper;
 pub mod calibrated;
 pub mod columns;
@@ -32,6 +33,7 @@ pub mod reread;
 pub mod rest;
 pub mod simulated;
 pub mod summary;
+pub mod swept;
 pub mod table;
 
 use std::collections::BTreeMap;
@@ -138,6 +140,11 @@ fn write_mark(
     written: SystemTime,
     own: Value,
 ) -> Result<(), ResultsError> {
+    folder.write(MARK, mark(request, kind, written, own).as_bytes())
+}
+
+/// The mark of a folder.
+fn mark(request: &Request, kind: &str, written: SystemTime, own: Value) -> String {
     let mut mark = json!({
         "kind": kind,
         "name": request.name,
@@ -150,7 +157,7 @@ fn write_mark(
     if let (Value::Object(mark), Value::Object(own)) = (&mut mark, own) {
         mark.extend(own);
     }
-    folder.write(MARK, format!("{mark:#}\n").as_bytes())
+    format!("{mark:#}\n")
 }
 
 /// Writes the files of a run into an open folder, or into a folder `within` it: one of many runs. The
@@ -229,7 +236,29 @@ pub fn write_run(
 
 /// SHA-256 in hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha(Sha256::new_with_prefix(bytes)).hexadecimal()
+}
+
+/// SHA-256 of what is written to it, piece by piece.
+#[derive(Clone, Default)]
+pub struct Sha(Sha256);
+
+impl Sha {
+    /// Of all that was written, in hexadecimal.
+    pub fn hexadecimal(self) -> String {
+        self.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+impl std::io::Write for Sha {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
 }
 
 /// All energy that a run accounts for, J: constant, but for the error of integration.

@@ -13,7 +13,7 @@ use std::io::{self, Write};
 use models::model::Model;
 use models::system::System;
 
-use super::columns::{Column, CsvFile, Holds, ParquetFile};
+use super::columns::{Cells, Column, CsvFile, Holds, ParquetFile};
 use crate::trajectory::Trajectory;
 
 /// Numbers held at once while writing; a row group has as many.
@@ -61,7 +61,7 @@ impl<'a> Table<'a> {
     }
 
     /// Hands over the columns, some rows at a time.
-    fn chunks(&self, take: &mut dyn FnMut(Vec<Vec<f64>>) -> io::Result<()>) -> io::Result<()> {
+    fn chunks(&self, take: &mut dyn FnMut(Vec<Cells>) -> io::Result<()>) -> io::Result<()> {
         let samples = self.trajectory.times.len();
         let rows = (MOST_CELLS / self.columns.len()).max(1);
         let mut system = System::new(self.model);
@@ -75,7 +75,7 @@ impl<'a> Table<'a> {
                 assert_eq!(row.len(), chunk.len(), "as many numbers as columns");
                 chunk.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
             }
-            take(chunk)?;
+            take(chunk.into_iter().map(Cells::from).collect())?;
         }
         Ok(())
     }

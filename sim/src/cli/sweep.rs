@@ -1,0 +1,123 @@
+//! `efam sweep`: many simulations of one design, here or on a cluster.
+
+mod merge;
+pub mod plan;
+pub mod run;
+pub mod status;
+pub mod submit;
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Args, Subcommand};
+use serde::Serialize;
+use sim::results::swept::swept_table;
+use sim::schema::JsonSchema;
+use sim::sweep::merge::Merged;
+
+use super::arguments::Output;
+use super::failure::Failure;
+use super::interrupt;
+use super::voice::{Voice, print};
+
+const HELP: &str = "Examples:
+  efam sweep scenarios/sweep/payload-and-pressure.toml
+  efam sweep scenarios/sweep/payload-and-pressure.toml --set sweep.seed=2 --json
+  efam sweep scenarios/sweep/payload-and-pressure.toml --out outputs/map --csv
+
+Interrupted or killed, it goes on where it was with the same command and
+--out, or with `efam sweep run --plan DIR` and `efam sweep merge --plan DIR`.
+
+On a cluster: `efam sweep plan`, `submit`, `status`, `merge`.
+
+Exit codes: 0 also if points could not be simulated: each is a row that says
+why. 130 if it is interrupted, which keeps the shards that are whole.";
+
+#[derive(Args)]
+#[command(after_help = HELP, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Sweep {
+    #[command(subcommand)]
+    what: Option<What>,
+    #[command(flatten)]
+    whole: Whole,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Freeze a plan: every point, with its seed, under one hash.
+    Plan(plan::Freeze),
+    /// Run the shards of a plan that are missing, or one of them.
+    Run(run::Run),
+    /// Hand the missing shards to Slurm as a job array, and the merge behind it.
+    Submit(submit::Submit),
+    /// Say what is there, and what is missing, in the form of --array=.
+    Status(status::Ask),
+    /// Put all shards together, and draw them.
+    Merge(merge::Merge),
+}
+
+/// A sweep from its file to its page.
+#[derive(Args)]
+struct Whole {
+    /// The sweep's file, TOML.
+    #[arg(required = true)]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    planned: plan::Planned,
+    #[command(flatten)]
+    output: Output,
+    /// Also write CSV.
+    #[arg(long)]
+    csv: bool,
+}
+
+/// The folder of a plan.
+#[derive(Args)]
+pub struct OfPlan {
+    /// Folder of the plan, or its plan.json.
+    #[arg(long, value_name = "DIR")]
+    pub plan: PathBuf,
+}
+
+/// What is printed of a merged sweep.
+#[derive(Serialize, JsonSchema)]
+pub struct MergedPrinted<'a> {
+    /// Where the results are.
+    folder: &'a Path,
+    /// What the sweep comes to.
+    sweep: &'a Merged,
+}
+
+pub fn run(args: &Sweep, voice: &Voice) -> Result<ExitCode, Failure> {
+    interrupt::listen();
+    match &args.what {
+        Some(What::Plan(args)) => plan::run(args, voice),
+        Some(What::Run(args)) => run::run(args, voice),
+        Some(What::Submit(args)) => submit::run(args, voice),
+        Some(What::Status(args)) => status::run(args, voice),
+        Some(What::Merge(args)) => merge::run(args, voice),
+        None => whole(&args.whole, voice),
+    }
+}
+
+fn whole(args: &Whole, voice: &Voice) -> Result<ExitCode, Failure> {
+    let begin = Instant::now();
+    let file = args.file.as_deref().unwrap_or(Path::new(""));
+    let plan = plan::planned(file, &args.planned, &args.output, voice)?;
+    let due = (0..plan.head.shards()).collect::<Vec<_>>();
+    run::shards(&plan, &due, args.output.overwrite, voice)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let (merged, _) = merge::merged(&plan, args.csv, seconds, voice)?;
+    tell(&plan.folder, &merged, args.output.form.json, voice)
+}
+
+fn tell(folder: &Path, merged: &Merged, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
+    if json {
+        print(&MergedPrinted { folder, sweep: merged })?;
+    } else if !voice.quiet {
+        writeln!(io::stdout().lock(), "{}\nresults in {}", swept_table(merged), folder.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,60 @@
+//! `efam sweep merge`: all shards as one table, its page and its pictures.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use sim::results::Request;
+use sim::results::swept::write_swept;
+use sim::sweep::merge::{Kept, Merged, merge};
+use sim::sweep::plan::Plan;
+
+use super::super::arguments::Form;
+use super::super::failure::Failure;
+use super::super::interrupt;
+use super::super::voice::Voice;
+use super::{OfPlan, plan, tell};
+
+const HELP: &str = "Examples:
+  efam sweep merge --plan outputs/map
+  sbatch --dependency=afterany:42 outputs/map/merge.sh
+
+Exit codes: 3 if a shard is missing or broken; it says which, in the form of
+--array=.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Merge {
+    #[command(flatten)]
+    of: OfPlan,
+    /// Also write CSV.
+    #[arg(long)]
+    csv: bool,
+    #[command(flatten)]
+    form: Form,
+}
+
+pub fn run(args: &Merge, voice: &Voice) -> Result<ExitCode, Failure> {
+    let plan = Plan::open(&args.of.plan)?;
+    let (merged, _) = merged(&plan, args.csv, 0.0, voice)?;
+    tell(&plan.folder, &merged, args.form.json, voice)
+}
+
+/// Merges a sweep and writes what it says; `seconds` is what it took, where that is known.
+pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<(Merged, Kept), Failure> {
+    let stages = voice.steps(plan.head.shards(), "shards merged");
+    let ((), done) = interrupt::during((), &stages, || merge(plan, csv, &|| stages.step()));
+    stages.clear();
+    let (merged, kept) = done?;
+    let head = &plan.head;
+    let [sweep, scenario] = [&head.sweep, &head.scenario].map(std::path::Path::new);
+    let request = Request {
+        name: head.name.clone(),
+        input_hashes: plan::hashes(sweep, &head.sweep_text, scenario, &head.scenario_text),
+        warnings: merged.warnings.clone(),
+        argv: std::env::args().collect(),
+        wall_time_s: seconds,
+        ..Request::default()
+    };
+    write_swept(&plan.folder, &request, &merged)?;
+    Ok((merged, kept))
+}

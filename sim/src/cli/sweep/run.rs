@@ -1,0 +1,129 @@
+//! `efam sweep run`: the shards of a plan, or one of them.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::Args;
+use serde::Serialize;
+use sim::schema::JsonSchema;
+use sim::sweep::cluster::asked;
+use sim::sweep::plan::Plan;
+use sim::sweep::shard::{self, Done};
+use sim::sweep::{SweepError, status};
+
+use super::super::arguments::Form;
+use super::super::failure::Failure;
+use super::super::interrupt;
+use super::super::voice::{Voice, print};
+use super::OfPlan;
+
+const HELP: &str = "Examples:
+  efam sweep run --plan outputs/map
+  efam sweep run --plan outputs/map --shard 3
+  seq 0 9 | parallel -j 2 RAYON_NUM_THREADS=1 efam sweep run --plan outputs/map --shard {}
+
+Without --shard the place in a job array says which: SLURM_ARRAY_TASK_ID,
+PBS_ARRAY_INDEX, SGE_TASK_ID (from 1 on) or AWS_BATCH_JOB_ARRAY_INDEX. Where
+there is none, all shards that are missing are run. A shard that is there is
+skipped. Killed at any moment, a shard is whole or not there.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Run {
+    #[command(flatten)]
+    of: OfPlan,
+    /// Only this shard, from 0 on.
+    #[arg(long)]
+    shard: Option<usize>,
+    /// Replace shards of another plan.
+    #[arg(long)]
+    overwrite: bool,
+    #[command(flatten)]
+    form: Form,
+}
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// Where the plan is.
+    folder: &'a Path,
+    /// What was done.
+    #[serde(flatten)]
+    ran: &'a Ran,
+}
+
+/// What was done about shards.
+#[derive(Default, Serialize, JsonSchema)]
+pub struct Ran {
+    /// Shards that were run.
+    run: Vec<usize>,
+    /// Shards that were there already.
+    skipped: usize,
+    /// Points that could not be simulated, of those that were run.
+    failed_points: usize,
+}
+
+pub fn run(args: &Run, voice: &Voice) -> Result<ExitCode, Failure> {
+    let plan = Plan::open(&args.of.plan)?;
+    let of_scheduler = match args.shard {
+        Some(_) => None,
+        None => asked(|name| std::env::var(name).ok()).map_err(Failure::Usage)?,
+    };
+    if let Some((shard, name)) = of_scheduler {
+        voice.detail(format!("shard {shard}, by {name}"));
+    }
+    let due = match args.shard.or(of_scheduler.map(|own| own.0)) {
+        Some(shard) => vec![shard],
+        None => (0..plan.head.shards()).collect(),
+    };
+    let ran = shards(&plan, &due, args.overwrite, voice)?;
+    if args.form.json {
+        print(&Printed { folder: &plan.folder, ran: &ran })?;
+    } else if !voice.quiet {
+        let (all, skipped, failed) = (ran.run.len(), ran.skipped, ran.failed_points);
+        writeln!(
+            io::stdout().lock(),
+            "{all} shards run, {skipped} were there already; {failed} points could not be simulated\n\
+             shards in {}",
+            plan.folder.display()
+        )?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Runs those of some shards that are not there, one after the other, each on all threads.
+pub fn shards(plan: &Plan, which: &[usize], overwrite: bool, voice: &Voice) -> Result<Ran, Failure> {
+    let head = &plan.head;
+    let mut due = Vec::new();
+    for shard in which {
+        if shard::is_due(plan, *shard, overwrite)? {
+            due.push(*shard);
+        }
+    }
+    let points: usize = due.iter().map(|shard| head.points_of(*shard).len()).sum();
+    let threads = rayon::current_num_threads();
+    voice.detail(format!("{}: {points} points to simulate, on {threads} threads", plan.folder.display()));
+    let stages = voice.steps(points, "points");
+    let work = || -> Result<usize, SweepError> {
+        let (mut of_plan, mut failed) = (plan.points()?, 0);
+        for shard in &due {
+            if let Done::Run { failed: own } =
+                shard::run(plan, *shard, of_plan.of(*shard)?, &|| stages.step())?
+            {
+                failed += own;
+            }
+            stages.told(&format!("shard {shard} is written"));
+        }
+        Ok(failed)
+    };
+    let last_words = || {
+        let (done, all) = (status::status(plan).shards_done, head.shards());
+        let plan = plan.folder.display();
+        eprintln!("interrupted: {done} of {all} shards are whole and kept; go on: efam sweep run --plan {plan}");
+    };
+    let ((), failed) = interrupt::during_or((), &stages, work, last_words);
+    stages.clear();
+    let failed_points = failed?;
+    Ok(Ran { skipped: which.len() - due.len(), run: due, failed_points })
+}

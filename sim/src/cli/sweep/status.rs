@@ -1,0 +1,65 @@
+//! `efam sweep status`: what is there of a sweep, and what is missing.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::Args;
+use serde::Serialize;
+use sim::schema::JsonSchema;
+use sim::sweep::plan::Plan;
+use sim::sweep::status::{Status, status};
+
+use super::super::arguments::Form;
+use super::super::failure::Failure;
+use super::super::voice::{Voice, print};
+use super::OfPlan;
+
+const HELP: &str = "Examples:
+  efam sweep status --plan outputs/map
+  sbatch $(efam -q sweep status --plan outputs/map) outputs/map/array.sh
+
+With --quiet only --array=… is printed, or nothing where nothing is missing.
+What is there is told from the files alone, while others run as well.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Ask {
+    #[command(flatten)]
+    of: OfPlan,
+    #[command(flatten)]
+    form: Form,
+}
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// Where the plan is.
+    folder: &'a Path,
+    /// What is there.
+    status: &'a Status,
+}
+
+pub fn run(args: &Ask, voice: &Voice) -> Result<ExitCode, Failure> {
+    let plan = Plan::open(&args.of.plan)?;
+    let status = status(&plan);
+    if args.form.json {
+        print(&Printed { folder: &plan.folder, status: &status })?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    voice.warn(&status.faults);
+    let mut out = io::stdout().lock();
+    if !voice.quiet {
+        let Status { points, shards, points_done, shards_done, .. } = &status;
+        writeln!(out, "{}: {shards_done} of {shards} shards, {points_done} of {points} points", plan.head.name)?;
+    }
+    let folder = plan.folder.display();
+    match (status.missing.is_empty(), voice.quiet) {
+        (false, true) => writeln!(out, "--array={}", status.missing_array)?,
+        (false, false) => writeln!(out, "missing: --array={}", status.missing_array)?,
+        (true, true) => {}
+        (true, false) if status.is_merged => writeln!(out, "merged: {folder}/{}", sim::sweep::merge::SWEEP)?,
+        (true, false) => writeln!(out, "nothing is missing: efam sweep merge --plan {folder}")?,
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,139 @@
+//! What [`super::ParquetFile`] wrote, read back.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use arrow_array::{Array, Float64Array, Int64Array, RecordBatch, StringArray};
+use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+
+use super::{Cells, Column, Holds, cause};
+
+/// What a file says of itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct About {
+    /// Its key-value metadata.
+    pub entries: BTreeMap<String, String>,
+    /// Rows that it has.
+    pub rows: usize,
+}
+
+/// What a file says of itself, without its rows.
+/// # Errors
+/// A file that cannot be read or is no Parquet.
+pub fn about(path: &Path) -> io::Result<About> {
+    guarded(|| {
+        let file = open(path)?;
+        let of_file = file.metadata().file_metadata();
+        let entries = of_file.key_value_metadata().into_iter().flatten();
+        let entries = entries.map(|entry| (entry.key.clone(), entry.value.clone().unwrap_or_default()));
+        Ok(About { entries: entries.collect(), rows: usize::try_from(of_file.num_rows()).unwrap_or(0) })
+    })
+}
+
+/// All cells of a file that was written with these columns.
+/// # Errors
+/// A file that cannot be read, is no Parquet, or has other columns.
+pub fn read(path: &Path, columns: &[Column]) -> io::Result<Vec<Cells>> {
+    guarded(|| {
+        let mut all: Vec<Cells> = columns.iter().map(|column| column.holds.none()).collect();
+        for batch in open(path)?.build().map_err(cause)? {
+            let batch = batch.map_err(io::Error::other)?;
+            let own = batch.schema();
+            if !own.fields().iter().map(|field| field.name()).eq(columns.iter().map(|column| &column.name)) {
+                return Err(io::Error::other("it has other columns"));
+            }
+            for (k, column) in columns.iter().enumerate() {
+                let cells = cells(&batch, k, column.holds);
+                all[k].append(cells.ok_or_else(|| io::Error::other("its columns hold something else"))?);
+            }
+        }
+        Ok(all)
+    })
+}
+
+/// The reader of pages panics where these do not hold together.
+fn guarded<T>(read: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
+    let read = catch_unwind(AssertUnwindSafe(read));
+    read.unwrap_or_else(|_| Err(io::Error::other("its pages do not hold together")))
+}
+
+fn open(path: &Path) -> io::Result<ParquetRecordBatchReaderBuilder<File>> {
+    // The schema of Arrow beside that of Parquet adds nothing, and its reader panics where it is broken.
+    let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
+    ParquetRecordBatchReaderBuilder::try_new_with_options(File::open(path)?, options).map_err(cause)
+}
+
+fn cells(batch: &RecordBatch, column: usize, holds: Holds) -> Option<Cells> {
+    let array = batch.column(column).as_any();
+    Some(match holds {
+        Holds::Numbers | Holds::NumbersOrNone | Holds::Nothing => {
+            let numbers = array.downcast_ref::<Float64Array>()?;
+            Cells::Numbers(numbers.iter().map(|number| number.unwrap_or(f64::NAN)).collect())
+        }
+        Holds::Counts => Cells::Counts(array.downcast_ref::<Int64Array>()?.values().to_vec()),
+        Holds::Texts => {
+            let texts = array.downcast_ref::<StringArray>()?;
+            Cells::Texts(texts.iter().map(|text| text.map(str::to_owned)).collect())
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::columns::{CsvFile, ParquetFile};
+
+    fn columns() -> Vec<Column> {
+        let column = |name: &str, unit, holds| Column { name: name.to_owned(), unit, holds };
+        vec![
+            column("point", "", Holds::Counts),
+            column("z_m", "m", Holds::NumbersOrNone),
+            column("reason", "", Holds::Texts),
+        ]
+    }
+
+    fn rows() -> Vec<Cells> {
+        vec![
+            Cells::Counts(vec![0, (1 << 53) - 1]),
+            Cells::Numbers(vec![0.1 + 0.2, -1e-300]),
+            Cells::Texts(vec![None, Some("a, \"b\"\nc".to_owned())]),
+        ]
+    }
+
+    #[test]
+    fn what_was_written_is_read_to_the_same_bits() {
+        let path = std::env::temp_dir().join(format!("efam-columns-{}.parquet", std::process::id()));
+        let mut file =
+            ParquetFile::begin(File::create(&path).unwrap(), &columns(), &[("plan", "abc".to_owned())])
+                .unwrap();
+        file.write(rows()).unwrap();
+        file.write(rows()).unwrap();
+        file.finish().unwrap();
+        let mut twice = rows();
+        twice.iter_mut().zip(rows()).for_each(|(own, more)| own.append(more));
+        assert_eq!(read(&path, &columns()).unwrap(), twice);
+        let said = about(&path).unwrap();
+        assert_eq!((said.rows, said.entries["plan"].as_str()), (4, "abc"));
+        assert!(read(&path, &columns()[..2]).unwrap_err().to_string().contains("other columns"));
+        // Cut short, it is refused and not believed.
+        let bytes = std::fs::read(&path).unwrap();
+        for length in [0, 3, bytes.len() / 2, bytes.len() - 1] {
+            std::fs::write(&path, &bytes[..length]).unwrap();
+            assert!(about(&path).is_err() && read(&path, &columns()).is_err(), "{length}");
+        }
+        std::fs::remove_file(&path).unwrap();
+    }
+
+    #[test]
+    fn texts_stand_in_csv_as_they_should() {
+        let mut text = Vec::new();
+        let mut file = CsvFile::begin(&mut text, &columns()).unwrap();
+        file.write(&rows()).unwrap();
+        file.finish().unwrap();
+        let expected = "point,z_m,reason\n0,0.30000000000000004,\n9007199254740991,-1e-300,\"a, \"\"b\"\"\nc\"\n";
+        assert_eq!(String::from_utf8(text).unwrap(), expected);
+    }
+}
