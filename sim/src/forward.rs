@@ -143,6 +143,15 @@ pub struct Sample<'a, 'm> {
 }
 
 impl Sample<'_, '_> {
+    /// Bending moment at the root, N m; a small part of what a snapshot costs.
+    pub fn root_moment(&mut self) -> f64 {
+        let State { time, q, v, z } = self.state;
+        let (mut force, mut z_rate) = (vec![0.0; q.len()], vec![0.0; z.len()]);
+        self.system.force(*time, q, v, z, &mut force, &mut z_rate);
+        let fields = &self.system.assembly.fields;
+        fields.moment[0] * fields.kappa_slope[0]
+    }
+
     /// Everything that can be seen of the rod.
     pub fn snapshot(&mut self) -> Snapshot {
         let State { time, q, v, z } = self.state;

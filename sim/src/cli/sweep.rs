@@ -109,7 +109,7 @@ fn whole(args: &Whole, voice: &Voice) -> Result<ExitCode, Failure> {
     let due = (0..plan.head.shards()).collect::<Vec<_>>();
     run::shards(&plan, &due, args.output.overwrite, voice)?;
     let seconds = begin.elapsed().as_secs_f64();
-    let (merged, _) = merge::merged(&plan, args.csv, seconds, voice)?;
+    let merged = merge::merged(&plan, args.csv, seconds, voice)?;
     tell(&plan.folder, &merged, args.output.form.json, voice)
 }
 

@@ -73,6 +73,11 @@ pub fn units() -> impl Iterator<Item = (&'static str, &'static str)> {
     QUANTITIES.iter().map(|kind| (kind.name, kind.unit))
 }
 
+/// What every number is, in words, likewise.
+pub fn meanings() -> impl Iterator<Item = &'static str> {
+    QUANTITIES.iter().map(|kind| kind.meaning)
+}
+
 fn mode<'a>(told: &Told<'a>, number: usize) -> Option<&'a Mode> {
     told.summary.modes.as_ref()?.get(number)
 }

@@ -7,7 +7,7 @@ use models::model::Model;
 
 use super::quantity::{Told, numbers};
 use crate::calibrate::problem::refine;
-use crate::forward::{Initial, Run, forward};
+use crate::forward::{Initial, Run, forward, tip};
 use crate::integrate::Effort;
 use crate::results::rest::rest;
 use crate::results::summary::{Cycle, EnergyBalance, MODES, summarise};
@@ -41,10 +41,10 @@ pub(crate) struct Simulated {
 pub(crate) fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
     let (mut root, mut lowest) = (0.0f64, (f64::INFINITY, Vec::new()));
     let trajectory: Trajectory = forward(model, run, &mut |sample| {
-        let snapshot = sample.snapshot();
-        root = root.max(snapshot.bending_moment.first().copied().unwrap_or(0.0).abs());
-        if snapshot.tip[1] < lowest.0 {
-            lowest = (snapshot.tip[1], [snapshot.nodes, vec![snapshot.tip]].concat());
+        root = root.max(sample.root_moment().abs());
+        let (at, _) = tip(sample.system, &sample.state.q, &sample.state.v);
+        if at[1] < lowest.0 {
+            lowest = (at[1], [&sample.system.assembly.fields.position[..], &[at]].concat());
         }
         ControlFlow::Continue(())
     })

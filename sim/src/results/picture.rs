@@ -17,6 +17,7 @@ mod pressures;
 mod recording;
 mod released;
 mod spectrum;
+mod swept;
 mod tips;
 mod words;
 
@@ -46,6 +47,7 @@ pub use predicted::predicted;
 pub use pressures::{PASCAL_PER_PSI, PressureRow, pressures};
 pub use recording::recording;
 pub use released::released;
+pub use swept::swept_pictures;
 pub use tips::{Tip, over_pressure_and_amplitude, over_pressures, tips, tips_of_runs};
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);

@@ -10,16 +10,21 @@
 //!   summary.json                 what was asked, by which command
 //! ```
 
+mod page;
+
 use std::fmt::Write;
-use std::path::Path;
 use std::time::SystemTime;
 
 use serde_json::json;
 
 use super::atomic::write_whole;
+use super::page::REPORT;
+use super::picture::swept_pictures;
 use super::report::significant;
 use super::{MARK, Request, ResultsError, mark};
-use crate::sweep::merge::{Merged, Spread};
+use crate::sweep::asked::Design;
+use crate::sweep::merge::{Kept, Merged, Spread};
+use crate::sweep::plan::Plan;
 
 /// The numbers.
 pub const NUMBERS: &str = "sweep.json";
@@ -34,25 +39,29 @@ pub fn swept_mark(request: &Request) -> String {
 /// Writes what a merged sweep says into its folder.
 /// # Errors
 /// [`ResultsError::Write`].
-pub fn write_swept(folder: &Path, request: &Request, merged: &Merged) -> Result<(), ResultsError> {
+pub fn write_swept(plan: &Plan, request: &Request, merged: &Merged, kept: &Kept) -> Result<(), ResultsError> {
     let text = serde_json::to_string_pretty(merged).expect("a sweep has nothing that JSON has not");
     let put = |name: &str, text: &str| {
-        write_whole(&folder.join(name), |file| std::io::Write::write_all(file, text.as_bytes()))
+        write_whole(&plan.folder.join(name), |file| std::io::Write::write_all(file, text.as_bytes()))
     };
     put(NUMBERS, &text)?;
+    let pictures = swept_pictures(merged, kept, plan.head.design == Design::Grid);
+    for picture in &pictures {
+        put(&format!("{}.svg", picture.name), &picture.svg)?;
+    }
+    put(REPORT, &page::page(request, (&plan.head, merged), &pictures, SystemTime::now()))?;
     put(MARK, &swept_mark(request))
 }
 
-/// Numbers that the table shows, and what they are.
-const SHOWN: [(&str, &str); 8] = [
-    ("rest_z_m", "tip at rest, z"),
-    ("small_frequency_hz", "frequency of small swings"),
-    ("frequency_hz", "frequency as released"),
-    ("damping_ratio", "damping ratio as released"),
-    ("lowest_z_m", "lowest point of the tip"),
-    ("settling_5_percent_s", "settled to 5 % after"),
-    ("peak_speed_m_s", "greatest speed of the tip"),
-    ("energy_closure", "energy closed to"),
+/// Numbers that the table shows.
+const SHOWN: [&str; 7] = [
+    "rest_z_m",
+    "small_frequency_hz",
+    "frequency_hz",
+    "damping_ratio",
+    "lowest_z_m",
+    "settling_5_percent_s",
+    "peak_speed_m_s",
 ];
 
 /// A sweep as a table for people.
@@ -68,14 +77,11 @@ pub fn swept_table(merged: &Merged) -> String {
         let _ = write!(text, "{head:>11}");
     });
     text.push('\n');
-    let shown = SHOWN.iter().filter_map(|(column, name)| {
-        merged.numbers.iter().find(|own| own.column == *column).map(|own| (*name, own))
-    });
-    let parameters = merged.parameters.iter().map(|own| (own.column.as_str(), own));
-    for (name, spread) in parameters.chain(shown) {
+    let shown = merged.numbers.iter().filter(|own| SHOWN.contains(&own.column.as_str()));
+    for spread in merged.parameters.iter().chain(shown) {
         let (factor, unit) = readable(spread);
         let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
-        let _ = write!(text, "{:40}{:>11}", format!("{name}{unit}"), spread.points);
+        let _ = write!(text, "{:40}{:>11}", format!("{}{unit}", spread.name), spread.points);
         for value in [spread.least, spread.low_95, spread.median, spread.high_95, spread.greatest] {
             let value = value.map_or("-".to_owned(), |value| significant(factor * value, 4));
             let _ = write!(text, "{value:>11}");

@@ -20,6 +20,7 @@ use models::nearest::nearest;
 use serde::{Deserialize, Serialize};
 
 use super::key::{self, Kind};
+use super::point::setting;
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::{Problem, Scenario, ScenarioError, plan};
 use crate::schema::JsonSchema;
@@ -156,7 +157,8 @@ impl Asked {
             return Err(sweep.wrong("parameter", Problem::Must { must }));
         }
         if parameters.is_empty() && design != Design::Posterior {
-            let example = "[[sweep.parameter]] with path = \"muscle.pressure\" and range = [\"10 psi\", \"100 psi\"]";
+            let example =
+                "[[sweep.parameter]] with path = \"muscle.pressure\" and range = [\"10 psi\", \"100 psi\"]";
             return Err(sweep.missing("parameter", example));
         }
         let mut asked = Asked {
@@ -179,27 +181,37 @@ impl Asked {
     /// What other files say is set over the scenario, so that the plan needs none of them; and the scenario is
     /// tried as it is.
     fn take_in_files(&mut self, sweep: &Keys) -> Result<(), ScenarioError> {
-        let scenario = Scenario::parse(&self.scenario, &self.scenario_text, &[])?;
+        // What varies need not stand in the scenario.
+        let first = |own: &Parameter| setting(&own.path, &own.values.at(0.0, own.kind));
+        let varied: Vec<String> = self.parameters.iter().map(first).collect();
+        let scenario = Scenario::parse(&self.scenario, &self.scenario_text, &varied)?;
         self.set = scenario.without_files();
         if let Some(nodes) = scenario.known().and_then(|known| known.nodes) {
             self.set.insert(0, format!("rod.nodes={nodes}"));
         }
-        if scenario.is_all_rows() && !self.varies("muscle.pressure") {
-            let message = "asks for all rows of its muscle; give muscle.pressure as a [[sweep.parameter]], or \
+        if scenario.is_all_rows() {
+            let message =
+                "asks for all rows of its muscle; give muscle.pressure as a [[sweep.parameter]], or \
                            another scenario"
-                .to_owned();
+                    .to_owned();
             return Err(sweep.wrong("scenario", Problem::Other { message }));
         }
-        if self.design == Design::Posterior && scenario.known().is_none() {
-            let message = "has no [calibration] to draw from; give a scenario with the muscle.toml or rod.toml of \
-                           a calibration"
-                .to_owned();
-            return Err(sweep.wrong("scenario", Problem::Other { message }));
+        if self.design == Design::Posterior {
+            let Some(known) = scenario.known() else {
+                let message =
+                    "has no [calibration] to draw from; give a scenario with the muscle.toml or rod.toml \
+                               of a calibration"
+                        .to_owned();
+                return Err(sweep.wrong("scenario", Problem::Other { message }));
+            };
+            self.warnings.extend(known.nodes.is_none().then(|| MESH.to_owned()));
         }
-        if self.design == Design::Posterior && scenario.known().is_some_and(|known| known.nodes.is_none()) {
-            self.warnings.push(MESH.to_owned());
+        // A point that is refused is a row; that none could be otherwise is said now.
+        if let Err(error) = scenario.cases() {
+            Scenario::parse(&self.scenario, &self.scenario_text, &[])
+                .and_then(|own| own.cases())
+                .map_err(|_| error)?;
         }
-        scenario.cases()?;
         Ok(())
     }
 

@@ -94,7 +94,10 @@ mod tests {
     #[test]
     fn scripts_hold_together_whatever_the_folder_is_called() {
         let script = array_script("s", Path::new("/opt/efam"), Path::new("/home/o'neil/my sweep"));
-        assert!(script.ends_with("'/opt/efam' sweep run --quiet --plan '/home/o'\\''neil/my sweep'\n"), "{script}");
+        assert!(
+            script.ends_with("'/opt/efam' sweep run --quiet --plan '/home/o'\\''neil/my sweep'\n"),
+            "{script}"
+        );
         assert!(script.contains("#SBATCH --output=\"/home/o'neil/my sweep/log/%A_%a.txt\"\n"), "{script}");
         assert_eq!((job("42\n"), job("42;lab\n"), job("error")), (Some("42"), Some("42"), None));
     }

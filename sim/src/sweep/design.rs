@@ -38,7 +38,8 @@ impl<'a> Sampler<'a> {
             let known = first.1.known().expect("a posterior was asked for with a calibration");
             for (path, _) in Errors::new(known, &first.0).values(0, 0) {
                 if !matches!(key::kind(&path), Some(Kind::Quantity(_))) || asked.varies(&path) {
-                    let message = format!("{path} is drawn from the calibration; leave it out of the parameters");
+                    let message =
+                        format!("{path} is drawn from the calibration; leave it out of the parameters");
                     return Err(ScenarioError { at: None, problem: Problem::Other { message }.into() });
                 }
                 sampler.paths.push(path);
@@ -86,7 +87,8 @@ impl<'a> Sampler<'a> {
                 }
                 (Design::Grid, Values::Range { .. }) => unreachable!("a grid has steps"),
                 (Design::LatinHypercube, values) => {
-                    let share = (f64::from(self.layers[k][index]) + uniform(&mut random)) / asked.points as f64;
+                    let share =
+                        (f64::from(self.layers[k][index]) + uniform(&mut random)) / asked.points as f64;
                     values.at(share, own.kind)
                 }
                 (Design::Sobol, values) => {

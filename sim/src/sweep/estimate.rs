@@ -26,7 +26,8 @@ pub fn microseconds_per_point(asked: &Asked) -> Result<u64, ScenarioError> {
         let point = sampler.point(index)?;
         let begin = Instant::now();
         let make = |point: &_| {
-            case(&asked.scenario, &asked.scenario_text, &asked.set, &sampler.paths, point).map(|(case, _)| case)
+            case(&asked.scenario, &asked.scenario_text, &asked.set, &sampler.paths, point)
+                .map(|(case, _)| case)
         };
         run(make, point);
         all += begin.elapsed().as_micros() as u64;
@@ -46,7 +47,8 @@ mod tests {
 
     #[test]
     fn a_shard_holds_half_a_minute_and_an_array_a_thousand_members() {
-        for (points, microseconds) in [(2000, 60_000), (10, 3_000_000), (10_000_000, 60_000), (5, 90_000_000)] {
+        for (points, microseconds) in [(2000, 60_000), (10, 3_000_000), (10_000_000, 60_000), (5, 90_000_000)]
+        {
             let own = points_per_shard(points, microseconds);
             assert!(own as u64 * microseconds >= LEAST_WORK, "{points} {microseconds}: {own}");
             assert!(points.div_ceil(own) <= MOST_SHARDS, "{points} {microseconds}: {own}");

@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use super::SweepError;
 use super::plan::Plan;
-use super::point::{FAILED, columns, numbers};
+use super::point::{FAILED, FIXED, columns, meaning, numbers};
 use super::shard::{Found, file, look};
 use super::status::array;
 use crate::quantile::quantile;
+use crate::results::ResultsError;
 use crate::results::atomic::{tidy, write_whole};
 use crate::results::columns::{Cells, Column, CsvFile, Holds, ParquetFile, about, read};
-use crate::results::ResultsError;
 use crate::schema::JsonSchema;
 
 /// The table of all points.
@@ -61,6 +61,8 @@ pub struct Reason {
 pub struct Spread {
     /// Its column.
     pub column: String,
+    /// The key of the scenario, or what the number is, in words.
+    pub name: String,
     /// SI unit; empty if dimensionless.
     pub unit: String,
     /// Points that have it.
@@ -100,7 +102,8 @@ impl Kept {
 
 /// Whether the table of a plan is there.
 pub(super) fn is_merged(plan: &Plan) -> bool {
-    about(&plan.folder.join(SWEEP)).is_ok_and(|said| said.entries.get("plan_sha256") == Some(&plan.head.sha256))
+    about(&plan.folder.join(SWEEP))
+        .is_ok_and(|said| said.entries.get("plan_sha256") == Some(&plan.head.sha256))
 }
 
 /// Puts all shards together, one after the other: only one is held at a time.
@@ -110,7 +113,8 @@ pub fn merge(plan: &Plan, csv: bool, tell: &dyn Fn()) -> Result<(Merged, Kept), 
     complete(plan)?;
     let head = &plan.head;
     let mut view = View::new(plan);
-    let hash = [("plan_sha256", head.sha256.clone()), ("run", head.name.clone()), ("efam", head.efam.clone())];
+    let hash =
+        [("plan_sha256", head.sha256.clone()), ("run", head.name.clone()), ("efam", head.efam.clone())];
     let columns = columns(&head.parameters);
     let mut damaged = None;
     let mut shards = |take: &mut dyn FnMut(Vec<Cells>) -> std::io::Result<()>| {
@@ -224,16 +228,19 @@ impl<'a> View<'a> {
             let is_varied = !["point", "seed"].contains(&column.name.as_str());
             is_varied && !matches!(column.holds, Holds::Texts)
         };
-        let spread = |column: &Column| {
+        let paths = &plan.head.parameters;
+        let spread = |(k, column): (usize, &Column)| {
+            let path = k.checked_sub(FIXED).and_then(|k| paths.get(k)).cloned();
             is_number(column).then(|| Spread {
                 column: column.name.clone(),
+                name: path.unwrap_or_else(|| meaning(&column.name).unwrap_or_default().to_owned()),
                 unit: column.unit.to_owned(),
                 ..Spread::default()
             })
         };
         Self {
             plan,
-            spreads: columns.iter().map(spread).collect(),
+            spreads: columns.iter().enumerate().map(spread).collect(),
             kept: Kept { cells: columns.iter().map(|column| column.holds.none()).collect(), columns },
             reasons: Vec::new(),
             failed: 0,
@@ -299,7 +306,9 @@ impl<'a> View<'a> {
         }
         if self.warned > 0 {
             let (warned, points) = (self.warned, head.points);
-            warnings.push(format!("{warned} of {points} points have warnings of their own, in the column `warnings`"));
+            warnings.push(format!(
+                "{warned} of {points} points have warnings of their own, in the column `warnings`"
+            ));
         }
         let merged = Merged {
             name: head.name.clone(),

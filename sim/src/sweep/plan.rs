@@ -13,7 +13,7 @@ use super::SweepError;
 use super::asked::{Asked, Design, Value};
 use super::design::Sampler;
 use super::key::{self, Kind};
-use super::point::{self, Point, case, columns};
+use super::point::{self, FIXED, Point, case, columns};
 use crate::results::{Sha, sha256};
 use crate::scenario::{Case, ScenarioError};
 use crate::schema::JsonSchema;
@@ -137,7 +137,8 @@ pub fn freeze(
 
 /// The first line of the points.
 fn names(paths: &[String]) -> String {
-    let names: Vec<String> = columns(paths).into_iter().take(2 + paths.len()).map(|own| own.name).collect();
+    let names: Vec<String> =
+        columns(paths).into_iter().take(FIXED + paths.len()).map(|own| own.name).collect();
     names.join(",") + "\n"
 }
 
@@ -194,8 +195,8 @@ impl Plan {
     pub fn points(&self) -> Result<Points<'_>, SweepError> {
         let file = self.folder.join(POINTS);
         let opened = File::open(&file);
-        let lines = opened
-            .map_err(|error| SweepError::NoPlan { file: file.clone(), reason: error.to_string() })?;
+        let lines =
+            opened.map_err(|error| SweepError::NoPlan { file: file.clone(), reason: error.to_string() })?;
         Ok(Points { head: &self.head, file, lines: BufReader::new(lines).lines(), next: None })
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::asked::Value;
 use super::key::{self, Kind};
-use crate::predict::quantity::units;
+use crate::predict::quantity::{meanings, units};
 use crate::predict::simulated::{Simulated, simulate};
 use crate::results::columns::{Cells, Column, Holds};
 use crate::results::summary::EnergyBalance;
@@ -42,13 +42,23 @@ pub const OK: &str = "ok";
 /// The other one.
 pub const FAILED: &str = "failed";
 
-/// What the energies and the effort of a run are called, with their units.
-const OF_THE_RUN: [(&str, &str); 4] =
-    [("potential_released_j", "J"), ("dissipated_j", "J"), ("energy_closure", ""), ("steps", "")];
+/// What the energies and the effort of a run are called, with their units and what they are.
+const OF_THE_RUN: [(&str, &str, &str); 4] = [
+    ("potential_released_j", "J", "potential energy released"),
+    ("dissipated_j", "J", "energy dissipated"),
+    ("energy_closure", "", "energy closed to, of that released"),
+    ("steps", "", "steps of the integrator"),
+];
 
 /// Name and unit of every number of a row: those that predictions have, and those of the run itself.
 pub fn numbers() -> impl Iterator<Item = (&'static str, &'static str)> {
-    units().chain(OF_THE_RUN)
+    units().chain(OF_THE_RUN.iter().map(|(name, unit, _)| (*name, *unit)))
+}
+
+/// What a number of a row is, in words.
+pub fn meaning(name: &str) -> Option<&'static str> {
+    let all = meanings().chain(OF_THE_RUN.iter().map(|(.., meaning)| *meaning));
+    numbers().zip(all).find(|((own, _), _)| *own == name).map(|(_, meaning)| meaning)
 }
 
 /// The case of a point: its values, each as a `--set`, over a scenario's text and what else is set.
@@ -87,7 +97,8 @@ pub fn run(make: impl FnOnce(&Point) -> Result<Case, ScenarioError>, point: Poin
         Ok((simulate(&case.model, &case.run)?, case.warnings))
     }));
     // A fault of the program's own has been told on stderr; it must not take the other points with it.
-    let simulated = simulated.unwrap_or_else(|_| Err("the program itself failed; please report it".to_owned()));
+    let simulated =
+        simulated.unwrap_or_else(|_| Err("the program itself failed; please report it".to_owned()));
     match simulated {
         Ok((simulated, warnings)) => {
             let missing = simulated.missing.iter().map(|(entry, why)| format!("{entry}: {why}")).collect();
@@ -116,13 +127,14 @@ fn told(simulated: &Simulated) -> Vec<Option<f64>> {
     simulated.numbers.iter().copied().chain(of_the_run).collect()
 }
 
+/// Columns before those of the parameters: the point and its seed.
+pub(super) const FIXED: usize = 2;
+
 /// The columns of a sweep in which these keys have values.
 pub fn columns(paths: &[String]) -> Vec<Column> {
     let column = |name: String, unit, holds| Column { name, unit, holds };
-    let mut all = vec![
-        column("point".to_owned(), "", Holds::Counts),
-        column("seed".to_owned(), "", Holds::Counts),
-    ];
+    let mut all =
+        vec![column("point".to_owned(), "", Holds::Counts), column("seed".to_owned(), "", Holds::Counts)];
     all.extend(paths.iter().map(|path| match key::kind(path) {
         Some(Kind::Quantity(unit)) => column(key::column(path, unit), unit, Holds::Numbers),
         Some(Kind::Count) => column(key::column(path, ""), "", Holds::Counts),
@@ -142,7 +154,8 @@ pub fn cells(paths: &[String], rows: &[Row]) -> Vec<Cells> {
     let texts = |of: &dyn Fn(&Row) -> Option<String>| Cells::Texts(rows.iter().map(of).collect());
     let mut all = vec![counts(&|row| row.point.index as i64), counts(&|row| row.point.seed as i64)];
     for (k, path) in paths.iter().enumerate() {
-        let number = |row: &Row| if let Value::Number(number) = row.point.values[k] { number } else { f64::NAN };
+        let number =
+            |row: &Row| if let Value::Number(number) = row.point.values[k] { number } else { f64::NAN };
         all.push(match key::kind(path) {
             Some(Kind::Quantity(_)) => Cells::Numbers(rows.iter().map(number).collect()),
             Some(Kind::Count) => counts(&|row| number(row) as i64),

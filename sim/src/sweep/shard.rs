@@ -84,7 +84,9 @@ pub fn is_due(plan: &Plan, shard: usize, overwrite: bool) -> Result<bool, SweepE
     }
     match look(plan, shard) {
         Found::Whole => Ok(false),
-        Found::Foreign(hash) if !overwrite => Err(SweepError::Foreign { file: file(&plan.folder, shard), hash }),
+        Found::Foreign(hash) if !overwrite => {
+            Err(SweepError::Foreign { file: file(&plan.folder, shard), hash })
+        }
         Found::Missing | Found::Damaged(_) | Found::Foreign(_) => Ok(true),
     }
 }

@@ -40,9 +40,13 @@ pub fn status(plan: &Plan) -> Status {
                 continue;
             }
             Found::Missing => {}
-            Found::Damaged(why) => status.faults.push(format!("{file}: cannot be read ({why}); it is run anew")),
+            Found::Damaged(why) => {
+                status.faults.push(format!("{file}: cannot be read ({why}); it is run anew"))
+            }
             Found::Foreign(_) => {
-                status.faults.push(format!("{file}: belongs to another plan; run gets --overwrite to replace it"));
+                status
+                    .faults
+                    .push(format!("{file}: belongs to another plan; run gets --overwrite to replace it"));
             }
         }
         status.missing.push(shard);

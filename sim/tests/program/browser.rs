@@ -19,6 +19,10 @@ use crate::bench::Bench;
 use crate::calibrate::{EXPERIMENT, recording, scenario, simulated};
 
 const WIDTHS: [u32; 2] = [1200, 400];
+/// A grid, of which one pressure is refused.
+const SWEEP: &str = "[sweep]\nscenario = \"release.toml\"\ndesign = \"grid\"\n\
+    [[sweep.parameter]]\npath = \"muscle.pressure\"\nvalues = [\"15 psi\", \"40 psi\", \"400 psi\"]\n\
+    [[sweep.parameter]]\npath = \"effects.payload.mass\"\nrange = [\"0 g\", \"80 g\"]\nsteps = 3\n";
 /// Candidates of the diagnosis, so that it takes seconds.
 const ASKED: [&str; 2] = ["air_drag", "viscoelastic"];
 /// Least contrast of text, as the Web Content Accessibility Guidelines (2.2, 1.4.3) ask for it.
@@ -75,11 +79,13 @@ fn pages(bench: &Bench) -> Vec<&'static str> {
     bench.json(&[&predict[..], &["--draws", "8", "--out", "prediction"]].concat());
     let several = ["--pressure", "15psi,20psi", "--payload", "0g..80g:3", "--out", "grid"];
     bench.json(&[&predict[..3], &predict[5..], &several].concat());
+    bench.file("sweep.toml", SWEEP);
+    bench.json(&["sweep", "sweep.toml", "--json", "--out", "sweep"]);
     bench.json(&["report", "run", "short", "calibration", "diagnosis", "--json", "--out", "report"]);
     bench.json(&["figures", "--json", "--set", "run.duration=\"5 s\"", "--out", "figures"]);
     let simulated = ["run", "short", "rows"];
     let measured = ["check", "analysis", "calibration", "diagnosis"];
-    [&simulated[..], &measured, &["prediction", "grid", "report", "figures"]].concat()
+    [&simulated[..], &measured, &["prediction", "grid", "sweep", "report", "figures"]].concat()
 }
 
 /// Copies without the policy that measure themselves, and a page that frames all of them and all as they are.

@@ -17,6 +17,8 @@ mod pages;
 mod predict;
 mod predict_rod;
 mod schema;
+mod sweep;
+mod sweep_killed;
 #[cfg(unix)]
 mod tutorials;
 mod view;

@@ -145,6 +145,15 @@ fn what_is_printed_fits_its_schema() {
     simulated("second", "40psi");
     try_one("report", &["first", "second"]);
     try_one("figures", &["--set", "run.duration=3 s", "--set", "integrator.tolerance=1e-4"]);
+    let design = "[sweep]\nscenario = \"short.toml\"\ndesign = \"grid\"\n[[sweep.parameter]]\npath = \"muscle.pressure\"\n";
+    bench.file("sweep.toml", &format!("{design}values = [\"15 psi\", \"400 psi\"]\n"));
+    try_one("sweep", &["sweep.toml", "--out", "swept"]);
+    try_one("sweep plan", &["sweep.toml", "--out", "plan", "--points-per-shard", "1"]);
+    try_one("sweep run", &["--plan", "plan", "--shard", "1"]);
+    try_one("sweep status", &["--plan", "plan"]);
+    try_one("sweep submit", &["--plan", "plan", "--dry-run"]);
+    try_one("sweep run", &["--plan", "plan"]);
+    try_one("sweep merge", &["--plan", "plan"]);
     try_one("effects", &[]);
     try_one("effects", &["viscoelastic"]);
     try_one("experiment init", &[&recording, "--out", "e.toml"]);

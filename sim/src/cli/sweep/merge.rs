@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 use sim::results::Request;
 use sim::results::swept::write_swept;
-use sim::sweep::merge::{Kept, Merged, merge};
+use sim::sweep::merge::{Merged, merge};
 use sim::sweep::plan::Plan;
 
 use super::super::arguments::Form;
@@ -35,12 +35,12 @@ pub struct Merge {
 
 pub fn run(args: &Merge, voice: &Voice) -> Result<ExitCode, Failure> {
     let plan = Plan::open(&args.of.plan)?;
-    let (merged, _) = merged(&plan, args.csv, 0.0, voice)?;
+    let merged = merged(&plan, args.csv, 0.0, voice)?;
     tell(&plan.folder, &merged, args.form.json, voice)
 }
 
 /// Merges a sweep and writes what it says; `seconds` is what it took, where that is known.
-pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<(Merged, Kept), Failure> {
+pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<Merged, Failure> {
     let stages = voice.steps(plan.head.shards(), "shards merged");
     let ((), done) = interrupt::during((), &stages, || merge(plan, csv, &|| stages.step()));
     stages.clear();
@@ -55,6 +55,6 @@ pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<(Me
         wall_time_s: seconds,
         ..Request::default()
     };
-    write_swept(&plan.folder, &request, &merged)?;
-    Ok((merged, kept))
+    write_swept(plan, &request, &merged, &kept)?;
+    Ok(merged)
 }

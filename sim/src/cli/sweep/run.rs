@@ -21,7 +21,7 @@ use super::OfPlan;
 const HELP: &str = "Examples:
   efam sweep run --plan outputs/map
   efam sweep run --plan outputs/map --shard 3
-  seq 0 9 | parallel -j 2 RAYON_NUM_THREADS=1 efam sweep run --plan outputs/map --shard {}
+  seq 0 9 | parallel efam sweep run --plan outputs/map --shard {}
 
 Without --shard the place in a job array says which: SLURM_ARRAY_TASK_ID,
 PBS_ARRAY_INDEX, SGE_TASK_ID (from 1 on) or AWS_BATCH_JOB_ARRAY_INDEX. Where
@@ -48,14 +48,6 @@ pub struct Run {
 pub struct Printed<'a> {
     /// Where the plan is.
     folder: &'a Path,
-    /// What was done.
-    #[serde(flatten)]
-    ran: &'a Ran,
-}
-
-/// What was done about shards.
-#[derive(Default, Serialize, JsonSchema)]
-pub struct Ran {
     /// Shards that were run.
     run: Vec<usize>,
     /// Shards that were there already.
@@ -77,14 +69,15 @@ pub fn run(args: &Run, voice: &Voice) -> Result<ExitCode, Failure> {
         Some(shard) => vec![shard],
         None => (0..plan.head.shards()).collect(),
     };
-    let ran = shards(&plan, &due, args.overwrite, voice)?;
+    let (run, failed_points) = shards(&plan, &due, args.overwrite, voice)?;
+    let skipped = due.len() - run.len();
     if args.form.json {
-        print(&Printed { folder: &plan.folder, ran: &ran })?;
+        print(&Printed { folder: &plan.folder, run, skipped, failed_points })?;
     } else if !voice.quiet {
-        let (all, skipped, failed) = (ran.run.len(), ran.skipped, ran.failed_points);
+        let all = run.len();
         writeln!(
             io::stdout().lock(),
-            "{all} shards run, {skipped} were there already; {failed} points could not be simulated\n\
+            "{all} shards run, {skipped} were there already; {failed_points} points could not be simulated\n\
              shards in {}",
             plan.folder.display()
         )?;
@@ -92,8 +85,14 @@ pub fn run(args: &Run, voice: &Voice) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Runs those of some shards that are not there, one after the other, each on all threads.
-pub fn shards(plan: &Plan, which: &[usize], overwrite: bool, voice: &Voice) -> Result<Ran, Failure> {
+/// Runs those of some shards that are not there, one after the other, each on all threads; returns which, and how many
+/// of their points could not be simulated.
+pub fn shards(
+    plan: &Plan,
+    which: &[usize],
+    overwrite: bool,
+    voice: &Voice,
+) -> Result<(Vec<usize>, usize), Failure> {
     let head = &plan.head;
     let mut due = Vec::new();
     for shard in which {
@@ -120,10 +119,12 @@ pub fn shards(plan: &Plan, which: &[usize], overwrite: bool, voice: &Voice) -> R
     let last_words = || {
         let (done, all) = (status::status(plan).shards_done, head.shards());
         let plan = plan.folder.display();
-        eprintln!("interrupted: {done} of {all} shards are whole and kept; go on: efam sweep run --plan {plan}");
+        eprintln!(
+            "interrupted: {done} of {all} shards are whole and kept; go on: efam sweep run --plan {plan}"
+        );
     };
     let ((), failed) = interrupt::during_or((), &stages, work, last_words);
     stages.clear();
-    let failed_points = failed?;
-    Ok(Ran { skipped: which.len() - due.len(), run: due, failed_points })
+    let failed = failed?;
+    Ok((due, failed))
 }

@@ -51,7 +51,11 @@ pub fn run(args: &Ask, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut out = io::stdout().lock();
     if !voice.quiet {
         let Status { points, shards, points_done, shards_done, .. } = &status;
-        writeln!(out, "{}: {shards_done} of {shards} shards, {points_done} of {points} points", plan.head.name)?;
+        writeln!(
+            out,
+            "{}: {shards_done} of {shards} shards, {points_done} of {points} points",
+            plan.head.name
+        )?;
     }
     let folder = plan.folder.display();
     match (status.missing.is_empty(), voice.quiet) {

@@ -75,10 +75,9 @@ pub fn run(args: &Submit, voice: &Voice) -> Result<ExitCode, Failure> {
     let status = status(&plan);
     voice.warn(&status.faults);
     let (script, merge) = (folder.join(ARRAY), folder.join(MERGE));
-    for (file, text) in [
-        (&script, array_script(&name, &program, &folder)),
-        (&merge, merge_script(&name, &program, &folder)),
-    ] {
+    for (file, text) in
+        [(&script, array_script(&name, &program, &folder)), (&merge, merge_script(&name, &program, &folder))]
+    {
         write_whole(file, |file| file.write_all(text.as_bytes()))?;
     }
     fs::create_dir_all(folder.join("log")).map_err(here)?;
@@ -100,7 +99,9 @@ pub fn run(args: &Submit, voice: &Voice) -> Result<ExitCode, Failure> {
                 writeln!(out, "job {own}: {count} of {all} shards; job {merge} merges them")?;
                 writeln!(out, "look: efam sweep status --plan {}", plan.folder.display())?;
             }
-            _ if count == 0 => writeln!(out, "nothing is missing: efam sweep merge --plan {}", plan.folder.display())?,
+            _ if count == 0 => {
+                writeln!(out, "nothing is missing: efam sweep merge --plan {}", plan.folder.display())?
+            }
             _ => {
                 writeln!(out, "sbatch {} {}", first.join(" "), script.display())?;
                 writeln!(out, "sbatch --dependency=afterany:JOB {}", merge.display())?;

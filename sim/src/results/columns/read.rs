@@ -133,7 +133,8 @@ mod tests {
         let mut file = CsvFile::begin(&mut text, &columns()).unwrap();
         file.write(&rows()).unwrap();
         file.finish().unwrap();
-        let expected = "point,z_m,reason\n0,0.30000000000000004,\n9007199254740991,-1e-300,\"a, \"\"b\"\"\nc\"\n";
+        let expected =
+            "point,z_m,reason\n0,0.30000000000000004,\n9007199254740991,-1e-300,\"a, \"\"b\"\"\nc\"\n";
         assert_eq!(String::from_utf8(text).unwrap(), expected);
     }
 }

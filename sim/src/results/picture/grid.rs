@@ -10,7 +10,7 @@ use crate::predict::grid::{Cell, Grid, PastStraightDown};
 use crate::results::report::significant;
 
 /// Numbers that are drawn: name, title, label of its axis, factor to its unit.
-const NUMBERS: [(&str, &str, &str, f64); 6] = [
+const NUMBERS: [Number; 6] = [
     ("frequency_hz", "Frequency as released", "damped frequency, Hz", 1.0),
     ("damping_ratio", "Damping ratio as released", "damping ratio", 1.0),
     ("rest_z_m", "Height of the tip at rest", "height over the clamp, mm", MILLI),
@@ -72,11 +72,16 @@ pub fn grid_pictures(grid: &Grid) -> Vec<Picture> {
     pictures
 }
 
-type Number = (&'static str, &'static str, &'static str, f64);
+pub(super) type Number = (&'static str, &'static str, &'static str, f64);
 
 fn six_panels(grid: &Grid, panel: &dyn Fn(&Area, &Number) -> Drawn) -> String {
+    panels_of_numbers(&format!("Prediction: {}", grid.name), panel)
+}
+
+/// A panel for each of [`NUMBERS`].
+pub(super) fn panels_of_numbers(title: &str, panel: &dyn Fn(&Area, &Number) -> Drawn) -> String {
     drawn((1200, 1230), |page| {
-        heading(page, &format!("Prediction: {}", grid.name))?;
+        heading(page, title)?;
         let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((3, 2));
         panels.iter().zip(&NUMBERS).try_for_each(|(area, number)| panel(area, number))
     })
@@ -88,21 +93,33 @@ fn value(cell: &Cell, (name, .., factor): &Number) -> Option<f64> {
 
 /// Cells over pressure and payload, darker where there is more.
 fn map(area: &Area, grid: &Grid, number: &Number) -> Drawn {
+    let x = (edges(&grid.pressures_pa, 1e-3), "pressure, kPa");
+    let y = (edges(&grid.payloads_kg, MILLI), "payload, g");
+    painted(area, number, x, y, &|i, j| value(&grid.cells[i * grid.payloads_kg.len() + j], number))
+}
+
+/// Cells between edges, darker where there is more of a number.
+pub(super) fn painted(
+    area: &Area,
+    number: &Number,
+    (x, x_label): (Vec<f64>, &str),
+    (y, y_label): (Vec<f64>, &str),
+    value: &dyn Fn(usize, usize) -> Option<f64>,
+) -> Drawn {
     let title = format!("{}, {}", number.1, number.2.rsplit(", ").next().unwrap_or_default());
     let title = if number.2.contains(", ") { title } else { number.1.to_owned() };
-    let values: Vec<f64> = grid.cells.iter().filter_map(|cell| value(cell, number)).collect();
+    let (columns, rows) = (x.len() - 1, y.len() - 1);
+    let all = || (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j)));
+    let values: Vec<f64> = all().filter_map(|(i, j)| value(i, j)).collect();
     if values.is_empty() {
         return Panel::without_data(area, &title, "no case has it");
     }
     let range = padded(values.into_iter(), 0.0);
-    let (x, y) = (edges(&grid.pressures_pa, 1e-3), edges(&grid.payloads_kg, MILLI));
     let whole = |edges: &[f64]| edges[0]..edges[edges.len() - 1];
-    let axes = (Axis(whole(&x), "pressure, kPa"), Axis(whole(&y), "payload, g"));
-    let mut panel = Panel::new(area, &title, &axes.0, &axes.1, &[])?;
-    let is_legible = grid.pressures_pa.len() <= LEGIBLE && grid.payloads_kg.len() <= LEGIBLE;
-    for (k, cell) in grid.cells.iter().enumerate() {
-        let (i, j) = (k / grid.payloads_kg.len(), k % grid.payloads_kg.len());
-        let Some(value) = value(cell, number) else { continue };
+    let mut panel = Panel::new(area, &title, &Axis(whole(&x), x_label), &Axis(whole(&y), y_label), &[])?;
+    let is_legible = columns <= LEGIBLE && rows <= LEGIBLE;
+    for (i, j) in all() {
+        let Some(value) = value(i, j) else { continue };
         let share = (value - range.start) / (range.end - range.start);
         panel.cell(x[i]..x[i + 1], y[j]..y[j + 1], shade(share))?;
         if is_legible {
@@ -121,7 +138,7 @@ fn shade(share: f64) -> RGBColor {
 }
 
 /// Half way between values, and as far beyond the first and last.
-fn edges(values: &[f64], factor: f64) -> Vec<f64> {
+pub(super) fn edges(values: &[f64], factor: f64) -> Vec<f64> {
     let middles = values.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
     let (first, last) = (values[0], values[values.len() - 1]);
     let [below, above] = [values[1] - first, last - values[values.len() - 2]].map(|step| 0.5 * step);

@@ -1,0 +1,159 @@
+#!/usr/bin/env bash
+# A sweep on a real Slurm: two slurmd on this host, one of which is killed in mid-run together with a task.
+#
+# Goal: what `efam sweep submit` hands in comes to its end, a killed task is one missing shard, handing in again runs
+# that alone, and the merged table is the one of a single machine, byte for byte.
+# Setup: Debian's slurmctld, slurmd, slurm-client and munge, each daemon started by hand with files of its own in a
+# folder that is removed; 2048 releases of 20 s. Needs root to install and to run them; says so and passes elsewhere.
+#
+#     tests/slurm.sh target/debug/efam
+set -euo pipefail
+
+efam=$(realpath "${1:-target/debug/efam}")
+scenario=$(realpath "$(dirname "$0")/../scenarios/release-15psi.toml")
+points=${POINTS:-2048}
+
+skip() { printf -- '-- skipped: %s\n' "$*"; exit 0; }
+say() { printf '   %3d s  %s\n' $SECONDS "$*"; }
+
+[ "$(uname -s)" = Linux ] || skip "Slurm runs on Linux"
+[ "$(id -u)" = 0 ] || skip "Slurm's daemons need root"
+if ! command -v slurmctld slurmd sbatch munged >/dev/null; then
+  command -v apt-get >/dev/null || skip "Slurm is not there, and there is no apt-get to install it"
+  export DEBIAN_FRONTEND=noninteractive
+  { apt-get update && apt-get install -y --no-install-recommends slurmctld slurmd slurm-client munge; } \
+    >/dev/null 2>&1 || skip "Slurm could not be installed"
+fi
+
+dir=$(mktemp -d /tmp/efam-slurm.XXXXXX)
+export SLURM_CONF=$dir/slurm.conf
+daemons=()
+# shellcheck disable=SC2317 # the trap calls it
+finish() {
+  scancel --full --user root >/dev/null 2>&1 || true
+  # runuser does not hand a signal on that cannot be caught.
+  for pid in $(pgrep -f "$dir/sweep" || true) "${daemons[@]}" $(cat "$dir/munge/pid" 2>/dev/null || true); do
+    kill -9 "$pid" 2>/dev/null || true
+  done
+  wait 2>/dev/null || true
+  rm -rf "$dir"
+}
+trap finish EXIT
+
+failed() {
+  printf 'FAILED: %s\n' "$*"
+  tail -n 20 "$dir"/*.log "$dir"/sweep/log/* 2>/dev/null || true
+  exit 1
+}
+# What must come true within so many seconds.
+until_true() {
+  local what=$1 seconds=$2
+  shift 2
+  for _ in $(seq $((5 * seconds))); do
+    if "$@"; then return; fi
+    sleep 0.2
+  done
+  failed "$what did not come within $seconds s"
+}
+
+chmod 755 "$dir"
+install -d -m 755 "$dir/state" "$dir/munge"
+head -c 1024 /dev/urandom >"$dir/munge/key"
+chmod 600 "$dir/munge/key"
+chown -R munge "$dir/munge"
+runuser -u munge -- munged --foreground --force --key-file "$dir/munge/key" --socket "$dir/munge/socket" \
+  --pid-file "$dir/munge/pid" --log-file "$dir/munge/log" --seed-file "$dir/munge/seed" >/dev/null 2>&1 &
+daemons+=($!)
+
+host=$(hostname -s)
+cat >"$SLURM_CONF" <<CONF
+ClusterName=efam
+SlurmctldHost=$host(127.0.0.1)
+SlurmUser=root
+AuthType=auth/munge
+AuthInfo=socket=$dir/munge/socket
+SlurmctldPort=26817
+StateSaveLocation=$dir/state
+SlurmdSpoolDir=$dir/spool-%n
+SlurmctldPidFile=$dir/slurmctld.pid
+SlurmdPidFile=$dir/slurmd-%n.pid
+SlurmctldLogFile=$dir/slurmctld.log
+SlurmdLogFile=$dir/slurmd-%n.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SlurmdParameters=config_overrides
+ReturnToService=2
+SlurmdTimeout=10
+KillWait=2
+MpiDefault=none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+SchedulerParameters=batch_sched_delay=0,sched_min_interval=0,sched_interval=2,bf_interval=2
+NodeName=n[1-2] NodeHostname=$host NodeAddr=127.0.0.1 Port=[27001-27002] CPUs=1 RealMemory=500
+PartitionName=all Nodes=n[1-2] Default=YES MaxTime=INFINITE State=UP
+CONF
+is_up() { munge -S "$dir/munge/socket" -n >/dev/null 2>&1; }
+until_true "munge" 20 is_up
+slurmctld -D >"$dir/slurmctld.out" 2>&1 &
+daemons+=($!)
+for node in n1 n2; do
+  install -d "$dir/spool-$node"
+  slurmd -D -N $node >"$dir/slurmd-$node.out" 2>&1 &
+  daemons+=($!)
+  disown
+done
+second=${daemons[3]}
+both_idle() { [ "$(sinfo -h -N -o '%t' 2>/dev/null | grep -c '^idle$')" = 2 ]; }
+until_true "Slurm with two nodes" 60 both_idle
+say "$(slurmctld -V) is up with two nodes"
+
+cat >"$dir/sweep.toml" <<TOML
+[sweep]
+scenario = "$scenario"
+design = "sobol"
+points = $points
+[[sweep.parameter]]
+path = "muscle.pressure"
+range = ["5 psi", "100 psi"]
+[[sweep.parameter]]
+path = "effects.payload.mass"
+range = ["0 g", "100 g"]
+TOML
+"$efam" -q sweep plan "$dir/sweep.toml" --out "$dir/sweep" --points-per-shard 64
+shards=$((points / 64))
+done_shards() { find "$dir/sweep" -name part.parquet | wc -l; }
+at_least() { [ "$(done_shards)" -ge "$1" ]; }
+none_waits() { [ -z "$(squeue -h 2>/dev/null)" ] && squeue -h >/dev/null 2>&1; }
+
+"$efam" sweep submit --plan "$dir/sweep" -- --no-requeue --mem=100 | sed 's/^/          /'
+until_true "a quarter of the shards" 600 at_least $((shards / 4))
+# The daemon of the second node, and the tasks that run: these end as failed members of the array.
+kill -9 "$second"
+tasks=$(pgrep -f "efam sweep run --quiet --plan $dir/sweep" || true)
+for pid in $tasks; do kill -9 "$pid" 2>/dev/null || true; done
+say "killed one daemon and the tasks $(echo $tasks), with $(done_shards) of $shards shards there"
+until_true "the end of the array" 900 none_waits
+missing=$("$efam" -q sweep status --plan "$dir/sweep")
+[ -n "$missing" ] || failed "a killed task is a missing shard"
+[ ! -e "$dir/sweep/sweep.parquet" ] || failed "a sweep that lacks shards must not be merged"
+grep -q "shards are missing: $missing;" "$dir"/sweep/log/*-merge.txt || failed "the merge says what is missing"
+say "the array ended; missing: $missing"
+
+"$efam" sweep submit --plan "$dir/sweep" -- --mem=100 | sed 's/^/          /'
+until_true "the second array and the merge" 900 none_waits
+[ -z "$("$efam" -q sweep status --plan "$dir/sweep")" ] || failed "shards are still missing"
+[ -e "$dir/sweep/sweep.parquet" ] || failed "the merge behind the array did not come"
+say "handed in again, the rest was run and merged on the node that is left"
+
+# The same plan on this machine alone.
+mkdir "$dir/alone"
+cp "$dir"/sweep/{plan.json,points.csv} "$dir/alone"
+"$efam" -q sweep run --plan "$dir/alone"
+"$efam" -q sweep merge --plan "$dir/alone"
+cmp "$dir/sweep/sweep.parquet" "$dir/alone/sweep.parquet" || failed "the tables differ"
+for part in "$dir"/alone/shard=*/part.parquet; do
+  cmp "$part" "${part/alone/sweep}" || failed "a shard differs"
+done
+say "$points releases: the tables of Slurm and of one machine are equal, byte for byte"
