@@ -42,7 +42,12 @@ pub fn run(args: &Merge, voice: &Voice) -> Result<ExitCode, Failure> {
 /// Merges a sweep and writes what it says; `seconds` is what it took, where that is known.
 pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<Merged, Failure> {
     let stages = voice.steps(plan.head.shards(), "shards merged");
-    let ((), done) = interrupt::during((), &stages, || merge(plan, csv, &|| stages.step()));
+    let last_words = || {
+        let plan = plan.folder.display();
+        eprintln!("interrupted: all shards are kept; go on: efam sweep merge --plan {plan}");
+    };
+    let work = || merge(plan, csv, &|| stages.step());
+    let ((), done) = interrupt::during_or((), &stages, work, last_words);
     stages.clear();
     let (merged, kept) = done?;
     let head = &plan.head;
