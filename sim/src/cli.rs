@@ -8,6 +8,7 @@ mod diagnose;
 mod doctor;
 mod effects;
 mod experiment;
+mod export;
 mod failure;
 mod figures;
 mod inspect;
@@ -70,6 +71,8 @@ enum Command {
     View(view::View),
     /// Put runs beside one another, on a page and in numbers.
     Report(report::Report),
+    /// Write a finished run for other programs: MATLAB, or tools for robots.
+    Export(export::Export),
     /// Redraw the paper's Figures 4 to 9 from runs of our own.
     Figures(figures::Figures),
     /// List the physical effects, or show the page of one.
@@ -121,6 +124,7 @@ pub fn main() -> ExitCode {
         Command::Sweep(args) => sweep::run(&args, &voice),
         Command::View(args) => view::run(&args),
         Command::Report(args) => report::run(&args, &voice),
+        Command::Export(args) => export::run(&args, &voice),
         Command::Figures(args) => figures::run(&args, &voice),
         Command::Effects(args) => effects::run(&args, &voice),
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args, &voice),

@@ -10,8 +10,8 @@ use sim::schema::of;
 use super::failure::Failure;
 use super::voice::print;
 use super::{
-    analyse, calibrate, diagnose, doctor, effects, experiment, figures, inspect, predict, report, rest,
-    simulate, sweep,
+    analyse, calibrate, diagnose, doctor, effects, experiment, export, figures, inspect, predict, report,
+    rest, simulate, sweep,
 };
 
 const HELP: &str = "Examples:
@@ -33,7 +33,7 @@ pub struct Schema {
 type Make = fn() -> Value;
 
 /// Commands that print JSON, and the schema of it.
-pub const SCHEMAS: [(&str, Make); 20] = [
+pub const SCHEMAS: [(&str, Make); 21] = [
     ("simulate", of::<simulate::Printed>),
     ("calibrate", of::<calibrate::Printed>),
     ("diagnose", of::<diagnose::Printed>),
@@ -45,6 +45,7 @@ pub const SCHEMAS: [(&str, Make); 20] = [
     ("sweep status", of::<sweep::status::Printed>),
     ("sweep merge", of::<sweep::MergedPrinted>),
     ("report", of::<report::Printed>),
+    ("export", of::<export::Printed>),
     ("figures", of::<figures::Printed>),
     ("effects", of::<effects::Printed>),
     ("experiment init", of::<experiment::InitPrinted>),

@@ -13,7 +13,7 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
-pub use read::{About, about, read};
+pub use read::{About, Found, about, read, table};
 
 /// A column.
 #[derive(Clone, Debug, PartialEq)]

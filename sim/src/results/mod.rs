@@ -21,6 +21,7 @@ pub mod compared;
 pub mod diagnosed;
 mod error;
 pub mod experiment;
+pub mod export;
 pub mod figures;
 pub mod folder;
 pub mod grid;

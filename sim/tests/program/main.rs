@@ -8,6 +8,7 @@ mod diagnose;
 mod diagnosis_page;
 mod doctor;
 mod experiment;
+mod export;
 mod inspect;
 #[cfg(unix)]
 mod interrupted;

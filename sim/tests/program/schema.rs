@@ -144,6 +144,7 @@ fn what_is_printed_fits_its_schema() {
     simulated("first", "15psi");
     simulated("second", "40psi");
     try_one("report", &["first", "second"]);
+    try_one("export", &["first", "--to", "mat"]);
     try_one("figures", &["--set", "run.duration=3 s", "--set", "integrator.tolerance=1e-4"]);
     let design = "[sweep]\nscenario = \"short.toml\"\ndesign = \"grid\"\n[[sweep.parameter]]\npath = \"muscle.pressure\"\n";
     bench.file("sweep.toml", &format!("{design}values = [\"15 psi\", \"400 psi\"]\n"));

@@ -7,6 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use arrow_array::{Array, Float64Array, Int64Array, RecordBatch, StringArray};
+use arrow_schema::{DataType, FieldRef};
 use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 
 use super::{Cells, Column, Holds, cause};
@@ -51,6 +52,48 @@ pub fn read(path: &Path, columns: &[Column]) -> io::Result<Vec<Cells>> {
             }
         }
         Ok(all)
+    })
+}
+
+/// A column of a table as it was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Its name.
+    pub name: String,
+    /// Its unit, or nothing where there is none.
+    pub unit: String,
+    /// Its cells.
+    pub cells: Cells,
+}
+
+/// All columns of a file, whatever they are.
+/// # Errors
+/// A file that cannot be read, is no Parquet, or has columns that [`super::ParquetFile`] does not write.
+pub fn table(path: &Path) -> io::Result<Vec<Found>> {
+    guarded(|| {
+        // The units stand in the schema of Arrow.
+        let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(path)?).map_err(cause)?;
+        let kind = |field: &FieldRef| match field.data_type() {
+            DataType::Int64 => Some(Holds::Counts),
+            DataType::Utf8 => Some(Holds::Texts),
+            DataType::Float64 => Some(Holds::NumbersOrNone),
+            _ => None,
+        };
+        let begun = |field: &FieldRef| {
+            let unknown = || io::Error::other(format!("its column {} holds something else", field.name()));
+            let unit = field.metadata().get("unit").cloned().unwrap_or_default();
+            let holds = kind(field).ok_or_else(unknown)?;
+            Ok((Found { name: field.name().clone(), unit, cells: holds.none() }, holds))
+        };
+        let mut all = reader.schema().fields().iter().map(begun).collect::<io::Result<Vec<_>>>()?;
+        for batch in reader.build().map_err(cause)? {
+            let batch = batch.map_err(io::Error::other)?;
+            for (k, (found, holds)) in all.iter_mut().enumerate() {
+                let cells = cells(&batch, k, *holds);
+                found.cells.append(cells.ok_or_else(|| io::Error::other("its columns hold something else"))?);
+            }
+        }
+        Ok(all.into_iter().map(|(found, _)| found).collect())
     })
 }
 
@@ -115,6 +158,9 @@ mod tests {
         let mut twice = rows();
         twice.iter_mut().zip(rows()).for_each(|(own, more)| own.append(more));
         assert_eq!(read(&path, &columns()).unwrap(), twice);
+        let found = table(&path).unwrap();
+        assert_eq!(found.iter().map(|column| column.cells.clone()).collect::<Vec<_>>(), twice);
+        assert_eq!((found[1].name.as_str(), found[1].unit.as_str()), ("z_m", "m"));
         let said = about(&path).unwrap();
         assert_eq!((said.rows, said.entries["plan"].as_str()), (4, "abc"));
         assert!(read(&path, &columns()[..2]).unwrap_err().to_string().contains("other columns"));
@@ -123,6 +169,7 @@ mod tests {
         for length in [0, 3, bytes.len() / 2, bytes.len() - 1] {
             std::fs::write(&path, &bytes[..length]).unwrap();
             assert!(about(&path).is_err() && read(&path, &columns()).is_err(), "{length}");
+            assert!(table(&path).is_err(), "{length}");
         }
         std::fs::remove_file(&path).unwrap();
     }

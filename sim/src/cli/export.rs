@@ -1,0 +1,118 @@
+//! `efam export`: a finished run in the formats of other programs.
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use sim::results::export::{ExportError, Format, Stored, export, read};
+use sim::schema::JsonSchema;
+
+use super::arguments::Form;
+use super::failure::Failure;
+use super::voice::{Voice, print};
+
+const HELP: &str = "Examples:
+  efam export outputs/beam --to mat
+  efam export outputs/beam --to mcap --out beam.mcap --overwrite
+
+MATLAB:  run = load(\"beam.mat\"); plot(run.trajectory.time_s, run.trajectory.tip_z_m)
+
+Exit codes: 1 if the file cannot be written, 2 if the folder is no run or has
+no table of that kind, 3 if a table cannot be read.";
+
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Export {
+    /// Folder of a run: of simulate, analyse, calibrate, predict with several cases.
+    run: PathBuf,
+    /// Format of the file.
+    #[arg(long, value_name = "FORMAT")]
+    to: To,
+    /// The file [default: beside the run's folder, with its name].
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Replace a file that is there.
+    #[arg(long)]
+    overwrite: bool,
+    #[command(flatten)]
+    form: Form,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum To {
+    /// MAT of version 7.3, which is HDF5: for MATLAB, Octave, h5py.
+    Mat,
+    /// MCAP with messages in JSON: for Foxglove, ROS 2, Rerun.
+    Mcap,
+}
+
+/// What is printed for programs.
+#[derive(Serialize, JsonSchema)]
+pub struct Printed<'a> {
+    /// The file.
+    file: &'a Path,
+    /// Its format.
+    format: Format,
+    /// What is in it.
+    tables: Vec<Row<'a>>,
+}
+
+/// A table that was exported.
+#[derive(Serialize, JsonSchema)]
+struct Row<'a> {
+    /// Its name.
+    name: &'a str,
+    /// Rows.
+    rows: usize,
+    /// Columns; those that one number tells apart count as one.
+    columns: usize,
+}
+
+pub fn run(args: &Export, voice: &Voice) -> Result<ExitCode, Failure> {
+    let format = match args.to {
+        To::Mat => Format::Mat,
+        To::Mcap => Format::Mcap,
+    };
+    let stored = read(&args.run).map_err(ExportError::from)?;
+    let file = args.out.clone().unwrap_or_else(|| beside(&args.run, format));
+    export(&stored, format, &file, args.overwrite)?;
+    let tables = rows(&stored);
+    if args.form.json {
+        print(&Printed { file: &file, format, tables })?;
+    } else if !voice.quiet {
+        let mut out = io::stdout().lock();
+        for table in tables {
+            writeln!(out, "{:40}{} rows, {} columns", table.name, table.rows, table.columns)?;
+        }
+        writeln!(out, "\nwritten to {}", file.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn rows(stored: &Stored) -> Vec<Row<'_>> {
+    let row = |(name, rows, columns)| Row { name, rows, columns };
+    stored.tables.iter().map(|of| row((&of.name, of.rows, of.series.len()))).collect()
+}
+
+/// `outputs/beam.mat` of `outputs/beam/`: what a run's folder holds stays what the run wrote.
+fn beside(run: &Path, format: Format) -> PathBuf {
+    // `.` and `..` have no name of their own.
+    let whole = run.canonicalize().unwrap_or_else(|_| run.to_path_buf());
+    let named = if run.file_name().is_some() { run } else { &whole };
+    let mut name = named.file_name().map_or_else(|| OsString::from("run"), OsString::from);
+    name.push(format!(".{}", format.ending()));
+    named.with_file_name(name)
+}
+
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Run(error) => error.into(),
+            ExportError::Write { .. } => Failure::Output(error.to_string()),
+            error => Failure::Usage(error.to_string()),
+        }
+    }
+}
