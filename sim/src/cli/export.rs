@@ -18,7 +18,9 @@ const HELP: &str = "Examples:
   efam export outputs/beam --to mat
   efam export outputs/beam --to mcap --out beam.mcap --overwrite
 
-MATLAB:  run = load(\"beam.mat\"); plot(run.trajectory.time_s, run.trajectory.tip_z_m)
+In MATLAB:
+  run = load(\"beam.mat\");
+  plot(run.trajectory.time_s, run.trajectory.tip_z_m)
 
 Exit codes: 1 if the file cannot be written, 2 if the folder is no run or has
 no table of that kind, 3 if a table cannot be read.";
