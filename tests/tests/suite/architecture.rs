@@ -14,7 +14,7 @@ use models::effects::CATALOGUE;
 /// kind of work has one door; the two that need more room have a file and a folder of the same name, and
 /// Parquet is written in one file and read in two, strictly where it may be anybody's; a test of our own tables reads back
 /// what was written. argmin has a file a search.
-const DOORS: [(&str, &[&str]); 22] = [
+const DOORS: [(&str, &[&str]); 23] = [
     ("argmin", &["sim/src/analysis/nelder_mead.rs", "sim/src/analysis/brent.rs"]),
     (
         "arrow",
