@@ -31,8 +31,10 @@ mod properties {
     mod allocation;
     mod catalogue;
     mod effort;
+    mod energy;
     mod seen;
     mod sensitivities;
+    mod similarity;
 }
 mod recordings {
     mod errors;
