@@ -2,6 +2,7 @@
 
 use models::effects::{About, CATALOGUE, Effect, Kind, Parameter as EffectParameter, Place, Reach};
 use models::error::ModelError;
+use models::muscle::Known;
 
 use super::score::Subject;
 use crate::calibrate::{Parameter, Prior, Problem, Scale, Scope, Trial};
@@ -118,6 +119,13 @@ impl Candidate {
         }
         Ok(problem)
     }
+}
+
+/// Whether releases at several pressures are fitted.
+pub(super) fn has_several_pressures(problem: &Problem) -> bool {
+    let fitted = problem.trials.iter().filter(|trial| !trial.release.held_out);
+    let [lowest, highest] = Known::span(fitted.filter_map(|trial| trial.release.pressure));
+    lowest < highest
 }
 
 fn believed(parameter: &EffectParameter) -> (f64, f64) {

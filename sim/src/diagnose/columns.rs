@@ -39,7 +39,7 @@ pub(super) fn columns(
 ) -> Vec<Column> {
     let of_candidate = |(c, candidate): (usize, &Candidate)| {
         if let Some(place) = fit.objective.part.unknowns.iter().position(|own| own.name == candidate.path()) {
-            return Some(of_pressures(fit, &fitted(fit, place), c).split_off(1));
+            return Some(of_pressures(fit, &fitted(fit, place), c).into_iter().skip(1).collect());
         }
         // The step that suits one release suits the others, or nearly.
         let (first, step) = movement(fit, candidate, 0, off.first()?, first_step(candidate))?;

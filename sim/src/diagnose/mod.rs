@@ -40,6 +40,7 @@ pub use curve::Curve;
 pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
 
+use candidate::has_several_pressures;
 use curve::curves;
 use describe::describe;
 use idle::without_idle;
@@ -117,7 +118,7 @@ pub fn diagnose(
     let before = Before { model, cost, fitted: before, locked, known };
     let mut course = Course::new(&before, settings, listener, diagnosis);
     course.search()?;
-    if course.is_unknown()? && course.can_be_widened() {
+    if course.is_unknown()? && has_several_pressures(problem) {
         listener.doing("again, with strengths that differ from pressure to pressure");
         course = course.widened()?;
     }
@@ -251,13 +252,6 @@ impl<'a> Course<'a> {
             (self.model, known) = (lean.fitted, lean.known);
         }
         Ok(())
-    }
-
-    /// Whether releases at several pressures are fitted.
-    fn can_be_widened(&self) -> bool {
-        let fitted = self.problem.trials.iter().filter(|trial| !trial.release.held_out);
-        let [lowest, highest] = muscle::Known::span(fitted.filter_map(|trial| trial.release.pressure));
-        lowest < highest
     }
 
     /// The same search with strengths that differ from pressure to pressure, if that has an answer; or else

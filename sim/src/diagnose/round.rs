@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, candidates};
+use super::candidate::{Candidate, candidates, has_several_pressures};
 use super::columns::predictions;
 use super::judge::Locked;
 use super::localise::{Shape, shapes};
@@ -122,7 +122,9 @@ pub(super) fn round(
     if is_widened {
         candidates.iter_mut().for_each(|own| *own = own.of_each_pressure().unwrap_or_else(|| own.clone()));
     }
-    candidates.extend(added.iter().filter_map(|best| best.candidate.of_each_pressure()));
+    if has_several_pressures(problem) {
+        candidates.extend(added.iter().filter_map(|best| best.candidate.of_each_pressure()));
+    }
     let explained = added.iter().map(|best| best.gain).sum::<f64>();
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);

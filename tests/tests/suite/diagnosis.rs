@@ -5,6 +5,7 @@
 //! Expected: the hidden effect first or in the class; gaps at the noise. `blind_bench` counts how often.
 
 use models::effects::CATALOGUE;
+use sim::calibrate::Scope;
 use sim::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
 use tests::blind::problem;
 use tests::twin::drawn::Plan;
@@ -83,6 +84,23 @@ fn an_effect_of_another_size_at_each_pressure_is_found() {
     let own = locked.theta[locked.index("effects.viscoelastic.branch_stiffness").expect("it is there")];
     assert!((own / typical - 1.0).abs() < 0.1, "{own}");
     assert!(worst_gap(&found) < 1.25, "{:?}", found.gap);
+}
+
+/// A rod that is no muscle has no pressure, nor an effect that differs with it.
+#[test]
+fn without_pressures_a_second_round_asks_for_none() {
+    let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
+    let usual = Plan::usual(&[hidden]);
+    let plan = Plan { pressures: vec![40.0], angles: usual.angles[..2].to_vec(), duration: 4.0, ..usual };
+    let mut problem = problem(&plan.draw(906));
+    for trial in &mut problem.trials {
+        (trial.release.pressure, trial.release.held_out) = (None, false);
+    }
+    problem.parameters.iter_mut().for_each(|parameter| parameter.scope = Scope::Shared);
+    let found =
+        diagnose(&problem, &Settings::default(), &|_: &str| ()).expect("it can be diagnosed").diagnosis;
+    assert!(found.thresholds.len() > 1, "{}", found.summary);
+    assert!(found.evidence.iter().all(|evidence| !evidence.of_each_pressure));
 }
 
 /// With nothing to choose from, what is hidden is described, and not called nothing.
