@@ -18,7 +18,7 @@ from case import DURATION, RATE
 
 NAME = "DiSMech-Newton"
 STIFF = 100.0  # so much stiffer along is the fitting than an edge
-ITERATIONS = 2  # three change the path by less than 0.001 mm
+ITERATIONS = 2  # a third moves the tip by 0.004 mm, rms over 3 s with stiffness damping
 
 
 def settings(case):
