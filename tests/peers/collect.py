@@ -17,7 +17,10 @@ import matplotlib.pyplot as plt
 from case import CASES, DURATION, HERE
 
 ENOUGH_MM = 0.05
-MARKS = {"efam": "o", "numba, LSODA": "s", "scipy, Radau": "D", "Exudyn": "^", "MuJoCo": "v", "PyElastica": "P"}
+MARKS = {"efam": "o", "numba, LSODA": "s", "scipy, Radau": "D", "Exudyn": "^", "MuJoCo": "v", "PyElastica": "P",
+         "DiSMech-Newton": "X"}
+ALIKE = {"efam": {"tol": 1e-4}, "numba, LSODA": {"tol": 1e-4}, "Exudyn": {"step": 2.5e-3}, "MuJoCo": {"step": 1e-3},
+         "DiSMech-Newton": {"step": 5e-3}}  # of the scaling with the mesh
 TITLES = {"mass-damping": "α = 1 1/s", "both-dampings": "α = 1 1/s, β = 10 ms"}
 
 
@@ -43,6 +46,20 @@ def front(rows):
 
 def number(value, digits=2):
     return f"{float(f'{value:.{digits}g}'):g}"
+
+
+def scaling(rows):
+    """Processor time over the size of the mesh, everything else alike, as a table."""
+    meshes = [16, 32, 64, 96, 128]
+    text = "| who | " + " | ".join(map(str, meshes)) + " |\n|---" + "|---" * len(meshes) + "|\n"
+    for case in CASES:
+        for name, alike in ALIKE.items():
+            cells = {row["setting"].get("nodes") or row["setting"]["elements"]: row["cpu_s"] for row in rows
+                     if (row["case"], row["contestant"]) == (case, name) and alike.items() <= row["setting"].items()}
+            if len(cells) > 2:
+                cells = [number(cells[n]) if n in cells else "–" for n in meshes]
+                text += f"| {name}, {said(alike)}, {TITLES[case]} | " + " | ".join(cells) + " |\n"
+    return "\n**Processor time over nodes, of Exudyn over elements, s**\n\n" + text
 
 
 def main(folder):
@@ -78,15 +95,7 @@ def main(folder):
     axes[0].legend(fontsize=8, frameon=False)
     figure.savefig(HERE / "../../docs/peers.svg", metadata={"Date": None})
     figure.savefig(Path(folder) / "peers.png", dpi=110)
-    text += "\n**Processor time over nodes, s, at tolerance 1e-4**\n\n"
-    meshes = [16, 32, 64, 96, 128]
-    text += "| who | " + " | ".join(map(str, meshes)) + " |\n|---" + "|---" * len(meshes) + "|\n"
-    for case in CASES:
-        for name in ["efam", "numba, LSODA"]:
-            cells = {row["setting"]["nodes"]: row["cpu_s"] for row in rows
-                     if (row["case"], row["contestant"]) == (case, name) and row["setting"].get("tol") == 1e-4}
-            cells = [number(cells[n]) if n in cells else "–" for n in meshes]
-            text += f"| {name}, {TITLES[case]} | " + " | ".join(cells) + " |\n"
+    text += scaling(rows)
     (HERE / "results.md").write_text(text.lstrip())
     print(text)
 

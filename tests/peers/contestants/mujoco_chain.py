@@ -15,7 +15,7 @@ TINY = 'diaginertia="1e-12 1e-12 1e-12"'  # of point masses: a body must have on
 def settings(case):
     # Springs are explicit; dampers are not, and with stiffness damping they let steps be long.
     if case.beta > 0:
-        pairs = [(32, 1e-3), (32, 2e-4), (64, 1e-3), (64, 2e-4), (128, 5e-4)]
+        pairs = [(16, 1e-3), (32, 1e-3), (32, 2e-4), (64, 1e-3), (64, 2e-4), (96, 1e-3), (128, 5e-4)]
     else:
         pairs = [(16, 2e-4), (32, 5e-5), (48, 2e-5)]
     return [dict(nodes=nodes, step=step) for nodes, step in pairs]
