@@ -84,7 +84,7 @@ def main(folder):
             text += (f"| {name} | {said(row['setting'])} | {number(row['error_mm'])} | {number(row['cpu_s'])} | "
                      f"{number(1e3 * row['cpu_s'] / DURATION)} | {number(row['cpu_s'] / ours)} | {row['memory_mb']:.0f} |\n")
         for name, all_of in own.items():
-            line, color = front(all_of), "black" if name == "efam" else None
+            line, color = front(all_of), "black" if name == "efam" else f"C{list(MARKS).index(name) - 1}"
             axis.loglog([row["cpu_s"] for row in line], [row["error_mm"] for row in line], marker=MARKS[name],
                         markersize=5, linewidth=1, color=color, label=name)
         axis.axhline(ENOUGH_MM, color="grey", linewidth=0.8, linestyle=":")
