@@ -2,7 +2,10 @@
 //! Setup: up to four effects of the catalogue, with strengths between off and what one would believe, or their scale;
 //! the muscle at any pressure of its table, let go at any angle, 2 s, 12 nodes.
 //! Expected: kinetic, stored and dissipated energy and what was supplied add up to 1e-3 of what moves, and what is
-//! dissipated never comes back.
+//! dissipated never comes back. Laws that soften the rod can make it unstable: such a run may stop, with its time and
+//! node, and the same holds up to there.
+
+use std::ops::ControlFlow;
 
 use models::effects::{About, CATALOGUE, Kind, Parameter};
 use models::model::Model;
@@ -10,8 +13,10 @@ use models::snapshot::Energy;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use sim::forward::Run;
-use tests::{paper_spec, simulate};
+use proptest::test_runner::RngSeed;
+use sim::forward::{ForwardError, Run, forward};
+use sim::integrate::IntegrateError;
+use tests::paper_spec;
 
 /// A value between off and the farthest that one would believe.
 fn value(parameter: &Parameter, share: f64) -> f64 {
@@ -46,8 +51,17 @@ fn model(psi: f64, angle: f64, drawn: &[(Index, f64)]) -> Model {
     Model::new(&spec).expect("within their ranges")
 }
 
+/// The same ones each time; `PROPTEST_RNG_SEED` draws others.
+fn cases() -> ProptestConfig {
+    let usual = ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() };
+    match usual.rng_seed {
+        RngSeed::Random => ProptestConfig { rng_seed: RngSeed::Fixed(1), ..usual },
+        RngSeed::Fixed(_) => usual,
+    }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases())]
 
     #[test]
     fn is_never_created(
@@ -56,7 +70,15 @@ proptest! {
         drawn in vec((any::<Index>(), 0.02..1.0f64), 1..=4),
     ) {
         let model = model(5.0 * f64::from(psi), angle, &drawn);
-        let path = simulate(&model, &Run { energy: true, ..Run::release(2.0, 100.0) });
+        let run = Run { energy: true, ..Run::release(2.0, 100.0) };
+        let path = match forward(&model, &run, &mut |_| ControlFlow::Continue(())) {
+            Ok(path) => path,
+            Err(ForwardError::Integrate { error, trajectory }) => {
+                prop_assert!(matches!(error, IntegrateError::StepTooSmall { .. }), "{error}");
+                *trajectory
+            }
+            Err(error) => return Err(TestCaseError::fail(error.to_string())),
+        };
         let total = |e: &Energy| e.kinetic + e.elastic + e.potential + e.dissipated + e.supplied;
         let (first, moved) = (path.energy[0], path.energy.iter().map(|e| e.kinetic).fold(0.0, f64::max));
         for (before, e) in path.energy.iter().zip(&path.energy[1..]) {
