@@ -70,7 +70,7 @@ proptest! {
         drawn in vec((any::<Index>(), 0.02..1.0f64), 1..=4),
     ) {
         let model = model(5.0 * f64::from(psi), angle, &drawn);
-        let run = Run { energy: true, ..Run::release(2.0, 100.0) };
+        let run = Run { energy: true, tolerance: 1e-7, ..Run::release(2.0, 100.0) };
         let path = match forward(&model, &run, &mut |_| ControlFlow::Continue(())) {
             Ok(path) => path,
             Err(ForwardError::Integrate { error, trajectory }) => {
