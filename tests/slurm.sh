@@ -131,8 +131,11 @@ none_waits() { [ -z "$(squeue -h 2>/dev/null)" ] && squeue -h >/dev/null 2>&1; }
 until_true "a quarter of the shards" 600 at_least $((shards / 4))
 # The daemon of the second node, and the tasks that run: these end as failed members of the array.
 kill -9 "$second"
-tasks=$(pgrep -f "efam sweep run --quiet --plan $dir/sweep" || true)
-for pid in $tasks; do kill -9 "$pid" 2>/dev/null || true; done
+# Between two tasks there is none for a moment.
+kills_a_task() {
+  tasks=$(pgrep -f "efam sweep run --quiet --plan $dir/sweep") && kill -9 $tasks 2>/dev/null
+}
+until_true "a task to kill" 60 kills_a_task
 say "killed one daemon and the tasks $(echo $tasks), with $(done_shards) of $shards shards there"
 until_true "the end of the array" 900 none_waits
 missing=$("$efam" -q sweep status --plan "$dir/sweep")
