@@ -130,6 +130,14 @@ pub enum ForwardError {
     },
 }
 
+/// Bending moment at the root of a system in a state, N m; positive where the rod is bent towards +z.
+pub fn root_moment(system: &mut System, State { time, q, v, z }: &State) -> f64 {
+    let (mut force, mut z_rate) = (vec![0.0; q.len()], vec![0.0; z.len()]);
+    system.force(*time, q, v, z, &mut force, &mut z_rate);
+    let fields = &system.assembly.fields;
+    fields.moment[0] * fields.kappa_slope[0]
+}
+
 /// What an observer sees at each sample.
 pub struct Sample<'a, 'm> {
     /// Place of the sample.
@@ -145,11 +153,7 @@ pub struct Sample<'a, 'm> {
 impl Sample<'_, '_> {
     /// Bending moment at the root, N m; a small part of what a snapshot costs.
     pub fn root_moment(&mut self) -> f64 {
-        let State { time, q, v, z } = self.state;
-        let (mut force, mut z_rate) = (vec![0.0; q.len()], vec![0.0; z.len()]);
-        self.system.force(*time, q, v, z, &mut force, &mut z_rate);
-        let fields = &self.system.assembly.fields;
-        fields.moment[0] * fields.kappa_slope[0]
+        root_moment(self.system, self.state)
     }
 
     /// Everything that can be seen of the rod.

@@ -1,10 +1,14 @@
-//! Normal random numbers.
+//! Random numbers, uniform and normal.
 
 use rand_xoshiro::rand_core::RngCore;
 
+/// A number from 0 to below 1, of 53 bits.
+pub fn uniform(random: &mut impl RngCore) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
 /// A standard normal number. Source: Box and Muller (1958).
 pub fn normal(random: &mut impl RngCore) -> f64 {
-    let mut uniform = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-    let (u, v) = (1.0 - uniform(), uniform());
+    let (u, v) = (1.0 - uniform(random), uniform(random));
     (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }

@@ -78,13 +78,15 @@ fn tapered(correlation: &[f64], steepness: f64) -> Vec<f64> {
     correlation.iter().enumerate().map(|(lag, value)| (steepness * share(lag)).min(1.0) * value).collect()
 }
 
-/// Whether no frequency has a variance below zero, as far as frequencies of half the resolution show.
+/// Whether no frequency has a variance below zero, as far as frequencies of half the resolution show. The sum of
+/// cosines is Clenshaw's: (1955), Mathematics of Computation 9, 118-120.
 fn has_positive_spectrum(by_lag: &[f64]) -> bool {
     let count = 4 * by_lag.len();
     (0..=count).all(|k| {
-        let angle = std::f64::consts::PI * k as f64 / count as f64;
-        let swing = |(lag, value): (usize, &f64)| value * (lag as f64 * angle).cos();
-        2.0 * by_lag.iter().enumerate().map(swing).sum::<f64>() > by_lag[0]
+        let cos = (std::f64::consts::PI * k as f64 / count as f64).cos();
+        let step = |[next, after]: [f64; 2], value: &f64| [value + 2.0 * cos * next - after, next];
+        let [first, second] = by_lag.iter().rev().fold([0.0; 2], step);
+        2.0 * (first - cos * second) > by_lag[0]
     })
 }
 

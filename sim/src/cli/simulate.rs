@@ -12,6 +12,7 @@ use models::quantity::format_si;
 use rayon::prelude::*;
 use serde::Serialize;
 use sim::forward::{ForwardError, forward};
+use sim::memory;
 use sim::results::beside_the_paper::beside_the_paper;
 use sim::results::folder::Folder;
 use sim::results::report::report;
@@ -19,6 +20,7 @@ use sim::results::simulated::{Member, write_set};
 use sim::results::{self, Request, Summary};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
+use sim::step_check::step_check;
 use sim::trajectory::{Status, Trajectory};
 
 use super::arguments::{Output, Source};
@@ -48,6 +50,10 @@ pub struct Simulate {
     /// Also write CSV.
     #[arg(long)]
     csv: bool,
+    /// Leave out the second run, with steps twice as long, that shows whether
+    /// the result depends on the step.
+    #[arg(long)]
+    no_step_check: bool,
     /// Show the rod in Rerun: save, spawn, connect, connect=URL or serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
     rerun: Option<Rerun>,
@@ -79,21 +85,32 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let request = request(args, &scenario, &cases[0]);
     let folder = results::begin(&request)?;
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
-    let progress = voice.bar(samples);
+    let progress = voice.bar(if args.no_step_check { samples } else { 2 * samples });
     let begin = Instant::now();
     let runs: Vec<_> = match &args.rerun {
         Some(how) => vec![timed(|| shown(how, &cases[0], &folder, &progress))],
         None => cases.par_iter().map(|case| timed(|| follow(case, &progress, &mut |_| Ok(())))).collect(),
     };
-    progress.finish_and_clear();
     let wall_time_s = begin.elapsed().as_secs_f64();
+    let checks: Vec<_> = cases
+        .par_iter()
+        .zip(&runs)
+        .map(|(case, (run, _))| {
+            let trajectory = run.as_ref().ok().filter(|_| !args.no_step_check)?;
+            step_check(&case.model, &case.run, trajectory, &mut |_| counted(&progress))
+        })
+        .collect();
+    progress.finish_and_clear();
     let mut done: Vec<Member> = Vec::with_capacity(runs.len());
-    for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
+    for ((case, (run, wall_time_s)), step_check) in cases.iter().zip(runs).zip(checks) {
+        let warning = step_check.as_ref().and_then(|check| check.warning(&case.run, &case.model));
+        voice.warn(&warning);
         let own = Request {
             name: case.name.clone(),
             resolved_scenario: case.resolved.clone(),
-            warnings: case.warnings.clone(),
+            warnings: case.warnings.iter().cloned().chain(warning).collect(),
             wall_time_s,
+            step_check,
             ..request.clone()
         };
         let within = is_sweep.then_some(case.name.as_str());
@@ -167,14 +184,14 @@ pub type See<'a> = dyn FnMut(&mut sim::forward::Sample) -> Result<(), Failure> +
 
 /// Runs a case until its end, Ctrl-C, or where it fails; what was integrated is kept.
 pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajectory, Failure> {
+    admit(case)?;
     let mut failure = None;
     let mut observe = |sample: &mut sim::forward::Sample| {
-        progress.inc(1);
         if let Err(error) = see(sample) {
             failure = Some(error);
             return ControlFlow::Break(());
         }
-        if interrupt::is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        counted(progress)
     };
     let run = forward(&case.model, &case.run, &mut observe);
     match (failure, run) {
@@ -185,6 +202,33 @@ pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Traj
         (None, Err(ForwardError::Method(error))) => Err(Failure::Usage(format!("{}: {error}", case.name))),
     }
 }
+
+/// One sample more, unless nobody wants it any more.
+fn counted(progress: &ProgressBar) -> ControlFlow<()> {
+    progress.inc(1);
+    if interrupt::is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}
+
+/// Whether memory holds the trajectory, and the table of it that is written; asked before hours are spent.
+fn admit(case: &Case) -> Result<(), Failure> {
+    let (samples, numbers) =
+        (case.run.samples.len(), 2 * case.model.dof() + case.model.memory() + OF_A_SAMPLE);
+    let needed = 2 * 8 * samples as u64 * numbers as u64;
+    match memory::available() {
+        Some(free) if needed > free => {
+            let [needed, free] = [needed, free].map(|bytes| bytes as f64 / 1e9);
+            Err(Failure::Usage(format!(
+                "{}: {samples} samples of this rod take some {needed:.1} GB of memory, and {free:.1} GB are free; \
+                 lower run.rate, run.duration or rod.nodes",
+                case.name
+            )))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Numbers of a sample beside coordinates, velocities and memory: time, tip, energies.
+const OF_A_SAMPLE: usize = 15;
 
 /// Runs a case with a viewer or a recording that sees every sample.
 fn shown(how: &Rerun, case: &Case, folder: &Folder, progress: &ProgressBar) -> Result<Trajectory, Failure> {

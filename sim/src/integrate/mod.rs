@@ -108,6 +108,18 @@ pub enum IntegrateError {
         /// Node with the largest error.
         node: usize,
     },
+    /// A fixed step in which the explicit method is not stable.
+    #[error(
+        "a step of {step:.1e} s is too long for an explicit method at t = {time:.4} s near node {node}; try a fixed_step of half of it, or none"
+    )]
+    StepTooLong {
+        /// Time, s.
+        time: f64,
+        /// Step, s.
+        step: f64,
+        /// Node where the force changed most.
+        node: usize,
+    },
     /// A state that is not a number.
     #[error("the state is not a number at t = {time:.4} s near node {node}; try a smaller step or tolerance")]
     NotFinite {
@@ -138,7 +150,7 @@ pub enum IntegrateError {
     WithoutDiffsol,
     /// More steps than admitted.
     #[error(
-        "{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, or loosen the tolerance"
+        "{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, loosen the tolerance, or give the rod some damping"
     )]
     TooManySteps {
         /// Time, s.

@@ -21,11 +21,18 @@ pub struct Verlet<'m> {
     acceleration: Vec<f64>,
     start_acceleration: Vec<f64>,
     step: f64,
+    least_step: f64,
     next_stop: usize,
 }
 
-/// Step over the period of the fastest mode, in radians; it is stable below 2.
+/// What a mode may turn by in a step, rad, when the step is chosen.
 const PHASE: f64 = 0.5;
+/// The same when it is made, before the step is halved for good: a rod that stretches or folds grows stiffer.
+const MOST_PHASE: f64 = 1.0;
+/// Where an explicit step is stable no more.
+const UNSTABLE: f64 = 2.0;
+/// Step below which none is tried, as a share of the first.
+const LEAST_SHARE: f64 = 1e-6;
 
 impl<'m> Verlet<'m> {
     /// Starts at a state, with a step that resolves the fastest mode of it, or with the fixed one.
@@ -39,6 +46,7 @@ impl<'m> Verlet<'m> {
             start_acceleration: vec![0.0; model.dof()],
             next_stop: 0,
             step,
+            least_step: LEAST_SHARE * step,
             system,
             state,
             control,
@@ -54,6 +62,44 @@ impl<'m> Verlet<'m> {
             *a /= m;
         }
         self.effort.evaluations += 1;
+    }
+
+    /// What moved in the last step turned by in it, rad: Rayleigh's quotient of the change of force over the change of
+    /// place. Where a mode grows without bound it is that of the mode.
+    fn phase(&self, h: f64) -> f64 {
+        let (mut change, mut moved) = (0.0, 0.0);
+        for (k, mass) in self.system.mass.iter().enumerate() {
+            change += mass * (self.acceleration[k] - self.start_acceleration[k]).powi(2);
+            moved += mass * (self.state.q[k] - self.start.q[k]).powi(2);
+        }
+        if moved > 0.0 { h * (change / moved).powf(0.25) } else { 0.0 }
+    }
+
+    /// From the start of the last step over a time, s.
+    fn drift(&mut self, h: f64) {
+        self.kick(0.5 * h);
+        for (q, v) in self.state.q.iter_mut().zip(&self.state.v) {
+            *q += h * v;
+        }
+        self.state.time = self.start.time + h;
+        self.accelerate();
+        self.kick(0.5 * h);
+    }
+
+    /// Where the force changed most in the last step.
+    fn fastest_node(&self) -> usize {
+        let change = |k: &usize| {
+            let change = (self.acceleration[*k] - self.start_acceleration[*k]).abs();
+            if change.is_finite() { change } else { f64::INFINITY }
+        };
+        let fastest = (0..self.acceleration.len()).max_by(|a, b| change(a).total_cmp(&change(b)));
+        fastest.map_or(0, |k| (k / 2 + 1).min(self.acceleration.len() / 2))
+    }
+
+    fn begin_again(&mut self) {
+        self.state.q.copy_from_slice(&self.start.q);
+        self.state.v.copy_from_slice(&self.start.v);
+        self.acceleration.copy_from_slice(&self.start_acceleration);
     }
 
     fn kick(&mut self, h: f64) {
@@ -90,28 +136,35 @@ impl Stepper for Verlet<'_> {
         if self.effort.steps >= self.control.most_steps {
             return Err(IntegrateError::TooManySteps { time, steps: self.effort.steps });
         }
-        let end = if time + self.step >= stop - 1e-9 * self.step {
-            self.next_stop += 1;
-            stop
-        } else {
-            time + self.step
-        };
-        let h = end - time;
         self.start.time = time;
         self.start.q.copy_from_slice(&self.state.q);
         self.start.v.copy_from_slice(&self.state.v);
         self.start_acceleration.copy_from_slice(&self.acceleration);
-        self.kick(0.5 * h);
-        for (q, v) in self.state.q.iter_mut().zip(&self.state.v) {
-            *q += h * v;
-        }
-        self.state.time = end;
-        self.accelerate();
-        self.kick(0.5 * h);
-        self.effort.steps += 1;
-        match self.state.v.iter().position(|v| !v.is_finite()) {
-            Some(k) => Err(IntegrateError::NotFinite { time, node: k / 2 + 1 }),
-            None => Ok(()),
+        loop {
+            let is_last = time + self.step >= stop - 1e-9 * self.step;
+            let h = if is_last { stop - time } else { self.step };
+            self.drift(h);
+            let is_finite = self.state.v.iter().all(|v| v.is_finite());
+            let phase = self.phase(h);
+            let is_fixed = self.control.fixed_step.is_some();
+            if is_finite && phase <= if is_fixed { UNSTABLE } else { MOST_PHASE } {
+                if is_last {
+                    self.state.time = stop;
+                    self.next_stop += 1;
+                }
+                self.effort.steps += 1;
+                return Ok(());
+            }
+            let node = self.fastest_node();
+            self.effort.rejected += 1;
+            if is_fixed {
+                return Err(IntegrateError::StepTooLong { time, step: h, node });
+            }
+            self.step = 0.5 * h;
+            if self.step < self.least_step {
+                return Err(IntegrateError::StepTooSmall { time, step: self.step, node });
+            }
+            self.begin_again();
         }
     }
 

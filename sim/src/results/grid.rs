@@ -21,8 +21,8 @@ use super::folder::Folder;
 use super::page::REPORT;
 use super::picture::{PASCAL_PER_PSI, grid_pictures};
 use super::predicted::page::of_several;
-use super::predicted::{readable, with_interval};
-use super::report::significant;
+use super::predicted::with_interval;
+use super::report::{readable, significant};
 use super::{Request, ResultsError, SCENARIO, write_mark};
 use crate::predict::grid::{Cell, Grid};
 use crate::predict::quantity::units;
@@ -115,11 +115,11 @@ pub fn grid_table(grid: &Grid) -> String {
         }
         for (name, _) in SHOWN {
             let quantity = cell.quantity(name);
-            let shown =
-                quantity.and_then(|quantity| Some(significant(readable(quantity).0 * quantity.value?, 4)));
+            let shown = quantity
+                .and_then(|quantity| Some(significant(readable(&quantity.unit).0 * quantity.value?, 4)));
             let half = quantity.and_then(|quantity| {
                 let [low, high] = quantity.interval_95?;
-                Some(format!("±{}", significant(0.5 * readable(quantity).0 * (high - low), 2)))
+                Some(format!("±{}", significant(0.5 * readable(&quantity.unit).0 * (high - low), 2)))
             });
             let _ = write!(
                 text,

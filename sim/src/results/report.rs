@@ -4,12 +4,26 @@ use std::fmt::Write;
 
 use super::Summary;
 use super::summary::{Cycle, Mode};
+use crate::step_check::StepCheck;
 use crate::trajectory::Status;
 
 /// Width that no line exceeds, save a folder's or a reason's own length.
 const WIDTH: usize = 80;
 /// Where values begin.
 const COLUMN: usize = 17;
+
+/// Factor and unit in which a number of an SI unit is told: lengths in mm, angles in degrees, pressures in kPa, masses
+/// in g, energies in mJ.
+pub(super) fn readable(unit: &str) -> (f64, &str) {
+    match unit {
+        "m" => (1e3, "mm"),
+        "rad" => (1.0f64.to_degrees(), "deg"),
+        "Pa" => (1e-3, "kPa"),
+        "kg" => (1e3, "g"),
+        "J" => (1e3, "mJ"),
+        unit => (1.0, unit),
+    }
+}
 
 /// A table of a run, lines up to 80 wide; numbers are rounded to what a reader can use.
 pub fn report(summary: &Summary) -> String {
@@ -91,6 +105,10 @@ pub fn report(summary: &Summary) -> String {
         }),
     );
     lines.row("effort", &effort(summary));
+    if let Some(StepCheck { tip_moves_m, fails: None, .. }) = summary.step_check {
+        let moved = significant(1e3 * tip_moves_m, 2);
+        lines.row("steps", &format!("twice as long ones move the tip by {moved} mm"));
+    }
     for warning in &summary.warnings {
         lines.row("warning", warning);
     }

@@ -6,6 +6,7 @@ use models::statics::{Equilibrium, equilibrium, modes};
 use models::system::System;
 
 use crate::forward;
+use crate::integrate::State;
 
 /// The posture in which a model hangs.
 #[derive(Clone, Debug)]
@@ -41,11 +42,8 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
 
 /// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.
 pub fn root_moment(system: &mut System, at: &Equilibrium) -> f64 {
-    let at_rest = vec![0.0; at.q.len()];
-    let (mut force, mut z_rate) = (vec![0.0; at.q.len()], vec![0.0; at.z.len()]);
-    system.force(0.0, &at.q, &at_rest, &at.z, &mut force, &mut z_rate);
-    let fields = &system.assembly.fields;
-    fields.moment[0] * fields.kappa_slope[0]
+    let state = State { time: 0.0, q: at.q.clone(), v: vec![0.0; at.q.len()], z: at.z.clone() };
+    forward::root_moment(system, &state)
 }
 
 /// The model with the rod that its pressure makes of it at a time.

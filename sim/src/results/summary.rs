@@ -21,6 +21,7 @@ use crate::analysis::{AnalysisError, Excursion};
 use crate::forward::{Initial, Run};
 use crate::integrate::{Effort, Method};
 use crate::schema::JsonSchema;
+use crate::step_check::StepCheck;
 use crate::trajectory::{Status, Trajectory};
 
 /// Number of modes in a summary.
@@ -71,6 +72,9 @@ pub struct Summary {
     pub peak_speed: Option<PeakSpeed>,
     /// How well the energy adds up.
     pub energy: Option<EnergyBalance>,
+    /// What twice as long steps do; null where the run did not come to its end, or it was not tried.
+    #[serde(default)]
+    pub step_check: Option<StepCheck>,
     /// Why entries are null, by their names.
     pub missing: BTreeMap<String, String>,
     /// What the user should know before trusting this.
@@ -287,6 +291,7 @@ pub fn summarise(
         settling_5_percent_s: missing.note("settling_5_percent_s", settling(0.05)),
         peak_speed: missing.note("peak_speed", peak_speed(trajectory).ok_or_else(no_samples)),
         energy: missing.note("energy", energy(run, trajectory)),
+        step_check: None,
         missing: BTreeMap::new(),
         warnings: Vec::new(),
         effort: trajectory.effort,

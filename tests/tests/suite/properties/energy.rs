@@ -13,10 +13,11 @@ use models::snapshot::Energy;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use proptest::test_runner::RngSeed;
 use sim::forward::{ForwardError, Run, forward};
 use sim::integrate::IntegrateError;
 use tests::paper_spec;
+
+use super::cases;
 
 /// A value between off and the farthest that one would believe.
 fn value(parameter: &Parameter, share: f64) -> f64 {
@@ -49,15 +50,6 @@ fn model(psi: f64, angle: f64, drawn: &[(Index, f64)]) -> Model {
         }
     }
     Model::new(&spec).expect("within their ranges")
-}
-
-/// The same ones each time; `PROPTEST_RNG_SEED` draws others.
-fn cases() -> ProptestConfig {
-    let usual = ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() };
-    match usual.rng_seed {
-        RngSeed::Random => ProptestConfig { rng_seed: RngSeed::Fixed(1), ..usual },
-        RngSeed::Fixed(_) => usual,
-    }
 }
 
 proptest! {

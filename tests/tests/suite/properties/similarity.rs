@@ -3,7 +3,7 @@
 //! with 8 nodes; the same with all lengths, all times or all masses doubled, by the units of the parameters.
 //! Expected: the tip, and where it is seen, go the same way, larger or slower, to rounding.
 
-use models::effects::{CATALOGUE, Parameter, Rod};
+use models::effects::{CATALOGUE, Parameter, Rod, by_name};
 use models::model::{Model, ModelSpec};
 use sim::forward::Run;
 use tests::{paper_spec, simulate};
@@ -67,7 +67,7 @@ fn spec(name: &str, larger: Larger) -> ModelSpec {
     }
     let of = |unit: &str| larger.factor(unit);
     for (name, values) in &mut spec.effects {
-        let effect = CATALOGUE.iter().find(|effect| effect.about().name == *name).expect("registered");
+        let effect = by_name(name).expect("registered");
         for (key, value) in values {
             let parameter = effect.about().parameters.iter().find(|p| p.name == *key).expect("it has it");
             *value *= of(parameter.unit);
