@@ -6,7 +6,12 @@
 /// counting once; of equals the first wins.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let mut best = (0.5, None);
+    let letters = name.chars().count();
     for candidate in candidates {
+        // Too long or too short to be like it; the distance of a very long name takes much time and memory.
+        if letters.abs_diff(candidate.chars().count()) > letters.max(candidate.len()) / 2 {
+            continue;
+        }
         let likeness = strsim::normalized_damerau_levenshtein(name, candidate);
         if likeness > best.0 {
             best = (likeness, Some(candidate));

@@ -75,6 +75,16 @@ pub enum MuscleError {
         /// How many there are.
         rows: usize,
     },
+    /// More rows than a table of pressures has.
+    #[error(
+        "table.rows: {rows} rows; at most {most} are read; give fewer pressures, for between them is a smooth curve"
+    )]
+    TooManyRows {
+        /// How many there are.
+        rows: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// A row is not as long as the table is wide.
     #[error("table.rows: row {row} has {found} values for {columns} columns")]
     RowLength {

@@ -65,8 +65,10 @@ impl Known {
         let deviation = |knob: &Knob| knob.standard_error.unwrap_or(knob.value.abs());
         let covariance = |a: &[f64], b: &[f64]| {
             let mut sum = 0.0;
-            for (k, first) in self.parameter.iter().enumerate() {
-                for (l, second) in self.parameter.iter().enumerate() {
+            // Most do not move this one: with many numbers all pairs of all would take minutes.
+            let moves = |weights: &[f64], k: usize| weights[k] != 0.0;
+            for (k, first) in self.parameter.iter().enumerate().filter(|(k, _)| moves(a, *k)) {
+                for (l, second) in self.parameter.iter().enumerate().filter(|(l, _)| moves(b, *l)) {
                     sum += a[k] * b[l] * first.correlations[l] * deviation(first) * deviation(second);
                 }
             }

@@ -1,5 +1,7 @@
 //! The form of a muscle file, and its way into SI units.
 
+use std::collections::BTreeSet;
+
 use serde::Deserialize;
 
 use super::{EndFitting, Known, Muscle, MuscleError, Rest};
@@ -43,6 +45,9 @@ struct Table {
     units: Vec<String>,
     rows: Vec<Vec<f64>>,
 }
+
+/// Rows of a table, at most: "all rows" is a model for each.
+const MOST_ROWS: usize = 1000;
 
 /// What a number may be.
 #[derive(Clone, Copy, PartialEq)]
@@ -168,9 +173,10 @@ impl Must {
 impl Table {
     fn check_shape(&self) -> Result<(), MuscleError> {
         let columns = self.columns.len();
-        for (i, column) in self.columns.iter().enumerate() {
+        let mut known = BTreeSet::new();
+        for column in &self.columns {
             declared(column)?;
-            if self.columns[..i].contains(column) {
+            if !known.insert(column) {
                 return Err(MuscleError::ColumnTwice { column: column.clone() });
             }
         }
@@ -181,6 +187,9 @@ impl Table {
         if self.rows.len() < 2 {
             let rows = self.rows.len();
             return Err(MuscleError::TooFewRows { rows });
+        }
+        if self.rows.len() > MOST_ROWS {
+            return Err(MuscleError::TooManyRows { rows: self.rows.len(), most: MOST_ROWS });
         }
         match self.rows.iter().position(|row| row.len() != columns) {
             None => Ok(()),
@@ -218,7 +227,14 @@ impl Table {
         let why = "the axial stiffness follows from it; or give axial_stiffness itself";
         let bending = self.needed("bending_stiffness_axial", why)?;
         let rows = bending.iter().zip(inner.iter().zip(outer));
-        Ok(rows.map(|(ei, (d, big_d))| 16.0 * ei / (big_d * big_d + d * d)).collect())
+        let axial: Vec<f64> = rows.map(|(ei, (d, big_d))| 16.0 * ei / (big_d * big_d + d * d)).collect();
+        match axial.iter().position(|ea| !BePositive.admits(*ea)) {
+            None => Ok(axial),
+            Some(row) => {
+                let must = "give a finite axial stiffness, 16 EI / (D² + d²), with the diameters";
+                Err(self.value_error(row, "bending_stiffness_axial", must))
+            }
+        }
     }
 
     fn needed(&self, column: &'static str, why: &'static str) -> Result<Vec<f64>, MuscleError> {
@@ -238,7 +254,8 @@ impl Table {
         let scale = one
             .and_then(|one| one.to(si_unit))
             .map_err(|problem| MuscleError::Quantity { key: format!("table.units, {name}"), problem })?;
-        match self.rows.iter().position(|row| !must.admits(row[column])) {
+        // A number may be finite, and no longer so in SI.
+        match self.rows.iter().position(|row| !must.admits(row[column] * scale)) {
             None => Ok(self.rows.iter().map(|row| row[column] * scale).collect()),
             Some(row) => Err(self.value_error(row, name, must.text())),
         }

@@ -6,7 +6,7 @@ use super::cycles::{self, Cut};
 use super::decision::{Log, mm};
 use super::points::{Seen, markers, see};
 use super::release::{Context, LEAST_NOISE};
-use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise};
+use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise, release};
 use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
 use crate::quantile::usual_step;
 use crate::recording::Recording;
@@ -71,14 +71,20 @@ pub fn clean_recording(
     if let Some(rod) = rod {
         check_geometry(experiment, entry, rod, &frame, &cuts)?;
     }
+    // Once for all releases: it is that of the whole recording.
+    let noise_of = |seen: &Seen| {
+        let noise = || release::noise_of(seen, &time, step, &frame, &cuts);
+        entry.noise.unwrap_or_else(noise)
+    };
+    let noise: Vec<f64> = [&tip].into_iter().chain(body.iter().map(|(seen, _)| seen)).map(noise_of).collect();
     let context = Context {
         entry,
         time: &time,
         step,
         tip: &tip,
         body: &body,
+        noise: &noise,
         frame: &frame,
-        cuts: &cuts,
         rod,
         recording: k,
     };

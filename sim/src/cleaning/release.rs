@@ -25,8 +25,9 @@ pub(super) struct Context<'a> {
     pub step: f64,
     pub tip: &'a Seen,
     pub body: &'a [(Seen, At)],
+    /// Noise of the tip, then of each point of the body, m.
+    pub noise: &'a [f64],
     pub frame: &'a Frame,
-    pub cuts: &'a [Cut],
     pub rod: Option<Rod>,
     pub recording: usize,
 }
@@ -49,16 +50,16 @@ impl Context<'_> {
             Point::Tip,
             &self.tip.path[samples.clone()],
             offset,
-            self.noise(self.tip),
+            self.noise[0],
         )];
-        for (seen, at) in self.body {
+        for ((seen, at), noise) in self.body.iter().zip(&self.noise[1..]) {
             let share = match at {
                 At::Share(share) => *share,
                 At::Length(at) => (at / length).min(1.0),
             };
             let off = self.body_offset(seen, cut, share, angle, log);
             let path = &seen.path[samples.clone()];
-            tracks.push(self.track(&seen.name, Point::Along(share), path, off, self.noise(seen)));
+            tracks.push(self.track(&seen.name, Point::Along(share), path, off, *noise));
         }
         let lost = tracks[0].position.iter().filter(|at| at.is_none()).count();
         let masked_samples =
@@ -118,7 +119,8 @@ impl Context<'_> {
     fn onset(&self, cut: &Cut, number: usize, log: &mut Log) -> Onset {
         if let Some(instant) = self.entry.instant_of(number) {
             log.say("instants", format!("released at {instant} s, as the experiment says"));
-            return Onset { instant, uncertainty: 0.5 * self.step, acceleration: None };
+            let uncertainty = self.entry.instant_error.unwrap_or(0.5 * self.step);
+            return Onset { instant, uncertainty, acceleration: None };
         }
         match onset::estimate(self.time, &self.tip.path, cut, self.step) {
             Some(onset) => {
@@ -214,19 +216,6 @@ impl Context<'_> {
         Track { marker: name.to_owned(), at, position, noise }
     }
 
-    /// Noise of a point: while it is held and late in every swing, else over the whole recording.
-    fn noise(&self, seen: &Seen) -> f64 {
-        if let Some(noise) = self.entry.noise {
-            return noise;
-        }
-        let path: Vec<Option<[f64; 2]>> = seen.path.iter().map(|at| at.map(|at| self.in_plane(at))).collect();
-        let late = |cut: &Cut| cut.swing.start + 2 * cut.swing.len() / 3..cut.swing.end;
-        let still = |i: usize| self.cuts.iter().any(|cut| cut.hold.contains(&i) || late(cut).contains(&i));
-        let found = noise::of_samples(self.time, &path, self.step, still)
-            .or_else(|| noise::of_samples(self.time, &path, self.step, |_| true));
-        found.unwrap_or(LEAST_NOISE).max(LEAST_NOISE)
-    }
-
     /// Way of the tip over the end of the hold in that from hold to rest.
     fn hold_drift(&self, cut: &Cut) -> f64 {
         let late = cut.late_hold(self.time);
@@ -251,4 +240,21 @@ impl Context<'_> {
         (statistics.masked_share > MOST_MASKED)
             .then(|| format!("{:.0} % of its samples are lost or masked", 1e2 * statistics.masked_share))
     }
+}
+
+/// Noise of a point: while it is held and late in every swing, else over the whole recording.
+pub(super) fn noise_of(seen: &Seen, time: &[f64], step: f64, frame: &Frame, cuts: &[Cut]) -> f64 {
+    let in_plane = |at| {
+        let [x, _, z] = frame.place(at);
+        [x, z]
+    };
+    let path: Vec<Option<[f64; 2]>> = seen.path.iter().map(|at| at.map(in_plane)).collect();
+    let mut still = vec![false; time.len()];
+    for cut in cuts {
+        still[cut.hold.clone()].fill(true);
+        still[cut.swing.start + 2 * cut.swing.len() / 3..cut.swing.end].fill(true);
+    }
+    let found = noise::of_samples(time, &path, step, |i| still[i])
+        .or_else(|| noise::of_samples(time, &path, step, |_| true));
+    found.unwrap_or(LEAST_NOISE).max(LEAST_NOISE)
 }

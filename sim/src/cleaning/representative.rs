@@ -1,24 +1,21 @@
 //! The release that stands for several of the same pressure and payload, as the paper chose one by eye.
 
+use std::collections::HashMap;
+
 use super::CleanRelease;
 
 /// Marks in each group the release with the least of: masked share, out-of-plane share, drift of the hold
 /// in its length of swing, uncertainty of its instant in sampling steps, each with weight one.
 pub(super) fn choose(releases: &mut [CleanRelease]) {
-    let mut done: Vec<(Option<u64>, u64)> = Vec::new();
-    for k in 0..releases.len() {
-        let group = group(&releases[k]);
-        if done.contains(&group) {
-            continue;
-        }
-        done.push(group);
-        let best = (0..releases.len())
-            .filter(|&i| self::group(&releases[i]) == group && releases[i].dropped.is_none())
-            .min_by(|&a, &b| score(&releases[a]).total_cmp(&score(&releases[b])));
-        if let Some(best) = best {
-            releases[best].representative = true;
+    let mut best: HashMap<(Option<u64>, u64), usize> = HashMap::new();
+    for (k, release) in releases.iter().enumerate().filter(|(_, release)| release.dropped.is_none()) {
+        let best = best.entry(group(release)).or_insert(k);
+        // The first of equals stays.
+        if score(release).total_cmp(&score(&releases[*best])).is_lt() {
+            *best = k;
         }
     }
+    best.into_values().for_each(|k| releases[k].representative = true);
 }
 
 fn group(of: &CleanRelease) -> (Option<u64>, u64) {

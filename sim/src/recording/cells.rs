@@ -12,26 +12,29 @@ const SHOWN: usize = 60;
 const LOST: [&str; 9] = ["na", "n/a", "#n/a", "null", "none", "-", "--", "#value!", "missing"];
 
 /// Bytes as text; with what is to be said about its encoding.
-pub(super) fn decode(bytes: &[u8]) -> Result<(String, Option<String>), Problem> {
-    let wide = |from: fn([u8; 2]) -> u16| {
+pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), Problem> {
+    let wide = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
         let words: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| from([pair[0], pair[1]])).collect();
         (String::from_utf16_lossy(&words), Some("encoding: UTF-16, as its first bytes say".to_owned()))
     };
-    match bytes {
-        [0xff, 0xfe, ..] => return Ok(wide(u16::from_le_bytes)),
-        [0xfe, 0xff, ..] => return Ok(wide(u16::from_be_bytes)),
+    match bytes[..] {
+        [0xff, 0xfe, ..] => return Ok(wide(&bytes, u16::from_le_bytes)),
+        [0xfe, 0xff, ..] => return Ok(wide(&bytes, u16::from_be_bytes)),
         _ => {}
     }
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
     let is_text =
         |byte: u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\r' | b'\n' | 0x0c | 0x1a);
     if let Some(offset) = bytes.iter().position(|byte| !is_text(*byte)) {
         return Err(Problem::NotText { offset, byte: bytes[offset] });
     }
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Ok((text.to_owned(), None)),
-        Err(_) => {
-            let text = bytes.iter().map(|byte| char::from(*byte)).collect();
+    // In its place: a long recording is not held twice.
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok((text, None)),
+        Err(error) => {
+            let text = error.as_bytes().iter().map(|byte| char::from(*byte)).collect();
             Ok((text, Some("encoding: not UTF-8; letters beyond ASCII were read as Latin-1".to_owned())))
         }
     }

@@ -14,9 +14,11 @@ use super::error::Problem;
 use super::format::Format;
 use super::layout::{Columns, Layout, unit_quaternion};
 use super::tidy;
+use crate::footer::look_through;
 
 /// First bytes of a file.
-pub(super) const MAGIC: &[u8] = b"PAR1";
+pub(super) use crate::footer::MAGIC;
+
 /// Numbers in a column that repeat themselves take next to no room in a file; so many times its
 /// length is read, in bytes.
 pub(super) const MOST_EXPANSION: usize = 1000;
@@ -34,6 +36,7 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, Problem> {
         return Err(Problem::Parquet(format!("it begins with {}, not with PAR1", start.join(" "))));
     }
     let broken = |error: &dyn std::fmt::Display| Problem::Parquet(error.to_string());
+    look_through(&bytes, false).map_err(Problem::Parquet)?;
     let length = bytes.len();
     let most = length.saturating_mul(MOST_EXPANSION);
     // The schema of Arrow that may stand beside that of Parquet adds nothing here, and its reader

@@ -26,12 +26,24 @@ pub enum Problem {
     #[error("is no file; name a recording, such as the trajectory.parquet in a run's folder")]
     NotAFile,
     /// More than this program takes into memory.
-    #[error("has {bytes} bytes; at most {most} are read; export a shorter piece")]
+    #[error("has {}, and at most {} are read; cut it into shorter pieces, or record it anew at a lower rate",
+        gigabytes(*bytes), gigabytes(*most))]
     TooLarge {
         /// Its length.
         bytes: u64,
         /// The limit.
         most: u64,
+    },
+    /// More than this machine has memory for.
+    #[error("has {}, which takes some {} of memory, and {} are free; cut it into shorter pieces, \
+             or record it anew at a lower rate", gigabytes(*bytes), gigabytes(*needed), gigabytes(*free))]
+    NoMemory {
+        /// Its length.
+        bytes: u64,
+        /// Memory that reading takes.
+        needed: u64,
+        /// Memory that is there.
+        free: u64,
     },
     /// Nothing in it.
     #[error("is empty; export the recording again")]
@@ -234,4 +246,8 @@ pub enum Problem {
     /// C3D that does not hold together.
     #[error("cannot be read as C3D: {0}; export it again from the capture program")]
     C3d(String),
+}
+
+fn gigabytes(bytes: u64) -> String {
+    format!("{:.2} GB", bytes as f64 / 1e9)
 }

@@ -9,11 +9,14 @@ use super::error::{Problem, RecordingError};
 use super::format::{self, Format};
 use super::length::Length;
 use super::{Recording, c3d, columnar, motive, qualisys, tidy, trc, vicon};
+use crate::memory;
 
-/// The longest file that is read, bytes. A sample of a marker takes 32 bytes, 72 with an orientation,
-/// and each has a byte or more of the file. So reading takes at most some 100 bytes a byte (5 to 8 as a
-/// rule, 2 to 4 of C3D), and [`columnar::MOST_EXPANSION`] of Parquet.
+/// The longest file that is read, bytes: three days of one marker at 100 Hz, or an hour of sixty.
 const MOST_BYTES: u64 = 2 << 30;
+/// Bytes of memory that a byte of a file takes until its releases are cut out. A sample of a marker takes 32 bytes,
+/// 72 with an orientation, and some copies of those that are used; each has 20 bytes or so of a text. (A text that
+/// is made to deceive takes 100, and [`columnar::MOST_EXPANSION`] is what Parquet may take.)
+const MEMORY: u64 = 8;
 
 /// What the person knows better than the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,7 +48,7 @@ pub fn parse(bytes: Vec<u8>, source: &Path, options: &ReadOptions) -> Result<Rec
     } else if c3d::is_c3d(&bytes) || extension == "c3d" {
         c3d::read(&bytes)
     } else {
-        text(&bytes)
+        text(bytes)
     };
     let recording = draft.and_then(|draft| draft.finish(source, options));
     recording.map_err(|problem| RecordingError { file: source.to_owned(), problem })
@@ -56,9 +59,7 @@ fn load(path: &Path) -> Result<Vec<u8>, Problem> {
     if !metadata.is_file() {
         return Err(Problem::NotAFile);
     }
-    if metadata.len() > MOST_BYTES {
-        return Err(Problem::TooLarge { bytes: metadata.len(), most: MOST_BYTES });
-    }
+    admit(metadata.len(), memory::available())?;
     let mut bytes = Vec::with_capacity(metadata.len() as usize);
     // A file that still grows is read up to where it was.
     let file = File::open(path).map_err(Problem::Unreadable)?;
@@ -66,7 +67,17 @@ fn load(path: &Path) -> Result<Vec<u8>, Problem> {
     Ok(bytes)
 }
 
-fn text(bytes: &[u8]) -> Result<super::draft::Draft, Problem> {
+/// Whether a file of a length is read where so much memory is free, if that is known.
+fn admit(bytes: u64, free: Option<u64>) -> Result<(), Problem> {
+    let needed = MEMORY * bytes;
+    match free {
+        _ if bytes > MOST_BYTES => Err(Problem::TooLarge { bytes, most: MOST_BYTES }),
+        Some(free) if needed > free => Err(Problem::NoMemory { bytes, needed, free }),
+        _ => Ok(()),
+    }
+}
+
+fn text(bytes: Vec<u8>) -> Result<super::draft::Draft, Problem> {
     let (text, finding) = decode(bytes)?;
     let format = format::of_text(&mut Rows::new(&text))?;
     let rows = &mut Rows::new(&text);
@@ -80,4 +91,21 @@ fn text(bytes: &[u8]) -> Result<super::draft::Draft, Problem> {
     }?;
     draft.findings.extend(finding);
     Ok(draft)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_refused_before_it_is_read() {
+        assert!(admit(1 << 20, Some(8 << 20)).is_ok() && admit(MOST_BYTES, None).is_ok());
+        let message = admit(1 << 30, Some(2 << 30)).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "has 1.07 GB, which takes some 8.59 GB of memory, and 2.15 GB are free; cut it into shorter pieces, \
+             or record it anew at a lower rate"
+        );
+        assert!(matches!(admit(MOST_BYTES + 1, None), Err(Problem::TooLarge { .. })));
+    }
 }

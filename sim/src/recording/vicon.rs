@@ -108,7 +108,7 @@ fn section(rows: &mut Rows, format: Format) -> Result<Layout, Problem> {
     let surplus: Vec<String> = names
         .iter()
         .enumerate()
-        .filter(|(at, name)| !name.is_empty() && !starts.contains(at))
+        .filter(|(at, name)| !name.is_empty() && starts.binary_search(at).is_err())
         .map(|(_, name)| name.clone())
         .collect();
     if !surplus.is_empty() {

@@ -3,7 +3,8 @@
 mod lists;
 mod value;
 
-use std::fs;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -34,10 +35,25 @@ struct Source {
 /// Keys of which only one can be meant: one that is set pushes the others out.
 const ALTERNATIVES: [&[&str]; 2] = [&["name", "file", "text"], &["from", "posture", "nodes"]];
 
+/// Parts of a path that is set, at most; the deepest key of a scenario has five.
+const DEEPEST: usize = 8;
+/// The longest text that is read, bytes.
+const MOST_TEXT: u64 = 16 << 20;
+
+/// The text of a file that somebody named; it may be a pipe, and it may have no end.
+pub(crate) fn read_text(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    File::open(path)?.take(MOST_TEXT + 1).read_to_string(&mut text)?;
+    match text.len() as u64 > MOST_TEXT {
+        true => Err(io::Error::other(format!("it has more than {MOST_TEXT} bytes"))),
+        false => Ok(text),
+    }
+}
+
 impl Document {
     /// Reads a file and sets `overrides` over it, each as `path=value`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Document, ScenarioError> {
-        let text = fs::read_to_string(path).map_err(|error| {
+        let text = read_text(path).map_err(|error| {
             let problem = Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() };
             ScenarioError { at: None, problem: problem.into() }
         })?;
@@ -81,7 +97,8 @@ impl Document {
         self.sources.push(Source { name, text: argument.into(), base });
         let whole = Place { source, span: 0..argument.len() };
         let parts = argument.split_once('=').map(|(path, value)| (path.trim(), value));
-        let Some((path, value)) = parts.filter(|(path, _)| path.split('.').all(is_key)) else {
+        let is_path = |path: &str| path.split('.').all(is_key) && path.split('.').count() <= DEEPEST;
+        let Some((path, value)) = parts.filter(|(path, _)| is_path(path)) else {
             return Err(self.error(&whole, "", Problem::Override));
         };
         let at = argument.len() - value.len();

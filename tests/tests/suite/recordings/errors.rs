@@ -31,6 +31,23 @@ fn files_that_are_none() {
     );
 }
 
+/// Ten gigabytes that take no room on the disk: refused by their length, before a byte is read.
+#[test]
+fn a_recording_of_10_gb_is_refused() {
+    let path = std::env::temp_dir().join(format!("efam-long-{}.csv", std::process::id()));
+    let file = std::fs::File::create(&path).unwrap();
+    if file.set_len(10_000_000_000).is_err() {
+        println!("skipped: no file of 10 GB can be made here");
+        return;
+    }
+    let error = read(&path, &ReadOptions::default()).unwrap_err();
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(
+        error.problem.to_string(),
+        "has 10.00 GB, and at most 2.15 GB are read; cut it into shorter pieces, or record it anew at a lower rate"
+    );
+}
+
 #[test]
 fn headers_without_samples() {
     let header = |text: String, lines: usize| text.split_inclusive('\n').take(lines).collect::<String>();
