@@ -11,6 +11,7 @@ use serde::Serialize;
 use sim::cleaning::{Cleaned, Decision, clean};
 use sim::experiment::{Experiment, init};
 use sim::recording::{self, ReadOptions};
+use sim::results::atomic::write_whole;
 use sim::results::experiment::{Row, write};
 use sim::results::{self, Folder, Request, ResultsError};
 use sim::schema::JsonSchema;
@@ -102,12 +103,7 @@ pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     }
     let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());
     let text = init::draft(&name, &recordings);
-    // Beside it first, so that no half of it is ever left.
-    let partial = out.with_extension("toml.partial");
-    fs::write(&partial, &text).and_then(|()| fs::rename(&partial, out)).map_err(|source| {
-        let _ = fs::remove_file(&partial);
-        ResultsError::Write { path: out.clone(), source }
-    })?;
+    write_whole(out, |file| file.write_all(text.as_bytes()))?;
     let guesses = text.lines().filter(|line| line.contains("GUESS")).count();
     let unknown = text.lines().filter(|line| line.contains("FILL IN")).count();
     if args.form.json {

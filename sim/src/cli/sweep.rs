@@ -1,4 +1,4 @@
-//! `efam sweep`: many simulations of one design, here or on a cluster.
+//! `efam sweep`: many simulations of one design, or many diagnoses, here or on a cluster.
 
 mod merge;
 pub mod plan;
@@ -26,13 +26,14 @@ const HELP: &str = "Examples:
   efam sweep scenarios/sweep/payload-and-pressure.toml
   efam sweep scenarios/sweep/payload-and-pressure.toml --set sweep.seed=2 --json
   efam sweep scenarios/sweep/payload-and-pressure.toml --out outputs/map --csv
+  efam sweep scenarios/sweep/diagnoses.toml
 
 Interrupted or killed, it goes on where it was with the same command and
 --out, or with `efam sweep run --plan DIR` and `efam sweep merge --plan DIR`.
 
 On a cluster: `efam sweep plan`, `submit`, `status`, `merge`.
 
-Exit codes: 0 also if points could not be simulated: each is a row that says
+Exit codes: 0 also if points have no answer: each is a row that says
 why. 130 if it is interrupted, which keeps the shards that are whole.";
 
 #[derive(Args)]

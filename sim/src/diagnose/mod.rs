@@ -118,7 +118,7 @@ pub fn diagnose(
     let before = Before { model, cost, fitted: before, locked, known };
     let mut course = Course::new(&before, settings, listener, diagnosis);
     course.search()?;
-    if course.is_unknown()? && has_several_pressures(problem) {
+    if course.diagnosis.verdict == Verdict::Unknown && has_several_pressures(problem) {
         listener.doing("again, with strengths that differ from pressure to pressure");
         course = course.widened()?;
     }
@@ -176,10 +176,14 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// Adds effect after effect while something speaks, and leaves out what became idle.
+    /// Adds effect after effect while something speaks, leaves out what became idle, and says whether that is an answer.
     fn search(&mut self) -> Result<(), CalibrateError> {
         self.add_all()?;
-        self.leave_out_idle()
+        self.leave_out_idle()?;
+        if !self.added.is_empty() && self.diagnosis.verdict != Verdict::Unknown {
+            self.diagnosis.verdict = if self.is_believed()? { Verdict::Named } else { Verdict::Unknown };
+        }
+        Ok(())
     }
 
     fn add_all(&mut self) -> Result<(), CalibrateError> {
@@ -263,7 +267,7 @@ impl<'a> Course<'a> {
         let mut wider = Self::new(self.before, self.settings, self.listener, diagnosis);
         wider.is_widened = true;
         wider.search()?;
-        if wider.added.is_empty() || wider.is_unknown()? {
+        if wider.added.is_empty() || wider.diagnosis.verdict == Verdict::Unknown {
             for evidence in wider.diagnosis.evidence.iter_mut().skip(self.diagnosis.evidence.len()) {
                 evidence
                     .rejected
@@ -285,13 +289,9 @@ impl<'a> Course<'a> {
         (gap.collect(), curves(&pairs))
     }
 
-    /// Whether what was found is no answer: more would be missing, a setup would be needed that nobody believes
-    /// in, or what was locked away is missed.
-    fn is_unknown(&self) -> Result<bool, CalibrateError> {
-        if self.added.is_empty() || self.diagnosis.verdict == Verdict::Unknown {
-            return Ok(self.diagnosis.verdict == Verdict::Unknown);
-        }
-        Ok(words::is_strained(&self.model.fit()?.known()) || is_astray(&self.gaps().0))
+    /// Whether what was added needs no setup that nobody believes in, and meets what was locked away.
+    fn is_believed(&self) -> Result<bool, CalibrateError> {
+        Ok(!words::is_strained(&self.model.fit()?.known()) && !is_astray(&self.gaps().0))
     }
 
     /// How the model with all that was added meets what was locked away.
@@ -306,14 +306,11 @@ impl<'a> Course<'a> {
             (fit.known(), errors(&fit))
         };
         let (gap, curves) = self.gaps();
-        if self.is_unknown()? {
-            self.diagnosis.verdict = Verdict::Unknown;
-        }
         if self.diagnosis.verdict == Verdict::Unknown {
             let (fit, level) = (self.model.fit()?, self.settings.false_alarm);
             let tell = |what: &str| self.listener.doing(what);
             self.diagnosis.description = describe(&fit, &self.model.problem, level, &tell)?;
-        } else if !self.added.is_empty() {
+        } else {
             self.tell_apart(&known);
         }
         self.diagnosis.gap = gap;
@@ -339,7 +336,6 @@ impl<'a> Course<'a> {
 
     /// Whether what was added stands alone, and else what would tell it from the others.
     fn tell_apart(&mut self, known: &[Known]) {
-        self.diagnosis.verdict = Verdict::Named;
         let Some(best) = self.added.iter().find(|best| !best.members.is_empty()) else { return };
         self.diagnosis.verdict = Verdict::Class;
         self.diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();

@@ -1,5 +1,6 @@
 //! One `[[recording]]` of an experiment file.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use models::effects::{Parameter, by_name};
@@ -47,6 +48,8 @@ pub struct Entry {
     pub offset: Option<Offset>,
     /// Instants of release on the recording's clock, s, instead of those that are found.
     pub instants: Option<Vec<f64>>,
+    /// Their standard error, s, instead of half a sampling step.
+    pub instant_error: Option<f64>,
     /// Releases that alone are used, from one.
     pub keep: Option<Vec<usize>>,
     /// Releases that are not used, from one.
@@ -125,7 +128,7 @@ pub struct Override {
     pub instant: Option<f64>,
 }
 
-const KEYS: [&str; 23] = [
+const KEYS: [&str; 24] = [
     "file",
     "pressure",
     "payload",
@@ -141,6 +144,7 @@ const KEYS: [&str; 23] = [
     "angle",
     "offset",
     "instants",
+    "instant_error",
     "keep",
     "drop",
     "held_out",
@@ -189,6 +193,7 @@ impl Entry {
                 }
                 list => list,
             },
+            instant_error: instant_error(keys)?,
             keep: whole("keep")?,
             drop: whole("drop")?.unwrap_or_default(),
             held_out: match keys.is_list("held_out") {
@@ -241,7 +246,7 @@ impl Payload {
 
 fn markers(keys: &Keys, key: &str) -> Result<Option<Vec<String>>, ScenarioError> {
     let Some(names) = keys.texts(key)? else { return Ok(None) };
-    let twice = (1..names.len()).any(|k| names[..k].contains(&names[k]));
+    let twice = names.iter().collect::<BTreeSet<_>>().len() < names.len();
     if twice || (names.is_empty() && key == "tip") {
         let must = "name at least one marker, and none twice";
         return Err(keys.wrong(key, Problem::Must { must }));
@@ -298,9 +303,9 @@ fn direction(keys: &Keys, key: &str) -> Result<Option<Direction>, ScenarioError>
     }
     let Some(vector) = vector(keys, key, "")? else { return Ok(None) };
     let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    match length > 0.0 {
+    match length > 0.0 && length.is_finite() {
         true => Ok(Some(Direction::Vector(vector.map(|x| x / length)))),
-        false => Err(keys.wrong(key, Problem::Must { must: "not be zero" })),
+        false => Err(keys.wrong(key, Problem::Must { must: "not be zero, nor beyond all numbers" })),
     }
 }
 
@@ -319,6 +324,15 @@ fn vector(keys: &Keys, key: &str, unit: &str) -> Result<Option<[f64; 3]>, Scenar
 
 fn angle(keys: &Keys, key: &str) -> Result<Option<f64>, ScenarioError> {
     keys.quantity_that(key, "rad", "lie in -6.3..=6.3 rad (-361..=361 deg)", |a| a.abs() <= 6.3)
+}
+
+/// Nobody knows beforehand how well an instant will be found, so that only a given one has an error.
+fn instant_error(keys: &Keys) -> Result<Option<f64>, ScenarioError> {
+    if keys.has("instant_error") && !keys.has("instants") && !keys.has("release") {
+        let message = "belongs to instants that are given; give them too, or leave it out".to_owned();
+        return Err(keys.wrong("instant_error", Problem::Other { message }));
+    }
+    keys.quantity_that("instant_error", "s", "be positive", |error| error > 0.0)
 }
 
 fn offset(keys: &Keys) -> Result<Option<Offset>, ScenarioError> {

@@ -23,6 +23,7 @@
 //! offset = "hold"                # of the tip marker from the rod's end, taken off: "hold", "none",
 //!                                # or ["0 mm", "22 mm"], along and across the rod at the hold
 //! instants = ["0.71 s"]          # of release, on the recording's clock, instead of those found
+//! instant_error = "1 ms"         # their standard error, where half a sampling step is not it
 //! keep = [1, 3]                  # releases that are used; or drop = [2]
 //! held_out = true                # locked away from every fit; or [3]
 //! noise = "0.1 mm"               # of each coordinate, instead of what is found
@@ -114,6 +115,11 @@ impl Experiment {
     /// The muscle of the model, if it is one.
     pub fn muscle(&self) -> Option<&models::muscle::Muscle> {
         self.plan.as_ref()?.muscle.as_ref().map(|muscle| &muscle.muscle)
+    }
+
+    /// The text of the muscle's file, wherever it comes from.
+    pub(crate) fn muscle_text(&self) -> Option<&str> {
+        self.plan.as_ref()?.muscle.as_ref().map(|muscle| muscle.text.as_str())
     }
 
     /// The model of a recording, counted from 0, with the recording's pressure, payload and `angle` (rad)

@@ -26,7 +26,7 @@ fn every_key_is_read() {
         payload = { mass = \"80 g\", center_of_mass = \"1 in\" }\ntip = [\"T1\", \"T2\"]\n\
         body = [{ marker = \"M\", at = \"50 mm\" }, { marker = \"N\", at = 0.7 }]\nbase = \"Base\"\n\
         unit = \"mm\"\nrate = \"100 Hz\"\nup = \"+x\"\nalong = [0, 0, 2]\nclamp = [\"1 mm\", \"0 m\", \"0 m\"]\n\
-        base_angle = \"5 deg\"\nangle = \"10 deg\"\noffset = [\"0 mm\", \"22 mm\"]\ninstants = [\"0.71 s\", \"3 s\"]\nkeep = [1]\n\
+        base_angle = \"5 deg\"\nangle = \"10 deg\"\noffset = [\"0 mm\", \"22 mm\"]\ninstants = [\"0.71 s\", \"3 s\"]\ninstant_error = \"2 ms\"\nkeep = [1]\n\
         held_out = [2]\nnoise = \"0.1 mm\"\nspurious = \"keep\"\nmask = [[\"1 s\", \"2 s\"]]\nnote = \"warm\"\n\
         [[recording.release]]\nnumber = 2\nangle = \"20 deg\"\n[calibrate]\nparameters = [\"x\"]\n";
     let experiment = load(text, &[]).unwrap();
@@ -45,6 +45,7 @@ fn every_key_is_read() {
     assert_eq!(entry.along, Some(Direction::Vector([0.0, 0.0, 1.0])));
     assert_eq!(entry.offset, Some(Offset::Given([0.0, 0.022])));
     assert_eq!((entry.instant_of(2), entry.instant_of(3)), (Some(3.0), None));
+    assert_eq!(entry.instant_error, Some(0.002));
     assert_eq!(entry.base_angle, Some(5f64.to_radians()));
     assert_eq!(entry.angle_of(1), Some(10f64.to_radians()));
     assert_eq!(entry.angle_of(2), Some(20f64.to_radians()));
@@ -101,6 +102,10 @@ fn what_is_wrong_is_said_with_its_place() {
             "some/where.toml:4:9: recording[1].clamp = [\"1 mm\", \"2 mm\"]: must have three numbers",
         ),
         (with("up = \"+w\""), "some/where.toml:4:6: recording[1].up = \"+w\": unknown"),
+        (
+            with("instant_error = \"1 ms\""),
+            "some/where.toml:4:17: recording[1].instant_error = \"1 ms\": belongs to instants that are given",
+        ),
         (with("keep = [0]"), "some/where.toml:4:8: recording[1].keep = [0]: must count releases from 1"),
         (with("held_out = 1"), "some/where.toml:4:12: recording[1].held_out = 1: true or false is due"),
         (

@@ -70,10 +70,13 @@ impl<'a> Errors<'a> {
     /// What the model of a draw has of its own: paths and values.
     pub fn values(&self, seed: u64, draw: usize) -> Vec<(String, f64)> {
         let errors = self.errors(seed, draw);
-        let value = |((path, value, [least, most]), error): (&(String, f64, [f64; 2]), &f64)| {
-            (path.clone(), (value + error).clamp(*least, *most))
-        };
-        self.drawn.iter().zip(errors.iter()).map(value).collect()
+        self.with(&errors).map(|(path, value)| (path.to_owned(), value)).collect()
+    }
+
+    /// Paths and values with these errors, as far as the values may go.
+    fn with(&self, errors: &DVector<f64>) -> impl Iterator<Item = (&str, f64)> {
+        let pairs = self.drawn.iter().zip(errors.iter());
+        pairs.map(|((path, value, [least, most]), error)| (&path[..], (value + error).clamp(*least, *most)))
     }
 
     fn errors(&self, seed: u64, draw: usize) -> DVector<f64> {
@@ -114,8 +117,8 @@ impl<'a> Errors<'a> {
 
     fn model(&self, errors: &DVector<f64>) -> Option<Model> {
         let mut model = self.model.clone();
-        for ((path, value, [least, most]), error) in self.drawn.iter().zip(errors.iter()) {
-            model.set(path, (value + error).clamp(*least, *most)).ok()?;
+        for (path, value) in self.with(errors) {
+            model.set(path, value).ok()?;
         }
         Some(model)
     }

@@ -3,13 +3,14 @@
 //! ```text
 //! outputs/<UTC>_<name>_<hash8>/
 //!   plan.json, points.csv        the plan: what is simulated, frozen
-//!   shard=00000/part.parquet …   rows of each shard
+//!   shard=00000/part.parquet …   rows of each shard; of diagnoses how long they took, too (seconds.csv)
 //!   sweep.parquet                all rows, in the order of the points (sweep.csv on request)
-//!   sweep.json                   how each number is spread, failures, warnings
+//!   sweep.json                   how each number is spread, what diagnoses say, failures, warnings
 //!   report.html, over-….svg      all of it, for people
 //!   summary.json                 what was asked, by which command
 //! ```
 
+mod diagnosed;
 mod page;
 
 use std::fmt::Write;
@@ -20,11 +21,12 @@ use serde_json::json;
 use super::atomic::write_whole;
 use super::page::REPORT;
 use super::picture::swept_pictures;
-use super::report::significant;
+use super::report::{readable, significant};
 use super::{MARK, Request, ResultsError, mark};
 use crate::sweep::asked::Design;
 use crate::sweep::merge::{Kept, Merged, Spread};
 use crate::sweep::plan::Plan;
+use crate::sweep::work::Work;
 
 /// The numbers.
 pub const NUMBERS: &str = "sweep.json";
@@ -45,7 +47,8 @@ pub fn write_swept(plan: &Plan, request: &Request, merged: &Merged, kept: &Kept)
         write_whole(&plan.folder.join(name), |file| std::io::Write::write_all(file, text.as_bytes()))
     };
     put(NUMBERS, &text)?;
-    let pictures = swept_pictures(merged, kept, plan.head.design == Design::Grid);
+    let is_grid = matches!(&plan.head.work, Work::Simulate(own) if own.design == Design::Grid);
+    let pictures = swept_pictures(merged, kept, is_grid);
     for picture in &pictures {
         put(&format!("{}.svg", picture.name), &picture.svg)?;
     }
@@ -66,27 +69,16 @@ const SHOWN: [&str; 7] = [
 
 /// A sweep as a table for people.
 pub fn swept_table(merged: &Merged) -> String {
+    let done = if merged.diagnosed.is_some() { "diagnosed" } else { "simulated" };
     let mut text =
-        format!("{}: {} points, {} could not be simulated\n", merged.name, merged.points, merged.failed);
+        format!("{}: {} points, {} could not be {done}\n", merged.name, merged.points, merged.failed);
     for reason in &merged.reasons {
         let _ = writeln!(text, "  {} points, first {}: {}", reason.points, reason.first, reason.reason);
     }
-    let head = ["points", "least", "2.5 %", "median", "97.5 %", "greatest"];
-    let _ = write!(text, "\n{:40}", "");
-    head.iter().for_each(|head| {
-        let _ = write!(text, "{head:>11}");
-    });
     text.push('\n');
-    let shown = merged.numbers.iter().filter(|own| SHOWN.contains(&own.column.as_str()));
-    for spread in merged.parameters.iter().chain(shown) {
-        let (factor, unit) = readable(spread);
-        let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
-        let _ = write!(text, "{:40}{:>11}", format!("{}{unit}", spread.name), spread.points);
-        for value in [spread.least, spread.low_95, spread.median, spread.high_95, spread.greatest] {
-            let value = value.map_or("-".to_owned(), |value| significant(factor * value, 4));
-            let _ = write!(text, "{value:>11}");
-        }
-        text.push('\n');
+    match &merged.diagnosed {
+        Some(answers) => text += &diagnosed::table(answers),
+        None => text += &spreads(merged),
     }
     for warning in &merged.warnings {
         let _ = writeln!(text, "warning: {warning}");
@@ -94,14 +86,34 @@ pub fn swept_table(merged: &Merged) -> String {
     text
 }
 
-/// Factor and unit in which a number is told: lengths in mm, angles in degrees, pressures in kPa, masses in g.
-pub(super) fn readable(spread: &Spread) -> (f64, &str) {
-    match spread.unit.as_str() {
-        "m" => (1e3, "mm"),
-        "rad" => (1.0f64.to_degrees(), "deg"),
-        "Pa" => (1e-3, "kPa"),
-        "kg" => (1e3, "g"),
-        "J" => (1e3, "mJ"),
-        unit => (1.0, unit),
+/// A line for each number that varies or is shown.
+fn spreads(merged: &Merged) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, cells: &[&str]| {
+        let _ = write!(text, "{name:40}");
+        cells.iter().for_each(|cell| {
+            let _ = write!(text, "{cell:>11}");
+        });
+        text.push('\n');
+    };
+    line("", &HEADS);
+    let shown = merged.numbers.iter().filter(|own| SHOWN.contains(&own.column.as_str()));
+    for spread in merged.parameters.iter().chain(shown) {
+        let (cells, unit) = told(spread);
+        let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
+        line(&format!("{}{unit}", spread.name), &cells.each_ref().map(String::as_str));
     }
+    text
+}
+
+/// What is told of a spread after its name.
+const HEADS: [&str; 6] = ["points", "least", "2.5 %", "median", "97.5 %", "greatest"];
+
+/// A spread under these heads, and its unit.
+fn told(spread: &Spread) -> ([String; 6], &str) {
+    let (factor, unit) = readable(&spread.unit);
+    let value = |value: Option<f64>| value.map_or("-".to_owned(), |value| significant(factor * value, 4));
+    let Spread { least, low_95, median, high_95, greatest, .. } = spread;
+    let [a, b, c, d, e] = [least, low_95, median, high_95, greatest].map(|own| value(*own));
+    ([spread.points.to_string(), a, b, c, d, e], unit)
 }

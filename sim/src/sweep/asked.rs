@@ -12,16 +12,18 @@
 //! steps = 11                        # of a range in a grid
 //! scale = "linear"                  # logarithmic
 //! ```
+//!
+//! Instead of `scenario` it may have `experiments` ([`super::experiments`]).
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use models::nearest::nearest;
 use serde::{Deserialize, Serialize};
 
+use super::experiments::{self, OfExperiments};
 use super::key::{self, Kind};
 use super::point::setting;
-use crate::scenario::document::{Document, Keys};
+use crate::scenario::document::{Document, Keys, read_text};
 use crate::scenario::{Problem, Scenario, ScenarioError, plan};
 use crate::schema::JsonSchema;
 
@@ -29,6 +31,8 @@ use crate::schema::JsonSchema;
 pub const MOST_POINTS: usize = 10_000_000;
 /// Points of a Sobol' design, at most: the sequence has no more.
 pub const MOST_SOBOL: usize = 1 << 16;
+/// Steps of a range in a grid, at most.
+const MOST_STEPS: usize = 1_000_000;
 /// Parameters that vary, at most; the sequence of Sobol' has 256 dimensions.
 const MOST_PARAMETERS: usize = 64;
 
@@ -95,7 +99,25 @@ pub struct Asked {
     pub path: PathBuf,
     /// The text of the file.
     pub text: String,
-    /// The scenario that it is about, and its text.
+    /// What it is about.
+    pub subject: Subject,
+    /// What should be known before the results are used.
+    pub warnings: Vec<String>,
+}
+
+/// What a sweep is about.
+#[derive(Clone, Debug)]
+pub enum Subject {
+    /// A scenario with values that vary.
+    Scenario(OfScenario),
+    /// Experiments.
+    Experiments(OfExperiments),
+}
+
+/// A scenario with values that vary.
+#[derive(Clone, Debug)]
+pub struct OfScenario {
+    /// The file of the scenario.
     pub scenario: PathBuf,
     /// Its text.
     pub scenario_text: String,
@@ -109,28 +131,78 @@ pub struct Asked {
     pub parameters: Vec<Parameter>,
     /// What is set over the scenario at every point: whatever other files say.
     pub set: Vec<String>,
-    /// What should be known before the results are used.
-    pub warnings: Vec<String>,
 }
 
 impl Asked {
     /// Reads a sweep's file and sets `overrides` over it, each as `path=value`.
     /// # Errors
-    /// [`ScenarioError`], of the sweep or of its scenario.
+    /// [`ScenarioError`], of the sweep, of its scenario, or where no experiment can be diagnosed.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Asked, ScenarioError> {
         let document = Document::load(path, overrides)?;
         let keys = document.keys();
         keys.only(&["name", "sweep"])?;
         let sweep = keys.table("sweep")?;
         if !sweep.is_given() {
-            return Err(keys.missing("sweep", "[sweep] on a line of its own, and scenario = \"…\" under it"));
+            let example =
+                "[sweep] on a line of its own, and scenario = \"…\" or experiments = [\"…\"] under it";
+            return Err(keys.missing("sweep", example));
         }
-        sweep.only(&["scenario", "design", "points", "seed", "parameter"])?;
+        sweep.only(&[&KEYS[..], &experiments::KEYS].concat())?;
+        let of_experiments = ["experiments", "experiment"].into_iter().find(|key| sweep.has(key));
+        let others: &[&str] = if of_experiments.is_some() { &KEYS } else { &experiments::KEYS };
+        if let Some(key) = others.iter().find(|key| sweep.has(key)) {
+            let message = match of_experiments {
+                Some(own) => {
+                    format!("belongs to a sweep over a scenario, and this one has {own}; keep one of them")
+                }
+                None => {
+                    "belongs to a sweep over experiments; give these instead of scenario, or leave it out"
+                        .to_owned()
+                }
+            };
+            return Err(sweep.wrong(key, Problem::Other { message }));
+        }
+        let (subject, warnings) = if of_experiments.is_some() {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let (own, warnings) = OfExperiments::read(&sweep, folder)?;
+            (Subject::Experiments(own), warnings)
+        } else {
+            let (own, warnings) = OfScenario::read(&document, &sweep)?;
+            (Subject::Scenario(own), warnings)
+        };
+        let name = plan::name(&document, path, "sweep")?;
+        Ok(Asked { name, path: path.to_owned(), text: document.text().to_owned(), subject, warnings })
+    }
+
+    /// How many points.
+    pub fn points(&self) -> usize {
+        match &self.subject {
+            Subject::Scenario(own) => own.points,
+            Subject::Experiments(own) => own.all.len(),
+        }
+    }
+
+    /// Files that are read here, and need not be there later, with their texts.
+    pub fn texts(&self) -> Vec<(&Path, &str)> {
+        let scenario = match &self.subject {
+            Subject::Scenario(own) => Some((own.scenario.as_path(), own.scenario_text.as_str())),
+            Subject::Experiments(_) => None,
+        };
+        [(self.path.as_path(), self.text.as_str())].into_iter().chain(scenario).collect()
+    }
+}
+
+/// Keys of a sweep over a scenario.
+const KEYS: [&str; 5] = ["scenario", "design", "points", "seed", "parameter"];
+
+impl OfScenario {
+    /// Reads it; says what should be known beforehand, too.
+    fn read(document: &Document, sweep: &Keys) -> Result<(OfScenario, Vec<String>), ScenarioError> {
         let Some((scenario, place)) = sweep.text("scenario")? else {
-            return Err(sweep.missing("scenario", "scenario = \"release-15psi.toml\""));
+            return Err(sweep.missing("scenario", "scenario = \"release-15psi.toml\", or experiments"));
         };
         let scenario = document.file(place, scenario);
-        let scenario_text = fs::read_to_string(&scenario).map_err(|error| {
+        let scenario_text = read_text(&scenario).map_err(|error| {
             let file = scenario.display().to_string();
             sweep.wrong("scenario", Problem::Unreadable { file, reason: error.to_string() })
         })?;
@@ -144,43 +216,47 @@ impl Asked {
             return Err(sweep.missing("design", "design = \"grid\", latin_hypercube, sobol or posterior"));
         };
         let tables = sweep.tables("parameter")?;
-        let parameters: Vec<Parameter> =
-            tables.iter().map(|table| parameter(table, design)).collect::<Result<_, _>>()?;
+        // Before their values are made.
+        if tables.len() > MOST_PARAMETERS {
+            let must = "be 64 tables at most";
+            return Err(sweep.wrong("parameter", Problem::Must { must }));
+        }
+        let mut parameters = Vec::new();
+        for table in &tables {
+            parameters.push(parameter(table, design)?);
+            if design == Design::Grid {
+                // Before the values of the next are made.
+                points(sweep, design, &parameters)?;
+            }
+        }
         for (k, own) in parameters.iter().enumerate() {
             if parameters[..k].iter().any(|other| other.path == own.path) {
                 let message = "is varied already; keep one of the two".to_owned();
                 return Err(tables[k].wrong("path", Problem::Other { message }));
             }
         }
-        if parameters.len() > MOST_PARAMETERS {
-            let must = "be 64 tables at most";
-            return Err(sweep.wrong("parameter", Problem::Must { must }));
-        }
         if parameters.is_empty() && design != Design::Posterior {
             let example =
                 "[[sweep.parameter]] with path = \"muscle.pressure\" and range = [\"10 psi\", \"100 psi\"]";
             return Err(sweep.missing("parameter", example));
         }
-        let mut asked = Asked {
-            name: plan::name(&document, path, "sweep")?,
-            path: path.to_owned(),
-            text: document.text().to_owned(),
+        let mut own = OfScenario {
             scenario,
             scenario_text,
             design,
-            points: points(&sweep, design, &parameters)?,
+            points: points(sweep, design, &parameters)?,
             seed: sweep.count("seed")?.unwrap_or(1) as u64,
             parameters,
             set: Vec::new(),
-            warnings: Vec::new(),
         };
-        asked.take_in_files(&sweep)?;
-        Ok(asked)
+        let warnings = own.take_in_files(sweep)?;
+        Ok((own, warnings))
     }
 
     /// What other files say is set over the scenario, so that the plan needs none of them; and the scenario is
-    /// tried as it is.
-    fn take_in_files(&mut self, sweep: &Keys) -> Result<(), ScenarioError> {
+    /// tried as it is. Returns what should be known before the results are used.
+    fn take_in_files(&mut self, sweep: &Keys) -> Result<Vec<String>, ScenarioError> {
+        let mut warnings = Vec::new();
         // What varies need not stand in the scenario.
         let first = |own: &Parameter| setting(&own.path, &own.values.at(0.0, own.kind));
         let varied: Vec<String> = self.parameters.iter().map(first).collect();
@@ -204,7 +280,7 @@ impl Asked {
                         .to_owned();
                 return Err(sweep.wrong("scenario", Problem::Other { message }));
             };
-            self.warnings.extend(known.nodes.is_none().then(|| MESH.to_owned()));
+            warnings.extend(known.nodes.is_none().then(|| MESH.to_owned()));
         }
         // A point that is refused is a row; that none could be otherwise is said now.
         if let Err(error) = scenario.cases() {
@@ -212,7 +288,7 @@ impl Asked {
                 .and_then(|own| own.cases())
                 .map_err(|_| error)?;
         }
-        Ok(())
+        Ok(warnings)
     }
 
     /// Whether a key varies.
@@ -279,8 +355,8 @@ fn parameter(table: &Keys, design: Design) -> Result<Parameter, ScenarioError> {
         (Some(steps), Values::Range { .. }) if steps < 2 => {
             return Err(table.wrong("steps", Problem::Must { must: "be at least 2" }));
         }
-        (Some(steps), Values::Range { .. }) if steps > MOST_POINTS => {
-            return Err(table.wrong("steps", Problem::Must { must: "be at most 10000000" }));
+        (Some(steps), Values::Range { .. }) if steps > MOST_STEPS => {
+            return Err(table.wrong("steps", Problem::Must { must: "be at most 1000000" }));
         }
         (Some(steps), range) => stepped(&range, steps, kind),
         (None, Values::Range { .. }) if is_stepped => {
@@ -337,8 +413,13 @@ fn list(table: &Keys, kind: Kind) -> Result<Values, ScenarioError> {
 /// A range in steps, both ends included.
 fn stepped(range: &Values, steps: usize, kind: Kind) -> Values {
     let at = |k: usize| range.at(k as f64 / (steps - 1) as f64, kind);
-    let mut all: Vec<Value> = (0..steps).map(at).collect();
-    all.dedup();
+    let mut all: Vec<Value> = Vec::new();
+    for value in (0..steps).map(at) {
+        // Whole numbers have fewer values than steps.
+        if all.last() != Some(&value) {
+            all.push(value);
+        }
+    }
     Values::List(all)
 }
 

@@ -3,15 +3,17 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
-use super::asked::{Asked, Design, Value, Values};
+use super::asked::{Design, OfScenario, Value, Values};
 use super::key::{self, Kind};
-use super::point::{Point, case};
+use super::point::case;
+use super::work::Point;
+use crate::normal::uniform;
 use crate::predict::errors::Errors;
 use crate::scenario::{Case, Problem, Scenario, ScenarioError};
 
 /// Where points come from.
 pub(super) struct Sampler<'a> {
-    asked: &'a Asked,
+    asked: &'a OfScenario,
     /// Keys of all that has a value at each point: first what varies, then what is drawn.
     pub paths: Vec<String>,
     /// Of each range of a Latin hypercube the layer of each point.
@@ -24,7 +26,7 @@ impl<'a> Sampler<'a> {
     /// Of a sweep.
     /// # Errors
     /// [`ScenarioError`] where the first point makes no case whose errors could be drawn.
-    pub fn new(asked: &'a Asked) -> Result<Self, ScenarioError> {
+    pub fn new(asked: &'a OfScenario) -> Result<Self, ScenarioError> {
         let layers = match asked.design {
             Design::LatinHypercube => {
                 (0..asked.parameters.len()).map(|k| shuffled(asked.points, asked.seed, k)).collect()
@@ -116,10 +118,6 @@ fn random(seed: u64, index: u64) -> Xoshiro256PlusPlus {
     Xoshiro256PlusPlus::seed_from_u64(of_seed.next_u64().wrapping_add(index))
 }
 
-fn uniform(random: &mut Xoshiro256PlusPlus) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-}
-
 fn mixed(seed: u64) -> u32 {
     (seed ^ (seed >> 32)) as u32
 }
@@ -142,17 +140,14 @@ mod tests {
     use crate::sweep::asked::Parameter;
     use std::collections::BTreeSet;
 
-    fn asked(design: Design, points: usize, values: &[Values]) -> Asked {
+    fn asked(design: Design, points: usize, values: &[Values]) -> OfScenario {
         let paths = ["effects.payload.mass", "muscle.pressure", "rod.nodes"];
         let parameter = |(path, values): (&&str, &Values)| Parameter {
             path: (*path).to_owned(),
             kind: key::kind(path).unwrap(),
             values: values.clone(),
         };
-        Asked {
-            name: "s".to_owned(),
-            path: "s.toml".into(),
-            text: String::new(),
+        OfScenario {
             scenario: "r.toml".into(),
             scenario_text: String::new(),
             design,
@@ -160,11 +155,10 @@ mod tests {
             seed: 7,
             parameters: paths.iter().zip(values).map(parameter).collect(),
             set: Vec::new(),
-            warnings: Vec::new(),
         }
     }
 
-    fn points(asked: &Asked) -> Vec<Point> {
+    fn points(asked: &OfScenario) -> Vec<Point> {
         let sampler = Sampler::new(asked).unwrap();
         (0..asked.points).map(|index| sampler.point(index).unwrap()).collect()
     }

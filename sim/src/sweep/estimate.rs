@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::asked::Asked;
+use super::asked::{Asked, Subject};
 use super::design::Sampler;
 use super::point::{case, run};
 use crate::scenario::ScenarioError;
@@ -14,10 +14,15 @@ const LEAST_WORK: u64 = 30_000_000;
 /// Shards at most, unless more are asked for: as many members as Slurm admits in an array unless told otherwise.
 const MOST_SHARDS: usize = 1000;
 
-/// Processor time of a point, µs: the mean of the first, the last, and one between.
+/// What a diagnosis is taken to need, µs: a few take three seconds and a few ten minutes, so that trying some says
+/// little, and takes long. With this each has a shard of its own, while there are no more than an array has members.
+const A_DIAGNOSIS: u64 = 30_000_000;
+
+/// Processor time of a point, µs: the mean of the first, the last, and one between, where these are simulations.
 /// # Errors
 /// [`ScenarioError`] where a point cannot be made.
 pub fn microseconds_per_point(asked: &Asked) -> Result<u64, ScenarioError> {
+    let Subject::Scenario(asked) = &asked.subject else { return Ok(A_DIAGNOSIS) };
     let sampler = Sampler::new(asked)?;
     let count = asked.points.min(TRIED);
     let mut all = 0;
@@ -29,7 +34,7 @@ pub fn microseconds_per_point(asked: &Asked) -> Result<u64, ScenarioError> {
             case(&asked.scenario, &asked.scenario_text, &asked.set, &sampler.paths, point)
                 .map(|(case, _)| case)
         };
-        run(make, point);
+        run(make, &point);
         all += begin.elapsed().as_micros() as u64;
     }
     Ok((all / count as u64).max(1))

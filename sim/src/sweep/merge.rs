@@ -3,14 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::SweepError;
+use super::answers::Answers;
 use super::plan::Plan;
-use super::point::{FAILED, FIXED, columns, meaning, numbers};
 use super::shard::{Found, file, look};
 use super::status::array;
+use super::work::{FAILED, Work};
 use crate::quantile::quantile;
 use crate::results::ResultsError;
-use crate::results::atomic::{tidy, write_whole};
+use crate::results::atomic::write_whole;
 use crate::results::columns::{Cells, Column, CsvFile, Holds, ParquetFile, about, read};
+use crate::results::partial;
 use crate::schema::JsonSchema;
 
 /// The table of all points.
@@ -33,14 +35,16 @@ pub struct Merged {
     pub plan_sha256: String,
     /// Points.
     pub points: usize,
-    /// Those that could not be simulated.
+    /// Those that have no answer.
     pub failed: usize,
     /// Why, the most frequent reason first.
     pub reasons: Vec<Reason>,
     /// Keys of the scenario that differ from point to point, as columns.
     pub parameters: Vec<Spread>,
-    /// The numbers that runs say.
+    /// The numbers that runs or diagnoses say.
     pub numbers: Vec<Spread>,
+    /// What diagnoses say; none of a sweep over a scenario.
+    pub diagnosed: Option<Answers>,
     /// What should be known before they are used, in words.
     pub warnings: Vec<String>,
 }
@@ -115,7 +119,7 @@ pub fn merge(plan: &Plan, csv: bool, tell: &dyn Fn()) -> Result<(Merged, Kept), 
     let mut view = View::new(plan);
     let hash =
         [("plan_sha256", head.sha256.clone()), ("run", head.name.clone()), ("efam", head.efam.clone())];
-    let columns = columns(&head.parameters);
+    let columns = head.work.columns();
     let mut damaged = None;
     let mut shards = |take: &mut dyn FnMut(Vec<Cells>) -> std::io::Result<()>| {
         let mut rows = Rows::new(&columns);
@@ -150,7 +154,9 @@ pub fn merge(plan: &Plan, csv: bool, tell: &dyn Fn()) -> Result<(Merged, Kept), 
         return Err(damaged);
     }
     written.map_err(|error: ResultsError| SweepError::from(error))?;
-    (0..head.shards()).filter_map(|shard| file(&plan.folder, shard).parent().map(tidy)).for_each(drop);
+    (0..head.shards())
+        .filter_map(|shard| file(&plan.folder, shard).parent().map(partial::clear))
+        .for_each(drop);
     Ok(view.finish())
 }
 
@@ -213,7 +219,10 @@ impl Rows {
 /// What is seen of the rows as they go by.
 struct View<'a> {
     plan: &'a Plan,
+    /// Columns that points have before anything is done.
+    given: usize,
     kept: Kept,
+    answers: Option<Answers>,
     spreads: Vec<Option<Spread>>,
     reasons: Vec<Reason>,
     failed: usize,
@@ -223,24 +232,25 @@ struct View<'a> {
 
 impl<'a> View<'a> {
     fn new(plan: &'a Plan) -> Self {
-        let columns = columns(&plan.head.parameters);
+        let work = &plan.head.work;
+        let (columns, given) = (work.columns(), work.given().len());
         let is_number = |column: &Column| {
             let is_varied = !["point", "seed"].contains(&column.name.as_str());
             is_varied && !matches!(column.holds, Holds::Texts)
         };
-        let paths = &plan.head.parameters;
-        let spread = |(k, column): (usize, &Column)| {
-            let path = k.checked_sub(FIXED).and_then(|k| paths.get(k)).cloned();
+        let spread = |column: &Column| {
             is_number(column).then(|| Spread {
                 column: column.name.clone(),
-                name: path.unwrap_or_else(|| meaning(&column.name).unwrap_or_default().to_owned()),
+                name: work.meaning(&column.name),
                 unit: column.unit.to_owned(),
                 ..Spread::default()
             })
         };
         Self {
             plan,
-            spreads: columns.iter().enumerate().map(spread).collect(),
+            given,
+            spreads: columns.iter().map(spread).collect(),
+            answers: matches!(work, Work::Diagnose(_)).then(Answers::default),
             kept: Kept { cells: columns.iter().map(|column| column.holds.none()).collect(), columns },
             reasons: Vec::new(),
             failed: 0,
@@ -257,6 +267,9 @@ impl<'a> View<'a> {
                 spread.least = Some(spread.least.map_or(value, |least| least.min(value)));
                 spread.greatest = Some(spread.greatest.map_or(value, |greatest| greatest.max(value)));
             }
+        }
+        if let Some(answers) = &mut self.answers {
+            answers.see(&self.kept.columns, cells);
         }
         let column = |name: &str| self.kept.columns.iter().position(|own| own.name == name);
         let text = |name: &str, row: usize| {
@@ -296,13 +309,19 @@ impl<'a> View<'a> {
         }
         self.reasons.sort_by_key(|reason| std::cmp::Reverse(reason.points));
         self.reasons.truncate(REASONS);
-        let is_said = |spread: &Spread| numbers().any(|(name, _)| name == spread.column);
-        let (said, parameters) = self.spreads.into_iter().flatten().partition(is_said);
+        let said = self.spreads.split_off(self.given).into_iter().flatten().collect();
+        let parameters = self.spreads.into_iter().flatten().collect();
+        if let Some(answers) = &mut self.answers {
+            answers.finish(self.plan);
+        }
         let head = &self.plan.head;
         let mut warnings = head.warnings.clone();
         if self.failed > 0 {
             let (failed, points) = (self.failed, head.points);
-            warnings.push(format!("{failed} of {points} points could not be simulated; each says why"));
+            warnings.push(format!(
+                "{failed} of {points} points could not be {}; each says why",
+                head.work.done()
+            ));
         }
         if self.warned > 0 {
             let (warned, points) = (self.warned, head.points);
@@ -318,6 +337,7 @@ impl<'a> View<'a> {
             reasons: self.reasons,
             parameters,
             numbers: said,
+            diagnosed: self.answers,
             warnings,
         };
         (merged, self.kept)

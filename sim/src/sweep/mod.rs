@@ -1,21 +1,25 @@
-//! Sweeps: many simulations from one plan, on one machine or on many.
+//! Sweeps: many simulations or diagnoses from one plan, on one machine or on many.
 //!
-//! A file says what varies ([`asked`]); [`plan::freeze`] writes down every point, and a hash of all. A shard is some
+//! A file says what varies, or which experiments are diagnosed ([`asked`]); [`plan::freeze`] writes down every point, and a hash of all. A shard is some
 //! points that follow one another: whoever runs it, wherever, writes the same file `shard=00003/part.parquet`, or
 //! none ([`shard`]). What is there and what is missing can be seen from the files alone ([`status`]), and [`merge`]
 //! puts them together. So a shard is a function of the plan and its number, and nothing has to be kept in order
 //! between those who run them.
 
+pub mod answers;
 pub mod asked;
 pub mod cluster;
 mod design;
+pub mod diagnosed;
 pub mod estimate;
+pub mod experiments;
 pub mod key;
 pub mod merge;
 pub mod plan;
 pub mod point;
 pub mod shard;
 pub mod status;
+pub mod work;
 
 use std::io;
 use std::path::PathBuf;
@@ -23,7 +27,7 @@ use std::path::PathBuf;
 use crate::results::ResultsError;
 use crate::scenario::ScenarioError;
 
-/// Why a sweep cannot go on. A point that cannot be simulated is none of these: it is a row.
+/// Why a sweep cannot go on. A point that has no answer is none of these: it is a row.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// What the sweep's file or its scenario says.
@@ -47,7 +51,7 @@ pub enum SweepError {
         file: PathBuf,
     },
     /// A shard that the plan has not.
-    #[error("shard {shard}: the plan has {shards}, 0 to {}; ask for one of these", shards - 1)]
+    #[error("shard {shard}: the plan has {shards}, 0 to {}; ask for one of these", shards.saturating_sub(1))]
     NoShard {
         /// What was asked for.
         shard: usize,
@@ -57,7 +61,7 @@ pub enum SweepError {
     /// The shard of another plan.
     #[error(
         "{}: belongs to another plan ({}…), and is kept; run this plan in a folder of its own, or replace it with \
-         --overwrite", file.display(), &hash[..hash.len().min(8)]
+         --overwrite", file.display(), hash.chars().take(8).collect::<String>()
     )]
     Foreign {
         /// The file.

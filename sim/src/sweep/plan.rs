@@ -10,12 +10,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::SweepError;
-use super::asked::{Asked, Design, Value};
+use super::asked::{Asked, MOST_POINTS, Subject};
 use super::design::Sampler;
-use super::key::{self, Kind};
-use super::point::{self, FIXED, Point, case, columns};
+use super::work::{Point, Simulate, Work};
+use crate::results::columns::Column;
 use crate::results::{Sha, sha256};
-use crate::scenario::{Case, ScenarioError};
+use crate::scenario::ScenarioError;
 use crate::schema::JsonSchema;
 
 /// The head of a plan.
@@ -35,30 +35,20 @@ pub struct Head {
     pub name: String,
     /// Version of the program that made the plan.
     pub efam: String,
-    /// How points were chosen.
-    pub design: Design,
-    /// Of the random numbers.
-    pub seed: u64,
+    /// What is done with each point.
+    pub work: Work,
     /// How many points there are.
     pub points: usize,
     /// Points in a shard; the last may have fewer.
     pub points_per_shard: usize,
-    /// Processor time of a point, as it was tried, µs.
+    /// Processor time of a point, as it was tried, µs; of a diagnosis, as it is taken to be.
     pub microseconds_per_point: u64,
-    /// Keys of the scenario that have a value of their own at each point.
-    pub parameters: Vec<String>,
     /// SHA-256 of the points.
     pub points_sha256: String,
     /// The file of the sweep.
     pub sweep: String,
     /// What it says.
     pub sweep_text: String,
-    /// The file of the scenario.
-    pub scenario: String,
-    /// What it says.
-    pub scenario_text: String,
-    /// What is set over it at every point: whatever other files say.
-    pub set: Vec<String>,
     /// What should be known before the results are used.
     pub warnings: Vec<String>,
 }
@@ -71,16 +61,17 @@ impl Head {
 
     /// Points of a shard.
     pub fn points_of(&self, shard: usize) -> Range<usize> {
-        let first = shard * self.points_per_shard;
-        first.min(self.points)..(first + self.points_per_shard).min(self.points)
+        let first = shard.saturating_mul(self.points_per_shard);
+        first.min(self.points)..first.saturating_add(self.points_per_shard).min(self.points)
     }
 
-    /// The case of a point.
-    /// # Errors
-    /// [`ScenarioError`] for what the scenario, the muscle or the model refuses.
-    pub fn case(&self, point: &Point) -> Result<Case, ScenarioError> {
-        let scenario = Path::new(&self.scenario);
-        Ok(case(scenario, &self.scenario_text, &self.set, &self.parameters, point)?.0)
+    /// Files that were read when the plan was made, with their texts.
+    pub fn texts(&self) -> Vec<(&Path, &str)> {
+        let scenario = match &self.work {
+            Work::Simulate(own) => Some((Path::new(&own.scenario), own.scenario_text.as_str())),
+            Work::Diagnose(_) => None,
+        };
+        [(Path::new(&self.sweep), self.sweep_text.as_str())].into_iter().chain(scenario).collect()
     }
 
     fn hash(&self) -> String {
@@ -98,17 +89,35 @@ pub fn freeze(
     microseconds_per_point: u64,
     to: &mut dyn Write,
 ) -> Result<Head, SweepError> {
-    let sampler = Sampler::new(asked)?;
+    let sampler;
+    let (work, point): (Work, Box<Make>) = match &asked.subject {
+        Subject::Scenario(own) => {
+            sampler = Sampler::new(own)?;
+            let work = Work::Simulate(Simulate {
+                design: own.design,
+                seed: own.seed,
+                parameters: sampler.paths.clone(),
+                scenario: own.scenario.display().to_string(),
+                scenario_text: own.scenario_text.clone(),
+                set: own.set.clone(),
+            });
+            (work, Box::new(|index| sampler.point(index)))
+        }
+        Subject::Experiments(own) => {
+            (Work::Diagnose(own.work.clone()), Box::new(|index| Ok(own.point(index))))
+        }
+    };
     let mut sha = Sha::default();
     let mut put = |line: String| -> Result<(), SweepError> {
         let both = sha.write_all(line.as_bytes()).and_then(|()| to.write_all(line.as_bytes()));
         both.map_err(|source| SweepError::Unwritten { file: POINTS.into(), source })
     };
-    put(names(&sampler.paths))?;
-    for first in (0..asked.points).step_by(CHUNK) {
-        let chunk = first..(first + CHUNK).min(asked.points);
+    let names: Vec<String> = work.given().into_iter().map(|own| own.name).collect();
+    put(names.join(",") + "\n")?;
+    for first in (0..asked.points()).step_by(CHUNK) {
+        let chunk = first..(first + CHUNK).min(asked.points());
         let lines: Vec<Result<String, ScenarioError>> =
-            chunk.into_par_iter().map(|index| sampler.point(index).map(|point| line(&point))).collect();
+            chunk.into_par_iter().map(|index| point(index).map(|point| work.line(&point))).collect();
         for line in lines {
             put(line?)?;
         }
@@ -117,39 +126,21 @@ pub fn freeze(
         sha256: String::new(),
         name: asked.name.clone(),
         efam: env!("CARGO_PKG_VERSION").to_owned(),
-        design: asked.design,
-        seed: asked.seed,
-        points: asked.points,
+        points: asked.points(),
         points_per_shard,
         microseconds_per_point,
-        parameters: sampler.paths,
         points_sha256: sha.hexadecimal(),
         sweep: asked.path.display().to_string(),
         sweep_text: asked.text.clone(),
-        scenario: asked.scenario.display().to_string(),
-        scenario_text: asked.scenario_text.clone(),
-        set: asked.set.clone(),
         warnings: asked.warnings.clone(),
+        work,
     };
     head.sha256 = head.hash();
     Ok(head)
 }
 
-/// The first line of the points.
-fn names(paths: &[String]) -> String {
-    let names: Vec<String> =
-        columns(paths).into_iter().take(FIXED + paths.len()).map(|own| own.name).collect();
-    names.join(",") + "\n"
-}
-
-fn line(point: &Point) -> String {
-    let value = |value: &Value| match value {
-        Value::Number(number) => format!(",{number:?}"),
-        Value::Word(word) => format!(",{word}"),
-    };
-    let values: String = point.values.iter().map(value).collect();
-    format!("{},{}{values}\n", point.index, point.seed)
-}
+/// Makes a point of its number.
+type Make<'a> = dyn Fn(usize) -> Result<Point, ScenarioError> + Sync + 'a;
 
 /// A plan that was read, and is as it was frozen.
 #[derive(Clone, Debug)]
@@ -177,7 +168,8 @@ impl Plan {
         let (file, points) = (folder.join(PLAN), folder.join(POINTS));
         let text = std::fs::read_to_string(&file).map_err(no_plan(&file))?;
         let head: Head = serde_json::from_str(&text).map_err(|_| altered(&file))?;
-        if head.hash() != head.sha256 || head.points_per_shard == 0 {
+        let can_be = (1..=MOST_POINTS).contains(&head.points) && head.points_per_shard > 0;
+        if head.hash() != head.sha256 || !can_be {
             return Err(altered(&file));
         }
         let mut sha = Sha::default();
@@ -197,7 +189,13 @@ impl Plan {
         let opened = File::open(&file);
         let lines =
             opened.map_err(|error| SweepError::NoPlan { file: file.clone(), reason: error.to_string() })?;
-        Ok(Points { head: &self.head, file, lines: BufReader::new(lines).lines(), next: None })
+        Ok(Points {
+            head: &self.head,
+            given: self.head.work.given(),
+            file,
+            lines: BufReader::new(lines).lines(),
+            next: None,
+        })
     }
 }
 
@@ -209,6 +207,8 @@ pub fn head_text(head: &Head) -> String {
 /// The points of a plan, one after the other: only those that are asked for are held.
 pub struct Points<'a> {
     head: &'a Head,
+    /// The columns of its lines.
+    given: Vec<Column>,
     file: PathBuf,
     lines: Lines<BufReader<File>>,
     /// The point whose line comes next; none before the line of names.
@@ -242,18 +242,7 @@ impl Points<'_> {
     }
 
     fn point(&self, index: usize, line: &str) -> Result<Point, SweepError> {
-        let parse = || {
-            let mut cells = line.split(',');
-            let (own, seed) = (cells.next()?.parse::<usize>().ok()?, cells.next()?.parse().ok()?);
-            let value = |(path, cell): (&String, &str)| match key::kind(path) {
-                Some(Kind::Word) => Some(Value::Word(cell.to_owned())),
-                _ => cell.parse().ok().map(Value::Number),
-            };
-            let cells: Vec<&str> = cells.collect();
-            let is_whole = own == index && cells.len() == self.head.parameters.len();
-            let values = self.head.parameters.iter().zip(cells).map(value).collect::<Option<_>>();
-            Some(point::Point { index, seed, values: values.filter(|_| is_whole)? })
-        };
-        parse().ok_or_else(|| SweepError::Altered { file: self.file.clone() })
+        let point = self.head.work.point(&self.given, line).filter(|point| point.index == index);
+        point.ok_or_else(|| SweepError::Altered { file: self.file.clone() })
     }
 }

@@ -1,46 +1,16 @@
-//! One point: the case that it stands for, and what a run of that says.
+//! A point of a sweep over a scenario: the case that it stands for, and what a run of that says.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use super::asked::Value;
 use super::key::{self, Kind};
+use super::work::{Point, Row, fault, joined};
 use crate::predict::quantity::{meanings, units};
 use crate::predict::simulated::{Simulated, simulate};
-use crate::results::columns::{Cells, Column, Holds};
+use crate::results::columns::{Cell, Column, Holds};
 use crate::results::summary::EnergyBalance;
 use crate::scenario::{Case, Scenario, ScenarioError};
-
-/// One point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Point {
-    /// Its number, from zero.
-    pub index: usize,
-    /// Of its own random numbers, below 2⁵³.
-    pub seed: u64,
-    /// Values of all that differs from point to point, in the order of the plan.
-    pub values: Vec<Value>,
-}
-
-/// What a run of a point says.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// The point.
-    pub point: Point,
-    /// In the order of [`numbers`]; none where the run has none.
-    pub numbers: Vec<Option<f64>>,
-    /// Why it could not be simulated.
-    pub failed: Option<String>,
-    /// Why numbers are missing.
-    pub missing: Option<String>,
-    /// What should be known before the numbers are used.
-    pub warnings: Option<String>,
-}
-
-/// Words of the column `status`.
-pub const OK: &str = "ok";
-/// The other one.
-pub const FAILED: &str = "failed";
 
 /// What the energies and the effort of a run are called, with their units and what they are.
 const OF_THE_RUN: [(&str, &str, &str); 4] = [
@@ -91,29 +61,20 @@ pub fn setting(path: &str, value: &Value) -> String {
 }
 
 /// Simulates a point to its end. Whatever goes wrong stands in the row.
-pub fn run(make: impl FnOnce(&Point) -> Result<Case, ScenarioError>, point: Point) -> Row {
+pub fn run(make: impl FnOnce(&Point) -> Result<Case, ScenarioError>, point: &Point) -> Row {
     let simulated = catch_unwind(AssertUnwindSafe(|| {
-        let case = make(&point).map_err(|error| error.message())?;
+        let case = make(point).map_err(|error| error.message())?;
         Ok((simulate(&case.model, &case.run)?, case.warnings))
     }));
-    // A fault of the program's own has been told on stderr; it must not take the other points with it.
-    let simulated =
-        simulated.unwrap_or_else(|_| Err("the program itself failed; please report it".to_owned()));
-    match simulated {
+    match simulated.unwrap_or_else(|_| Err(fault())) {
         Ok((simulated, warnings)) => {
             let missing = simulated.missing.iter().map(|(entry, why)| format!("{entry}: {why}")).collect();
-            let (missing, warnings) = (joined(missing), joined(warnings));
-            Row { point, numbers: told(&simulated), failed: None, missing, warnings }
+            let numbers = told(&simulated).into_iter().map(|own| Cell::Number(own.unwrap_or(f64::NAN)));
+            let words = [joined(missing, "; "), joined(warnings, "; ")].map(Cell::Text);
+            Row::whole(numbers.chain(words).collect())
         }
-        Err(why) => {
-            let numbers = vec![None; numbers().count()];
-            Row { point, numbers, failed: Some(why), missing: None, warnings: None }
-        }
+        Err(why) => Row::failed(why, &answers()),
     }
-}
-
-fn joined(words: Vec<String>) -> Option<String> {
-    (!words.is_empty()).then(|| words.join("; "))
 }
 
 fn told(simulated: &Simulated) -> Vec<Option<f64>> {
@@ -127,11 +88,8 @@ fn told(simulated: &Simulated) -> Vec<Option<f64>> {
     simulated.numbers.iter().copied().chain(of_the_run).collect()
 }
 
-/// Columns before those of the parameters: the point and its seed.
-pub(super) const FIXED: usize = 2;
-
-/// The columns of a sweep in which these keys have values.
-pub fn columns(paths: &[String]) -> Vec<Column> {
+/// The columns that a point has before it is run: its number, its seed, and the values of these keys.
+pub(super) fn given(paths: &[String]) -> Vec<Column> {
     let column = |name: String, unit, holds| Column { name, unit, holds };
     let mut all =
         vec![column("point".to_owned(), "", Holds::Counts), column("seed".to_owned(), "", Holds::Counts)];
@@ -140,38 +98,13 @@ pub fn columns(paths: &[String]) -> Vec<Column> {
         Some(Kind::Count) => column(key::column(path, ""), "", Holds::Counts),
         _ => column(key::column(path, ""), "", Holds::Texts),
     }));
-    all.push(column("status".to_owned(), "", Holds::Texts));
-    all.push(column("reason".to_owned(), "", Holds::Texts));
-    all.extend(numbers().map(|(name, unit)| column(name.to_owned(), unit, Holds::NumbersOrNone)));
-    all.push(column("missing".to_owned(), "", Holds::Texts));
-    all.push(column("warnings".to_owned(), "", Holds::Texts));
     all
 }
 
-/// Rows as cells, column by column, in the order of [`columns`].
-pub fn cells(paths: &[String], rows: &[Row]) -> Vec<Cells> {
-    let counts = |of: &dyn Fn(&Row) -> i64| Cells::Counts(rows.iter().map(of).collect());
-    let texts = |of: &dyn Fn(&Row) -> Option<String>| Cells::Texts(rows.iter().map(of).collect());
-    let mut all = vec![counts(&|row| row.point.index as i64), counts(&|row| row.point.seed as i64)];
-    for (k, path) in paths.iter().enumerate() {
-        let number =
-            |row: &Row| if let Value::Number(number) = row.point.values[k] { number } else { f64::NAN };
-        all.push(match key::kind(path) {
-            Some(Kind::Quantity(_)) => Cells::Numbers(rows.iter().map(number).collect()),
-            Some(Kind::Count) => counts(&|row| number(row) as i64),
-            _ => texts(&|row| match &row.point.values[k] {
-                Value::Word(word) => Some(word.clone()),
-                Value::Number(_) => None,
-            }),
-        });
-    }
-    let status = |row: &Row| if row.failed.is_some() { FAILED } else { OK };
-    all.push(texts(&|row| Some(status(row).to_owned())));
-    all.push(texts(&|row| row.failed.clone()));
-    for k in 0..numbers().count() {
-        all.push(Cells::Numbers(rows.iter().map(|row| row.numbers[k].unwrap_or(f64::NAN)).collect()));
-    }
-    all.push(texts(&|row| row.missing.clone()));
-    all.push(texts(&|row| row.warnings.clone()));
-    all
+/// The columns of what a run says.
+pub(super) fn answers() -> Vec<Column> {
+    let numbers = numbers().map(|(name, unit)| (name, unit, Holds::NumbersOrNone));
+    let words = ["missing", "warnings"].map(|name| (name, "", Holds::Texts));
+    let column = |(name, unit, holds): (&str, _, _)| Column { name: name.to_owned(), unit, holds };
+    numbers.chain(words).map(column).collect()
 }

@@ -1,14 +1,19 @@
 //! One shard: whether it is there, and how it comes to be.
 
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Instant;
 
+use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
 use super::SweepError;
 use super::plan::Plan;
-use super::point::{Point, Row, cells, columns, run as run_point};
+use super::work::{Point, Row, Work};
 use crate::results::atomic::write_whole;
 use crate::results::columns::{ParquetFile, about};
 
@@ -62,18 +67,6 @@ pub fn look(plan: &Plan, shard: usize) -> Found {
     }
 }
 
-/// What was done about a shard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Done {
-    /// It was there already.
-    Skipped,
-    /// It was run; so many points of it could not be simulated.
-    Run {
-        /// How many.
-        failed: usize,
-    },
-}
-
 /// Whether a shard is to be run.
 /// # Errors
 /// [`SweepError::NoShard`]; [`SweepError::Foreign`], unless it may be overwritten.
@@ -91,36 +84,118 @@ pub fn is_due(plan: &Plan, shard: usize, overwrite: bool) -> Result<bool, SweepE
     }
 }
 
-/// Simulates the points of a shard on all threads, and writes it; `tell` hears of each point, from any thread.
+/// What is told of a sweep that runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Told {
+    /// One more point is done.
+    Point,
+    /// This shard is written.
+    Shard(usize),
+}
+
+/// Runs shards, the first one first, and writes each when it is done; returns how many of their points have no answer.
+/// `tell` hears how it goes on, from any thread.
+///
+/// Simulations are short: the points of one shard after the other, on all threads. Of diagnoses there are as many
+/// shards at a time as threads, each on threads of its own: so none waits for the longest, and each says truly how
+/// long it took.
 /// # Errors
-/// [`SweepError::Results`]; then nothing is written.
-pub fn run(
+/// [`SweepError::Results`]; then that shard is not written.
+pub fn run_all(plan: &Plan, due: &[usize], tell: &(dyn Fn(Told) + Sync)) -> Result<usize, SweepError> {
+    let threads = rayon::current_num_threads();
+    let lanes = match plan.head.work {
+        Work::Simulate(_) => 1,
+        Work::Diagnose(_) => threads.min(due.len()),
+    };
+    let rest = Mutex::new((plan.points()?, due.iter()));
+    let next = || -> Option<Result<(usize, Vec<Point>), SweepError>> {
+        let mut rest = rest.lock().unwrap_or_else(PoisonError::into_inner);
+        let (points, due) = &mut *rest;
+        due.next().map(|shard| points.of(*shard).map(|points| (*shard, points)))
+    };
+    let lane = || {
+        let mut failed = 0;
+        while let Some(shard) = next() {
+            let (shard, points) = shard?;
+            failed += run(plan, shard, points, tell)?;
+            tell(Told::Shard(shard));
+        }
+        Ok(failed)
+    };
+    if lanes <= 1 {
+        return lane();
+    }
+    let own = |k: usize| threads / lanes + usize::from(k < threads % lanes);
+    thread::scope(|scope| {
+        let begin = |k: usize| {
+            let builder = thread::Builder::new().stack_size(STACK);
+            builder.spawn_scoped(scope, move || {
+                let pool = ThreadPoolBuilder::new().num_threads(own(k)).stack_size(STACK).build();
+                pool.expect("threads can be had").install(lane)
+            })
+        };
+        let all: Vec<_> = (0..lanes).map(|k| begin(k).expect("a thread can be had")).collect();
+        let ended = all.into_iter().map(|lane| lane.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        ended.collect::<Vec<_>>().into_iter().sum()
+    })
+}
+
+/// As a main thread has it.
+const STACK: usize = 8 << 20;
+
+/// Runs the points of a shard, and writes it; returns how many have no answer.
+fn run(
     plan: &Plan,
     shard: usize,
     points: Vec<Point>,
-    tell: &(dyn Fn() + Sync),
-) -> Result<Done, SweepError> {
+    tell: &(dyn Fn(Told) + Sync),
+) -> Result<usize, SweepError> {
     let head = &plan.head;
+    let work = &head.work;
     // In the order of the points, whichever is done first.
-    let rows: Vec<Row> = points
+    let (rows, seconds): (Vec<(Point, Row)>, Vec<f64>) = points
         .into_par_iter()
         .with_max_len(1)
         .map(|point| {
-            let row = run_point(|point| head.case(point), point);
-            tell();
-            row
+            let begin = Instant::now();
+            let row = work.run(&point);
+            tell(Told::Point);
+            ((point, row), begin.elapsed().as_secs_f64())
         })
-        .collect();
+        .unzip();
+    let failed = rows.iter().filter(|(_, row)| row.is_failed()).count();
     let about = [
         (OF_PLAN, head.sha256.clone()),
         (OF_SHARD, shard.to_string()),
         ("run", head.name.clone()),
         ("efam", head.efam.clone()),
     ];
-    write_whole(&file(&plan.folder, shard), |file| {
-        let mut file = ParquetFile::begin(file, &columns(&head.parameters), &about)?;
-        file.write(cells(&head.parameters, &rows))?;
+    let file = file(&plan.folder, shard);
+    if let Work::Diagnose(_) = work {
+        // Beside the rows, which are the same whoever is how fast.
+        let lines = rows.iter().zip(&seconds).map(|((point, _), own)| format!("{},{own:.3}\n", point.index));
+        let text = format!("{TIMED}\n{}", lines.collect::<String>());
+        write_whole(&file.with_file_name(SECONDS), |file| file.write_all(text.as_bytes()))?;
+    }
+    write_whole(&file, |file| {
+        let mut file = ParquetFile::begin(file, &work.columns(), &about)?;
+        file.write(work.table(rows))?;
         file.finish()
     })?;
-    Ok(Done::Run { failed: rows.iter().filter(|row| row.failed.is_some()).count() })
+    Ok(failed)
+}
+
+/// How long each diagnosis of a shard took.
+pub const SECONDS: &str = "seconds.csv";
+/// Its first line.
+const TIMED: &str = "point,seconds";
+
+/// How long the diagnoses of a shard took, s, by point; of none where that is not known.
+pub fn seconds(folder: &Path, shard: usize) -> Vec<(usize, f64)> {
+    let text = fs::read_to_string(file(folder, shard).with_file_name(SECONDS)).unwrap_or_default();
+    let line = |line: &str| {
+        let (point, seconds) = line.split_once(',')?;
+        Some((point.parse().ok()?, seconds.parse().ok()?))
+    };
+    text.lines().filter_map(line).collect()
 }

@@ -178,7 +178,7 @@ fn what_is_missing_is_said_as_slurm_takes_it() {
     // Half of a file is none; what a killed task leaves beside it does no harm.
     fs::write(bench.0.join("out/shard=00004/part.parquet"), &whole[4][..whole[4].len() / 2])
         .expect("written");
-    fs::write(bench.0.join("out/shard=00000/.partial-1-2"), "half").expect("written");
+    fs::write(bench.0.join("out/shard=00000/.part.parquet.partial-node7-1-2"), "half").expect("written");
     let (code, stdout, stderr) = bench.run(&["sweep", "status", "--plan", "out"]);
     assert_eq!(code, 0);
     assert!(
@@ -201,7 +201,7 @@ fn what_is_missing_is_said_as_slurm_takes_it() {
     for (shard, whole) in whole.iter().enumerate() {
         assert!(bytes(&bench, &format!("out/shard={shard:05}/part.parquet")) == *whole, "{shard}");
     }
-    assert!(!bench.0.join("out/shard=00000/.partial-1-2").exists());
+    assert!(!bench.0.join("out/shard=00000/.part.parquet.partial-node7-1-2").exists());
     let (_, stdout, _) = bench.run(&["sweep", "status", "--plan", "out"]);
     assert!(stdout.ends_with("merged: out/sweep.parquet\n"), "{stdout}");
 }
@@ -270,6 +270,7 @@ fn what_is_wrong_with_a_sweep_is_said_and_nothing_is_written() {
     };
     let sobol = |points: &str| sweep("sobol", points);
     says("", "sweep: is missing; write [sweep]");
+    says("[sweep]\n", "sweep.scenario: is missing; write scenario = \"release-15psi.toml\", or experiments");
     says("[sweep]\nscenario = \"s.toml\"\n", "sweep.design: is missing");
     says("[sweep]\nscenario = \"absent.toml\"\ndesign = \"grid\"\n", "absent.toml: cannot be read (");
     says("[sweep]\nscenario = \"s.toml\"\ndesign = \"grid\"\n", "sweep.parameter: is missing");
@@ -318,7 +319,7 @@ fn a_posterior_is_drawn_from_the_calibration() {
     bench.file("s.toml", &scenario.replace("1.5 s", "0.1 s"));
     bench.file("sweep.toml", "[sweep]\nscenario = \"s.toml\"\ndesign = \"posterior\"\npoints = 400\n");
     let value = bench.json(&["sweep", "plan", "sweep.toml", "--json", "--out", "out"]);
-    assert_eq!(value["plan"]["parameters"], serde_json::json!(["rod.bending_stiffness"]));
+    assert_eq!(value["plan"]["work"]["simulate"]["parameters"], serde_json::json!(["rod.bending_stiffness"]));
     let warning = value["plan"]["warnings"][0].as_str().expect("a warning");
     assert!(warning.starts_with("the calibration removed the error of its mesh"), "{warning}");
     let points = rows(&bench.text("out/points.csv"));

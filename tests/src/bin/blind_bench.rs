@@ -1,19 +1,28 @@
 //! Blind bench of the diagnosis: experiments drawn by the twin, with effects hidden in them or none, are
 //! diagnosed, and what is said is counted. `cargo run --release -p tests --bin blind_bench -- --help`.
 
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
 use sim::calibrate::Problem;
 use sim::diagnose::{Settings, diagnose};
+use sim::sweep::answers::Answers;
+use sim::sweep::plan::Plan as SweepPlan;
 use tests::blind::answer::Answer;
 use tests::blind::case::{Case, Limits, kinds, limits, strangers};
-use tests::blind::{decoyed, problem, tally};
+use tests::blind::files::with_hold;
+use tests::blind::truth::{self, TRUTH, Truth};
+use tests::blind::{decoyed, files, problem, tally};
 use tests::twin::drawn::Plan;
 use tests::twin::random::Random;
 
 /// Draws experiments with effects hidden in them, asks the diagnosis, and counts what it says.
+///
+/// With --write it writes them as files instead, for `efam sweep`, and with --score it counts what that said.
 #[derive(Parser)]
 struct Words {
     /// First seed; each set has the next.
@@ -43,6 +52,15 @@ struct Words {
     /// End with an error where a false name was given, or an effect that can be told apart was not named.
     #[arg(long)]
     strict: bool,
+    /// Write the experiments below this folder, with a sweep.toml, and diagnose nothing.
+    #[arg(long, value_name = "DIR", conflicts_with = "score")]
+    write: Option<PathBuf>,
+    /// Count what a sweep said of the experiments below this folder.
+    #[arg(long, value_name = "DIR")]
+    score: Option<PathBuf>,
+    /// Folder of that sweep [default: swept below that of --score].
+    #[arg(long, value_name = "DIR", requires = "score")]
+    swept: Option<PathBuf>,
     /// Say what is being done, and show the candidates that were fitted.
     #[arg(long)]
     tell: bool,
@@ -51,15 +69,22 @@ struct Words {
 fn main() -> ExitCode {
     let words = Words::parse();
     let begin = Instant::now();
-    let nominal = problem(&Plan { hidden: Vec::new(), ..Case::empty(1).plan(words.body) }.draw(1));
-    let limits = limits(&nominal).expect("the usual experiment can be simulated");
-    let usual = noise(&nominal);
-    let mut answers = Vec::new();
-    for case in cases(&words, &limits) {
-        let own = case.hidden.first().and_then(|(name, _)| limits.get(name)).copied();
-        if let Some(answer) = ask(&case, own, usual, &words, begin) {
-            answers.push(answer);
+    let answers = match (&words.score, &words.write) {
+        (Some(folder), _) => {
+            scored(folder, words.swept.clone().unwrap_or_else(|| folder.join("swept")).as_path())
         }
+        (None, Some(folder)) => write(folder, &words).map(|()| Vec::new()),
+        (None, None) => Ok(asked(&words, begin)),
+    };
+    let answers = match answers {
+        Ok(answers) => answers,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    if words.write.is_some() {
+        return ExitCode::SUCCESS;
     }
     println!("\n{}\n{:.0} s in all", tally::told(&answers), begin.elapsed().as_secs_f64());
     let is_good =
@@ -70,10 +95,83 @@ fn main() -> ExitCode {
     }
 }
 
+/// Cases, each with what is foreseen of it; and the noise that this is for, m.
+fn foreseen(words: &Words, plan: impl Fn(&Case) -> Plan) -> (Vec<(Case, Option<Limits>)>, f64) {
+    let nominal = problem(&Plan { hidden: Vec::new(), ..plan(&Case::empty(1)) }.draw(1));
+    let limits = limits(&nominal).expect("the usual experiment can be simulated");
+    let own = |case: &Case| case.hidden.first().and_then(|(name, _)| limits.get(name)).copied();
+    let cases = cases(words, &limits).into_iter().map(|case| (case.clone(), own(&case))).collect();
+    (cases, noise(&nominal))
+}
+
+/// Asks the diagnosis here.
+fn asked(words: &Words, begin: Instant) -> Vec<Answer> {
+    let (cases, usual) = foreseen(words, |case| case.plan(words.body));
+    cases.iter().filter_map(|(case, limits)| ask(case, *limits, usual, words, begin)).collect()
+}
+
+/// Writes experiments as files.
+fn write(folder: &Path, words: &Words) -> Result<(), String> {
+    let plan = |case: &Case| with_hold(case.plan(words.body));
+    let (cases, usual) = foreseen(words, plan);
+    let put = |name: &str, text: String| {
+        let file = folder.join(name);
+        let made = file.parent().map_or(Ok(()), fs::create_dir_all);
+        made.and_then(|()| fs::write(&file, text)).map_err(|error| format!("{}: {error}", file.display()))
+    };
+    let mut truths = Vec::new();
+    for (k, (case, limits)) in cases.into_iter().enumerate() {
+        let (name, drawn) = (format!("{:04}", k + 1), plan(&case).draw(case.seed));
+        let mut problem = problem(&drawn);
+        let limits = limits.map(|limits| limits.at_noise(noise(&problem) / usual));
+        if case.is_decoyed {
+            decoyed(&mut problem);
+        }
+        for (file, text) in files::recordings(&problem) {
+            put(&format!("{name}/{file}"), text)?;
+        }
+        put(&format!("{name}/experiment.toml"), files::experiment(&name, &problem, &drawn))?;
+        truths.push((format!("{name}/experiment.toml"), Truth::new(case, limits)));
+    }
+    put(TRUTH, truth::text(&truths))?;
+    put("sweep.toml", files::sweep("blind-bench", &truths))?;
+    let (count, folder) = (truths.len(), folder.display());
+    println!("{count} experiments below {folder}; diagnose them, here or on a cluster, and count:");
+    println!("  efam sweep {folder}/sweep.toml --out {folder}/swept");
+    println!("  blind_bench --score {folder}");
+    Ok(())
+}
+
+/// What a sweep said of experiments that were written.
+fn scored(folder: &Path, swept: &Path) -> Result<Vec<Answer>, String> {
+    let file = folder.join(TRUTH);
+    let text = fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let truths = truth::read(&text).map_err(|line| {
+        format!("{}:{line}: says not what is hidden; write the bench anew", file.display())
+    })?;
+    let plan = SweepPlan::open(swept).map_err(|error| error.to_string())?;
+    let said = Answers::read(&plan).ok_or_else(|| {
+        let swept = swept.display();
+        format!("{swept}: has no table of diagnoses; make it: efam sweep merge --plan {swept}")
+    })?;
+    let said: HashMap<&str, _> = said.experiments.iter().map(|own| (own.experiment.as_str(), own)).collect();
+    let mut answers = Vec::new();
+    for (file, truth) in truths {
+        let Some(own) = said.get(file.as_str()) else {
+            return Err(format!("{}: knows nothing of {file}; sweep this bench", swept.display()));
+        };
+        if let Some(why) = &own.failed {
+            println!("{:44} {:5}  {why}", truth.case.name(), truth.case.seed);
+        }
+        answers.extend(Answer::swept(truth, own).inspect(report));
+    }
+    Ok(answers)
+}
+
 /// Score from which on a candidate that was not fitted is shown.
 const LOUD: f64 = 2.0;
 
-type AllLimits = std::collections::BTreeMap<&'static str, Limits>;
+type AllLimits = BTreeMap<&'static str, Limits>;
 
 fn cases(words: &Words, limits: &AllLimits) -> Vec<Case> {
     let is_asked = |name: &&str| words.kinds.is_empty() || words.kinds.iter().any(|asked| asked == name);
@@ -140,7 +238,8 @@ fn ask(case: &Case, limits: Option<Limits>, usual: f64, words: &Words, begin: In
             return None;
         }
     };
-    let answer = Answer::new(case.clone(), limits, &drawn, outcome, start.elapsed().as_secs_f64());
+    let truth = Truth::new(case.clone(), limits);
+    let answer = Answer::new(truth, &drawn, outcome, start.elapsed().as_secs_f64());
     report(&answer);
     if words.tell {
         details(&answer);

@@ -1,8 +1,11 @@
 //! An answer to a case, and what it is worth.
 
+use sim::diagnose::verdict::{Member, Separation};
 use sim::diagnose::{Curve, Diagnosis, Outcome, Verdict};
+use sim::sweep::diagnosed;
 
-use super::case::{Case, Limits};
+use super::case::Case;
+use super::truth::Truth;
 use crate::twin::drawn::Drawn;
 use crate::twin::hidden::Hidden;
 
@@ -21,7 +24,7 @@ pub struct Answer {
     /// What was said.
     pub diagnosis: Diagnosis,
     /// Noise-free root mean square distance after repair over the noise, of what was fitted and of what was
-    /// locked away.
+    /// locked away; not a number where the repaired model is not at hand.
     pub noise_free: [f64; 2],
     /// How long it took, s.
     pub seconds: f64,
@@ -29,17 +32,33 @@ pub struct Answer {
 
 impl Answer {
     /// Puts together what was said with what was drawn.
-    pub fn new(case: Case, limits: Option<Limits>, drawn: &Drawn, outcome: Outcome, seconds: f64) -> Self {
-        let size = case.hidden.first().map_or(0.0, |(_, size)| *size);
+    pub fn new(truth: Truth, drawn: &Drawn, outcome: Outcome, seconds: f64) -> Self {
         let noise_free = [false, true].map(|held_out| noise_free(drawn, &outcome.curves, held_out));
-        Self {
-            distance: limits.map(|limits| limits.distance(size)),
-            is_visible: limits.is_none_or(|limits| size >= limits.seen_from),
-            diagnosis: outcome.diagnosis,
-            case,
-            noise_free,
-            seconds,
-        }
+        Self::of(truth, outcome.diagnosis, noise_free, seconds)
+    }
+
+    /// The same of a row of a sweep; nothing of one without an answer.
+    pub fn swept(truth: Truth, said: &diagnosed::Answer) -> Option<Self> {
+        let member =
+            |effect: &String| Member { effect: effect.clone(), behind: f64::NAN, distance: f64::NAN };
+        let separating_experiment = said.separation.map(|distance| Separation {
+            what: String::new(),
+            distance,
+            distance_now: f64::NAN,
+        });
+        let diagnosis = Diagnosis {
+            verdict: said.verdict?,
+            effects: said.effects.clone(),
+            members: said.members.iter().map(member).collect(),
+            separating_experiment,
+            ..Diagnosis::default()
+        };
+        Some(Self::of(truth, diagnosis, [f64::NAN; 2], said.seconds.unwrap_or(f64::NAN)))
+    }
+
+    fn of(truth: Truth, diagnosis: Diagnosis, noise_free: [f64; 2], seconds: f64) -> Self {
+        let Truth { case, distance, is_visible } = truth;
+        Self { case, distance, is_visible, diagnosis, noise_free, seconds }
     }
 
     /// Names of the effects that were added.

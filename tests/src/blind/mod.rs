@@ -3,7 +3,9 @@
 
 pub mod answer;
 pub mod case;
+pub mod files;
 pub mod tally;
+pub mod truth;
 
 use models::model::Model;
 use sim::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
@@ -50,6 +52,13 @@ pub fn problem(drawn: &Drawn) -> Problem {
         Nuisances { release_instant: true, hold_angle: Some(0.25f64.to_radians()), offset: Some(2e-4) };
     let mut problem = Problem { trials, parameters, nuisances };
     admit_tilt(&mut problem, 0.2e-3);
+    problem
+}
+
+/// The same with nothing locked away.
+pub fn all_fitted(drawn: &Drawn) -> Problem {
+    let mut problem = problem(drawn);
+    problem.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
     problem
 }
 

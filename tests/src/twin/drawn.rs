@@ -144,6 +144,12 @@ impl Plan {
         }
     }
 
+    /// The same from the horizontal and 25° below it alone.
+    pub fn of_two_angles(hidden: &[Hidden]) -> Self {
+        let usual = Self::usual(hidden);
+        Self { angles: usual.angles[..2].to_vec(), ..usual }
+    }
+
     /// The same with three markers on the body.
     pub fn with_body(self) -> Self {
         Self { body: vec![0.25, 0.5, 0.75], ..self }

@@ -83,7 +83,7 @@ impl Lab {
         let drawn: Vec<_> = (0..3).map(|p| self.plan(p).draw(self.seed)).collect();
         let count = self.angles.len();
         let of = |(k, (psi, a)): (usize, (f64, usize))| {
-            (file_name(psi, a), millimetres(&drawn[k / count].releases[k].release))
+            (file_name(psi, a), millimetres(&drawn[k / count].releases[k].release, 3, 2))
         };
         self.releases().enumerate().map(of).collect()
     }
@@ -185,19 +185,19 @@ const PAPER: &str = "#\n# After the paper, whose statics do not explain its dyna
     # 100 psi the frequencies are 1.65, 1.38 and 1.50 Hz: 20 % apart, the least at 40 psi. That the muscle\n\
     # has these sizes is not claimed. EI is not fitted: it is that of the table.\n";
 
-/// A release as a file: times from its first sample on, its tracks in the plane in mm, to a hundredth; what
-/// was lost is blank.
-fn millimetres(release: &Release) -> String {
+/// A release as a file: times from its first sample on, its tracks in the plane in mm, to so many decimals of
+/// each; what was lost is blank.
+pub fn millimetres(release: &Release, of_times: usize, of_places: usize) -> String {
     let mut text = String::from("t_s");
     for track in &release.tracks {
         let _ = write!(text, ",{0}_x_mm,{0}_z_mm", track.marker);
     }
     for (k, time) in release.time.iter().enumerate() {
-        let _ = write!(text, "\n{:.3}", time - release.time[0]);
+        let _ = write!(text, "\n{:.of_times$}", time - release.time[0]);
         for track in &release.tracks {
             match track.position[k] {
                 Some([x, z]) => {
-                    let _ = write!(text, ",{:.2},{:.2}", 1e3 * x, 1e3 * z);
+                    let _ = write!(text, ",{:.of_places$},{:.of_places$}", 1e3 * x, 1e3 * z);
                 }
                 None => text.push_str(",,"),
             }

@@ -12,9 +12,8 @@ use tests::twin::drawn::Plan;
 use tests::twin::hidden::Hidden;
 
 fn diagnosed(hidden: &[Hidden], seed: u64, settings: &Settings) -> Outcome {
-    let usual = Plan::usual(hidden);
-    let plan = Plan { angles: usual.angles[..2].to_vec(), duration: 6.0, ..usual };
-    diagnose(&problem(&plan.draw(seed)), settings, &|_: &str| ()).expect("it can be diagnosed")
+    let drawn = Plan { duration: 6.0, ..Plan::of_two_angles(hidden) }.draw(seed);
+    diagnose(&problem(&drawn), settings, &|_: &str| ()).expect("it can be diagnosed")
 }
 
 /// What is said without a catalogue: that something unknown is missing.
@@ -56,8 +55,8 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
 #[test]
 fn an_effect_of_another_size_at_each_pressure_is_found() {
     let drawn = |size: f64| {
-        let usual = Plan::usual(&[Hidden::named("viscoelastic", size).expect("it is known")]);
-        Plan { angles: usual.angles[..2].to_vec(), duration: 6.0, ..usual }.draw(905)
+        let hidden = Hidden::named("viscoelastic", size).expect("it is known");
+        Plan { duration: 6.0, ..Plan::of_two_angles(&[hidden]) }.draw(905)
     };
     // What is drawn by chance does not depend on what is hidden.
     let mut all = drawn(0.5);
@@ -90,8 +89,7 @@ fn an_effect_of_another_size_at_each_pressure_is_found() {
 #[test]
 fn without_pressures_a_second_round_asks_for_none() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
-    let usual = Plan::usual(&[hidden]);
-    let plan = Plan { pressures: vec![40.0], angles: usual.angles[..2].to_vec(), duration: 4.0, ..usual };
+    let plan = Plan { pressures: vec![40.0], duration: 4.0, ..Plan::of_two_angles(&[hidden]) };
     let mut problem = problem(&plan.draw(906));
     for trial in &mut problem.trials {
         (trial.release.pressure, trial.release.held_out) = (None, false);

@@ -51,10 +51,9 @@ pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<Mer
     stages.clear();
     let (merged, kept) = done?;
     let head = &plan.head;
-    let [sweep, scenario] = [&head.sweep, &head.scenario].map(std::path::Path::new);
     let request = Request {
         name: head.name.clone(),
-        input_hashes: plan::hashes(sweep, &head.sweep_text, scenario, &head.scenario_text),
+        input_hashes: plan::hashes(head.texts()),
         warnings: merged.warnings.clone(),
         argv: std::env::args().collect(),
         wall_time_s: seconds,

@@ -14,6 +14,7 @@ use sim::sweep::SweepError;
 use sim::sweep::asked::Asked;
 use sim::sweep::estimate::{microseconds_per_point, points_per_shard};
 use sim::sweep::plan::{self, Head, Plan, freeze, head_text};
+use sim::sweep::work::Work;
 
 use super::super::arguments::Output;
 use super::super::failure::Failure;
@@ -23,8 +24,11 @@ use super::super::voice::{Voice, print};
 const HELP: &str = "Examples:
   efam sweep plan scenarios/sweep/payload-and-pressure.toml --out outputs/map
   efam sweep plan scenarios/sweep/latin-hypercube.toml --points-per-shard 500
+  efam sweep plan bench/sweep.toml --out outputs/bench
 
-The folder can be copied to where it is run: it needs no other file.";
+Of a scenario, the folder can be copied to where it is run: it needs no other
+file. Experiments are read where they are, and each that was changed since is a
+row that says so; a diagnosis is not tried, and has a shard of its own.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -66,11 +70,14 @@ pub fn run(args: &Freeze, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.output.form.json {
         print(&Printed { folder, shards, plan: head })?;
     } else if !voice.quiet {
-        let (name, points, own, each) =
-            (&head.name, head.points, head.points_per_shard, 1e-6 * head.microseconds_per_point as f64);
+        let (name, points, own) = (&head.name, head.points, head.points_per_shard);
+        let each = match head.work {
+            Work::Simulate(_) => format!("points of some {:.3} s", 1e-6 * head.microseconds_per_point as f64),
+            Work::Diagnose(_) => "experiments".to_owned(),
+        };
         let folder = folder.display();
         let mut out = io::stdout().lock();
-        writeln!(out, "{name}: {points} points of some {each:.3} s, in {shards} shards of {own}")?;
+        writeln!(out, "{name}: {points} {each}, in {shards} shards of {own}")?;
         writeln!(out, "here:       efam sweep run --plan {folder}")?;
         writeln!(out, "on Slurm:   efam sweep submit --plan {folder}")?;
         writeln!(out, "plan in {folder}")?;
@@ -109,7 +116,7 @@ fn again(asked: &Asked, given: Option<usize>, folder: &Path, voice: &Voice) -> R
 fn new(asked: &Asked, given: Option<usize>, output: &Output, voice: &Voice) -> Result<Plan, Failure> {
     let request = Request {
         name: asked.name.clone(),
-        input_hashes: hashes(&asked.path, &asked.text, &asked.scenario, &asked.scenario_text),
+        input_hashes: hashes(asked.texts()),
         warnings: asked.warnings.clone(),
         argv: std::env::args().collect(),
         ..Request::default()
@@ -119,8 +126,8 @@ fn new(asked: &Asked, given: Option<usize>, output: &Output, voice: &Voice) -> R
     stages.tell("trying some points");
     let (folder, tried) = interrupt::during(folder, &stages, || microseconds_per_point(asked));
     let tried = tried?;
-    let own = given.unwrap_or_else(|| points_per_shard(asked.points, tried));
-    stages.tell(&format!("freezing {} points", asked.points));
+    let own = given.unwrap_or_else(|| points_per_shard(asked.points(), tried));
+    stages.tell(&format!("freezing {} points", asked.points()));
     let mut head = None;
     let written = folder.write_with(plan::POINTS, |file| {
         let mut to = io::BufWriter::new(file);
@@ -142,7 +149,7 @@ fn new(asked: &Asked, given: Option<usize>, output: &Output, voice: &Voice) -> R
 }
 
 /// What was read, by name.
-pub fn hashes(sweep: &Path, text: &str, scenario: &Path, scenario_text: &str) -> BTreeMap<String, String> {
-    let hash = |path: &Path, text: &str| (path.display().to_string(), results::sha256(text.as_bytes()));
-    BTreeMap::from([hash(sweep, text), hash(scenario, scenario_text)])
+pub fn hashes(texts: Vec<(&Path, &str)>) -> BTreeMap<String, String> {
+    let hash = |(path, text): (&Path, &str)| (path.display().to_string(), results::sha256(text.as_bytes()));
+    texts.into_iter().map(hash).collect()
 }

@@ -9,8 +9,8 @@ use serde::Serialize;
 use sim::schema::JsonSchema;
 use sim::sweep::cluster::asked;
 use sim::sweep::plan::Plan;
-use sim::sweep::shard::{self, Done};
-use sim::sweep::{SweepError, status};
+use sim::sweep::shard::{self, Told, run_all};
+use sim::sweep::status;
 
 use super::super::arguments::Form;
 use super::super::failure::Failure;
@@ -26,7 +26,10 @@ const HELP: &str = "Examples:
 Without --shard the place in a job array says which: SLURM_ARRAY_TASK_ID,
 PBS_ARRAY_INDEX, SGE_TASK_ID (from 1 on) or AWS_BATCH_JOB_ARRAY_INDEX. Where
 there is none, all shards that are missing are run. A shard that is there is
-skipped. Killed at any moment, a shard is whole or not there.";
+skipped. Killed at any moment, a shard is whole or not there.
+
+Diagnoses run beside one another, one on each thread; few of them share out
+the threads. Each tells in seconds.csv, beside its shard, how long it took.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -52,7 +55,7 @@ pub struct Printed<'a> {
     run: Vec<usize>,
     /// Shards that were there already.
     skipped: usize,
-    /// Points that could not be simulated, of those that were run.
+    /// Points that have no answer, of those that were run.
     failed_points: usize,
 }
 
@@ -77,16 +80,16 @@ pub fn run(args: &Run, voice: &Voice) -> Result<ExitCode, Failure> {
         let all = run.len();
         writeln!(
             io::stdout().lock(),
-            "{all} shards run, {skipped} were there already; {failed_points} points could not be simulated\n\
+            "{all} shards run, {skipped} were there already; {failed_points} points could not be {}\n\
              shards in {}",
+            plan.head.work.done(),
             plan.folder.display()
         )?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Runs those of some shards that are not there, one after the other, each on all threads; returns which, and how many
-/// of their points could not be simulated.
+/// Runs those of some shards that are not there; returns which, and how many of their points have no answer.
 pub fn shards(
     plan: &Plan,
     which: &[usize],
@@ -102,20 +105,17 @@ pub fn shards(
     }
     let points: usize = due.iter().map(|shard| head.points_of(*shard).len()).sum();
     let threads = rayon::current_num_threads();
-    voice.detail(format!("{}: {points} points to simulate, on {threads} threads", plan.folder.display()));
+    voice.detail(format!(
+        "{}: {points} points to be {}, on {threads} threads",
+        plan.folder.display(),
+        head.work.done()
+    ));
     let stages = voice.steps(points, "points");
-    let work = || -> Result<usize, SweepError> {
-        let (mut of_plan, mut failed) = (plan.points()?, 0);
-        for shard in &due {
-            if let Done::Run { failed: own } =
-                shard::run(plan, *shard, of_plan.of(*shard)?, &|| stages.step())?
-            {
-                failed += own;
-            }
-            stages.told(&format!("shard {shard} is written"));
-        }
-        Ok(failed)
+    let tell = |told| match told {
+        Told::Point => stages.step(),
+        Told::Shard(shard) => stages.told(&format!("shard {shard} is written")),
     };
+    let work = || run_all(plan, &due, &tell);
     let last_words = || {
         let (done, all) = (status::status(plan).shards_done, head.shards());
         let plan = plan.folder.display();

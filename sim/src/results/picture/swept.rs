@@ -3,7 +3,7 @@
 use super::grid::{Number, edges, painted, panels_of_numbers};
 use super::panel::{Axis, Drawn, Panel, Stroke, padded};
 use super::{Area, BLUE, Picture};
-use crate::results::swept::readable;
+use crate::results::report::readable;
 use crate::sweep::merge::{Kept, Merged, Spread};
 
 /// Parameters that are drawn, at most.
@@ -20,7 +20,7 @@ pub fn swept_pictures(merged: &Merged, kept: &Kept, is_grid: bool) -> Vec<Pictur
     }
     for parameter in varied.iter().take(MOST) {
         let (Some(along), label) = (kept.numbers(&parameter.column), label(parameter)) else { continue };
-        let factor = readable(parameter).0;
+        let factor = readable(&parameter.unit).0;
         let along: Vec<f64> = along.iter().map(|value| factor * value).collect();
         pictures.push(Picture {
             name: format!("over-{}", parameter.column),
@@ -35,7 +35,7 @@ pub fn swept_pictures(merged: &Merged, kept: &Kept, is_grid: bool) -> Vec<Pictur
 }
 
 fn label(parameter: &Spread) -> String {
-    match readable(parameter).1 {
+    match readable(&parameter.unit).1 {
         "" => parameter.name.clone(),
         unit => format!("{}, {unit}", parameter.name),
     }
@@ -78,8 +78,8 @@ fn maps(merged: &Merged, kept: &Kept, x: &Spread, y: &Spread) -> Option<Picture>
             let value = number.3 * values.get(points[i * ys.len() + j]?)?;
             value.is_finite().then_some(value)
         };
-        let x = (edges(&xs, readable(x).0), x_label.as_str());
-        painted(area, number, x, (edges(&ys, readable(y).0), y_label.as_str()), &value)
+        let x = (edges(&xs, readable(&x.unit).0), x_label.as_str());
+        painted(area, number, x, (edges(&ys, readable(&y.unit).0), y_label.as_str()), &value)
     });
     Some(Picture {
         name: "maps".to_owned(),

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 use sim::calibrate::{Settings, calibrate};
-use tests::blind::problem;
+use tests::blind::all_fitted;
 use tests::twin::direct::Direct;
 use tests::twin::drawn::Plan;
 use tests::twin::random::Random;
@@ -60,12 +60,10 @@ fn of_two_hundred_draws_90_to_99_percent_cover() {
 /// How far α and β of drawn experiments of six releases are off, in standard errors; the figures are printed.
 /// A third of the noise's variance remembers three samples; 3 % of the samples are lost, eight at a time.
 fn of_experiments(seeds: std::ops::Range<u64>) -> [Vec<f64>; 2] {
-    let plan = Plan { angles: vec![0.0, -25f64.to_radians()], ..Plan::usual(&[]) };
+    let plan = Plan::of_two_angles(&[]);
     let one = |seed: u64| {
         let drawn = plan.draw(seed);
-        let mut problem = problem(&drawn);
-        problem.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
-        let outcome = calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit");
+        let outcome = calibrate(&all_fitted(&drawn), &Settings::default(), &|_: &str| ()).expect("a fit");
         [(PATHS[1], drawn.alpha), (PATHS[2], drawn.beta)].map(|(path, truth)| {
             let own = outcome.calibration.parameters.iter().find(|own| own.name == path).expect("fitted");
             (own.value - truth) / own.standard_error.expect("determined")

@@ -17,7 +17,7 @@ use sim::predict::asked::Asked;
 use sim::predict::grid::{Cell, grid};
 use sim::results::calibrated::muscle_file;
 use tests::PSI;
-use tests::blind::problem;
+use tests::blind::all_fitted;
 use tests::twin::drawn::{Plan, Priors};
 use tests::twin::hidden::Hidden;
 
@@ -29,14 +29,10 @@ const SECONDS: f64 = 20.0;
 /// Samples a second of the truth.
 const RATE: f64 = 1000.0;
 
-fn plan(hidden: &[Hidden]) -> Plan {
-    Plan { angles: vec![0.0, -25f64.to_radians()], ..Plan::usual(hidden) }
-}
-
 /// What the beam of a seed does with a payload, in the order of [`NAMES`], its setup being as it should; none where
 /// its swing has no one frequency, as with the heaviest payload it may.
 fn truth(seed: u64, payload: f64) -> [Option<f64>; 4] {
-    let usual = plan(&[Hidden::TipMass { mass: payload }]);
+    let usual = Plan::of_two_angles(&[Hidden::TipMass { mass: payload }]);
     let priors = Priors { hold_angle: 0.0, instant: 0.0, tilt: 0.0, offset: 0.0, ..usual.priors };
     // Longer than what is foretold, for the rest; finer, for a tip that whips.
     let drawn = Plan { duration: 1.5 * SECONDS, rate: RATE, priors, ..usual }.draw(seed);
@@ -58,8 +54,7 @@ fn truth(seed: u64, payload: f64) -> [Option<f64>; 4] {
 
 /// What a calibration of a seed's releases without a payload foretells.
 fn foretold(seed: u64) -> Vec<Cell> {
-    let mut problem = problem(&plan(&[]).draw(seed));
-    problem.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
+    let problem = all_fitted(&Plan::of_two_angles(&[]).draw(seed));
     let outcome = calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit");
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
     let file = muscle_file(&muscle, &outcome.calibration, None, "twin").expect("a muscle").expect("columns");
