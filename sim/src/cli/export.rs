@@ -113,7 +113,7 @@ impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
         match error {
             ExportError::Run(error) => error.into(),
-            ExportError::Write { .. } => Failure::Output(error.to_string()),
+            ExportError::Results(error) => error.into(),
             error => Failure::Usage(error.to_string()),
         }
     }

@@ -1,27 +1,27 @@
 //! A file: complete under its name, or not there at all.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind};
-use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::io;
+use std::path::Path;
 
 use super::ResultsError;
-
-/// What the names of files in the making begin with.
-const PARTIAL: &str = ".partial-";
+use super::partial::{self, Partial};
 
 /// Lets a function write a file beside its place, sees it down to the disk, and gives it its name. Who reads the name
-/// finds the old file or the new one, whenever this is killed; then a file `.partial-…` is left.
+/// finds the old file or the new one, whenever this is killed; what is then left is hidden, and tidied by the next that
+/// writes here.
 /// # Errors
 /// [`ResultsError`]; what was there before is there still.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), ResultsError> {
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let written = || {
         fs::create_dir_all(folder)?;
-        let (partial, mut file) = begin(folder)?;
-        let done = write(&mut file).and_then(|()| file.sync_all()).and_then(|()| fs::rename(&partial, path));
+        partial::tidy(folder);
+        let (partial, mut file) = Partial::begin(path, |partial| File::create_new(partial))?;
+        let named = || fs::rename(&partial.path, path);
+        let done = write(&mut file).and_then(|()| file.sync_all()).and_then(|()| named());
         if done.is_err() {
-            let _ = fs::remove_file(&partial);
+            let _ = fs::remove_file(&partial.path);
         }
         done
     };
@@ -29,27 +29,6 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>)
     // The rename stands; that it also outlives a power cut is asked for, not insisted on.
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
     Ok(())
-}
-
-/// Removes what was left in a folder by those who were killed while they wrote.
-pub fn tidy(folder: &Path) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.file_name().to_string_lossy().starts_with(PARTIAL) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
-}
-
-/// A file that nobody else writes, on this machine or on another that shares the folder.
-fn begin(folder: &Path) -> io::Result<(PathBuf, File)> {
-    loop {
-        let since = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
-        let partial = folder.join(format!("{PARTIAL}{}-{since:x}", std::process::id()));
-        match File::create_new(&partial) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-            file => return Ok((partial, file?)),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -71,8 +50,8 @@ mod tests {
         assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
         write_whole(&path, |file| file.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
-        fs::write(folder.join(".partial-1-2"), "left").unwrap();
-        tidy(&folder);
+        fs::write(folder.join(".part.partial-a-1-2"), "left").unwrap();
+        partial::clear(&folder);
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         fs::remove_dir_all(&folder).unwrap();
     }

@@ -2,7 +2,8 @@
 
 mod read;
 
-use std::io::{self, BufWriter, Write};
+use std::fmt::Write as _;
+use std::io::{self, Write};
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
@@ -52,6 +53,17 @@ pub enum Cells {
     Texts(Vec<Option<String>>),
 }
 
+/// One cell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// A number; not a number where there is none.
+    Number(f64),
+    /// A whole number.
+    Count(i64),
+    /// A text, or none.
+    Text(Option<String>),
+}
+
 impl From<Vec<f64>> for Cells {
     fn from(numbers: Vec<f64>) -> Self {
         Cells::Numbers(numbers)
@@ -82,6 +94,18 @@ impl Cells {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Puts one more of the same kind behind them.
+    /// # Panics
+    /// If it is of another kind.
+    pub fn push(&mut self, cell: Cell) {
+        match (self, cell) {
+            (Cells::Numbers(own), Cell::Number(number)) => own.push(number),
+            (Cells::Counts(own), Cell::Count(count)) => own.push(count),
+            (Cells::Texts(own), Cell::Text(text)) => own.push(text),
+            _ => panic!("cells of one column are of one kind"),
+        }
     }
 
     /// Puts others of the same kind behind them.
@@ -140,20 +164,15 @@ impl Cells {
         }
     }
 
-    /// A cell as CSV has it.
-    fn text(&self, holds: Holds, row: usize) -> String {
-        match self {
-            Cells::Numbers(_) if holds == Holds::Nothing => String::new(),
-            Cells::Numbers(all) if holds == Holds::NumbersOrNone && all[row].is_nan() => String::new(),
-            Cells::Numbers(all) => format!("{:?}", all[row]),
-            Cells::Counts(all) => all[row].to_string(),
-            Cells::Texts(all) => match all[row].as_deref().unwrap_or_default() {
-                text if text.contains(['"', ',', '\n', '\r']) => {
-                    format!("\"{}\"", text.replace('"', "\"\""))
-                }
-                text => text.to_owned(),
-            },
-        }
+    /// Writes a cell as CSV has it, unquoted; nothing where there is none.
+    fn tell(&self, holds: Holds, row: usize, to: &mut String) {
+        let _ = match self {
+            Cells::Numbers(_) if holds == Holds::Nothing => Ok(()),
+            Cells::Numbers(all) if holds == Holds::NumbersOrNone && all[row].is_nan() => Ok(()),
+            Cells::Numbers(all) => write!(to, "{:?}", all[row]),
+            Cells::Counts(all) => write!(to, "{}", all[row]),
+            Cells::Texts(all) => to.write_str(all[row].as_deref().unwrap_or_default()),
+        };
     }
 }
 
@@ -200,8 +219,9 @@ impl<W: Write + Send> ParquetFile<W> {
 
 /// The same as text; numbers read back to the same bits.
 pub struct CsvFile<W: Write> {
-    to: BufWriter<W>,
+    to: csv::Writer<W>,
     holds: Vec<Holds>,
+    cell: String,
 }
 
 impl<W: Write> CsvFile<W> {
@@ -209,10 +229,9 @@ impl<W: Write> CsvFile<W> {
     /// # Errors
     /// What the writer met.
     pub fn begin(to: W, columns: &[Column]) -> io::Result<Self> {
-        let mut to = BufWriter::new(to);
-        let names: Vec<_> = columns.iter().map(|column| column.name.as_str()).collect();
-        writeln!(to, "{}", names.join(","))?;
-        Ok(Self { to, holds: columns.iter().map(|column| column.holds).collect() })
+        let mut to = csv::Writer::from_writer(to);
+        to.write_record(columns.iter().map(|column| &column.name))?;
+        Ok(Self { to, holds: columns.iter().map(|column| column.holds).collect(), cell: String::new() })
     }
 
     /// Writes some rows, column by column.
@@ -220,11 +239,12 @@ impl<W: Write> CsvFile<W> {
     /// What the writer met.
     pub fn write(&mut self, columns: &[Cells]) -> io::Result<()> {
         for row in 0..columns[0].len() {
-            for (k, (holds, cells)) in self.holds.iter().zip(columns).enumerate() {
-                let comma = if k > 0 { "," } else { "" };
-                write!(self.to, "{comma}{}", cells.text(*holds, row))?;
+            for (holds, cells) in self.holds.iter().zip(columns) {
+                self.cell.clear();
+                cells.tell(*holds, row, &mut self.cell);
+                self.to.write_field(&self.cell)?;
             }
-            writeln!(self.to)?;
+            self.to.write_record(None::<&[u8]>)?;
         }
         Ok(())
     }

@@ -259,29 +259,23 @@ fn of_sets(runs: &[Reread]) -> Vec<Row> {
 }
 
 fn of_calibrations(runs: &[Reread]) -> Vec<Parameter> {
-    let found = |run: &Reread| -> Vec<Calibrated> {
+    let found = |run: &Reread| -> Vec<(String, Calibrated)> {
         match &run.kind {
-            Kind::Calibration(calibration) => calibration.parameters.clone(),
+            Kind::Calibration(of) => of.parameters.iter().map(|own| (own.label(), own.clone())).collect(),
             _ => Vec::new(),
         }
     };
-    let all: Vec<Vec<Calibrated>> = runs.iter().map(found).collect();
-    let mut rows: Vec<Parameter> = Vec::new();
-    for one in all.iter().flatten() {
-        let name = one.label();
-        if rows.iter().any(|row| row.name == name) {
-            continue;
-        }
-        let same = |own: &Vec<Calibrated>| own.iter().find(|other| other.label() == name).cloned();
-        let same: Vec<Option<Calibrated>> = all.iter().map(same).collect();
-        rows.push(Parameter {
-            unit: one.unit.clone(),
+    let all: Vec<Vec<(String, Calibrated)>> = runs.iter().map(found).collect();
+    let row = |(name, same): (&str, Vec<Option<&(String, Calibrated)>>)| {
+        let same: Vec<Option<&Calibrated>> = same.into_iter().map(|own| own.map(|(_, own)| own)).collect();
+        Parameter {
+            unit: same.iter().flatten().next().map_or(String::new(), |one| one.unit.clone()),
             values: same.iter().map(|own| Some(own.as_ref()?.value)).collect(),
             errors: same.iter().map(|own| own.as_ref()?.standard_error).collect(),
-            name,
-        });
-    }
-    rows
+            name: name.to_owned(),
+        }
+    };
+    by_name(&all, |(name, _)| name).into_iter().map(row).collect()
 }
 
 fn of_diagnoses(runs: &[Reread]) -> Vec<Verdict> {
@@ -311,21 +305,29 @@ fn of_diagnoses(runs: &[Reread]) -> Vec<Verdict> {
 type Said = (String, String, Option<f64>, Option<[f64; 2]>);
 
 fn rows(said: &[Vec<Said>]) -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
-    for (name, unit, _, _) in said.iter().flatten() {
-        if rows.iter().any(|row| row.name == *name) {
-            continue;
+    let row = |(name, same): (&str, Vec<Option<&Said>>)| Row {
+        name: name.to_owned(),
+        unit: same.iter().flatten().next().map_or(String::new(), |one| one.1.clone()),
+        values: same.iter().map(|own| own.and_then(|own| own.2)).collect(),
+        intervals: same.iter().map(|own| own.and_then(|own| own.3)).collect(),
+    };
+    by_name(said, |own| &own.0).into_iter().map(row).collect()
+}
+
+/// What each of some lists has under a name, in the order in which names first come; of two of one name, the first.
+fn by_name<T>(lists: &[Vec<T>], name: impl Fn(&T) -> &String) -> Vec<(&str, Vec<Option<&T>>)> {
+    let mut found: Vec<(&str, Vec<Option<&T>>)> = Vec::new();
+    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+    for (k, list) in lists.iter().enumerate() {
+        for one in list {
+            let place = *places.entry(name(one)).or_insert(found.len());
+            if place == found.len() {
+                found.push((name(one), vec![None; lists.len()]));
+            }
+            found[place].1[k].get_or_insert(one);
         }
-        let same: Vec<Option<&Said>> =
-            said.iter().map(|own| own.iter().find(|other| other.0 == *name)).collect();
-        rows.push(Row {
-            name: name.clone(),
-            unit: unit.clone(),
-            values: same.iter().map(|own| own.and_then(|own| own.2)).collect(),
-            intervals: same.iter().map(|own| own.and_then(|own| own.3)).collect(),
-        });
     }
-    rows
+    found
 }
 
 fn interval(value: &Value) -> Option<[f64; 2]> {

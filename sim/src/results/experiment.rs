@@ -12,6 +12,7 @@
 
 mod page;
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::time::SystemTime;
 
@@ -40,7 +41,7 @@ pub fn write(
 ) -> Result<(), ResultsError> {
     let mut pictures = picture::recordings(cleaned);
     pictures.extend(analysed.map(picture::analysed).unwrap_or_default());
-    let mut names = Vec::new();
+    let mut names = HashMap::new();
     for (k, recording) in cleaned.recordings.iter().enumerate() {
         let releases: Vec<_> = cleaned.releases.iter().filter(|release| release.recording == k).collect();
         let name = unique(&plain_name(&recording.name), &mut names);
@@ -152,14 +153,15 @@ fn csv(release: &Release) -> String {
 }
 
 /// A name for each of several recordings that have one; none ends as the number of a release does.
-fn unique(name: &str, taken: &mut Vec<String>) -> String {
+fn unique(name: &str, taken: &mut HashMap<String, usize>) -> String {
     let mut unique = name.to_owned();
-    for number in 2.. {
-        if !taken.contains(&unique) {
-            break;
-        }
+    // Some file systems do not tell `Tip` from `tip`. The search goes on where it ended the last time.
+    let mut number = taken.get(&name.to_lowercase()).map_or(1, |last| *last);
+    while taken.contains_key(&unique.to_lowercase()) {
+        number += 1;
         unique = format!("{name}_{number}");
     }
-    taken.push(unique.clone());
+    taken.insert(name.to_lowercase(), number);
+    taken.entry(unique.to_lowercase()).or_insert(1);
     unique
 }

@@ -1,21 +1,27 @@
 //! A run folder: complete under its name, or not there at all.
 //!
 //! Files go into a hidden folder beside the target, hence on the same file system, are flushed to
-//! the disk, and the whole is renamed. A run that fails, or is dropped, removes what it wrote; one
-//! that is killed leaves a hidden folder `.<name>.partial-<process>`, which may be deleted.
+//! the disk, and the whole is renamed. A run that fails, or is dropped, removes what it wrote; what one
+//! that is killed leaves is hidden, and removed by the next that comes (`partial.rs`).
 
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 
 use super::ResultsError;
+use super::partial::{Partial, begins, beside, exchange, tidy};
+pub use super::utc::utc;
 
 /// Where runs go that are given no folder.
 pub const OUTPUTS: &str = "outputs";
 /// The file by which a run folder is known, written into each.
 pub const MARK: &str = "summary.json";
 const MOST_NAME_LENGTH: usize = 60;
+/// What steps aside for another run.
+const REPLACED: &str = "replaced";
+/// Others that may come and go while a run takes its place.
+const MOST_RIVALS: usize = 100;
 
 /// Where a run goes.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +50,7 @@ pub enum Target<'a> {
 #[derive(Debug)]
 pub struct Folder {
     target: PathBuf,
-    partial: PathBuf,
+    partial: Partial,
     dated: bool,
     replaces: bool,
     finished: bool,
@@ -64,7 +70,7 @@ pub fn admit(folder: &Path, overwrite: bool) -> Result<(), ResultsError> {
         Ok(_) if !folder.join(MARK).is_file() => Err(ResultsError::NotARun { folder: here() }),
         Ok(_) if !overwrite => Err(ResultsError::Exists { folder: here() }),
         Ok(_) => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         Err(error) => Err(ResultsError::write(folder)(error)),
     }
 }
@@ -80,6 +86,7 @@ impl Folder {
                 (root.join(format!("{}_{}_{short}", utc(at), plain_name(name))), true, false)
             }
             Target::Given { folder, overwrite } => {
+                restore(folder);
                 admit(folder, overwrite)?;
                 // A link to a folder is followed: the folder is replaced, not the link.
                 (fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf()), false, overwrite)
@@ -90,14 +97,15 @@ impl Folder {
             true => ResultsError::NotAFolder { path: parent.clone() },
             false => ResultsError::write(&parent)(error),
         })?;
-        let partial = beside(&target, "partial");
-        fs::create_dir(&partial).map_err(ResultsError::write(&partial))?;
+        tidy(&parent);
+        let made = Partial::begin(&target, |path| fs::create_dir(path));
+        let (partial, ()) = made.map_err(ResultsError::write(&target))?;
         Ok(Self { target, partial, dated, replaces, finished: false })
     }
 
     /// Where files go until the folder is finished.
     pub fn path(&self) -> &Path {
-        &self.partial
+        &self.partial.path
     }
 
     /// Writes one file, down to the disk.
@@ -115,7 +123,7 @@ impl Folder {
         name: &str,
         write: impl FnOnce(&mut File) -> std::io::Result<()>,
     ) -> Result<(), ResultsError> {
-        let path = self.partial.join(name);
+        let path = self.partial.path.join(name);
         let written = || {
             fs::create_dir_all(parent(&path))?;
             let mut file = File::create_new(&path)?;
@@ -129,7 +137,7 @@ impl Folder {
     /// # Errors
     /// [`ResultsError::Exists`] if another run was faster; [`ResultsError::Write`].
     pub fn finish(mut self) -> Result<PathBuf, ResultsError> {
-        sync_folder(&self.partial).map_err(ResultsError::write(&self.target))?;
+        sync_folder(&self.partial.path).map_err(ResultsError::write(&self.target))?;
         let folder = match (self.replaces, self.dated) {
             (true, _) => self.replace()?,
             (false, true) => self.take_free_name()?,
@@ -146,7 +154,7 @@ impl Folder {
 
     /// A folder that is not empty, or a file, refuses the rename, so nothing is lost in a race.
     fn rename_to(&self, target: &Path) -> std::io::Result<()> {
-        fs::rename(&self.partial, target)
+        fs::rename(&self.partial.path, target)
     }
 
     fn refused(&self, error: std::io::Error) -> ResultsError {
@@ -171,43 +179,65 @@ impl Folder {
         Ok(name)
     }
 
-    /// The old run steps aside, and comes back if the new one cannot take its place.
+    /// The old run and the new one change places, and the old one is removed.
     fn replace(&self) -> Result<PathBuf, ResultsError> {
         let failed = || ResultsError::write(&self.target);
-        let aside = beside(&self.target, "replaced");
-        let had_one = match fs::rename(&self.target, &aside) {
-            Ok(()) => true,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => false,
-            Err(error) => return Err(failed()(error)),
-        };
-        if let Err(error) = self.rename_to(&self.target) {
-            if had_one {
-                let _ = fs::rename(&aside, &self.target);
+        for _ in 0..MOST_RIVALS {
+            match exchange(&self.partial.path, &self.target) {
+                Ok(()) => {
+                    remove(&self.partial.path)?;
+                    return Ok(self.target.clone());
+                }
+                // Nothing is there, unless another was faster.
+                Err(error) if error.kind() == ErrorKind::NotFound => match self.rename_to(&self.target) {
+                    Ok(()) => return Ok(self.target.clone()),
+                    Err(_) if self.target.exists() => {}
+                    Err(error) => return Err(failed()(error)),
+                },
+                Err(_) => break,
             }
+        }
+        self.step_aside().map(|()| self.target.clone())
+    }
+
+    /// Where names cannot be exchanged, the old run steps aside, and comes back if the new one cannot take its
+    /// place; if this is killed between the two, by [`restore`].
+    fn step_aside(&self) -> Result<(), ResultsError> {
+        let failed = || ResultsError::write(&self.target);
+        let aside = beside(&self.target, REPLACED);
+        fs::rename(&self.target, &aside).map_err(failed())?;
+        if let Err(error) = self.rename_to(&self.target) {
+            let _ = fs::rename(&aside, &self.target);
             return Err(failed()(error));
         }
-        if had_one {
-            fs::remove_dir_all(&aside).map_err(ResultsError::write(&aside))?;
+        remove(&aside)
+    }
+}
+
+/// A run that was moved aside for another, whose process was killed before that took its place, gets its name back.
+fn restore(folder: &Path) {
+    let begins = begins(folder, REPLACED);
+    for entry in fs::read_dir(parent(folder)).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(&begins) && !folder.exists() {
+            let _ = fs::rename(entry.path(), folder);
         }
-        Ok(self.target.clone())
+    }
+}
+
+fn remove(run: &Path) -> Result<(), ResultsError> {
+    match fs::remove_dir_all(run) {
+        // Nobody holds it: it may have been tidied already.
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(ResultsError::write(run)(error)),
+        _ => Ok(()),
     }
 }
 
 impl Drop for Folder {
     fn drop(&mut self) {
         if !self.finished {
-            let _ = fs::remove_dir_all(&self.partial);
+            let _ = fs::remove_dir_all(&self.partial.path);
         }
     }
-}
-
-/// A hidden neighbour of the target that no other process uses.
-fn beside(target: &Path, what: &str) -> PathBuf {
-    use std::sync::atomic::{AtomicU32, Ordering};
-    static COUNT: AtomicU32 = AtomicU32::new(0);
-    let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    let name = target.file_name().unwrap_or_default().to_string_lossy();
-    parent(target).join(format!(".{name}.{what}-{}-{count}", std::process::id()))
 }
 
 fn parent(path: &Path) -> PathBuf {
@@ -235,192 +265,19 @@ pub fn plain_name(name: &str) -> String {
     let joined: String = words.collect::<Vec<_>>().join("-").chars().take(MOST_NAME_LENGTH).collect();
     match joined.trim_matches(['.', '-', '_']) {
         "" => "run".to_owned(),
+        name if is_device(name) => format!("run-{name}"),
         name => name.to_owned(),
     }
 }
 
-/// Time as `20260131T235959Z`, which sorts as it reads.
-pub fn utc(time: SystemTime) -> String {
-    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let (days, second) = (seconds / 86_400, seconds % 86_400);
-    let [year, month, day] = calendar(days);
-    let [hour, minute, second] = [second / 3600, second / 60 % 60, second % 60];
-    format!("{year:04}{month:02}{day:02}T{hour:02}{minute:02}{second:02}Z")
-}
-
-/// Year, month and day of a number of days after 1 January 1970.
-///
-/// The year begins in March, so that the leap day is its last.
-/// Source: Hinnant, chrono-compatible low-level date algorithms, `civil_from_days`.
-fn calendar(days: u64) -> [u64; 3] {
-    let days = days + 719_468;
-    let (era, of_era) = (days / 146_097, days % 146_097);
-    let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let march_month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * march_month + 2) / 5 + 1;
-    let month = if march_month < 10 { march_month + 3 } else { march_month - 9 };
-    [era * 400 + year_of_era + u64::from(month <= 2), month, day]
+/// Whether Windows takes a name for one of its devices, whatever its ending.
+fn is_device(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or_default().to_ascii_lowercase();
+    let numbered = |device: &str| {
+        stem.strip_prefix(device).is_some_and(|rest| rest.len() == 1 && rest > "0" && rest <= "9")
+    };
+    matches!(&*stem, "con" | "prn" | "aux" | "nul") || numbered("com") || numbered("lpt")
 }
 
 #[cfg(test)]
-mod tests {
-    use std::time::Duration;
-
-    use super::*;
-
-    /// A folder of its own for each test, removed at its end.
-    struct Scratch(PathBuf);
-
-    impl Scratch {
-        fn new(test: &str) -> Self {
-            let path = std::env::temp_dir().join(format!("efam-folder-{test}-{}", std::process::id()));
-            let _ = fs::remove_dir_all(&path);
-            fs::create_dir_all(&path).unwrap();
-            Self(path)
-        }
-
-        fn entries(&self) -> Vec<String> {
-            let mut names: Vec<_> = fs::read_dir(&self.0)
-                .unwrap()
-                .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-                .collect();
-            names.sort();
-            names
-        }
-    }
-
-    impl Drop for Scratch {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
-        }
-    }
-
-    fn put(folder: &Path, overwrite: bool, text: &str) -> Result<PathBuf, ResultsError> {
-        let made = Folder::begin(Target::Given { folder, overwrite })?;
-        made.write(MARK, text.as_bytes())?;
-        made.finish()
-    }
-
-    #[test]
-    fn a_run_is_replaced_only_when_asked() {
-        let scratch = Scratch::new("overwrite");
-        let out = scratch.0.join("run");
-        put(&out, false, "first").unwrap();
-        assert!(admit(&out, false).is_err() && admit(&out, true).is_ok());
-        let error = put(&out, false, "second").unwrap_err();
-        assert!(matches!(&error, ResultsError::Exists { folder } if *folder == out), "{error}");
-        assert!(
-            error
-                .to_string()
-                .ends_with("run: exists already; choose another --out, or replace it with --overwrite")
-        );
-        assert_eq!(fs::read_to_string(out.join(MARK)).unwrap(), "first");
-        put(&out, true, "third").unwrap();
-        assert_eq!(fs::read_to_string(out.join(MARK)).unwrap(), "third");
-        assert_eq!(scratch.entries(), ["run"]);
-    }
-
-    #[test]
-    fn a_folder_of_other_things_is_never_replaced_but_an_empty_one_is_filled() {
-        let scratch = Scratch::new("foreign");
-        let photos = scratch.0.join("photos");
-        fs::create_dir(&photos).unwrap();
-        put(&photos, false, "into an empty folder").unwrap();
-        fs::remove_file(photos.join(MARK)).unwrap();
-        fs::write(photos.join("holiday.jpg"), "sea").unwrap();
-        for overwrite in [false, true] {
-            let error = put(&photos, overwrite, "run").unwrap_err();
-            assert!(matches!(error, ResultsError::NotARun { .. }), "{error}");
-        }
-        assert_eq!(fs::read_to_string(photos.join("holiday.jpg")).unwrap(), "sea");
-    }
-
-    #[test]
-    fn a_folder_that_is_given_up_leaves_nothing() {
-        let scratch = Scratch::new("dropped");
-        let out = scratch.0.join("run");
-        let made = Folder::begin(Target::Given { folder: &out, overwrite: false }).unwrap();
-        made.write("trajectory.csv", b"half of").unwrap();
-        assert!(!out.exists());
-        assert_eq!(scratch.entries().len(), 1);
-        drop(made);
-        assert!(scratch.entries().is_empty(), "{:?}", scratch.entries());
-    }
-
-    #[test]
-    fn a_file_in_place_of_the_folder_is_named() {
-        let scratch = Scratch::new("file");
-        let file = scratch.0.join("run");
-        fs::write(&file, "a file").unwrap();
-        for out in [file.clone(), file.join("below"), file.join("further/below")] {
-            let error = put(&out, true, "run").unwrap_err();
-            let ResultsError::NotAFolder { path } = &error else { panic!("{error}") };
-            assert_eq!(*path, file);
-        }
-        let root = scratch.0.join("run");
-        let at = UNIX_EPOCH;
-        let error = Folder::begin(Target::Dated { root: &root, name: "a", hash: "b", at }).unwrap_err();
-        assert!(matches!(error, ResultsError::NotAFolder { .. }), "{error}");
-    }
-
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn a_full_disk_names_file_and_cause() {
-        let scratch = Scratch::new("full");
-        let out = scratch.0.join("run");
-        let made = Folder::begin(Target::Given { folder: &out, overwrite: false }).unwrap();
-        let full = |_: &mut File| File::options().write(true).open("/dev/full")?.write_all(b"much");
-        let error = made.write_with("trajectory.parquet", full).unwrap_err().to_string();
-        assert!(error.contains("run/trajectory.parquet: cannot be written: No space left"), "{error}");
-        drop(made);
-        assert!(scratch.entries().is_empty());
-    }
-
-    #[test]
-    fn two_runs_of_one_second_both_find_a_name() {
-        let scratch = Scratch::new("dated");
-        let at = UNIX_EPOCH + Duration::from_secs(1_709_164_799 + 86_400);
-        let target = Target::Dated { root: &scratch.0, name: "15 psi", hash: "0123456789abcdef", at };
-        for _ in 0..3 {
-            let made = Folder::begin(target).unwrap();
-            made.write(MARK, b"{}").unwrap();
-            made.finish().unwrap();
-        }
-        let name = "20240229T235959Z_15-psi_01234567";
-        assert_eq!(scratch.entries(), [name.to_owned(), format!("{name}_2"), format!("{name}_3")]);
-    }
-
-    #[test]
-    fn names_cannot_leave_the_folder_of_runs() {
-        for (name, expected) in [
-            ("../../etc/passwd", "etc-passwd"),
-            ("/root", "root"),
-            ("..", "run"),
-            ("", "run"),
-            ("a\\b:c\0d\n", "a-b-c-d"),
-            ("15 psi, 50 g", "15-psi-50-g"),
-            ("Größe", "Gr-e"),
-        ] {
-            assert_eq!(plain_name(name), expected, "{name:?}");
-        }
-        assert_eq!(plain_name(&"x".repeat(500)).len(), MOST_NAME_LENGTH);
-        for path in ["/", "..", "."] {
-            let error = admit(Path::new(path), true).unwrap_err();
-            assert!(!matches!(error, ResultsError::Exists { .. }), "{path}: {error}");
-        }
-    }
-
-    #[test]
-    fn the_calendar_knows_its_leap_days() {
-        for (days, date) in [
-            (0, [1970, 1, 1]),
-            (58, [1970, 2, 28]),
-            (59, [1970, 3, 1]),
-            (11_016, [2000, 2, 29]),
-            (20_454, [2026, 1, 1]),
-        ] {
-            assert_eq!(calendar(days), date, "{days}");
-        }
-    }
-}
+mod tests;

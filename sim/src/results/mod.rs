@@ -26,6 +26,7 @@ pub mod figures;
 pub mod folder;
 pub mod grid;
 pub mod page;
+pub(crate) mod partial;
 pub mod picture;
 pub mod predicted;
 pub mod quantities;
@@ -36,6 +37,7 @@ pub mod simulated;
 pub mod summary;
 pub mod swept;
 pub mod table;
+mod utc;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -47,6 +49,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::forward::Run;
+use crate::step_check::StepCheck;
 use crate::trajectory::{Status, Trajectory};
 
 pub use error::ResultsError;
@@ -88,6 +91,8 @@ pub struct Request {
     pub argv: Vec<String>,
     /// Wall-clock time of the simulation, s.
     pub wall_time_s: f64,
+    /// What twice as long steps do to it, if that was tried.
+    pub step_check: Option<StepCheck>,
 }
 
 /// What was written.
@@ -195,6 +200,7 @@ pub fn write_run(
         wall_time_s: request.wall_time_s,
         real_time_factor: (request.wall_time_s > 0.0).then(|| end / request.wall_time_s),
         inputs_sha256,
+        step_check: request.step_check.clone(),
         argv: request.argv.clone(),
         written_utc: folder::utc(SystemTime::now()),
         ..numbers

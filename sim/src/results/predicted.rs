@@ -19,9 +19,8 @@ use serde_json::json;
 use super::folder::Folder;
 use super::page::REPORT;
 use super::picture::predicted;
-use super::report::significant;
+use super::report::{readable, significant};
 use super::{Request, ResultsError, SCENARIO, write_mark};
-use crate::predict::quantity::Quantity;
 use crate::predict::{Outcome, Prediction};
 
 /// The numbers.
@@ -43,15 +42,6 @@ pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -
     write_mark(folder, request, "prediction", written, json!({}))
 }
 
-/// Factor and unit in which a number is told: lengths in mm, angles in degrees.
-pub(super) fn readable(quantity: &Quantity) -> (f64, &str) {
-    match quantity.unit.as_str() {
-        "m" => (1e3, "mm"),
-        "rad" => (1.0f64.to_degrees(), "deg"),
-        unit => (1.0, unit),
-    }
-}
-
 /// A value, so many times finer, with its unit and its interval.
 pub(super) fn with_interval(value: f64, interval: Option<[f64; 2]>, factor: f64, unit: &str) -> String {
     let value = significant(factor * value, 4);
@@ -65,7 +55,7 @@ pub(super) fn with_interval(value: f64, interval: Option<[f64; 2]>, factor: f64,
 pub fn prediction_table(prediction: &Prediction) -> String {
     let mut text = format!("{:40}{:>12}   95 % interval\n", prediction.name, "");
     for quantity in &prediction.quantities {
-        let (factor, unit) = readable(quantity);
+        let (factor, unit) = readable(&quantity.unit);
         let Some(value) = quantity.value else {
             let why = quantity.missing.as_deref().unwrap_or("there is none");
             let _ = writeln!(text, "{:40}{:>12}   {why}", quantity.meaning, "-");

@@ -83,6 +83,16 @@ fn mcap_has_a_channel_for_each_body_at_simulated_times() {
     assert!(mcap::read::LinearReader::new(&bytes).expect("MCAP").any(attached));
 }
 
+/// Topic, instant and text of each message of a file.
+pub fn messages(bench: &Bench, file: &str) -> Vec<(String, u64, String)> {
+    let bytes = fs::read(bench.0.join(file)).expect("it was written");
+    let said = MessageStream::new(&bytes).expect("MCAP").map(|message| {
+        let message = message.expect("a message");
+        (message.channel.topic.clone(), message.log_time, String::from_utf8_lossy(&message.data).into_owned())
+    });
+    said.collect()
+}
+
 #[test]
 fn recordings_that_begin_before_their_release_and_words_are_written_too() {
     let bench = Bench::new("export-words");
@@ -90,11 +100,6 @@ fn recordings_that_begin_before_their_release_and_words_are_written_too() {
     bench.file("run/summary.json", "{ \"name\": \"a\", \"kind\": \"calibration\" }");
     bench.file("run/residuals.csv", "release,t_s,x_m,fitted_x_m\n\"a, b\",-1.25,0.5,\nc,0.5,0.25,0.125\n");
     bench.json(&["export", "run", "--to", "mcap", "--json"]);
-    let bytes = fs::read(bench.0.join("run.mcap")).expect("it was written");
-    let said = MessageStream::new(&bytes).expect("MCAP").map(|message| {
-        let message = message.expect("a message");
-        (message.channel.topic.clone(), message.log_time, String::from_utf8_lossy(&message.data).into_owned())
-    });
     let expected = [
         ("/residuals/a, b", 750_000_000, r#"{"time_s":-1.25,"x_m":0.5}"#),
         ("/residuals/a, b/fitted", 750_000_000, r#"{"time_s":-1.25}"#),
@@ -102,7 +107,7 @@ fn recordings_that_begin_before_their_release_and_words_are_written_too() {
         ("/residuals/c/fitted", 2_500_000_000, r#"{"fitted_x_m":0.125,"time_s":0.5}"#),
     ];
     let expected = expected.map(|(topic, time, text)| (topic.to_owned(), time, text.to_owned()));
-    assert_eq!(said.collect::<Vec<_>>(), expected);
+    assert_eq!(messages(&bench, "run.mcap"), expected);
     bench.json(&["export", "run", "--to", "mat", "--json"]);
     let file = File::from_bytes(fs::read(bench.0.join("run.mat")).expect("it was written")).expect("HDF5");
     assert_eq!(file.dataset("residuals/release").unwrap().read_f64().unwrap(), [1.0, 2.0]);

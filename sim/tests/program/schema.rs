@@ -155,6 +155,11 @@ fn what_is_printed_fits_its_schema() {
     try_one("sweep submit", &["--plan", "plan", "--dry-run"]);
     try_one("sweep run", &["--plan", "plan"]);
     try_one("sweep merge", &["--plan", "plan"]);
+    let named: Vec<String> = without.iter().skip(1).step_by(2).map(|name| format!("{name:?}")).collect();
+    let settings = format!("diagnose = {{ most = 1, without = [{}] }}", named.join(", "));
+    bench.file("diagnoses.toml", &format!("[sweep]\nexperiments = [{drag:?}]\n{settings}\n"));
+    try_one("sweep plan", &["diagnoses.toml", "--out", "diagnoses"]);
+    try_one("sweep", &["diagnoses.toml", "--out", "diagnoses"]);
     try_one("effects", &[]);
     try_one("effects", &["viscoelastic"]);
     try_one("experiment init", &[&recording, "--out", "e.toml"]);

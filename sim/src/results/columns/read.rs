@@ -1,16 +1,25 @@
 //! What [`super::ParquetFile`] wrote, read back.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use arrow_array::{Array, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, FieldRef};
-use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use bytes::Bytes;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::metadata::ParquetMetaDataReader;
 
 use super::{Cells, Column, Holds, cause};
+use crate::footer::{footer_of, look_through, look_through_footer};
+
+/// Nothing takes no room in a file: so much memory may cells take that its bytes do not show, and so many times its
+/// length.
+const MOST_CELLS: [usize; 2] = [64 << 20, 100];
+/// Bytes at the end of a file that are read for its footer; one that is longer is read again.
+const END: u64 = 64 << 10;
 
 /// What a file says of itself.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,8 +35,11 @@ pub struct About {
 /// A file that cannot be read or is no Parquet.
 pub fn about(path: &Path) -> io::Result<About> {
     guarded(|| {
-        let file = open(path)?;
-        let of_file = file.metadata().file_metadata();
+        let end = end(path)?;
+        let footer = footer_of(&end).map_err(io::Error::other)?;
+        look_through_footer(footer).map_err(io::Error::other)?;
+        let metadata = ParquetMetaDataReader::decode_metadata(footer).map_err(cause)?;
+        let of_file = metadata.file_metadata();
         let entries = of_file.key_value_metadata().into_iter().flatten();
         let entries = entries.map(|entry| (entry.key.clone(), entry.value.clone().unwrap_or_default()));
         Ok(About { entries: entries.collect(), rows: usize::try_from(of_file.num_rows()).unwrap_or(0) })
@@ -38,21 +50,15 @@ pub fn about(path: &Path) -> io::Result<About> {
 /// # Errors
 /// A file that cannot be read, is no Parquet, or has other columns.
 pub fn read(path: &Path, columns: &[Column]) -> io::Result<Vec<Cells>> {
-    guarded(|| {
-        let mut all: Vec<Cells> = columns.iter().map(|column| column.holds.none()).collect();
-        for batch in open(path)?.build().map_err(cause)? {
-            let batch = batch.map_err(io::Error::other)?;
-            let own = batch.schema();
-            if !own.fields().iter().map(|field| field.name()).eq(columns.iter().map(|column| &column.name)) {
-                return Err(io::Error::other("it has other columns"));
-            }
-            for (k, column) in columns.iter().enumerate() {
-                let cells = cells(&batch, k, column.holds);
-                all[k].append(cells.ok_or_else(|| io::Error::other("its columns hold something else"))?);
-            }
-        }
-        Ok(all)
-    })
+    let found = table(path)?;
+    if !found.iter().map(|found| &found.name).eq(columns.iter().map(|column| &column.name)) {
+        return Err(io::Error::other("it has other columns"));
+    }
+    let kind = |cells: &Cells| std::mem::discriminant(cells);
+    if found.iter().zip(columns).any(|(found, column)| kind(&found.cells) != kind(&column.holds.none())) {
+        return Err(io::Error::other("its columns hold something else"));
+    }
+    Ok(found.into_iter().map(|found| found.cells).collect())
 }
 
 /// A column of a table as it was found.
@@ -72,7 +78,7 @@ pub struct Found {
 pub fn table(path: &Path) -> io::Result<Vec<Found>> {
     guarded(|| {
         // The units stand in the schema of Arrow.
-        let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(path)?).map_err(cause)?;
+        let reader = open(path)?;
         let kind = |field: &FieldRef| match field.data_type() {
             DataType::Int64 => Some(Holds::Counts),
             DataType::Utf8 => Some(Holds::Texts),
@@ -103,10 +109,42 @@ fn guarded<T>(read: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     read.unwrap_or_else(|_| Err(io::Error::other("its pages do not hold together")))
 }
 
-fn open(path: &Path) -> io::Result<ParquetRecordBatchReaderBuilder<File>> {
-    // The schema of Arrow beside that of Parquet adds nothing, and its reader panics where it is broken.
-    let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
-    ParquetRecordBatchReaderBuilder::try_new_with_options(File::open(path)?, options).map_err(cause)
+/// A file that holds what [`super::ParquetFile`] writes, and no more than its length allows.
+fn open(path: &Path) -> io::Result<ParquetRecordBatchReaderBuilder<Bytes>> {
+    let bytes = Bytes::from(fs::read(path)?);
+    look_through(&bytes, true).map_err(io::Error::other)?;
+    let most = MOST_CELLS[0].saturating_add(bytes.len().saturating_mul(MOST_CELLS[1]));
+    let opened = ParquetRecordBatchReaderBuilder::try_new(bytes).map_err(cause)?;
+    let metadata = opened.metadata();
+    let stated =
+        metadata.row_groups().iter().map(|group| usize::try_from(group.num_rows()).unwrap_or(usize::MAX));
+    let rows = stated.fold(0, usize::saturating_add);
+    let columns = metadata.file_metadata().schema_descr().num_columns();
+    if rows.saturating_mul(columns).saturating_mul(size_of::<Option<String>>()) > most {
+        return Err(io::Error::other(format!(
+            "it states {rows} rows of {columns} columns, which it cannot hold"
+        )));
+    }
+    Ok(opened)
+}
+
+/// The end of a file, with the whole footer in it if the file has one.
+fn end(path: &Path) -> io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    let mut last = |count: u64| {
+        let mut bytes = Vec::new();
+        file.seek(SeekFrom::Start(length - count.min(length)))?;
+        file.by_ref().take(count).read_to_end(&mut bytes)?;
+        io::Result::Ok(bytes)
+    };
+    let bytes = last(END)?;
+    match bytes.last_chunk::<8>() {
+        Some([a, b, c, d, ..]) if footer_of(&bytes).is_err() => {
+            last(u64::from(u32::from_le_bytes([*a, *b, *c, *d])) + 8)
+        }
+        _ => Ok(bytes),
+    }
 }
 
 fn cells(batch: &RecordBatch, column: usize, holds: Holds) -> Option<Cells> {

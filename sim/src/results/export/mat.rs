@@ -4,6 +4,7 @@
 //! of each column under the same names, `about` the facts of the run and its files as text. A column of words holds
 //! numbers from 1 on; the struct `words` has the words, one a line: Octave reads no cell arrays of this format.
 
+use std::collections::{HashMap, HashSet};
 use std::io::{self, Write};
 
 use hdf5_pure::mat::{InvalidNamePolicy, MatBuilder, MatError, Options, StructWriter};
@@ -69,9 +70,8 @@ fn numbers(series: &Series, into: &mut StructWriter) -> Result<(), MatError> {
         }
         Cells::Words(all) => {
             let distinct = distinct(all);
-            let place =
-                |word: &String| distinct.iter().position(|own| own == word).expect("it is one of them");
-            (1, all.iter().map(|word| 1.0 + place(word) as f64).collect::<Vec<f64>>())
+            let place: HashMap<&str, usize> = distinct.into_iter().zip(1..).collect();
+            (1, all.iter().map(|word| place[word.as_str()] as f64).collect::<Vec<f64>>())
         }
     };
     into.write_f64(&variable(&series.name), &[values.len() / width, width], &values).map(drop)
@@ -79,20 +79,19 @@ fn numbers(series: &Series, into: &mut StructWriter) -> Result<(), MatError> {
 
 fn words(series: &Series, into: &mut StructWriter) -> Result<(), MatError> {
     match &series.cells {
-        Cells::Words(all) => text(into, &series.name, &distinct(all).join("\n")),
+        Cells::Words(all) => {
+            let lines: Vec<String> =
+                distinct(all).iter().map(|word| word.replace(['\n', '\r'], " ")).collect();
+            text(into, &series.name, &lines.join("\n"))
+        }
         Cells::Numbers { .. } => Ok(()),
     }
 }
 
 /// Words in the order in which they come first.
 fn distinct(all: &[String]) -> Vec<&str> {
-    let mut found: Vec<&str> = Vec::new();
-    for word in all {
-        if !found.contains(&word.as_str()) {
-            found.push(word);
-        }
-    }
-    found
+    let mut known = HashSet::new();
+    all.iter().map(String::as_str).filter(|word| known.insert(*word)).collect()
 }
 
 /// A name as short as MATLAB wants it; what else it does not admit the writer replaces.

@@ -2,12 +2,13 @@
 //!
 //! `/trajectory/tip` has `tip_x_m`, `tip_z_m` and their rates, `/trajectory/nodes` arrays with a number for each node,
 //! `/trajectory/energy` all energies; each message has the time of its row, too. Columns of words become parts of the
-//! topic. Instants of MCAP are whole nanoseconds from 0 on: where a table begins before its zero, as a release does in
-//! its hold, all instants of the file are later by the whole seconds that `time_zero_s` of the metadata `run` says.
+//! topic, with `/` as `%2F`. Instants of MCAP are whole nanoseconds from 0 on: where a table begins before its zero, as a
+//! release does in its hold, all instants of the file are later by the whole seconds that `time_zero_s` of the metadata `run` says.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{self, Seek, Write};
+use std::ops::Range;
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
@@ -83,37 +84,48 @@ fn channels(table: &Table) -> Vec<Channel<'_>> {
     let Some(time) = table.time() else {
         return Vec::new();
     };
+    let bodies = bodies(table);
     let mut found: Vec<Channel> = Vec::new();
+    // The channels of the bodies below a topic.
+    let mut below: HashMap<String, Range<usize>> = HashMap::new();
     for row in (0..table.rows).filter(|row| time[*row].is_finite()) {
         let words = table.series.iter().filter_map(|series| match &series.cells {
             Cells::Words(words) => Some(words[row].as_str()),
             Cells::Numbers { .. } => None,
         });
-        let above = words.fold(format!("/{}", table.name), |topic, word| format!("{topic}/{word}"));
-        let is_of_row = |of: &&mut Channel| of.topic == above || of.topic.starts_with(&format!("{above}/"));
-        let mut is_known = false;
-        for of in found.iter_mut().filter(is_of_row) {
-            of.rows.push(row);
-            is_known = true;
-        }
-        if !is_known {
-            let bodies = bodies(table).into_iter().map(|(body, series)| {
-                let topic = if body.is_empty() { above.clone() } else { format!("{above}/{body}") };
-                Channel { topic, time, series, rows: vec![row] }
-            });
-            found.extend(bodies);
-        }
+        let above = words.fold(format!("/{}", table.name), |topic, word| format!("{topic}/{}", part(word)));
+        let own = below.entry(above).or_insert_with_key(|above| {
+            let first = found.len();
+            found.extend(bodies.iter().map(|(body, series)| {
+                let topic = if body.is_empty() { above.clone() } else { format!("{above}/{}", part(body)) };
+                Channel { topic, time, series: series.clone(), rows: Vec::new() }
+            }));
+            first..found.len()
+        });
+        found[own.clone()].iter_mut().for_each(|of| of.rows.push(row));
     }
     found
+}
+
+/// A word as one part of a topic, different for different words: what would end it, and what nobody can type, is
+/// written as in addresses of the web.
+fn part(word: &str) -> String {
+    let written = |c: char| match c {
+        '/' | '%' => format!("%{:02X}", c as u32),
+        c if c.is_control() => format!("%{:02X}", c as u32),
+        c => c.to_string(),
+    };
+    if word.is_empty() { "%".to_owned() } else { word.chars().map(written).collect() }
 }
 
 /// Columns by the body that they are of.
 fn bodies(table: &Table) -> Vec<(String, Vec<&Series>)> {
     let mut bodies: Vec<(String, Vec<&Series>)> = Vec::new();
-    let is_clock = |series: &Series| ["time_s", "t_s"].contains(&series.name.as_str());
-    for series in table.series.iter().filter(|series| !is_clock(series)) {
+    let mut known: HashMap<String, usize> = HashMap::new();
+    for series in table.series.iter().filter(|series| !series.is_time()) {
         let Some(body) = body(series) else { continue };
-        match bodies.iter_mut().find(|(own, _)| *own == body) {
+        let place = *known.entry(body.clone()).or_insert(bodies.len());
+        match bodies.get_mut(place) {
             Some((_, all)) => all.push(series),
             None => bodies.push((body, vec![series])),
         }

@@ -7,12 +7,13 @@ mod mat;
 mod mcap;
 mod stored;
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::ResultsError;
+use super::atomic::write_whole;
 use super::reread::RereadError;
 use crate::schema::JsonSchema;
 
@@ -71,13 +72,8 @@ pub enum ExportError {
         ending: &'static str,
     },
     /// The file system refused.
-    #[error("{}: cannot be written: {source}; free it, or choose another --out", file.display())]
-    Write {
-        /// The file.
-        file: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Results(#[from] ResultsError),
 }
 
 /// Writes a run as one file.
@@ -85,9 +81,9 @@ pub enum ExportError {
 /// [`ExportError`]; what was there before then still is.
 pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Result<(), ExportError> {
     let file = || to.to_path_buf();
-    let Some(name) = to.file_name().filter(|_| !to.is_dir()) else {
+    if to.file_name().is_none() || to.is_dir() {
         return Err(ExportError::NoFile { file: file(), ending: format.ending() });
-    };
+    }
     if to.exists() && !overwrite {
         return Err(ExportError::Exists { file: file() });
     }
@@ -97,22 +93,12 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
     if format == Format::Mcap && run.tables.iter().all(|table| table.time().is_none()) {
         return Err(ExportError::NoTime { folder: run.folder.clone() });
     }
-    let partial = to.with_file_name(format!(".{}.partial-{}", name.to_string_lossy(), std::process::id()));
-    let written = || {
-        if let Some(folder) = to.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        let mut buffer = BufWriter::new(File::create(&partial)?);
+    Ok(write_whole(to, |file| {
+        let mut buffer = BufWriter::new(file);
         match format {
             Format::Mat => mat::write(run, &mut buffer)?,
             Format::Mcap => mcap::write(run, &mut buffer)?,
         }
-        buffer.flush()?;
-        buffer.get_ref().sync_all()?;
-        fs::rename(&partial, to)
-    };
-    written().map_err(|source| {
-        let _ = fs::remove_file(&partial);
-        ExportError::Write { file: file(), source }
-    })
+        buffer.flush()
+    })?)
 }

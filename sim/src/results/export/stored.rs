@@ -1,6 +1,6 @@
 //! The tables of a run folder, read back with their units.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -83,12 +83,17 @@ pub enum Cells {
 impl Table {
     /// The time of each row, s.
     pub fn time(&self) -> Option<&[f64]> {
-        self.series.iter().find_map(|series| match &series.cells {
-            Cells::Numbers { width: 1, values } if ["time_s", "t_s"].contains(&series.name.as_str()) => {
-                Some(&values[..])
-            }
+        self.series.iter().filter(|series| series.is_time()).find_map(|series| match &series.cells {
+            Cells::Numbers { width: 1, values } => Some(&values[..]),
             _ => None,
         })
+    }
+}
+
+impl Series {
+    /// Whether it is called as the time of a row is.
+    pub fn is_time(&self) -> bool {
+        ["time_s", "t_s"].contains(&self.name.as_str())
     }
 }
 
@@ -219,22 +224,26 @@ fn joined(series: Vec<Series>, rows: usize) -> Vec<Series> {
             }
         }
     }
-    groups.retain(|base, group| group.len() > 1 && series.iter().all(|one| one.name != *base));
+    let names: BTreeSet<&str> = series.iter().map(|one| one.name.as_str()).collect();
+    groups.retain(|base, group| group.len() > 1 && !names.contains(base.as_str()));
+    let of: BTreeMap<usize, &String> =
+        groups.iter().flat_map(|(base, group)| group.iter().map(move |place| (*place, base))).collect();
     let values = |place: usize| match &series[place].cells {
         Cells::Numbers { values, .. } => &values[..],
         Cells::Words(_) => &[],
     };
     let mut result = Vec::new();
     for (place, one) in series.iter().enumerate() {
-        let Some((base, group)) = groups.iter().find(|(_, group)| group.contains(&place)) else {
+        let Some(base) = of.get(&place) else {
             result.push(one.clone());
             continue;
         };
+        let group = &groups[*base];
         if group[0] == place {
             let columns: Vec<&[f64]> = group.iter().map(|place| values(*place)).collect();
             let values = (0..rows).flat_map(|row| columns.iter().map(move |column| column[row])).collect();
             let cells = Cells::Numbers { width: columns.len(), values };
-            result.push(Series { name: base.clone(), unit: one.unit.clone(), cells });
+            result.push(Series { name: (*base).clone(), unit: one.unit.clone(), cells });
         }
     }
     result

@@ -6,8 +6,8 @@ use super::super::Request;
 use super::super::grid::answers;
 use super::super::page::{BeforeUse, Page, Table};
 use super::super::picture::Picture;
-use super::super::report::significant;
-use super::{readable, with_interval};
+use super::super::report::{readable, significant};
+use super::with_interval;
 use crate::predict::grid::{Cell, Grid};
 use crate::predict::quantity::{Quantity, units};
 use crate::predict::{Cycle, Prediction};
@@ -85,7 +85,7 @@ pub(in crate::results) fn of_several(
     page.section("Each number of each case");
     for (k, (name, _)) in units().enumerate() {
         let Some(quantity) = grid.cells.iter().find_map(|cell| cell.quantity(name)) else { continue };
-        let (factor, unit) = readable(quantity);
+        let (factor, unit) = readable(&quantity.unit);
         let case = |cell: &Cell| {
             let own = cell.quantities.get(k);
             let value =
@@ -114,7 +114,7 @@ pub(in crate::results) fn of_several(
 fn lead(prediction: &Prediction) -> String {
     let told = |name: &str| {
         let quantity = prediction.quantities.iter().find(|quantity| quantity.name == name)?;
-        let (factor, unit) = readable(quantity);
+        let (factor, unit) = readable(&quantity.unit);
         let value = with_interval(quantity.value?, quantity.interval_95, factor, unit);
         Some(format!("{}: {value}", quantity.meaning))
     };
@@ -123,7 +123,7 @@ fn lead(prediction: &Prediction) -> String {
 }
 
 fn row(quantity: &Quantity) -> Vec<String> {
-    let (factor, unit) = readable(quantity);
+    let (factor, unit) = readable(&quantity.unit);
     let value = match (quantity.value, &quantity.missing) {
         (Some(value), _) => significant(factor * value, 4),
         (None, Some(why)) => why.clone(),
