@@ -18,12 +18,8 @@ say() { printf '   %3d s  %s\n' $SECONDS "$*"; }
 
 [ "$(uname -s)" = Linux ] || skip "Slurm runs on Linux"
 [ "$(id -u)" = 0 ] || skip "Slurm's daemons need root"
-if ! command -v slurmctld slurmd sbatch munged >/dev/null; then
-  command -v apt-get >/dev/null || skip "Slurm is not there, and there is no apt-get to install it"
-  export DEBIAN_FRONTEND=noninteractive
-  { apt-get update && apt-get install -y --no-install-recommends slurmctld slurmd slurm-client munge; } \
-    >/dev/null 2>&1 || skip "Slurm could not be installed"
-fi
+"$(dirname "$0")/apt.sh" slurmctld slurmd sbatch munged -- slurmctld slurmd slurm-client munge ||
+  skip "Slurm is not there, and could not be installed"
 
 dir=$(mktemp -d /tmp/efam-slurm.XXXXXX)
 export SLURM_CONF=$dir/slurm.conf
