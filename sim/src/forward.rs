@@ -38,6 +38,8 @@ pub struct Run {
     pub fixed_step: Option<f64>,
     /// Steps after which to give up.
     pub most_steps: usize,
+    /// Whether the trajectory keeps its samples; if not, only who observes sees them, and memory stays flat.
+    pub keep_samples: bool,
     /// Whether to keep where the steps ended, so that another run can be made on them.
     pub keep_steps: bool,
     /// Whether to follow dissipated and supplied energy.
@@ -96,6 +98,7 @@ impl Run {
             tolerance: DEFAULT_TOLERANCE,
             fixed_step: None,
             most_steps: 10_000_000,
+            keep_samples: true,
             keep_steps: false,
             energy: false,
             sensitivities: Vec::new(),
@@ -236,7 +239,7 @@ pub fn forward(
     let mut sample = 0;
     loop {
         let (begin, end) = (stepper.step_start(), stepper.state().time);
-        while let Some(instant) = observer.due(end) {
+        while let Some(instant) = observer.due(end).filter(|_| run.keep_samples) {
             stepper.interpolate(instant, &mut at);
             observer.see(&system, variational.as_ref(), &at, [begin, end], &mut trajectory);
         }
@@ -247,8 +250,10 @@ pub fn forward(
                 Some(budget) => budget.at(&mut system, &at, begin, end),
                 None => Energy::default(),
             };
-            trajectory.record(&system, &at, energy);
-            if observer.is_differentiated() {
+            if run.keep_samples {
+                trajectory.record(&system, &at, energy);
+            }
+            if run.keep_samples && observer.is_differentiated() {
                 let slopes = observer.tip_by_parameters(variational.as_ref(), &at, [begin, end]);
                 trajectory.tip_by_parameters.push(slopes);
             }

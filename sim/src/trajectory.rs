@@ -32,7 +32,7 @@ pub enum Status {
 /// A sampled trajectory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
-    /// Times of the samples that were reached, s.
+    /// Times of the samples that were reached, s; this and what has a row a sample stay empty where the run keeps none.
     pub times: Vec<f64>,
     /// Coordinates, velocities and memory, one sample after another, shape `[samples][2 dof + memory]`.
     pub states: Vec<f64>,
@@ -68,7 +68,7 @@ pub struct Trajectory {
 impl Trajectory {
     pub(crate) fn new(model: &Model, run: &Run) -> Self {
         let (dof, memory) = (model.dof(), model.memory());
-        let samples = run.samples.len();
+        let samples = if run.keep_samples { run.samples.len() } else { 0 };
         Self {
             times: Vec::with_capacity(samples),
             states: Vec::with_capacity(samples * (2 * dof + memory)),

@@ -17,9 +17,9 @@ import matplotlib.pyplot as plt
 from case import CASES, DURATION, HERE
 
 ENOUGH_MM = 0.05
-MARKS = {"efam": "o", "numba, LSODA": "s", "scipy, Radau": "D", "Exudyn": "^", "MuJoCo": "v", "PyElastica": "P",
-         "DiSMech-Newton": "X"}
-ALIKE = {"efam": {"tol": 1e-4}, "numba, LSODA": {"tol": 1e-4}, "Exudyn": {"step": 2.5e-3}, "MuJoCo": {"step": 1e-3},
+MARKS = {"efam": "o", "numba, LSODA": "s", "scipy, Radau": "D", "Exudyn": "^", "MuJoCo, chain": "v", "MuJoCo, cable": "<",
+         "PyElastica": "P", "DiSMech-Newton": "X"}
+ALIKE = {"efam": {"tol": 1e-4}, "numba, LSODA": {"tol": 1e-4}, "Exudyn": {"step": 2.5e-3}, "MuJoCo, chain": {"step": 1e-3},
          "DiSMech-Newton": {"step": 5e-3}}  # of the scaling with the mesh
 TITLES = {"mass-damping": "α = 1 1/s", "both-dampings": "α = 1 1/s, β = 10 ms"}
 

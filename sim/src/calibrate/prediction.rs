@@ -158,6 +158,7 @@ pub(crate) fn predict(
         fixed_step: steps.map(|_| 2.0 * duration + 1.0),
         stops: steps.into_iter().flatten().copied().filter(|t| *t < duration - LEAST_STEP).collect(),
         most_steps: trial.run.most_steps.min(MOST_STEPS),
+        keep_samples: true,
         keep_steps: true,
         energy: false,
         sensitivities: match slopes {

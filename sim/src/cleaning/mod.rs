@@ -97,7 +97,7 @@ pub struct CleanRelease {
 }
 
 /// Numbers of a release; lengths in m, in W where nothing else is said.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Statistics {
     /// Samples of hold and swing.
     pub samples: usize,

@@ -19,7 +19,7 @@ use sim::trajectory::Status;
 use super::arguments::Output;
 use super::failure::Failure;
 use super::interrupt;
-use super::simulate::follow;
+use super::simulate::{admit, follow};
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -60,6 +60,7 @@ pub fn run(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
         return Err(Failure::Usage(message));
     }
     let cases = scenario.cases()?;
+    admit(&cases)?;
     let mut warnings: Vec<String> = cases.iter().flat_map(|case| case.warnings.clone()).collect();
     warnings.dedup();
     voice.warn(&warnings);

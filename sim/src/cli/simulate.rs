@@ -1,5 +1,7 @@
 //! `efam simulate`: one run, or one for each row of a muscle's table.
 
+mod watch;
+
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -14,7 +16,6 @@ use serde::Serialize;
 use sim::forward::{ForwardError, forward};
 use sim::memory;
 use sim::results::beside_the_paper::beside_the_paper;
-use sim::results::folder::Folder;
 use sim::results::report::report;
 use sim::results::simulated::{Member, write_set};
 use sim::results::{self, Request, Summary};
@@ -26,7 +27,7 @@ use sim::trajectory::{Status, Trajectory};
 use super::arguments::{Output, Source};
 use super::failure::Failure;
 use super::interrupt;
-use super::live::{Live, Recording, Rerun};
+use super::live::Rerun;
 use super::progress::ProgressBar;
 use super::voice::{Voice, print};
 
@@ -36,6 +37,8 @@ const HELP: &str = "Examples:
   efam simulate scenarios/payload-80g.toml --set effects.payload.mass=\"50 g\"
   efam simulate scenarios/release-15psi.toml --muscle muscle.toml --json
   efam simulate scenarios/undamped.toml --out outputs/undamped --overwrite -v
+  efam simulate scenarios/release-15psi.toml --set run.duration=\"24 h\"
+    --rerun serve --watch-only
 
 Exit codes: 4 if it cannot go on, 130 if it is interrupted; both save what was
 integrated.";
@@ -57,6 +60,10 @@ pub struct Simulate {
     /// Show the rod in Rerun: save, spawn, connect, connect=URL or serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
     rerun: Option<Rerun>,
+    /// Keep nothing but what Rerun gets: no results, and memory stays flat
+    /// however long the run is.
+    #[arg(long, requires = "rerun", conflicts_with_all = ["csv", "json"])]
+    watch_only: bool,
 }
 
 /// What is printed for programs.
@@ -80,6 +87,10 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     }
     voice.warn(cases.iter().flat_map(|case| &case.warnings));
     interrupt::listen();
+    if let (Some(how), true) = (&args.rerun, args.watch_only) {
+        return watch::only(how, &cases[0], &request(args, &scenario, &cases[0]), voice);
+    }
+    admit(&cases)?;
     let (runs, threads) = (cases.len(), rayon::current_num_threads());
     voice.detail(format!("{}: {runs} to simulate, on {threads} threads", scenario.path.display()));
     let request = request(args, &scenario, &cases[0]);
@@ -88,7 +99,7 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let progress = voice.bar(if args.no_step_check { samples } else { 2 * samples });
     let begin = Instant::now();
     let runs: Vec<_> = match &args.rerun {
-        Some(how) => vec![timed(|| shown(how, &cases[0], &folder, &progress))],
+        Some(how) => vec![timed(|| watch::shown(how, &cases[0], folder.path(), &progress))],
         None => cases.par_iter().map(|case| timed(|| follow(case, &progress, &mut |_| Ok(())))).collect(),
     };
     let wall_time_s = begin.elapsed().as_secs_f64();
@@ -184,7 +195,6 @@ pub type See<'a> = dyn FnMut(&mut sim::forward::Sample) -> Result<(), Failure> +
 
 /// Runs a case until its end, Ctrl-C, or where it fails; what was integrated is kept.
 pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajectory, Failure> {
-    admit(case)?;
     let mut failure = None;
     let mut observe = |sample: &mut sim::forward::Sample| {
         if let Err(error) = see(sample) {
@@ -209,18 +219,21 @@ fn counted(progress: &ProgressBar) -> ControlFlow<()> {
     if interrupt::is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }
 
-/// Whether memory holds the trajectory, and the table of it that is written; asked before hours are spent.
-fn admit(case: &Case) -> Result<(), Failure> {
-    let (samples, numbers) =
-        (case.run.samples.len(), 2 * case.model.dof() + case.model.memory() + OF_A_SAMPLE);
-    let needed = 2 * 8 * samples as u64 * numbers as u64;
+/// Whether memory holds all trajectories, and the table of each that is written; asked before hours are spent.
+pub fn admit(cases: &[Case]) -> Result<(), Failure> {
+    let of = |case: &Case| {
+        let numbers = 2 * case.model.dof() + case.model.memory() + OF_A_SAMPLE;
+        2 * 8 * case.run.samples.len() as u64 * numbers as u64
+    };
+    let needed: u64 = cases.iter().map(of).sum();
     match memory::available() {
         Some(free) if needed > free => {
             let [needed, free] = [needed, free].map(|bytes| bytes as f64 / 1e9);
+            let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
             Err(Failure::Usage(format!(
                 "{}: {samples} samples of this rod take some {needed:.1} GB of memory, and {free:.1} GB are free; \
-                 lower run.rate, run.duration or rod.nodes",
-                case.name
+                 lower run.rate, run.duration or rod.nodes, or keep none: --rerun HOW --watch-only",
+                cases[0].name
             )))
         }
         _ => Ok(()),
@@ -229,14 +242,6 @@ fn admit(case: &Case) -> Result<(), Failure> {
 
 /// Numbers of a sample beside coordinates, velocities and memory: time, tip, energies.
 const OF_A_SAMPLE: usize = 15;
-
-/// Runs a case with a viewer or a recording that sees every sample.
-fn shown(how: &Rerun, case: &Case, folder: &Folder, progress: &ProgressBar) -> Result<Trajectory, Failure> {
-    let mut live = Live::open(how, case, folder.path())?;
-    let trajectory = follow(case, progress, &mut |sample| live.log(&sample.snapshot()))?;
-    live.finish(*how == Rerun::Serve && !interrupt::is_asked())?;
-    Ok(trajectory)
-}
 
 fn tell(
     args: &Simulate,

@@ -166,6 +166,14 @@ fn mark(request: &Request, kind: &str, written: SystemTime, own: Value) -> Strin
     format!("{mark:#}\n")
 }
 
+/// Marks the folder of a run of which only a recording for the viewer is kept.
+/// # Errors
+/// [`ResultsError::Write`].
+pub fn write_watched(folder: &Folder, request: &Request, status: &Status) -> Result<(), ResultsError> {
+    folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;
+    write_mark(folder, request, "watched", SystemTime::now(), json!({ "status": status }))
+}
+
 /// Writes the files of a run into an open folder, or into a folder `within` it: one of many runs. The
 /// folder of many has a [`MARK`] of its own to be written, by which it can be replaced.
 /// # Errors

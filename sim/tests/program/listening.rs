@@ -61,3 +61,32 @@ fn no_command_listens() {
         assert!(child.wait().is_ok_and(|status| status.success()));
     }
 }
+
+/// What `serve` opens is seen from this machine alone.
+#[test]
+#[cfg(feature = "rerun")]
+fn efam_serves_this_machine_alone() {
+    use std::time::Instant;
+
+    use sim::observe::rerun::DEFAULT_PORT;
+
+    let bench = crate::bench::Bench::new("served");
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/release-15psi.toml");
+    let mut command = bench.command(&["simulate", scenario, "-q", "--watch-only", "--rerun", "serve"]);
+    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+    // It serves until it is interrupted.
+    let begin = Instant::now();
+    let mut found = Vec::new();
+    while !found.iter().any(|door: &String| door.ends_with(&format!(":{DEFAULT_PORT:04X}"))) {
+        assert!(begin.elapsed() < Duration::from_secs(60), "nothing is served: {found:?}");
+        assert!(child.try_wait().unwrap().is_none(), "it did not wait for viewers");
+        found = doors(child.id());
+        sleep(Duration::from_millis(5));
+    }
+    sleep(Duration::from_millis(500));
+    found.extend(doors(child.id()));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(found.iter().all(|door| door.starts_with("tcp 0100007F:")), "{found:?}");
+    assert!(bench.left().is_empty(), "{:?}", bench.left());
+}

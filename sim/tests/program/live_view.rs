@@ -76,6 +76,22 @@ fn efam_saves_the_recording_with_its_results() {
     }
 }
 
+/// Nothing but what the viewer reads, however long the run was; and nothing at all where it was only served.
+#[test]
+fn efam_keeps_only_what_is_watched() {
+    let bench = Bench::new("watched");
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/release-15psi.toml");
+    let asked = ["simulate", scenario, "--watch-only", "--set", "run.duration=2 s", "--out", "run"];
+    let (code, stdout, stderr) = bench.run(&[&asked[..], &["--rerun", "save"]].concat());
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stdout.contains("what was seen is in run"), "{stdout}");
+    let run = Bench(bench.0.join("run"));
+    assert_eq!(run.left(), ["run.rrd", "scenario.resolved.toml", "summary.json"]);
+    assert!(run.text("summary.json").contains("\"kind\": \"watched\""));
+    let (code, _, stderr) = bench.run(&asked);
+    assert!(code == 2 && stderr.contains("--rerun"), "{stderr}");
+}
+
 /// A worked example of a diagnosis with its recording: the search, and each release before and after.
 #[test]
 fn efam_saves_the_recording_of_a_diagnosis() {

@@ -1,4 +1,4 @@
-"""MuJoCo: a chain of links with a hinge and a slide each. Its cable does not stretch, so the chain stands for it.
+"""MuJoCo: a chain of links with a hinge and a slide each, since its cable does not stretch.
 
 Moments are linear in the angle of a hinge. Mass damping is put on before each step, from the velocities there.
 """
@@ -8,7 +8,7 @@ import numpy as np
 
 from case import DURATION, RATE
 
-NAME = "MuJoCo"
+NAME = "MuJoCo, chain"
 TINY = 'diaginertia="1e-12 1e-12 1e-12"'  # of point masses: a body must have one
 
 
@@ -45,7 +45,11 @@ def described(case, nodes, step):
 
 
 def prepare(case, nodes, step):
-    model = mujoco.MjModel.from_xml_string(described(case, nodes, step))
+    return swing(case, mujoco.MjModel.from_xml_string(described(case, nodes, step)), step)
+
+
+def swing(case, model, step):
+    """The path of the site 0 of a model."""
     steps = round(1 / RATE / step)
 
     def run():

@@ -5,8 +5,9 @@ use std::fs;
 
 use sim::results::columns::{Cells, Column, Found as FoundColumn, Holds, about, read, table};
 use sim::results::export::{Format, export, read as stored};
+use sim::results::folder::{Folder, Target};
 use sim::results::reread::reread;
-use sim::results::{compared, sha256};
+use sim::results::{Request, compared, sha256};
 use sim::sweep::asked::Asked;
 use sim::sweep::plan::{Head, PLAN, POINTS, Plan, freeze, head_text};
 use sim::sweep::shard::{Found, is_due, look};
@@ -140,7 +141,11 @@ pub fn folder(bytes: &[u8]) {
             Ok(run) => {
                 let both = [run.clone(), run];
                 let compared = compared::compare(&both);
-                serde_json::to_string(&compared).expect("a comparison has nothing that JSON has not");
+                let begun =
+                    Folder::begin(Target::Given { folder: &folder.join("compared"), overwrite: false });
+                let page = begun.expect("a folder for the page");
+                let written = compared::write_comparison(&page, &Request::default(), &both, &compared);
+                written.expect("what can be read can be shown");
             }
         }
         let stored = match stored(folder) {

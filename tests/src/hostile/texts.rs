@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use models::muscle::{Extrapolation, Known, Muscle};
+use sim::cleaning::{CleanRelease, Cleaned, Statistics};
+use sim::diagnose::problem;
 use sim::experiment::Experiment;
+use sim::experiment::release::{Point, Release, Track};
 use sim::scenario::{Scenario, ScenarioError};
 
 use super::is_message;
@@ -49,7 +52,7 @@ fn refused(error: &ScenarioError) {
     }
 }
 
-/// An experiment, likewise; its recordings are not read.
+/// An experiment, likewise; in the place of its recordings stand some short ones.
 pub fn experiment(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     models(Experiment::parse(Path::new("a.toml"), text, &[]));
@@ -64,8 +67,44 @@ fn models(read: Result<Experiment, sim::experiment::ExperimentError>) {
                     is_message(&error.to_string());
                 }
             }
+            // The diagnosis asks for all that the calibration does.
+            if let Err(error) = problem(&experiment, &short(&experiment)) {
+                is_message(&error.to_string());
+            }
         }
     }
+}
+
+/// What a cleaned experiment looks like: two releases of each of its first recordings, and next to nothing in them.
+fn short(experiment: &Experiment) -> Cleaned {
+    let of = |recording: usize| {
+        let entry = &experiment.recordings[recording];
+        [1, 2].map(|number| CleanRelease {
+            release: Release {
+                name: format!("{recording}#{number}"),
+                time: vec![0.0, 0.01, 0.02],
+                release_uncertainty: 1e-3,
+                tracks: vec![Track {
+                    marker: "tip".to_owned(),
+                    at: Point::Tip,
+                    position: vec![Some([0.2, 0.0]), None, Some([0.2, -1e-3])],
+                    noise: 3e-4,
+                }],
+                pressure: entry.pressure,
+                payload: 0.0,
+                held_out: entry.is_held_out(number),
+            },
+            recording,
+            number,
+            instant: 1.0,
+            angle: None,
+            dropped: None,
+            representative: false,
+            statistics: Statistics::default(),
+        })
+    };
+    let releases = (0..experiment.recordings.len().min(BUILT)).flat_map(of).collect();
+    Cleaned { recordings: Vec::new(), releases, decisions: Vec::new() }
 }
 
 /// Lines that are set over a scenario and over an experiment.

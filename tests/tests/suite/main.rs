@@ -24,6 +24,7 @@ mod inverse {
     mod poor_starts;
     mod pressures;
     mod small_cases;
+    mod units_and_order;
 }
 mod order {
     mod edge_length;
@@ -34,6 +35,7 @@ mod properties {
     mod catalogue;
     mod effort;
     mod energy;
+    mod round_trips;
     mod seen;
     mod sensitivities;
     mod similarity;

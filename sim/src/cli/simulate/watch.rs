@@ -1,0 +1,60 @@
+//! Who watches a run: a viewer or a recording that sees every sample.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use models::quantity::format_si;
+use sim::forward::Run;
+use sim::results::{self, Request, write_watched};
+use sim::scenario::Case;
+use sim::trajectory::{Status, Trajectory};
+
+use super::super::failure::Failure;
+use super::super::interrupt;
+use super::super::live::{Live, Recording, Rerun};
+use super::super::progress::ProgressBar;
+use super::super::voice::Voice;
+use super::{follow, timed};
+
+/// Runs a case while it is watched; a recording that is saved goes into a folder.
+pub fn shown(how: &Rerun, case: &Case, folder: &Path, progress: &ProgressBar) -> Result<Trajectory, Failure> {
+    let mut live = Live::open(how, case, folder)?;
+    let trajectory = follow(case, progress, &mut |sample| live.log(&sample.snapshot()))?;
+    live.finish(*how == Rerun::Serve && !interrupt::is_asked())?;
+    Ok(trajectory)
+}
+
+/// The same, and nothing of the run is kept beside: memory does not grow with it.
+pub fn only(how: &Rerun, case: &Case, request: &Request, voice: &Voice) -> Result<ExitCode, Failure> {
+    let case = Case { run: Run { keep_samples: false, ..case.run.clone() }, ..case.clone() };
+    let folder = if *how == Rerun::Save { Some(results::begin(request)?) } else { None };
+    let progress = voice.bar(case.run.samples.len());
+    let nowhere = Path::new("");
+    let within = folder.as_ref().map_or(nowhere, |folder| folder.path());
+    let (run, wall_time_s) = timed(|| shown(how, &case, within, &progress));
+    progress.finish_and_clear();
+    let Trajectory { status, .. } = run?;
+    let kept = match folder {
+        Some(folder) => {
+            write_watched(&folder, &Request { wall_time_s, ..request.clone() }, &status)?;
+            format!("what was seen is in {}", folder.finish()?.display())
+        }
+        None => "nothing is kept".to_owned(),
+    };
+    let name = &case.name;
+    match status {
+        Status::Complete => {
+            let [simulated, took] = [case.run.duration, wall_time_s].map(|time| format_si(time, "s"));
+            if !voice.quiet {
+                writeln!(io::stdout(), "{name}: {simulated} in {took}; {kept}")?;
+            }
+            Ok(ExitCode::SUCCESS)
+        }
+        Status::CutShort { time } => {
+            eprintln!("interrupted: {name}: at {} of the run; {kept}", format_si(time, "s"));
+            Ok(ExitCode::from(interrupt::EXIT_CODE))
+        }
+        Status::Failed { reason, .. } => Err(Failure::Diverged(format!("{reason}; {kept}"))),
+    }
+}

@@ -1,0 +1,92 @@
+//! Goal: a calibration does not hang on how its recording is written.
+//! Setup: one recording at 15 psi, with noise, losses and ghosts, as tables in millimetres, metres and inches, with
+//! markers in the order of the cameras, backwards and mixed, in the file and in the experiment.
+//! Expected: EI, alpha and beta to a fiftieth of their standard errors.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use sim::calibrate::Calibration;
+use sim::cleaning::clean_all;
+use sim::experiment::Experiment;
+use sim::recording::{Length, ReadOptions, Recording, parse};
+use tests::twin::random::Random;
+use tests::twin::sensor::Cameras;
+use tests::twin::study::{PATHS, damped_muscle, fit, session, truth};
+
+const PSI: f64 = 15.0;
+/// Share of a standard error by which an answer may move: where the search takes itself to have arrived.
+const MOVED: f64 = 0.02;
+
+/// A recording as a table in some unit, with its markers in some order.
+fn table(recording: &Recording, unit: Length, order: &[usize]) -> String {
+    let mut text = "t_s".to_owned();
+    for k in order {
+        for axis in ["x", "y", "z"] {
+            let _ = write!(text, ",{}_{axis}_{}", recording.markers[*k].name, unit.symbol());
+        }
+    }
+    for (row, time) in recording.time.iter().enumerate() {
+        let _ = write!(text, "\n{time:?}");
+        for k in order {
+            match recording.markers[*k].position[row] {
+                Some(at) => at.iter().for_each(|at| {
+                    let _ = write!(text, ",{:?}", at / unit.metres());
+                }),
+                None => text.push_str(",,,"),
+            }
+        }
+    }
+    text + "\n"
+}
+
+fn experiment(recording: &Recording, order: &[usize]) -> Experiment {
+    let named = |beginning: &str| {
+        let names =
+            order.iter().map(|k| &recording.markers[*k].name).filter(|name| name.starts_with(beginning));
+        names.map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+    };
+    let text = format!(
+        "[muscle]\nname = \"garbulinski-2022\"\n[[recording]]\nfile = \"twin.csv\"\npressure = \"{PSI} psi\"\n\
+         tip = [{}]\nbase = [{}]\n",
+        named("tip"),
+        named("base")
+    );
+    Experiment::parse(Path::new("twin.toml"), &text, &[]).expect("an experiment")
+}
+
+fn calibrated(recording: &Recording, unit: Length, order: &[usize]) -> Calibration {
+    let text = table(recording, unit, order).into_bytes();
+    let read = parse(text, Path::new("twin.csv"), &ReadOptions::default()).expect("a tidy table");
+    let cleaned = clean_all(&experiment(&read, &(0..order.len()).rev().collect::<Vec<_>>()), vec![read]);
+    let releases = cleaned.expect("six releases").releases.into_iter().map(|own| own.release).collect();
+    let truth = truth(&damped_muscle(PSI));
+    fit(PSI, releases, [0.9 * truth[0], 1.2 * truth[1], 1.2 * truth[2]])
+}
+
+#[test]
+fn units_and_the_order_of_markers_change_nothing() {
+    let mut random = Random::new(55);
+    let session = session(PSI, 6.0, &mut random);
+    let beam = &session.beam;
+    let recording =
+        Cameras::usual(0.3e-3, beam.length, beam.bodies[0].center, &[]).record(&session, &mut random);
+    let forwards: Vec<usize> = (0..recording.markers.len()).collect();
+    let backwards: Vec<usize> = forwards.iter().rev().copied().collect();
+    let mixed: Vec<usize> = forwards.iter().map(|k| (3 * k + 2) % forwards.len()).collect();
+    let first = calibrated(&recording, Length::Millimetre, &forwards);
+    for (unit, order) in [(Length::Metre, backwards), (Length::Inch, mixed)] {
+        let other = calibrated(&recording, unit, &order);
+        for path in PATHS {
+            let [a, b] = [&first, &other].map(|found| found.of(path)[0].clone());
+            let error = a.standard_error.expect("it is determined");
+            println!("{path}: {} and {} ± {error}", a.value, b.value);
+            assert!(
+                (a.value - b.value).abs() < MOVED * error,
+                "{path}: {} and {} ± {error}",
+                a.value,
+                b.value
+            );
+        }
+    }
+}
