@@ -239,7 +239,7 @@ pub fn forward(
     let mut sample = 0;
     loop {
         let (begin, end) = (stepper.step_start(), stepper.state().time);
-        while let Some(instant) = observer.due(end).filter(|_| run.keep_samples) {
+        while let Some(instant) = observer.due(end) {
             stepper.interpolate(instant, &mut at);
             observer.see(&system, variational.as_ref(), &at, [begin, end], &mut trajectory);
         }

@@ -50,13 +50,15 @@ impl Observer {
             let found = groups.iter().enumerate().find_map(|(g, group)| Some(g * LANES + of_group(group)?));
             found.expect("each parameter is integrated or algebraic")
         };
+        let has_points = !run.points.is_empty() || model.has_sensor();
+        let recorded = if run.keep_samples && has_points { run.samples.clone() } else { Vec::new() };
         Self {
             points: run.points.iter().map(|point| Observed::new(*point, model.edges)).collect(),
             sees_tip: model.has_sensor(),
             sensors: groups.iter().map(watched).collect(),
             lanes: run.sensitivities.iter().map(lane).collect(),
-            recorded: run.samples.clone(),
-            instants: run.samples.iter().map(instant).collect(),
+            instants: recorded.iter().map(instant).collect(),
+            recorded,
             next: 0,
             row: vec![[0.0; LANES]; model.dof()],
             sensor,
@@ -65,16 +67,12 @@ impl Observer {
 
     /// Time since release, s, of what the last sample sees; zero if there is nothing to see.
     pub fn end(&self) -> f64 {
-        match self.points.is_empty() && !self.sees_tip {
-            true => 0.0,
-            false => self.instants.last().copied().unwrap_or(0.0),
-        }
+        self.instants.last().copied().unwrap_or(0.0)
     }
 
     /// Time since release, s, of the next sample of the points, if it lies before `end`.
     pub fn due(&self, end: f64) -> Option<f64> {
-        let is_blind = self.points.is_empty() && !self.sees_tip;
-        self.instants.get(self.next).copied().filter(|instant| *instant <= end && !is_blind)
+        self.instants.get(self.next).copied().filter(|instant| *instant <= end)
     }
 
     /// Sees the points at the sample that is due, from the state at that time.

@@ -44,10 +44,11 @@ pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -
 
 /// A value, so many times finer, with its unit and its interval.
 pub(super) fn with_interval(value: f64, interval: Option<[f64; 2]>, factor: f64, unit: &str) -> String {
-    let value = significant(factor * value, 4);
+    let value = format!("{} {unit}", significant(factor * value, 4));
+    let value = value.trim_end();
     match interval.map(|ends| ends.map(|end| significant(factor * end, 4))) {
-        Some([low, high]) => format!("{value} {unit} ({low} to {high})"),
-        None => format!("{value} {unit}"),
+        Some([low, high]) => format!("{value} ({low} to {high})"),
+        None => value.to_owned(),
     }
 }
 

@@ -42,3 +42,21 @@ fn in_the_step_of_sensitivities_there_is_none() {
     let ten = || (0..10).collect();
     assert_eq!(allocations(Method::Rodas4, 0.5, ten()), allocations(Method::Rodas4, 1.0, ten()));
 }
+
+/// The times of the samples are given; what is seen at them is let go.
+#[test]
+fn a_run_that_is_only_watched_keeps_nothing() {
+    let model = paper(15.0, 12, &[("rayleigh_mass.alpha", 1.0)]);
+    let most = |duration: f64, keep_samples: bool| {
+        let run = Run { keep_samples, ..Run::release(duration, 1000.0) };
+        let watch = || {
+            forward(&model, &run, &mut |sample| {
+                sample.snapshot();
+                ControlFlow::Continue(())
+            })
+        };
+        allocation_counter::measure(|| drop(watch().expect("it runs"))).bytes_max
+    };
+    assert_eq!(most(0.5, false), most(1.0, false));
+    assert!(most(1.0, true) > most(0.5, true) + 400 * 8 * 40, "what is kept is seen");
+}
