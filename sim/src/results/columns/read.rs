@@ -10,7 +10,7 @@ use arrow_array::{Array, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, FieldRef};
 use bytes::Bytes;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::metadata::ParquetMetaDataReader;
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 
 use super::{Cells, Column, Holds, cause};
 use crate::footer::{footer_of, look_through, look_through_footer};
@@ -42,7 +42,7 @@ pub fn about(path: &Path) -> io::Result<About> {
         let of_file = metadata.file_metadata();
         let entries = of_file.key_value_metadata().into_iter().flatten();
         let entries = entries.map(|entry| (entry.key.clone(), entry.value.clone().unwrap_or_default()));
-        Ok(About { entries: entries.collect(), rows: usize::try_from(of_file.num_rows()).unwrap_or(0) })
+        Ok(About { entries: entries.collect(), rows: rows(&metadata)? })
     })
 }
 
@@ -92,6 +92,7 @@ pub fn table(path: &Path) -> io::Result<Vec<Found>> {
             Ok((Found { name: field.name().clone(), unit, cells: holds.none() }, holds))
         };
         let mut all = reader.schema().fields().iter().map(begun).collect::<io::Result<Vec<_>>>()?;
+        let rows = rows(reader.metadata())?;
         for batch in reader.build().map_err(cause)? {
             let batch = batch.map_err(io::Error::other)?;
             for (k, (found, holds)) in all.iter_mut().enumerate() {
@@ -99,8 +100,21 @@ pub fn table(path: &Path) -> io::Result<Vec<Found>> {
                 found.cells.append(cells.ok_or_else(|| io::Error::other("its columns hold something else"))?);
             }
         }
-        Ok(all.into_iter().map(|(found, _)| found).collect())
+        match all.iter().all(|(found, _)| found.cells.len() == rows) {
+            true => Ok(all.into_iter().map(|(found, _)| found).collect()),
+            false => Err(io::Error::other(format!("it does not hold the {rows} rows that it states"))),
+        }
     })
+}
+
+/// Rows that a footer states, if it says the same of the whole file and of its groups.
+fn rows(metadata: &ParquetMetaData) -> io::Result<usize> {
+    let stated = metadata.file_metadata().num_rows();
+    let of_groups: i128 = metadata.row_groups().iter().map(|group| i128::from(group.num_rows())).sum();
+    match usize::try_from(stated) {
+        Ok(rows) if i128::from(stated) == of_groups => Ok(rows),
+        _ => Err(io::Error::other(format!("it states {stated} rows, and {of_groups} in its groups"))),
+    }
 }
 
 /// The reader of pages panics where these do not hold together.
