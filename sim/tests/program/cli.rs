@@ -183,7 +183,8 @@ fn a_run_that_memory_cannot_hold_is_refused() {
     );
     assert_eq!(code, 2, "{stderr}");
     assert!(stderr.starts_with("error: s: 9999901 samples of this rod take some 128"), "{stderr}");
-    assert!(stderr.trim_end().ends_with("are free; lower run.rate, run.duration or rod.nodes"), "{stderr}");
+    let next = "are free; lower run.rate, run.duration or rod.nodes, or keep none: --rerun HOW --watch-only";
+    assert!(stderr.trim_end().ends_with(next), "{stderr}");
     assert_eq!(bench.left(), ["s.toml"]);
 }
 

@@ -23,7 +23,8 @@ ITERATIONS = 2  # a third moves the tip by 0.004 mm, rms over 3 s with stiffness
 
 def settings(case):
     fine = (64, 2.5e-3) if case.beta > 0 else (80, 2.5e-3)
-    return [dict(nodes=n, step=h) for n, h in [(16, 5e-3), (32, 5e-3), (48, 5e-3), (64, 5e-3), (128, 5e-3), fine]]
+    # The last fails without stiffness damping: its matrix is singular.
+    return [dict(nodes=n, step=h) for n, h in [(16, 5e-3), (32, 5e-3), (48, 5e-3), (64, 5e-3), fine, (128, 5e-3)]]
 
 
 def built(case, nodes):

@@ -19,7 +19,7 @@ def settings(case):
     if case.beta > 0:
         pairs = [(16, 1e-3), (32, 2e-3), (32, 1e-3), (64, 5e-4)]
     else:
-        pairs = [(16, 2e-4), (32, 5e-5)]
+        pairs = [(16, 2e-4), (24, 5e-5)]
     return [dict(nodes=nodes, step=step) for nodes, step in pairs]
 
 
