@@ -252,10 +252,10 @@ pub fn forward(
             };
             if run.keep_samples {
                 trajectory.record(&system, &at, energy);
-            }
-            if run.keep_samples && observer.is_differentiated() {
-                let slopes = observer.tip_by_parameters(variational.as_ref(), &at, [begin, end]);
-                trajectory.tip_by_parameters.push(slopes);
+                if observer.is_differentiated() {
+                    let slopes = observer.tip_by_parameters(variational.as_ref(), &at, [begin, end]);
+                    trajectory.tip_by_parameters.push(slopes);
+                }
             }
             let mut seen = Sample { index: sample, system: &mut system, state: &at, energy };
             if observe(&mut seen).is_break() {

@@ -1,6 +1,9 @@
 //! What twin studies share: true damping, a problem for the calibration, and how far off it lands.
 
+use std::path::Path;
+
 use sim::calibrate::{Calibration, Nuisances, Parameter, Problem, Scope, Settings, Trial, calibrate};
+use sim::experiment::Experiment;
 use sim::experiment::release::Release;
 use sim::forward::Run;
 
@@ -30,6 +33,23 @@ pub fn damped_muscle(psi: f64) -> Beam {
 pub fn session(psi: f64, swing: f64, random: &mut Random) -> Session {
     let cycles = six_cycles(random, swing, 0.8f64.to_radians());
     Session::play(&damped_muscle(psi), &cycles, STEP)
+}
+
+/// What a laboratory writes of a recording in which markers of the tip are called `tip…` and those of the base `base…`.
+/// # Panics
+/// If that is no experiment.
+pub fn experiment<'a>(psi: f64, markers: impl Iterator<Item = &'a str> + Clone) -> Experiment {
+    let named = |beginning: &str| {
+        let names = markers.clone().filter(|name| name.starts_with(beginning));
+        names.map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+    };
+    let text = format!(
+        "[muscle]\nname = \"garbulinski-2022\"\n[[recording]]\nfile = \"twin.csv\"\n\
+         pressure = \"{psi} psi\"\ntip = [{}]\nbase = [{}]\n",
+        named("tip"),
+        named("base")
+    );
+    Experiment::parse(Path::new("twin.toml"), &text, &[]).expect("an experiment")
 }
 
 /// EI, alpha and beta of a twin.

@@ -78,7 +78,7 @@ pub struct Found {
 pub fn table(path: &Path) -> io::Result<Vec<Found>> {
     guarded(|| {
         // The units stand in the schema of Arrow.
-        let reader = open(path)?;
+        let (reader, rows) = open(path)?;
         let kind = |field: &FieldRef| match field.data_type() {
             DataType::Int64 => Some(Holds::Counts),
             DataType::Utf8 => Some(Holds::Texts),
@@ -92,7 +92,6 @@ pub fn table(path: &Path) -> io::Result<Vec<Found>> {
             Ok((Found { name: field.name().clone(), unit, cells: holds.none() }, holds))
         };
         let mut all = reader.schema().fields().iter().map(begun).collect::<io::Result<Vec<_>>>()?;
-        let rows = rows(reader.metadata())?;
         for batch in reader.build().map_err(cause)? {
             let batch = batch.map_err(io::Error::other)?;
             for (k, (found, holds)) in all.iter_mut().enumerate() {
@@ -123,23 +122,20 @@ fn guarded<T>(read: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     read.unwrap_or_else(|_| Err(io::Error::other("its pages do not hold together")))
 }
 
-/// A file that holds what [`super::ParquetFile`] writes, and no more than its length allows.
-fn open(path: &Path) -> io::Result<ParquetRecordBatchReaderBuilder<Bytes>> {
+/// A file that holds what [`super::ParquetFile`] writes, and no more than its length allows; and its rows.
+fn open(path: &Path) -> io::Result<(ParquetRecordBatchReaderBuilder<Bytes>, usize)> {
     let bytes = Bytes::from(fs::read(path)?);
     look_through(&bytes, true).map_err(io::Error::other)?;
     let most = MOST_CELLS[0].saturating_add(bytes.len().saturating_mul(MOST_CELLS[1]));
     let opened = ParquetRecordBatchReaderBuilder::try_new(bytes).map_err(cause)?;
-    let metadata = opened.metadata();
-    let stated =
-        metadata.row_groups().iter().map(|group| usize::try_from(group.num_rows()).unwrap_or(usize::MAX));
-    let rows = stated.fold(0, usize::saturating_add);
-    let columns = metadata.file_metadata().schema_descr().num_columns();
+    let rows = rows(opened.metadata())?;
+    let columns = opened.metadata().file_metadata().schema_descr().num_columns();
     if rows.saturating_mul(columns).saturating_mul(size_of::<Option<String>>()) > most {
         return Err(io::Error::other(format!(
             "it states {rows} rows of {columns} columns, which it cannot hold"
         )));
     }
-    Ok(opened)
+    Ok((opened, rows))
 }
 
 /// The end of a file, with the whole footer in it if the file has one.

@@ -4,28 +4,11 @@
 //! Expected: six releases, their instants within five standard errors; EI within 0.5 %, alpha and
 //! beta within 5 % where identifiable.
 
-use std::path::Path;
-
 use sim::cleaning::{Cleaned, clean_all};
-use sim::experiment::Experiment;
 use tests::twin::random::Random;
 use tests::twin::sensor::Cameras;
 use tests::twin::session::Session;
-use tests::twin::study::{damped_muscle, fit, is_determined, landed, line, session, truth};
-
-fn experiment(psi: f64, cameras: &Cameras) -> Experiment {
-    let named = |beginning: &str| {
-        let names = cameras.markers.iter().map(|(name, _)| name).filter(|name| name.starts_with(beginning));
-        names.map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
-    };
-    let text = format!(
-        "[muscle]\nname = \"garbulinski-2022\"\n[[recording]]\nfile = \"twin.csv\"\n\
-         pressure = \"{psi} psi\"\ntip = [{}]\nbase = [{}]\n",
-        named("tip"),
-        named("base")
-    );
-    Experiment::parse(Path::new("twin.toml"), &text, &[]).expect("an experiment")
-}
+use tests::twin::study::{damped_muscle, experiment, fit, is_determined, landed, line, session, truth};
 
 fn cleaned(psi: f64, swing: f64, noise: f64, seed: u64) -> (Session, Cleaned) {
     let mut random = Random::new(seed + psi as u64);
@@ -33,7 +16,8 @@ fn cleaned(psi: f64, swing: f64, noise: f64, seed: u64) -> (Session, Cleaned) {
     let beam = &session.beam;
     let cameras = Cameras::usual(noise, beam.length, beam.bodies[0].center, &[]);
     let recording = cameras.record(&session, &mut random);
-    let cleaned = clean_all(&experiment(psi, &cameras), vec![recording]).expect("six releases");
+    let markers = cameras.markers.iter().map(|(name, _)| &name[..]);
+    let cleaned = clean_all(&experiment(psi, markers), vec![recording]).expect("six releases");
     (session, cleaned)
 }
 

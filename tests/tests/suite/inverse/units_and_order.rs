@@ -8,11 +8,10 @@ use std::path::Path;
 
 use sim::calibrate::Calibration;
 use sim::cleaning::clean_all;
-use sim::experiment::Experiment;
 use sim::recording::{Length, ReadOptions, Recording, parse};
 use tests::twin::random::Random;
 use tests::twin::sensor::Cameras;
-use tests::twin::study::{PATHS, damped_muscle, fit, session, truth};
+use tests::twin::study::{PATHS, damped_muscle, experiment, fit, session, truth};
 
 const PSI: f64 = 15.0;
 /// Share of a standard error by which an answer may move: where the search takes itself to have arrived.
@@ -40,25 +39,11 @@ fn table(recording: &Recording, unit: Length, order: &[usize]) -> String {
     text + "\n"
 }
 
-fn experiment(recording: &Recording, order: &[usize]) -> Experiment {
-    let named = |beginning: &str| {
-        let names =
-            order.iter().map(|k| &recording.markers[*k].name).filter(|name| name.starts_with(beginning));
-        names.map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
-    };
-    let text = format!(
-        "[muscle]\nname = \"garbulinski-2022\"\n[[recording]]\nfile = \"twin.csv\"\npressure = \"{PSI} psi\"\n\
-         tip = [{}]\nbase = [{}]\n",
-        named("tip"),
-        named("base")
-    );
-    Experiment::parse(Path::new("twin.toml"), &text, &[]).expect("an experiment")
-}
-
 fn calibrated(recording: &Recording, unit: Length, order: &[usize]) -> Calibration {
     let text = table(recording, unit, order).into_bytes();
     let read = parse(text, Path::new("twin.csv"), &ReadOptions::default()).expect("a tidy table");
-    let cleaned = clean_all(&experiment(&read, &(0..order.len()).rev().collect::<Vec<_>>()), vec![read]);
+    let of_experiment = experiment(PSI, read.markers.iter().rev().map(|marker| &marker.name[..]));
+    let cleaned = clean_all(&of_experiment, vec![read]);
     let releases = cleaned.expect("six releases").releases.into_iter().map(|own| own.release).collect();
     let truth = truth(&damped_muscle(PSI));
     fit(PSI, releases, [0.9 * truth[0], 1.2 * truth[1], 1.2 * truth[2]])
