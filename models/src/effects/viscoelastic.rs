@@ -37,7 +37,7 @@ impl Law for Viscoelastic {
                 range: (0.0, 100.0),
                 scale: 0.1,
                 off: Some(0.0),
-                plausible: Some((0.0, 0.3)),
+                plausible: Some((0.0, 3.0)),
                 ..Parameter::PLAIN
             },
             Parameter {

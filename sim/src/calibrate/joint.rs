@@ -9,7 +9,8 @@ use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
 use super::refine::{LAST, refine};
-use super::search::{FIT, Found, common_cost, minimise_in, search};
+use super::search::{FIT, Found, common_cost, meet, minimise_in, search};
+use super::starts::swing_times;
 use super::unknowns::{Group, Kind, Unknown, Unknowns};
 
 /// A value of a scaled unknown.
@@ -96,6 +97,24 @@ impl<'a> Joint<'a> {
         let Some(mut found) = search(&objective, &start, &say) else { return Err(objective.refusal(&start)) };
         let left_of_mesh = refine(&objective, &mut found, false, tell).map(|mesh| mesh.left);
         Ok(Self { objective, found, left_of_mesh })
+    }
+
+    /// Searches over short recordings at once, with what mesh and step do; and how far the best is from them, as a
+    /// share of their motion. None where no start can be run.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn meet(problem: &'a Problem) -> Result<Option<(Self, f64)>, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let met = meet(&objective);
+        Ok(met.map(|(found, share)| (Self { objective, found, left_of_mesh: None }, share)))
+    }
+
+    /// Time of a small swing of the problem's releases at its start, s: the longest.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn longest_swing(problem: &Problem) -> Result<f64, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        Ok(swing_times(&objective, &objective.start()).into_iter().fold(0.0, f64::max))
     }
 
     /// Goes on from what is known: unknowns that are among it begin there, others at their start. None

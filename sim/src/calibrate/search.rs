@@ -53,7 +53,7 @@ const ALIKE: f64 = 0.05;
 /// Residuals of this spread, in units of the noise, are explained.
 const EXPLAINED: f64 = 2.0;
 /// Residuals of this share of the motion need not come from a search gone astray.
-const NEAR: f64 = 0.05;
+pub(crate) const NEAR: f64 = 0.05;
 /// A new stretch whose residuals are this share of its motion was not foretold.
 const SLIPPED: f64 = 0.7;
 /// How much longer each stretch is than the one before, and at least where that was not foretold.
@@ -124,6 +124,33 @@ fn excursion(objective: &Objective, r: usize, from: usize, to: usize) -> f64 {
         count += seen.len();
     }
     (sum / (2 * count).max(1) as f64).sqrt()
+}
+
+/// The best fit to short recordings, and how far it is from them: the largest robust spread of its residuals as a
+/// share of the motion. None where no start can be run.
+pub(crate) fn meet(objective: &Objective) -> Option<(Found, f64)> {
+    let view = View::of_all(objective);
+    let mut best: Option<(Found, f64)> = None;
+    for (k, start) in ranked(objective, &objective.start()).iter().enumerate().take(MOST_STARTS) {
+        let Some(seen) = objective.see(start, &view, None) else { continue };
+        let loss = seen.spreads().into_iter().map(Huber::for_spread).collect();
+        let view = View { steps: Some(seen.steps), loss, ..view.clone() };
+        let Some(ended) = minimise_in(objective, start, None, &view, STAGE_TOLERANCE, STAGE_SHARE) else {
+            continue;
+        };
+        let share = |(r, spread): (usize, f64)| spread / excursion(objective, r, 0, view.counts[r]);
+        let share = ended.at.carried.spreads().into_iter().enumerate().map(share).fold(0.0, f64::max);
+        let before = best.as_ref().map(|(_, share)| *share);
+        if before.is_none_or(|before| share < before) {
+            let Solution { x, at, predicted, converged, .. } = ended;
+            best =
+                Some((Found { x, at, view, stages: Vec::new(), predicted, converged, starts: k + 1 }, share));
+        }
+        if share < NEAR || before.is_some_and(|before| (share / before).ln().abs() < ALIKE) {
+            break;
+        }
+    }
+    best
 }
 
 /// One search, from the first swing to the whole recordings.

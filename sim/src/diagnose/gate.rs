@@ -28,13 +28,13 @@ const GATE: f64 = 0.2;
 /// Nodes beyond which no mesh is made finer.
 const MOST_NODES: usize = 130;
 
-/// The baseline on a mesh that is fine enough, if one is.
-pub(super) fn baseline(
+/// A model fitted on a mesh that is fine enough, if one is.
+pub(super) fn on_fine_mesh(
     problem: &Problem,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<(Fitted, Numerics), CalibrateError> {
     let nodes_given = nodes(problem);
-    let fit = Joint::search(problem, &|what| tell(&format!("baseline: {what}")))?;
+    let fit = Joint::search(problem, tell)?;
     let mut left = left_of_mesh(&fit);
     let mut fitted = Fitted::new(problem.clone(), fit.found);
     while left > GATE && 2 * nodes(&fitted.problem) <= MOST_NODES {
@@ -43,7 +43,7 @@ pub(super) fn baseline(
         if refined.is_err() {
             break;
         }
-        tell(&format!("baseline: {left:.2} of the noise may be left of the mesh: {} nodes", nodes(&finer)));
+        tell(&format!("{left:.2} of the noise may be left of the mesh: {} nodes", nodes(&finer)));
         let known = fitted.fit()?.known();
         let Some(fit) = Joint::follow(&finer, &known, &|_| ())? else { break };
         left = left_of_mesh(&fit);

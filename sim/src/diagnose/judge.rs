@@ -11,6 +11,8 @@ use super::curve::{Path, paths};
 use super::set;
 use super::verdict::Gap;
 use crate::calibrate::joint::{Fitted, Joint, Known};
+use crate::calibrate::prediction::Slopes;
+use crate::calibrate::search::Found;
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
@@ -33,8 +35,22 @@ pub(super) struct Locked {
 impl Locked {
     /// Shows a model what was locked away; none where nothing was, or where the model cannot be run there.
     pub fn meet(problem: &Problem, known: &[Known]) -> Result<Option<Self>, CalibrateError> {
+        let Some(locked) = Self::turned(problem, known) else { return Ok(None) };
+        let met = Joint::search(&locked, &|_| ()).map(|fit| (judgement(&fit), fit.found));
+        Self::met(locked, met)
+    }
+
+    /// What it meets of them without any fit.
+    pub fn as_foretold(problem: &Problem, known: &[Known]) -> Result<Option<Self>, CalibrateError> {
+        let Some(locked) = Self::turned(problem, known) else { return Ok(None) };
+        let met = Joint::at(&locked, &[], Slopes::Variational).map(|fit| (judgement(&fit), fit.found));
+        Self::met(locked, met)
+    }
+
+    /// The problem of what was locked away: what all share is held as it is known.
+    fn turned(problem: &Problem, known: &[Known]) -> Option<Problem> {
         if !problem.trials.iter().any(|trial| trial.release.held_out) {
-            return Ok(None);
+            return None;
         }
         let mut locked = problem.clone();
         set(&mut locked, known);
@@ -43,9 +59,15 @@ impl Locked {
         }
         // EI of a pressure that was locked away as a whole is not known from elsewhere.
         locked.parameters.retain(|parameter| parameter.scope != Scope::Shared);
-        match Joint::search(&locked, &|_| ()) {
-            Ok(fit) => {
-                let (judgement, found) = (judgement(&fit), fit.found);
+        Some(locked)
+    }
+
+    fn met(
+        locked: Problem,
+        met: Result<(Judgement, Found), CalibrateError>,
+    ) -> Result<Option<Self>, CalibrateError> {
+        match met {
+            Ok((judgement, found)) => {
                 Ok(Some(Self { judgement, fitted: Fitted::new(locked, found), cost: OnceCell::new() }))
             }
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),

@@ -11,12 +11,14 @@
 //! became idle is left out again (`idle.rs`). Where a candidate or a shape stands out that no effect explains,
 //! the answer is that something unknown is missing, and what it would take is described (`describe.rs`). Before
 //! that the search is made once more with effects of the rod's material that differ in size from pressure to
-//! pressure.
+//! pressure. Where the model does not even meet the first swings, no score says anything, and candidates are fitted to
+//! these (`early.rs`).
 
 mod candidate;
 mod columns;
 pub mod curve;
 pub mod describe;
+mod early;
 pub mod gate;
 mod idle;
 mod judge;
@@ -43,6 +45,7 @@ pub use verdict::{Diagnosis, Verdict};
 use candidate::has_several_pressures;
 use curve::curves;
 use describe::describe;
+use early::Early;
 use idle::without_idle;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
 use planned::separation;
@@ -108,14 +111,17 @@ pub fn diagnose(
     settings: &Settings,
     listener: &dyn Listener,
 ) -> Result<Outcome, CalibrateError> {
-    let (model, numerics) = gate::baseline(problem, &|what| listener.doing(what))?;
-    let fit = model.fit()?;
-    let (before, cost, known) = (judgement(&fit), fit.cost(), fit.known());
-    listener.doing("what was locked away");
-    let locked = Locked::meet(&model.problem, &known)?;
-    let diagnosis = Diagnosis { false_alarm: settings.false_alarm, numerics, ..Diagnosis::default() };
-    drop(fit);
-    let before = Before { model, cost, fitted: before, locked, known };
+    let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, ..Diagnosis::default() };
+    listener.doing("the first swings");
+    let before = match early::before(problem)? {
+        Some(before) => before,
+        None => {
+            let tell = |what: &str| listener.doing(&format!("baseline: {what}"));
+            let (model, numerics) = gate::on_fine_mesh(problem, &tell)?;
+            diagnosis.numerics = numerics;
+            Before::met(model, listener)?
+        }
+    };
     let mut course = Course::new(&before, settings, listener, diagnosis);
     course.search()?;
     if course.diagnosis.verdict == Verdict::Unknown && has_several_pressures(problem) {
@@ -153,6 +159,20 @@ struct Before {
     fitted: Judgement,
     locked: Option<Locked>,
     known: Vec<Known>,
+    /// The first swings, where it does not meet even those.
+    early: Option<Early>,
+}
+
+impl Before {
+    /// A baseline, before what was locked away.
+    fn met(model: Fitted, listener: &dyn Listener) -> Result<Self, CalibrateError> {
+        let fit = model.fit()?;
+        let (fitted, cost, known) = (judgement(&fit), fit.cost(), fit.known());
+        listener.doing("what was locked away");
+        let locked = Locked::meet(&model.problem, &known)?;
+        drop(fit);
+        Ok(Self { model, cost, fitted, locked, known, early: None })
+    }
 }
 
 impl<'a> Course<'a> {
@@ -178,6 +198,12 @@ impl<'a> Course<'a> {
 
     /// Adds effect after effect while something speaks, leaves out what became idle, and says whether that is an answer.
     fn search(&mut self) -> Result<(), CalibrateError> {
+        if let Some(early) = &self.before.early
+            && (self.settings.most_effects == 0 || !self.add_early(early)?)
+        {
+            self.diagnosis.verdict = Verdict::Unknown;
+            return Ok(());
+        }
         self.add_all()?;
         self.leave_out_idle()?;
         if !self.added.is_empty() && self.diagnosis.verdict != Verdict::Unknown {
@@ -187,10 +213,10 @@ impl<'a> Course<'a> {
     }
 
     fn add_all(&mut self) -> Result<(), CalibrateError> {
-        let rounds = self.diagnosis.thresholds.len();
-        for number in 1..=self.settings.most_effects + 1 {
-            let is_last = number > self.settings.most_effects;
-            let asked = Asked { number: rounds + number, is_last, is_widened: self.is_widened };
+        for place in self.added.len()..=self.settings.most_effects {
+            let (number, is_last) =
+                (self.diagnosis.thresholds.len() + 1, place == self.settings.most_effects);
+            let asked = Asked { number, is_last, is_widened: self.is_widened };
             let fit = self.model.fit()?;
             let (problem, locked) = (&self.model.problem, self.locked());
             let found = round(&fit, problem, locked, &self.added, asked, self.settings, self.listener)?;
@@ -306,17 +332,25 @@ impl<'a> Course<'a> {
             (fit.known(), errors(&fit))
         };
         let (gap, curves) = self.gaps();
-        if self.diagnosis.verdict == Verdict::Unknown {
-            let (fit, level) = (self.model.fit()?, self.settings.false_alarm);
-            let tell = |what: &str| self.listener.doing(what);
-            self.diagnosis.description = describe(&fit, &self.model.problem, level, &tell)?;
-        } else {
-            self.tell_apart(&known);
+        match self.diagnosis.verdict {
+            // A phase that is lost has no moment that describes it.
+            Verdict::Unknown if self.before.early.is_some() && self.added.is_empty() => {}
+            Verdict::Unknown => {
+                let (fit, level) = (self.model.fit()?, self.settings.false_alarm);
+                let tell = |what: &str| self.listener.doing(what);
+                self.diagnosis.description = describe(&fit, &self.model.problem, level, &tell)?;
+            }
+            _ => self.tell_apart(&known),
         }
         self.diagnosis.gap = gap;
         let locked = self.problem.trials.iter().filter(|trial| trial.release.held_out);
         self.diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
-        self.diagnosis.misfits = misfit::misfits(&curves);
+        if self.before.early.is_some() {
+            self.diagnosis.misses_first_swings = true;
+            self.diagnosis.warnings.push(early::WARNING.to_owned());
+        } else {
+            self.diagnosis.misfits = misfit::misfits(&curves);
+        }
         self.diagnosis.warnings.extend(gate::warning(&self.diagnosis.numerics));
         self.diagnosis.warnings.extend(words::warnings(&self.problem));
         self.diagnosis.warnings.extend(words::strained(&known));

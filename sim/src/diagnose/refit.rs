@@ -70,10 +70,19 @@ pub(super) fn rough(
 /// Follows a candidate to its fit. None where it cannot be run.
 pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
     let Some(fit) = Joint::follow(&rough.problem, &rough.known, &|_| ())? else { return Ok(None) };
-    let (values, known, cost) = (values(&fit, candidate), fit.known(), fit.cost());
-    let unknowns = known.len() - rough.without;
     let fitted = Fitted::new(rough.problem.clone(), fit.found);
-    Ok(Some(Refit { fitted, known, cost, values, unknowns }))
+    Refit::of(fitted, candidate, rough.without).map(Some)
+}
+
+impl Refit {
+    /// A fit with a candidate, which has so many unknowns `without` it.
+    pub(super) fn of(fitted: Fitted, candidate: &Candidate, without: usize) -> Result<Self, CalibrateError> {
+        let fit = fitted.fit()?;
+        let (values, known, cost) = (values(&fit, candidate), fit.known(), fit.cost());
+        drop(fit);
+        let unknowns = known.len() - without;
+        Ok(Self { fitted, known, cost, values, unknowns })
+    }
 }
 
 impl Added {

@@ -89,7 +89,7 @@ const RARER: f64 = 0.01;
 /// Share of the best candidate's gain within which another, fitted roughly, is fitted in full.
 const NEAR: f64 = 0.1;
 /// χ² by which the best may lead without standing alone.
-const LEAD: f64 = 12.0;
+pub(super) const LEAD: f64 = 12.0;
 /// χ² that an unknown takes away where it means nothing, and as much again: Akaike (1974), IEEE Transactions on
 /// Automatic Control 19, 716-723.
 const FAIR: f64 = 2.0;
@@ -207,7 +207,7 @@ impl Entry {
     }
 
     fn falls_behind(&mut self, by: f64, leader: &str) {
-        self.reject(format!("for its unknowns it explains {by:.0} less of χ² than {leader}"));
+        self.reject(falls_behind(by, leader));
     }
 
     /// What the fit found of its strength.
@@ -221,6 +221,7 @@ impl Entry {
             round,
             effect: self.candidate.name().to_owned(),
             of_each_pressure: self.candidate.is_widened(),
+            of_first_swings: false,
             tried: tried.map(|(parameter, value)| (parameter.name.to_owned(), *value)).collect(),
             score: self.score.size,
             predicted_decrease: self.score.decrease,
@@ -230,6 +231,19 @@ impl Entry {
             rejected: self.rejected.clone(),
         }
     }
+}
+
+/// Why one is not the answer that fits less well than another.
+pub(super) fn falls_behind(by: f64, leader: &str) -> String {
+    format!("for its unknowns it explains {by:.0} less of χ² than {leader}")
+}
+
+/// χ² that an unknown has to be worth: `ln n`, with as many independent samples n as the noise leaves. Schwarz (1978),
+/// Annals of Statistics 6, 461-464.
+pub(super) fn price(fit: &Joint, widening: f64) -> f64 {
+    let series = fit.found.at.carried.blocks.iter().flatten();
+    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / widening;
+    samples.max(1.0).ln()
 }
 
 /// Of each effect the try that promises most, largest score first.
@@ -295,9 +309,6 @@ fn fit_all(
 
 /// Takes the one that fits best for its unknowns, and those that fit as well, if that is more than noise would
 /// give and what was locked away does not speak against it.
-///
-/// An unknown has to be worth `ln n` of χ², with as many independent samples n as the noise leaves: Schwarz
-/// (1978), Annals of Statistics 6, 461-464.
 fn choose(
     shortlist: &mut [Entry],
     problem: &Problem,
@@ -307,9 +318,8 @@ fn choose(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Heard, CalibrateError> {
     let widening = scores.widening;
-    let series = fit.found.at.carried.blocks.iter().flatten();
-    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / widening;
-    let price = |refit: &Refit| refit.unknowns as f64 * samples.max(1.0).ln();
+    let each = price(fit, widening);
+    let price = |refit: &Refit| refit.unknowns as f64 * each;
     let left = |refit: &Refit| 2.0 * refit.cost / widening;
     let worth = |refit: &Refit| left(refit) + price(refit);
     // An unknown less is a reason to be asked first, and none to stand alone.

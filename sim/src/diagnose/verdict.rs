@@ -44,7 +44,11 @@ pub struct Diagnosis {
     pub false_alarm: f64,
     /// Score that a candidate has to exceed, by round.
     pub thresholds: Vec<f64>,
-    /// What the simulation does wrong before anything is added, the largest first.
+    /// Whether the model as it is misses even the first swings, so that candidates were fitted to these first.
+    #[serde(default)]
+    pub misses_first_swings: bool,
+    /// What the simulation does wrong before anything is added, the largest first; empty where it misses even the
+    /// first swings.
     pub misfits: Vec<Misfit>,
     /// What the residual looks like in each round, whatever its cause.
     pub shapes: Vec<Shape>,
@@ -115,6 +119,10 @@ pub struct Evidence {
     /// Whether it was found before, and what is asked is a strength for each pressure.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub of_each_pressure: bool,
+    /// Whether it was fitted to the first swings, because the model misses even those: its score is the root of the
+    /// decrease of χ² there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_first_swings: bool,
     /// Values at which parameters were tried.
     pub tried: Vec<(String, f64)>,
     /// Size of its score.
@@ -132,6 +140,11 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// Says why it is not the answer; the first reason stands.
+    pub(super) fn reject(&mut self, why: &str) {
+        self.rejected.get_or_insert_with(|| why.to_owned());
+    }
+
     /// What was asked for, as a row of a table names it.
     pub fn asked(&self) -> String {
         if self.of_each_pressure { format!("{}, by pressure", self.effect) } else { self.effect.clone() }

@@ -15,7 +15,12 @@ use crate::results::report::{short, significant};
 
 /// One paragraph for a person; each part of it is there only where numbers stand behind it.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
-    let misfit = || wrong(&diagnosis.misfits);
+    let misfit = || match diagnosis.misses_first_swings {
+        true => {
+            Some("The simulation misses even the first swings by more than a fifth of the motion.".to_owned())
+        }
+        false => wrong(&diagnosis.misfits),
+    };
     let sentences: Vec<Option<String>> = match diagnosis.verdict {
         Verdict::NothingMissing => vec![
             Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise does.".to_owned()),

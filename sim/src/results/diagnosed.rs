@@ -87,8 +87,11 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
         }
     }
     for (round, threshold) in diagnosis.thresholds.iter().enumerate() {
-        let _ = writeln!(out, "\nround {}: what the residual looks like, whatever its cause", round + 1);
-        for shape in diagnosis.shapes.iter().filter(|shape| shape.round == round + 1) {
+        let mut shapes = diagnosis.shapes.iter().filter(|shape| shape.round == round + 1).peekable();
+        if shapes.peek().is_some() {
+            let _ = writeln!(out, "\nround {}: what the residual looks like, whatever its cause", round + 1);
+        }
+        for shape in shapes {
             let stands_out = if shape.score > shape.threshold { "  stands out" } else { "" };
             let _ = writeln!(
                 out,
@@ -103,7 +106,7 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
         let _ = writeln!(out, "\nround {}: a score has to exceed {threshold:.2}", round + 1);
         let _ = writeln!(
             out,
-            "  {:22}{:>8}{:>10}{:>10}{:>12}",
+            "  {:34}{:>8}{:>10}{:>10} {:>12}",
             "candidate", "score", "promises", "keeps", "strength"
         );
         let own: Vec<&Evidence> =
@@ -112,7 +115,7 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
             let keeps = evidence.realised_decrease.map_or("-".to_owned(), |keeps| format!("{keeps:.1}"));
             let _ = writeln!(
                 out,
-                "  {:22}{:>8.2}{:>10.1}{keeps:>10}{:>12}  {}",
+                "  {:34}{:>8.2}{:>10.1}{keeps:>10} {:>12}  {}",
                 evidence.asked(),
                 evidence.score,
                 evidence.predicted_decrease,

@@ -8,7 +8,7 @@ use models::effects::CATALOGUE;
 use sim::calibrate::Scope;
 use sim::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
 use tests::blind::problem;
-use tests::twin::drawn::Plan;
+use tests::twin::drawn::{Drawn, Plan, Priors};
 use tests::twin::hidden::Hidden;
 
 fn diagnosed(hidden: &[Hidden], seed: u64, settings: &Settings) -> Outcome {
@@ -50,19 +50,64 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
     assert!(repaired.trials.iter().all(|trial| trial.model.effect("viscoelastic").is_some()));
 }
 
+/// Releases of a muscle with a viscoelastic branch of another size at each pressure, in what is typical.
+fn with_branches(sizes: [f64; 3], plan: &Plan, seed: u64) -> Drawn {
+    let drawn = |size: f64| {
+        let hidden = Hidden::named("viscoelastic", size).expect("it is known");
+        Plan { hidden: vec![hidden], ..plan.clone() }.draw(seed)
+    };
+    // What is drawn by chance does not depend on what is hidden.
+    let mut all = drawn(sizes[0]);
+    for k in [1, 2] {
+        all.releases.splice(2 * k..2 * k + 2, drawn(sizes[k]).releases.drain(2 * k..2 * k + 2));
+    }
+    all
+}
+
+/// A muscle with large branches and an EI held as its statics say: they take the phase within the first swing, and no
+/// score says anything. Of the catalogue only some are asked.
+fn with_stiffness_of_statics(asked: &[&str], seed: u64) -> Diagnosis {
+    let usual = Plan::of_two_angles(&[]);
+    let priors = Priors { bending_stiffness: 0.0, ..usual.priors };
+    let plan = Plan { duration: 4.0, priors, ..usual };
+    let mut problem = problem(&with_branches([1.0, 20.0, 20.0], &plan, seed));
+    problem.parameters.retain(|parameter| parameter.path != "rod.bending_stiffness");
+    let names = CATALOGUE.iter().map(|effect| effect.about().name);
+    let excluded = names.filter(|name| !asked.contains(name)).map(str::to_owned).collect();
+    let settings = Settings { most_effects: 1, excluded, ..Settings::default() };
+    let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
+    assert!(found.misses_first_swings, "{}", found.summary);
+    found
+}
+
+#[test]
+fn what_is_missing_from_the_first_swing_on_is_found() {
+    let asked = ["viscoelastic", "damping_over_pressure", "cubic_stiffness", "tip_mass"];
+    let found = with_stiffness_of_statics(&asked, 907);
+    assert_eq!(found.verdict, Verdict::Named, "{}", found.summary);
+    assert!(found.summary.contains("misses even the first swings"), "{}", found.summary);
+    let own = found.effects[0].parameters.iter().filter(|own| own.name == "branch_stiffness");
+    let sizes: Vec<f64> = own.map(|own| own.value).collect();
+    let typical = Hidden::named("viscoelastic", 1.0).expect("it is known").strength();
+    assert!((sizes[0] / typical - 1.0).abs() < 0.1, "{sizes:?}");
+    assert!((sizes[1] / (20.0 * typical) - 1.0).abs() < 0.02, "{sizes:?}");
+    assert!(worst_gap(&found) < 1.25, "{:?}", found.gap);
+}
+
+/// The same where no candidate could do it: nothing is named for want of a better.
+#[test]
+fn what_misses_the_first_swings_with_every_effect_is_unknown() {
+    let found = with_stiffness_of_statics(&["damping_over_pressure", "tip_mass"], 908);
+    assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
+    assert!(found.evidence.iter().all(|evidence| evidence.rejected.is_some()), "{:?}", found.evidence);
+}
+
 /// No effect of one size does what this does; the size at the locked pressure is its own, too, and one release more
 /// is locked away at a pressure that is not.
 #[test]
 fn an_effect_of_another_size_at_each_pressure_is_found() {
-    let drawn = |size: f64| {
-        let hidden = Hidden::named("viscoelastic", size).expect("it is known");
-        Plan { duration: 6.0, ..Plan::of_two_angles(&[hidden]) }.draw(905)
-    };
-    // What is drawn by chance does not depend on what is hidden.
-    let mut all = drawn(0.5);
-    for (k, size) in [(1, 1.0), (2, 2.0)] {
-        all.releases.splice(2 * k..2 * k + 2, drawn(size).releases.drain(2 * k..2 * k + 2));
-    }
+    let plan = Plan { duration: 6.0, ..Plan::of_two_angles(&[]) };
+    let all = with_branches([0.5, 1.0, 2.0], &plan, 905);
     let settings = Settings { most_effects: 1, ..Settings::default() };
     let outcome = diagnose(&problem(&all), &settings, &|_: &str| ()).expect("it can be diagnosed");
     let Outcome { diagnosis: found, repaired, .. } = outcome;

@@ -11,6 +11,7 @@ fn evidence(effect: &str, kept: Option<f64>) -> Evidence {
         round: 1,
         effect: effect.to_owned(),
         of_each_pressure: false,
+        of_first_swings: false,
         tried: Vec::new(),
         score: 30.0,
         predicted_decrease: 900.0,

@@ -189,6 +189,7 @@ mod tests {
             round,
             effect: effect.to_owned(),
             of_each_pressure: false,
+            of_first_swings: false,
             tried: Vec::new(),
             score,
             predicted_decrease: score * score,

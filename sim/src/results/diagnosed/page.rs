@@ -229,6 +229,7 @@ mod tests {
             round: 1,
             effect: effect.to_owned(),
             of_each_pressure: false,
+            of_first_swings: false,
             tried: Vec::new(),
             score: 12.0,
             predicted_decrease: 140.0,
@@ -280,12 +281,10 @@ mod tests {
             gap: vec![gap(name, false), gap("locked", true)],
             false_alarm: 0.01,
             thresholds: vec![4.2],
-            misfits: Vec::new(),
             shapes: vec![shape(1), shape(2)],
-            description: None,
-            numerics: crate::diagnose::gate::Numerics::default(),
             held_out: vec!["locked".to_owned()],
             warnings: vec!["one pressure alone".to_owned()],
+            ..Diagnosis::default()
         };
         let repaired = Problem {
             trials: Vec::new(),

@@ -153,10 +153,20 @@ fn ranking(round: usize, evidence: &[&Evidence], threshold: f64) -> Picture {
         scores(&left, &rows, evidence, threshold, [&chosen, &other, &line])?;
         decreases(&right, &rows, evidence)
     });
+    let left = match evidence.iter().any(|own| own.of_first_swings) {
+        true => {
+            "the root of what each effect takes off χ² when fitted to the first swings alone, beside what it has to"
+        }
+        false => {
+            "the score of each effect where it is off, beside the threshold that noise exceeds as rarely as the false-alarm level says"
+        }
+    };
     Picture {
         name: format!("candidates-{round}"),
         title,
-        caption: "Left: the score of each effect where it is off, beside the threshold that noise exceeds as rarely as the false-alarm level says. Right: by how much χ² was promised to fall, and by how much it fell when the effect was fitted. Below each name: why it is not the answer.".to_owned(),
+        caption: format!(
+            "Left: {left}. Right: by how much χ² was promised to fall, and by how much it fell when the effect was fitted. Below each name: why it is not the answer."
+        ),
         svg,
     }
 }

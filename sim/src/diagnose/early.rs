@@ -1,0 +1,298 @@
+//! The first swings before the rest, where a model does not even meet those.
+//!
+//! A score takes the residual to grow in proportion to what is missing. A model that is a quarter of a swing behind
+//! after the first one has lost the phase, and its residual says no more than that. So each candidate is fitted to
+//! the first swings instead, from its typical size and within what is believed of the setup: they cost little, and
+//! in them no phase is lost by a whole turn. Those that bring the model to meet them are fitted to the whole
+//! recordings, and the search goes on from the best.
+
+use rayon::prelude::*;
+
+use super::candidate::{Candidate, candidates};
+use super::gate::{self, Numerics};
+use super::judge::{Locked, judgement};
+use super::refit::Refit;
+use super::round::{Best, LEAD, falls_behind, price};
+use super::verdict::{Evidence, Member};
+use super::{Before, Course, set};
+use crate::calibrate::joint::{Fitted, Joint, Known};
+use crate::calibrate::prediction::Slopes;
+use crate::calibrate::uncertainty::uncertainty;
+use crate::calibrate::{CalibrateError, Parameter, Prior, Problem, Trial};
+
+/// Swings that are looked at.
+const SWINGS: f64 = 2.0;
+/// Residuals of this share of the motion, over all of these swings, are those of a phase that is lost.
+const LOST: f64 = 0.2;
+/// Standard deviations of what is believed within which the first swings are fitted.
+const BELIEVED: f64 = 5.0;
+/// Steps of a run, in those of the model without a candidate, from which on it is not worth its time: friction that
+/// turns round with every wave that nothing damps.
+const MOST_STEPS: usize = 3;
+/// Share of the cost that a candidate has to explain.
+const MET: f64 = 0.9;
+/// Those that leave more than so many times the least are not fitted to the whole recordings.
+const WORSE: f64 = 3.0;
+
+/// What should be known where they were asked first.
+pub(super) const WARNING: &str = "the model as it is misses even the first swings, and what is shown of it was fitted to \
+    them alone; candidates were fitted to them before anything else";
+
+/// The first swings of a problem, which its model does not meet.
+pub(super) struct Early {
+    problem: Problem,
+    cost: f64,
+    known: Vec<Known>,
+}
+
+/// A candidate at the first swings.
+struct Met {
+    candidate: Candidate,
+    /// What it costs there with all else fitted, and where that is; none where it cannot be run.
+    end: Option<(f64, Vec<Known>)>,
+}
+
+/// The first swings, if the model cannot be brought to meet them.
+fn lost(problem: &Problem) -> Result<Option<Early>, CalibrateError> {
+    let mut short = until(problem, SWINGS * Joint::longest_swing(problem)?);
+    short.parameters.iter_mut().for_each(|parameter| believe(parameter, &problem.trials[0]));
+    let fit = match Joint::meet(&short) {
+        Ok(Some((fit, missed))) if missed > LOST => fit,
+        Ok(_) | Err(CalibrateError::TooFewSamples { .. }) => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    let (cost, known) = (fit.cost(), fit.known());
+    let steps = fit.found.view.steps.iter().flatten().map(Vec::len).max().unwrap_or(0);
+    drop(fit);
+    short.trials.iter_mut().for_each(|trial| trial.run.most_steps = MOST_STEPS * steps);
+    Ok(Some(Early { problem: short, cost, known }))
+}
+
+/// How the model that comes nearest to the first swings meets the whole recordings, if it does not even meet those.
+/// # Errors
+/// [`CalibrateError`] for a problem that makes no sense.
+pub(super) fn before(problem: &Problem) -> Result<Option<Before>, CalibrateError> {
+    let Some(early) = lost(problem)? else { return Ok(None) };
+    let mut problem = problem.clone();
+    set(&mut problem, &early.known);
+    let fit = match Joint::at(&problem, &early.known, Slopes::Variational) {
+        Ok(fit) => fit,
+        Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    let (cost, fitted, known) = (fit.cost(), judgement(&fit), fit.known());
+    let found = fit.found;
+    let locked = Locked::as_foretold(&problem, &known)?;
+    Ok(Some(Before { model: Fitted::new(problem, found), cost, fitted, locked, known, early: Some(early) }))
+}
+
+/// The same releases until some time after their release, s.
+fn until(problem: &Problem, end: f64) -> Problem {
+    let mut problem = problem.clone();
+    for trial in &mut problem.trials {
+        let count = trial.release.time.partition_point(|time| *time <= end);
+        trial.release.time.truncate(count);
+        trial.release.tracks.iter_mut().for_each(|track| track.position.truncate(count));
+    }
+    problem
+}
+
+/// Keeps a parameter near what is believed of it: a model that lacks much would else go any way to make up for it.
+fn believe(parameter: &mut Parameter, trial: &Trial) {
+    let known = trial.model.parameters.iter().find(|known| known.path == parameter.path);
+    if let (Some(Prior { mean, deviation }), Some(known)) = (parameter.prior, known) {
+        let (low, high) = parameter.bounds.unwrap_or(known.range);
+        let start = parameter.start.unwrap_or(mean);
+        let (least, most) = (mean - BELIEVED * deviation, mean + BELIEVED * deviation);
+        parameter.bounds = Some((low.max(least.min(start)), high.min(most.max(start))));
+    }
+}
+
+impl Early {
+    /// The first swings with a candidate, from its typical size.
+    fn with(&self, candidate: Candidate) -> Result<Met, CalibrateError> {
+        let end = match candidate.added_to(&self.problem, candidate.strength.default) {
+            Ok(problem) => Joint::meet(&problem)?.map(|(fit, _)| (fit.cost(), fit.known())),
+            Err(_) => None,
+        };
+        Ok(Met { candidate, end })
+    }
+
+    /// What a candidate has to explain, as a score.
+    fn threshold(&self) -> f64 {
+        (2.0 * MET * self.cost).sqrt()
+    }
+}
+
+impl Met {
+    fn cost(&self) -> f64 {
+        self.end.as_ref().map_or(f64::INFINITY, |(cost, _)| *cost)
+    }
+
+    fn evidence(&self, early: &Early, round: usize) -> Evidence {
+        let path = self.candidate.path();
+        let known = self.end.iter().flat_map(|(_, known)| known);
+        let strengths: Vec<f64> =
+            known.filter(|known| known.unknown.name == path).map(Known::value).collect();
+        let decrease = 2.0 * (early.cost - self.cost()).max(0.0);
+        Evidence {
+            round,
+            effect: self.candidate.name().to_owned(),
+            of_each_pressure: self.candidate.is_widened(),
+            of_first_swings: true,
+            tried: Vec::new(),
+            score: decrease.sqrt(),
+            predicted_decrease: decrease,
+            realised_decrease: None,
+            strength: strengths.iter().sum::<f64>() / strengths.len().max(1) as f64,
+            held_out_decrease: None,
+            rejected: None,
+        }
+    }
+
+    /// The whole recordings with it, from where the first swings lead. None where that cannot be run.
+    fn whole(
+        &self,
+        problem: &Problem,
+        without: usize,
+        tell: &(dyn Fn(&str) + Sync),
+    ) -> Result<Option<Whole>, CalibrateError> {
+        let typical = self.candidate.strength.default;
+        let (Some((_, known)), Ok(mut with)) = (&self.end, self.candidate.added_to(problem, typical)) else {
+            return Ok(None);
+        };
+        set(&mut with, known);
+        // Each begins where the models are now.
+        with.parameters.iter_mut().for_each(|parameter| parameter.start = None);
+        let (fitted, numerics) = match gate::on_fine_mesh(&with, tell) {
+            Ok(found) => found,
+            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        let refit = Refit::of(fitted, &self.candidate, without)?;
+        let fit = refit.fitted.fit()?;
+        let widening = widening(&fit, &self.candidate.path());
+        let price = refit.unknowns as f64 * price(&fit, widening);
+        drop(fit);
+        Ok(Some(Whole { candidate: self.candidate.clone(), refit, numerics, widening, price }))
+    }
+}
+
+/// A candidate fitted to the whole recordings.
+struct Whole {
+    candidate: Candidate,
+    refit: Refit,
+    numerics: Numerics,
+    /// Variance of the noise over that of white noise as large as stated.
+    widening: f64,
+    /// χ² that its unknowns have to be worth.
+    price: f64,
+}
+
+impl Whole {
+    /// What it leaves of χ², and what its unknowns have to be worth.
+    fn worth(&self) -> f64 {
+        2.0 * self.refit.cost / self.widening + self.price
+    }
+}
+
+/// Variance of a parameter over what it would be under white noise as large as stated.
+fn widening(fit: &Joint, path: &str) -> f64 {
+    let of = uncertainty(&fit.objective, &fit.found);
+    let own = fit.objective.part.unknowns.iter().position(|unknown| unknown.name == path);
+    let ratio = own.map_or(1.0, |k| of.covariance[(k, k)] / of.plain[(k, k)]);
+    if ratio.is_finite() { ratio.max(1.0) } else { 1.0 }
+}
+
+impl Course<'_> {
+    /// Adds the effect with which the model meets the first swings and fits the whole recordings best. False where
+    /// none does.
+    pub(super) fn add_early(&mut self, early: &Early) -> Result<bool, CalibrateError> {
+        let number = self.diagnosis.thresholds.len() + 1;
+        let listener = self.listener;
+        let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));
+        let meet = |candidate: Candidate| {
+            tell(&format!("first swings with {}", candidate.name()));
+            early.with(candidate)
+        };
+        let mut met: Vec<Met> =
+            self.asked_early(early).into_par_iter().map(meet).collect::<Result<_, _>>()?;
+        met.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        let mut evidence: Vec<Evidence> = met.iter().map(|met| met.evidence(early, number)).collect();
+        let threshold = early.threshold();
+        listener.ranked(threshold, &evidence);
+        let least = met.first().map_or(f64::INFINITY, Met::cost);
+        let mut found: Vec<(usize, Whole)> = Vec::new();
+        for (k, (met, evidence)) in met.iter().zip(&mut evidence).enumerate() {
+            if evidence.score < threshold {
+                evidence.reject("the model with it does not meet the first swings either");
+            } else if met.cost() > WORSE * least {
+                evidence.reject("it meets the first swings less well than others");
+            } else {
+                let name = met.candidate.name();
+                let whole =
+                    met.whole(&self.problem, early.known.len(), &|what| tell(&format!("{name}: {what}")))?;
+                match whole {
+                    Some(whole) => found.push((k, whole)),
+                    None => evidence.reject("a model with it cannot be run"),
+                }
+            }
+        }
+        found.sort_by(|a, b| a.1.worth().total_cmp(&b.1.worth()));
+        let best = self.best_of(found, &mut evidence);
+        self.diagnosis.thresholds.push(threshold);
+        listener.ranked(threshold, &evidence);
+        self.diagnosis.evidence.extend(evidence);
+        let Some((best, numerics)) = best else { return Ok(false) };
+        self.take_mesh(&numerics);
+        tell("what was locked away");
+        let locked = Locked::meet(&best.refit.fitted.problem, &best.refit.known)?;
+        self.add(Box::new(Best { locked, ..best }))?;
+        Ok(true)
+    }
+
+    /// Each effect once: values that are tried are starts here. Those that were asked before are not asked again.
+    fn asked_early(&self, early: &Early) -> Vec<Candidate> {
+        let mut all = candidates(&early.problem, &self.settings.excluded);
+        if self.is_widened {
+            all = all.iter().filter_map(Candidate::of_each_pressure).collect();
+        }
+        let tries = all.chunk_by(|a, b| a.name() == b.name());
+        tries.map(|tries| tries[tries.len() / 2].clone()).collect()
+    }
+
+    /// The first of those that fit the whole recordings, and the others that do as well.
+    fn best_of(&self, found: Vec<(usize, Whole)>, evidence: &mut [Evidence]) -> Option<(Best, Numerics)> {
+        let mut found = found.into_iter();
+        let (first, best) = found.next()?;
+        let (gain, least) = (2.0 * (self.cost - best.refit.cost) / best.widening, best.worth());
+        evidence[first].realised_decrease = Some(gain);
+        let mut members = Vec::new();
+        for (k, other) in found {
+            let behind = other.worth() - least;
+            evidence[k].realised_decrease = Some(2.0 * (self.cost - other.refit.cost) / best.widening);
+            if behind >= LEAD {
+                evidence[k].reject(&falls_behind(behind, best.candidate.name()));
+                continue;
+            }
+            let effect = other.candidate.name().to_owned();
+            // Fitted side by side: what is left between them is how far they are apart.
+            let distance = behind.max(0.0).sqrt();
+            members.push((Member { effect, behind, distance }, other.candidate));
+        }
+        let Whole { candidate, refit, numerics, widening, price } = best;
+        Some((Best { candidate, refit, locked: None, widening, price, gain, members }, numerics))
+    }
+
+    /// Gives the model without anything added the mesh on which that was fitted.
+    fn take_mesh(&mut self, numerics: &Numerics) {
+        let factor = (numerics.nodes - 1) / (numerics.nodes_given - 1).max(1);
+        if factor > 1 {
+            let mut finer = self.problem.clone();
+            if finer.trials.iter_mut().try_for_each(|trial| trial.refine(factor)).is_ok() {
+                self.problem = finer;
+            }
+        }
+        self.diagnosis.numerics = numerics.clone();
+    }
+}
