@@ -250,8 +250,11 @@ fn ask(case: &Case, limits: Option<Limits>, usual: f64, words: &Words, begin: In
 fn report(answer: &Answer) {
     let distance = answer.distance.map_or(String::new(), |distance| format!("D {distance:.1}"));
     let [fitted, locked] = answer.noise_free;
+    let strength = answer.relative_strength().map_or(String::new(), |(found, [low, high])| {
+        format!("  {found:.3} of the strength ({low:.3} to {high:.3})")
+    });
     println!(
-        "{:44} {:5} {distance:>8}  {:50} noise-free {fitted:.3}, locked {locked:.3}  {:.1} s",
+        "{:44} {:5} {distance:>8}  {:50} noise-free {fitted:.3}, locked {locked:.3}  {:.1} s{strength}",
         answer.case.name(),
         answer.case.seed,
         answer.said(),

@@ -101,12 +101,26 @@ impl Answer {
     }
 
     /// The strength that was found where the name is right, with its interval.
-    pub fn strength(&self) -> Option<(f64, [f64; 2])> {
+    fn strength(&self) -> Option<(f64, [f64; 2])> {
         let (name, size) = self.case.hidden.first().filter(|_| self.is_right())?;
         let parameter = Hidden::named(name, *size)?.parameter();
         let mut values = self.diagnosis.effects.first()?.parameters.iter();
         let value = values.find(|value| value.name == parameter)?;
         Some((value.value, value.interval_95?))
+    }
+
+    /// The strength that was found over the hidden one where the name is right, with its interval. None of what has
+    /// another size at each release.
+    pub fn relative_strength(&self) -> Option<(f64, [f64; 2])> {
+        let (name, size) = self.case.hidden.first()?;
+        let hidden = Hidden::named(name, *size)?;
+        if matches!(hidden, Hidden::ReleaseDrift { .. }) {
+            return None;
+        }
+        let truth = hidden.strength();
+        let (value, interval) = self.strength()?;
+        let [low, high] = interval.map(|bound| bound / truth);
+        Some((value / truth, if truth < 0.0 { [high, low] } else { [low, high] }))
     }
 
     /// In a few words.

@@ -6,7 +6,6 @@ use std::fmt::Write;
 use sim::diagnose::Verdict;
 
 use super::answer::{Answer, TOLD_APART};
-use crate::twin::hidden::Hidden;
 
 /// Distance below which two effects are one, standard deviations.
 const ONE: f64 = 2.0;
@@ -76,12 +75,8 @@ pub fn told(answers: &[Answer]) -> String {
 fn strengths(text: &mut String, answers: &[&Answer]) {
     let known: Vec<(f64, bool)> = answers
         .iter()
-        .filter_map(|answer| {
-            let (name, size) = answer.case.hidden[0];
-            let truth = Hidden::named(name, size)?.strength();
-            let (value, [low, high]) = answer.strength()?;
-            Some(((value / truth - 1.0).abs(), (low..=high).contains(&truth)))
-        })
+        .filter_map(|answer| answer.relative_strength())
+        .map(|(found, [low, high])| ((found - 1.0).abs(), (low..=high).contains(&1.0)))
         .collect();
     rate(text, "right names: the interval holds the strength", &known.iter().collect::<Vec<_>>(), |k| k.1);
     number(text, "right names: error of the strength, median", median(known.iter().map(|k| k.0).collect()));
