@@ -167,42 +167,44 @@ impl Hidden {
     /// What the catalogue calls [its](Self::parameter) strength.
     #[rustfmt::skip]
     pub fn strength(&self) -> f64 {
-        let (AirDrag { drag_coefficient: strength }
-        | TipDrag { drag_area: strength }
-        | LinearDrag { coefficient: strength }
-        | AddedMass { mass_per_length: strength }
-        | BraidFriction { moment: strength }
-        | Hysteresis { loss_factor: strength }
-        | Dahl { moment: strength, .. }
-        | Viscoelastic { branch_stiffness: strength, .. }
-        | Creep { branch_stiffness: strength, .. }
-        | CubicStiffness { coefficient: strength }
-        | QuadraticStiffness { coefficient: strength }
-        | SetCurvature { curvature: strength, .. }
-        | StiffnessTaper { taper: strength }
-        | PressureVolume { coefficient: strength }
-        | ClampCompliance { compliance: strength }
-        | ClampFriction { moment: strength }
-        | Hose { stiffness: strength, .. }
-        | TipInertia { inertia: strength }
-        | TipOffset { along: strength }
-        | TipMass { mass: strength }
-        | AxialCompliance { compliance: strength }
-        | HandRelease { force: strength, .. }
-        | InitialVelocity { rate: strength }
-        | StiffnessDrift { rate: strength }
-        | ReleaseDrift { change: strength }
-        | DampingOverPressure { beta: strength, .. }
-        | StrainRateCubed { coefficient: strength }
-        | FrameTilt { angle: strength }
-        | Scale { excess: strength }
-        | MarkerOffset { along: strength, .. }
-        | Clock { excess: strength }
-        | OutOfPlane { share: strength }
-        | Sloshing { mass: strength, .. }
-        | Wall { stiffness: strength, .. }
-        | Ripple { share: strength, .. }) = *self;
-        strength
+        match *self {
+            // The catalogue asks how long the recording's second is, the twin what is recorded for one.
+            Clock { excess } => -excess / (1.0 + excess),
+            AirDrag { drag_coefficient: strength }
+            | TipDrag { drag_area: strength }
+            | LinearDrag { coefficient: strength }
+            | AddedMass { mass_per_length: strength }
+            | BraidFriction { moment: strength }
+            | Hysteresis { loss_factor: strength }
+            | Dahl { moment: strength, .. }
+            | Viscoelastic { branch_stiffness: strength, .. }
+            | Creep { branch_stiffness: strength, .. }
+            | CubicStiffness { coefficient: strength }
+            | QuadraticStiffness { coefficient: strength }
+            | SetCurvature { curvature: strength, .. }
+            | StiffnessTaper { taper: strength }
+            | PressureVolume { coefficient: strength }
+            | ClampCompliance { compliance: strength }
+            | ClampFriction { moment: strength }
+            | Hose { stiffness: strength, .. }
+            | TipInertia { inertia: strength }
+            | TipOffset { along: strength }
+            | TipMass { mass: strength }
+            | AxialCompliance { compliance: strength }
+            | HandRelease { force: strength, .. }
+            | InitialVelocity { rate: strength }
+            | StiffnessDrift { rate: strength }
+            | ReleaseDrift { change: strength }
+            | DampingOverPressure { beta: strength, .. }
+            | StrainRateCubed { coefficient: strength }
+            | FrameTilt { angle: strength }
+            | Scale { excess: strength }
+            | MarkerOffset { along: strength, .. }
+            | OutOfPlane { share: strength }
+            | Sloshing { mass: strength, .. }
+            | Wall { stiffness: strength, .. }
+            | Ripple { share: strength, .. } => strength,
+        }
     }
 
     /// The parameter of the catalogue that is its strength; empty for what no catalogue holds.
