@@ -124,7 +124,8 @@ pub fn diagnose(
     };
     let mut course = Course::new(&before, settings, listener, diagnosis);
     course.search()?;
-    if course.diagnosis.verdict == Verdict::Unknown && has_several_pressures(problem) {
+    let is_unknown = course.diagnosis.verdict == Verdict::Unknown && settings.most_effects > 0;
+    if is_unknown && has_several_pressures(problem) {
         listener.doing("again, with strengths that differ from pressure to pressure");
         course = course.widened()?;
     }
@@ -234,7 +235,7 @@ impl<'a> Course<'a> {
                         "{effect} or another would come next, and is not in the repaired model: --most {} ends the search here",
                         self.settings.most_effects
                     ));
-                    if self.settings.most_effects >= TOO_MANY {
+                    if self.settings.most_effects >= TOO_MANY || self.added.is_empty() {
                         self.diagnosis.verdict = Verdict::Unknown;
                     }
                     return Ok(());

@@ -29,6 +29,9 @@ pub(super) struct Round {
     pub heard: Heard,
 }
 
+/// Why one is not the answer where the search was not to go on.
+pub(super) const NO_MORE: &str = "no more than asked for is added";
+
 /// Which round it is.
 #[derive(Clone, Copy)]
 pub(super) struct Asked {
@@ -145,7 +148,7 @@ pub(super) fn round(
         |shape: &Shape| shape.score > shape.threshold && shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
     let is_shaped = shapes.iter().any(is_shape);
     let heard = if let Some(name) = one_more {
-        entries.iter_mut().for_each(|entry| entry.reject("no more than asked for is added"));
+        entries.iter_mut().for_each(|entry| entry.reject(NO_MORE));
         Heard::More(name)
     } else if is_heard {
         let (shortlist, others) = shortlist(&mut entries);

@@ -7,6 +7,7 @@ use models::effects::{CATALOGUE, Kind, by_name};
 use super::describe::Description;
 use super::localise::Shape;
 use super::misfit::{BANDS, Misfit, Wrong};
+use super::round::NO_MORE;
 use super::section::{LEAST_NOISE, TILT};
 use super::verdict::{Added, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
 use crate::calibrate::Problem;
@@ -46,7 +47,7 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             ]
         }
         Verdict::Unknown => vec![
-            Some("Something is missing that the catalogue does not hold.".to_owned()),
+            Some(missing(diagnosis).to_owned()),
             misfit(),
             partly(diagnosis),
             diagnosis.description.as_ref().and_then(described),
@@ -55,6 +56,15 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
         ],
     };
     sentences.into_iter().flatten().collect::<Vec<_>>().join(" ")
+}
+
+/// That something is missing which has no name, or was not looked for.
+fn missing(diagnosis: &Diagnosis) -> &'static str {
+    let is_unasked = |own: &Evidence| own.rejected.as_deref() == Some(NO_MORE);
+    match diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
+        true => "Something is missing; no effect was to be fitted to say what.",
+        false => "Something is missing that the catalogue does not hold.",
+    }
 }
 
 /// A parameter's name as a person says it.

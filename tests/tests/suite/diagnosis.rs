@@ -50,6 +50,19 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
     assert!(repaired.trials.iter().all(|trial| trial.model.effect("viscoelastic").is_some()));
 }
 
+/// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.
+#[test]
+fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
+    let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
+    let settings = Settings { most_effects: 0, ..Settings::default() };
+    let found = diagnosed(&[hidden], 902, &settings).diagnosis;
+    assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
+    assert!(found.summary.contains("no effect was to be fitted"), "{}", found.summary);
+    assert!(found.evidence.iter().all(|evidence| evidence.realised_decrease.is_none()));
+    assert_eq!(found.thresholds.len(), 1);
+    assert!(found.evidence.iter().any(|evidence| evidence.score > found.thresholds[0]));
+}
+
 /// Releases of a muscle with a viscoelastic branch of another size at each pressure, in what is typical.
 fn with_branches(sizes: [f64; 3], plan: &Plan, seed: u64) -> Drawn {
     let drawn = |size: f64| {
