@@ -352,6 +352,7 @@ impl<'a> Course<'a> {
         } else {
             self.diagnosis.misfits = misfit::misfits(&curves);
         }
+        self.diagnosis.warnings.extend(words::several(&self.diagnosis));
         self.diagnosis.warnings.extend(gate::warning(&self.diagnosis.numerics));
         self.diagnosis.warnings.extend(words::warnings(&self.problem));
         self.diagnosis.warnings.extend(words::strained(&known));

@@ -341,6 +341,14 @@ pub(super) fn strained(known: &[Known]) -> Vec<String> {
     known.iter().filter_map(of).collect()
 }
 
+/// What should be known of an answer of several names.
+pub(super) fn several(diagnosis: &Diagnosis) -> Option<String> {
+    let is_named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Class);
+    (is_named && diagnosis.effects.len() > 1).then(|| {
+        "several effects together can stand in for one that the catalogue does not hold: confirm them with another recording, with markers on the body".to_owned()
+    })
+}
+
 /// Effects that are part of every diagnosis, and no choice of an experiment.
 const STANDING: [&str; 4] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", TILT];
 
