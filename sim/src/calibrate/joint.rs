@@ -10,7 +10,7 @@ use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
 use super::refine::{LAST, refine};
 use super::search::{FIT, Found, common_cost, meet, minimise_in, search};
-use super::starts::swing_times;
+use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Kind, Unknown, Unknowns};
 
 /// A value of a scaled unknown.
@@ -99,22 +99,24 @@ impl<'a> Joint<'a> {
         Ok(Self { objective, found, left_of_mesh })
     }
 
-    /// Searches over short recordings at once, with what mesh and step do; and how far the best is from them, as a
-    /// share of their motion. None where no start can be run.
+    /// Fits the first samples of each release at once, with what mesh and step do; and how far the best is from them,
+    /// as a share of their motion. None where no start can be run.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn meet(problem: &'a Problem) -> Result<Option<(Self, f64)>, CalibrateError> {
+    pub fn meet(problem: &'a Problem, counts: &[usize]) -> Result<Option<(Self, f64)>, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
-        let met = meet(&objective);
+        let met = meet(&objective, counts);
         Ok(met.map(|(found, share)| (Self { objective, found, left_of_mesh: None }, share)))
     }
 
-    /// Time of a small swing of the problem's releases at its start, s: the longest.
+    /// How many samples of each release lie within so many small swings of the slowest one.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn longest_swing(problem: &Problem) -> Result<f64, CalibrateError> {
+    pub fn first_swings(problem: &Problem, swings: f64) -> Result<Vec<usize>, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
-        Ok(swing_times(&objective, &objective.start()).into_iter().fold(0.0, f64::max))
+        let times = swing_times(&objective, &objective.start());
+        let longest = times.iter().copied().fold(0.0, f64::max);
+        Ok(counts(&objective, &vec![longest; times.len()], swings))
     }
 
     /// Goes on from what is known: unknowns that are among it begin there, others at their start. None
@@ -208,11 +210,9 @@ impl<'a> Joint<'a> {
     ) -> Result<Self, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
         let x = placed(&objective, known);
-        let mut view = View { fidelity, ..View::of_all(&objective) };
+        let view = View { fidelity, ..View::of_all(&objective) };
         let Some(seen) = objective.see(&x, &view, None) else { return Err(objective.refusal(&x)) };
-        view.loss = seen.spreads().into_iter().map(super::loss::Huber::for_spread).collect();
-        view.steps = Some(seen.steps);
-        view.slopes = slopes;
+        let view = View { slopes, ..view.like(seen) };
         let Some(at) = objective.evaluate(&x, &view, None) else { return Err(objective.refusal(&x)) };
         let found =
             Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };

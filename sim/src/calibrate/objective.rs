@@ -45,6 +45,13 @@ impl View {
         }
     }
 
+    /// The same on the steps of what was seen, with a loss for its spreads.
+    pub fn like(mut self, seen: Seen) -> Self {
+        self.loss = seen.spreads().into_iter().map(Huber::for_spread).collect();
+        self.steps = Some(seen.steps);
+        self
+    }
+
     /// Releases as they were seen apart, each the one at a place of a view.
     pub fn gathered(releases: &[(&View, usize)]) -> Option<Self> {
         let (first, _) = releases.first()?;

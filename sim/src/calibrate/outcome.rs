@@ -121,7 +121,7 @@ fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
         bounds: [finite(low), finite(high)],
         at_bound: x - low <= nearly || high - x <= nearly,
         prior: unknown.prior,
-        widening: Some((variance / fit.uncertainty.plain[(k, k)]).sqrt())
+        widening: Some(fit.uncertainty.widening(k).sqrt())
             .filter(|widening| is_determined && widening.is_finite()),
         numerical_shift: fit.numerics.as_ref().map(|_| fit.shift[k]),
     }

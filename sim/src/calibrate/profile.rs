@@ -28,7 +28,7 @@ pub(super) fn profile(
     if !uncertainty.is_determined[unknown] {
         return None;
     }
-    let widening = uncertainty.covariance[(unknown, unknown)] / uncertainty.plain[(unknown, unknown)];
+    let widening = uncertainty.widening(unknown);
     let error = uncertainty.covariance[(unknown, unknown)].sqrt();
     let side = |sign: f64| bound(objective, found, unknown, sign * error, widening.max(1e-12));
     Some([side(-1.0)?, side(1.0)?])

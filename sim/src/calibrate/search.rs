@@ -53,7 +53,7 @@ const ALIKE: f64 = 0.05;
 /// Residuals of this spread, in units of the noise, are explained.
 const EXPLAINED: f64 = 2.0;
 /// Residuals of this share of the motion need not come from a search gone astray.
-pub(crate) const NEAR: f64 = 0.05;
+const NEAR: f64 = 0.05;
 /// A new stretch whose residuals are this share of its motion was not foretold.
 const SLIPPED: f64 = 0.7;
 /// How much longer each stretch is than the one before, and at least where that was not foretold.
@@ -126,15 +126,14 @@ fn excursion(objective: &Objective, r: usize, from: usize, to: usize) -> f64 {
     (sum / (2 * count).max(1) as f64).sqrt()
 }
 
-/// The best fit to short recordings, and how far it is from them: the largest robust spread of its residuals as a
-/// share of the motion. None where no start can be run.
-pub(crate) fn meet(objective: &Objective) -> Option<(Found, f64)> {
-    let view = View::of_all(objective);
+/// The best fit to the first samples of each release, fitted at once, and how far it is from them: the largest robust
+/// spread of its residuals as a share of the motion. None where no start can be run.
+pub(crate) fn meet(objective: &Objective, counts: &[usize]) -> Option<(Found, f64)> {
+    let view = View { counts: counts.to_vec(), ..View::of_all(objective) };
     let mut best: Option<(Found, f64)> = None;
     for (k, start) in ranked(objective, &objective.start()).iter().enumerate().take(MOST_STARTS) {
         let Some(seen) = objective.see(start, &view, None) else { continue };
-        let loss = seen.spreads().into_iter().map(Huber::for_spread).collect();
-        let view = View { steps: Some(seen.steps), loss, ..view.clone() };
+        let view = view.clone().like(seen);
         let Some(ended) = minimise_in(objective, start, None, &view, STAGE_TOLERANCE, STAGE_SHARE) else {
             continue;
         };
@@ -179,9 +178,7 @@ fn climb(
             continue;
         }
         let is_all = view.counts == all;
-        let spreads = seen.spreads();
-        view.steps = Some(seen.steps);
-        view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
+        view = view.like(seen);
         let solution = minimise_in(objective, &x, None, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
         stages.push(stage(number, (!is_all).then_some(swings), &solution));
         x = solution.x.clone();

@@ -25,6 +25,13 @@ pub(crate) struct Uncertainty {
     pub tracks: Vec<Vec<TrackStatistics>>,
 }
 
+impl Uncertainty {
+    /// Variance of an unknown over what it would be if the noise were white and as large as stated.
+    pub fn widening(&self, unknown: usize) -> f64 {
+        self.covariance[(unknown, unknown)] / self.plain[(unknown, unknown)]
+    }
+}
+
 /// Residuals of one track.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TrackStatistics {

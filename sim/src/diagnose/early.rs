@@ -10,9 +10,9 @@ use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
 use super::gate::{self, Numerics};
-use super::judge::{Locked, judgement};
+use super::judge::Locked;
 use super::refit::Refit;
-use super::round::{Best, LEAD, falls_behind, price};
+use super::round::{Best, LEAD, NO_MORE, falls_behind, price};
 use super::verdict::{Evidence, Member};
 use super::{Before, Course, set};
 use crate::calibrate::joint::{Fitted, Joint, Known};
@@ -40,7 +40,10 @@ pub(super) const WARNING: &str = "the model as it is misses even the first swing
 
 /// The first swings of a problem, which its model does not meet.
 pub(super) struct Early {
+    /// The problem, kept near what is believed.
     problem: Problem,
+    /// Samples of each release that belong to them.
+    counts: Vec<usize>,
     cost: f64,
     known: Vec<Known>,
 }
@@ -54,18 +57,16 @@ struct Met {
 
 /// The first swings, if the model cannot be brought to meet them.
 fn lost(problem: &Problem) -> Result<Option<Early>, CalibrateError> {
-    let mut short = until(problem, SWINGS * Joint::longest_swing(problem)?);
-    short.parameters.iter_mut().for_each(|parameter| believe(parameter, &problem.trials[0]));
-    let fit = match Joint::meet(&short) {
-        Ok(Some((fit, missed))) if missed > LOST => fit,
-        Ok(_) | Err(CalibrateError::TooFewSamples { .. }) => return Ok(None),
-        Err(error) => return Err(error),
-    };
+    let counts = Joint::first_swings(problem, SWINGS)?;
+    let mut near = problem.clone();
+    near.parameters.iter_mut().for_each(|parameter| believe(parameter, &problem.trials[0]));
+    let met = Joint::meet(&near, &counts)?.filter(|(_, missed)| *missed > LOST);
+    let Some((fit, _)) = met else { return Ok(None) };
     let (cost, known) = (fit.cost(), fit.known());
     let steps = fit.found.view.steps.iter().flatten().map(Vec::len).max().unwrap_or(0);
     drop(fit);
-    short.trials.iter_mut().for_each(|trial| trial.run.most_steps = MOST_STEPS * steps);
-    Ok(Some(Early { problem: short, cost, known }))
+    near.trials.iter_mut().for_each(|trial| trial.run.most_steps = MOST_STEPS * steps);
+    Ok(Some(Early { problem: near, counts, cost, known }))
 }
 
 /// How the model that comes nearest to the first swings meets the whole recordings, if it does not even meet those.
@@ -80,21 +81,8 @@ pub(super) fn before(problem: &Problem) -> Result<Option<Before>, CalibrateError
         Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
         Err(error) => return Err(error),
     };
-    let (cost, fitted, known) = (fit.cost(), judgement(&fit), fit.known());
     let found = fit.found;
-    let locked = Locked::as_foretold(&problem, &known)?;
-    Ok(Some(Before { model: Fitted::new(problem, found), cost, fitted, locked, known, early: Some(early) }))
-}
-
-/// The same releases until some time after their release, s.
-fn until(problem: &Problem, end: f64) -> Problem {
-    let mut problem = problem.clone();
-    for trial in &mut problem.trials {
-        let count = trial.release.time.partition_point(|time| *time <= end);
-        trial.release.time.truncate(count);
-        trial.release.tracks.iter_mut().for_each(|track| track.position.truncate(count));
-    }
-    problem
+    Before::of(Fitted::new(problem, found), Locked::as_foretold, Some(early)).map(Some)
 }
 
 /// Keeps a parameter near what is believed of it: a model that lacks much would else go any way to make up for it.
@@ -112,7 +100,7 @@ impl Early {
     /// The first swings with a candidate, from its typical size.
     fn with(&self, candidate: Candidate) -> Result<Met, CalibrateError> {
         let end = match candidate.added_to(&self.problem, candidate.strength.default) {
-            Ok(problem) => Joint::meet(&problem)?.map(|(fit, _)| (fit.cost(), fit.known())),
+            Ok(problem) => Joint::meet(&problem, &self.counts)?.map(|(fit, _)| (fit.cost(), fit.known())),
             Err(_) => None,
         };
         Ok(Met { candidate, end })
@@ -171,7 +159,11 @@ impl Met {
         };
         let refit = Refit::of(fitted, &self.candidate, without)?;
         let fit = refit.fitted.fit()?;
-        let widening = widening(&fit, &self.candidate.path());
+        let path = self.candidate.path();
+        let strength = fit.objective.part.unknowns.iter().position(|unknown| unknown.name == path);
+        let of = uncertainty(&fit.objective, &fit.found);
+        let widening = strength.map_or(1.0, |k| of.widening(k));
+        let widening = if widening.is_finite() { widening.max(1.0) } else { 1.0 };
         let price = refit.unknowns as f64 * price(&fit, widening);
         drop(fit);
         Ok(Some(Whole { candidate: self.candidate.clone(), refit, numerics, widening, price }))
@@ -196,14 +188,6 @@ impl Whole {
     }
 }
 
-/// Variance of a parameter over what it would be under white noise as large as stated.
-fn widening(fit: &Joint, path: &str) -> f64 {
-    let of = uncertainty(&fit.objective, &fit.found);
-    let own = fit.objective.part.unknowns.iter().position(|unknown| unknown.name == path);
-    let ratio = own.map_or(1.0, |k| of.covariance[(k, k)] / of.plain[(k, k)]);
-    if ratio.is_finite() { ratio.max(1.0) } else { 1.0 }
-}
-
 impl Course<'_> {
     /// Adds the effect with which the model meets the first swings and fits the whole recordings best. False where
     /// none does.
@@ -226,6 +210,8 @@ impl Course<'_> {
         for (k, (met, evidence)) in met.iter().zip(&mut evidence).enumerate() {
             if evidence.score < threshold {
                 evidence.reject("the model with it does not meet the first swings either");
+            } else if self.settings.most_effects == 0 {
+                evidence.reject(NO_MORE);
             } else if met.cost() > WORSE * least {
                 evidence.reject("it meets the first swings less well than others");
             } else {

@@ -12,7 +12,6 @@ use super::set;
 use super::verdict::Gap;
 use crate::calibrate::joint::{Fitted, Joint, Known};
 use crate::calibrate::prediction::Slopes;
-use crate::calibrate::search::Found;
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
@@ -35,22 +34,22 @@ pub(super) struct Locked {
 impl Locked {
     /// Shows a model what was locked away; none where nothing was, or where the model cannot be run there.
     pub fn meet(problem: &Problem, known: &[Known]) -> Result<Option<Self>, CalibrateError> {
-        let Some(locked) = Self::turned(problem, known) else { return Ok(None) };
-        let met = Joint::search(&locked, &|_| ()).map(|fit| (judgement(&fit), fit.found));
-        Self::met(locked, met)
+        Self::shown(problem, known, |locked| Joint::search(locked, &|_| ()))
     }
 
     /// What it meets of them without any fit.
     pub fn as_foretold(problem: &Problem, known: &[Known]) -> Result<Option<Self>, CalibrateError> {
-        let Some(locked) = Self::turned(problem, known) else { return Ok(None) };
-        let met = Joint::at(&locked, &[], Slopes::Variational).map(|fit| (judgement(&fit), fit.found));
-        Self::met(locked, met)
+        Self::shown(problem, known, |locked| Joint::at(locked, &[], Slopes::Variational))
     }
 
-    /// The problem of what was locked away: what all share is held as it is known.
-    fn turned(problem: &Problem, known: &[Known]) -> Option<Problem> {
+    /// What a fit makes of what was locked away, where what all share is held as it is known.
+    fn shown(
+        problem: &Problem,
+        known: &[Known],
+        fit: for<'a> fn(&'a Problem) -> Result<Joint<'a>, CalibrateError>,
+    ) -> Result<Option<Self>, CalibrateError> {
         if !problem.trials.iter().any(|trial| trial.release.held_out) {
-            return None;
+            return Ok(None);
         }
         let mut locked = problem.clone();
         set(&mut locked, known);
@@ -59,15 +58,9 @@ impl Locked {
         }
         // EI of a pressure that was locked away as a whole is not known from elsewhere.
         locked.parameters.retain(|parameter| parameter.scope != Scope::Shared);
-        Some(locked)
-    }
-
-    fn met(
-        locked: Problem,
-        met: Result<(Judgement, Found), CalibrateError>,
-    ) -> Result<Option<Self>, CalibrateError> {
-        match met {
-            Ok((judgement, found)) => {
+        match fit(&locked) {
+            Ok(fit) => {
+                let (judgement, found) = (judgement(&fit), fit.found);
                 Ok(Some(Self { judgement, fitted: Fitted::new(locked, found), cost: OnceCell::new() }))
             }
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),

@@ -119,7 +119,8 @@ pub fn diagnose(
             let tell = |what: &str| listener.doing(&format!("baseline: {what}"));
             let (model, numerics) = gate::on_fine_mesh(problem, &tell)?;
             diagnosis.numerics = numerics;
-            Before::met(model, listener)?
+            listener.doing("what was locked away");
+            Before::of(model, Locked::meet, None)?
         }
     };
     let mut course = Course::new(&before, settings, listener, diagnosis);
@@ -165,14 +166,17 @@ struct Before {
 }
 
 impl Before {
-    /// A baseline, before what was locked away.
-    fn met(model: Fitted, listener: &dyn Listener) -> Result<Self, CalibrateError> {
+    /// A model that is shown what was locked away.
+    fn of(
+        model: Fitted,
+        show: fn(&Problem, &[Known]) -> Result<Option<Locked>, CalibrateError>,
+        early: Option<Early>,
+    ) -> Result<Self, CalibrateError> {
         let fit = model.fit()?;
         let (fitted, cost, known) = (judgement(&fit), fit.cost(), fit.known());
-        listener.doing("what was locked away");
-        let locked = Locked::meet(&model.problem, &known)?;
         drop(fit);
-        Ok(Self { model, cost, fitted, locked, known, early: None })
+        let locked = show(&model.problem, &known)?;
+        Ok(Self { model, cost, fitted, locked, known, early })
     }
 }
 
@@ -200,7 +204,7 @@ impl<'a> Course<'a> {
     /// Adds effect after effect while something speaks, leaves out what became idle, and says whether that is an answer.
     fn search(&mut self) -> Result<(), CalibrateError> {
         if let Some(early) = &self.before.early
-            && (self.settings.most_effects == 0 || !self.add_early(early)?)
+            && !self.add_early(early)?
         {
             self.diagnosis.verdict = Verdict::Unknown;
             return Ok(());
