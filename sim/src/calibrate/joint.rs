@@ -175,6 +175,7 @@ impl<'a> Joint<'a> {
         };
         let releases: Option<Vec<_>> = objective.part.trials.iter().map(seen).collect();
         let Some(view) = releases.and_then(|releases| View::gathered(&releases)) else { return Ok(None) };
+        let view = View { slopes: Slopes::Variational, ..view };
         let known = parts.map(|part| part.known()).concat();
         Self::near(objective, &known, view, 0.0)
     }

@@ -19,7 +19,7 @@ const MOST_POINTS: usize = 6;
 const NEAR: f64 = 0.01;
 
 /// Bounds of the scaled unknown; none where the data do not bound it.
-pub(super) fn profile(
+pub(crate) fn profile(
     objective: &Objective,
     found: &Found,
     uncertainty: &Uncertainty,

@@ -70,6 +70,21 @@ impl Column {
     }
 }
 
+/// The columns of unknowns that are fitted, for each release beyond the first that has its value from the same: how the
+/// predictions would move if these had another one than the first.
+pub(super) fn of_releases(fit: &Joint, is_asked: impl Fn(&str) -> bool, of: usize) -> Vec<Column> {
+    let part = &fit.objective.part;
+    let mut columns = Vec::new();
+    for place in (0..part.unknowns.len()).filter(|place| is_asked(&part.unknowns[*place].name)) {
+        let all = fitted(fit, place);
+        let has_it = |r: &usize| part.locals[*r].iter().any(|local| local.unknown == place);
+        for own in (0..all.len()).filter(has_it).skip(1) {
+            columns.push(Column::only(of, columns.len(), &all, |release| release == own));
+        }
+    }
+    columns
+}
+
 /// Of what moves in all releases a column for each pressure.
 fn of_pressures(fit: &Joint, all: &[Vec<Vec<[f64; 2]>>], of: usize) -> Vec<Column> {
     let pressure = |trial: &&Trial| trial.release.pressure;

@@ -79,10 +79,19 @@ impl Locked {
         if let Some(cost) = self.cost.get() {
             return Ok(*cost);
         }
+        let cost = match self.together(fit, problem)? {
+            Some(all) => Some(all.fit()?.cost() - fit.cost()),
+            None => None,
+        };
+        Ok(*self.cost.get_or_init(|| cost))
+    }
+
+    /// The model fitted to them and to what it was fitted to, whose fit is given; none where that cannot be run.
+    pub fn together(&self, fit: &Joint, problem: &Problem) -> Result<Option<Fitted>, CalibrateError> {
         let mut all = problem.clone();
         all.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
-        let together = Joint::together(&all, [fit, &self.fitted.fit()?])?;
-        Ok(*self.cost.get_or_init(|| together.map(|together| together.cost() - fit.cost())))
+        let found = Joint::together(&all, [fit, &self.fitted.fit()?])?.map(|together| together.found);
+        Ok(found.map(|found| Fitted::new(all, found)))
     }
 }
 

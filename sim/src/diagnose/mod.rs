@@ -8,7 +8,8 @@
 //! roughly, the best of them in full, and the one that explains most is added, unless others do as well: then
 //! the answer is a class, with the recording that would tell them apart (`planned.rs`). Releases that are
 //! locked away judge it (`judge.rs`). The search goes on with the larger model until nothing scores; what
-//! became idle is left out again (`idle.rs`). Where a candidate or a shape stands out that no effect explains,
+//! became idle is left out again (`idle.rs`), and what would have to be of another size in each release is not
+//! believed (`constancy.rs`). Where a candidate or a shape stands out that no effect explains,
 //! the answer is that something unknown is missing, and what it would take is described (`describe.rs`). Before
 //! that the search is made once more with effects of the rod's material that differ in size from pressure to
 //! pressure. Where the model does not even meet the first swings, no score says anything, and candidates are fitted to
@@ -16,6 +17,7 @@
 
 mod candidate;
 mod columns;
+mod constancy;
 pub mod curve;
 pub mod describe;
 mod early;
@@ -35,6 +37,7 @@ pub mod verdict;
 mod words;
 
 use models::muscle;
+use rayon::prelude::*;
 
 use crate::calibrate::joint::{Fitted, Known};
 use crate::calibrate::{CalibrateError, Problem};
@@ -42,13 +45,14 @@ pub use curve::Curve;
 pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
 
-use candidate::has_several_pressures;
+use candidate::{Candidate, has_several_pressures};
+use constancy::{INCONSTANT, inconstant};
 use curve::curves;
 use describe::describe;
 use early::Early;
 use idle::without_idle;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
-use planned::separation;
+use planned::Pair;
 use refit::errors;
 use round::{Asked, Best, Heard, round};
 use verdict::{Added, Evidence, Gap};
@@ -320,9 +324,21 @@ impl<'a> Course<'a> {
         (gap.collect(), curves(&pairs))
     }
 
-    /// Whether what was added needs no setup that nobody believes in, and meets what was locked away.
-    fn is_believed(&self) -> Result<bool, CalibrateError> {
-        Ok(!words::is_strained(&self.model.fit()?.known()) && !is_astray(&self.gaps().0))
+    /// Whether what was added is as strong in one release as in another, needs no setup that nobody believes in,
+    /// and meets what was locked away.
+    fn is_believed(&mut self) -> Result<bool, CalibrateError> {
+        let fit = self.model.fit()?;
+        let all =
+            self.locked().map(|locked| locked.together(&fit, &self.model.problem)).transpose()?.flatten();
+        let all = all.as_ref().unwrap_or(&self.model).fit()?;
+        let inconstant = inconstant(&all, &self.added, self.settings.false_alarm);
+        let is_inconstant = |own: &&mut Evidence| inconstant.contains(&own.effect.as_str());
+        for evidence in self.diagnosis.evidence.iter_mut().filter(is_inconstant) {
+            evidence.reject(INCONSTANT);
+        }
+        let warning = |effect| format!("{effect} fits, and {INCONSTANT}: it stands in for something else");
+        self.diagnosis.warnings.extend(inconstant.iter().map(warning));
+        Ok(inconstant.is_empty() && !words::is_strained(&fit.known()) && !is_astray(&self.gaps().0))
     }
 
     /// How the model with all that was added meets what was locked away.
@@ -345,7 +361,11 @@ impl<'a> Course<'a> {
                 let tell = |what: &str| self.listener.doing(what);
                 self.diagnosis.description = describe(&fit, &self.model.problem, level, &tell)?;
             }
-            _ => self.tell_apart(&known),
+            _ => {
+                self.listener.doing("intervals");
+                self.profile()?;
+                self.tell_apart(&known);
+            }
         }
         self.diagnosis.gap = gap;
         let locked = self.problem.trials.iter().filter(|trial| trial.release.held_out);
@@ -374,17 +394,27 @@ impl<'a> Course<'a> {
         Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
     }
 
+    /// Bounds of what is badly known, from the profile of the likelihood.
+    fn profile(&mut self) -> Result<(), CalibrateError> {
+        let fit = self.model.fit()?;
+        let candidates: Vec<_> = self.added.iter().map(|best| &best.candidate).collect();
+        let profiled = |candidate: &&Candidate| Added::profiled(&fit, candidate);
+        self.diagnosis.effects = candidates.par_iter().map(profiled).collect();
+        Ok(())
+    }
+
     /// Whether what was added stands alone, and else what would tell it from the others.
     fn tell_apart(&mut self, known: &[Known]) {
         let Some(best) = self.added.iter().find(|best| !best.members.is_empty()) else { return };
         self.diagnosis.verdict = Verdict::Class;
         self.diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
         let (nearest, other) = &best.members[0];
-        let pair = [best.candidate.clone(), other.clone()];
+        let of = [best.candidate.clone(), other.clone()];
         let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
         self.listener.doing("which recording would tell them apart");
+        let (problem, widening, now) = (&self.problem, best.widening, nearest.distance);
         self.diagnosis.separating_experiment =
-            separation(&self.problem, known, &pair, strength, best.widening, nearest.distance);
+            Pair { problem, known, of, strength, widening, now }.separation();
     }
 }
 

@@ -8,7 +8,7 @@ use super::verdict::Separation;
 use super::words::listed;
 use crate::calibrate::joint::{Joint, Known};
 use crate::calibrate::prediction::Slopes;
-use crate::calibrate::{CalibrateError, Problem, Trial};
+use crate::calibrate::{CalibrateError, Problem, Scope, Trial};
 use crate::experiment::release::{Point, Track};
 
 /// What could be recorded besides.
@@ -93,46 +93,83 @@ impl Extra {
     }
 }
 
-/// The experiment that tells two effects apart best, of those that could be made, several things together only where
-/// one is not enough: `strengths` are those of
-/// the first, `widening` the variance of the noise over that of white noise, `now` the distance in the
-/// experiment at hand.
-pub(super) fn separation(
-    problem: &Problem,
-    known: &[Known],
-    pair: &[Candidate; 2],
-    strength: f64,
-    widening: f64,
-    now: f64,
-) -> Option<Separation> {
-    let fitted: Vec<Trial> = problem.trials.iter().filter(|trial| !trial.release.held_out).cloned().collect();
-    let mut best: Option<Separation> = None;
-    for extras in Extra::ALL.iter().map(std::slice::from_ref).chain(TOGETHER) {
-        // One thing more is less work than several.
-        if extras.len() > 1 && best.as_ref().is_some_and(|best| best.distance >= APART) {
+/// Times that releases are recorded at most: an afternoon's work.
+const MOST_TIMES: u32 = 10;
+
+/// Two effects at what is known, of which the first may be the answer.
+pub(super) struct Pair<'a> {
+    pub problem: &'a Problem,
+    pub known: &'a [Known],
+    pub of: [Candidate; 2],
+    /// Strength of the first.
+    pub strength: f64,
+    /// Variance of the noise over that of white noise as large as stated.
+    pub widening: f64,
+    /// Distance in the experiment at hand.
+    pub now: f64,
+}
+
+impl Pair<'_> {
+    /// The experiment that tells them apart best, of those that could be made: several things together only where
+    /// one is not enough, and the best of all more than once only where that is not.
+    pub fn separation(&self) -> Option<Separation> {
+        let fitted = self.problem.trials.iter().filter(|trial| !trial.release.held_out);
+        let fitted: Vec<Trial> = fitted.cloned().collect();
+        let mut best: Option<(Separation, Vec<Trial>)> = None;
+        for extras in Extra::ALL.iter().map(std::slice::from_ref).chain(TOGETHER) {
+            // One thing more is less work than several.
+            if extras.len() > 1 && best.as_ref().is_some_and(|(best, _)| best.distance >= APART) {
+                break;
+            }
+            let all = extras.iter().try_fold(fitted.clone(), |trials, extra| extra.made(&trials));
+            let Some(trials) = all else { continue };
+            let Some(distance) = self.distance(&trials, 1) else { continue };
+            if best.as_ref().is_none_or(|(best, _)| distance > best.distance) {
+                let words: Vec<String> = extras.iter().map(|extra| extra.words().to_owned()).collect();
+                let what = format!("the same releases {}", listed(&words));
+                best = Some((Separation { what, distance, distance_now: self.now }, trials));
+            }
+        }
+        let (mut best, trials) = best?;
+        let needed = (APART / best.distance).powi(2).ceil();
+        let times = (needed as u32..=MOST_TIMES).filter(|times| *times > 1);
+        for times in times {
+            let Some(distance) = self.distance(&trials, times).filter(|distance| *distance >= APART) else {
+                continue;
+            };
+            best.what += &format!(", each recorded {times} times");
+            best.distance = distance;
             break;
         }
-        let all = extras.iter().try_fold(fitted.clone(), |trials, extra| extra.made(&trials));
-        let Some(trials) = all else { continue };
-        let mut planned = Problem { trials, ..problem.clone() };
-        // What cannot be run, nobody will record.
-        if record(&mut planned, known).is_err() {
-            continue;
-        }
-        let Ok(fit) = Joint::at(&planned, known, Slopes::Variational) else { continue };
-        let Some(off) = predictions(&fit) else { continue };
-        let columns = columns(&fit, &off, pair, &|_| ());
+        Some(best).filter(|best| best.distance > self.now)
+    }
+
+    /// How far apart they are in releases that are each recorded some times; none where those cannot be run: what
+    /// cannot be run, nobody will record.
+    fn distance(&self, trials: &[Trial], times: u32) -> Option<f64> {
+        let mut planned = repeated(self.problem, trials, times);
+        record(&mut planned, self.known).ok()?;
+        let fit = Joint::at(&planned, self.known, Slopes::Variational).ok()?;
+        let off = predictions(&fit)?;
+        let columns = columns(&fit, &off, &self.of, &|_| ());
         let of = |c: usize| (0..columns.len()).filter(|k| columns[*k].of == c).collect::<Vec<_>>();
         let (first, second) = (of(0), of(1));
-        let strengths = vec![strength - pair[0].off; first.len()];
-        let distance = distance(&gram(&fit, &columns), &first, &second, &strengths) / widening.sqrt();
-        if best.as_ref().is_none_or(|best| distance > best.distance) {
-            let words: Vec<String> = extras.iter().map(|extra| extra.words().to_owned()).collect();
-            let what = format!("the same releases {}", listed(&words));
-            best = Some(Separation { what, distance, distance_now: now });
+        let strengths = vec![self.strength - self.of[0].off; first.len()];
+        let distance = distance(&gram(&fit, &columns), &first, &second, &strengths);
+        Some(distance * (f64::from(times) / self.widening).sqrt())
+    }
+}
+
+/// A problem of releases one of which stands for so many alike, each with a setup of its own: these together weigh as
+/// much more as they are against what is believed of all, so that a distance is that of one times the root of `times`.
+fn repeated(problem: &Problem, trials: &[Trial], times: u32) -> Problem {
+    let mut planned = Problem { trials: trials.to_vec(), ..problem.clone() };
+    for parameter in planned.parameters.iter_mut().filter(|own| own.scope != Scope::PerRelease) {
+        if let Some(prior) = &mut parameter.prior {
+            prior.deviation *= f64::from(times).sqrt();
         }
     }
-    best.filter(|best| best.distance > now)
+    planned
 }
 
 /// Fills the tracks with what is predicted at what is known, whatever was in them.
@@ -157,4 +194,56 @@ pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<(), Calib
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::{Nuisances, Parameter, Prior};
+    use crate::diagnose::candidate::candidates;
+    use crate::experiment::release::Release;
+    use crate::forward::{Run, uniform};
+    use crate::results::tests::muscle_at_15_psi;
+
+    fn release() -> Trial {
+        let time = uniform(2.0, 20.0);
+        let (marker, at) = ("tip".to_owned(), Point::Tip);
+        let track = Track { marker, at, position: vec![Some([0.0; 2]); time.len()], noise: 3e-4 };
+        let release = Release {
+            name: "made-up".to_owned(),
+            time,
+            release_uncertainty: 0.01,
+            tracks: vec![track],
+            pressure: None,
+            payload: 0.0,
+            held_out: false,
+        };
+        Trial { release, model: muscle_at_15_psi(), run: Run::release(2.0, 20.0) }
+    }
+
+    /// One release that stands for four is worth four, each with its own hold and instant, and with the mass that is
+    /// believed of all.
+    #[test]
+    fn releases_that_stand_for_several_are_worth_as_much() {
+        let prior = |mean: f64| Some(Prior { mean, deviation: 0.01 * mean });
+        let mass = muscle_at_15_psi().theta[muscle_at_15_psi().index("rod.mass").unwrap()];
+        let problem = Problem {
+            trials: vec![release()],
+            parameters: vec![
+                Parameter::new("rod.bending_stiffness", Scope::Shared),
+                Parameter { prior: prior(mass), ..Parameter::new("rod.mass", Scope::Shared) },
+            ],
+            nuisances: Nuisances { release_instant: true, hold_angle: Some(4e-3), offset: Some(2e-4) },
+        };
+        let all = candidates(&problem, &[]);
+        let named = |name: &str| all.iter().find(|own| own.name() == name).unwrap().clone();
+        let of = [named("air_drag"), named("scale")];
+        let pair = Pair { problem: &problem, known: &[], of, strength: 1.0, widening: 1.0, now: 0.0 };
+        let one = pair.distance(&[release()], 1).unwrap();
+        let standing_for_four = pair.distance(&[release()], 4).unwrap();
+        let four = pair.distance(&vec![release(); 4], 1).unwrap();
+        assert!((standing_for_four / four - 1.0).abs() < 1e-3, "{standing_for_four} {four}");
+        // What is believed of the mass is worth no more for being believed four times.
+        assert!(four < 1.995 * one, "{four} {one}");
+    }
 }

@@ -6,8 +6,8 @@ use models::quantity::format_si;
 use super::candidate::Candidate;
 use super::verdict::{Added, Value};
 use crate::calibrate::joint::{Fitted, Joint, Known};
-use crate::calibrate::profile::NORMAL_95;
-use crate::calibrate::uncertainty::uncertainty;
+use crate::calibrate::profile::{NORMAL_95, profile};
+use crate::calibrate::uncertainty::{Uncertainty, uncertainty};
 use crate::calibrate::unknowns::Group;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -36,6 +36,8 @@ pub(super) struct Rough {
     pub cost: f64,
 }
 
+/// Width of an interval, as a share of the value, from which on a parabola is not asked alone.
+const WIDE: f64 = 0.2;
 /// Share of the cost that is left to gain where an approach ends.
 const ROUGHLY: f64 = 3e-3;
 
@@ -78,7 +80,7 @@ impl Refit {
     /// A fit with a candidate, which has so many unknowns `without` it.
     pub(super) fn of(fitted: Fitted, candidate: &Candidate, without: usize) -> Result<Self, CalibrateError> {
         let fit = fitted.fit()?;
-        let (values, known, cost) = (values(&fit, candidate), fit.known(), fit.cost());
+        let (values, known, cost) = (Added::of(&fit, candidate).parameters, fit.known(), fit.cost());
         drop(fit);
         let unknowns = known.len() - without;
         Ok(Self { fitted, known, cost, values, unknowns })
@@ -88,7 +90,25 @@ impl Refit {
 impl Added {
     /// An effect that was added, as a fit has it.
     pub(super) fn of(fit: &Joint, candidate: &Candidate) -> Self {
-        Self { effect: candidate.name().to_owned(), parameters: values(fit, candidate) }
+        let of = uncertainty(&fit.objective, &fit.found);
+        let parameters = values(fit, candidate, &of, &|k, known| parabola(&of, k, known));
+        Self { effect: candidate.name().to_owned(), parameters }
+    }
+
+    /// The same, where what is badly known has its bounds from the profile of the likelihood: there the cost is no
+    /// parabola.
+    pub(super) fn profiled(fit: &Joint, candidate: &Candidate) -> Self {
+        let of = uncertainty(&fit.objective, &fit.found);
+        let bounds = |k: usize, known: &Known| {
+            let linear = parabola(&of, k, known);
+            let [low, high] = linear.map(|x| known.unknown.scaled.value(x));
+            let is_wide = (high - low).abs() > WIDE * known.value().abs();
+            let is_asked = is_wide && !matches!(known.unknown.group, Group::Release(_));
+            let profile = || profile(&fit.objective, &fit.found, &of, k);
+            is_asked.then(profile).flatten().unwrap_or(linear)
+        };
+        let parameters = values(fit, candidate, &of, &bounds);
+        Self { effect: candidate.name().to_owned(), parameters }
     }
 }
 
@@ -130,19 +150,22 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
 }
 
 /// What names of an effect's parameters begin with.
-fn prefix(candidate: &Candidate) -> String {
+pub(super) fn prefix(candidate: &Candidate) -> String {
     format!("effects.{}.", candidate.name())
 }
 
-/// Values of an effect's parameters with their intervals.
-fn values(fit: &Joint, candidate: &Candidate) -> Vec<Value> {
-    let of = uncertainty(&fit.objective, &fit.found);
+/// Values of an effect's parameters, with what is said of the bounds of an unknown where the data determine it.
+fn values(
+    fit: &Joint,
+    candidate: &Candidate,
+    of: &Uncertainty,
+    bounds: &dyn Fn(usize, &Known) -> [f64; 2],
+) -> Vec<Value> {
     let prefix = prefix(candidate);
     let mut values = Vec::new();
     for (k, known) in fit.known().iter().enumerate() {
         let Some(name) = known.unknown.name.strip_prefix(&prefix) else { continue };
-        let deviation = of.covariance[(k, k)].max(0.0).sqrt();
-        let at = |side: f64| known.unknown.scaled.value(known.x + side * NORMAL_95 * deviation);
+        let is_determined = of.is_determined[k];
         values.push(Value {
             name: name.to_owned(),
             unit: known.unknown.unit.to_owned(),
@@ -152,7 +175,7 @@ fn values(fit: &Joint, candidate: &Candidate) -> Vec<Value> {
                 Group::Release(t) => fit.name_of(t),
             },
             value: known.value(),
-            interval_95: of.is_determined[k].then(|| [at(-1.0), at(1.0)]),
+            interval_95: is_determined.then(|| bounds(k, known).map(|x| known.unknown.scaled.value(x))),
         });
     }
     for (parameter, value) in candidate.tried.iter().filter(|(parameter, _)| parameter.plausible.is_none()) {
@@ -160,4 +183,10 @@ fn values(fit: &Joint, candidate: &Candidate) -> Vec<Value> {
         values.push(Value { name, unit, of: None, value: *value, interval_95: None });
     }
     values
+}
+
+/// Bounds of an unknown where the cost is a parabola.
+fn parabola(of: &Uncertainty, k: usize, known: &Known) -> [f64; 2] {
+    let deviation = of.covariance[(k, k)].max(0.0).sqrt();
+    [-1.0, 1.0].map(|side| known.x + side * NORMAL_95 * deviation)
 }

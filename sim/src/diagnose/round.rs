@@ -88,7 +88,7 @@ const SHORTLIST: usize = 6;
 const WORTH_FITTING: f64 = 0.3;
 /// Share of the false-alarm level that is left to shapes: they hear small errors of the setup, too, for
 /// which the baseline has no unknown.
-const RARER: f64 = 0.01;
+pub(super) const RARER: f64 = 0.01;
 /// Share of the best candidate's gain within which another, fitted roughly, is fitted in full.
 const NEAR: f64 = 0.1;
 /// χ² by which the best may lead without standing alone.
@@ -333,7 +333,7 @@ fn choose(
         return Ok(Heard::Stranger);
     };
     // The null may have a better minimum where the effect has led.
-    let again = Joint::follow(problem, &best.known, &|_| ())?;
+    let again = Joint::approach(problem, &best.known, &fit.found.view, false, 0.0)?;
     let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
     let (least, fairest, leader) = (worth(best), fair(best), shortlist[0].candidate.name());
     let most = 2.0 * (null - best.cost) / widening;
