@@ -9,7 +9,7 @@
 use super::candidate::Candidate;
 use super::columns::{Column, of_releases};
 use super::refit::prefix;
-use super::round::{Best, RARER};
+use super::round::{Best, NEGLIGIBLE, RARER};
 use super::score::{Subject, scores};
 use crate::calibrate::joint::Joint;
 
@@ -22,8 +22,8 @@ const OWN: f64 = 1e-3;
 /// names were seen up to a seventh, cousins from a quarter on.
 const UNLIKE: f64 = 0.04;
 
-/// The effects of a fit that would have to differ from release to release, by more than noise would have it and a
-/// fifth of their size.
+/// The effects of a fit that would have to differ from release to release, by more than noise would have it, a fifth
+/// of their size, and a tenth of what all of them do: a small effect takes up the error of a large one's law.
 pub(super) fn inconstant(fit: &Joint, added: &[Best], false_alarm: f64) -> Vec<&'static str> {
     let added: Vec<_> = added.iter().map(|best| (&best.candidate, best.gain)).collect();
     found(fit, &added, RARER * false_alarm)
@@ -38,9 +38,12 @@ fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static s
     let columns: Vec<Column> = added.iter().enumerate().flat_map(of).collect();
     let subjects = vec![Subject { own: OWN, ..Subject::default() }; added.len()];
     let scores = scores(fit, &subjects, &columns, level);
+    let negligible = NEGLIGIBLE * added.iter().map(|(_, gain)| gain).sum::<f64>();
     let pairs = added.iter().zip(&scores.each);
     pairs
-        .filter(|((_, gain), score)| score.size > scores.threshold && score.decrease >= UNLIKE * gain)
+        .filter(|((_, gain), score)| {
+            score.size > scores.threshold && score.decrease >= negligible.max(UNLIKE * gain)
+        })
         .map(|((candidate, _), _)| candidate.name())
         .collect()
 }

@@ -98,7 +98,7 @@ pub(super) const LEAD: f64 = 12.0;
 const FAIR: f64 = 2.0;
 /// Share of the χ² that was explained before below which nothing more is looked for: a tenth in size. How friction
 /// turns round, or air resists, no law says better.
-const NEGLIGIBLE: f64 = 0.01;
+pub(super) const NEGLIGIBLE: f64 = 0.01;
 /// The same for a shape, which fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
 /// Share of what an effect explains of the fitted releases by which it has to better what was locked away: one that
