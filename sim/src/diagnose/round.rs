@@ -101,8 +101,8 @@ const FAIR: f64 = 2.0;
 pub(super) const NEGLIGIBLE: f64 = 0.01;
 /// The same for a shape, which fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
-/// Share of what an effect explains of the fitted releases by which it has to better what was locked away: one that
-/// is there betters both.
+/// Share of what an effect explains of the fitted releases by which it has to better what was locked away, or else by
+/// more than noise gives: one that is there betters both, though EI of a locked pressure may do most of its work there.
 const AGREES: f64 = 0.1;
 /// χ², in what noise gives, below which effects of which none is believed are not there at all.
 const CHANCE: f64 = 3.0;
@@ -379,7 +379,7 @@ fn choose(
             let pair = before.zip(after);
             entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / widening);
         }
-        if entry.held_out.is_some_and(|decrease| decrease < AGREES * own) {
+        if entry.held_out.is_some_and(|decrease| decrease < noise.min(AGREES * own)) {
             entry.reject("what was locked away does not agree");
             continue;
         }
