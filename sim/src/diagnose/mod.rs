@@ -32,6 +32,7 @@ mod refit;
 mod round;
 mod score;
 mod section;
+mod shortlist;
 mod swing;
 pub mod verdict;
 mod words;

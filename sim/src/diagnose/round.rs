@@ -1,13 +1,12 @@
 //! One round: score, fit the shortlist, choose.
 
-use rayon::prelude::*;
-
 use super::candidate::{Candidate, candidates, has_several_pressures};
 use super::columns::predictions;
 use super::judge::Locked;
 use super::localise::{Shape, shapes};
-use super::refit::{Refit, Rough, refit, rough};
-use super::score::{ONE, Score, Scores, distance, scores_of};
+use super::refit::Refit;
+use super::score::scores_of;
+use super::shortlist::{Entry, LITTLE, best_tries, choose, fit_all, shortlist};
 use super::verdict::{Evidence, Member};
 use super::{Listener, Settings};
 use crate::calibrate::joint::Joint;
@@ -82,30 +81,17 @@ impl Best {
     }
 }
 
-/// Candidates fitted in full, at most.
-const SHORTLIST: usize = 6;
-/// Share of the largest promised decrease from which on a candidate is fitted.
-const WORTH_FITTING: f64 = 0.3;
 /// Share of the false-alarm level that is left to shapes: they hear small errors of the setup, too, for
 /// which the baseline has no unknown.
 pub(super) const RARER: f64 = 0.01;
-/// Share of the best candidate's gain within which another, fitted roughly, is fitted in full.
-const NEAR: f64 = 0.1;
-/// χ² by which the best may lead without standing alone.
-pub(super) const LEAD: f64 = 12.0;
-/// χ² that an unknown takes away where it means nothing, and as much again: Akaike (1974), IEEE Transactions on
-/// Automatic Control 19, 716-723.
-const FAIR: f64 = 2.0;
 /// Share of the χ² that was explained before below which nothing more is looked for: a tenth in size. How friction
 /// turns round, or air resists, no law says better.
 pub(super) const NEGLIGIBLE: f64 = 0.01;
+/// Share of that from which on a promise is worth a fit: beside friction scores were seen to promise a third of what
+/// a fit then keeps.
+const PROMISING: f64 = 0.25;
 /// The same for a shape, which fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
-/// Share of what an effect explains of the fitted releases by which it has to better what was locked away, or else by
-/// more than noise gives: one that is there betters both, though EI of a locked pressure may do most of its work there.
-const AGREES: f64 = 0.1;
-/// χ², in what noise gives, below which effects of which none is believed are not there at all.
-const CHANCE: f64 = 3.0;
 
 /// Looks for one effect beside those that the problem's models have, `added` among them; or for one of these that
 /// is not as strong at one pressure as at another. `before` is how they meet what was locked away.
@@ -129,6 +115,7 @@ pub(super) fn round(
         candidates.extend(added.iter().filter_map(|best| best.candidate.of_each_pressure()));
     }
     let explained = added.iter().map(|best| best.gain).sum::<f64>();
+    let negligible = NEGLIGIBLE * explained;
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
@@ -139,18 +126,17 @@ pub(super) fn round(
     };
     ranked(&entries);
     let is_loud = |entry: &Entry| entry.score.size > scores.threshold;
-    let is_large = |entry: &Entry| entry.score.decrease >= NEGLIGIBLE * explained;
-    let is_heard = entries.iter().any(|entry| is_loud(entry) && is_large(entry));
+    let promise = entries.iter().filter(|entry| is_loud(entry)).map(|entry| entry.score.decrease);
+    let promise = promise.fold(f64::NEG_INFINITY, f64::max);
     let loudest = entries.first().filter(|entry| is_loud(entry)).map(|entry| entry.candidate.name());
-    let negligible = loudest.filter(|_| !is_heard);
-    let one_more = loudest.filter(|_| is_heard && is_last);
+    let one_more = loudest.filter(|_| is_last && promise >= negligible);
     let is_shape =
         |shape: &Shape| shape.score > shape.threshold && shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
     let is_shaped = shapes.iter().any(is_shape);
     let heard = if let Some(name) = one_more {
         entries.iter_mut().for_each(|entry| entry.reject(NO_MORE));
         Heard::More(name)
-    } else if is_heard {
+    } else if !is_last && promise >= PROMISING * negligible {
         let (shortlist, others) = shortlist(&mut entries);
         others.iter_mut().for_each(|entry| entry.reject("it promises less than others"));
         let tell_fit = |entry: &Entry| match entry.realised {
@@ -158,289 +144,18 @@ pub(super) fn round(
             Some(_) => drop(ranked(std::slice::from_ref(entry))),
         };
         fit_all(shortlist, problem, fit, scores.widening, &tell_fit)?;
-        choose(shortlist, problem, fit, &scores, before, &tell)?
+        choose(shortlist, problem, fit, &scores, before, negligible, &tell)?
     } else {
         for entry in &mut entries {
             entry.reject(match is_loud(entry) {
-                true => "it is less than a tenth in size of what was found: no law is known that well",
+                true => LITTLE,
                 false => "its score is within what noise gives",
             });
         }
         Heard::Nothing
     };
+    let is_little = !added.is_empty() && matches!(heard, Heard::Nothing);
+    let negligible = loudest.filter(|_| is_little);
     let (threshold, evidence) = (scores.threshold, ranked(&entries));
     Ok(Round { threshold, evidence, shapes, is_shaped, negligible, heard })
-}
-
-/// An effect on its way through a round.
-struct Entry {
-    candidate: Candidate,
-    score: Score,
-    /// Cost near its fit.
-    rough: Option<f64>,
-    refit: Option<Refit>,
-    /// Decrease of χ² when fitted, if only roughly.
-    realised: Option<f64>,
-    held_out: Option<f64>,
-    rejected: Option<String>,
-}
-
-impl Entry {
-    fn new(candidate: Candidate, score: Score) -> Self {
-        let mut entry = Self {
-            candidate,
-            score,
-            rough: None,
-            refit: None,
-            realised: None,
-            held_out: None,
-            rejected: None,
-        };
-        if entry.score.columns.is_empty() {
-            entry.reject("the model can do all that it does, or cannot be run with it");
-        } else if !entry.score.is_admissible {
-            entry.reject("it would need the wrong sign");
-        }
-        entry
-    }
-
-    /// Says why it is not the answer; the first reason stands.
-    fn reject(&mut self, why: impl Into<String>) {
-        self.rejected.get_or_insert_with(|| why.into());
-    }
-
-    fn falls_behind(&mut self, by: f64, leader: &str) {
-        self.reject(falls_behind(by, leader));
-    }
-
-    /// What the fit found of its strength.
-    fn strength(&self) -> Option<f64> {
-        Some(self.refit.as_ref()?.values.first()?.value)
-    }
-
-    fn evidence(&self, round: usize) -> Evidence {
-        let tried = self.candidate.tried.iter();
-        Evidence {
-            round,
-            effect: self.candidate.name().to_owned(),
-            of_each_pressure: self.candidate.is_widened(),
-            of_first_swings: false,
-            tried: tried.map(|(parameter, value)| (parameter.name.to_owned(), *value)).collect(),
-            score: self.score.size,
-            predicted_decrease: self.score.decrease,
-            realised_decrease: self.realised,
-            strength: self.strength().unwrap_or(self.score.estimate),
-            held_out_decrease: self.held_out,
-            rejected: self.rejected.clone(),
-        }
-    }
-}
-
-/// Why one is not the answer that fits less well than another.
-pub(super) fn falls_behind(by: f64, leader: &str) -> String {
-    format!("for its unknowns it explains {by:.0} less of χ² than {leader}")
-}
-
-/// χ² that an unknown has to be worth: `ln n`, with as many independent samples n as the noise leaves. Schwarz (1978),
-/// Annals of Statistics 6, 461-464.
-pub(super) fn price(fit: &Joint, widening: f64) -> f64 {
-    let series = fit.found.at.carried.blocks.iter().flatten();
-    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / widening;
-    samples.max(1.0).ln()
-}
-
-/// Of each effect the try that promises most, largest score first.
-fn best_tries(candidates: Vec<Candidate>, scores: &Scores) -> Vec<Entry> {
-    let mut entries: Vec<Entry> = Vec::new();
-    for (candidate, score) in candidates.into_iter().zip(&scores.each) {
-        let entry = Entry::new(candidate, score.clone());
-        match entries.iter_mut().find(|other| other.candidate.name() == entry.candidate.name()) {
-            Some(other) if entry.score.size > other.score.size => *other = entry,
-            Some(_) => {}
-            None => entries.push(entry),
-        }
-    }
-    entries.sort_by(|a, b| b.score.size.total_cmp(&a.score.size));
-    entries
-}
-
-/// Those that are worth a fit, and the others.
-fn shortlist(entries: &mut [Entry]) -> (&mut [Entry], &mut [Entry]) {
-    let possible = entries.iter().filter(|entry| entry.rejected.is_none());
-    let most = possible.map(|entry| entry.score.decrease).fold(0.0, f64::max);
-    let is_worth = |entry: &Entry| entry.rejected.is_none() && entry.score.decrease >= WORTH_FITTING * most;
-    entries.sort_by_key(|entry| !is_worth(entry));
-    let count = entries.iter().filter(|entry| is_worth(entry)).count();
-    entries.split_at_mut(count.min(SHORTLIST))
-}
-
-/// Fits all roughly, and in full those that come near the best; `tell` hears of each before its fit and after.
-fn fit_all(
-    shortlist: &mut [Entry],
-    problem: &Problem,
-    fit: &Joint,
-    widening: f64,
-    tell: &(dyn Fn(&Entry) + Sync),
-) -> Result<(), CalibrateError> {
-    let of_entry = |entry: &mut Entry| {
-        tell(entry);
-        let rough = rough(problem, &entry.candidate, entry.score.estimate, fit)?;
-        match &rough {
-            Some(rough) => {
-                entry.rough = Some(rough.cost);
-                entry.realised = Some(2.0 * (fit.cost() - rough.cost) / widening);
-                tell(entry);
-            }
-            None => entry.reject("a model with it cannot be run"),
-        }
-        Ok(rough)
-    };
-    let roughs: Vec<Option<Rough>> =
-        shortlist.par_iter_mut().map(of_entry).collect::<Result<_, CalibrateError>>()?;
-    let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
-    let room = (NEAR * (fit.cost() - least)).max(5.0 * LEAD * widening);
-    shortlist.par_iter_mut().zip(&roughs).try_for_each(|(entry, rough)| {
-        if let Some(rough) = rough.as_ref().filter(|rough| rough.cost < least + room) {
-            entry.refit = refit(rough, &entry.candidate)?;
-            if entry.refit.is_none() {
-                entry.reject("a model with it cannot be run");
-            }
-        }
-        Ok(())
-    })
-}
-
-/// Takes the one that fits best for its unknowns, and those that fit as well, if that is more than noise would
-/// give and what was locked away does not speak against it.
-fn choose(
-    shortlist: &mut [Entry],
-    problem: &Problem,
-    fit: &Joint,
-    scores: &Scores,
-    before: Option<&Locked>,
-    tell: &(dyn Fn(&str) + Sync),
-) -> Result<Heard, CalibrateError> {
-    let widening = scores.widening;
-    let each = price(fit, widening);
-    let price = |refit: &Refit| refit.unknowns as f64 * each;
-    let left = |refit: &Refit| 2.0 * refit.cost / widening;
-    let worth = |refit: &Refit| left(refit) + price(refit);
-    // An unknown less is a reason to be asked first, and none to stand alone.
-    let fair = |refit: &Refit| left(refit) + FAIR * refit.unknowns as f64;
-    let of = |entry: &Entry| entry.refit.as_ref().map_or(f64::INFINITY, worth);
-    shortlist.sort_by(|a, b| of(a).total_cmp(&of(b)));
-    let Some(best) = shortlist.first().and_then(|entry| entry.refit.as_ref()) else {
-        return Ok(Heard::Stranger);
-    };
-    // The null may have a better minimum where the effect has led.
-    let again = Joint::approach(problem, &best.known, &fit.found.view, false, 0.0)?;
-    let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
-    let (least, fairest, leader) = (worth(best), fair(best), shortlist[0].candidate.name());
-    let most = 2.0 * (null - best.cost) / widening;
-    // What cannot be told apart by its trace, no lead tells apart: it would come from an error of a law.
-    let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[0], entry, scores)).collect();
-    let roughest = shortlist.iter().filter_map(|entry| entry.rough).fold(f64::INFINITY, f64::min);
-    for (entry, distance) in shortlist.iter_mut().zip(distances) {
-        let Some(refit) = &entry.refit else {
-            let behind = entry.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - roughest) / widening);
-            entry.realised = entry.rough.map(|_| most - behind);
-            entry.falls_behind(behind, leader);
-            continue;
-        };
-        let behind = worth(refit) - least;
-        entry.realised = Some(2.0 * (null - refit.cost) / widening);
-        let vanishes = |strength: f64| strength == entry.candidate.off && !entry.candidate.is_widened();
-        if entry.strength().is_none_or(vanishes) {
-            entry.reject("fitted in full it vanishes");
-        } else if behind.min(fair(refit) - fairest) >= LEAD && distance >= ONE {
-            entry.falls_behind(behind, leader);
-        }
-    }
-    let noise = scores.threshold.powi(2);
-    if most < noise {
-        let words = format!("fitted in full the best explains {most:.1} of χ², and noise {noise:.1}");
-        shortlist.iter_mut().for_each(|entry| entry.reject(words.clone()));
-        return Ok(Heard::Nothing);
-    }
-    // Equals are judged in turn until one stands.
-    for lead in 0..shortlist.len() {
-        let entry = &mut shortlist[lead];
-        let Some(refit) = entry.refit.clone().filter(|_| entry.rejected.is_none()) else { continue };
-        let own = entry.realised.unwrap_or(0.0);
-        if own < noise {
-            entry.reject(format!("fitted in full it explains {own:.1} of χ², and noise {noise:.1}"));
-            continue;
-        }
-        tell("what was locked away");
-        let locked = Locked::meet(&refit.fitted.problem, &refit.known)?;
-        if let (Some(before), Some(after)) = (before, &locked) {
-            let before = before.cost(fit, problem)?;
-            let after = after.cost(&refit.fitted.fit()?, &refit.fitted.problem)?;
-            let pair = before.zip(after);
-            entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / widening);
-        }
-        if entry.held_out.is_some_and(|decrease| decrease < noise.min(AGREES * own)) {
-            entry.reject("what was locked away does not agree");
-            continue;
-        }
-        let lead = &shortlist[lead];
-        let equals = shortlist.iter().filter(|entry| entry.rejected.is_none());
-        let others = equals.filter(|entry| entry.candidate.name() != lead.candidate.name());
-        let member = |other: &Entry| {
-            let effect = other.candidate.name().to_owned();
-            let behind = of(other) - worth(&refit);
-            let distance = apart(lead, other, scores);
-            (Member { effect, behind, distance }, other.candidate.clone())
-        };
-        let mut members: Vec<(Member, Candidate)> = others.map(member).collect();
-        members.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
-        let (candidate, price) = (lead.candidate.clone(), price(&refit));
-        return Ok(Heard::Effect(Box::new(Best {
-            candidate,
-            refit,
-            locked,
-            widening,
-            price,
-            gain: most,
-            members,
-        })));
-    }
-    Ok(if most < CHANCE * noise { Heard::Nothing } else { Heard::Stranger })
-}
-
-/// Distance of two traces at the strength of the first, standard deviations of the noise as it is.
-fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
-    let strengths = match first.strength() {
-        Some(strength) if first.score.columns.len() == 1 && !first.candidate.is_widened() => {
-            vec![strength - first.candidate.off]
-        }
-        _ => first.score.estimates.clone(),
-    };
-    let distance = distance(&scores.gram, &first.score.columns, &second.score.columns, &strengths);
-    distance / scores.widening.sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::calibrate::Nuisances;
-
-    /// One that cannot be the answer says nothing of what the others are worth.
-    #[test]
-    fn a_candidate_of_the_wrong_sign_sets_no_bar() {
-        let none = Problem { trials: Vec::new(), parameters: Vec::new(), nuisances: Nuisances::default() };
-        let score = |(decrease, is_admissible)| Score {
-            columns: vec![0],
-            size: 5.0,
-            decrease,
-            is_admissible,
-            ..Score::default()
-        };
-        let scores = [(800.0, false), (100.0, true), (20.0, true)].map(score);
-        let pairs = candidates(&none, &[]).into_iter().zip(scores);
-        let mut entries: Vec<Entry> = pairs.map(|(candidate, score)| Entry::new(candidate, score)).collect();
-        let (worth, others) = shortlist(&mut entries);
-        let decreases = |entries: &[Entry]| entries.iter().map(|e| e.score.decrease).collect::<Vec<_>>();
-        assert_eq!((decreases(worth), decreases(others)), (vec![100.0], vec![800.0, 20.0]));
-    }
 }
