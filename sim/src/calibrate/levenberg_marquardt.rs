@@ -13,6 +13,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::quadratic::least_within;
+
 /// Cost and its derivatives at one point.
 #[derive(Clone, Debug)]
 pub struct Evaluated<T> {
@@ -165,8 +167,7 @@ fn widen(diagonal: &mut DVector<f64>, hessian: &DMatrix<f64>) {
 }
 
 /// The point that minimises the damped model within the bounds, and the decrease that the model
-/// without damping predicts there. Variables that would leave the bounds are put onto them, and the
-/// others solved again.
+/// without damping predicts there.
 fn step<T>(
     at: &Evaluated<T>,
     x: &DVector<f64>,
@@ -175,45 +176,14 @@ fn step<T>(
     search: &Search,
     is_limited: bool,
 ) -> (DVector<f64>, f64) {
-    let n = x.len();
     let room = |k: usize| {
         let (low, high) = search.bounds[k];
         let most = if is_limited { search.longest[k] } else { f64::INFINITY };
         ((low - x[k]).max(-most), (high - x[k]).min(most))
     };
-    let mut s = DVector::zeros(n);
-    let mut free: Vec<usize> = (0..n)
-        .filter(|&k| {
-            let (low, high) = room(k);
-            !(low >= 0.0 && at.gradient[k] >= 0.0 || high <= 0.0 && at.gradient[k] <= 0.0)
-        })
-        .collect();
-    while !free.is_empty() {
-        let slope = &at.gradient + &at.hessian * &s;
-        let system = DMatrix::from_fn(free.len(), free.len(), |a, b| {
-            let (i, j) = (free[a], free[b]);
-            at.hessian[(i, j)] + if a == b { damping * diagonal[i] } else { 0.0 }
-        });
-        let known = DVector::from_fn(free.len(), |a, _| -slope[free[a]]);
-        let Some(factors) = system.cholesky() else { break };
-        let found = factors.solve(&known);
-        let mut still = Vec::with_capacity(free.len());
-        for (a, &k) in free.iter().enumerate() {
-            let (low, high) = room(k);
-            if found[a] < low || found[a] > high {
-                s[k] = found[a].clamp(low, high);
-            } else {
-                still.push(k);
-            }
-        }
-        if still.len() == free.len() {
-            for (a, &k) in free.iter().enumerate() {
-                s[k] = found[a];
-            }
-            break;
-        }
-        free = still;
-    }
+    let room: Vec<(f64, f64)> = (0..x.len()).map(room).collect();
+    let damped = &at.hessian + DMatrix::from_diagonal(&(damping * diagonal));
+    let s = least_within(&damped, &at.gradient, &room);
     let predicted = -(at.gradient.dot(&s) + 0.5 * s.dot(&(&at.hessian * &s)));
     let mut tried = x + s;
     for (value, (low, high)) in tried.iter_mut().zip(&search.bounds) {

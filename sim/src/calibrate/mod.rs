@@ -18,6 +18,7 @@ pub(crate) mod part;
 pub(crate) mod prediction;
 pub(crate) mod problem;
 pub(crate) mod profile;
+mod quadratic;
 pub(crate) mod refine;
 pub(crate) mod search;
 mod section;
