@@ -120,7 +120,7 @@ impl<'a> Joint<'a> {
     }
 
     /// Goes on from what is known: unknowns that are among it begin there, others at their start. None
-    /// where the model cannot be run there.
+    /// where the model cannot be run there, or not on a finer mesh.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
     pub fn follow(
@@ -133,7 +133,8 @@ impl<'a> Joint<'a> {
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
             Err(error) => return Err(error),
         };
-        fit.left_of_mesh = refine(&fit.objective, &mut fit.found, false, tell).map(|mesh| mesh.left);
+        let Some(mesh) = refine(&fit.objective, &mut fit.found, false, tell) else { return Ok(None) };
+        fit.left_of_mesh = Some(mesh.left);
         Ok(Some(fit))
     }
 

@@ -46,8 +46,8 @@ pub struct Rosenbrock<'m> {
 /// the memory as a share of its largest value.
 const POOR: f64 = 10.0;
 const POOR_MEMORY: f64 = 0.3;
-/// Such steps are not halved below this, s.
-const SMALLEST_LENT_STEP: f64 = 1e-5;
+/// For the memory such steps are not halved below this, s.
+const SMALLEST_MEMORY_STEP: f64 = 1e-5;
 /// Steps below this, s, lead nowhere.
 const SMALLEST_STEP: f64 = 1e-12;
 
@@ -237,8 +237,8 @@ impl Stepper for Rosenbrock<'_> {
                 // A stop that is nearer than the step is a step of another run. Where that one had
                 // nothing to resolve and this one has, it is halved.
                 let is_lent = self.step < fixed || fixed > to_stop;
-                let is_good = || error <= POOR && self.memory_error() <= POOR_MEMORY;
-                if is_lent && h > SMALLEST_LENT_STEP && !is_good() {
+                let keeps_memory = || h <= SMALLEST_MEMORY_STEP || self.memory_error() <= POOR_MEMORY;
+                if is_lent && h > SMALLEST_STEP && !(error <= POOR && keeps_memory()) {
                     self.effort.rejected += 1;
                     self.step = 0.5 * h;
                     continue;

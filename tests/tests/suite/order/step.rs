@@ -8,7 +8,7 @@ use models::effects::Rod;
 use models::model::{Model, ModelSpec, Root};
 use sim::forward::Run;
 use sim::integrate::Method;
-use tests::{order, simulate};
+use tests::{order, paper_spec, simulate};
 
 fn soft(lossy: bool) -> Model {
     let value = |name: &str, key: &str, value: f64| (name.to_owned(), vec![(key.to_owned(), value)]);
@@ -79,4 +79,23 @@ fn tr_bdf2_has_order_two() {
 fn esdirk34_has_order_three() {
     let found = order_of(Method::Esdirk34, halved(2e-3), true);
     assert!((found - 3.0).abs() < 0.2, "{found}");
+}
+
+/// A fit compares models on the steps of one of them. A loss that bends the path more sharply than those steps
+/// were made for has them halved, down to where it is resolved: until it was, such a fit ended where it began.
+#[test]
+fn lent_steps_are_halved_where_another_model_needs_it() {
+    let with = |coefficient: f64| {
+        let effects = [("rayleigh_stiffness.beta", 2e-3), ("strain_rate_cubed.coefficient", coefficient)];
+        Model::new(&paper_spec(40.0, 32, &effects)).expect("the paper's muscle")
+    };
+    let own = Run { tolerance: 2e-5, keep_steps: true, ..Run::release(2.0, 100.0) };
+    let lent = simulate(&with(1e-8), &own).steps;
+    let model = with(4e-7);
+    let on = Run { fixed_step: Some(10.0), stops: lent, ..own.clone() };
+    let exact = simulate(&model, &Run { tolerance: 1e-7, ..own });
+    let found = simulate(&model, &on);
+    let miss = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let worst = found.tip.iter().zip(&exact.tip).map(miss).fold(0.0, f64::max);
+    assert!(worst < 1e-3, "{worst} m");
 }
