@@ -278,9 +278,10 @@ fn score(
 }
 
 /// A χ² with so many degrees of freedom as a normal number. Source: Wilson and Hilferty (1931), Proc.
-/// National Academy of Sciences 17, 684-688; for one degree it is the root.
+/// National Academy of Sciences 17, 684-688; for one degree it is the root. For less than one, where the baseline
+/// can do nearly all, theirs is no approximation: what is next to nothing would be made large.
 fn normal_size(statistic: f64, k: f64) -> f64 {
-    if k == 1.0 {
+    if k <= 1.0 {
         return statistic.max(0.0).sqrt();
     }
     let spread = 2.0 / (9.0 * k);
@@ -338,5 +339,15 @@ mod tests {
         assert!((weight(None).to_strengths * &pull).amax() > 1.0);
         let weight = weight(Some(0.015));
         assert!((weight.degrees - 1.0).abs() < 0.01, "{}", weight.degrees);
+    }
+
+    /// One release, whose own strength the baseline can do but for rounding: noise makes nothing of it.
+    #[test]
+    fn what_the_baseline_can_do_wholly_is_no_evidence() {
+        let left = DMatrix::from_element(1, 1, 1e-3);
+        let subject = Subject { believed: Some(0.015), ..Subject::default() };
+        let weight = subject.weight(&left, &left, 1.0);
+        let size = weight.size(&DVector::from_element(1, 3.0 * left[0].sqrt()));
+        assert!(size < 0.01, "{size}");
     }
 }
