@@ -91,7 +91,6 @@ fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
     let variance = fit.uncertainty.covariance[(k, k)];
     let deviation = Some(variance.sqrt()).filter(|_| is_determined && variance > 0.0);
     let finite = |x: f64| Some(value(x)).filter(|value| value.is_finite());
-    let nearly = 1e-9 * (1.0 + x.abs());
     Calibrated {
         name: unknown.name.clone(),
         unit: unknown.unit.to_owned(),
@@ -119,7 +118,7 @@ fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
             Scaled::By(_) => Scale::Linear,
         },
         bounds: [finite(low), finite(high)],
-        at_bound: x - low <= nearly || high - x <= nearly,
+        at_bound: unknown.is_at_bound(x),
         prior: unknown.prior,
         widening: Some(fit.uncertainty.widening(k).sqrt())
             .filter(|widening| is_determined && widening.is_finite()),

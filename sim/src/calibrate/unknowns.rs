@@ -95,6 +95,13 @@ impl Unknown {
             _ => self.name.clone(),
         }
     }
+
+    /// Whether a value of the scaled variable is as far as is admitted.
+    pub fn is_at_bound(&self, x: f64) -> bool {
+        let (low, high) = self.bounds;
+        let nearly = 1e-9 * (1.0 + x.abs());
+        x - low <= nearly || high - x <= nearly
+    }
 }
 
 impl Scaled {

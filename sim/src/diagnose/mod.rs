@@ -35,6 +35,7 @@ mod section;
 mod shortlist;
 mod swing;
 pub mod verdict;
+mod warnings;
 mod words;
 
 use models::muscle;
@@ -54,9 +55,10 @@ use early::Early;
 use idle::without_idle;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
 use planned::Pair;
-use refit::errors;
+use refit::{errors, prefix};
 use round::{Asked, Best, Heard, round};
 use verdict::{Added, Evidence, Gap};
+use warnings::{is_strained, warnings};
 
 /// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
 pub trait Listener: Sync {
@@ -339,7 +341,7 @@ impl<'a> Course<'a> {
         }
         let warning = |effect| format!("{effect} fits, and {INCONSTANT}: it stands in for something else");
         self.diagnosis.warnings.extend(inconstant.iter().map(warning));
-        Ok(inconstant.is_empty() && !words::is_strained(&fit.known()) && !is_astray(&self.gaps().0))
+        Ok(inconstant.is_empty() && !is_strained(&fit.known()) && !is_astray(&self.gaps().0))
     }
 
     /// How the model with all that was added meets what was locked away.
@@ -377,10 +379,9 @@ impl<'a> Course<'a> {
         } else {
             self.diagnosis.misfits = misfit::misfits(&curves);
         }
-        self.diagnosis.warnings.extend(words::several(&self.diagnosis));
-        self.diagnosis.warnings.extend(gate::warning(&self.diagnosis.numerics));
-        self.diagnosis.warnings.extend(words::warnings(&self.problem));
-        self.diagnosis.warnings.extend(words::strained(&known));
+        let prefixes = self.added.iter().map(|best| prefix(&best.candidate));
+        let warnings = warnings(&self.diagnosis, &self.problem, &known, prefixes);
+        self.diagnosis.warnings.extend(warnings);
         self.diagnosis.summary = words::summary(&self.diagnosis);
         // What was fitted comes last: a pressure may have releases of both kinds.
         let of_locked = |locked: Option<&Locked>| locked.map_or(Ok(Vec::new()), Locked::known);

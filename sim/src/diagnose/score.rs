@@ -89,6 +89,8 @@ pub(super) struct Score {
     pub columns: Vec<usize>,
     /// Size of the evidence, as a normal number that only a stronger effect makes larger.
     pub size: f64,
+    /// How many independent strengths that is of, on average over the noise.
+    pub degrees: f64,
     /// Promised decrease of χ², in units of the noise as it is.
     pub decrease: f64,
     /// What the residual asks of each column.
@@ -98,6 +100,13 @@ pub(super) struct Score {
     pub estimate: f64,
     /// Whether the estimate has an admissible sign.
     pub is_admissible: bool,
+}
+
+impl Score {
+    /// Decrease of χ² whose size is this: what noise gives to several strengths is more than to one.
+    pub fn worth(&self, size: f64) -> f64 {
+        statistic(size, self.degrees)
+    }
 }
 
 /// All scores, and what they are measured by.
@@ -269,6 +278,7 @@ fn score(
     let is_admissible = subject.admits(columns.len(), estimate);
     Score {
         size: if is_admissible { weight.size(&own) } else { 0.0 },
+        degrees: weight.degrees,
         decrease: own.dot(&estimates) / widening,
         estimate,
         estimates: estimates.as_slice().to_vec(),
@@ -286,6 +296,15 @@ fn normal_size(statistic: f64, k: f64) -> f64 {
     }
     let spread = 2.0 / (9.0 * k);
     (((statistic / k).max(0.0).cbrt() - (1.0 - spread)) / spread.sqrt()).max(0.0)
+}
+
+/// The χ² of a size: [`normal_size`] turned round.
+fn statistic(size: f64, k: f64) -> f64 {
+    if k <= 1.0 {
+        return size * size;
+    }
+    let spread = 2.0 / (9.0 * k);
+    k * (1.0 - spread + size * spread.sqrt()).powi(3)
 }
 
 /// The quantile of the largest score where nothing is missing.
@@ -339,6 +358,17 @@ mod tests {
         assert!((weight(None).to_strengths * &pull).amax() > 1.0);
         let weight = weight(Some(0.015));
         assert!((weight.degrees - 1.0).abs() < 0.01, "{}", weight.degrees);
+    }
+
+    /// Six strengths that are noise take 16.8 of χ² once in a hundred, one takes 6.63 (any table of χ²).
+    #[test]
+    fn several_strengths_have_to_be_worth_more_than_one() {
+        let one_in_a_hundred = 2.3263;
+        let of_six = Score { degrees: 6.0, ..Score::default() };
+        assert!((of_six.worth(one_in_a_hundred) - 16.81).abs() < 0.1);
+        assert!((normal_size(of_six.worth(3.4), 6.0) - 3.4).abs() < 1e-12);
+        let of_one = Score { degrees: 1.0, ..Score::default() };
+        assert!((of_one.worth(2.5758) - 6.63).abs() < 0.01);
     }
 
     /// One release, whose own strength the baseline can do but for rounding: noise makes nothing of it.

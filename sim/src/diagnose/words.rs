@@ -2,17 +2,14 @@
 
 use std::fmt::Write;
 
-use models::effects::{CATALOGUE, Kind, by_name};
+use models::effects::by_name;
 
 use super::describe::Description;
 use super::localise::Shape;
 use super::misfit::{BANDS, Misfit, Wrong};
 use super::round::NO_MORE;
-use super::section::{LEAST_NOISE, TILT};
 use super::verdict::{Added, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
-use crate::calibrate::Problem;
-use crate::calibrate::joint::Known;
-use crate::results::report::{short, significant};
+use crate::results::report::short;
 
 /// One paragraph for a person; each part of it is there only where numbers stand behind it.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
@@ -309,103 +306,6 @@ fn loudest(diagnosis: &Diagnosis) -> Option<&Shape> {
     let last = diagnosis.shapes.iter().map(|shape| shape.round).max()?;
     let own = diagnosis.shapes.iter().filter(|shape| shape.round == last && shape.score > shape.threshold);
     own.max_by(|a, b| a.score.total_cmp(&b.score))
-}
-
-/// Standard deviations by which what was believed of the setup may be off before a warning says so, and before
-/// an answer is not believed that needs it.
-const BELIEVABLE: f64 = 4.0;
-const UNBELIEVABLE: f64 = 6.0;
-
-/// Standard deviations by which a fit had to move what was believed of an unknown.
-fn off(known: &Known) -> Option<f64> {
-    let prior = known.unknown.prior?;
-    Some(((known.value() - prior.mean) / prior.deviation).abs())
-}
-
-/// Whether the fit needs a setup that nobody believes in.
-pub(super) fn is_strained(known: &[Known]) -> bool {
-    known.iter().filter_map(off).any(|off| off > UNBELIEVABLE)
-}
-
-/// What a fit had to assume of the setup against what was believed.
-pub(super) fn strained(known: &[Known]) -> Vec<String> {
-    let of = |known: &Known| {
-        let off = off(known).filter(|off| *off > BELIEVABLE)?;
-        Some(format!(
-            "{} = {} {} is {off:.0} standard deviations off what was believed of it: check the setup",
-            known.unknown.name,
-            significant(known.value(), 3),
-            known.unknown.unit
-        ))
-    };
-    known.iter().filter_map(of).collect()
-}
-
-/// What should be known of an answer of several names.
-pub(super) fn several(diagnosis: &Diagnosis) -> Option<String> {
-    let is_named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Class);
-    (is_named && diagnosis.effects.len() > 1).then(|| {
-        "several effects together can stand in for one that the catalogue does not hold: confirm them with another recording, with markers on the body".to_owned()
-    })
-}
-
-/// Effects that are part of every diagnosis, and no choice of an experiment.
-const STANDING: [&str; 4] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", TILT];
-
-/// Candidates that are none because the experiment's model has them.
-fn had(problem: &Problem) -> Vec<&'static str> {
-    let causes =
-        CATALOGUE.iter().map(|effect| effect.about()).filter(|about| about.kind != Kind::Description);
-    let could = causes.filter(|about| about.parameters.iter().any(|parameter| parameter.off.is_some()));
-    let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
-    could.map(|about| about.name).filter(|name| !STANDING.contains(name) && has(name)).collect()
-}
-
-/// A release that is seen for less than that, s, says little of how a swing dies away.
-const SHORT: f64 = 2.0;
-
-/// What an experiment cannot tell, whatever the answer.
-pub(super) fn warnings(problem: &Problem) -> Vec<String> {
-    let fitted: Vec<_> = problem.trials.iter().filter(|trial| !trial.release.held_out).collect();
-    let mut words = Vec::new();
-    let had = had(problem);
-    if !had.is_empty() {
-        words.push(format!(
-            "{}: in the model already, so not looked for; it stays as it is unless [calibrate] names its parameters",
-            had.join(", ")
-        ));
-    }
-    if fitted.len() == problem.trials.len() {
-        words.push("nothing is locked away: no release judges the answer that did not make it; record one more, or say held_out = true of one".to_owned());
-    }
-    if problem.fitted_pressures().len() < 2 {
-        words.push(
-            "one pressure alone: effects that differ by how they grow with the pressure cannot be told apart"
-                .to_owned(),
-        );
-    }
-    if fitted.len() < 2 {
-        words.push("one release alone: what changes from release to release cannot be told from what is always there".to_owned());
-    }
-    if fitted.iter().flat_map(|trial| &trial.release.tracks).any(|track| track.noise <= LEAST_NOISE) {
-        words.push(format!(
-            "a recording has less noise than a fit can follow: {} mm is taken; where the model is believed to less, say so by noise in its [[recording]]",
-            1e3 * LEAST_NOISE
-        ));
-    }
-    let longest = fitted.iter().filter_map(|trial| trial.release.time.last()).fold(0.0, |a, b| b.max(a));
-    if longest < SHORT {
-        words.push(format!(
-            "no release is seen for longer than {longest:.1} s: damping, and what changes slowly or only in small swings, can hardly be told; record until the swing has died away"
-        ));
-    }
-    if fitted.iter().all(|trial| trial.release.tracks.len() < 2) {
-        words.push(
-            "one marker alone: effects that differ by where along the body they act can hardly be told apart"
-                .to_owned(),
-        );
-    }
-    words
 }
 
 #[cfg(test)]

@@ -195,12 +195,3 @@ fn a_description_is_told_term_by_term() {
                (0.00120 m^2) and with the sign of the rate of curvature (-0.0300 1/m), would take 83 % of what is left.";
     assert!(words.contains(due), "{words}");
 }
-
-#[test]
-fn an_answer_of_several_names_is_warned_of() {
-    let added = drag().effects[0].clone();
-    let two = Diagnosis { effects: vec![added.clone(), added], ..drag() };
-    assert!(several(&two).is_some_and(|text| text.contains("stand in for one")));
-    assert_eq!(several(&drag()), None);
-    assert_eq!(several(&Diagnosis { verdict: Verdict::Unknown, ..two }), None);
-}
