@@ -32,7 +32,7 @@ pub(super) fn inconstant(fit: &Joint, added: &[Best], false_alarm: f64) -> Vec<&
 /// The same of candidates, each with what it explains of χ².
 fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static str> {
     let of = |(place, (candidate, _)): (usize, &(&Candidate, f64))| {
-        let prefix = prefix(candidate);
+        let prefix = prefix(candidate.name());
         of_releases(fit, |name| name.starts_with(&prefix), place)
     };
     let columns: Vec<Column> = added.iter().enumerate().flat_map(of).collect();

@@ -55,7 +55,7 @@ use early::Early;
 use idle::without_idle;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
 use planned::Pair;
-use refit::{errors, prefix};
+use refit::errors;
 use round::{Asked, Best, Heard, round};
 use verdict::{Added, Evidence, Gap};
 use warnings::{is_strained, warnings};
@@ -379,8 +379,7 @@ impl<'a> Course<'a> {
         } else {
             self.diagnosis.misfits = misfit::misfits(&curves);
         }
-        let prefixes = self.added.iter().map(|best| prefix(&best.candidate));
-        let warnings = warnings(&self.diagnosis, &self.problem, &known, prefixes);
+        let warnings = warnings(&self.diagnosis, &self.problem, &known);
         self.diagnosis.warnings.extend(warnings);
         self.diagnosis.summary = words::summary(&self.diagnosis);
         // What was fitted comes last: a pressure may have releases of both kinds.

@@ -150,8 +150,8 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
 }
 
 /// What names of an effect's parameters begin with.
-pub(super) fn prefix(candidate: &Candidate) -> String {
-    format!("effects.{}.", candidate.name())
+pub(super) fn prefix(effect: &str) -> String {
+    format!("effects.{effect}.")
 }
 
 /// Values of an effect's parameters, with what is said of the bounds of an unknown where the data determine it.
@@ -161,7 +161,7 @@ fn values(
     of: &Uncertainty,
     bounds: &dyn Fn(usize, &Known) -> [f64; 2],
 ) -> Vec<Value> {
-    let prefix = prefix(candidate);
+    let prefix = prefix(candidate.name());
     let mut values = Vec::new();
     for (k, known) in fit.known().iter().enumerate() {
         let Some(name) = known.unknown.name.strip_prefix(&prefix) else { continue };

@@ -104,7 +104,7 @@ pub(super) struct Score {
 
 impl Score {
     /// Decrease of χ² whose size is this: what noise gives to several strengths is more than to one.
-    pub fn worth(&self, size: f64) -> f64 {
+    pub fn decrease_at(&self, size: f64) -> f64 {
         statistic(size, self.degrees)
     }
 }
@@ -365,10 +365,10 @@ mod tests {
     fn several_strengths_have_to_be_worth_more_than_one() {
         let one_in_a_hundred = 2.3263;
         let of_six = Score { degrees: 6.0, ..Score::default() };
-        assert!((of_six.worth(one_in_a_hundred) - 16.81).abs() < 0.1);
-        assert!((normal_size(of_six.worth(3.4), 6.0) - 3.4).abs() < 1e-12);
+        assert!((of_six.decrease_at(one_in_a_hundred) - 16.81).abs() < 0.1);
+        assert!((normal_size(of_six.decrease_at(3.4), 6.0) - 3.4).abs() < 1e-12);
         let of_one = Score { degrees: 1.0, ..Score::default() };
-        assert!((of_one.worth(2.5758) - 6.63).abs() < 0.01);
+        assert!((of_one.decrease_at(2.5758) - 6.63).abs() < 0.01);
     }
 
     /// One release, whose own strength the baseline can do but for rounding: noise makes nothing of it.

@@ -231,7 +231,7 @@ pub(super) fn choose(
         let entry = &mut shortlist[lead];
         let Some(refit) = entry.refit.clone().filter(|_| entry.rejected.is_none()) else { continue };
         let own = entry.realised.unwrap_or(0.0);
-        let noise = entry.score.worth(scores.threshold);
+        let noise = entry.score.decrease_at(scores.threshold);
         if own < noise {
             entry.reject(format!("fitted in full it explains {own:.1} of χ², and noise {noise:.1}"));
             continue;

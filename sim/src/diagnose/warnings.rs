@@ -3,25 +3,20 @@
 use models::effects::{CATALOGUE, Kind};
 
 use super::gate;
+use super::refit::prefix;
 use super::section::{LEAST_NOISE, TILT};
 use super::verdict::{Diagnosis, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Known;
 use crate::results::report::significant;
 
-/// All that concern a diagnosis as it stands, its problem, and where its fit ended; `added` are what the paths of the
-/// effects' parameters begin with.
-pub(super) fn warnings(
-    diagnosis: &Diagnosis,
-    problem: &Problem,
-    known: &[Known],
-    added: impl Iterator<Item = String>,
-) -> Vec<String> {
+/// All that concern a diagnosis as it stands, its problem, and where its fit ended.
+pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Known]) -> Vec<String> {
     let mut words: Vec<String> = several(diagnosis).into_iter().collect();
     words.extend(gate::warning(&diagnosis.numerics));
     words.extend(of_experiment(problem));
     words.extend(strained(known));
-    words.extend(added.flat_map(|prefix| bounded(known, &prefix)));
+    words.extend(diagnosis.effects.iter().flat_map(|added| bounded(known, &added.effect)));
     words
 }
 
@@ -46,24 +41,29 @@ fn strained(known: &[Known]) -> Vec<String> {
     let of = |known: &Known| {
         let off = off(known).filter(|off| *off > BELIEVABLE)?;
         Some(format!(
-            "{} = {} {} is {off:.0} standard deviations off what was believed of it: check the setup",
+            "{} = {} is {off:.0} standard deviations off what was believed of it: check the setup",
             known.unknown.name,
-            significant(known.value(), 3),
-            known.unknown.unit
+            stated(known)
         ))
     };
     known.iter().filter_map(of).collect()
 }
 
+/// A value with its unit.
+fn stated(known: &Known) -> String {
+    format!("{} {}", significant(known.value(), 3), known.unknown.unit).trim_end().to_owned()
+}
+
 /// What of an effect stands at an end of what is believed, so that its interval is no more than a bound.
-fn bounded(known: &[Known], prefix: &str) -> Vec<String> {
+fn bounded(known: &[Known], effect: &str) -> Vec<String> {
+    let prefix = prefix(effect);
     let of = |known: &Known| {
-        let is_own = known.unknown.name.starts_with(prefix);
+        let is_own = known.unknown.name.starts_with(&prefix);
         (is_own && known.value() != 0.0 && known.unknown.is_at_bound(known.x)).then(|| {
             format!(
                 "{} = {} stands at an end of what is believed of it, and the recordings would have it beyond: look whether such a size suits this rod, or whether it stands in for something else",
                 known.unknown.label(),
-                format!("{} {}", significant(known.value(), 3), known.unknown.unit).trim_end()
+                stated(known)
             )
         })
     };
@@ -179,7 +179,7 @@ mod tests {
             known("marker_offset.third", 0.0),
             known("hose.stiffness", 5e-3),
         ];
-        let words = bounded(&all, "effects.marker_offset.");
+        let words = bounded(&all, "marker_offset");
         assert_eq!(words.len(), 1, "{words:?}");
         assert!(
             words[0].starts_with("effects.marker_offset.along = 0.00500 m stands at an end"),
