@@ -2,9 +2,9 @@
 
 use std::ops::{Index, IndexMut};
 
-/// Entries to each side of the diagonal. A bend joins three nodes, six coordinates; the last but
-/// one joins two nodes with the three coordinates of the end body, hence one more.
-pub const HALF_BANDWIDTH: usize = 6;
+/// Entries to each side of the diagonal. A bend's stencil joins five nodes, and the tangent nodes that are four
+/// apart, nine coordinates; the end body has three, hence one more.
+pub const HALF_BANDWIDTH: usize = 10;
 const WIDTH: usize = 2 * HALF_BANDWIDTH + 1;
 
 /// A square matrix whose entries stand within [`HALF_BANDWIDTH`] of the diagonal.

@@ -25,20 +25,36 @@ pub struct Fields<T> {
     pub per_length: Vec<T>,
     /// Angular velocity of the edge, rad/s, shape `[N]`.
     pub edge_rate: Vec<T>,
-    /// Stretch and its rate (1/s), shape `[N]`.
+    /// Length of each edge, m, and its rate, m/s, shape `[N]`.
+    pub length: Vec<T>,
+    /// Rate of the edge length, m/s, shape `[N]`.
+    pub length_rate: Vec<T>,
+    /// Length of the rod's arc between two nodes over that of the edge, its chord, shape `[N]`.
+    pub arc: Vec<T>,
+    /// Rate of that ratio, 1/s, shape `[N]`.
+    pub arc_rate: Vec<T>,
+    /// Stretch of the arc, shape `[N]`.
     pub stretch: Vec<T>,
     /// Rate of stretch, 1/s, shape `[N]`.
     pub stretch_rate: Vec<T>,
-    /// Integrated curvature `2 tan(φ/2)`, shape `[N+1]`; the root holds the rod's share of it.
-    pub kappa: Vec<T>,
+    /// `tan(φ/2)` of each turning angle, shape `[N+1]`.
+    pub half_tangent: Vec<T>,
+    /// Turning angle as the scheme takes it, rad, shape `[N+1]`; at the root the clamp's turn included.
+    pub angle: Vec<T>,
     /// Its derivative by the turning angle.
-    pub kappa_slope: Vec<T>,
+    pub angle_slope: Vec<T>,
+    /// Its rate, rad/s.
+    pub angle_rate: Vec<T>,
+    /// Integrated curvature of the rod, shape `[N+1]`, see [`Stencil`](crate::stencil::Stencil).
+    pub kappa: Vec<T>,
     /// Its rate, 1/s.
     pub kappa_rate: Vec<T>,
     /// Mean square of the curvature over the rod, 1/m²; zero unless [asked for](Self::average).
     pub mean_square_curvature: T,
-    /// Resisting moment of each bend, N m, shape `[N+1]`.
+    /// Resisting moment of each bend, N m, shape `[N+1]`, as the laws have it.
     pub moment: Vec<T>,
+    /// What resists each [turning angle](Self::angle), N m, shape `[N+1]`.
+    pub angle_moment: Vec<T>,
     /// Tension of each edge, N, shape `[N]`.
     pub tension: Vec<T>,
     /// Outer force on each edge in W, N, shape `[N]`.
@@ -60,7 +76,7 @@ pub(crate) fn dot<T: Real>(a: [T; 2], b: [T; 2]) -> T {
     a[0] * b[0] + a[1] * b[1]
 }
 
-fn cross<T: Real>(a: [T; 2], b: [T; 2]) -> T {
+pub(crate) fn cross<T: Real>(a: [T; 2], b: [T; 2]) -> T {
     a[0] * b[1] - a[1] * b[0]
 }
 
@@ -82,13 +98,21 @@ impl<T: Real> Fields<T> {
             tangent: vec![[zero; 2]; edges],
             per_length: per_edge.clone(),
             edge_rate: per_edge.clone(),
+            length: per_edge.clone(),
+            length_rate: per_edge.clone(),
+            arc: per_edge.clone(),
+            arc_rate: per_edge.clone(),
             stretch: per_edge.clone(),
             stretch_rate: per_edge.clone(),
+            half_tangent: per_bend.clone(),
+            angle: per_bend.clone(),
+            angle_slope: per_bend.clone(),
+            angle_rate: per_bend.clone(),
             kappa: per_bend.clone(),
-            kappa_slope: per_bend.clone(),
             kappa_rate: per_bend.clone(),
             mean_square_curvature: zero,
-            moment: per_bend,
+            moment: per_bend.clone(),
+            angle_moment: per_bend,
             tension: per_edge,
             outer: vec![[zero; 2]; edges],
             tip: [zero; 3],
@@ -103,6 +127,7 @@ impl<T: Real> Fields<T> {
         self.place_nodes(c, q, v);
         self.place_edges(c);
         self.place_bends(c);
+        self.place_arcs(c);
         self.clear();
     }
 
@@ -129,7 +154,6 @@ impl<T: Real> Fields<T> {
     }
 
     fn place_edges(&mut self, c: &Context<T>) {
-        let per_rest_length = c.per_rest_length;
         for j in 0..c.edges {
             let edge = minus(self.position[j + 1], self.position[j]);
             let rate = minus(self.velocity[j + 1], self.velocity[j]);
@@ -139,12 +163,11 @@ impl<T: Real> Fields<T> {
             self.tangent[j] = tangent;
             self.per_length[j] = per_length;
             self.edge_rate[j] = cross(tangent, rate) * per_length;
-            self.stretch[j] = length * per_rest_length - 1.0;
-            self.stretch_rate[j] = dot(tangent, rate) * per_rest_length;
+            self.length[j] = length;
+            self.length_rate[j] = dot(tangent, rate);
         }
     }
 
-    /// Source of the curvature: Garbulinski and Wereley (2022), eq. 4, with unit tangents.
     fn place_bends(&mut self, c: &Context<T>) {
         let n = c.edges;
         let mut before = c.base_axis;
@@ -152,16 +175,31 @@ impl<T: Real> Fields<T> {
         for i in 0..=n {
             let (after, rate_after) =
                 if i < n { (self.tangent[i], self.edge_rate[i]) } else { (self.body_axis, self.body_rate) };
-            let kappa = cross(before, after) * 2.0 / (dot(before, after) + 1.0);
-            let slope = kappa * kappa * 0.25 + 1.0;
-            self.kappa[i] = kappa;
-            self.kappa_slope[i] = slope;
-            self.kappa_rate[i] = slope * (rate_after - rate_before);
+            let half_tangent = cross(before, after) / (dot(before, after) + 1.0);
+            let (angle, slope) = c.stencil.angle(half_tangent);
+            self.half_tangent[i] = half_tangent;
+            self.angle[i] = angle;
+            self.angle_slope[i] = slope;
+            self.angle_rate[i] = slope * (rate_after - rate_before);
             (before, rate_before) = (after, rate_after);
         }
-        self.kappa[0] *= c.root_share;
-        self.kappa_slope[0] *= c.root_share;
-        self.kappa_rate[0] *= c.root_share;
+        c.stencil.curvatures(&self.angle, &mut self.kappa);
+        c.stencil.curvatures(&self.angle_rate, &mut self.kappa_rate);
+    }
+
+    /// From chords to the arcs over them.
+    fn place_arcs(&mut self, c: &Context<T>) {
+        for j in 0..c.edges {
+            let [before, after] = c.stencil.arc(j);
+            let (a, b) = (self.angle[j], self.angle[j + 1]);
+            let arc = a * a * before + b * b * after + 1.0;
+            let rate = (a * self.angle_rate[j] * before + b * self.angle_rate[j + 1] * after) * 2.0;
+            let length = self.length[j];
+            self.arc[j] = arc;
+            self.arc_rate[j] = rate;
+            self.stretch[j] = length * arc * c.per_rest_length - 1.0;
+            self.stretch_rate[j] = (self.length_rate[j] * arc + length * rate) * c.per_rest_length;
+        }
     }
 
     /// Takes the mean square of the curvature, `⟨κ²⟩ = Σ κ_i²/ℓ_i / Σ ℓ_i` with integrated curvatures.
@@ -197,18 +235,37 @@ impl<T: Real> Fields<T> {
         }
     }
 
-    /// Difference of the bending torques at the ends of edge `j`, N m: its shear force times its
-    /// length.
+    /// From the moments of the bends, the clamp's and the tensions to what resists the turning angles.
+    pub fn resist(&mut self, c: &Context<T>, clamp_acts: bool) {
+        c.stencil.moments(&self.moment, &mut self.angle_moment);
+        if clamp_acts {
+            c.stencil.add_clamp(&self.angle, &mut self.angle_moment);
+        }
+        for j in 0..c.edges {
+            let [before, after] = c.stencil.arc(j);
+            let pull = self.tension[j] * self.length[j] * 2.0;
+            self.angle_moment[j] += self.angle[j] * pull * before;
+            self.angle_moment[j + 1] += self.angle[j + 1] * pull * after;
+        }
+    }
+
+    /// Bending moment that turns the edges at a bend, N m; positive where the rod is bent towards +z.
+    pub fn bending_moment(&self, bend: usize) -> T {
+        self.angle_moment[bend] * self.angle_slope[bend]
+    }
+
+    /// Difference of the bending moments at the ends of edge `j`, N m: its shear force times its length.
     pub fn torque(&self, j: usize) -> T {
-        self.moment[j] * self.kappa_slope[j] - self.moment[j + 1] * self.kappa_slope[j + 1]
+        self.bending_moment(j) - self.bending_moment(j + 1)
     }
 
     /// Gradient of stored and dissipated power by the edge vector, N: tension along, shear across.
     pub fn edge_force(&self, j: usize) -> [T; 2] {
         let tangent = self.tangent[j];
         let normal = left(tangent);
+        let pull = self.tension[j] * self.arc[j];
         let shear = self.torque(j) * self.per_length[j];
-        [0, 1].map(|k| tangent[k] * self.tension[j] + normal[k] * shear)
+        [0, 1].map(|k| tangent[k] * pull + normal[k] * shear)
     }
 
     /// Generalised forces, shape `[2N+1]`, of all that the laws have said.
@@ -238,7 +295,7 @@ impl<T: Real> Fields<T> {
             force[dof] = last[k] + weight * c.body.mass;
         }
         force[2 * n] = self.tip[2]
-            - self.moment[n] * self.kappa_slope[n]
+            - self.bending_moment(n)
             - dot(last, left(self.body_axis)) * c.body.center_of_mass
             - self.decay_rate * v[2 * n] * c.body.rotary_inertia;
     }

@@ -17,5 +17,6 @@ mod root;
 pub mod sensor;
 pub mod snapshot;
 pub mod statics;
+pub mod stencil;
 pub mod system;
 mod tangent;

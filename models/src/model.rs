@@ -6,18 +6,20 @@ use std::sync::Arc;
 use crate::effects::{self, Effect, EffectFor, Flow, Kind, Place, Rod};
 use crate::error::ModelError;
 
-/// How the rod leaves the clamp.
+/// How the continuous rod is made discrete, see [`stencil`](crate::stencil).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Root {
-    /// Half a Voronoi length belongs to the root bend: second order in the edge length.
+pub enum Scheme {
+    /// Curvatures from three turning angles, arcs over chords, and half a cell at each end: ours.
     #[default]
     Consistent,
-    /// A whole Voronoi length belongs to it, as a ghost edge behind the wall gives: the paper's.
-    /// Bending stiffnesses of its Table 2 belong to this root, with 32 nodes, the resting mass per
-    /// length and a rod that hardly stretches: its Euler column then follows from its PDER column
-    /// to within 0.3 to 6.1 % (median 3.0 %), against 6 to 15 % with the consistent root. First
-    /// order in the edge length. The bend at the end fitting keeps half a Voronoi length, which the
-    /// tables could not tell from a whole one or from none: the difference is 0.03 % of EI.
+    /// The paper's: curvature `2 tan(φ/2)`, a whole Voronoi length at the root, as a ghost edge behind the
+    /// wall gives, and chords. First order in the edge length.
+    ///
+    /// The bending stiffnesses of its Table 2 belong to this scheme, with 32 nodes, the resting mass per
+    /// length and a rod that hardly stretches: the Euler column then follows from the PDER column
+    /// to within 0.3 to 6.1 % (median 3.0 %), against 6 to 15 % with the consistent scheme. The bend at the end
+    /// fitting keeps half a Voronoi length, which the tables could not tell from a whole one or from none:
+    /// the difference is 0.03 % of EI.
     Paper,
 }
 
@@ -76,8 +78,8 @@ pub struct ModelSpec {
     pub release_angle: f64,
     /// Angular velocity with which it is let go, rad/s.
     pub release_rate: f64,
-    /// How the rod leaves the clamp.
-    pub root: Root,
+    /// How the rod is made discrete.
+    pub scheme: Scheme,
     /// Distance of the observed tip beyond the end of the active length, m.
     pub tip_distance: f64,
     /// Effects beside the baseline, and parameters of any effect that differ from its defaults.
@@ -120,8 +122,8 @@ const ROD_PARAMETERS: [RodParameter; 9] = [
 pub struct Model {
     /// Number of edges `N`.
     pub edges: usize,
-    /// How the rod leaves the clamp.
-    pub root: Root,
+    /// How the rod is made discrete.
+    pub scheme: Scheme,
     /// Distance of the observed tip beyond the end of the active length, m.
     pub tip_distance: f64,
     /// What the parameters are, in the order of `theta`.
@@ -146,7 +148,7 @@ impl Model {
         let rod = &spec.rod;
         let mut model = Self {
             edges: spec.nodes - 1,
-            root: spec.root,
+            scheme: spec.scheme,
             tip_distance: spec.tip_distance,
             parameters: ROD_PARAMETERS.map(rod_parameter).to_vec(),
             theta: vec![

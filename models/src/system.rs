@@ -3,12 +3,13 @@
 use num_dual::Dual64;
 
 use crate::effects::{Body, Effect, Kind, LANES, Lanes, Mass, MassLoad, Place, Real, Rod, Scalar, Tip};
-use crate::kinematics::Fields;
+use crate::kinematics::{Fields, cross};
 use crate::lanes::{seeded, slopes, with_slopes};
 use crate::model::{
-    AXIAL_STIFFNESS, Active, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, PRESSURE, Root,
+    AXIAL_STIFFNESS, Active, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, PRESSURE,
 };
 use crate::posture::Posture;
+use crate::stencil::Stencil;
 use crate::tangent::Tangent;
 
 /// What the laws and the stencil take from the parameters at one time.
@@ -29,6 +30,8 @@ pub struct Context<T> {
     /// The rigid end body, the last half cell of the rod included: its centre of mass is measured
     /// from the last node along the body axis.
     pub body: Body<T>,
+    /// The rod's last half cell alone.
+    pub half_cell: Body<T>,
     /// Mass of an interior node, kg.
     pub node_mass: T,
     /// The part of it that has no weight, kg; the end body holds half of that at the last node.
@@ -39,10 +42,8 @@ pub struct Context<T> {
     pub per_rest_length: T,
     /// One over the Voronoi length of each bend, 1/m, shape `[N+1]`.
     pub per_voronoi: Vec<T>,
-    /// Share of the root's integrated curvature that the rod itself takes; the clamp takes the rest.
-    pub root_share: T,
-    /// Moment that the clamp adds at the root per integrated curvature of the rod's share, N m.
-    pub clamp_moment: T,
+    /// From turning angles to curvatures.
+    pub stencil: Stencil<T>,
 }
 
 impl<T: Real> Context<T> {
@@ -69,20 +70,22 @@ impl<T: Scalar> Context<T> {
         let weightless_mass = inertia(model, &rod, &theta) * rod.length * per_edges;
         let node_mass = theta[MASS] * per_edges + weightless_mass;
         let base = theta[BASE_ANGLE];
+        let stencil = Stencil::new(model.scheme, edges);
+        let half_cell = half_cell(&stencil, node_mass, theta[LENGTH] * per_edges);
         let mut context = Self {
             edges,
             per_edges,
             time: zero,
             rod,
             base_axis: [base.cos(), base.sin()],
-            body: end_body(model, &theta, node_mass * 0.5, theta[LENGTH] * (0.5 * per_edges)),
+            body: end_body(model, &theta, half_cell),
+            half_cell,
             node_mass,
             weightless_mass,
             rest_length: zero,
             per_rest_length: zero,
             per_voronoi: vec![zero; edges + 1],
-            root_share: zero,
-            clamp_moment: zero,
+            stencil,
             theta,
         };
         context.set_time(model, zero);
@@ -102,23 +105,16 @@ impl<T: Scalar> Context<T> {
             let (change, rate) = schedule.pressure_change(now);
             self.rod.pressure = self.theta[PRESSURE] + change + (time - now) * rate;
         }
-        let n = self.edges;
         self.rest_length = self.rod.length * self.per_edges;
         self.per_rest_length = self.rest_length.recip();
-        self.per_voronoi.fill(self.per_rest_length);
-        self.per_voronoi[n] = self.per_rest_length * 2.0;
-        if model.root == Root::Consistent {
-            self.per_voronoi[0] = self.per_rest_length * 2.0;
+        for (bend, per) in self.per_voronoi.iter_mut().enumerate() {
+            *per = self.per_rest_length / self.stencil.weight(bend);
         }
-        // A clamp in series with the root bend: both carry the elastic moment, which fixes how
-        // they share the rotation. The split is kept for every other moment of the root bend.
         let mut compliance = T::from(0.0);
         for active in at(model, Place::Clamp) {
             compliance += T::laws(active.effect).clamp(&self.theta[active.theta.clone()]);
         }
-        let stiffness = self.rod.bending_stiffness * self.per_voronoi[0];
-        self.root_share = (compliance * stiffness + 1.0).recip();
-        self.clamp_moment = compliance * stiffness * stiffness;
+        self.stencil.set_clamp(compliance, self.rod.bending_stiffness, self.rest_length);
     }
 
     /// Diagonal of the mass matrix, kg and, for the angle of the end body, kg m².
@@ -131,22 +127,25 @@ impl<T: Scalar> Context<T> {
     }
 }
 
-/// End fitting, payload and the rod's last half cell as one rigid body. The half cell's mass sits
-/// at the last node, and turns with the body as a thin rod.
-fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: T, half_length: T) -> Body<T> {
+/// The rod's last half cell, a thin rod that turns with the end body.
+fn half_cell<T: Scalar>(stencil: &Stencil<T>, node_mass: T, rest_length: T) -> Body<T> {
+    let mass = node_mass * 0.5;
+    let before = rest_length * stencil.last_half_cell();
+    let about_node = mass * rest_length * rest_length / 12.0;
+    Body { mass, center_of_mass: -before, rotary_inertia: about_node - mass * before * before }
+}
+
+/// End fitting, payload and the rod's last half cell as one rigid body.
+fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: Body<T>) -> Body<T> {
     let zero = T::from(0.0);
-    let mut bodies = vec![Body {
-        mass: half_cell,
-        center_of_mass: zero,
-        rotary_inertia: half_cell * half_length * half_length / 3.0,
-    }];
+    let mut bodies = vec![half_cell];
     let mut shift = zero;
     for active in at(model, Place::Body) {
         let effect = T::laws(active.effect);
         bodies.push(effect.body(&theta[active.theta.clone()]));
         shift += effect.shift(&theta[active.theta.clone()]);
     }
-    // The half cell is the rod's own.
+    // The half cell stays where it is.
     bodies[1..].iter_mut().for_each(|body| body.center_of_mass += shift);
     let mass = bodies.iter().fold(zero, |sum, b| sum + b.mass);
     let center_of_mass = bodies.iter().fold(zero, |sum, b| sum + b.mass * b.center_of_mass) / mass;
@@ -257,6 +256,11 @@ impl<T: Scalar> Assembly<T> {
         if effect.about().kind == Kind::Load { self.load_share } else { 1.0 }
     }
 
+    /// Force that bears the weight of what has none in the last half cell, N.
+    pub(crate) fn borne_at_the_end(&self) -> [T; 2] {
+        self.fields.acceleration.map(|acceleration| -acceleration * self.context.weightless_mass * 0.5)
+    }
+
     pub(crate) fn add_loads(&mut self, model: &Model, q: &[T]) {
         for &k in &self.acting.mass {
             let active = &model.effects[k];
@@ -269,9 +273,10 @@ impl<T: Scalar> Assembly<T> {
             self.fields.acceleration[1] += acceleration[1] * share;
             self.fields.decay_rate += rate;
         }
-        // The end body's share of what has no weight is borne at the last node, where it sits.
+        let borne = self.borne_at_the_end();
+        self.fields.tip[2] += cross(self.fields.body_axis, borne) * self.context.half_cell.center_of_mass;
         for k in 0..2 {
-            self.fields.tip[k] -= self.fields.acceleration[k] * (self.context.weightless_mass * 0.5);
+            self.fields.tip[k] += borne[k];
         }
         for &k in &self.acting.tip {
             let active = &model.effects[k];
@@ -304,9 +309,6 @@ impl<T: Scalar> Assembly<T> {
             let own = active.memory.clone();
             effect.add_moments(c, &c.theta[active.theta.clone()], f, &z[own.clone()], &mut z_rate[own]);
         }
-        if !acting.clamp.is_empty() {
-            f.moment[0] += c.clamp_moment * f.kappa[0];
-        }
         for &k in &acting.edge {
             let active = &model.effects[k];
             let effect = T::laws(active.effect);
@@ -318,6 +320,7 @@ impl<T: Scalar> Assembly<T> {
             effect.add_flows(c, &c.theta[active.theta.clone()], f);
         }
         self.add_loads(model, q);
+        self.fields.resist(&self.context, !self.acting.clamp.is_empty());
         self.fields.gather(&self.context, v, force);
     }
 
@@ -327,7 +330,7 @@ impl<T: Scalar> Assembly<T> {
         self.add_loads(model, q);
         let (c, f) = (&self.context, &self.fields);
         let tip = self.tip(q);
-        let mut elastic = f.kappa[0] * f.kappa[0] * c.clamp_moment * 0.5;
+        let mut elastic = c.stencil.clamp_energy(&f.angle);
         let mut potential = T::from(0.0);
         for active in &model.effects {
             let about = active.effect.about();
@@ -342,7 +345,8 @@ impl<T: Scalar> Assembly<T> {
         }
         let n = c.edges;
         for k in 0..2 {
-            let mut moment = q[2 * n - 2 + k] * c.body.mass - f.position[n][k] * (c.weightless_mass * 0.5);
+            let half_cell = f.position[n][k] + f.body_axis[k] * c.half_cell.center_of_mass;
+            let mut moment = q[2 * n - 2 + k] * c.body.mass - half_cell * c.weightless_mass * 0.5;
             for i in 1..n {
                 moment += q[2 * i - 2 + k] * (c.node_mass - c.weightless_mass);
             }

@@ -12,6 +12,7 @@ use crate::coupled::Coupled;
 use crate::effects::BendTangent;
 use crate::kinematics::{Fields, dot, left};
 use crate::model::Model;
+use crate::stencil::Stencil;
 use crate::system::{Assembly, Context, System};
 
 /// Tangents of the laws and geometry of the posture at which they were taken.
@@ -30,23 +31,29 @@ pub(crate) struct Tangent {
     /// Gradient of an edge's angle by the edge vector, 1/m, and of its rate, 1/(m s).
     angle_by_edge: Vec<[f64; 2]>,
     rate_by_edge: Vec<[f64; 2]>,
-    kappa: Vec<f64>,
-    kappa_slope: Vec<f64>,
-    kappa_rate: Vec<f64>,
-    moment: Vec<f64>,
-    tension: Vec<f64>,
+    /// Gradient of the rate of an edge's length by the edge vector, 1/s; that of its length is the tangent.
+    length_rate_by_edge: Vec<[f64; 2]>,
+    /// Axial force and shear force times length in each edge, N and N m.
+    pull: Vec<f64>,
+    torque: Vec<f64>,
+    /// First and second derivative of the angles by the turning angles, and the second times their rate.
+    angle_slope: Vec<f64>,
+    angle_curve: Vec<f64>,
+    angle_curve_rate: Vec<f64>,
     tangent: Vec<[f64; 2]>,
     per_length: Vec<f64>,
-    edge_rate: Vec<f64>,
     outer: Vec<[f64; 2]>,
     midpoint_velocity: Vec<[f64; 2]>,
     body_axis: [f64; 2],
     body_rate: f64,
     last_force: [f64; 2],
     decay_rate: f64,
-    /// Turning moments' tangents by turning angle and its rate, memory condensed, shape `[N+1]`.
-    by_angle: Vec<f64>,
-    by_angle_rate: Vec<f64>,
+    /// Moments and axial forces by turning angles and edge lengths, and by their rates; memory condensed.
+    by_turns: ByTurns,
+    by_turn_rates: ByTurns,
+    /// Room for moments of the bends, and for those at the turning angles, shape `[N+1]`.
+    of_bends: Vec<f64>,
+    of_angles: Vec<f64>,
     stiffness: Coupled,
     damping: Banded,
     /// Whether damping has more than the decay of momenta.
@@ -69,18 +76,20 @@ impl Tangent {
             memory: vec![BendTangent::default(); model.memory()],
             angle_by_edge: vectors.clone(),
             rate_by_edge: vectors.clone(),
-            kappa: bends.clone(),
-            kappa_slope: bends.clone(),
-            kappa_rate: bends.clone(),
-            moment: bends.clone(),
-            tension: edges.clone(),
+            length_rate_by_edge: vectors.clone(),
+            pull: edges.clone(),
+            torque: edges.clone(),
+            angle_slope: bends.clone(),
+            angle_curve: bends.clone(),
+            angle_curve_rate: bends.clone(),
             tangent: vectors.clone(),
-            per_length: edges.clone(),
-            edge_rate: edges,
+            per_length: edges,
             outer: vectors.clone(),
             midpoint_velocity: vectors,
-            by_angle: bends.clone(),
-            by_angle_rate: bends,
+            by_turns: ByTurns::new(n),
+            by_turn_rates: ByTurns::new(n),
+            of_bends: bends.clone(),
+            of_angles: bends,
             stiffness: Coupled::zeros(model.dof()),
             damping: Banded::zeros(model.dof()),
             ..Self::default()
@@ -94,63 +103,76 @@ impl Tangent {
             let tangent = f.tangent[j];
             let normal = left(tangent);
             let per_length = f.per_length[j];
-            let along = f.stretch_rate[j] * c.rest_length * per_length;
-            let turn = f.edge_rate[j];
+            let (turn, along) = (f.edge_rate[j], f.length_rate[j] * per_length);
             self.angle_by_edge[j] = normal.map(|n| n * per_length);
             self.rate_by_edge[j] = [0, 1].map(|k| -(tangent[k] * turn + normal[k] * along) * per_length);
+            self.length_rate_by_edge[j] = normal.map(|n| n * turn);
+            self.pull[j] = f.tension[j] * f.arc[j];
+            self.torque[j] = f.torque(j);
             if has_flow {
                 self.midpoint_velocity[j] = f.midpoint_velocity(j);
             }
         }
+        for i in 0..=n {
+            let curve = c.stencil.angle_curve(f.half_tangent[i]);
+            self.angle_curve[i] = curve;
+            self.angle_curve_rate[i] = curve * f.angle_rate[i] / f.angle_slope[i];
+        }
         let inner = f.edge_force(n - 1);
         self.last_force = [0, 1].map(|k| f.tip[k] - inner[k] + 0.5 * f.outer[n - 1][k]);
         self.decay_rate = f.decay_rate;
-        self.kappa.copy_from_slice(&f.kappa);
-        self.kappa_slope.copy_from_slice(&f.kappa_slope);
-        self.kappa_rate.copy_from_slice(&f.kappa_rate);
-        self.moment.copy_from_slice(&f.moment);
-        self.tension.copy_from_slice(&f.tension);
+        self.angle_slope.copy_from_slice(&f.angle_slope);
         self.tangent.copy_from_slice(&f.tangent);
         self.per_length.copy_from_slice(&f.per_length);
-        self.edge_rate.copy_from_slice(&f.edge_rate);
         self.outer.copy_from_slice(&f.outer);
         self.body_axis = f.body_axis;
         self.body_rate = f.body_rate;
     }
 
-    /// Generalised forces, one for each coordinate, with which torques that resist the turning of
-    /// bends, N m, resist; with `arm` from the last node to the end body's centre of mass.
-    fn spread(&self, arm: f64, torque: impl Fn(usize) -> f64, mut add: impl FnMut(usize, f64)) {
+    /// Turns moments of the bends into those at the turning angles, in place.
+    fn turn_moments(&mut self, stencil: &Stencil<f64>) {
+        stencil.moments(&self.of_bends, &mut self.of_angles);
+        for (moment, slope) in self.of_angles.iter_mut().zip(&self.angle_slope) {
+            *moment *= slope;
+        }
+    }
+
+    /// Generalised forces, one for each coordinate, with which the moments [at the turning
+    /// angles](Self::of_angles), N m, resist; with `arm` from the last node to the end body's centre of mass.
+    fn spread(&self, arm: f64, mut add: impl FnMut(usize, f64)) {
         let n = self.tangent.len();
-        let mut before = torque(0);
+        let moment = &self.of_angles;
         let mut pull_before = [0.0; 2];
         for j in 0..n {
-            let after = torque(j + 1);
-            let pull = self.angle_by_edge[j].map(|g| g * (before - after));
+            let pull = self.angle_by_edge[j].map(|g| g * (moment[j] - moment[j + 1]));
             if j > 0 {
                 for k in 0..2 {
                     add(2 * j - 2 + k, pull_before[k] - pull[k]);
                 }
             }
-            (before, pull_before) = (after, pull);
+            pull_before = pull;
         }
         for k in 0..2 {
             add(2 * n - 2 + k, pull_before[k]);
         }
-        add(2 * n, before - arm * dot(pull_before, left(self.body_axis)));
+        add(2 * n, moment[n] - arm * dot(pull_before, left(self.body_axis)));
     }
 
     /// What the mean square curvature `⟨κ²⟩` adds to the stiffness, beside its band: how it moves the
     /// forces, times how the coordinates move it.
-    fn couple(&mut self, c: &Context<f64>) {
+    fn couple(&mut self, c: &Context<f64>, kappa: &[f64]) {
         let arm = c.body.center_of_mass;
         let per_length = 2.0 / c.bent_length();
         let mut stiffness = std::mem::take(&mut self.stiffness);
         stiffness.put_beside(|column, row| {
-            let torque = |i: usize| self.by_mean[i] * self.kappa_slope[i];
-            self.spread(arm, torque, |dof, x| column[dof] = x);
-            let slope = |i: usize| per_length * c.per_voronoi[i] * self.kappa[i] * self.kappa_slope[i];
-            self.spread(arm, slope, |dof, x| row[dof] = x);
+            self.of_bends.copy_from_slice(&self.by_mean);
+            self.turn_moments(&c.stencil);
+            self.spread(arm, |dof, x| column[dof] = x);
+            for (i, slope) in self.of_bends.iter_mut().enumerate() {
+                *slope = per_length * c.per_voronoi[i] * kappa[i];
+            }
+            self.turn_moments(&c.stencil);
+            self.spread(arm, |dof, x| row[dof] = x);
         });
         self.stiffness = stiffness;
     }
@@ -211,8 +233,6 @@ impl System<'_> {
             let theta = &model.theta[active.theta.clone()];
             active.effect.linearise_by_mean(c, theta, f, &z[active.memory.clone()], &mut t.by_mean);
         }
-        f.moment[0] += c.clamp_moment * f.kappa[0];
-        t.by_kappa[0] += c.clamp_moment;
         for &k in &acting.edge {
             let active = &model.effects[k];
             let theta = &model.theta[active.theta.clone()];
@@ -223,6 +243,7 @@ impl System<'_> {
             active.effect.linearise_flows(c, &model.theta[active.theta.clone()], f, &mut t.flow);
         }
         self.assembly.add_loads(model, q);
+        let borne = self.assembly.borne_at_the_end();
         for &k in &self.assembly.acting.tip {
             let active = &model.effects[k];
             let share = self.assembly.share(active.effect);
@@ -234,9 +255,12 @@ impl System<'_> {
                 }
             }
         }
-        let (c, f) = (&self.assembly.context, &self.assembly.fields);
+        let Assembly { context: c, fields: f, acting, .. } = &mut self.assembly;
+        // The weight of what has none acts before the last node, and turns with the body.
+        t.tip[2][2] -= dot(f.body_axis, borne) * c.half_cell.center_of_mass;
+        f.resist(c, !acting.clamp.is_empty());
         f.gather(c, v, force);
-        t.keep_geometry(c, f, !self.assembly.acting.flow.is_empty());
+        t.keep_geometry(c, f, !acting.flow.is_empty());
     }
 
     /// Makes tangent stiffness `−∂f/∂q` and damping `−∂f/∂v` for a step with `a = 1/(γh)`, 1/s, at
@@ -269,10 +293,11 @@ impl System<'_> {
 
     /// Condenses with what a memory adds to the tangents by curvature and by its rate.
     fn condense_with(&mut self, add: impl Fn(&BendTangent) -> [f64; 2]) {
-        let c = &self.assembly.context;
+        let Assembly { context: c, fields: f, acting, .. } = &self.assembly;
         let n = c.edges;
-        let share = c.root_share;
         let t = &mut self.tangent;
+        t.by_turns.clear();
+        t.by_turn_rates.clear();
         for i in 0..=n {
             let mut by_kappa = t.by_kappa[i];
             let mut by_rate = t.by_kappa_rate[i];
@@ -281,25 +306,39 @@ impl System<'_> {
                 by_kappa += stiffness;
                 by_rate += damping;
             }
-            // κ'' = κ κ'/2, of which the root holds the rod's share.
-            let half_kappa = 0.5 * t.kappa[i] / if i == 0 { share } else { 1.0 };
-            let slope = t.kappa_slope[i];
-            t.by_angle[i] = (by_kappa * slope + by_rate * half_kappa * t.kappa_rate[i]) * slope
-                + t.moment[i] * half_kappa * slope;
-            t.by_angle_rate[i] = by_rate * slope * slope;
+            let first = c.stencil.first(i);
+            let row = c.stencil.row(i);
+            let slopes: [f64; 3] = std::array::from_fn(|k| row[k] * t.angle_slope[first + k]);
+            let rate_slopes: [f64; 3] = std::array::from_fn(|k| row[k] * t.angle_curve_rate[first + k]);
+            let moment: [f64; 3] =
+                std::array::from_fn(|k| by_kappa * slopes[k] + by_rate * rate_slopes[k]);
+            t.by_turns.add_angles(first, |k, l| slopes[k] * moment[l]);
+            if by_rate != 0.0 {
+                t.by_turn_rates.add_angles(first, |k, l| by_rate * slopes[k] * slopes[l]);
+            }
         }
-        t.assemble_edges(n, c.per_rest_length);
-        if !self.assembly.acting.flow.is_empty() {
+        for i in 0..=n {
+            t.by_turns.angles[i][2] += t.angle_curve[i] * f.angle_moment[i];
+        }
+        if !acting.clamp.is_empty() {
+            let clamp = c.stencil.clamp_stiffness();
+            t.by_turns.add_angles(0, |k, l| clamp[k][l] * t.angle_slope[k] * t.angle_slope[l]);
+        }
+        for j in 0..n {
+            t.add_edge(j, c, f);
+        }
+        t.assemble_edges(n);
+        if !acting.flow.is_empty() {
             t.assemble_flows(n);
         }
         t.assemble_tip(n);
         t.turn_to_body(n, c.body.center_of_mass);
-        match self.assembly.acting.whole.is_empty() {
-            true => t.stiffness.put_nothing_beside(),
-            false => t.couple(c),
+        if acting.whole.is_empty() {
+            t.stiffness.put_nothing_beside();
+        } else {
+            t.couple(c, &f.kappa);
         }
-        t.couples_rates = !(self.assembly.acting.flow.is_empty() && self.assembly.acting.tip.is_empty())
-            || t.by_angle_rate.iter().chain(&t.by_stretch_rate).any(|slope| *slope != 0.0);
+        t.couples_rates = t.couples_rates || !(acting.flow.is_empty() && acting.tip.is_empty());
         t.damping.add_diagonal(t.decay_rate, &self.mass);
     }
 
@@ -327,41 +366,40 @@ impl System<'_> {
     }
 
     /// Adds to the residuals of force what the residuals of memory do there, for `P` columns.
-    pub fn condense_residual<const P: usize>(&self, a: f64, r_z: &[[f64; P]], r_f: &mut [[f64; P]]) {
-        let t = &self.tangent;
+    pub fn condense_residual<const P: usize>(&mut self, a: f64, r_z: &[[f64; P]], r_f: &mut [[f64; P]]) {
+        let t = &mut self.tangent;
         if t.memory.is_empty() {
             return;
         }
-        let n = self.model.edges;
-        let arm = self.assembly.context.body.center_of_mass;
+        let c = &self.assembly.context;
         for p in 0..P {
-            let torque = |i: usize| {
-                let bend = t.memory.iter().zip(r_z).skip(i).step_by(n + 1);
-                let moment: f64 = bend
+            for (i, moment) in t.of_bends.iter_mut().enumerate() {
+                let bend = t.memory.iter().zip(r_z).skip(i).step_by(c.edges + 1);
+                *moment = bend
                     .map(|(memory, r)| memory.moment[2] * r[p] * response(a, memory.memory_rate[2]))
                     .sum();
-                moment * t.kappa_slope[i]
-            };
-            t.spread(arm, torque, |dof, resistance| r_f[dof][p] -= resistance);
+            }
+            t.turn_moments(&c.stencil);
+            t.spread(c.body.center_of_mass, |dof, resistance| r_f[dof][p] -= resistance);
         }
     }
 
     /// Memory increments that belong to increments of coordinates and velocities, for `P` columns:
     /// overwrites the residuals of memory.
     pub fn recover_memory<const P: usize>(
-        &self,
+        &mut self,
         a: f64,
         u_q: &[[f64; P]],
         u_v: &[[f64; P]],
         r_z: &mut [[f64; P]],
     ) {
-        let t = &self.tangent;
+        let t = &mut self.tangent;
         if t.memory.is_empty() {
             return;
         }
-        let n = self.model.edges;
-        let share = self.assembly.context.root_share;
-        let arm = self.assembly.context.body.center_of_mass;
+        let c = &self.assembly.context;
+        let n = c.edges;
+        let arm = c.body.center_of_mass;
         let across = left(t.body_axis);
         for p in 0..P {
             let node = |i: usize| -> ([f64; 2], [f64; 2]) {
@@ -381,6 +419,7 @@ impl System<'_> {
             };
             let mut start = node(0);
             let mut turn_before = [0.0; 2];
+            // Increments of the angles and of their rates.
             for i in 0..=n {
                 let turn = if i < n {
                     let end = node(i + 1);
@@ -394,9 +433,13 @@ impl System<'_> {
                 };
                 let [angle, rate] = [turn[0] - turn_before[0], turn[1] - turn_before[1]];
                 turn_before = turn;
-                let half_kappa = 0.5 * t.kappa[i] / if i == 0 { share } else { 1.0 };
-                let kappa = t.kappa_slope[i] * angle;
-                let kappa_rate = half_kappa * t.kappa_rate[i] * angle + t.kappa_slope[i] * rate;
+                t.of_angles[i] = t.angle_slope[i] * angle;
+                t.of_bends[i] = t.angle_curve_rate[i] * angle + t.angle_slope[i] * rate;
+            }
+            for i in 0..=n {
+                let (row, first) = (c.stencil.row(i), c.stencil.first(i));
+                let along = |angles: &[f64]| -> f64 { row.iter().zip(&angles[first..]).map(|(a, b)| a * b).sum() };
+                let (kappa, kappa_rate) = (along(&t.of_angles), along(&t.of_bends));
                 for k in (i..t.memory.len()).step_by(n + 1) {
                     let [g_kappa, g_rate, g_z] = t.memory[k].memory_rate;
                     r_z[k][p] = (r_z[k][p] + g_kappa * kappa + g_rate * kappa_rate) * response(a, g_z);
@@ -430,14 +473,93 @@ fn scatter(matrix: &mut Banded, row: usize, column: usize, scale: f64, block: &B
     }
 }
 
-/// An edge's row of a matrix over edge vectors: the blocks with the edge before, itself, and the
-/// edge after.
-#[derive(Clone, Copy, Default)]
-struct EdgeRow {
-    before: Block,
-    own: Block,
-    after: Block,
+/// What turning angles and edge lengths do to the moments at the turning angles and to the axial forces:
+/// second derivatives of an energy, or the same of a dissipation. A bend's stencil joins three angles, so each
+/// moment knows five; an edge's arc joins its length with the angles at its ends.
+#[derive(Clone, Debug, Default)]
+struct ByTurns {
+    /// Moments by angles: entry `k` of row `i` is that by angle `i + k − 2`.
+    angles: Vec<[f64; 5]>,
+    /// Moments by the lengths of the edges before and after.
+    angle_by_length: Vec<[f64; 2]>,
+    /// Axial forces by the angles at both ends.
+    length_by_angle: Vec<[f64; 2]>,
+    /// Axial forces by the edge's own length.
+    lengths: Vec<f64>,
 }
+
+impl ByTurns {
+    fn new(edges: usize) -> Self {
+        Self {
+            angles: vec![[0.0; 5]; edges + 1],
+            angle_by_length: vec![[0.0; 2]; edges + 1],
+            length_by_angle: vec![[0.0; 2]; edges],
+            lengths: vec![0.0; edges],
+        }
+    }
+
+    fn clear(&mut self) {
+        self.angles.fill([0.0; 5]);
+        self.angle_by_length.fill([0.0; 2]);
+    }
+
+    /// Adds a matrix of the three angles from `first` on.
+    fn add_angles(&mut self, first: usize, entry: impl Fn(usize, usize) -> f64) {
+        for k in 0..3 {
+            for l in 0..3 {
+                self.angles[first + k][l + 2 - k] += entry(k, l);
+            }
+        }
+    }
+
+    /// Adds a matrix of the angles at both ends of an edge and of its length.
+    fn add_edge(&mut self, j: usize, entry: impl Fn(usize, usize) -> f64) {
+        for k in 0..2 {
+            for l in 0..2 {
+                self.angles[j + k][l + 2 - k] += entry(k, l);
+            }
+            self.angle_by_length[j + k][1 - k] += entry(k, 2);
+            self.length_by_angle[j][k] = entry(2, k);
+        }
+        self.lengths[j] = entry(2, 2);
+    }
+
+    /// Torque on edge `j`, the end body for the last, by the angles of the edges from `j − 3` to `j + 3`.
+    fn turn_by_turns(&self, j: usize) -> [f64; REACH] {
+        let mut by_bends = [0.0; REACH + 1];
+        for (sum, entry) in by_bends[1..].iter_mut().zip(&self.angles[j]) {
+            *sum += entry;
+        }
+        if let Some(next) = self.angles.get(j + 1) {
+            for (sum, entry) in by_bends[2..].iter_mut().zip(next) {
+                *sum -= entry;
+            }
+        }
+        std::array::from_fn(|k| by_bends[k] - by_bends[k + 1])
+    }
+
+    /// Torque on edge `j`, the end body for the last, by the lengths of the edges from `j − 1` to `j + 1`.
+    fn turn_by_lengths(&self, j: usize) -> [f64; 3] {
+        let [before, own] = self.angle_by_length[j];
+        let [next_before, next] = self.angle_by_length.get(j + 1).copied().unwrap_or_default();
+        [before, own - next_before, -next]
+    }
+
+    /// Axial force in edge `j` by the angles of the edges from `j − 1` to `j + 1`.
+    fn length_by_turns(&self, j: usize) -> [f64; 3] {
+        let [before, after] = self.length_by_angle[j];
+        [-before, before - after, after]
+    }
+}
+
+/// Coordinates before the last node's that it is joined with: those of four nodes.
+const LAST_REACH: usize = 2 * (HALF_REACH + 1);
+/// Edges that an edge's torque knows: itself and three to each side.
+const REACH: usize = 7;
+const HALF_REACH: usize = 3;
+
+/// An edge's row of a matrix over edge vectors, the blocks from `j − 3` to `j + 3`.
+type EdgeRow = [Block; REACH];
 
 /// Overwrites a matrix over coordinates by one over edge vectors, given row by row: `e = x[j+1] − x[j]`,
 /// so that each block of two nodes joins up to four of two edges. The angle's row becomes zero.
@@ -445,20 +567,25 @@ fn place_edges(matrix: &mut Banded, n: usize, row: impl Fn(usize) -> EdgeRow) {
     let mut inner = row(0);
     for i in 1..=n {
         let outer = if i < n { row(i) } else { EdgeRow::default() };
-        let mut blocks = [
-            -inner.before,
-            inner.before - inner.own + outer.before,
-            inner.own - inner.after - outer.before + outer.own,
-            inner.after - outer.own + outer.after,
-            -outer.after,
-        ];
-        // Node 0 is clamped.
-        for block in blocks.iter_mut().take(3_usize.saturating_sub(i)) {
-            *block = Block::zeros();
+        // The row of the node over edges from `i − 4` to `i + 3`, then over nodes from `i − 4` to `i + 4`.
+        let mut over_edges = [Block::zeros(); REACH + 1];
+        over_edges[..REACH].copy_from_slice(&inner);
+        for (block, outer) in over_edges[1..].iter_mut().zip(&outer) {
+            *block -= outer;
         }
+        let over_nodes = |at: usize| {
+            // Node 0 is clamped.
+            if i + at < HALF_REACH + 2 {
+                return Block::zeros();
+            }
+            let end = if at > 0 { over_edges[at - 1] } else { Block::zeros() };
+            let start = if at <= REACH { over_edges[at] } else { Block::zeros() };
+            end - start
+        };
+        let blocks: [Block; REACH + 2] = std::array::from_fn(over_nodes);
         for k in 0..2 {
             let entries = std::array::from_fn(|at| blocks[at / 2][(k, at % 2)]);
-            matrix.set_row::<10>(2 * i - 2 + k, 2 - k, entries);
+            matrix.set_row::<{ 2 * (REACH + 2) }>(2 * i - 2 + k, 2 - k, entries);
         }
         inner = outer;
     }
@@ -466,72 +593,155 @@ fn place_edges(matrix: &mut Banded, n: usize, row: impl Fn(usize) -> EdgeRow) {
 }
 
 impl Tangent {
+    /// Stretch of an edge's arc.
+    fn add_edge(&mut self, j: usize, c: &Context<f64>, f: &Fields<f64>) {
+        let [before, after] = c.stencil.arc(j).map(|weight| 2.0 * weight);
+        let per_rest_length = c.per_rest_length;
+        let (length, length_rate, tension) = (f.length[j], f.length_rate[j], f.tension[j]);
+        let mut strain = [0.0, 0.0, f.arc[j] * per_rest_length];
+        let mut strain_rate = [0.0, 0.0, f.arc_rate[j] * per_rest_length];
+        // The strain's second derivative; what the angle's own is stands with the moments.
+        let mut curve = [[0.0; 3]; 3];
+        for (k, (bend, weight)) in [(j, before), (j + 1, after)].into_iter().enumerate() {
+            let (angle, slope, rate) = (f.angle[bend], f.angle_slope[bend], f.angle_rate[bend]);
+            let arc = weight * angle * slope;
+            let arc_rate = weight * (slope * rate + angle * self.angle_curve_rate[bend]);
+            strain[k] = length * arc * per_rest_length;
+            strain_rate[k] = (length_rate * arc + length * arc_rate) * per_rest_length;
+            curve[k][k] = tension * length * weight * slope * slope;
+            curve[k][2] = tension * arc;
+            curve[2][k] = tension * arc;
+        }
+        let stiffness = self.by_stretch[j] * c.rest_length;
+        let damping = self.by_stretch_rate[j] * c.rest_length;
+        let force: [f64; 3] = std::array::from_fn(|l| stiffness * strain[l] + damping * strain_rate[l]);
+        self.by_turns.add_edge(j, |k, l| strain[k] * force[l] + curve[k][l]);
+        self.by_turn_rates.add_edge(j, |k, l| damping * strain[k] * strain[l]);
+    }
+
     /// Stretch, bending and their geometric stiffness, with the last node in the place of the
     /// body's centre of mass.
-    fn assemble_edges(&mut self, n: usize, per_rest_length: f64) {
-        let mut stiffness = std::mem::take(&mut self.stiffness.band);
-        place_edges(&mut stiffness, n, |j| self.edge_stiffness(j, per_rest_length));
-        self.stiffness.band = stiffness;
+    fn assemble_edges(&mut self, n: usize) {
+        let is_damped = |slope: &f64| *slope != 0.0;
+        let mut rates = self.by_turn_rates.angles.iter().flatten().chain(&self.by_stretch_rate);
+        self.couples_rates = rates.any(is_damped);
+        let mut stiffness = std::mem::take(&mut self.stiffness);
+        place_edges(&mut stiffness.band, n, |j| self.edge_stiffness(j));
         let mut damping = std::mem::take(&mut self.damping);
-        if self.by_angle_rate.iter().chain(&self.by_stretch_rate).any(|slope| *slope != 0.0) {
-            place_edges(&mut damping, n, |j| self.edge_damping(j, per_rest_length));
+        if self.couples_rates {
+            place_edges(&mut damping, n, |j| self.edge_damping(j));
         } else {
             damping.clear();
         }
+        self.place_body(n, &mut stiffness.band, &mut damping);
+        self.stiffness = stiffness;
         self.damping = damping;
-        let (a, b) = (self.by_angle[n], self.by_angle_rate[n]);
-        let (g, h) = (self.angle_by_edge[n - 1], self.rate_by_edge[n - 1]);
+    }
+
+    /// The end body's angle, which is that of one edge more, of no length.
+    fn place_body(&self, n: usize, stiffness: &mut Banded, damping: &mut Banded) {
         let angle = 2 * n;
-        self.stiffness.band[(angle, angle)] += a;
-        self.damping[(angle, angle)] += b;
-        for k in 0..2 {
-            for (node, sign) in [(n, 1.0), (n - 1, -1.0)] {
-                let dof = 2 * node - 2 + k;
-                self.stiffness.band[(dof, angle)] -= sign * a * g[k];
-                self.stiffness.band[(angle, dof)] -= sign * (a * g[k] + b * h[k]);
-                self.damping[(dof, angle)] -= sign * b * g[k];
-                self.damping[(angle, dof)] -= sign * b * g[k];
+        let (own, own_rate) = (self.by_turns.turn_by_turns(n), self.by_turn_rates.turn_by_turns(n));
+        stiffness[(angle, angle)] += own[HALF_REACH];
+        damping[(angle, angle)] += own_rate[HALF_REACH];
+        for j in n.saturating_sub(HALF_REACH)..n {
+            let (a, b) = (own[j + HALF_REACH - n], own_rate[j + HALF_REACH - n]);
+            let at = n + HALF_REACH - j;
+            let (turn, turn_rate) =
+                (self.by_turns.turn_by_turns(j)[at], self.by_turn_rates.turn_by_turns(j)[at]);
+            let (g, h) = (self.angle_by_edge[j], self.rate_by_edge[j]);
+            let mut column = g.map(|g| turn * g);
+            let mut column_rate = g.map(|g| turn_rate * g);
+            let mut row = [0, 1].map(|k| a * g[k] + b * h[k]);
+            let mut row_rate = g.map(|g| b * g);
+            if j + 1 == n {
+                let (along, along_rate) =
+                    (self.by_turns.length_by_turns(j)[2], self.by_turn_rates.length_by_turns(j)[2]);
+                let (back, back_rate) =
+                    (self.by_turns.turn_by_lengths(n)[0], self.by_turn_rates.turn_by_lengths(n)[0]);
+                let (t, s) = (self.tangent[j], self.length_rate_by_edge[j]);
+                for k in 0..2 {
+                    column[k] += along * t[k];
+                    column_rate[k] += along_rate * t[k];
+                    row[k] += back * t[k] + back_rate * s[k];
+                    row_rate[k] += back_rate * t[k];
+                }
+            }
+            for (node, sign) in [(j + 1, 1.0), (j, -1.0)] {
+                if node == 0 {
+                    continue;
+                }
+                for k in 0..2 {
+                    let dof = 2 * node - 2 + k;
+                    stiffness[(dof, angle)] += sign * column[k];
+                    damping[(dof, angle)] += sign * column_rate[k];
+                    stiffness[(angle, dof)] += sign * row[k];
+                    damping[(angle, dof)] += sign * row_rate[k];
+                }
             }
         }
     }
 
     /// Derivative of the force in edge `j` by the edge vectors.
-    fn edge_stiffness(&self, j: usize, per_rest_length: f64) -> EdgeRow {
-        let (a, b) = (&self.by_angle, &self.by_angle_rate);
-        let tangent = self.tangent[j];
-        let normal = left(tangent);
-        let (g, h) = (self.angle_by_edge[j], self.rate_by_edge[j]);
-        let per_length = self.per_length[j];
-        let torque = self.moment[j] * self.kappa_slope[j] - self.moment[j + 1] * self.kappa_slope[j + 1];
-        let across = outer(tangent, normal);
-        let own = outer(tangent, tangent) * (self.by_stretch[j] * per_rest_length)
-            + across * (self.by_stretch_rate[j] * per_rest_length * self.edge_rate[j])
-            + outer(normal, normal) * (self.tension[j] * per_length)
-            - (across + across.transpose()) * (torque * per_length * per_length)
-            + outer(g, g) * (a[j] + a[j + 1])
-            + outer(g, h) * (b[j] + b[j + 1]);
-        let with = |other: usize, bend: usize| {
-            outer(g, self.angle_by_edge[other]) * -a[bend] - outer(g, self.rate_by_edge[other]) * b[bend]
-        };
-        EdgeRow {
-            before: if j > 0 { with(j - 1, j) } else { Block::zeros() },
-            own,
-            after: if j + 1 < self.tangent.len() { with(j + 1, j + 1) } else { Block::zeros() },
+    fn edge_stiffness(&self, j: usize) -> EdgeRow {
+        let n = self.tangent.len();
+        let (turns, rates) = (&self.by_turns, &self.by_turn_rates);
+        let (by_turns, by_turn_rates) = (turns.turn_by_turns(j), rates.turn_by_turns(j));
+        let (by_lengths, by_length_rates) = (turns.turn_by_lengths(j), rates.turn_by_lengths(j));
+        let (pull_by_turns, pull_by_turn_rates) = (turns.length_by_turns(j), rates.length_by_turns(j));
+        let (along, across) = (self.tangent[j], self.angle_by_edge[j]);
+        let mut row = EdgeRow::default();
+        for (k, block) in row.iter_mut().enumerate() {
+            let Some(other) = (j + k).checked_sub(HALF_REACH).filter(|other| *other < n) else { continue };
+            let (g, h) = (self.angle_by_edge[other], self.rate_by_edge[other]);
+            let mut turned = [0, 1].map(|m| by_turns[k] * g[m] + by_turn_rates[k] * h[m]);
+            // The arcs of edges join neighbours alone.
+            if let Some(near) = (k + 1).checked_sub(HALF_REACH).filter(|near| *near < 3) {
+                let (t, s) = (self.tangent[other], self.length_rate_by_edge[other]);
+                let mut pulled = [0, 1].map(|m| pull_by_turns[near] * g[m] + pull_by_turn_rates[near] * h[m]);
+                for m in 0..2 {
+                    turned[m] += by_lengths[near] * t[m] + by_length_rates[near] * s[m];
+                    if near == 1 {
+                        pulled[m] += turns.lengths[j] * t[m] + rates.lengths[j] * s[m];
+                    }
+                }
+                *block += outer(along, pulled);
+            }
+            *block += outer(across, turned);
         }
+        let (normal, per_length) = (left(along), self.per_length[j]);
+        let crossed = outer(along, normal);
+        row[HALF_REACH] += outer(normal, normal) * (self.pull[j] * per_length)
+            - (crossed + crossed.transpose()) * (self.torque[j] * per_length * per_length);
+        row
     }
 
     /// Derivative of the force in edge `j` by the rates of the edge vectors.
-    fn edge_damping(&self, j: usize, per_rest_length: f64) -> EdgeRow {
-        let b = &self.by_angle_rate;
-        let g = self.angle_by_edge[j];
-        let tangent = self.tangent[j];
-        let with = |other: usize, bend: usize| outer(g, self.angle_by_edge[other]) * -b[bend];
-        EdgeRow {
-            before: if j > 0 { with(j - 1, j) } else { Block::zeros() },
-            own: outer(tangent, tangent) * (self.by_stretch_rate[j] * per_rest_length)
-                + outer(g, g) * (b[j] + b[j + 1]),
-            after: if j + 1 < self.tangent.len() { with(j + 1, j + 1) } else { Block::zeros() },
+    fn edge_damping(&self, j: usize) -> EdgeRow {
+        let n = self.tangent.len();
+        let rates = &self.by_turn_rates;
+        let (by_turns, by_lengths) = (rates.turn_by_turns(j), rates.turn_by_lengths(j));
+        let pull_by_turns = rates.length_by_turns(j);
+        let (along, across) = (self.tangent[j], self.angle_by_edge[j]);
+        let mut row = EdgeRow::default();
+        for (k, block) in row.iter_mut().enumerate() {
+            let Some(other) = (j + k).checked_sub(HALF_REACH).filter(|other| *other < n) else { continue };
+            let g = self.angle_by_edge[other];
+            let mut turned = g.map(|g| by_turns[k] * g);
+            if let Some(near) = (k + 1).checked_sub(HALF_REACH).filter(|near| *near < 3) {
+                let t = self.tangent[other];
+                let mut pulled = g.map(|g| pull_by_turns[near] * g);
+                for m in 0..2 {
+                    turned[m] += by_lengths[near] * t[m];
+                    if near == 1 {
+                        pulled[m] += rates.lengths[j] * t[m];
+                    }
+                }
+                *block += outer(along, pulled);
+            }
+            *block += outer(across, turned);
         }
+        row
     }
 
     /// Outer forces on edges, half on each end.
@@ -583,14 +793,14 @@ impl Tangent {
         let last = 2 * n - 2;
         let axis = self.body_axis;
         let across = left(axis);
-        for row in last.saturating_sub(4)..=angle {
+        for row in last.saturating_sub(LAST_REACH)..=angle {
             let damping = [0, 1].map(|k| self.damping[(row, last + k)]);
             let stiffness = [0, 1].map(|k| self.stiffness.band[(row, last + k)]);
             self.stiffness.band[(row, angle)] +=
                 arm * (self.body_rate * dot(damping, axis) - dot(stiffness, across));
             self.damping[(row, angle)] -= arm * dot(damping, across);
         }
-        for column in last.saturating_sub(4)..=angle {
+        for column in last.saturating_sub(LAST_REACH)..=angle {
             let stiffness = [0, 1].map(|k| self.stiffness.band[(last + k, column)]);
             let damping = [0, 1].map(|k| self.damping[(last + k, column)]);
             self.stiffness.band[(angle, column)] -= arm * dot(stiffness, across);

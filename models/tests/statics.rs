@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use models::effects::Rod;
-use models::model::{Model, ModelSpec, Root};
+use models::model::{Model, ModelSpec, Scheme};
 use models::statics::{Equilibrium, Mode, equilibrium, modes};
 use models::system::System;
 
@@ -42,7 +42,7 @@ struct Case {
     edges: usize,
     rod: Rod<f64>,
     base_angle: f64,
-    root: Root,
+    scheme: Scheme,
     gravity: f64,
     fitting: [f64; 3],
     effects: Vec<(&'static str, Vec<(&'static str, f64)>)>,
@@ -63,7 +63,7 @@ impl Case {
                 pressure: 0.0,
             },
             base_angle: 0.0,
-            root: Root::Consistent,
+            scheme: Scheme::Consistent,
             gravity: GRAVITY,
             fitting: [FITTING_MASS, FITTING_CENTER, 1e-5],
             effects: Vec::new(),
@@ -110,7 +110,7 @@ impl Case {
             base_angle: self.base_angle,
             release_angle: 0.0,
             release_rate: 0.0,
-            root: self.root,
+            scheme: self.scheme,
             tip_distance: self.fitting[1],
             effects,
             schedule: None,
@@ -301,11 +301,11 @@ fn frequencies_of_a_cantilever_with_a_tip_body() {
 #[test]
 fn consistent_root_is_of_second_order() {
     let edges = [32, 64, 128, 256, 512, 1024];
-    for (root, expected) in [(Root::Consistent, 1.9..2.2), (Root::Paper, 0.8..1.2)] {
+    for (scheme, expected) in [(Scheme::Consistent, 1.9..2.2), (Scheme::Paper, 0.8..1.2)] {
         let solved: Vec<[f64; 3]> = edges
             .iter()
             .map(|n| {
-                let case = Case { edges: *n, root, ..Case::muscle(&PSI_ROWS[2]) };
+                let case = Case { edges: *n, scheme, ..Case::muscle(&PSI_ROWS[2]) };
                 let [x, z] = case.rest().tip;
                 [x, z, case.modes(1)[0].angular_frequency]
             })
@@ -317,8 +317,8 @@ fn consistent_root_is_of_second_order() {
         let frequency = differences(&|a, b| a[2] - b[2]);
         for (quantity, errors) in [("tip", tip), ("frequency", frequency)] {
             let slope = order(&edges[..5], &errors);
-            println!("{root:?} {quantity}: order {slope:.3}, {errors:?}");
-            assert!(expected.contains(&slope), "{root:?}, {quantity}: order {slope}, {errors:?}");
+            println!("{scheme:?} {quantity}: order {slope:.3}, {errors:?}");
+            assert!(expected.contains(&slope), "{scheme:?}, {quantity}: order {slope}, {errors:?}");
         }
     }
 }
@@ -590,17 +590,17 @@ fn two_thousand_nodes_have_the_same_frequency() {
 #[test]
 fn euler_column_follows_from_the_pder_column_with_the_papers_root() {
     let cases = [
-        (Root::Paper, Some(1e6), [0.003, 0.030, 0.061]),
-        (Root::Paper, None, [0.000, 0.027, 0.057]),
-        (Root::Consistent, Some(1e6), [0.057, 0.112, 0.152]),
-        (Root::Consistent, None, [0.052, 0.110, 0.148]),
+        (Scheme::Paper, Some(1e6), [0.003, 0.030, 0.061]),
+        (Scheme::Paper, None, [0.000, 0.027, 0.057]),
+        (Scheme::Consistent, Some(1e6), [0.057, 0.112, 0.152]),
+        (Scheme::Consistent, None, [0.052, 0.110, 0.148]),
     ];
-    for (root, axial_stiffness, expected) in cases {
-        let found = distances_from_table(root, axial_stiffness);
+    for (scheme, axial_stiffness, expected) in cases {
+        let found = distances_from_table(scheme, axial_stiffness);
         let summary = [found[0], 0.5 * (found[9] + found[10]), found[19]];
-        println!("{root:?} {axial_stiffness:?}: {summary:.4?}");
+        println!("{scheme:?} {axial_stiffness:?}: {summary:.4?}");
         for (found, expected) in summary.iter().zip(expected) {
-            assert!((found - expected).abs() < 6e-4, "{root:?} {axial_stiffness:?}: {summary:?}");
+            assert!((found - expected).abs() < 6e-4, "{scheme:?} {axial_stiffness:?}: {summary:?}");
         }
     }
 }
@@ -657,11 +657,11 @@ fn euler_fit(length: f64, tip: [f64; 2], guess: f64) -> f64 {
 }
 
 /// Distances of Table 2's Euler column from the one recomputed from its PDER column, sorted.
-fn distances_from_table(root: Root, axial_stiffness: Option<f64>) -> Vec<f64> {
+fn distances_from_table(scheme: Scheme, axial_stiffness: Option<f64>) -> Vec<f64> {
     let mut distances: Vec<f64> = PSI_ROWS
         .iter()
         .map(|row| {
-            let mut case = Case { root, ..Case::muscle(row) };
+            let mut case = Case { scheme, ..Case::muscle(row) };
             case.rod.mass = MASS_PER_LENGTH * case.rod.length;
             case.rod.axial_stiffness = axial_stiffness.unwrap_or(case.rod.axial_stiffness);
             let tip = case.rest().tip;

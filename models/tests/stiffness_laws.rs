@@ -5,7 +5,7 @@
 //! right to second order in the angle of a bend, (1/200)².
 
 use models::effects::Rod;
-use models::model::{Model, ModelSpec, Root};
+use models::model::{Model, ModelSpec, Scheme};
 use models::statics::equilibrium;
 use models::system::System;
 
@@ -33,7 +33,7 @@ fn model(effects: &[(&str, &str, f64)]) -> Model {
         base_angle: 0.0,
         release_angle: 0.0,
         release_rate: 0.0,
-        root: Root::Consistent,
+        scheme: Scheme::Consistent,
         tip_distance: 0.0,
         effects: all,
         schedule: None,

@@ -137,8 +137,7 @@ pub enum ForwardError {
 pub fn root_moment(system: &mut System, State { time, q, v, z }: &State) -> f64 {
     let (mut force, mut z_rate) = (vec![0.0; q.len()], vec![0.0; z.len()]);
     system.force(*time, q, v, z, &mut force, &mut z_rate);
-    let fields = &system.assembly.fields;
-    fields.moment[0] * fields.kappa_slope[0]
+    system.assembly.fields.bending_moment(0)
 }
 
 /// What an observer sees at each sample.
@@ -177,12 +176,7 @@ impl Sample<'_, '_> {
             body_center: [q[2 * n - 2], q[2 * n - 1]],
             tip: tip.0,
             tip_velocity: tip.1,
-            bending_moment: fields
-                .moment
-                .iter()
-                .zip(&fields.kappa_slope)
-                .map(|(m, slope)| m * slope)
-                .collect(),
+            bending_moment: (0..=n).map(|bend| fields.bending_moment(bend)).collect(),
             effect_forces: forces.into_iter().map(|(effect, force)| EffectForce { effect, force }).collect(),
             energy: self.energy,
         }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use models::effects::Rod;
-use models::model::{Model, ModelSpec, Root, Schedule};
+use models::model::{Model, ModelSpec, Scheme, Schedule};
 use models::system::System;
 use sim::integrate::{Control, Effort, IntegrateError, Method, State, Stepper};
 
@@ -34,7 +34,7 @@ fn muscle(effects: &[(&str, &[(&str, f64)])]) -> ModelSpec {
         base_angle: 0.0,
         release_angle: 0.0,
         release_rate: 0.0,
-        root: Root::Consistent,
+        scheme: Scheme::Consistent,
         tip_distance: 0.0168,
         effects: all.into_iter().map(named).collect(),
         schedule: None,

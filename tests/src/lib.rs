@@ -8,7 +8,7 @@ pub mod twin;
 use std::ops::ControlFlow;
 
 use models::effects::Rod;
-use models::model::{Model, ModelSpec, Root};
+use models::model::{Model, ModelSpec, Scheme};
 use models::muscle::{Extrapolation, Muscle};
 use sim::forward::{Run, forward};
 use sim::trajectory::Trajectory;
@@ -48,7 +48,7 @@ pub fn paper_spec(psi: f64, nodes: usize, parameters: &[(&str, f64)]) -> ModelSp
         base_angle: 0.0,
         release_angle: 0.0,
         release_rate: 0.0,
-        root: Root::Consistent,
+        scheme: Scheme::Consistent,
         tip_distance: fitting.center_of_mass,
         effects,
         schedule: None,

@@ -257,7 +257,7 @@ impl About {
 #[cfg(test)]
 mod tests {
     use super::Rod;
-    use crate::model::{Model, ModelSpec, Root};
+    use crate::model::{Model, ModelSpec, Scheme};
 
     /// A rod of 40 edges at 2 bar with some effects, for the tests that they have of their own.
     pub(super) fn rod_with(effects: &[(&str, &[(&str, f64)])]) -> Model {
@@ -277,7 +277,7 @@ mod tests {
             base_angle: 0.1,
             release_angle: 0.2,
             release_rate: 0.3,
-            root: Root::Consistent,
+            scheme: Scheme::Consistent,
             tip_distance: 0.01,
             effects: effects.collect(),
             schedule: None,

@@ -45,7 +45,7 @@ fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, z: &[T]) -> 
         kappa_rate: f.kappa_rate[i] * per_length,
         mean_square_curvature: f.mean_square_curvature,
         memory: z.get(i).copied().unwrap_or_else(|| T::from(0.0)),
-        position: i as f64 * c.per_edges,
+        position: c.stencil.position(i),
         time: c.time,
         rod: &c.rod,
     }

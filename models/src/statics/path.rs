@@ -190,7 +190,7 @@ pub(super) fn worse(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::effects::Rod;
-    use crate::model::{Model, ModelSpec, Root};
+    use crate::model::{Model, ModelSpec, Scheme};
 
     /// A heavy rod with a body beyond its end, at a posture far from rest.
     #[test]
@@ -211,7 +211,7 @@ mod tests {
             base_angle: 0.1,
             release_angle: 0.0,
             release_rate: 0.0,
-            root: Root::Consistent,
+            scheme: Scheme::Consistent,
             tip_distance: 0.0,
             effects: vec![
                 effect("pressure_volume", &[("stiffening", 0.1)]),

@@ -12,7 +12,7 @@ pub fn of_run(summary: &Summary) -> Vec<String> {
     let settings = &summary.settings;
     let mut words = vec![
         "The rod moves in one plane, and its clamp does not give way unless an effect below says so.".to_owned(),
-        match settings.root.as_str() {
+        match settings.scheme.as_str() {
             "paper" => "Root: a whole Voronoi length at the clamp, as the paper's tables have it; its EI belongs to this and to this number of nodes.",
             _ => "Root: half a Voronoi length at the clamp, which converges as the mesh is made finer; an EI that was fitted with another root belongs to that.",
         }

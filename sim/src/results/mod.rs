@@ -295,7 +295,7 @@ pub(crate) mod tests {
     use std::ops::ControlFlow;
 
     use models::effects::Rod;
-    use models::model::{ModelSpec, Root};
+    use models::model::{ModelSpec, Scheme};
 
     use super::*;
     use crate::forward::{FAST_TOLERANCE, forward};
@@ -321,7 +321,7 @@ pub(crate) mod tests {
             base_angle: 0.0,
             release_angle: 0.0,
             release_rate: 0.0,
-            root: Root::Consistent,
+            scheme: Scheme::Consistent,
             tip_distance: 0.0168,
             effects: vec![
                 ("end_fitting".to_owned(), end_fitting),

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Display;
 
-use models::model::{Model, Root};
+use models::model::{Model, Scheme};
 use serde::{Deserialize, Serialize};
 
 use super::rest::Rest;
@@ -182,7 +182,7 @@ pub struct Settings {
     /// Number of nodes, clamp and end fitting included.
     pub nodes: usize,
     /// How the rod leaves the clamp: `consistent` or `paper`.
-    pub root: String,
+    pub scheme: String,
     /// From where it starts: `straight`, `equilibrium` or `posture`.
     pub initial: String,
     /// Time asked for.
@@ -411,9 +411,9 @@ fn settings(model: &Model, run: &Run) -> Settings {
         Initial::Equilibrium { .. } => "equilibrium",
         Initial::Posture(_) => "posture",
     };
-    let root = match model.root {
-        Root::Consistent => "consistent",
-        Root::Paper => "paper",
+    let scheme = match model.scheme {
+        Scheme::Consistent => "consistent",
+        Scheme::Paper => "paper",
     };
     Settings {
         method: run.method.of(model),
@@ -421,7 +421,7 @@ fn settings(model: &Model, run: &Run) -> Settings {
         fixed_step_s: run.fixed_step,
         most_steps: run.most_steps,
         nodes: model.edges + 1,
-        root: root.to_owned(),
+        scheme: scheme.to_owned(),
         initial: initial.to_owned(),
         duration_s: run.duration,
         sampling_s: sampling(&run.samples),

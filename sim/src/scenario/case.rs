@@ -103,7 +103,7 @@ impl Builder<'_> {
             base_angle: plan.base_angle,
             release_angle: plan.angle,
             release_rate: plan.angular_velocity,
-            root: plan.root,
+            scheme: plan.scheme,
             tip_distance: 0.0,
             effects,
             schedule: schedule.map(|schedule| schedule as _),

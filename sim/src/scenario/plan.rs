@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use models::effects::{self, CATALOGUE, Parameter};
-use models::model::Root;
+use models::model::Scheme;
 use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
 
 use super::document::{Document, Keys, read_text};
@@ -19,7 +19,7 @@ pub(crate) struct Plan {
     /// Values of [`ROD`].
     pub rod: [Option<f64>; 6],
     pub nodes: usize,
-    pub root: Root,
+    pub scheme: Scheme,
     pub base_angle: f64,
     pub tip: Option<f64>,
     pub angle: f64,
@@ -134,16 +134,16 @@ impl Plan {
     fn of(document: &Document, has_pressure: bool) -> Result<Plan, ScenarioError> {
         let keys = document.keys();
         let rod = keys.table("rod")?;
-        rod.only(&[&["nodes", "root", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat())?;
+        rod.only(&[&["nodes", "scheme", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat())?;
         let release = keys.table("release")?;
         release.only(&["angle", "angular_velocity", "from", "posture", "nodes", "hold"])?;
         let (rate, run) = read_run(&keys)?;
-        let roots = [("consistent", Root::Consistent), ("paper", Root::Paper)];
+        let schemes = [("consistent", Scheme::Consistent), ("paper", Scheme::Paper)];
         let muscle = read_muscle(document, &keys.table("muscle")?, has_pressure)?;
         Ok(Plan {
             rod: read_rod(&rod)?,
             nodes: rod.count("nodes")?.unwrap_or(32),
-            root: rod.word("root", &roots)?.unwrap_or_default(),
+            scheme: rod.word("scheme", &schemes)?.unwrap_or_default(),
             base_angle: rod.quantity("base_angle", "rad")?.unwrap_or(0.0),
             tip: rod.quantity_that("tip", "m", "lie in -1..=10 m", |tip| (-1.0..=10.0).contains(&tip))?,
             angle: release.quantity("angle", "rad")?.unwrap_or(0.0),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use models::model::{Model, Root};
+use models::model::{Model, Scheme};
 use models::muscle::Extrapolation;
 
 use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD, fits_name};
@@ -65,7 +65,7 @@ fn rod(out: &mut String, model: &Model, has: &dyn Fn(usize) -> bool) {
     let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
     *out += "\n[rod]\n";
     put(out, "nodes", model.edges + 1);
-    put(out, "root", quoted(if model.root == Root::Paper { "paper" } else { "consistent" }));
+    put(out, "scheme", quoted(if model.scheme == Scheme::Paper { "paper" } else { "consistent" }));
     put(out, "base_angle", si(value("rod.base_angle"), "rad"));
     put(out, "tip", si(model.tip_distance, "m"));
     for (_, (key, unit)) in ROD.into_iter().enumerate().filter(|(k, _)| has(*k)) {

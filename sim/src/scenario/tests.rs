@@ -70,7 +70,7 @@ fn a_resolved_case_gives_the_same_model_and_run() {
                   [\"0.1 m\", \"0.01 m\", \"0 m/s\", \"1 m/s\"], [\"0.2 m\", \"0.05 m\", \"0 m/s\", \"2 m/s\"]]\n";
     for (text, overrides) in [
         (MUSCLE.to_owned(), &["effects.air_drag.drag_coefficient=0.3", "release.angle=33 deg"][..]),
-        (MUSCLE.to_owned(), &["muscle.pressure=[['0 s','17 psi'],['5.1 s','20.3 psi']]", "rod.root=paper"]),
+        (MUSCLE.to_owned(), &["muscle.pressure=[['0 s','17 psi'],['5.1 s','20.3 psi']]", "rod.scheme=paper"]),
         (format!("{MUSCLE}{held}"), &["effects.clamp_compliance.compliance=3 deg/(N m)"]),
         (format!("{MUSCLE}{points}"), &["run.rate=77.7 Hz", "integrator.fixed_step=0.3 ms"]),
         (format!("{ROD}{points}"), &["rod.length=0.21 m", "integrator.tolerance=1e-7"]),
@@ -81,7 +81,7 @@ fn a_resolved_case_gives_the_same_model_and_run() {
         assert_eq!(again.name, case.name);
         assert_eq!(again.model.theta, case.model.theta, "{}", case.resolved);
         assert_eq!(again.model.tip_distance, case.model.tip_distance);
-        assert_eq!((again.model.edges, again.model.root), (case.model.edges, case.model.root));
+        assert_eq!((again.model.edges, again.model.scheme), (case.model.edges, case.model.scheme));
         let names = |case: &Case| case.model.parameters.iter().map(|p| p.path.clone()).collect::<Vec<_>>();
         assert_eq!(names(&again), names(&case));
         let (a, b) = (&again.run, &case.run);
@@ -193,8 +193,8 @@ fn what_is_wrong_is_said_with_its_place() {
             "where.toml:5:9: rod.nodes = 3: must lie in 4..=2000; 32 is what the paper used",
         ),
         (
-            with("[rod]\nroot = \"papr\""),
-            "where.toml:5:8: rod.root = \"papr\": unknown; did you mean `paper`?; known here are consistent, paper",
+            with("[rod]\nscheme = \"papr\""),
+            "where.toml:5:8: rod.scheme = \"papr\": unknown; did you mean `paper`?; known here are consistent, paper",
         ),
         (
             with("[release]\nangle = \"400 deg\""),

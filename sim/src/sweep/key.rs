@@ -22,7 +22,7 @@ const OTHERS: [(&str, Kind); 17] = [
     ("muscle.stiffness", Kind::Word),
     ("muscle.mass", Kind::Word),
     ("rod.nodes", Kind::Count),
-    ("rod.root", Kind::Word),
+    ("rod.scheme", Kind::Word),
     ("rod.base_angle", Kind::Quantity("rad")),
     ("rod.tip", Kind::Quantity("m")),
     ("release.from", Kind::Word),

@@ -144,7 +144,7 @@ fn a_point_that_cannot_be_simulated_is_a_row() {
         "sweep.toml",
         "[sweep]\nscenario = \"s.toml\"\ndesign = \"grid\"\n\
          [[sweep.parameter]]\npath = \"muscle.pressure\"\nvalues = [\"15 psi\", \"400 psi\", \"40 psi\"]\n\
-         [[sweep.parameter]]\npath = \"rod.root\"\nvalues = [\"consistent\", \"paper\"]\n",
+         [[sweep.parameter]]\npath = \"rod.scheme\"\nvalues = [\"consistent\", \"paper\"]\n",
     );
     let value = bench.json(&["sweep", "sweep.toml", "--json", "--csv", "--out", "out"]);
     let sweep = &value["sweep"];

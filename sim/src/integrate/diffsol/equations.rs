@@ -278,7 +278,7 @@ impl LinearSolver<M> for BandSolver<'_> {
 mod tests {
     use super::*;
     use models::effects::Rod;
-    use models::model::{ModelSpec, Root};
+    use models::model::{ModelSpec, Scheme};
 
     /// A solution of `(I − cJ) u = r` against the rates' differences along it, in a bent rod that
     /// moves, with memory, drag, damping and a soft clamp.
@@ -309,7 +309,7 @@ mod tests {
             base_angle: 0.1,
             release_angle: 0.2,
             release_rate: 0.3,
-            root: Root::Consistent,
+            scheme: Scheme::Consistent,
             tip_distance: 0.0,
             effects: effects.into_iter().map(owned).collect(),
             schedule: None,

@@ -5,7 +5,7 @@
 //! what the other families converge to is the suite `dynamics::methods_agree`).
 
 use models::effects::Rod;
-use models::model::{Model, ModelSpec, Root};
+use models::model::{Model, ModelSpec, Scheme};
 use sim::forward::Run;
 use sim::integrate::Method;
 use tests::{order, paper_spec, simulate};
@@ -33,7 +33,7 @@ fn soft(lossy: bool) -> Model {
         base_angle: 0.0,
         release_angle: 0.3,
         release_rate: 0.0,
-        root: Root::Consistent,
+        scheme: Scheme::Consistent,
         tip_distance: 0.0,
         effects,
         schedule: None,
