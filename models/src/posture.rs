@@ -18,6 +18,18 @@ pub struct Posture<T> {
     pub rate: T,
 }
 
+impl<T: Copy> Posture<T> {
+    /// The same posture over another scalar.
+    pub fn map<U>(self, f: impl Fn(T) -> U + Copy) -> Posture<U> {
+        Posture {
+            nodes: self.nodes.into_iter().map(|x| x.map(f)).collect(),
+            velocities: self.velocities.into_iter().map(|v| v.map(f)).collect(),
+            angle: f(self.angle),
+            rate: f(self.rate),
+        }
+    }
+}
+
 impl<T: Real> Posture<T> {
     /// The same posture turned about the clamp, with an angular velocity about it on top.
     pub fn turned(self, by: Release<T>) -> Self {
@@ -51,6 +63,16 @@ impl<T: Real> Posture<T> {
 }
 
 impl Posture<f64> {
+    /// The same posture on another mesh: by the cubics through four nodes each, to fourth order in the edge length.
+    pub fn resampled(&self, edges: usize) -> Self {
+        let own = self.nodes.len() - 1;
+        let of = |values: &[[f64; 2]]| -> Vec<[f64; 2]> {
+            let at = |i: usize| Between::of(i as f64 / edges as f64, own).of_nodes(|node| values[node]);
+            (0..=edges).map(at).collect()
+        };
+        Self { nodes: of(&self.nodes), velocities: of(&self.velocities), angle: self.angle, rate: self.rate }
+    }
+
     /// The posture of a curve through the clamp, sampled at `edges + 1` nodes in equal shares of its
     /// length; the end body continues the last piece.
     pub fn along(curve: &[[f64; 2]], velocities: &[[f64; 2]], edges: usize) -> Self {
@@ -81,6 +103,51 @@ impl Posture<f64> {
             angle: edge[1].atan2(edge[0]),
             rate: (edge[0] * turn[1] - edge[1] * turn[0]) / square,
         }
+    }
+}
+
+/// A place between nodes: the cubic through four of them, which are equal shares of the rod apart, so
+/// that the error is of fourth order in the edge length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between {
+    /// The first of the four.
+    pub first: usize,
+    /// What each counts.
+    pub weights: [f64; 4],
+    /// What each counts in the derivative along the rod, over nodes.
+    pub slopes: [f64; 4],
+}
+
+impl Between {
+    /// A place along a rod of so many edges, three at least, from 0 at the clamp to 1 at the end.
+    pub fn of(share: f64, edges: usize) -> Self {
+        let at = share.clamp(0.0, 1.0) * edges as f64;
+        let first = (at as usize).saturating_sub(1).min(edges - 3);
+        let s = at - first as f64;
+        let others = |k: usize| (0..4).filter(move |other| *other != k);
+        let weights = std::array::from_fn(|k| {
+            others(k).map(|other| (s - other as f64) / (k as f64 - other as f64)).product()
+        });
+        let slopes = std::array::from_fn(|k| {
+            let without = |left_out: usize| -> f64 {
+                let factor = |other: usize| {
+                    let distance = k as f64 - other as f64;
+                    if other == left_out { 1.0 / distance } else { (s - other as f64) / distance }
+                };
+                others(k).map(factor).product()
+            };
+            others(k).map(without).sum()
+        });
+        Self { first, weights, slopes }
+    }
+
+    fn of_nodes(&self, value: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for (node, weight) in (self.first..).zip(self.weights) {
+            let [x, z] = value(node);
+            sum = [sum[0] + weight * x, sum[1] + weight * z];
+        }
+        sum
     }
 }
 
@@ -142,6 +209,24 @@ impl<T: Scalar> Assembly<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A cubic in the material coordinate is interpolated exactly, at the ends as well, and so is its
+    /// derivative.
+    #[test]
+    fn the_weights_reproduce_a_cubic() {
+        let edges = 7;
+        let cubic = |s: f64| 0.3 - s + 2.0 * s * s - 1.5 * s * s * s;
+        let slope = |s: f64| -1.0 + 4.0 * s - 4.5 * s * s;
+        for share in [0.0, 0.05, 0.31, 0.5, 0.93, 1.0] {
+            let Between { first, weights, slopes } = Between::of(share, edges);
+            let sum = |weights: [f64; 4]| -> f64 {
+                (0..4).map(|k| weights[k] * cubic((first + k) as f64 / edges as f64)).sum()
+            };
+            assert!((sum(weights) - cubic(share)).abs() < 1e-14, "{share}: {}", sum(weights));
+            let along = sum(slopes) * edges as f64;
+            assert!((along - slope(share)).abs() < 1e-13, "{share}: {along}");
+        }
+    }
 
     /// Turned and set in motion, the straight rod is the straight rod at the sums.
     #[test]

@@ -51,3 +51,10 @@ pub struct Energy {
     /// Minus the work that a changing pressure has done since release.
     pub supplied: f64,
 }
+
+impl Energy {
+    /// All energy that a run accounts for, J: constant, but for the error of integration.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.potential + self.dissipated + self.supplied
+    }
+}

@@ -4,6 +4,8 @@
 //! picks the parameters, the effects and the scenarios.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use models::effects::LANES;
 use models::error::ModelError;
@@ -52,6 +54,27 @@ pub struct Run {
     /// Times at which a step has to end, s, ascending. With a fixed step longer than what lies
     /// between them they are the steps, so that a run can be repeated on those of another.
     pub stops: Vec<f64>,
+    /// Time between points of the [trace](Trajectory::trace) of the tip, s, which is taken beside the samples;
+    /// none for no trace.
+    pub trace_step: Option<f64>,
+    /// Ends the run before its next step.
+    pub cancel: Cancel,
+}
+
+/// A request to end a run, shared with whoever makes it.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Option<Arc<AtomicBool>>);
+
+impl Cancel {
+    /// Ends runs once the flag is set.
+    pub fn by(flag: Arc<AtomicBool>) -> Self {
+        Self(Some(flag))
+    }
+
+    /// Whether the flag is set.
+    pub fn is_asked(&self) -> bool {
+        self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
 }
 
 /// Where a run starts; the memory of the effects is relaxed there.
@@ -66,8 +89,19 @@ pub enum Initial {
         /// Parameters, as indices into `theta`, that the hold has of its own.
         own: Vec<usize>,
     },
-    /// A posture with velocities.
+    /// Along a curve from the clamp, which any mesh can follow.
+    Curve(Arc<[CurvePoint]>),
+    /// A posture of the model's own mesh, with velocities.
     Posture(Posture<f64>),
+}
+
+/// A point of a curve along which a rod starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// In W, m.
+    pub position: [f64; 2],
+    /// m/s.
+    pub velocity: [f64; 2],
 }
 
 impl std::fmt::Debug for Initial {
@@ -75,6 +109,7 @@ impl std::fmt::Debug for Initial {
         f.write_str(match self {
             Initial::Straight => "Straight",
             Initial::Equilibrium { .. } => "Equilibrium",
+            Initial::Curve(_) => "Curve",
             Initial::Posture(_) => "Posture",
         })
     }
@@ -104,7 +139,32 @@ impl Run {
             sensitivities: Vec::new(),
             points: Vec::new(),
             stops: Vec::new(),
+            trace_step: Some(1.0 / rate),
+            cancel: Cancel::default(),
         }
+    }
+
+    /// The same model and run on another mesh.
+    /// # Errors
+    /// [`ModelError::Nodes`].
+    pub fn on_mesh(&self, model: &Model, nodes: usize) -> Result<(Model, Run), ModelError> {
+        Ok((model.with_nodes(nodes)?, Run { initial: self.initial.on_mesh(nodes)?, ..self.clone() }))
+    }
+}
+
+impl Initial {
+    /// The same start on another mesh.
+    /// # Errors
+    /// [`ModelError::Nodes`].
+    pub fn on_mesh(&self, nodes: usize) -> Result<Initial, ModelError> {
+        Ok(match self {
+            Initial::Straight => Initial::Straight,
+            Initial::Equilibrium { hold, own } => {
+                Initial::Equilibrium { hold: Box::new(hold.with_nodes(nodes)?), own: own.clone() }
+            }
+            Initial::Curve(curve) => Initial::Curve(curve.clone()),
+            Initial::Posture(posture) => Initial::Posture(posture.resampled(nodes - 1)),
+        })
     }
 }
 
@@ -237,6 +297,10 @@ pub fn forward(
             stepper.interpolate(instant, &mut at);
             observer.see(&system, variational.as_ref(), &at, [begin, end], &mut trajectory);
         }
+        while let Some(time) = trajectory.trace.due(end, run.duration) {
+            stepper.interpolate(time, &mut at);
+            trajectory.trace.record(&system, &at);
+        }
         while sample < run.samples.len() && run.samples[sample] <= end {
             let time = run.samples[sample];
             stepper.interpolate(time, &mut at);
@@ -262,6 +326,11 @@ pub fn forward(
         }
         if end >= duration {
             break;
+        }
+        if run.cancel.is_asked() {
+            trajectory.status = Status::CutShort { time: end };
+            trajectory.cut();
+            return Ok(trajectory);
         }
         let stepped = stepper.advance().and_then(|()| match &mut variational {
             Some(variational) => variational.follow(&mut *stepper),
@@ -291,12 +360,20 @@ fn initial_state(system: &mut System, initial: &Initial) -> Result<State, ModelE
             let at_rest = vec![0.0; rest.q.len()];
             System::new(hold).assembly.posture(&rest.q, &at_rest)
         }
+        Initial::Curve(points) => along(points, model.edges),
         Initial::Posture(posture) => posture.clone(),
     };
     let (q, v) = system.assembly.let_go(model, posture);
     let mut z = vec![0.0; model.memory()];
     system.relax_memory(0.0, &q, &mut z);
     Ok(State { time: 0.0, q, v, z })
+}
+
+/// The posture along a curve.
+fn along(points: &[CurvePoint], edges: usize) -> Posture<f64> {
+    let positions: Vec<_> = points.iter().map(|point| point.position).collect();
+    let velocities: Vec<_> = points.iter().map(|point| point.velocity).collect();
+    Posture::along(&positions, &velocities, edges)
 }
 
 /// Derivatives of the initial state by the watched parameters.
@@ -313,12 +390,8 @@ fn initial_slopes<'m>(model: &'m Model, run: &Run, state: &State, order: &[usize
                 let shared: Vec<_> = watched.iter().map(|k| k.filter(|k| !own.contains(k))).collect();
                 held_by_parameters(hold, &shared, group, state)
             }
-            Initial::Posture(posture) => Posture {
-                nodes: posture.nodes.iter().map(|x| x.map(Into::into)).collect(),
-                velocities: posture.velocities.iter().map(|v| v.map(Into::into)).collect(),
-                angle: posture.angle.into(),
-                rate: posture.rate.into(),
-            },
+            Initial::Curve(points) => along(points, model.edges).map(Into::into),
+            Initial::Posture(posture) => posture.clone().map(Into::into),
         };
         let (q, v) = system.let_go_by_parameters(group, posture);
         let z = relaxed_memory_slopes(&mut system, group, state, &q);

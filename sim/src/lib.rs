@@ -1,5 +1,6 @@
 //! What we do with the models.
 
+pub mod accuracy;
 pub mod analysis;
 pub mod calibrate;
 pub mod cleaning;
@@ -13,12 +14,12 @@ pub mod memory;
 mod normal;
 pub mod observe;
 mod observed;
+pub mod pace;
 pub mod predict;
 mod quantile;
 pub mod recording;
 pub mod results;
 pub mod scenario;
 pub mod schema;
-pub mod step_check;
 pub mod sweep;
 pub mod trajectory;

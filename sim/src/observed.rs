@@ -6,6 +6,7 @@
 use models::effects::{LANES, Lanes, Real, Sight};
 use models::lanes::{Moving, seeded, slopes, with_slopes};
 use models::model::Model;
+use models::posture::Between;
 use models::sensor::Sensor;
 use models::system::System;
 
@@ -168,17 +169,12 @@ impl Observer {
 pub(crate) enum Observed {
     /// The observed tip.
     Tip,
-    /// Between nodes: the cubic through four of them, which are equal shares of the rod apart, so
-    /// that the error is of fourth order in the edge length.
-    Between {
+    /// Between nodes.
+    Along {
         /// Place along the rod.
         share: f64,
-        /// The first of the four.
-        first: usize,
-        /// What each counts.
-        weights: [f64; 4],
-        /// What each counts in the derivative along the rod, over nodes.
-        slopes: [f64; 4],
+        /// The same among the nodes.
+        between: Between,
     },
 }
 
@@ -189,24 +185,7 @@ impl Observed {
             Point::Tip => Observed::Tip,
             Point::Along(share) => {
                 let share = share.clamp(0.0, 1.0);
-                let at = share * edges as f64;
-                let first = (at as usize).saturating_sub(1).min(edges - 3);
-                let s = at - first as f64;
-                let others = |k: usize| (0..4).filter(move |other| *other != k);
-                let weights = std::array::from_fn(|k| {
-                    others(k).map(|other| (s - other as f64) / (k as f64 - other as f64)).product()
-                });
-                let slopes = std::array::from_fn(|k| {
-                    let without = |left_out: usize| -> f64 {
-                        let factor = |other: usize| match other == left_out {
-                            true => 1.0 / (k as f64 - other as f64),
-                            false => (s - other as f64) / (k as f64 - other as f64),
-                        };
-                        others(k).map(factor).product()
-                    };
-                    others(k).map(without).sum()
-                });
-                Observed::Between { share, first, weights, slopes }
+                Observed::Along { share, between: Between::of(share, edges) }
             }
         }
     }
@@ -223,7 +202,7 @@ impl Observed {
                 let position = on_body(T::from(model.tip_distance), tangent);
                 Sight { position, tangent, share: 1.0, is_tip: true }
             }
-            Observed::Between { share, first, weights, slopes } => {
+            Observed::Along { share, between: Between { first, weights, slopes } } => {
                 let zero = T::from(0.0);
                 let (mut position, mut along) = ([zero; 2], [zero; 2]);
                 for (node, (weight, slope)) in (*first..).zip(weights.iter().zip(slopes)) {
@@ -240,32 +219,6 @@ impl Observed {
                 let per_length = (along[0] * along[0] + along[1] * along[1]).sqrt().recip();
                 Sight { position, tangent: along.map(|x| x * per_length), share: *share, is_tip: false }
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A cubic in the material coordinate is interpolated exactly, at the ends as well, and so is its
-    /// derivative.
-    #[test]
-    fn the_weights_reproduce_a_cubic() {
-        let edges = 7;
-        let cubic = |s: f64| 0.3 - s + 2.0 * s * s - 1.5 * s * s * s;
-        let slope = |s: f64| -1.0 + 4.0 * s - 4.5 * s * s;
-        for share in [0.0, 0.05, 0.31, 0.5, 0.93, 1.0] {
-            let Observed::Between { first, weights, slopes, .. } = Observed::new(Point::Along(share), edges)
-            else {
-                panic!("a point along the rod")
-            };
-            let sum = |weights: [f64; 4]| -> f64 {
-                (0..4).map(|k| weights[k] * cubic((first + k) as f64 / edges as f64)).sum()
-            };
-            assert!((sum(weights) - cubic(share)).abs() < 1e-14, "{share}: {}", sum(weights));
-            let along = sum(slopes) * edges as f64;
-            assert!((along - slope(share)).abs() < 1e-13, "{share}: {along}");
         }
     }
 }

@@ -8,8 +8,8 @@
 //! extrapolation = "refused"   # or "allowed": pressures outside the table
 //! mass = "conserved"          # or "per_length": the resting mass per length at every pressure
 //! [rod]                       # without a muscle length, mass and both stiffnesses must stand here
-//! nodes = 32
-//! root = "consistent"         # or "paper"
+//! nodes = 16                  # chosen for the accuracy unless it is given
+//! scheme = "consistent"       # or "paper"
 //! base_angle = "0 deg"
 //! tip = "0.662 in"            # the observed point beyond the active length
 //! [release]
@@ -20,10 +20,11 @@
 //! pressure = "20 psi"
 //! [run]
 //! duration = "20 s"
-//! rate = "100 Hz"
+//! rate = "100 Hz"             # more where the rod swings faster
+//! accuracy = "0.02 mm"        # largest error of the tip's path; of small swings a thousandth
 //! [integrator]
 //! method = "auto"             # verlet, rodas4, tr_bdf2, esdirk34
-//! tolerance = 1e-6
+//! tolerance = 1e-6            # chosen for the accuracy unless it is given
 //! [effects.payload]           # any effect of `efam effects`, with any of its parameters
 //! mass = "80 g"
 //! [calibration]               # how well a calibration knows these numbers: written by efam, for predictions
@@ -39,11 +40,14 @@ mod posture;
 pub(crate) mod resolved;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use models::model::Model;
 use models::muscle::Known;
 
-use crate::forward::Run;
+use crate::accuracy::Goal;
+use crate::forward::{Run, uniform};
+use crate::pace::Pace;
 use document::Document;
 pub use error::{At, Problem, ScenarioError};
 use plan::Plan;
@@ -56,7 +60,7 @@ pub struct Scenario {
     /// Its file.
     pub path: PathBuf,
     document: Document,
-    plan: Plan,
+    plan: Arc<Plan>,
 }
 
 /// One run of a scenario.
@@ -66,14 +70,41 @@ pub struct Case {
     pub name: String,
     /// The model.
     pub model: Model,
-    /// How to run it; the energies are followed.
+    /// How to run it; the energies are followed. When it is sampled depends on how fast the rod swings, see
+    /// [`Case::paced`].
     pub run: Run,
+    /// How accurately, and what may be chosen for that.
+    pub goal: Goal,
+    /// Samples a second, if the scenario says that.
+    pub rate: Option<f64>,
     /// What a reader of the results must know, such as extrapolation.
     pub warnings: Vec<String>,
-    /// The case as a scenario in SI units that needs no other file and gives the same bits.
-    pub resolved: String,
     /// Pressure at release, Pa.
     pub pressure: Option<f64>,
+    plan: Arc<Plan>,
+}
+
+impl Case {
+    /// The case with its samples and its trace, which follow from the rod's slowest mode unless the scenario
+    /// gives a rate; and a warning where that is too low to show the swing.
+    pub fn paced(mut self) -> Self {
+        let pace = Pace::of(&self.model, self.rate, self.run.duration);
+        self.run.samples = uniform(self.run.duration, pace.rate);
+        self.run.trace_step = Some(pace.trace_step);
+        self.rate = Some(pace.rate);
+        self.warnings.extend(pace.warning);
+        self
+    }
+
+    /// The case with another mesh, or other settings.
+    pub fn run_as(&self, model: &Model, run: &Run) -> Self {
+        Self { model: model.clone(), run: run.clone(), ..self.clone() }
+    }
+
+    /// The case as a scenario in SI units that needs no other file and gives the same bits.
+    pub fn resolved(&self) -> String {
+        resolved::text(self, &self.plan)
+    }
 }
 
 impl Scenario {
@@ -92,7 +123,7 @@ impl Scenario {
     }
 
     fn of(path: &Path, document: Document) -> Result<Scenario, ScenarioError> {
-        let plan = Plan::read(&document)?;
+        let plan = Arc::new(Plan::read(&document)?);
         let name = plan::name(&document, path, "scenario")?;
         Ok(Scenario { name, path: path.to_owned(), document, plan })
     }

@@ -1,6 +1,7 @@
 //! What the suites share: the paper's muscle, and ways to run it.
 
 pub mod blind;
+pub mod drawn_scenarios;
 pub mod hostile;
 pub mod recordings;
 pub mod twin;

@@ -11,7 +11,6 @@ use rayon::prelude::*;
 
 use super::objective::{Objective, View};
 use super::prediction::{Fidelity, Prediction, predict};
-use crate::forward::Initial;
 
 /// Error admitted in a step of the finer runs.
 const TIGHT: f64 = 2e-6;
@@ -46,14 +45,11 @@ pub(crate) fn correction(
         .into_par_iter()
         .map(|r| {
             let tight = Fidelity { tolerance: TIGHT, refinement: 1 };
-            // A posture has nodes of its own: only the step can be made finer.
-            let is_posture = matches!(objective.part.members[r].run.initial, Initial::Posture(_));
-            let is_kept = keep_mesh || is_posture;
-            let fine = Fidelity { refinement: if is_kept { 1 } else { 2 }, ..tight };
+            let fine = Fidelity { refinement: if keep_mesh { 1 } else { 2 }, ..tight };
             let run = |fidelity| one(objective, r, x, view.counts[r], fidelity, None);
             let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
             let same = run(tight)?;
-            let finer = if is_kept { same.clone() } else { run(fine)? };
+            let finer = if keep_mesh { same.clone() } else { run(fine)? };
             Some([one(objective, r, x, view.counts[r], view.fidelity, steps)?, same, finer])
         })
         .collect();

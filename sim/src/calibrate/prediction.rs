@@ -166,6 +166,8 @@ pub(crate) fn predict(
             _ => Vec::new(),
         },
         points: trial.release.tracks.iter().map(|track| track.at).collect(),
+        trace_step: None,
+        cancel: trial.run.cancel.clone(),
     };
     let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
     let tracks = trial.release.tracks.len();

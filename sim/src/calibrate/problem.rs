@@ -159,12 +159,8 @@ impl Trial {
 
 /// Divides each edge of a model, and of what holds it, into `factor` of them.
 pub(crate) fn refine(model: &mut Model, initial: &mut Initial, factor: usize) -> Result<(), ModelError> {
-    let finer = |model: &Model| model.with_nodes(model.edges * factor + 1);
-    if !matches!(initial, Initial::Posture(_)) {
-        *model = finer(model)?;
-    }
-    if let Initial::Equilibrium { hold, .. } = initial {
-        **hold = finer(hold)?;
-    }
+    let nodes = model.edges * factor + 1;
+    *initial = initial.on_mesh(nodes)?;
+    *model = model.with_nodes(nodes)?;
     Ok(())
 }

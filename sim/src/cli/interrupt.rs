@@ -2,8 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, LazyLock};
 use std::thread;
 use std::time::Duration;
+
+use sim::forward::Cancel;
 
 use super::failure::Failure;
 use super::voice::Stages;
@@ -11,7 +14,7 @@ use super::voice::Stages;
 /// Exit code of what was interrupted.
 pub const EXIT_CODE: u8 = 130;
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+static ASKED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// How long an interruption may go unnoticed.
 const NOTICED: Duration = Duration::from_millis(50);
@@ -32,6 +35,11 @@ pub fn listen() {
 /// Whether an end was asked for.
 pub fn is_asked() -> bool {
     ASKED.load(Ordering::SeqCst)
+}
+
+/// Ends simulations when an end is asked for, within a step.
+pub fn cancel() -> Cancel {
+    Cancel::by(ASKED.clone())
 }
 
 /// Stops a command that was interrupted while it wrote, before its folder gets its name.

@@ -225,7 +225,7 @@ mod with_rerun {
         let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
         Scene {
             run_name: case.name.clone(),
-            recording_id: sim::results::sha256(case.resolved.as_bytes()),
+            recording_id: sim::results::sha256(case.resolved().as_bytes()),
             duration_s: case.run.duration,
             rod_length_m: model.rod().length,
             body_length_m: model.tip_distance,

@@ -18,7 +18,6 @@ use sim::predict::{Prediction, Settings, predict};
 use sim::results::grid::{grid_table, write_grid};
 use sim::results::predicted::{prediction_table, write_prediction};
 use sim::results::{self, Folder, Request};
-use sim::scenario::Case;
 use sim::schema::JsonSchema;
 
 use super::arguments::Output;
@@ -120,15 +119,15 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
         ));
     }
     // What the scenario refuses is said before a folder is opened.
-    let (case, known) = asked.case(pressures.first().copied(), payloads.first().copied())?;
+    let (mut case, known) = asked.case(pressures.first().copied(), payloads.first().copied())?;
     let is_grid = pressures.len() > 1 || payloads.len() > 1;
     let name = title(args, &case.name);
-    let case = Case { name: name.clone(), ..case };
+    case.name = name.clone();
     let request = Request {
         name: name.replace([',', ':', '/'], " "),
         out: args.output.out.clone(),
         overwrite: args.output.overwrite,
-        resolved_scenario: case.resolved.clone(),
+        resolved_scenario: case.resolved(),
         input_hashes,
         argv: std::env::args().collect(),
         ..Request::default()

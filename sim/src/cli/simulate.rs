@@ -13,7 +13,8 @@ use clap::Args;
 use models::quantity::format_si;
 use rayon::prelude::*;
 use serde::Serialize;
-use sim::forward::{ForwardError, forward};
+use sim::accuracy::{self, Settled};
+use sim::forward::{ForwardError, Run, Sample, forward};
 use sim::memory;
 use sim::results::beside_the_paper::beside_the_paper;
 use sim::results::report::report;
@@ -21,7 +22,6 @@ use sim::results::simulated::{Member, write_set};
 use sim::results::{self, Request, Summary};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
-use sim::step_check::step_check;
 use sim::trajectory::{Status, Trajectory};
 
 use super::arguments::{Output, Source};
@@ -53,10 +53,10 @@ pub struct Simulate {
     /// Also write CSV.
     #[arg(long)]
     csv: bool,
-    /// Leave out the second run, with steps twice as long, that shows whether
-    /// the result depends on the step.
+    /// Leave out the runs on a coarser mesh and with longer steps that
+    /// estimate the errors of the tip and choose mesh and tolerance.
     #[arg(long)]
-    no_step_check: bool,
+    no_error_estimate: bool,
     /// Show the rod in Rerun: save, spawn, connect, connect=URL or serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
     rerun: Option<Rerun>,
@@ -96,36 +96,39 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let request = request(args, &scenario, &cases[0]);
     let folder = results::begin(&request)?;
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
-    let progress = voice.bar(if args.no_step_check { samples } else { 2 * samples });
+    let progress = voice.bar(samples);
     let begin = Instant::now();
-    let runs: Vec<_> = match &args.rerun {
-        Some(how) => vec![timed(|| watch::shown(how, &cases[0], folder.path(), &progress))],
-        None => cases.par_iter().map(|case| timed(|| follow(case, &progress, &mut |_| Ok(())))).collect(),
-    };
-    let wall_time_s = begin.elapsed().as_secs_f64();
-    let checks: Vec<_> = cases
+    let runs: Vec<_> = cases
         .par_iter()
-        .zip(&runs)
-        .map(|(case, (run, _))| {
-            let trajectory = run.as_ref().ok().filter(|_| !args.no_step_check)?;
-            step_check(&case.model, &case.run, trajectory, &mut |_| counted(&progress))
+        .map(|case| {
+            timed(|| -> Result<Settled, Failure> {
+                let done = simulate(case, !args.no_error_estimate, &progress)?;
+                if let (Some(how), Status::Complete) = (&args.rerun, &done.trajectory.status) {
+                    watch::shown(how, &case.run_as(&done.model, &done.run), folder.path(), &progress)?;
+                }
+                Ok(done)
+            })
         })
         .collect();
+    let wall_time_s = begin.elapsed().as_secs_f64();
     progress.finish_and_clear();
     let mut done: Vec<Member> = Vec::with_capacity(runs.len());
-    for ((case, (run, wall_time_s)), step_check) in cases.iter().zip(runs).zip(checks) {
-        let warning = step_check.as_ref().and_then(|check| check.warning(&case.run, &case.model));
-        voice.warn(&warning);
+    for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
+        let run: Settled = run?;
+        let case = case.run_as(&run.model, &run.run);
+        let warnings = run.errors.iter().flat_map(|errors| errors.warnings(&case.run, &case.model, &case.goal));
+        let warnings: Vec<String> = warnings.collect();
+        voice.warn(&warnings);
         let own = Request {
             name: case.name.clone(),
-            resolved_scenario: case.resolved.clone(),
-            warnings: case.warnings.iter().cloned().chain(warning).collect(),
+            resolved_scenario: case.resolved(),
+            warnings: case.warnings.iter().cloned().chain(warnings).collect(),
             wall_time_s,
-            step_check,
+            errors: run.errors,
             ..request.clone()
         };
         let within = is_sweep.then_some(case.name.as_str());
-        let run = run?;
+        let run = run.trajectory;
         let summary = results::write_run(&folder, within, &own, &case.model, &case.run, &run)?;
         voice.detail(integrated(&summary));
         done.push(Member::new(summary, case.pressure, run));
@@ -148,7 +151,7 @@ fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
         out: args.output.out.clone(),
         overwrite: args.output.overwrite,
         csv: args.csv,
-        resolved_scenario: first.resolved.clone(),
+        resolved_scenario: first.resolved(),
         input_hashes: BTreeMap::from([(scenario.path.display().to_string(), hash)]),
         argv: std::env::args().collect(),
         ..Request::default()
@@ -190,26 +193,52 @@ fn outcome(folder: &Path, done: &[Member]) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What sees every sample, and may fail.
-pub type See<'a> = dyn FnMut(&mut sim::forward::Sample) -> Result<(), Failure> + 'a;
-
 /// Runs a case until its end, Ctrl-C, or where it fails; what was integrated is kept.
+fn simulate(case: &Case, estimates: bool, progress: &ProgressBar) -> Result<Settled, Failure> {
+    let run = Run { cancel: interrupt::cancel(), ..case.run.clone() };
+    let mut see = |_: &mut Sample| counted(progress);
+    if estimates {
+        return accuracy::settle(&case.model, &run, &case.goal, &mut see).map_err(|error| stopped(case, error));
+    }
+    let (model, run) = accuracy::first(&case.model, &run, &case.goal).map_err(|error| stopped(case, error))?;
+    let trajectory = kept(case, forward(&model, &run, &mut see))?;
+    Ok(Settled { model, run, trajectory, errors: None })
+}
+
+/// What sees every sample, and may fail.
+pub type See<'a> = dyn FnMut(&mut Sample) -> Result<(), Failure> + 'a;
+
+/// Runs a case as it stands, and lets a viewer see it; what was integrated is kept.
 pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Trajectory, Failure> {
     let mut failure = None;
-    let mut observe = |sample: &mut sim::forward::Sample| {
+    let mut observe = |sample: &mut Sample| {
         if let Err(error) = see(sample) {
             failure = Some(error);
             return ControlFlow::Break(());
         }
         counted(progress)
     };
-    let run = forward(&case.model, &case.run, &mut observe);
-    match (failure, run) {
-        (Some(failure), _) => Err(failure),
-        (None, Ok(trajectory)) => Ok(trajectory),
-        (None, Err(ForwardError::Integrate { trajectory, .. })) => Ok(*trajectory),
-        (None, Err(ForwardError::Model(error))) => Err(error.into()),
-        (None, Err(ForwardError::Method(error))) => Err(Failure::Usage(format!("{}: {error}", case.name))),
+    let run = Run { cancel: interrupt::cancel(), ..case.run.clone() };
+    let run = forward(&case.model, &run, &mut observe);
+    match failure {
+        Some(failure) => Err(failure),
+        None => kept(case, run),
+    }
+}
+
+/// What was integrated, if anything was.
+fn kept(case: &Case, run: Result<Trajectory, ForwardError>) -> Result<Trajectory, Failure> {
+    match run {
+        Ok(trajectory) => Ok(trajectory),
+        Err(ForwardError::Integrate { trajectory, .. }) => Ok(*trajectory),
+        Err(error) => Err(stopped(case, error)),
+    }
+}
+
+fn stopped(case: &Case, error: ForwardError) -> Failure {
+    match error {
+        ForwardError::Model(error) => error.into(),
+        error => Failure::Usage(format!("{}: {error}", case.name)),
     }
 }
 

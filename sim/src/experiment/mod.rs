@@ -45,6 +45,7 @@ pub mod init;
 pub mod release;
 
 use std::fs;
+use std::sync::Arc;
 use std::path::{Path, PathBuf};
 
 use crate::recording::{self, ReadOptions, Recording};
@@ -142,7 +143,7 @@ impl Experiment {
         let Some(plan) = &self.plan else { return Ok(None) };
         let entry = &self.recordings[recording];
         let mut plan = plan.clone();
-        plan.nodes = nodes.unwrap_or(plan.nodes);
+        plan.nodes = nodes.or(plan.nodes);
         plan.base_angle = entry.base_angle.unwrap_or(plan.base_angle);
         plan.angle = angle.or(entry.angle).unwrap_or(0.0);
         let payload = entry.payload.effect();
@@ -153,7 +154,7 @@ impl Experiment {
         }
         let key = format!("{}.pressure", entry.key);
         let pressure = plan.muscle.is_some().then_some(entry.pressure).flatten();
-        let case = case::at_pressure(&self.document, &plan, entry.name.clone(), pressure, &key)?;
+        let case = case::at_pressure(&self.document, &Arc::new(plan), entry.name.clone(), pressure, &key)?;
         Ok(Some(case))
     }
 

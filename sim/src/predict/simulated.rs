@@ -7,7 +7,7 @@ use models::model::Model;
 
 use super::quantity::{Told, numbers};
 use crate::calibrate::problem::refine;
-use crate::forward::{Initial, Run, forward, tip};
+use crate::forward::{Run, forward, tip};
 use crate::integrate::Effort;
 use crate::results::rest::rest;
 use crate::results::summary::{Cycle, EnergyBalance, MODES, summarise};
@@ -57,7 +57,7 @@ pub(crate) fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
     let told = Told {
         root_moment: root,
         root_moment_at_rest: at_rest.root_moment,
-        lowest: between_samples(&trajectory),
+        lowest: trajectory.trace.lowest().map(|low| low.tip[1]),
         summary: &summary,
     };
     Ok(Simulated {
@@ -76,30 +76,6 @@ pub(crate) fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
     })
 }
 
-/// The lowest height of the tip, m, between samples by the cubic through two of them and their velocities: a tip that
-/// whips turns round within a few hundredths of a second.
-fn between_samples(trajectory: &Trajectory) -> Option<f64> {
-    let at = |k: usize| (trajectory.tip[k][1], trajectory.tip_velocity[k][1]);
-    let least = (0..trajectory.tip.len()).min_by(|a, b| at(*a).0.total_cmp(&at(*b).0))?;
-    let neighbours = [least.checked_sub(1).map(|before| (before, least)), Some((least, least + 1))];
-    let between = neighbours.into_iter().flatten().filter(|(_, after)| *after < trajectory.tip.len());
-    let lows = between.map(|(before, after)| {
-        cubic_least(trajectory.times[after] - trajectory.times[before], at(before), at(after))
-    });
-    Some(lows.fold(at(least).0, f64::min))
-}
-
-/// The least value of the cubic over a step with these values and slopes at its ends.
-fn cubic_least(step: f64, (z, slope): (f64, f64), (next, next_slope): (f64, f64)) -> f64 {
-    let (begin, end, rise) = (step * slope, step * next_slope, next - z);
-    let (square, cube) = (3.0 * rise - 2.0 * begin - end, begin + end - 2.0 * rise);
-    // Where z' = begin + 2 square s + 3 cube s² turns from falling to rising.
-    let root = (square * square - 3.0 * cube * begin).max(0.0).sqrt();
-    let turn = if square + root == 0.0 { 0.0 } else { -begin / (square + root) };
-    let s = turn.clamp(0.0, 1.0);
-    (z + s * (begin + s * (square + s * cube))).min(z).min(next)
-}
-
 /// What the mesh does to what a run says: by Richardson from runs with edges of half and of a quarter of the length,
 /// for an error of second order. From half alone a fifth of it was left of the lowest point of a tip that whips. The
 /// numbers of a calibration whose mesh was removed belong to a rod without one.
@@ -113,9 +89,6 @@ impl Mesh {
     /// That of a run; none where it starts from a posture, which has nodes of its own, or where a finer run
     /// cannot be made.
     pub fn of(own: &Simulated, model: &Model, run: &Run) -> Option<Self> {
-        if matches!(run.initial, Initial::Posture(_)) {
-            return None;
-        }
         let finer = |factor: usize| {
             let (mut model, mut run) = (model.clone(), run.clone());
             refine(&mut model, &mut run.initial, factor).ok()?;
@@ -167,31 +140,4 @@ impl Mesh {
 /// A parameter of a model, zero where it has none.
 pub(super) fn value(model: &Model, path: &str) -> f64 {
     model.index(path).map_or(0.0, |k| model.theta[k])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A parabola is a cubic; a cosine is one up to a fourth power of the step.
-    #[test]
-    fn the_least_lies_between_samples() {
-        let of = |z: fn(f64) -> (f64, f64), step: f64, count: usize| {
-            let mut trajectory = Trajectory::default();
-            for k in 0..count {
-                let t = step * k as f64;
-                let (height, rate) = z(t);
-                trajectory.times.push(t);
-                trajectory.tip.push([0.0, height]);
-                trajectory.tip_velocity.push([0.0, rate]);
-            }
-            between_samples(&trajectory)
-        };
-        let parabola = |t: f64| ((t - 4.3).powi(2) - 1.0, 2.0 * (t - 4.3));
-        assert!((of(parabola, 1.0, 10).unwrap() + 1.0).abs() < 1e-12);
-        let cosine = |t: f64| (t.cos(), -t.sin());
-        assert!((of(cosine, 0.3, 20).unwrap() + 1.0).abs() < 0.3f64.powi(4) / 384.0);
-        let line = |t: f64| (t, 1.0);
-        assert_eq!((of(line, 1.0, 2), of(line, 1.0, 0)), (Some(0.0), None));
-    }
 }

@@ -13,8 +13,8 @@ pub fn of_run(summary: &Summary) -> Vec<String> {
     let mut words = vec![
         "The rod moves in one plane, and its clamp does not give way unless an effect below says so.".to_owned(),
         match settings.scheme.as_str() {
-            "paper" => "Root: a whole Voronoi length at the clamp, as the paper's tables have it; its EI belongs to this and to this number of nodes.",
-            _ => "Root: half a Voronoi length at the clamp, which converges as the mesh is made finer; an EI that was fitted with another root belongs to that.",
+            "paper" => "Scheme: the paper's, with curvature 2 tan(φ/2) and a whole Voronoi length at the clamp. An EI fitted with it belongs to it and to this number of nodes.",
+            _ => "Scheme: consistent; it converges to the continuous rod with the fourth power of the edge length. An EI fitted with the paper's scheme belongs to that.",
         }
         .to_owned(),
     ];

@@ -44,12 +44,11 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use models::model::Model;
-use models::snapshot::Energy;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::forward::Run;
-use crate::step_check::StepCheck;
+use crate::accuracy::Errors;
 use crate::trajectory::{Status, Trajectory};
 
 pub use error::ResultsError;
@@ -91,8 +90,8 @@ pub struct Request {
     pub argv: Vec<String>,
     /// Wall-clock time of the simulation, s.
     pub wall_time_s: f64,
-    /// What twice as long steps do to it, if that was tried.
-    pub step_check: Option<StepCheck>,
+    /// How wrong it may be, if that was estimated.
+    pub errors: Option<Errors>,
 }
 
 /// What was written.
@@ -208,7 +207,7 @@ pub fn write_run(
         wall_time_s: request.wall_time_s,
         real_time_factor: (request.wall_time_s > 0.0).then(|| end / request.wall_time_s),
         inputs_sha256,
-        step_check: request.step_check.clone(),
+        errors: request.errors.clone(),
         argv: request.argv.clone(),
         written_utc: folder::utc(SystemTime::now()),
         ..numbers
@@ -274,11 +273,6 @@ impl std::io::Write for Sha {
     fn flush(&mut self) -> std::io::Result<()> {
         Ok(())
     }
-}
-
-/// All energy that a run accounts for, J: constant, but for the error of integration.
-fn total(energy: &Energy) -> f64 {
-    energy.kinetic + energy.elastic + energy.potential + energy.dissipated + energy.supplied
 }
 
 fn status_word(status: &Status) -> &'static str {

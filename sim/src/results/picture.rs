@@ -30,7 +30,6 @@ use plotters::prelude::{DrawingArea, IntoDrawingArea, RGBColor, SVGBackend};
 use super::report::significant;
 use super::rest::Rest;
 use super::summary::{Summary, Swing};
-use super::total;
 use crate::trajectory::{Status, Trajectory};
 use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
 
@@ -297,7 +296,7 @@ fn energies(of: &Release, area: &Area) -> Drawn {
     let supplied = trajectory.energy.iter().any(|energy| energy.supplied != 0.0);
     type Part<'a> = (Stroke, &'a str, Box<dyn Fn(&Energy) -> f64 + 'a>);
     let mut parts: Vec<Part> = vec![
-        (Stroke::new(BLACK, 3.0), "total", Box::new(|energy| total(energy) - first.potential)),
+        (Stroke::new(BLACK, 3.0), "total", Box::new(|energy| energy.total() - first.potential)),
         (Stroke::new(BLUE, 1.6), "kinetic", Box::new(|energy| energy.kinetic)),
         (Stroke::dashed(VERMILION, 1.8, 9.0, 3.0), "elastic", Box::new(|energy| energy.elastic)),
         (

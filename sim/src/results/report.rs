@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::Summary;
-use super::summary::{Cycle, Mode};
-use crate::step_check::StepCheck;
+use super::summary::{Cycle, Mode, Settings};
+use crate::accuracy::Errors;
 use crate::trajectory::Status;
 
 /// Width that no line exceeds, save a folder's or a reason's own length.
@@ -105,9 +105,8 @@ pub fn report(summary: &Summary) -> String {
         }),
     );
     lines.row("effort", &effort(summary));
-    if let Some(StepCheck { tip_moves_m, fails: None, .. }) = summary.step_check {
-        let moved = significant(1e3 * tip_moves_m, 2);
-        lines.row("steps", &format!("twice as long ones move the tip by {moved} mm"));
+    if let Some(errors) = &summary.errors {
+        lines.row("tip error", &tip_error(errors, &summary.settings));
     }
     for warning in &summary.warnings {
         lines.row("warning", warning);
@@ -164,6 +163,15 @@ fn run(summary: &Summary) -> String {
         }
         Status::Failed { time, reason } => format!("failed at {time:.4} s: {reason}"),
     }
+}
+
+fn tip_error(errors: &Errors, settings: &Settings) -> String {
+    let [mesh, step, asked] = [errors.mesh_m, errors.step_m, errors.asked_m].map(|error| significant(1e3 * error, 2));
+    let steps = match settings.fixed_step_s {
+        Some(step) => format!("{} s each", significant(step, 2)),
+        None => format!("tolerance {:.0e}", settings.tolerance),
+    };
+    format!("{mesh} mm by the mesh ({} nodes), {step} mm by the steps ({steps}); {asked} mm asked", settings.nodes)
 }
 
 fn effort(summary: &Summary) -> String {

@@ -233,7 +233,7 @@ pub(super) fn page(
     let mut own = vec![
         ("integrator".to_owned(), format!("{:?}, tolerance {:e}", settings.method, settings.tolerance)),
         ("nodes".to_owned(), settings.nodes.to_string()),
-        ("root at the clamp".to_owned(), settings.scheme.clone()),
+        ("scheme".to_owned(), settings.scheme.clone()),
         ("starts from".to_owned(), settings.initial.clone()),
         ("simulated".to_owned(), format!("{} s, {} samples", summary.simulated_s, summary.samples)),
         ("steps".to_owned(), format!("{}, {} rejected", summary.effort.steps, summary.effort.rejected)),

@@ -11,7 +11,7 @@ use models::model::{Model, Scheme};
 use serde::{Deserialize, Serialize};
 
 use super::rest::Rest;
-use super::total;
+use crate::accuracy::Errors;
 use crate::analysis::decay::{self, Decay};
 use crate::analysis::peaks;
 use crate::analysis::settling::settling_time;
@@ -21,8 +21,7 @@ use crate::analysis::{AnalysisError, Excursion};
 use crate::forward::{Initial, Run};
 use crate::integrate::{Effort, Method};
 use crate::schema::JsonSchema;
-use crate::step_check::StepCheck;
-use crate::trajectory::{Status, Trajectory};
+use crate::trajectory::{Instant, Status, Trace, Trajectory};
 
 /// Number of modes in a summary.
 pub const MODES: usize = 3;
@@ -42,9 +41,9 @@ pub struct Summary {
     pub rest: Option<Place>,
     /// Upper peaks of the tip's height, told from bumps in the trough.
     pub peaks: Option<Vec<Peak>>,
-    /// Where the tip first turned upwards, at the samples.
+    /// Where the tip first turned upwards.
     pub first_low: Option<Place>,
-    /// Where it was lowest, at the samples.
+    /// Where it was lowest.
     pub lowest: Option<Place>,
     /// Whether the tip passed beyond straight down, which gives z(t) a second bump in each swing.
     pub beyond_straight_down: Option<bool>,
@@ -68,13 +67,13 @@ pub struct Summary {
     pub settling_2_percent_s: Option<f64>,
     /// The same for 5 %.
     pub settling_5_percent_s: Option<f64>,
-    /// Greatest speed of the tip, at the samples.
+    /// Greatest speed of the tip.
     pub peak_speed: Option<PeakSpeed>,
     /// How well the energy adds up.
     pub energy: Option<EnergyBalance>,
-    /// What twice as long steps do; null where the run did not come to its end, or it was not tried.
+    /// How wrong the tip may be; null where the run did not come to its end, or it was not estimated.
     #[serde(default)]
-    pub step_check: Option<StepCheck>,
+    pub errors: Option<Errors>,
     /// Why entries are null, by their names.
     pub missing: BTreeMap<String, String>,
     /// What the user should know before trusting this.
@@ -158,7 +157,7 @@ pub struct EnergyBalance {
     /// Largest change of potential energy: what there is to move with.
     #[serde(rename = "potential_released_J")]
     pub potential_released: f64,
-    /// Largest distance of the total from its start, over the potential energy released.
+    /// Largest distance of the total from its start, over the largest change of kinetic, elastic or potential energy.
     pub closure: f64,
     /// Total at the end minus total at the start.
     #[serde(rename = "drift_J")]
@@ -181,7 +180,7 @@ pub struct Settings {
     pub most_steps: usize,
     /// Number of nodes, clamp and end fitting included.
     pub nodes: usize,
-    /// How the rod leaves the clamp: `consistent` or `paper`.
+    /// How the rod is made discrete: `consistent` or `paper`.
     pub scheme: String,
     /// From where it starts: `straight`, `equilibrium` or `posture`.
     pub initial: String,
@@ -241,12 +240,8 @@ pub fn summarise(
     rest: &Result<Rest, impl Display>,
 ) -> (Summary, Swing) {
     let mut missing = Missing::default();
-    let angles: Vec<f64> =
-        (0..trajectory.times.len()).map(|k| trajectory.state(k).q[2 * model.edges]).collect();
-    let place = |sample: usize| place(trajectory, &angles, sample);
-    let heights = trajectory.tip_z();
-
-    let excursion = excursion(run, trajectory, rest);
+    let trace = &trajectory.trace;
+    let excursion = excursion(model, trace, rest);
     let spectrum = excursion.as_ref().map_err(Clone::clone).map(swing_spectrum);
     let (damped, upper) = match (&excursion, &spectrum) {
         (Ok(excursion), Ok(spectrum)) => swing(excursion, spectrum),
@@ -257,9 +252,9 @@ pub fn summarise(
     let cycles = and_then(&upper, |peaks| decay::cycles(peaks));
     let settling = |fraction| and_then(&excursion, |excursion| settling_time(excursion, fraction));
     let no_samples = || "no sample was reached".to_owned();
-    let first_low = first_low(&heights).ok_or_else(|| "the tip never turned upwards".to_owned());
-    let lowest = (0..heights.len()).min_by(|&a, &b| heights[a].total_cmp(&heights[b])).ok_or_else(no_samples);
-    let least_angle = angles.iter().copied().reduce(f64::min).ok_or_else(no_samples);
+    let first_low = trace.first_low().ok_or_else(|| "the tip never turned upwards".to_owned());
+    let lowest = trace.lowest().ok_or_else(no_samples);
+    let least_angle = trace.angle.iter().copied().reduce(f64::min).ok_or_else(no_samples);
     let modes = match rest {
         Ok(rest) => rest.modes.as_ref().map_err(|error| error.to_string()),
         Err(error) => Err(format!("needs the rest: {error}")),
@@ -289,9 +284,9 @@ pub fn summarise(
         modes: missing.note("modes", modes.map(|modes| modes.iter().map(mode).collect())),
         settling_2_percent_s: missing.note("settling_2_percent_s", settling(0.02)),
         settling_5_percent_s: missing.note("settling_5_percent_s", settling(0.05)),
-        peak_speed: missing.note("peak_speed", peak_speed(trajectory).ok_or_else(no_samples)),
+        peak_speed: missing.note("peak_speed", peak_speed(trace).ok_or_else(no_samples)),
         energy: missing.note("energy", energy(run, trajectory)),
-        step_check: None,
+        errors: None,
         missing: BTreeMap::new(),
         warnings: Vec::new(),
         effort: trajectory.effort,
@@ -325,14 +320,18 @@ fn and_then<A, B>(
     next(before.as_ref().map_err(Clone::clone)?).map_err(|error| error.to_string())
 }
 
-fn excursion(
-    run: &Run,
-    trajectory: &Trajectory,
-    rest: &Result<Rest, impl Display>,
-) -> Result<Excursion, String> {
+/// Share of its length by which the tip of a rod moves that swings: a fifth of a micrometre for the paper's muscle.
+/// What is less is rounding, and has no frequency.
+const AT_REST: f64 = 1e-6;
+
+fn excursion(model: &Model, trace: &Trace, rest: &Result<Rest, impl Display>) -> Result<Excursion, String> {
     let rest = rest.as_ref().map_err(|why| format!("needs the rest: {why}"))?;
-    let step = sampling(&run.samples).ok_or("needs evenly spaced samples")?;
-    Excursion::about(rest.tip[1], &trajectory.tip_z(), step).map_err(|error| error.to_string())
+    let off = |tip: &[f64; 2]| (tip[0] - rest.tip[0]).hypot(tip[1] - rest.tip[1]);
+    let farthest = trace.tip.iter().map(off).fold(0.0, f64::max);
+    if !trace.tip.is_empty() && farthest < AT_REST * model.rod().length {
+        return Err(format!("the rod is at rest: its tip moves by {:.0e} mm", 1e3 * farthest));
+    }
+    Excursion::about(rest.tip[1], &trace.heights(), trace.step).map_err(|error| error.to_string())
 }
 
 /// Time between samples, s, if all are equally far apart and the first is the release.
@@ -343,15 +342,8 @@ fn sampling(samples: &[f64]) -> Option<f64> {
     even.then_some(step)
 }
 
-/// First sample that is lower than the one before and not higher than the one after.
-fn first_low(heights: &[f64]) -> Option<usize> {
-    (1..heights.len().saturating_sub(1))
-        .find(|&k| heights[k] < heights[k - 1] && heights[k] <= heights[k + 1])
-}
-
-fn place(trajectory: &Trajectory, angles: &[f64], sample: usize) -> Place {
-    let [tip_x_m, tip_z_m] = trajectory.tip[sample];
-    Place { time_s: Some(trajectory.times[sample]), tip_x_m, tip_z_m, tip_angle_rad: angles[sample] }
+fn place(at: Instant) -> Place {
+    Place { time_s: Some(at.time), tip_x_m: at.tip[0], tip_z_m: at.tip[1], tip_angle_rad: at.angle }
 }
 
 fn at_rest(rest: &Rest) -> Place {
@@ -377,10 +369,10 @@ fn mode(&(natural_frequency_hz, damping_ratio): &(f64, f64)) -> Mode {
     Mode { natural_frequency_hz, damping_ratio }
 }
 
-fn peak_speed(trajectory: &Trajectory) -> Option<PeakSpeed> {
-    let speeds = trajectory.tip_velocity.iter().map(|[x, z]| x.hypot(*z));
-    let at = |(time, speed): (&f64, f64)| PeakSpeed { time_s: *time, speed_m_s: speed };
-    trajectory.times.iter().zip(speeds).map(at).max_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s))
+fn peak_speed(trace: &Trace) -> Option<PeakSpeed> {
+    let speeds = trace.velocity.iter().map(|[x, z]| x.hypot(*z)).enumerate();
+    let (point, speed_m_s) = speeds.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(PeakSpeed { time_s: trace.time(point), speed_m_s })
 }
 
 fn energy(run: &Run, trajectory: &Trajectory) -> Result<EnergyBalance, String> {
@@ -399,8 +391,8 @@ fn energy(run: &Run, trajectory: &Trajectory) -> Result<EnergyBalance, String> {
     }
     Ok(EnergyBalance {
         potential_released,
-        closure: largest(&total) / potential_released,
-        drift: total(last) - total(first),
+        closure: trajectory.closure().unwrap_or(0.0),
+        drift: last.total() - first.total(),
         dissipated: last.dissipated,
     })
 }
@@ -409,7 +401,7 @@ fn settings(model: &Model, run: &Run) -> Settings {
     let initial = match run.initial {
         Initial::Straight => "straight",
         Initial::Equilibrium { .. } => "equilibrium",
-        Initial::Posture(_) => "posture",
+        Initial::Curve(_) | Initial::Posture(_) => "posture",
     };
     let scheme = match model.scheme {
         Scheme::Consistent => "consistent",

@@ -101,7 +101,7 @@ impl<'a> Table<'a> {
         }
         row.extend([posture.angle, posture.rate]);
         row.extend([energy.kinetic, energy.elastic, energy.potential, energy.dissipated, energy.supplied]);
-        row.push(super::total(&energy));
+        row.push(energy.total());
         for (position, velocity) in posture.nodes.iter().zip(&posture.velocities) {
             row.extend(position);
             row.extend(velocity);

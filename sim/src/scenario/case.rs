@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use models::effects::{CATALOGUE, Rod, by_name};
 use models::error::ModelError;
-use models::model::{Model, ModelSpec};
+use models::model::{Model, ModelSpec, Scheme};
 use models::muscle::AtPressure;
-use models::posture::Posture;
 use models::pressure::PressureSchedule;
 use models::quantity::{Quantity, format_si};
 
 use super::document::Document;
 use super::error::{Problem, ScenarioError};
 use super::plan::{From, Hold, MassPlan, MusclePlan, Plan, Pressure, ROD};
-use super::{Case, Scenario, resolved};
-use crate::forward::{Initial, Run};
+use super::{Case, Scenario};
+use crate::accuracy::Goal;
+use crate::forward::{CurvePoint, Initial, Run};
 
 /// Share of its length by which a posture may be longer or shorter than the rod, without a warning
 /// and at all.
@@ -25,23 +25,23 @@ const HELD_STRETCH: f64 = 1e-3;
 pub(super) fn cases(scenario: &Scenario) -> Result<Vec<Case>, ScenarioError> {
     let builder =
         Builder { document: &scenario.document, plan: &scenario.plan, pressure_key: "muscle.pressure" };
-    let Some(muscle) = &scenario.plan.muscle else {
-        return Ok(vec![builder.case(scenario.name.clone(), None)?]);
+    let rows = |muscle: &MusclePlan| -> Vec<(String, Option<f64>)> {
+        let row = |pressure: &f64| (format!("{}-{}", scenario.name, psi(*pressure)), Some(*pressure));
+        muscle.muscle.pressures().iter().map(row).collect()
     };
-    match &muscle.pressure {
-        Pressure::Constant(pressure) => Ok(vec![builder.case(scenario.name.clone(), Some(*pressure))?]),
-        Pressure::Schedule(_) => Ok(vec![builder.case(scenario.name.clone(), None)?]),
-        Pressure::AllRows => (muscle.muscle.pressures().iter())
-            .map(|pressure| builder.case(format!("{}-{}", scenario.name, psi(*pressure)), Some(*pressure)))
-            .collect(),
-        Pressure::Elsewhere => unreachable!("a scenario says its pressure"),
-    }
+    let asked = match scenario.plan.muscle.as_ref().map(|muscle| (muscle, &muscle.pressure)) {
+        Some((muscle, Pressure::AllRows)) => rows(muscle),
+        Some((_, Pressure::Constant(pressure))) => vec![(scenario.name.clone(), Some(*pressure))],
+        Some((_, Pressure::Schedule(_))) | None => vec![(scenario.name.clone(), None)],
+        Some((_, Pressure::Elsewhere)) => unreachable!("a scenario says its pressure"),
+    };
+    asked.into_iter().map(|(name, pressure)| Ok(builder.case(name, pressure)?.paced())).collect()
 }
 
 /// The case of an experiment's plan at a pressure, Pa, that stands at `pressure_key`.
 pub(crate) fn at_pressure(
     document: &Document,
-    plan: &Plan,
+    plan: &Arc<Plan>,
     name: String,
     pressure: Option<f64>,
     pressure_key: &str,
@@ -57,16 +57,24 @@ fn psi(pressure: f64) -> String {
     format!("{psi:0digits$.decimals$}psi", decimals = digits - 3 - usize::from(digits > 3))
 }
 
+/// Nodes where neither the scenario nor an accuracy says how many: the paper's tables belong to 32.
+fn usual_nodes(scheme: Scheme) -> usize {
+    match scheme {
+        Scheme::Consistent => 16,
+        Scheme::Paper => 32,
+    }
+}
+
 struct Builder<'a> {
     document: &'a Document,
-    plan: &'a Plan,
+    plan: &'a Arc<Plan>,
     /// Where the pressure at release stands.
     pressure_key: &'a str,
 }
 
 impl Builder<'_> {
     fn case(&self, name: String, pressure: Option<f64>) -> Result<Case, ScenarioError> {
-        let plan = self.plan;
+        let plan = &**self.plan;
         let mut warnings = Vec::new();
         let mut effects: Vec<(String, Vec<(String, f64)>)> = Vec::new();
         let mut schedule = None;
@@ -98,7 +106,7 @@ impl Builder<'_> {
         // The order of `theta` is that of the catalogue, however a scenario comes by its effects.
         effects.sort_by_key(|(name, _)| CATALOGUE.iter().position(|effect| effect.about().name == name));
         let spec = ModelSpec {
-            nodes: plan.nodes,
+            nodes: plan.nodes.unwrap_or(usual_nodes(plan.scheme)),
             rod,
             base_angle: plan.base_angle,
             release_angle: plan.angle,
@@ -114,11 +122,15 @@ impl Builder<'_> {
         let initial = match &plan.from {
             From::Straight => Initial::Straight,
             From::Equilibrium(hold) => self.held(hold, &model, &mut warnings)?,
-            From::Points(points) => Initial::Posture(self.posture(points, &model, &mut warnings)?),
+            From::Points(points) => self.curve(points, &model, &mut warnings)?,
         };
         let run = Run { initial, ..plan.run.clone() };
-        let resolved = resolved::text(&name, plan, &model, &run);
-        Ok(Case { name, model, run, warnings, resolved, pressure: at })
+        let goal = Goal {
+            accuracy: plan.accuracy,
+            chooses_mesh: plan.nodes.is_none() && plan.scheme == Scheme::Consistent,
+            chooses_tolerance: plan.chooses_tolerance,
+        };
+        Ok(Case { name, model, run, goal, rate: plan.rate, warnings, pressure: at, plan: self.plan.clone() })
     }
 
     fn plain_rod(&self, pressure: Option<f64>) -> Result<Rod<f64>, ScenarioError> {
@@ -232,14 +244,13 @@ impl Builder<'_> {
         Ok(Initial::Equilibrium { hold: Box::new(held), own: indices })
     }
 
-    fn posture(
+    fn curve(
         &self,
         points: &[[f64; 4]],
         model: &Model,
         warnings: &mut Vec<String>,
-    ) -> Result<Posture<f64>, ScenarioError> {
+    ) -> Result<Initial, ScenarioError> {
         let curve: Vec<_> = points.iter().map(|p| [p[0], p[1]]).collect();
-        let velocities: Vec<_> = points.iter().map(|p| [p[2], p[3]]).collect();
         let length: f64 = curve.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).sum();
         let rod = model.rod().length;
         let stretch = (length / rod - 1.0).abs();
@@ -255,7 +266,8 @@ impl Builder<'_> {
             }
             warnings.push(format!("release.posture: {message}"));
         }
-        Ok(Posture::along(&curve, &velocities, model.edges))
+        let point = |&[x, z, vx, vz]: &[f64; 4]| CurvePoint { position: [x, z], velocity: [vx, vz] };
+        Ok(Initial::Curve(points.iter().map(point).collect()))
     }
 
     /// Says where in the scenario the value stands that a model refuses.

@@ -10,6 +10,7 @@ use super::document::{Document, Keys, read_text};
 use super::error::{Problem, ScenarioError};
 use super::posture;
 use crate::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
+use crate::pace;
 use crate::integrate::Method;
 
 /// What a scenario says, in SI units; `None` where it says nothing.
@@ -18,15 +19,21 @@ pub(crate) struct Plan {
     pub muscle: Option<MusclePlan>,
     /// Values of [`ROD`].
     pub rod: [Option<f64>; 6],
-    pub nodes: usize,
+    /// If it is given.
+    pub nodes: Option<usize>,
     pub scheme: Scheme,
     pub base_angle: f64,
     pub tip: Option<f64>,
     pub angle: f64,
     pub angular_velocity: f64,
     pub from: From,
-    pub rate: f64,
-    /// Everything but where it starts.
+    /// Samples a second, if that is given.
+    pub rate: Option<f64>,
+    /// Largest error of the tip's path, m, if that is given.
+    pub accuracy: Option<f64>,
+    /// Whether the tolerance is left open.
+    pub chooses_tolerance: bool,
+    /// Everything but where it starts and when it is sampled.
     pub run: Run,
     pub effects: Vec<EffectPlan>,
     /// How well a calibration knows the model.
@@ -137,12 +144,12 @@ impl Plan {
         rod.only(&[&["nodes", "scheme", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat())?;
         let release = keys.table("release")?;
         release.only(&["angle", "angular_velocity", "from", "posture", "nodes", "hold"])?;
-        let (rate, run) = read_run(&keys)?;
+        let RunPlan { rate, accuracy, chooses_tolerance, run } = read_run(&keys)?;
         let schemes = [("consistent", Scheme::Consistent), ("paper", Scheme::Paper)];
         let muscle = read_muscle(document, &keys.table("muscle")?, has_pressure)?;
         Ok(Plan {
             rod: read_rod(&rod)?,
-            nodes: rod.count("nodes")?.unwrap_or(32),
+            nodes: rod.count("nodes")?,
             scheme: rod.word("scheme", &schemes)?.unwrap_or_default(),
             base_angle: rod.quantity("base_angle", "rad")?.unwrap_or(0.0),
             tip: rod.quantity_that("tip", "m", "lie in -1..=10 m", |tip| (-1.0..=10.0).contains(&tip))?,
@@ -150,6 +157,8 @@ impl Plan {
             angular_velocity: release.quantity("angular_velocity", "rad/s")?.unwrap_or(0.0),
             from: read_from(document, &release, muscle.is_some())?,
             rate,
+            accuracy,
+            chooses_tolerance,
             run,
             effects: read_effects(&keys.table("effects")?)?,
             known: muscle.as_ref().and_then(|muscle| muscle.muscle.known.clone()),
@@ -320,30 +329,41 @@ fn read_from(document: &Document, release: &Keys, has_muscle: bool) -> Result<Fr
     }))
 }
 
-fn read_run(keys: &Keys) -> Result<(f64, Run), ScenarioError> {
+/// What `[run]` and `[integrator]` say.
+struct RunPlan {
+    rate: Option<f64>,
+    accuracy: Option<f64>,
+    chooses_tolerance: bool,
+    run: Run,
+}
+
+fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
     let run = keys.table("run")?;
-    run.only(&["duration", "rate"])?;
+    run.only(&["duration", "rate", "accuracy"])?;
     let duration =
         run.quantity_that("duration", "s", "be positive", |duration| duration > 0.0)?.unwrap_or(20.0);
-    let rate = run.quantity_that("rate", "Hz", "be positive", |rate| rate > 0.0)?.unwrap_or(100.0);
-    if duration * rate > MOST_SAMPLES {
+    let rate = run.quantity_that("rate", "Hz", "be positive", |rate| rate > 0.0)?;
+    if duration * rate.unwrap_or(pace::DEFAULT_RATE) > MOST_SAMPLES {
         let must = "give no more than ten million samples; lower run.rate or run.duration";
-        return Err(run.wrong("rate", Problem::Must { must }));
+        return Err(run.wrong(if rate.is_some() { "rate" } else { "duration" }, Problem::Must { must }));
     }
+    let must = "lie in 1e-9..=0.1 m";
+    let accuracy = run.quantity_that("accuracy", "m", must, |accuracy| (1e-9..=0.1).contains(&accuracy))?;
     let integrator = keys.table("integrator")?;
     integrator.only(&["method", "tolerance", "most_steps", "fixed_step"])?;
-    let mut settings = Run::release(duration, rate);
+    let mut settings = Run { samples: Vec::new(), ..Run::release(duration, pace::DEFAULT_RATE) };
     let admitted = |tolerance: f64| (1e-12..=0.1).contains(&tolerance);
     settings.method = integrator.word("method", &METHODS)?.unwrap_or(DEFAULT_METHOD);
-    settings.tolerance = (integrator.quantity_that("tolerance", "", "lie in 1e-12..=0.1", admitted)?)
-        .unwrap_or(DEFAULT_TOLERANCE);
+    let tolerance = integrator.quantity_that("tolerance", "", "lie in 1e-12..=0.1", admitted)?;
+    settings.tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE);
     settings.fixed_step = integrator.quantity_that("fixed_step", "s", "be positive", |step| step > 0.0)?;
     settings.most_steps = integrator.count("most_steps")?.unwrap_or(settings.most_steps);
     if settings.most_steps == 0 {
         return Err(integrator.wrong("most_steps", Problem::Must { must: "be at least 1" }));
     }
     settings.energy = true;
-    Ok((rate, settings))
+    let chooses_tolerance = tolerance.is_none() && settings.fixed_step.is_none();
+    Ok(RunPlan { rate, accuracy, chooses_tolerance, run: settings })
 }
 
 /// Effects in the order of the catalogue, whatever that of the file.

@@ -6,9 +6,12 @@ use models::model::{Model, Scheme};
 use models::muscle::Extrapolation;
 
 use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD, fits_name};
-use crate::forward::{Initial, Run};
+use super::Case;
+use crate::forward::Initial;
+use crate::pace::DEFAULT_RATE;
 
-pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String {
+pub(super) fn text(case: &Case, plan: &Plan) -> String {
+    let Case { name, model, run, .. } = case;
     let mut out = String::from(
         "# What was simulated, in SI units and with nothing left to defaults: written by efam,\n\
          # and run again by `efam simulate` to the same bits.\n",
@@ -34,7 +37,10 @@ pub(super) fn text(name: &str, plan: &Plan, model: &Model, run: &Run) -> String 
     }
     out += "\n[run]\n";
     put(&mut out, "duration", si(run.duration, "s"));
-    put(&mut out, "rate", si(plan.rate, "Hz"));
+    put(&mut out, "rate", si(case.rate.unwrap_or(DEFAULT_RATE), "Hz"));
+    if let Some(accuracy) = case.goal.accuracy {
+        put(&mut out, "accuracy", si(accuracy, "m"));
+    }
     out += "\n[integrator]\n";
     let method = METHODS.iter().find(|(_, method)| *method == run.method);
     put(&mut out, "method", quoted(method.map_or("", |method| method.0)));

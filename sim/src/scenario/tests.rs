@@ -77,9 +77,9 @@ fn a_resolved_case_gives_the_same_model_and_run() {
         (ROD.to_owned(), &["rod.diameter=3.3 mm", "effects.viscoelastic.branch_stiffness=0.123"]),
     ] {
         let case = one(&text, overrides);
-        let again = one(&case.resolved, &[]);
+        let again = one(&case.resolved(), &[]);
         assert_eq!(again.name, case.name);
-        assert_eq!(again.model.theta, case.model.theta, "{}", case.resolved);
+        assert_eq!(again.model.theta, case.model.theta, "{}", case.resolved());
         assert_eq!(again.model.tip_distance, case.model.tip_distance);
         assert_eq!((again.model.edges, again.model.scheme), (case.model.edges, case.model.scheme));
         let names = |case: &Case| case.model.parameters.iter().map(|p| p.path.clone()).collect::<Vec<_>>();
@@ -104,7 +104,7 @@ fn a_resolved_case_gives_the_same_model_and_run() {
                 assert_eq!(a.pressure_change(time), b.pressure_change(time));
             }
         }
-        assert_eq!(again.resolved, case.resolved);
+        assert_eq!(again.resolved(), case.resolved());
     }
 }
 

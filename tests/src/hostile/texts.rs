@@ -34,11 +34,11 @@ fn cases(read: Result<Scenario, ScenarioError>) {
         Err(error) => refused(&error),
         Ok(cases) => {
             for case in cases.iter().take(BUILT) {
-                let again = Scenario::parse(Path::new("a.toml"), &case.resolved, &[]);
+                let again = Scenario::parse(Path::new("a.toml"), &case.resolved(), &[]);
                 let again = again.and_then(|scenario| scenario.cases());
-                let again = again.unwrap_or_else(|error| panic!("{error}\n{}", case.resolved));
+                let again = again.unwrap_or_else(|error| panic!("{error}\n{}", case.resolved()));
                 let bits = |theta: &[f64]| theta.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-                assert_eq!(bits(&again[0].model.theta), bits(&case.model.theta), "{}", case.resolved);
+                assert_eq!(bits(&again[0].model.theta), bits(&case.model.theta), "{}", case.resolved());
             }
         }
     }

@@ -27,7 +27,7 @@ pub fn shown(how: &Rerun, case: &Case, folder: &Path, progress: &ProgressBar) ->
 
 /// The same, and nothing of the run is kept beside: memory does not grow with it.
 pub fn only(how: &Rerun, case: &Case, request: &Request, voice: &Voice) -> Result<ExitCode, Failure> {
-    let case = Case { run: Run { keep_samples: false, ..case.run.clone() }, ..case.clone() };
+    let case = case.run_as(&case.model, &Run { keep_samples: false, trace_step: None, ..case.run.clone() });
     let folder = if *how == Rerun::Save { Some(results::begin(request)?) } else { None };
     let progress = voice.bar(case.run.samples.len());
     let nowhere = Path::new("");

@@ -57,12 +57,12 @@ proptest! {
                 prop_assert_eq!(case.model.theta[k].to_bits(), value.to_bits(), "{}", path);
             }
         }
-        let again = one(&case.resolved, &[]);
+        let again = one(&case.resolved(), &[]);
         let bits = |case: &Case| case.model.theta.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        prop_assert_eq!(bits(&again), bits(&case), "{}", case.resolved);
+        prop_assert_eq!(bits(&again), bits(&case), "{}", case.resolved());
         let paths = |case: &Case| case.model.parameters.iter().map(|own| own.path.clone()).collect::<Vec<_>>();
         prop_assert_eq!(paths(&again), paths(&case));
         prop_assert_eq!((again.run.duration, &again.run.samples), (case.run.duration, &case.run.samples));
-        prop_assert_eq!(again.resolved, case.resolved);
+        prop_assert_eq!(again.resolved(), case.resolved());
     }
 }

@@ -1,0 +1,314 @@
+//! How far a run is from the exact answer of its model, and the mesh and tolerance that bring it near enough.
+//!
+//! Both errors are estimated by a second run each. A coarser mesh, of two edges for three, changes the path of the
+//! tip by `(1.5^p − 1)` times the error of the mesh, where `p` is the order of the scheme. Longer steps, twice as long
+//! where they are given and of a tolerance sixteen times as large where they are not, change it by a multiple of the
+//! error of the steps. The error of a run is the largest distance of its tip from the exact path.
+
+use models::model::{Model, Scheme};
+use serde::{Deserialize, Serialize};
+
+use std::ops::ControlFlow;
+
+use crate::forward::{ForwardError, Run, Sample, forward};
+use crate::integrate::Method;
+use crate::schema::JsonSchema;
+use crate::trajectory::{Status, Trajectory};
+
+/// What is asked of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// Largest error of the tip's path, m; none for [`usual`].
+    pub accuracy: Option<f64>,
+    /// Whether the mesh may be chosen.
+    pub chooses_mesh: bool,
+    /// Whether the tolerance of the steps may be chosen.
+    pub chooses_tolerance: bool,
+}
+
+/// Accuracy unless another is asked for, m: results are printed to a tenth of a millimetre.
+const USUAL: f64 = 2e-5;
+/// The same of small swings, as a share of them: frequencies and damping ratios are printed to three digits.
+const USUAL_SHARE: f64 = 1e-3;
+/// No accuracy is finer than that, over the length of the rod: a stiff edge rounds there.
+const FINEST: f64 = 1e-8;
+
+/// The accuracy that a run has unless another is asked for, m: 0.02 mm, of small swings a thousandth.
+pub fn usual(model: &Model, swing: f64) -> f64 {
+    USUAL.min(USUAL_SHARE * swing).max(FINEST * model.rod().length)
+}
+
+/// How wrong a run may be.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Errors {
+    /// Accuracy that was asked for, or the usual one.
+    pub asked_m: f64,
+    /// Largest distance of the tip from where a rod without mesh would have it.
+    pub mesh_m: f64,
+    /// When that is, after release.
+    pub mesh_time_s: f64,
+    /// Nodes of the coarser run that tells.
+    pub coarse_nodes: usize,
+    /// Largest distance of the tip from where infinitely short steps would have it.
+    pub step_m: f64,
+    /// When that is, after release.
+    pub step_time_s: f64,
+    /// Distance by which the energy fails to close, over the energy released, times the swing.
+    pub energy_m: Option<f64>,
+    /// When and why the run with longer steps could not go on; what it did before is compared.
+    pub fails: Option<String>,
+    /// Runs that were made to choose mesh and tolerance.
+    pub attempts: usize,
+}
+
+impl Errors {
+    /// Both errors together, m.
+    pub fn tip_m(&self) -> f64 {
+        self.mesh_m + self.step_m
+    }
+
+    /// Whether the path of the tip is as accurate as was asked.
+    pub fn is_reached(&self) -> bool {
+        self.tip_m() <= self.asked_m && self.fails.is_none()
+    }
+
+    /// What to know before the run is used.
+    pub fn warnings(&self, run: &Run, model: &Model, goal: &Goal) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let asked = millimetres(self.asked_m);
+        if self.mesh_m > SHARE * self.asked_m {
+            let next = match self.mesh_nodes(model) {
+                Some(nodes) if goal.chooses_mesh => format!("rod.nodes = {nodes} may do, and takes longer"),
+                Some(nodes) => format!("give rod.nodes = {nodes}, or leave it out"),
+                None => "ask for less by run.accuracy".to_owned(),
+            };
+            warnings.push(format!(
+                "the mesh of {} nodes puts the tip wrong by some {} mm at {:.2} s, {asked} mm was asked; {next}",
+                model.edges + 1,
+                millimetres(self.mesh_m),
+                self.mesh_time_s
+            ));
+        }
+        let next = match (run.fixed_step, run.method.of(model)) {
+            (Some(step), _) => format!("give integrator.fixed_step = \"{} ms\"", significant(500.0 * step)),
+            (None, Method::Verlet) => {
+                "without any loss every digit counts: give it some damping, or believe the first swings only"
+                    .to_owned()
+            }
+            (None, _) => format!("give integrator.tolerance = {:.0e}", 0.1 * run.tolerance),
+        };
+        if let Some(why) = &self.fails {
+            warnings.push(format!("with longer steps the run fails: {why}; {next}"));
+        } else if self.step_m > SHARE * self.asked_m {
+            warnings.push(format!(
+                "the steps put the tip wrong by some {} mm at {:.2} s, {asked} mm was asked; {next}",
+                millimetres(self.step_m),
+                self.step_time_s
+            ));
+        }
+        if let Some(energy) = self.energy_m.filter(|energy| *energy > self.asked_m) {
+            warnings.push(format!(
+                "the energy fails to close by what {} mm of the swing are worth, {asked} mm was asked; {next}",
+                millimetres(energy)
+            ));
+        }
+        warnings
+    }
+
+    /// Nodes that would reach what was asked.
+    fn mesh_nodes(&self, model: &Model) -> Option<usize> {
+        let edges = finer(model, self.mesh_m / (AIM * self.asked_m));
+        (edges < MOST_EDGES).then_some(edges + 1)
+    }
+}
+
+/// Share of the accuracy that mesh and step may have each, and at which each aims when it is chosen anew.
+const SHARE: f64 = 0.5;
+const AIM: f64 = 0.3;
+const MOST_EDGES: usize = 1999;
+/// Runs that are made to choose mesh and tolerance.
+const MOST_ATTEMPTS: usize = 6;
+/// An attempt that is not twice as good as the one before does not converge: a rod without loss, or one that folds.
+const CONVERGES: f64 = 0.5;
+/// Edges and tolerance of a first attempt, from releases of the paper's muscle at all its pressures: there the error
+/// of the mesh is at most `2.6 L / edges⁴`, that of the steps some ten times the tolerance times the length `L`.
+const MESH_ERROR: f64 = 2.6;
+const STEP_ERROR: f64 = 10.0;
+const FEWEST_EDGES: usize = 7;
+const MOST_FIRST_EDGES: usize = 60;
+const TOLERANCES: [f64; 2] = [1e-11, 1e-4];
+
+/// A run whose errors are known.
+pub struct Settled {
+    /// The model on the mesh that was taken.
+    pub model: Model,
+    /// The run with the tolerance that was taken.
+    pub run: Run,
+    /// What came of it.
+    pub trajectory: Trajectory,
+    /// How wrong it may be; none where the run did not come to its end.
+    pub errors: Option<Errors>,
+}
+
+/// Mesh and tolerance with which to begin for an accuracy, m, as far as they may be chosen.
+/// # Errors
+/// As [`Run::on_mesh`].
+pub fn first(model: &Model, run: &Run, goal: &Goal) -> Result<(Model, Run), ForwardError> {
+    let accuracy = goal.accuracy.unwrap_or(USUAL);
+    let length = model.rod().length;
+    let mut run = run.clone();
+    if goal.chooses_tolerance {
+        run.tolerance = (AIM * accuracy / (STEP_ERROR * length)).clamp(TOLERANCES[0], TOLERANCES[1]);
+    }
+    if !goal.chooses_mesh {
+        return Ok((model.clone(), run));
+    }
+    let edges = (MESH_ERROR * length / (AIM * accuracy)).powf(0.25).ceil() as usize;
+    Ok(run.on_mesh(model, edges.clamp(FEWEST_EDGES, MOST_FIRST_EDGES) + 1)?)
+}
+
+/// Runs a model, estimates its errors, and chooses mesh and tolerance anew until they are as small as asked.
+/// `see` sees the samples of each attempt; what it breaks off, or what cannot go on, is returned as it is.
+/// # Errors
+/// [`ForwardError::Model`], [`ForwardError::Method`].
+pub fn settle(
+    model: &Model,
+    run: &Run,
+    goal: &Goal,
+    see: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
+) -> Result<Settled, ForwardError> {
+    let (mut model, mut run) = first(model, run, goal)?;
+    let mut last: Option<f64> = None;
+    let mut attempts = 0;
+    loop {
+        attempts += 1;
+        let trajectory = match forward(&model, &run, see) {
+            Err(ForwardError::Integrate { trajectory, .. }) => *trajectory,
+            run => run?,
+        };
+        let errors = estimate(&model, &run, &trajectory, goal, attempts)?;
+        let Some(errors) = errors else { return Ok(Settled { model, run, trajectory, errors }) };
+        let wrong = [errors.mesh_m, errors.step_m.max(errors.energy_m.unwrap_or(0.0))].map(|error| error / errors.asked_m);
+        let may = [goal.chooses_mesh, goal.chooses_tolerance && run.method.of(&model) != Method::Verlet];
+        let mends: [bool; 2] = std::array::from_fn(|k| may[k] && wrong[k] > SHARE);
+        let worst = wrong[0].max(wrong[1]);
+        let diverges = last.is_some_and(|last| worst > CONVERGES * last);
+        if !(mends[0] || mends[1]) || diverges || attempts == MOST_ATTEMPTS {
+            return Ok(Settled { model, run, trajectory, errors: Some(errors) });
+        }
+        last = Some(worst);
+        if mends[1] {
+            // A third more than in proportion, for tolerances of coarse runs promise too much.
+            let less = (AIM / wrong[1]).powf(1.3).max(1e-4);
+            run.tolerance = (run.tolerance * less).max(TOLERANCES[0]);
+        }
+        if mends[0] {
+            let edges = finer(&model, wrong[0] / AIM).min(MOST_EDGES);
+            (model, run) = run.on_mesh(&model, edges + 1)?;
+        }
+    }
+}
+
+/// Edges of a mesh that lowers an error of the mesh by a factor.
+fn finer(model: &Model, factor: f64) -> usize {
+    (model.edges as f64 * factor.powf(1.0 / order(model)).clamp(1.1, 4.0)).ceil() as usize
+}
+
+/// Order of the error in the edge length that estimates count on: three for the consistent scheme, which reaches
+/// four on meshes that resolve the rod and three beyond, where its ends show.
+fn order(model: &Model) -> f64 {
+    match model.scheme {
+        Scheme::Consistent => 3.0,
+        Scheme::Paper => 1.0,
+    }
+}
+
+/// What a coarser mesh and longer steps say of a run; none where it did not come to its end, or these were cancelled.
+fn estimate(
+    model: &Model,
+    run: &Run,
+    trajectory: &Trajectory,
+    goal: &Goal,
+    attempts: usize,
+) -> Result<Option<Errors>, ForwardError> {
+    if trajectory.status != Status::Complete {
+        return Ok(None);
+    }
+    let quiet = Run { energy: false, keep_samples: false, keep_steps: false, sensitivities: Vec::new(), ..run.clone() };
+    let coarse_nodes = (model.edges * 2 / 3).max(3) + 1;
+    let (coarse, longer) = rayon::join(
+        || -> Result<_, ForwardError> {
+            let (model, run) = quiet.on_mesh(model, coarse_nodes)?;
+            traced(&model, &run)
+        },
+        || traced(model, &with_longer_steps(model, &quiet, trajectory)),
+    );
+    let ((coarse, coarse_fails), (longer, fails)) = (coarse?, longer?);
+    if [&coarse, &longer].iter().any(|run| matches!(run.status, Status::CutShort { .. })) {
+        return Ok(None);
+    }
+    let swing = trajectory.trace.extent();
+    let (mesh, mesh_time_s) = trajectory.trace.farthest(&coarse.trace);
+    let (step, step_time_s) = trajectory.trace.farthest(&longer.trace);
+    let ratio = model.edges as f64 / (coarse_nodes - 1) as f64;
+    // A mesh that cannot even be run, or that is no coarser, says nothing good.
+    let per_mesh = if coarse_fails.is_some() || ratio <= 1.0 { 1.0 } else { 1.0 / (ratio.powf(order(model)) - 1.0) };
+    let closure = trajectory.closure();
+    Ok(Some(Errors {
+        asked_m: goal.accuracy.unwrap_or_else(|| usual(model, swing)),
+        mesh_m: mesh * per_mesh,
+        mesh_time_s,
+        coarse_nodes,
+        step_m: step / longer_steps(model, run).1,
+        step_time_s,
+        energy_m: closure.map(|closure| closure * swing),
+        fails,
+        attempts,
+    }))
+}
+
+/// A run for the sake of its trace, and why it could not go on.
+fn traced(model: &Model, run: &Run) -> Result<(Trajectory, Option<String>), ForwardError> {
+    match forward(model, run, &mut |_| ControlFlow::Continue(())) {
+        Ok(trajectory) => Ok((trajectory, None)),
+        Err(ForwardError::Integrate { trajectory, error }) => Ok((*trajectory, Some(error.to_string()))),
+        Err(error) => Err(error),
+    }
+}
+
+/// By how much longer steps admit more error, and how many times the error of the run they change it by.
+///
+/// Twice as long steps of order `p` change it by `2^p − 1` errors: 15 for RODAS4, 3 for Verlet and TR-BDF2, 7 for
+/// ESDIRK34. Of a tolerance sixteen times as large, with which the steps of a method that judges itself by a
+/// result of third order are twice as long, the same is expected; stiff modes lose some of the order.
+fn longer_steps(model: &Model, run: &Run) -> (f64, f64) {
+    match (run.fixed_step, run.method.of(model)) {
+        (_, Method::Verlet) => (16.0, 3.0),
+        (_, Method::TrBdf2) => (8.0, 3.0),
+        (_, Method::Esdirk34) => (16.0, 7.0),
+        (Some(_), _) => (16.0, 15.0),
+        (None, _) => (16.0, STIFF),
+    }
+}
+
+/// The share of 15 errors that is left of RODAS4's order.
+const STIFF: f64 = 6.0;
+
+fn with_longer_steps(model: &Model, run: &Run, trajectory: &Trajectory) -> Run {
+    let mean = || run.duration / trajectory.effort.steps.max(1) as f64;
+    let (fixed_step, tolerance) = match (run.fixed_step, run.method.of(model)) {
+        (Some(step), _) => (Some(2.0 * step), run.tolerance),
+        (None, Method::Verlet) => (Some(2.0 * mean()), run.tolerance),
+        (None, _) => (None, longer_steps(model, run).0 * run.tolerance),
+    };
+    Run { fixed_step, tolerance, ..run.clone() }
+}
+
+fn millimetres(metres: f64) -> String {
+    significant(1e3 * metres)
+}
+
+/// Two digits that count.
+fn significant(value: f64) -> String {
+    crate::results::report::significant(value, 2)
+}
