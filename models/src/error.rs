@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ModelError {
     /// Too few or too many nodes.
-    #[error("rod.nodes = {nodes}: must lie in 4..=2000; 32 is what the paper used")]
+    #[error("rod.nodes = {nodes}: must lie in 4..=2000; 16 resolve the paper's muscle to 0.02 mm")]
     Nodes {
         /// Value met.
         nodes: usize,
@@ -48,6 +48,15 @@ pub enum ModelError {
     /// Modes were asked for about a posture that is no stable equilibrium.
     #[error("the rest posture is not stable, and so has no frequencies; lower the load or stiffen the rod")]
     Unstable,
+    /// No load holds the end of the rod as it should.
+    #[error(
+        "no load was found that holds the end of the rod there: {reached_percent:.0} % of the way from its rest was \
+         reached; hold it nearer to its rest, or by a hand that turns it"
+    )]
+    Held {
+        /// Share of the way, per cent.
+        reached_percent: f64,
+    },
     /// Newton's method for the equilibrium gave up.
     #[error(
         "no equilibrium found: stalled at {load_percent:.1} % of the load after {iterations} iterations, \

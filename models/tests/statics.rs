@@ -217,7 +217,10 @@ fn large_tip_load_bends_as_the_elastica() {
                 let error = found[k] - expected[k];
                 println!("load {load}, {edges} edges, quantity {k}: {error:.2e}");
                 let may_be_coarser = if load > 5.0 && edges < 63 { 3.0 } else { 1.0 };
-                assert!(error.abs() < may_be_coarser * tolerance, "load {load}, {edges} edges, quantity {k}: {error}");
+                assert!(
+                    error.abs() < may_be_coarser * tolerance,
+                    "load {load}, {edges} edges, quantity {k}: {error}"
+                );
             }
         }
     }

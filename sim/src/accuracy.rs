@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use std::ops::ControlFlow;
 
-use crate::forward::{ForwardError, Run, Sample, forward};
+use crate::forward::{ForwardError, Run, Sample, forward, start_of_tip};
 use crate::integrate::Method;
+use crate::results::rest::rest;
 use crate::schema::JsonSchema;
 use crate::trajectory::{Status, Trajectory};
 
@@ -30,12 +31,24 @@ pub struct Goal {
 const USUAL: f64 = 2e-5;
 /// The same of small swings, as a share of them: frequencies and damping ratios are printed to three digits.
 const USUAL_SHARE: f64 = 1e-3;
+/// Share of its length by which the tip of a rod moves that swings: a fifth of a micrometre for the paper's muscle.
+/// What is less is rounding, and has no frequency.
+pub(crate) const AT_REST: f64 = 1e-6;
 /// No accuracy is finer than that, over the length of the rod: a stiff edge rounds there.
 const FINEST: f64 = 1e-8;
 
-/// The accuracy that a run has unless another is asked for, m: 0.02 mm, of small swings a thousandth.
+/// The accuracy that a run has unless another is asked for, m: 0.02 mm, of small swings a thousandth. A rod that is
+/// at rest does not swing.
 pub fn usual(model: &Model, swing: f64) -> f64 {
-    USUAL.min(USUAL_SHARE * swing).max(FINEST * model.rod().length)
+    let length = model.rod().length;
+    if swing < AT_REST * length { USUAL } else { USUAL.min(USUAL_SHARE * swing).max(FINEST * length) }
+}
+
+/// Twice the way from the start to the rest, m, as far as there is a rest.
+fn expected_swing(model: &Model, run: &Run) -> Result<f64, ForwardError> {
+    let start = start_of_tip(model, run)?;
+    let Ok(rest) = rest(model, 0.0, 0) else { return Ok(model.rod().length) };
+    Ok(2.0 * (start[0] - rest.tip[0]).hypot(start[1] - rest.tip[1]))
 }
 
 /// How wrong a run may be.
@@ -130,6 +143,8 @@ const MOST_EDGES: usize = 1999;
 const MOST_ATTEMPTS: usize = 6;
 /// An attempt that is not twice as good as the one before does not converge: a rod without loss, or one that folds.
 const CONVERGES: f64 = 0.5;
+/// Steps times edges that no attempt may be expected to take: some seconds that nobody asked for.
+const MOST_WORK: f64 = 3e6;
 /// Edges and tolerance of a first attempt, from releases of the paper's muscle at all its pressures: there the error
 /// of the mesh is at most `2.6 L / edges⁴`, that of the steps some ten times the tolerance times the length `L`.
 const MESH_ERROR: f64 = 2.6;
@@ -154,8 +169,11 @@ pub struct Settled {
 /// # Errors
 /// As [`Run::on_mesh`].
 pub fn first(model: &Model, run: &Run, goal: &Goal) -> Result<(Model, Run), ForwardError> {
-    let accuracy = goal.accuracy.unwrap_or(USUAL);
     let length = model.rod().length;
+    let accuracy = match goal.accuracy {
+        Some(accuracy) => accuracy,
+        None => usual(model, expected_swing(model, run)?),
+    };
     let mut run = run.clone();
     if goal.chooses_tolerance {
         run.tolerance = (AIM * accuracy / (STEP_ERROR * length)).clamp(TOLERANCES[0], TOLERANCES[1]);
@@ -188,22 +206,24 @@ pub fn settle(
         };
         let errors = estimate(&model, &run, &trajectory, goal, attempts)?;
         let Some(errors) = errors else { return Ok(Settled { model, run, trajectory, errors }) };
-        let wrong = [errors.mesh_m, errors.step_m.max(errors.energy_m.unwrap_or(0.0))].map(|error| error / errors.asked_m);
+        let wrong = [errors.mesh_m, errors.step_m.max(errors.energy_m.unwrap_or(0.0))]
+            .map(|error| error / errors.asked_m);
+        // What longer steps change says nothing of the mesh, whose coarser run takes steps of its own.
+        let is_known = errors.mesh_m > errors.step_m || wrong[1] <= SHARE;
         let may = [goal.chooses_mesh, goal.chooses_tolerance && run.method.of(&model) != Method::Verlet];
-        let mends: [bool; 2] = std::array::from_fn(|k| may[k] && wrong[k] > SHARE);
+        let mends = [may[0] && is_known && wrong[0] > SHARE, may[1] && wrong[1] > SHARE];
         let worst = wrong[0].max(wrong[1]);
         let diverges = last.is_some_and(|last| worst > CONVERGES * last);
-        if !(mends[0] || mends[1]) || diverges || attempts == MOST_ATTEMPTS {
+        // A third more than in proportion, for tolerances of coarse runs promise too much.
+        let less = if mends[1] { (AIM / wrong[1]).powf(1.3).max(1e-4) } else { 1.0 };
+        let edges = if mends[0] { finer(&model, wrong[0] / AIM).min(MOST_EDGES) } else { model.edges };
+        let work = trajectory.effort.steps as f64 * less.powf(-0.25) * edges as f64;
+        if !(mends[0] || mends[1]) || diverges || attempts == MOST_ATTEMPTS || work > MOST_WORK {
             return Ok(Settled { model, run, trajectory, errors: Some(errors) });
         }
         last = Some(worst);
-        if mends[1] {
-            // A third more than in proportion, for tolerances of coarse runs promise too much.
-            let less = (AIM / wrong[1]).powf(1.3).max(1e-4);
-            run.tolerance = (run.tolerance * less).max(TOLERANCES[0]);
-        }
+        run.tolerance = (run.tolerance * less).max(TOLERANCES[0]);
         if mends[0] {
-            let edges = finer(&model, wrong[0] / AIM).min(MOST_EDGES);
             (model, run) = run.on_mesh(&model, edges + 1)?;
         }
     }
@@ -234,7 +254,13 @@ fn estimate(
     if trajectory.status != Status::Complete {
         return Ok(None);
     }
-    let quiet = Run { energy: false, keep_samples: false, keep_steps: false, sensitivities: Vec::new(), ..run.clone() };
+    let quiet = Run {
+        energy: false,
+        keep_samples: false,
+        keep_steps: false,
+        sensitivities: Vec::new(),
+        ..run.clone()
+    };
     let coarse_nodes = (model.edges * 2 / 3).max(3) + 1;
     let (coarse, longer) = rayon::join(
         || -> Result<_, ForwardError> {
@@ -252,7 +278,8 @@ fn estimate(
     let (step, step_time_s) = trajectory.trace.farthest(&longer.trace);
     let ratio = model.edges as f64 / (coarse_nodes - 1) as f64;
     // A mesh that cannot even be run, or that is no coarser, says nothing good.
-    let per_mesh = if coarse_fails.is_some() || ratio <= 1.0 { 1.0 } else { 1.0 / (ratio.powf(order(model)) - 1.0) };
+    let per_mesh =
+        if coarse_fails.is_some() || ratio <= 1.0 { 1.0 } else { 1.0 / (ratio.powf(order(model)) - 1.0) };
     let closure = trajectory.closure();
     Ok(Some(Errors {
         asked_m: goal.accuracy.unwrap_or_else(|| usual(model, swing)),
@@ -310,5 +337,5 @@ fn millimetres(metres: f64) -> String {
 
 /// Two digits that count.
 fn significant(value: f64) -> String {
-    crate::results::report::significant(value, 2)
+    crate::results::report::rounded(value, 2)
 }

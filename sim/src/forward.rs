@@ -351,6 +351,16 @@ pub fn forward(
     Ok(trajectory)
 }
 
+/// Where the observed tip starts, m.
+/// # Errors
+/// [`ForwardError::Model`] where the rod cannot be held as it should.
+pub fn start_of_tip(model: &Model, run: &Run) -> Result<[f64; 2], ForwardError> {
+    let mut system = System::new(model);
+    let State { q, v, .. } = initial_state(&mut system, &run.initial)?;
+    // The arm of the end body is that of the model, wherever it stands.
+    Ok(tip(&system, &q, &v).0)
+}
+
 fn initial_state(system: &mut System, initial: &Initial) -> Result<State, ModelError> {
     let model = system.model;
     let posture = match initial {

@@ -10,6 +10,7 @@ pub mod figures;
 mod footer;
 pub mod forward;
 pub mod integrate;
+pub mod limits;
 pub mod memory;
 mod normal;
 pub mod observe;

@@ -1,9 +1,9 @@
 //! How often to look at a rod: what its slowest mode says.
 
-use std::f64::consts::TAU;
-
 use models::model::Model;
-use models::statics::{equilibrium, modes};
+
+use crate::results::report::significant;
+use crate::results::rest::rest;
 
 /// Samples a second of a rod that swings slowly, as the paper's cameras took them.
 pub const DEFAULT_RATE: f64 = 100.0;
@@ -12,7 +12,7 @@ const STORED: f64 = 20.0;
 /// Points of a period that are traced: a parabola through three of them finds a peak to 2e-5 of its height.
 const TRACED: f64 = 50.0;
 /// Samples of a period below which a path does not show its swing.
-const SHOWN: f64 = 10.0;
+const SHOWN: f64 = 5.0;
 /// Samples that a rate is raised to at most, and points of a trace.
 const MOST_SAMPLES: f64 = 1e5;
 const MOST_POINTS: f64 = 4e6;
@@ -43,8 +43,9 @@ impl Pace {
                 "frequency, damping and settling are those of the integrator's own path"
             };
             format!(
-                "samples at {chosen:.4} Hz do not show a swing of {slowest:.4} Hz; {seen}; \
-                 run.rate = \"{:.0} Hz\" shows it",
+                "samples at {} Hz do not show a swing of {} Hz; {seen}; run.rate = \"{} Hz\" shows it",
+                significant(chosen, 3),
+                significant(slowest, 3),
                 round_up(STORED * slowest)
             )
         });
@@ -54,10 +55,7 @@ impl Pace {
 
 /// Frequency of the slowest mode about the rest, Hz; none where there is no rest.
 fn slowest_frequency(model: &Model) -> Option<f64> {
-    let mut at_release = model.clone();
-    at_release.schedule = None;
-    let rest = equilibrium(&at_release, None).ok()?;
-    let slowest = modes(&at_release, &rest, 1).ok()?.first()?.angular_frequency / TAU;
+    let (slowest, _) = *rest(model, 0.0, 1).ok()?.modes.ok()?.first()?;
     (slowest.is_finite() && slowest > 0.0).then_some(slowest)
 }
 

@@ -48,6 +48,7 @@ use models::muscle::Known;
 use crate::accuracy::Goal;
 use crate::forward::{Run, uniform};
 use crate::pace::Pace;
+use crate::results::rest::rest;
 use document::Document;
 pub use error::{At, Problem, ScenarioError};
 use plan::Plan;
@@ -94,6 +95,20 @@ impl Case {
         self.rate = Some(pace.rate);
         self.warnings.extend(pace.warning);
         self
+    }
+
+    /// Root moment, N m, of the muscle at rest under its end fitting alone, its clamp level, as it was when its
+    /// stiffness was measured; none for a plain rod.
+    pub fn measured_moment(&self) -> Option<f64> {
+        self.plan.muscle.as_ref()?;
+        let mut bare = self.model.clone();
+        bare.set("rod.base_angle", 0.0).ok()?;
+        for path in ["effects.payload.mass", "effects.tip_mass.mass"] {
+            if bare.index(path).is_ok() {
+                bare.set(path, 0.0).ok()?;
+            }
+        }
+        Some(rest(&bare, 0.0, 0).ok()?.root_moment)
     }
 
     /// The case with another mesh, or other settings.

@@ -109,8 +109,14 @@ impl Trace {
     fn low_about(&self, point: usize) -> Instant {
         let before = point.checked_sub(1).map(|before| self.low_between(before));
         let after = (point + 1 < self.tip.len()).then(|| self.low_between(point));
-        let own = self.between(point.min(self.tip.len().saturating_sub(2)), if point + 1 < self.tip.len() { 0.0 } else { 1.0 });
-        [before, after].into_iter().flatten().fold(own, |low, other| if other.tip[1] < low.tip[1] { other } else { low })
+        let own = self.between(
+            point.min(self.tip.len().saturating_sub(2)),
+            if point + 1 < self.tip.len() { 0.0 } else { 1.0 },
+        );
+        [before, after]
+            .into_iter()
+            .flatten()
+            .fold(own, |low, other| if other.tip[1] < low.tip[1] { other } else { low })
     }
 
     /// The lowest point of the step that begins at a point.
@@ -123,9 +129,10 @@ impl Trace {
         let root = (square * square - 3.0 * cube * begin).max(0.0).sqrt();
         let turn = if square + root == 0.0 { 0.0 } else { -begin / (square + root) };
         let inner = self.between(point, turn.clamp(0.0, 1.0));
-        [0.0, 1.0].map(|share| self.between(point, share)).into_iter().fold(inner, |low, other| {
-            if other.tip[1] < low.tip[1] { other } else { low }
-        })
+        [0.0, 1.0]
+            .map(|share| self.between(point, share))
+            .into_iter()
+            .fold(inner, |low, other| if other.tip[1] < low.tip[1] { other } else { low })
     }
 
     /// The cubic through a point and the next at a share of the way; of the angle a straight line.

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use models::effects::Rod;
-use models::model::{Model, ModelSpec, Scheme, Schedule};
+use models::model::{Model, ModelSpec, Schedule, Scheme};
 use models::system::System;
 use sim::integrate::{Control, Effort, IntegrateError, Method, State, Stepper};
 

@@ -31,8 +31,14 @@ pub fn drawn(seed: u64) -> (Model, Run, String) {
     let payload = if random.chance(0.5) { random.between(0.0, 0.2) } else { 0.0 };
     let alpha = log(&mut random, 0.1, 3.0);
     let beta = if random.chance(0.8) { log(&mut random, 1e-3, 3e-2) } else { 0.0 };
-    let mut text = format!("{psi:.1} psi, {:.0} deg, {:.0} g, alpha {alpha:.2}, beta {:.1} ms", angle.to_degrees(), 1e3 * payload, 1e3 * beta);
-    let mut parameters = vec![("rayleigh_mass.alpha".to_owned(), alpha), ("rayleigh_stiffness.beta".to_owned(), beta)];
+    let mut text = format!(
+        "{psi:.1} psi, {:.0} deg, {:.0} g, alpha {alpha:.2}, beta {:.1} ms",
+        angle.to_degrees(),
+        1e3 * payload,
+        1e3 * beta
+    );
+    let mut parameters =
+        vec![("rayleigh_mass.alpha".to_owned(), alpha), ("rayleigh_stiffness.beta".to_owned(), beta)];
     parameters.push(("payload.mass".to_owned(), payload));
     parameters.push(("payload.center_of_mass".to_owned(), 0.02));
     if random.chance(0.6) {

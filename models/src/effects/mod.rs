@@ -255,12 +255,12 @@ impl About {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::Rod;
     use crate::model::{Model, ModelSpec, Scheme};
 
     /// A rod of 40 edges at 2 bar with some effects, for the tests that they have of their own.
-    pub(super) fn rod_with(effects: &[(&str, &[(&str, f64)])]) -> Model {
+    pub(crate) fn rod_with(effects: &[(&str, &[(&str, f64)])]) -> Model {
         let owned = |(key, value): &(&str, f64)| ((*key).to_owned(), *value);
         let effects =
             effects.iter().map(|(name, values)| ((*name).to_owned(), values.iter().map(owned).collect()));

@@ -5,8 +5,10 @@
 
 mod equilibrium;
 pub mod euler_bernoulli;
+mod held;
 mod modes;
 mod path;
 
 pub use equilibrium::{Equilibrium, equilibrium};
+pub use held::{Hold, held};
 pub use modes::{Mode, modes};

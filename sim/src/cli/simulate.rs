@@ -15,10 +15,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sim::accuracy::{self, Settled};
 use sim::forward::{ForwardError, Run, Sample, forward};
+use sim::limits;
 use sim::memory;
 use sim::results::beside_the_paper::beside_the_paper;
 use sim::results::report::report;
+use sim::results::rest::rest;
 use sim::results::simulated::{Member, write_set};
+use sim::results::summary;
 use sim::results::{self, Request, Summary};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
@@ -116,8 +119,12 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
         let run: Settled = run?;
         let case = case.run_as(&run.model, &run.run);
-        let warnings = run.errors.iter().flat_map(|errors| errors.warnings(&case.run, &case.model, &case.goal));
-        let warnings: Vec<String> = warnings.collect();
+        let warnings =
+            run.errors.iter().flat_map(|errors| errors.warnings(&case.run, &case.model, &case.goal));
+        let end = run.trajectory.times.last().copied().unwrap_or(0.0);
+        let rest = rest(&case.model, end, summary::MODES).ok();
+        let limits = limits::warnings(&case.model, &run.trajectory, rest.as_ref(), case.measured_moment());
+        let warnings: Vec<String> = warnings.chain(limits).collect();
         voice.warn(&warnings);
         let own = Request {
             name: case.name.clone(),
@@ -198,9 +205,11 @@ fn simulate(case: &Case, estimates: bool, progress: &ProgressBar) -> Result<Sett
     let run = Run { cancel: interrupt::cancel(), ..case.run.clone() };
     let mut see = |_: &mut Sample| counted(progress);
     if estimates {
-        return accuracy::settle(&case.model, &run, &case.goal, &mut see).map_err(|error| stopped(case, error));
+        return accuracy::settle(&case.model, &run, &case.goal, &mut see)
+            .map_err(|error| stopped(case, error));
     }
-    let (model, run) = accuracy::first(&case.model, &run, &case.goal).map_err(|error| stopped(case, error))?;
+    let (model, run) =
+        accuracy::first(&case.model, &run, &case.goal).map_err(|error| stopped(case, error))?;
     let trajectory = kept(case, forward(&model, &run, &mut see))?;
     Ok(Settled { model, run, trajectory, errors: None })
 }

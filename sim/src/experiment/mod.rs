@@ -45,8 +45,8 @@ pub mod init;
 pub mod release;
 
 use std::fs;
-use std::sync::Arc;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::recording::{self, ReadOptions, Recording};
 use crate::scenario::document::{Document, Keys};

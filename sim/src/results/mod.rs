@@ -47,8 +47,8 @@ use models::model::Model;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::forward::Run;
 use crate::accuracy::Errors;
+use crate::forward::Run;
 use crate::trajectory::{Status, Trajectory};
 
 pub use error::ResultsError;

@@ -28,6 +28,7 @@ pub(super) fn readable(unit: &str) -> (f64, &str) {
 /// A table of a run, lines up to 80 wide; numbers are rounded to what a reader can use.
 pub fn report(summary: &Summary) -> String {
     let mut lines = Lines::default();
+    let millimetres = |metres: f64| millimetres(metres, summary.errors.as_ref());
     lines.row("run", &format!("{}, {}", summary.name, run(summary)));
     lines.entry(
         summary,
@@ -166,12 +167,16 @@ fn run(summary: &Summary) -> String {
 }
 
 fn tip_error(errors: &Errors, settings: &Settings) -> String {
-    let [mesh, step, asked] = [errors.mesh_m, errors.step_m, errors.asked_m].map(|error| significant(1e3 * error, 2));
+    let [mesh, step, asked] =
+        [errors.mesh_m, errors.step_m, errors.asked_m].map(|error| rounded(1e3 * error, 2));
     let steps = match settings.fixed_step_s {
-        Some(step) => format!("{} s each", significant(step, 2)),
+        Some(step) => format!("{} s each", rounded(step, 2)),
         None => format!("tolerance {:.0e}", settings.tolerance),
     };
-    format!("{mesh} mm by the mesh ({} nodes), {step} mm by the steps ({steps}); {asked} mm asked", settings.nodes)
+    format!(
+        "{mesh} mm by the mesh ({} nodes), {step} mm by the steps ({steps}); {asked} mm asked",
+        settings.nodes
+    )
 }
 
 fn effort(summary: &Summary) -> String {
@@ -183,10 +188,16 @@ fn effort(summary: &Summary) -> String {
     text
 }
 
-/// To a tenth of a millimetre; a zero has no sign.
-fn millimetres(metres: f64) -> String {
-    unsigned_zero(format!("{:.1}", 1e3 * metres))
+/// To a tenth of a millimetre, or to the last digit that is a few times what the tip may be wrong by; a zero has no
+/// sign.
+fn millimetres(metres: f64, errors: Option<&Errors>) -> String {
+    let last = errors.map_or(0.1, |errors| LAST_DIGIT * 1e3 * errors.asked_m);
+    let decimals = (-last.log10()).floor().clamp(1.0, 9.0) as usize;
+    unsigned_zero(format!("{:.decimals$}", 1e3 * metres))
 }
+
+/// Smallest unit of a last digit, over the accuracy asked for.
+const LAST_DIGIT: f64 = 4.0;
 
 fn degrees(angle: f64) -> String {
     unsigned_zero(format!("{:.1}", angle.to_degrees())) + " deg"
@@ -213,9 +224,14 @@ pub fn significant(value: f64, digits: i32) -> String {
 
 /// A number with three digits that count, with an exponent where it is very small or large.
 pub(crate) fn short(value: f64) -> String {
+    rounded(value, 3)
+}
+
+/// The same with as many digits.
+pub(crate) fn rounded(value: f64, digits: i32) -> String {
     match value.abs() {
-        size if size > 0.0 && !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),
-        _ => significant(value, 3),
+        size if size > 0.0 && !(1e-3..1e5).contains(&size) => format!("{value:.*e}", digits as usize - 1),
+        _ => significant(value, digits),
     }
 }
 
@@ -279,7 +295,7 @@ mod tests {
         ] {
             assert_eq!(significant(value, digits).trim_end_matches(".0"), expected);
         }
-        assert_eq!(millimetres(-1e-9), "0.0");
+        assert_eq!(millimetres(-1e-9, None), "0.0");
         assert_eq!(degrees(-1e-9), "0.0 deg");
     }
 }

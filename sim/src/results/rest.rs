@@ -19,6 +19,8 @@ pub struct Rest {
     pub tip_angle: f64,
     /// Bending moment at the root, N m; positive where the rod is bent towards +z.
     pub root_moment: f64,
+    /// Whether the rod comes back when it is pushed.
+    pub stable: bool,
     /// Undamped frequency, Hz, and damping ratio of the slowest modes.
     pub modes: Result<Vec<(f64, f64)>, ModelError>,
 }
@@ -37,7 +39,7 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
         |mode: &models::statics::Mode| (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio);
     let root_moment = root_moment(&mut system, &found);
     let modes = modes(model, &found, count).map(|modes| modes.iter().map(in_hertz).collect());
-    Ok(Rest { nodes: posture.nodes, tip, tip_angle: posture.angle, root_moment, modes })
+    Ok(Rest { nodes: posture.nodes, tip, tip_angle: posture.angle, root_moment, stable: found.stable, modes })
 }
 
 /// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.

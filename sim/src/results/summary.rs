@@ -11,7 +11,7 @@ use models::model::{Model, Scheme};
 use serde::{Deserialize, Serialize};
 
 use super::rest::Rest;
-use crate::accuracy::Errors;
+use crate::accuracy::{AT_REST, Errors};
 use crate::analysis::decay::{self, Decay};
 use crate::analysis::peaks;
 use crate::analysis::settling::settling_time;
@@ -319,10 +319,6 @@ fn and_then<A, B>(
 ) -> Result<B, String> {
     next(before.as_ref().map_err(Clone::clone)?).map_err(|error| error.to_string())
 }
-
-/// Share of its length by which the tip of a rod moves that swings: a fifth of a micrometre for the paper's muscle.
-/// What is less is rounding, and has no frequency.
-const AT_REST: f64 = 1e-6;
 
 fn excursion(model: &Model, trace: &Trace, rest: &Result<Rest, impl Display>) -> Result<Excursion, String> {
     let rest = rest.as_ref().map_err(|why| format!("needs the rest: {why}"))?;

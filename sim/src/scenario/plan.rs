@@ -10,8 +10,8 @@ use super::document::{Document, Keys, read_text};
 use super::error::{Problem, ScenarioError};
 use super::posture;
 use crate::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
-use crate::pace;
 use crate::integrate::Method;
+use crate::pace;
 
 /// What a scenario says, in SI units; `None` where it says nothing.
 #[derive(Clone, Debug)]
@@ -141,16 +141,20 @@ impl Plan {
     fn of(document: &Document, has_pressure: bool) -> Result<Plan, ScenarioError> {
         let keys = document.keys();
         let rod = keys.table("rod")?;
-        rod.only(&[&["nodes", "scheme", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat())?;
+        rod.only(
+            &[&["nodes", "scheme", "root", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat(),
+        )?;
         let release = keys.table("release")?;
         release.only(&["angle", "angular_velocity", "from", "posture", "nodes", "hold"])?;
         let RunPlan { rate, accuracy, chooses_tolerance, run } = read_run(&keys)?;
         let schemes = [("consistent", Scheme::Consistent), ("paper", Scheme::Paper)];
+        // `root` is what the key was called while it decided of nothing else.
+        let scheme = if rod.has("root") { "root" } else { "scheme" };
         let muscle = read_muscle(document, &keys.table("muscle")?, has_pressure)?;
         Ok(Plan {
             rod: read_rod(&rod)?,
             nodes: rod.count("nodes")?,
-            scheme: rod.word("scheme", &schemes)?.unwrap_or_default(),
+            scheme: rod.word(scheme, &schemes)?.unwrap_or_default(),
             base_angle: rod.quantity("base_angle", "rad")?.unwrap_or(0.0),
             tip: rod.quantity_that("tip", "m", "lie in -1..=10 m", |tip| (-1.0..=10.0).contains(&tip))?,
             angle: release.quantity("angle", "rad")?.unwrap_or(0.0),

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use models::model::{Model, Scheme};
 use models::muscle::Extrapolation;
 
-use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD, fits_name};
 use super::Case;
+use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD, fits_name};
 use crate::forward::Initial;
 use crate::pace::DEFAULT_RATE;
 

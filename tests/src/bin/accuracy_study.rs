@@ -19,8 +19,15 @@ fn main() {
     let rows: Vec<_> = (first..first + count).into_par_iter().map(of).collect();
     let mut all: Vec<_> = rows.into_iter().flatten().collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let share = |limit: f64| 100.0 * all.iter().filter(|row| row.0 <= limit).count() as f64 / all.len() as f64;
-    println!("{} runs: within what was asked {:.1} %, 1.5 times {:.1} %, 3 times {:.1} %", all.len(), share(1.0), share(1.5), share(3.0));
+    let share =
+        |limit: f64| 100.0 * all.iter().filter(|row| row.0 <= limit).count() as f64 / all.len() as f64;
+    println!(
+        "{} runs: within what was asked {:.1} %, 1.5 times {:.1} %, 3 times {:.1} %",
+        all.len(),
+        share(1.0),
+        share(1.5),
+        share(3.0)
+    );
     println!("median {:.2}, least {:.3}", all[all.len() / 2].0, all[0].0);
     for row in all.iter().rev().take_while(|row| row.0 > 1.0) {
         println!("{:.2}{} {}", row.0, if row.1 { " warned" } else { " SILENT" }, row.2);
@@ -34,20 +41,42 @@ fn of(seed: u64) -> Vec<(f64, bool, String)> {
     for asked in ASKED {
         let goal = Goal { accuracy: Some(asked), chooses_mesh: true, chooses_tolerance: true };
         let begin = Instant::now();
-        settled.push((settle(&model, &run, &goal, &mut quiet).expect("it can be run"), begin.elapsed().as_secs_f64()));
+        settled.push((
+            settle(&model, &run, &goal, &mut quiet).expect("it can be run"),
+            begin.elapsed().as_secs_f64(),
+        ));
     }
     let finest = &settled[2].0;
-    let (exact, exact_run) = finest.run.on_mesh(&finest.model, (finest.model.edges * 8).min(400) + 1).expect("a mesh");
-    let exact_run = Run { tolerance: (1e-3 * finest.run.tolerance).max(1e-11), energy: false, ..exact_run };
-    let Ok(exact) = forward(&exact, &exact_run, &mut quiet) else { return Vec::new() };
+    let (exact, exact_run) =
+        finest.run.on_mesh(&finest.model, (finest.model.edges * 8).min(400) + 1).expect("a mesh");
+    let exact_run = Run {
+        tolerance: (1e-3 * finest.run.tolerance).max(1e-11),
+        energy: false,
+        most_steps: 400_000,
+        ..exact_run
+    };
+    let Ok(exact) = forward(&exact, &exact_run, &mut quiet) else {
+        eprintln!("seed {seed}: no reference: {text}");
+        return Vec::new();
+    };
     let row = |(settled, seconds): &(Settled, f64)| {
         let Settled { model, run, trajectory, errors } = settled;
         let errors = errors.as_ref().expect("it came to its end");
         let off = trajectory.trace.farthest(&exact.trace).0;
-        let warned = !errors.warnings(run, model, &Goal { accuracy: None, chooses_mesh: true, chooses_tolerance: true }).is_empty();
+        let warned = !errors
+            .warnings(run, model, &Goal { accuracy: None, chooses_mesh: true, chooses_tolerance: true })
+            .is_empty();
         let text = format!(
             "seed {seed}: asked {} mm, true {:.5}, mesh {:.5}, steps {:.5}, energy {:.5?}; {} nodes, {:.0e}, {} attempts, {:.3} s; {text}",
-            1e3 * errors.asked_m, 1e3 * off, 1e3 * errors.mesh_m, 1e3 * errors.step_m, errors.energy_m.map(|e| 1e3 * e), model.edges + 1, run.tolerance, errors.attempts, seconds
+            1e3 * errors.asked_m,
+            1e3 * off,
+            1e3 * errors.mesh_m,
+            1e3 * errors.step_m,
+            errors.energy_m.map(|e| 1e3 * e),
+            model.edges + 1,
+            run.tolerance,
+            errors.attempts,
+            seconds
         );
         (off / errors.asked_m, warned, text)
     };
