@@ -47,7 +47,7 @@ pub struct Active {
     pub effect: &'static dyn Effect,
     /// Where its parameters stand in `theta`.
     pub theta: Range<usize>,
-    /// Where its memory stands, if it has one.
+    /// Where its memories stand: shape `[memories, N+1]`.
     pub memory: Range<usize>,
 }
 
@@ -213,7 +213,7 @@ impl Model {
             });
             self.theta.push(p.default);
         }
-        let memory = self.memory..self.memory + if about.memory { self.edges + 1 } else { 0 };
+        let memory = self.memory..self.memory + about.memory * (self.edges + 1);
         self.memory = memory.end;
         self.effects.push(Active { effect, theta: first..self.theta.len(), memory });
         Ok(())
@@ -237,8 +237,7 @@ impl Model {
         }
         let mut model = Self { edges: nodes - 1, memory: 0, ..self.clone() };
         for active in &mut model.effects {
-            let own = if active.effect.about().memory { nodes } else { 0 };
-            active.memory = model.memory..model.memory + own;
+            active.memory = model.memory..model.memory + active.effect.about().memory * nodes;
             model.memory = active.memory.end;
         }
         Ok(model)
@@ -374,7 +373,7 @@ impl Model {
         let acts = |active: &Active| {
             let about = active.effect.about();
             let is_watched = || watched.iter().flatten().any(|k| active.theta.contains(k));
-            about.places.contains(&place) && (about.memory || !self.is_off(active) || is_watched())
+            about.places.contains(&place) && (about.memory > 0 || !self.is_off(active) || is_watched())
         };
         (0..self.effects.len()).filter(|&k| acts(&self.effects[k])).collect()
     }

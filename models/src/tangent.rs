@@ -1,8 +1,8 @@
 //! Linearised equations of motion: tangent stiffness and damping, with the memory condensed out.
 //!
-//! An implicit step solves `(a²M + a D + K) u_q = r_f + (a M + D) r_q` with `a = 1/(γh)`. Memory
-//! is a scalar of one bend and one effect, so `(a − ∂g/∂z) u_z = r_z + ∂g/∂q u_q + ∂g/∂v u_v` is
-//! eliminated bend by bend before assembly: the tangents by curvature and rate gain
+//! An implicit step solves `(a²M + a D + K) u_q = r_f + (a M + D) r_q` with `a = 1/(γh)`. A memory
+//! is a scalar of one bend, and no memory drives another: a law sees one at a time. So `(a − ∂g/∂z) u_z = r_z + ∂g/∂q u_q + ∂g/∂v u_v`
+//! is solved for each memory alone, before assembly: the tangents by curvature and rate gain
 //! `m_z g_κ/(a − g_z)` and `m_z g_κ̇/(a − g_z)`, and the band stays as narrow as without memory.
 
 use nalgebra::{Matrix2, Vector2};
@@ -26,7 +26,7 @@ pub(crate) struct Tangent {
     by_stretch_rate: Vec<f64>,
     flow: Vec<[[f64; 2]; 2]>,
     tip: [[f64; 6]; 3],
-    /// One entry a bend and effect with memory, in the order of the memory.
+    /// One entry a bend and memory, in the order of the memories: effect, memory of the effect, bend.
     memory: Vec<BendTangent>,
     /// Gradient of an edge's angle by the edge vector, 1/m, and of its rate, 1/(m s).
     angle_by_edge: Vec<[f64; 2]>,

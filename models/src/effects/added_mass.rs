@@ -25,7 +25,7 @@ impl Law for AddedMass {
         meaning: "fluid that has to move with the rod makes it more inert, and not heavier",
         kind: Kind::Inertial,
         places: &[Place::Inertia],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "mass_per_length",

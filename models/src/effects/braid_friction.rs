@@ -32,7 +32,7 @@ impl Law for BraidFriction {
         meaning: "strands that rub on one another resist bending with a moment of fixed size",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: true,
+        memory: 1,
         timed: false,
         parameters: &[
             Parameter { meaning: "friction moment of a cross-section", ..FRICTION_MOMENT },

@@ -37,7 +37,7 @@ impl Law for ClampFriction {
         meaning: "the muscle rubs in its clamp where the root bends",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: true,
+        memory: 1,
         timed: false,
         parameters: &[
             Parameter {

@@ -28,7 +28,7 @@ impl Law for Dahl {
         meaning: "friction that remembers: it yields as a spring before it slides",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: true,
+        memory: 1,
         timed: false,
         parameters: &[
             FRICTION_MOMENT,

@@ -32,7 +32,7 @@ impl Law for DampingOverPressure {
         meaning: "both of Rayleigh's losses grow in proportion to the pressure",
         kind: Kind::Dissipative,
         places: &[Place::Bend, Place::Edge, Place::Mass],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {
@@ -117,6 +117,7 @@ mod tests {
                 kappa: 3.0,
                 kappa_rate: 20.0,
                 mean_square_curvature: 0.0,
+                branch: 0,
                 memory: 0.0,
                 position: 0.5,
                 time: 0.0,

@@ -43,7 +43,9 @@ pub struct Bend<'a, T> {
     /// Mean square of the curvature over the rod, 1/m²: for effects that name [`Whole`](super::Place::Whole),
     /// zero for others. Rates of memory must not depend on it.
     pub mean_square_curvature: T,
-    /// The effect's own memory at this bend.
+    /// Which of the effect's memories at this bend is meant, from 0; 0 for an effect with one or none.
+    pub branch: usize,
+    /// That memory.
     pub memory: T,
     /// Place along the rod, from 0 at the clamp to 1 at the end fitting.
     pub position: f64,
@@ -56,9 +58,9 @@ pub struct Bend<'a, T> {
 /// What a law says of a bend.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<T> {
-    /// Resisting moment, N m: of the sign of the curvature that it resists.
+    /// Resisting moment, N m: of the sign of the curvature that it resists; the branch's part of it.
     pub moment: T,
-    /// Rate of the memory, own unit per s.
+    /// Rate of the branch's memory, own unit per s.
     pub memory_rate: T,
 }
 
@@ -227,11 +229,11 @@ pub trait Law: Sync + 'static {
     /// What the catalogue knows.
     const ABOUT: About;
 
-    /// Moment at a bend.
+    /// Moment at a bend; of each [branch](Bend::branch), if the effect has several memories.
     fn bend<T: Real>(_at: &Bend<T>, _theta: &[T]) -> Moment<T> {
         Moment::of(T::from(0.0))
     }
-    /// Energy stored at a bend, J per metre of rod; its derivative by `kappa` is a moment.
+    /// Energy stored at a bend, J per metre of rod, of each branch; its derivative by `kappa` is a moment.
     fn bend_energy<T: Real>(_at: &Bend<T>, _theta: &[T]) -> T {
         T::from(0.0)
     }

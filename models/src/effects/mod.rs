@@ -47,6 +47,8 @@ catalogue! {
     hysteresis::Hysteresis,
     dahl::Dahl,
     creep::Creep,
+    relaxation::Relaxation,
+    structural_damping::StructuralDamping,
     cubic_stiffness::CubicStiffness,
     quadratic_stiffness::QuadraticStiffness,
     stiffness_taper::StiffnessTaper,
@@ -227,8 +229,9 @@ pub struct About {
     pub kind: Kind,
     /// Where it acts.
     pub places: &'static [Place],
-    /// Whether each bend carries a memory of the effect's own.
-    pub memory: bool,
+    /// How many memories of the effect's own each bend carries. The moment is the sum over them, and the
+    /// law is asked for one at a time, see [`Bend::branch`]; so no memory can depend on another.
+    pub memory: usize,
     /// Whether its law names the time.
     pub timed: bool,
     /// Its parameters, in the order in which laws receive them.

@@ -24,7 +24,7 @@ impl Law for Payload {
         meaning: "a rigid body is carried at the tip",
         kind: Kind::Inertial,
         places: &[Place::Body],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: BODY_PARAMETERS,
         looks_like: "lowers frequency and rest posture together",

@@ -27,7 +27,7 @@ impl Law for PressureVolume {
         meaning: "bending the sealed muscle anywhere stiffens it everywhere",
         kind: Kind::Elastic,
         places: &[Place::Bend, Place::Whole],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "stiffening",

@@ -26,7 +26,7 @@ impl Law for RayleighStiffness {
         meaning: "stretch and bending resist their rates as they resist themselves",
         kind: Kind::Dissipative,
         places: &[Place::Bend, Place::Edge],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "beta",

@@ -25,7 +25,7 @@ impl Law for TipDrag {
         meaning: "the air resists whatever sits at the tip, with the square of its speed",
         kind: Kind::Dissipative,
         places: &[Place::Tip],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {

@@ -22,7 +22,7 @@ impl Law for TipInertia {
         meaning: "the end body resists turning more than its masses say",
         kind: Kind::Inertial,
         places: &[Place::Body],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "rotary_inertia",

@@ -24,7 +24,7 @@ impl Law for TipMass {
         meaning: "a point mass sits somewhere beyond the end of the rod",
         kind: Kind::Inertial,
         places: &[Place::Body],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {

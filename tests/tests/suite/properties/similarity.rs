@@ -46,6 +46,7 @@ impl Larger {
             "kg" => mass,
             "N" => mass * length / (time * time),
             "Pa" => mass / (length * time * time),
+            "Hz" => time.recip(),
             "1" | "rad" => 1.0,
             other => panic!("the unit {other} is not known here"),
         };
