@@ -35,7 +35,7 @@ pub struct Fields<T> {
     pub arc_rate: Vec<T>,
     /// Stretch of the arc, shape `[N]`.
     pub stretch: Vec<T>,
-    /// Rate of stretch, 1/s, shape `[N]`.
+    /// Its rate at the present rest length, 1/s, shape `[N]`.
     pub stretch_rate: Vec<T>,
     /// `tan(φ/2)` of each turning angle, shape `[N+1]`.
     pub half_tangent: Vec<T>,
@@ -47,7 +47,7 @@ pub struct Fields<T> {
     pub angle_rate: Vec<T>,
     /// Integrated curvature of the rod, shape `[N+1]`, see [`Stencil`](crate::stencil::Stencil).
     pub kappa: Vec<T>,
-    /// Its rate, 1/s.
+    /// Its rate at the present rest length, 1/s.
     pub kappa_rate: Vec<T>,
     /// Mean square of the curvature over the rod, 1/m²; zero unless [asked for](Self::average).
     pub mean_square_curvature: T,

@@ -54,11 +54,14 @@ pub struct Active {
 /// A rod whose properties change with time because the pressure does.
 pub trait Schedule: Send + Sync {
     /// Length, bending stiffness, axial stiffness and diameter relative to the model's own, each
-    /// with its rate, 1/s.
-    fn factors(&self, time: f64) -> [(f64, f64); 4];
+    /// with its first and second rate, 1/s and 1/s².
+    ///
+    /// `since`, at most `time`, lies in the same piece between two breakpoints, each of which belongs to
+    /// the piece after it. So a step that ends at a breakpoint sees the rates before it.
+    fn factors(&self, time: f64, since: f64) -> [[f64; 3]; 4];
     /// Pressure above that of the model, Pa, with its rate, Pa/s: for laws that see the pressure
-    /// itself.
-    fn pressure_change(&self, _time: f64) -> (f64, f64) {
+    /// itself. `since` as for [`factors`](Self::factors).
+    fn pressure_change(&self, _time: f64, _since: f64) -> (f64, f64) {
         (0.0, 0.0)
     }
     /// Times at which a rate jumps, s, ascending.

@@ -88,7 +88,13 @@ impl<T: Real> Stencil<T> {
         let from_end = bend.min(self.edges - bend);
         match self.scheme {
             Scheme::Consistent => END_WEIGHTS.get(from_end).copied().unwrap_or(1.0),
-            Scheme::Paper => if bend == self.edges { 0.5 } else { 1.0 },
+            Scheme::Paper => {
+                if bend == self.edges {
+                    0.5
+                } else {
+                    1.0
+                }
+            }
         }
     }
 

@@ -38,6 +38,8 @@ pub struct Context<T> {
     pub weightless_mass: T,
     /// Rest length of an edge, m.
     pub rest_length: T,
+    /// How fast it grows over itself, 1/s: a strain that is counted against it falls at that rate.
+    pub rest_rate: T,
     /// One over it, 1/m.
     pub per_rest_length: T,
     /// One over the Voronoi length of each bend, 1/m, shape `[N+1]`.
@@ -83,27 +85,36 @@ impl<T: Scalar> Context<T> {
             node_mass,
             weightless_mass,
             rest_length: zero,
+            rest_rate: zero,
             per_rest_length: zero,
             per_voronoi: vec![zero; edges + 1],
             stencil,
             theta,
         };
-        context.set_time(model, zero);
+        context.set_time(model, zero, None);
         context
     }
 
-    /// Lets the rod follow its schedule.
-    fn set_time(&mut self, model: &Model, time: T) {
+    /// Lets the rod follow its schedule, on the piece of it in which `since` lies; at rest, with none.
+    fn set_time(&mut self, model: &Model, time: T, since: Option<f64>) {
         self.time = time;
+        self.rest_rate = T::from(0.0);
         if let Some(schedule) = &model.schedule {
             let now = time.re();
-            let factors = schedule.factors(now).map(|(value, rate)| T::from(value) + (time - now) * rate);
-            self.rod.length = self.theta[LENGTH] * factors[0];
-            self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * factors[1];
-            self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * factors[2];
-            self.rod.diameter = self.theta[DIAMETER] * factors[3];
-            let (change, rate) = schedule.pressure_change(now);
+            let piece = since.unwrap_or(now);
+            let factors = schedule.factors(now, piece);
+            let [length, bending, axial, diameter] =
+                factors.map(|[value, rate, _]| T::from(value) + (time - now) * rate);
+            self.rod.length = self.theta[LENGTH] * length;
+            self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * bending;
+            self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * axial;
+            self.rod.diameter = self.theta[DIAMETER] * diameter;
+            let (change, rate) = schedule.pressure_change(now, piece);
             self.rod.pressure = self.theta[PRESSURE] + change + (time - now) * rate;
+            if since.is_some() {
+                let [_, first, second] = factors[0];
+                self.rest_rate = ((time - now) * second + first) / length;
+            }
         }
         self.rest_length = self.rod.length * self.per_edges;
         self.per_rest_length = self.rest_length.recip();
@@ -213,6 +224,10 @@ pub struct Assembly<T> {
     pub fields: Fields<T>,
     /// Share of the loads with mass and at the tip that acts: 1, except while statics puts them on.
     pub(crate) load_share: f64,
+    /// Whether the rod is looked at as if its pressure stayed: statics.
+    pub(crate) stands_still: bool,
+    /// A time of the piece of the schedule that the rod follows; none: that of the evaluation.
+    since: Option<f64>,
     pub(crate) acting: Acting,
 }
 
@@ -222,6 +237,8 @@ impl<T: Scalar> Assembly<T> {
             context: Context::new(model, theta),
             fields: Fields::new(model.edges),
             load_share: 1.0,
+            stands_still: false,
+            since: None,
             acting: Acting::new(model, watched),
         }
     }
@@ -229,7 +246,8 @@ impl<T: Scalar> Assembly<T> {
     /// Puts the rod at a state.
     pub fn place(&mut self, model: &Model, time: T, q: &[T], v: &[T]) {
         if model.schedule.is_some() {
-            self.context.set_time(model, time);
+            let since = self.since.unwrap_or(time.re());
+            self.context.set_time(model, time, (!self.stands_still).then_some(since));
         }
         self.context.time = time;
         self.fields.place(&self.context, q, v);
@@ -327,6 +345,11 @@ impl<T: Scalar> Assembly<T> {
     /// Stored energy of all effects and of weight at a state, J: `(elastic, potential)`.
     pub fn energy(&mut self, model: &Model, time: T, q: &[T], v: &[T], z: &[T]) -> (T, T) {
         self.place(model, time, q, v);
+        self.energy_here(model, q, z)
+    }
+
+    /// Stored energy where the rod [was put](Self::place).
+    fn energy_here(&mut self, model: &Model, q: &[T], z: &[T]) -> (T, T) {
         self.add_loads(model, q);
         let (c, f) = (&self.context, &self.fields);
         let tip = self.tip(q);
@@ -390,6 +413,19 @@ impl<'m> System<'m> {
         Self { model, assembly, mass, tangent, lanes: Vec::new() }
     }
 
+    /// Sets up the equations of a model whose pressure stays as it is at any time: for statics.
+    pub fn at_rest(model: &'m Model) -> Self {
+        let mut system = Self::new(model);
+        system.assembly.stands_still = true;
+        system
+    }
+
+    /// From now on evaluations belong to a step that starts at `time`: where a rate of the pressure
+    /// jumps at its end, they see the rate before.
+    pub fn begin_step(&mut self, time: f64) {
+        self.assembly.since = Some(time);
+    }
+
     /// Generalised forces, shape `[2N+1]`, and rates of the memory.
     pub fn force(
         &mut self,
@@ -423,6 +459,7 @@ impl<'m> System<'m> {
         z_rate: &mut [[f64; LANES]],
     ) {
         let pass = &mut self.lanes[group];
+        pass.assembly.since = self.assembly.since;
         pass.evaluate(self.model, time.into(), q, v, z);
         for ((out, f), m) in force.iter_mut().zip(&pass.force).zip(&pass.mass) {
             let acceleration = f.re / m.re;
@@ -483,6 +520,7 @@ impl<'m> System<'m> {
         z_rate: &mut [f64],
     ) {
         let pass = &mut pass.pass;
+        pass.assembly.since = self.assembly.since;
         pass.evaluate(self.model, Dual64::from(time).derivative(), q, v, z);
         for (out, f) in force.iter_mut().zip(&pass.force) {
             *out = f.eps;
@@ -493,7 +531,8 @@ impl<'m> System<'m> {
     }
 
     /// Power that the effects dissipate and power that a changing pressure supplies, W: what the
-    /// forces do that the energies do not take, and how the energies change at a fixed state.
+    /// forces do that the energies do not take, and how the energies change at a fixed state. Forces
+    /// of damping resist the change of the rest length, too: that much more is supplied and dissipated.
     pub fn powers(&mut self, room: &mut TimePass, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> (f64, f64) {
         self.force(time, q, v, z, &mut room.force, &mut room.z_rate);
         let work: f64 = room.force.iter().zip(v).map(|(f, v)| f * v).sum();
@@ -512,7 +551,43 @@ impl<'m> System<'m> {
         pass.lift(q, v, z);
         let now = Dual64::from(time).derivative();
         let (elastic, potential) = pass.assembly.energy(self.model, now, &pass.q, &pass.v, &pass.z);
-        (dissipated, (elastic + potential).eps)
+        let resisted = self.power_by_rest_length(&mut pass.assembly, time, &pass.q, &pass.v, &pass.z);
+        (dissipated + resisted, (elastic + potential).eps + resisted)
+    }
+
+    /// Power of the forces that are no gradient of an energy, as the rest length changes strains, W; at
+    /// the state of the last [`force`](Self::force).
+    fn power_by_rest_length(
+        &self,
+        assembly: &mut Assembly<Dual64>,
+        time: f64,
+        q: &[Dual64],
+        v: &[Dual64],
+        z: &[Dual64],
+    ) -> f64 {
+        let (c, f) = (&self.assembly.context, &self.assembly.fields);
+        if c.rest_rate == 0.0 {
+            return 0.0;
+        }
+        // Rates of strains at fixed nodes: of stretches, and of integrated curvatures.
+        let stretch = |j: usize| -(1.0 + f.stretch[j]) * c.rest_rate;
+        let kappa = |i: usize| -f.kappa[i] * c.rest_rate;
+        let n = c.edges;
+        let mut power = 0.0;
+        assembly.place(self.model, time.into(), q, v);
+        for j in 0..n {
+            power += f.tension[j] * stretch(j) * c.rest_length;
+            assembly.fields.stretch[j].eps = stretch(j);
+        }
+        for i in 0..=n {
+            power += f.moment[i] * kappa(i);
+            assembly.fields.kappa[i].eps = kappa(i);
+        }
+        if !assembly.acting.whole.is_empty() {
+            assembly.fields.average(&assembly.context);
+        }
+        let (elastic, potential) = assembly.energy_here(self.model, q, z);
+        power - (elastic + potential).eps
     }
 
     /// Kinetic, elastic and potential energy, J.
@@ -560,6 +635,7 @@ impl<'m> System<'m> {
         }
         let v = vec![0.0; q.len()];
         let mut force = vec![0.0; q.len()];
+        let before = std::mem::replace(&mut self.assembly.stands_still, true);
         for _ in 0..20 {
             let rate = self.linearise(time, q, &v, z, &mut force);
             let mut largest: f64 = 0.0;
@@ -573,6 +649,7 @@ impl<'m> System<'m> {
                 break;
             }
         }
+        self.assembly.stands_still = before;
     }
 }
 

@@ -310,8 +310,7 @@ impl System<'_> {
             let row = c.stencil.row(i);
             let slopes: [f64; 3] = std::array::from_fn(|k| row[k] * t.angle_slope[first + k]);
             let rate_slopes: [f64; 3] = std::array::from_fn(|k| row[k] * t.angle_curve_rate[first + k]);
-            let moment: [f64; 3] =
-                std::array::from_fn(|k| by_kappa * slopes[k] + by_rate * rate_slopes[k]);
+            let moment: [f64; 3] = std::array::from_fn(|k| by_kappa * slopes[k] + by_rate * rate_slopes[k]);
             t.by_turns.add_angles(first, |k, l| slopes[k] * moment[l]);
             if by_rate != 0.0 {
                 t.by_turn_rates.add_angles(first, |k, l| by_rate * slopes[k] * slopes[l]);
@@ -438,7 +437,8 @@ impl System<'_> {
             }
             for i in 0..=n {
                 let (row, first) = (c.stencil.row(i), c.stencil.first(i));
-                let along = |angles: &[f64]| -> f64 { row.iter().zip(&angles[first..]).map(|(a, b)| a * b).sum() };
+                let along =
+                    |angles: &[f64]| -> f64 { row.iter().zip(&angles[first..]).map(|(a, b)| a * b).sum() };
                 let (kappa, kappa_rate) = (along(&t.of_angles), along(&t.of_bends));
                 for k in (i..t.memory.len()).step_by(n + 1) {
                     let [g_kappa, g_rate, g_z] = t.memory[k].memory_rate;

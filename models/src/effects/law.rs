@@ -38,7 +38,7 @@ impl<T: Copy> Rod<T> {
 pub struct Bend<'a, T> {
     /// Curvature: integrated curvature over the Voronoi length, 1/m; positive towards +z.
     pub kappa: T,
-    /// Its rate, 1/(m s).
+    /// Its rate, 1/(m s), that of a changing rest length included.
     pub kappa_rate: T,
     /// Mean square of the curvature over the rod, 1/m²: for effects that name [`Whole`](super::Place::Whole),
     /// zero for others. Rates of memory must not depend on it.
@@ -77,7 +77,7 @@ impl<T: Real> Moment<T> {
 pub struct Edge<'a, T> {
     /// Current over rest length, minus one.
     pub stretch: T,
-    /// Its rate, 1/s.
+    /// Its rate, 1/s, that of a changing rest length included.
     pub stretch_rate: T,
     /// Place of the midpoint along the rod, from 0 at the clamp to 1 at the end fitting.
     pub position: f64,

@@ -46,9 +46,10 @@ const fn branches<L: Law>() -> usize {
 /// Bend `i` as a law sees it, with one of its memories `z`, shape `[memories, N+1]`.
 fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, branch: usize, z: &[T]) -> Bend<'a, T> {
     let per_length = c.per_voronoi[i];
+    let kappa = f.kappa[i] * per_length;
     Bend {
-        kappa: f.kappa[i] * per_length,
-        kappa_rate: f.kappa_rate[i] * per_length,
+        kappa,
+        kappa_rate: f.kappa_rate[i] * per_length - kappa * c.rest_rate,
         mean_square_curvature: f.mean_square_curvature,
         branch,
         memory: z.get(branch * (c.edges + 1) + i).copied().unwrap_or_else(|| T::from(0.0)),
@@ -61,7 +62,7 @@ fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, branch: usiz
 fn edge_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Edge<'a, T> {
     Edge {
         stretch: f.stretch[j],
-        stretch_rate: f.stretch_rate[j],
+        stretch_rate: f.stretch_rate[j] - (f.stretch[j] + 1.0) * c.rest_rate,
         position: (j as f64 + 0.5) * c.per_edges,
         time: c.time,
         rod: &c.rod,
@@ -180,6 +181,15 @@ fn variable<const N: usize>(value: f64, k: usize) -> DualSVec64<N> {
     DualSVec64::new(value, Derivative::some(eps))
 }
 
+/// The rate of a strain, the second variable, which falls as the strain, the first one, grows against a
+/// rest length that changes.
+fn strain_rate<const N: usize>(value: f64, by_strain: f64) -> DualSVec64<N> {
+    let mut eps = SVector::zeros();
+    eps[0] = by_strain;
+    eps[1] = 1.0;
+    DualSVec64::new(value, Derivative::some(eps))
+}
+
 fn derivative<const N: usize>(x: &DualSVec64<N>) -> [f64; N] {
     x.eps.0.map_or([0.0; N], |eps| eps.data.0[0])
 }
@@ -218,7 +228,7 @@ impl<L: Law> Effect for Registered<L> {
                 let law = L::bend(
                     &Bend {
                         kappa: variable(here.kappa, 0),
-                        kappa_rate: variable(here.kappa_rate, 1),
+                        kappa_rate: strain_rate(here.kappa_rate, -c.rest_rate),
                         mean_square_curvature: here.mean_square_curvature.into(),
                         branch,
                         memory: variable(here.memory, 2),
@@ -304,7 +314,7 @@ impl<L: Law> Effect for Registered<L> {
             let tension = L::edge(
                 &Edge {
                     stretch: variable(here.stretch, 0),
-                    stretch_rate: variable(here.stretch_rate, 1),
+                    stretch_rate: strain_rate(here.stretch_rate, -c.rest_rate),
                     position: here.position,
                     time: here.time.into(),
                     rod: &rod,

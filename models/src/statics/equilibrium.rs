@@ -115,7 +115,7 @@ impl<'m> Search<'m> {
     fn new(model: &'m Model) -> Self {
         let (dof, memory) = (model.dof(), model.memory());
         Self {
-            system: System::new(model),
+            system: System::at_rest(model),
             z: vec![0.0; memory],
             z_rate: vec![0.0; memory],
             at_rest: vec![0.0; dof],

@@ -100,8 +100,8 @@ fn a_resolved_case_gives_the_same_model_and_run() {
         if let (Some(a), Some(b)) = (&again.model.schedule, &case.model.schedule) {
             assert_eq!(a.breakpoints(), b.breakpoints());
             for time in [0.0, 0.123, 3.0, 5.1, 7.0] {
-                assert_eq!(a.factors(time), b.factors(time));
-                assert_eq!(a.pressure_change(time), b.pressure_change(time));
+                assert_eq!(a.factors(time, time), b.factors(time, time));
+                assert_eq!(a.pressure_change(time, time), b.pressure_change(time, time));
             }
         }
         assert_eq!(again.resolved(), case.resolved());

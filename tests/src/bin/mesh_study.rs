@@ -30,7 +30,8 @@ fn main() {
             let turned = |[x, z]: [f64; 2]| [cos * x - sin * z, sin * x + cos * z];
             let expected: Vec<_> = motion.path(&beam, share, &times).into_iter().map(turned).collect();
             let cell = |nodes: usize| {
-                let parameters = [("rayleigh_mass.alpha", DAMPING[0]), ("rayleigh_stiffness.beta", DAMPING[1])];
+                let parameters =
+                    [("rayleigh_mass.alpha", DAMPING[0]), ("rayleigh_stiffness.beta", DAMPING[1])];
                 let mut spec = paper_spec(psi, nodes, &parameters);
                 (spec.base_angle, spec.release_angle) = (incline, incline);
                 let model = Model::new(&spec).expect("valid");
