@@ -146,7 +146,9 @@ fn friction_never_feeds_energy() {
                 let friction = [
                     lost::<BraidFriction>(&[1e-3, 0.02], kappa, kappa_rate, memory),
                     lost::<ClampFriction>(&[1e-3, 0.02, 0.02], kappa, kappa_rate, memory),
-                    lost::<Dahl>(&[1e-3, 0.5, 0.02], kappa, kappa_rate, memory),
+                    lost::<Dahl>(&[1e-3, 0.5, 0.02, 1.0, 1.0], kappa, kappa_rate, memory),
+                    lost::<Dahl>(&[1e-3, 0.5, 0.02, 2.5, 0.5], kappa, kappa_rate, memory),
+                    lost::<Dahl>(&[1e-3, 0.5, 0.02, 1.3, 4.0], kappa, kappa_rate, memory),
                     lost::<Hysteresis>(&[0.05, 0.02], kappa, kappa_rate, memory),
                 ];
                 for (law, lost) in friction.iter().enumerate() {
@@ -172,7 +174,7 @@ fn dahl_friction_loses_less_than_coulomb_s_in_small_swings() {
             // In the smallest loop the start is forgotten slowly: 1 − κ_a/κ_y a half cycle at most.
             let tolerance = if amplitude < yielding { 0.05 } else { 1e-5 };
             assert_near(
-                area::<Dahl>(&[friction, yielding, 1e-7], 0.5, amplitude, omega),
+                area::<Dahl>(&[friction, yielding, 1e-7, 1.0, 1.0], 0.5, amplitude, omega),
                 expected,
                 tolerance,
             );
@@ -264,6 +266,40 @@ fn relaxation_is_even_over_the_logarithm_of_time() {
         if k % 50 == 0 {
             let due = due(step * f64::from(k));
             assert!((found - due).abs() < 0.01, "{} s: {found}, due {due}", step * f64::from(k));
+        }
+    }
+}
+
+/// Bouc and Wen's loops in closed form. With `n = 2`, `σ = 1` a half loop from `−z_m` to `z_m` takes the way
+/// `κ_y (atan z_m + artanh z_m) = 2 κ_a`, and the area is `−M_f κ_y ln(1 − z_m⁴)`. With `n = 1` and
+/// `c = 2σ − 1` it takes `κ_y (ln(1 + c z_m)/c − ln(1 − z_m)) = 2 κ_a`, and the area is
+/// `2 M_f κ_y (−z_m − ln(1 − z_m) − z_m/c + ln(1 + c z_m)/c²)`.
+#[test]
+fn bouc_and_wens_loops_have_the_areas_of_their_solutions() {
+    let (friction, yielding) = (7e-4, 0.5);
+    // Where the way is that of `due`, by halving.
+    let solve = |way: &dyn Fn(f64) -> f64, due: f64| {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if way(middle) < due { low = middle } else { high = middle }
+        }
+        low
+    };
+    for amplitude in [0.4, 1.0, 2.0] {
+        let due = 2.0 * amplitude / yielding;
+        let z = solve(&|z: f64| z.atan() + z.atanh(), due);
+        let expected = -friction * yielding * (1.0 - z.powi(4)).ln();
+        let found = area::<Dahl>(&[friction, yielding, 1e-7, 2.0, 1.0], 0.5, amplitude, 20.0);
+        assert_near(found, expected, 1e-3);
+        for shape in [0.7, 2.0, 5.0] {
+            let c = 2.0 * shape - 1.0;
+            let z = solve(&|z: f64| (c * z).ln_1p() / c - (1.0 - z).ln(), due);
+            let expected =
+                2.0 * friction * yielding * (-z - (1.0 - z).ln() - z / c + (c * z).ln_1p() / (c * c));
+            let found = area::<Dahl>(&[friction, yielding, 1e-7, 1.0, shape], 0.5, amplitude, 20.0);
+            // In the smallest loop the start is forgotten slowly.
+            assert_near(found, expected, if amplitude < yielding { 0.02 } else { 1e-3 });
         }
     }
 }

@@ -13,7 +13,8 @@ use num_dual::DualNum;
 
 pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Scalar};
 pub use law::{
-    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Sight, Tip, TipLoad,
+    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Sight, Tip,
+    TipLoad,
 };
 pub use registered::Registered;
 
@@ -44,6 +45,7 @@ catalogue! {
     tip_drag::TipDrag,
     linear_drag::LinearDrag,
     braid_friction::BraidFriction,
+    friction_over_pressure::FrictionOverPressure,
     hysteresis::Hysteresis,
     dahl::Dahl,
     creep::Creep,
@@ -84,6 +86,11 @@ pub fn by_name(name: &str) -> Option<&'static dyn Effect> {
 /// The scalar that laws are written over: `f64`, or a dual number that carries derivatives.
 pub trait Real: DualNum<Primitive = f64> + Copy {}
 impl<T: DualNum<Primitive = f64> + Copy> Real for T {}
+
+/// Pressure of a rod over a reference, Pa each; none below ambient, where losses would turn into gains.
+fn relative_pressure<T: Real>(rod: &Rod<T>, reference: T) -> T {
+    if rod.pressure.re() > 0.0 { rod.pressure / reference } else { T::from(0.0) }
+}
 
 /// What an effect does to the energy of the rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -51,7 +51,7 @@ impl Law for Viscoelastic {
                 range: (1e-4, 1e4),
                 scale: 0.1,
                 plausible: Some((0.01, 5.0)),
-                tries: &[0.05, 0.3, 2.0],
+                tries: &[0.05, 0.2, 1.0],
                 ..Parameter::PLAIN
             },
         ],
