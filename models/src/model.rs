@@ -339,7 +339,8 @@ impl Model {
 
     /// Names of the effects that exert a force as the model stands.
     pub fn exerting(&self) -> Vec<&'static str> {
-        let places = [Place::Bend, Place::Edge, Place::Flow, Place::Mass, Place::Tip, Place::Clamp];
+        let places =
+            [Place::Bend, Place::Edge, Place::Flow, Place::Mass, Place::Tip, Place::Inertia, Place::Clamp];
         let mut all: Vec<usize> = places.iter().flat_map(|place| self.acting(*place, &[])).collect();
         all.sort_unstable();
         all.dedup();
@@ -354,6 +355,10 @@ impl Model {
             Some(active) => {
                 let places = active.effect.about().places;
                 [Place::Body, Place::Inertia, Place::Clamp].iter().any(|place| places.contains(place))
+            }
+            // What fills the rod weighs by its pressure and its diameter.
+            None if [PRESSURE, DIAMETER].contains(&parameter) => {
+                self.effects.iter().any(|active| active.effect.about().places.contains(&Place::Inertia))
             }
             None => [LENGTH, MASS, BASE_ANGLE].contains(&parameter),
         }

@@ -2,8 +2,9 @@
 //! muscle's table at the pressure of the moment.
 //!
 //! Assumed: the muscle has no inertia of its own in filling, so the table of slow pressures holds;
-//! distributed mass stays with the material, that of the air is neglected; the regulator does the
-//! work that changes the energy stored at a fixed posture, see [`Energy::supplied`].
+//! distributed mass stays with the material, and that of the air inside is the one at release; the
+//! regulator does the work that changes the energy stored at a fixed posture, and that of the forces
+//! of damping against the change of the rest length, see [`Energy::supplied`].
 //!
 //! [`Energy::supplied`]: crate::snapshot::Energy::supplied
 

@@ -2,7 +2,9 @@
 
 use num_dual::Dual64;
 
-use crate::effects::{Body, Effect, Kind, LANES, Lanes, Mass, MassLoad, Place, Real, Rod, Scalar, Tip};
+use crate::effects::{
+    Body, Effect, Kind, LANES, Lanes, LineMass, Mass, MassLoad, Place, Real, Rod, Scalar, Tip,
+};
 use crate::kinematics::{Fields, cross};
 use crate::lanes::{seeded, slopes, with_slopes};
 use crate::model::{
@@ -32,6 +34,8 @@ pub struct Context<T> {
     pub body: Body<T>,
     /// The rod's last half cell alone.
     pub half_cell: Body<T>,
+    /// All else of the end body.
+    pub fixed: Body<T>,
     /// Mass of an interior node, kg.
     pub node_mass: T,
     /// The part of it that has no weight, kg; the end body holds half of that at the last node.
@@ -69,19 +73,22 @@ impl<T: Scalar> Context<T> {
             diameter: theta[DIAMETER],
             pressure: theta[PRESSURE],
         };
-        let weightless_mass = inertia(model, &rod, &theta) * rod.length * per_edges;
-        let node_mass = theta[MASS] * per_edges + weightless_mass;
+        let LineMass { inert, heavy } = beside_the_rod(model, &rod, &theta);
+        let weightless_mass = (inert - heavy) * rod.length * per_edges;
+        let node_mass = theta[MASS] * per_edges + inert * rod.length * per_edges;
         let base = theta[BASE_ANGLE];
         let stencil = Stencil::new(model.scheme, edges);
         let half_cell = half_cell(&stencil, node_mass, theta[LENGTH] * per_edges);
+        let fixed = fixed(model, &theta);
         let mut context = Self {
             edges,
             per_edges,
             time: zero,
             rod,
             base_axis: [base.cos(), base.sin()],
-            body: end_body(model, &theta, half_cell),
+            body: together(&[half_cell, fixed]),
             half_cell,
+            fixed,
             node_mass,
             weightless_mass,
             rest_length: zero,
@@ -143,34 +150,45 @@ fn half_cell<T: Scalar>(stencil: &Stencil<T>, node_mass: T, rest_length: T) -> B
     let mass = node_mass * 0.5;
     let before = rest_length * stencil.last_half_cell();
     let about_node = mass * rest_length * rest_length / 12.0;
-    Body { mass, center_of_mass: -before, rotary_inertia: about_node - mass * before * before }
+    let offset = T::from(0.0);
+    Body { mass, center_of_mass: -before, offset, rotary_inertia: about_node - mass * before * before }
 }
 
-/// End fitting, payload and the rod's last half cell as one rigid body.
-fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: Body<T>) -> Body<T> {
-    let zero = T::from(0.0);
-    let mut bodies = vec![half_cell];
-    let mut shift = zero;
+/// End fitting, payload and their like as one rigid body.
+fn fixed<T: Scalar>(model: &Model, theta: &[T]) -> Body<T> {
+    let mut bodies = Vec::new();
+    let mut shift = T::from(0.0);
     for active in at(model, Place::Body) {
         let effect = T::laws(active.effect);
         bodies.push(effect.body(&theta[active.theta.clone()]));
         shift += effect.shift(&theta[active.theta.clone()]);
     }
-    // The half cell stays where it is.
-    bodies[1..].iter_mut().for_each(|body| body.center_of_mass += shift);
-    let mass = bodies.iter().fold(zero, |sum, b| sum + b.mass);
-    let center_of_mass = bodies.iter().fold(zero, |sum, b| sum + b.mass * b.center_of_mass) / mass;
-    let rotary_inertia = bodies.iter().fold(zero, |sum, b| {
-        let arm = b.center_of_mass - center_of_mass;
-        sum + b.rotary_inertia + b.mass * arm * arm
-    });
-    Body { mass, center_of_mass, rotary_inertia }
+    bodies.iter_mut().for_each(|body| body.center_of_mass += shift);
+    together(&bodies)
 }
 
-/// Mass per length without weight, kg/m.
-fn inertia<T: Scalar>(model: &Model, at_release: &Rod<T>, theta: &[T]) -> T {
-    at(model, Place::Inertia).fold(T::from(0.0), |sum, active| {
-        sum + T::laws(active.effect).inertia(at_release, &theta[active.theta.clone()])
+/// Rigid bodies as one; without any mass its centre lies at the end of the active length.
+fn together<T: Scalar>(bodies: &[Body<T>]) -> Body<T> {
+    let sum = |of: &dyn Fn(&Body<T>) -> T| bodies.iter().fold(T::from(0.0), |sum, body| sum + of(body));
+    let mass = sum(&|body| body.mass);
+    let mean = |of: &dyn Fn(&Body<T>) -> T| {
+        let moment = sum(&|body| body.mass * of(body));
+        if mass.re() > 0.0 { moment / mass } else { T::from(0.0) }
+    };
+    let (center_of_mass, offset) = (mean(&|body| body.center_of_mass), mean(&|body| body.offset));
+    let rotary_inertia = sum(&|body| {
+        let (along, across) = (body.center_of_mass - center_of_mass, body.offset - offset);
+        body.rotary_inertia + body.mass * (along * along + across * across)
+    });
+    Body { mass, center_of_mass, offset, rotary_inertia }
+}
+
+/// Mass per length beside the rod's own.
+fn beside_the_rod<T: Scalar>(model: &Model, at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
+    let zero = T::from(0.0);
+    at(model, Place::Inertia).fold(LineMass { inert: zero, heavy: zero }, |sum, active| {
+        let own = T::laws(active.effect).inertia(at_release, &theta[active.theta.clone()]);
+        LineMass { inert: sum.inert + own.inert, heavy: sum.heavy + own.heavy }
     })
 }
 
@@ -264,6 +282,7 @@ impl<T: Scalar> Assembly<T> {
             velocity: self.fields.velocity[n],
             angle: q[2 * n],
             angular_velocity: self.fields.body_rate,
+            center: [self.context.fixed.center_of_mass, self.context.fixed.offset],
             time: self.context.time,
             rod: &self.context.rod,
         }

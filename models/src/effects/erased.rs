@@ -3,7 +3,7 @@
 
 use num_dual::{Dual64, DualSVec64};
 
-use super::law::{Body, Flow, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
+use super::law::{Body, Flow, LineMass, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
 use super::{About, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
@@ -35,8 +35,8 @@ pub trait EffectFor<T: Real>: Sync {
     fn body(&self, theta: &[T]) -> Body<T>;
     /// How much further out all bodies at the end lie, m.
     fn shift(&self, theta: &[T]) -> T;
-    /// Mass per length that has no weight, kg/m.
-    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> T;
+    /// Mass that moves with a metre of the rod.
+    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> LineMass<T>;
     /// Compliance of the clamp, rad/(N m).
     fn clamp(&self, theta: &[T]) -> T;
     /// Where an observed point is seen, m.

@@ -13,7 +13,7 @@ use num_dual::DualNum;
 
 pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Scalar};
 pub use law::{
-    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Sight, Tip,
+    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Moment, Release, Rod, Sight, Tip,
     TipLoad,
 };
 pub use registered::Registered;
@@ -68,6 +68,7 @@ catalogue! {
     damping_over_pressure::DampingOverPressure,
     tip_offset::TipOffset,
     added_mass::AddedMass,
+    enclosed_air::EnclosedAir,
     pressure_volume::PressureVolume,
     latent_moment::LatentMoment,
     // In the order in which they stand between a point of the rod and its place in a recording.
@@ -127,7 +128,7 @@ pub enum Place {
     /// The rigid body at the end of the active length: gives mass, centre of mass, rotary inertia, and
     /// a shift of all that is fixed there.
     Body,
-    /// What moves with the rod: gives a mass per length without weight.
+    /// What moves with the rod: gives masses per length, that which has to be moved and that which weighs.
     Inertia,
     /// The clamp: gives a rotational compliance in series with the root bend.
     Clamp,
@@ -265,12 +266,12 @@ impl About {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::Rod;
     use crate::model::{Model, ModelSpec, Scheme};
 
     /// A rod of 40 edges at 2 bar with some effects, for the tests that they have of their own.
-    pub(super) fn rod_with(effects: &[(&str, &[(&str, f64)])]) -> Model {
+    pub(crate) fn rod_with(effects: &[(&str, &[(&str, f64)])]) -> Model {
         let owned = |(key, value): &(&str, f64)| ((*key).to_owned(), *value);
         let effects =
             effects.iter().map(|(name, values)| ((*name).to_owned(), values.iter().map(owned).collect()));

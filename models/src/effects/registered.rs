@@ -7,7 +7,7 @@ use nalgebra::SVector;
 use num_dual::{Derivative, Dual64, DualSVec64};
 
 use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
-use super::law::{Bend, Body, Edge, Flow, Law, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
+use super::law::{Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
 use super::{About, Place, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
@@ -136,7 +136,7 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
         L::shift(theta)
     }
 
-    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> T {
+    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
         L::inertia(at_release, theta)
     }
 
@@ -374,6 +374,7 @@ impl<L: Law> Effect for Registered<L> {
                 angle: variable(at.angle, 2),
                 velocity: [variable(at.velocity[0], 3), variable(at.velocity[1], 4)],
                 angular_velocity: variable(at.angular_velocity, 5),
+                center: at.center.map(DualSVec64::<6>::from),
                 time: at.time.into(),
                 rod: &rod,
             },

@@ -42,7 +42,6 @@ impl Law for TipInertia {
     };
 
     fn body<T: Real>(theta: &[T]) -> Body<T> {
-        let zero = T::from(0.0);
-        Body { mass: zero, center_of_mass: zero, rotary_inertia: theta[0] }
+        Body::of(&[T::from(0.0), T::from(0.0), theta[0]])
     }
 }
