@@ -114,13 +114,24 @@ impl Pchip {
     /// Value and first derivative at any `x`: inside the range the interpolant, outside it the
     /// straight line that leaves the end of the range with the slope that it has there.
     pub fn extrapolate(&self, x: f64) -> (f64, f64) {
+        let [value, slope, _second] = self.derivatives(x);
+        (value, slope)
+    }
+
+    /// Value, first and second derivative at any `x`, as [`extrapolate`](Self::extrapolate). At a point
+    /// the second derivative is that to its right.
+    pub fn derivatives(&self, x: f64) -> [f64; 3] {
         let i = self.x.partition_point(|&knot| knot <= x).saturating_sub(1);
         let s = x - self.x[i];
         let [value, slope, quadratic, third] = self.cubic[i];
         if s < 0.0 {
-            return (value + s * slope, slope);
+            return [value + s * slope, slope, 0.0];
         }
-        (value + s * (slope + s * (quadratic + s * third)), slope + s * (2.0 * quadratic + 3.0 * s * third))
+        [
+            value + s * (slope + s * (quadratic + s * third)),
+            slope + s * (2.0 * quadratic + 3.0 * s * third),
+            2.0 * quadratic + 6.0 * s * third,
+        ]
     }
 }
 

@@ -17,6 +17,8 @@ pub struct Fields<T> {
     pub velocity: Vec<[T; 2]>,
     /// Direction of the end body.
     pub body_axis: [T; 2],
+    /// From the last node to the end body's centre of mass, m.
+    pub body_arm: [T; 2],
     /// Its angular velocity, rad/s.
     pub body_rate: T,
     /// Unit tangents, shape `[N]`.
@@ -35,7 +37,7 @@ pub struct Fields<T> {
     pub arc_rate: Vec<T>,
     /// Stretch of the arc, shape `[N]`.
     pub stretch: Vec<T>,
-    /// Rate of stretch, 1/s, shape `[N]`.
+    /// Its rate at the present rest length, 1/s, shape `[N]`.
     pub stretch_rate: Vec<T>,
     /// `tan(φ/2)` of each turning angle, shape `[N+1]`.
     pub half_tangent: Vec<T>,
@@ -47,7 +49,7 @@ pub struct Fields<T> {
     pub angle_rate: Vec<T>,
     /// Integrated curvature of the rod, shape `[N+1]`, see [`Stencil`](crate::stencil::Stencil).
     pub kappa: Vec<T>,
-    /// Its rate, 1/s.
+    /// Its rate at the present rest length, 1/s.
     pub kappa_rate: Vec<T>,
     /// Mean square of the curvature over the rod, 1/m²; zero unless [asked for](Self::average).
     pub mean_square_curvature: T,
@@ -94,6 +96,7 @@ impl<T: Real> Fields<T> {
             position: vec![[zero; 2]; edges + 1],
             velocity: vec![[zero; 2]; edges + 1],
             body_axis: [zero; 2],
+            body_arm: [zero; 2],
             body_rate: zero,
             tangent: vec![[zero; 2]; edges],
             per_length: per_edge.clone(),
@@ -143,13 +146,14 @@ impl<T: Real> Fields<T> {
         let angle = q[2 * n];
         let rate = v[2 * n];
         let axis = [angle.cos(), angle.sin()];
-        let across = left(axis);
-        let arm = c.body.center_of_mass;
+        let arm = c.body.arm(axis);
+        let swing = left(arm);
         self.body_axis = axis;
+        self.body_arm = arm;
         self.body_rate = rate;
         for k in 0..2 {
-            self.position[n][k] = q[2 * n - 2 + k] - arm * axis[k];
-            self.velocity[n][k] = v[2 * n - 2 + k] - arm * rate * across[k];
+            self.position[n][k] = q[2 * n - 2 + k] - arm[k];
+            self.velocity[n][k] = v[2 * n - 2 + k] - swing[k] * rate;
         }
     }
 
@@ -296,7 +300,7 @@ impl<T: Real> Fields<T> {
         }
         force[2 * n] = self.tip[2]
             - self.bending_moment(n)
-            - dot(last, left(self.body_axis)) * c.body.center_of_mass
+            - cross(self.body_arm, last)
             - self.decay_rate * v[2 * n] * c.body.rotary_inertia;
     }
 

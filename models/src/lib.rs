@@ -4,6 +4,7 @@ pub mod banded;
 pub mod coupled;
 pub mod effects;
 pub mod error;
+pub mod history;
 pub mod interpolate;
 pub mod kinematics;
 pub mod lanes;

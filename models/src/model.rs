@@ -47,18 +47,21 @@ pub struct Active {
     pub effect: &'static dyn Effect,
     /// Where its parameters stand in `theta`.
     pub theta: Range<usize>,
-    /// Where its memory stands, if it has one.
+    /// Where its memories stand: shape `[memories, N+1]`.
     pub memory: Range<usize>,
 }
 
 /// A rod whose properties change with time because the pressure does.
 pub trait Schedule: Send + Sync {
     /// Length, bending stiffness, axial stiffness and diameter relative to the model's own, each
-    /// with its rate, 1/s.
-    fn factors(&self, time: f64) -> [(f64, f64); 4];
+    /// with its first and second rate, 1/s and 1/s².
+    ///
+    /// `since`, at most `time`, lies in the same piece between two breakpoints, each of which belongs to
+    /// the piece after it. So a step that ends at a breakpoint sees the rates before it.
+    fn factors(&self, time: f64, since: f64) -> [[f64; 3]; 4];
     /// Pressure above that of the model, Pa, with its rate, Pa/s: for laws that see the pressure
-    /// itself.
-    fn pressure_change(&self, _time: f64) -> (f64, f64) {
+    /// itself. `since` as for [`factors`](Self::factors).
+    fn pressure_change(&self, _time: f64, _since: f64) -> (f64, f64) {
         (0.0, 0.0)
     }
     /// Times at which a rate jumps, s, ascending.
@@ -213,7 +216,7 @@ impl Model {
             });
             self.theta.push(p.default);
         }
-        let memory = self.memory..self.memory + if about.memory { self.edges + 1 } else { 0 };
+        let memory = self.memory..self.memory + about.memory * (self.edges + 1);
         self.memory = memory.end;
         self.effects.push(Active { effect, theta: first..self.theta.len(), memory });
         Ok(())
@@ -237,8 +240,7 @@ impl Model {
         }
         let mut model = Self { edges: nodes - 1, memory: 0, ..self.clone() };
         for active in &mut model.effects {
-            let own = if active.effect.about().memory { nodes } else { 0 };
-            active.memory = model.memory..model.memory + own;
+            active.memory = model.memory..model.memory + active.effect.about().memory * nodes;
             model.memory = active.memory.end;
         }
         Ok(model)
@@ -337,7 +339,8 @@ impl Model {
 
     /// Names of the effects that exert a force as the model stands.
     pub fn exerting(&self) -> Vec<&'static str> {
-        let places = [Place::Bend, Place::Edge, Place::Flow, Place::Mass, Place::Tip, Place::Clamp];
+        let places =
+            [Place::Bend, Place::Edge, Place::Flow, Place::Mass, Place::Tip, Place::Inertia, Place::Clamp];
         let mut all: Vec<usize> = places.iter().flat_map(|place| self.acting(*place, &[])).collect();
         all.sort_unstable();
         all.dedup();
@@ -352,6 +355,10 @@ impl Model {
             Some(active) => {
                 let places = active.effect.about().places;
                 [Place::Body, Place::Inertia, Place::Clamp].iter().any(|place| places.contains(place))
+            }
+            // What fills the rod weighs by its pressure and its diameter.
+            None if [PRESSURE, DIAMETER].contains(&parameter) => {
+                self.effects.iter().any(|active| active.effect.about().places.contains(&Place::Inertia))
             }
             None => [LENGTH, MASS, BASE_ANGLE].contains(&parameter),
         }
@@ -374,7 +381,7 @@ impl Model {
         let acts = |active: &Active| {
             let about = active.effect.about();
             let is_watched = || watched.iter().flatten().any(|k| active.theta.contains(k));
-            about.places.contains(&place) && (about.memory || !self.is_off(active) || is_watched())
+            about.places.contains(&place) && (about.memory > 0 || !self.is_off(active) || is_watched())
         };
         (0..self.effects.len()).filter(|&k| acts(&self.effects[k])).collect()
     }

@@ -110,7 +110,8 @@ pub struct AtPressure {
     pub extrapolated: Option<Extrapolated>,
 }
 
-/// Derivatives of [`AtPressure`] with respect to pressure, each in its unit per Pa.
+/// Derivatives of [`AtPressure`] with respect to pressure: first ones, each in its unit per Pa, or
+/// second ones, per Pa².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PressureSlopes {
     /// Of the active length, m/Pa.
@@ -202,35 +203,49 @@ impl Muscle {
         stiffness_source: &str,
         extrapolation: Extrapolation,
     ) -> Result<(AtPressure, PressureSlopes), MuscleError> {
+        let derivatives = self.derivatives(pressure, stiffness_source, extrapolation);
+        derivatives.map(|(value, slope, _second)| (value, slope))
+    }
+
+    /// The muscle at `pressure`, Pa, with its first and second derivatives by pressure.
+    ///
+    /// # Errors
+    /// As [`Muscle::at`].
+    pub fn derivatives(
+        &self,
+        pressure: f64,
+        stiffness_source: &str,
+        extrapolation: Extrapolation,
+    ) -> Result<(AtPressure, PressureSlopes, PressureSlopes), MuscleError> {
         let bending_stiffness = self.bending_stiffness(stiffness_source)?;
         let (pressure, extrapolated) = self.admit(pressure, extrapolation)?;
-        let at = |curve: &Pchip| curve.extrapolate(pressure);
+        let at = |curve: &Pchip| curve.derivatives(pressure);
         let (length, bending, axial) = (at(&self.length), at(bending_stiffness), at(&self.axial_stiffness));
         let (inner, outer) = (at(&self.inner_diameter), at(&self.outer_diameter));
         let rayleigh_mass = self.rayleigh_mass.as_ref().map(at);
         let rayleigh_stiffness = self.rayleigh_stiffness.as_ref().map(at);
         let value = AtPressure {
             pressure,
-            length: length.0,
-            bending_stiffness: bending.0,
-            axial_stiffness: axial.0,
-            inner_diameter: inner.0,
-            outer_diameter: outer.0,
-            rayleigh_mass: rayleigh_mass.map(|at| at.0),
-            rayleigh_stiffness: rayleigh_stiffness.map(|at| at.0),
+            length: length[0],
+            bending_stiffness: bending[0],
+            axial_stiffness: axial[0],
+            inner_diameter: inner[0],
+            outer_diameter: outer[0],
+            rayleigh_mass: rayleigh_mass.map(|at| at[0]),
+            rayleigh_stiffness: rayleigh_stiffness.map(|at| at[0]),
             extrapolated,
         };
-        let slope = PressureSlopes {
-            length: length.1,
-            bending_stiffness: bending.1,
-            axial_stiffness: axial.1,
-            inner_diameter: inner.1,
-            outer_diameter: outer.1,
-            rayleigh_mass: rayleigh_mass.map(|at| at.1),
-            rayleigh_stiffness: rayleigh_stiffness.map(|at| at.1),
-        };
+        let [first, second] = [1, 2].map(|order| PressureSlopes {
+            length: length[order],
+            bending_stiffness: bending[order],
+            axial_stiffness: axial[order],
+            inner_diameter: inner[order],
+            outer_diameter: outer[order],
+            rayleigh_mass: rayleigh_mass.map(|at| at[order]),
+            rayleigh_stiffness: rayleigh_stiffness.map(|at| at[order]),
+        });
         value.check()?;
-        Ok((value, slope))
+        Ok((value, first, second))
     }
 
     fn bending_stiffness(&self, source: &str) -> Result<&Pchip, MuscleError> {

@@ -155,14 +155,13 @@ impl<T: Scalar> Assembly<T> {
     /// Generalised coordinates and velocities of a posture, shape `[2N+1]`.
     pub fn coordinates(&self, posture: &Posture<T>) -> (Vec<T>, Vec<T>) {
         let n = self.context.edges;
-        let arm = self.context.body.center_of_mass;
-        let axis = [posture.angle.cos(), posture.angle.sin()];
-        let across = left(axis);
+        let arm = self.context.body.arm([posture.angle.cos(), posture.angle.sin()]);
+        let swing = left(arm);
         let mut q = posture.nodes[1..n].as_flattened().to_vec();
         let mut v = posture.velocities[1..n].as_flattened().to_vec();
         for k in 0..2 {
-            q.push(posture.nodes[n][k] + arm * axis[k]);
-            v.push(posture.velocities[n][k] + arm * posture.rate * across[k]);
+            q.push(posture.nodes[n][k] + arm[k]);
+            v.push(posture.velocities[n][k] + swing[k] * posture.rate);
         }
         q.push(posture.angle);
         v.push(posture.rate);

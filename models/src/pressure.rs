@@ -2,8 +2,9 @@
 //! muscle's table at the pressure of the moment.
 //!
 //! Assumed: the muscle has no inertia of its own in filling, so the table of slow pressures holds;
-//! distributed mass stays with the material, that of the air is neglected; the regulator does the
-//! work that changes the energy stored at a fixed posture, see [`Energy::supplied`].
+//! distributed mass stays with the material, and that of the air inside is the one at release; the
+//! regulator does the work that changes the energy stored at a fixed posture, and that of the forces
+//! of damping against the change of the rest length, see [`Energy::supplied`].
 //!
 //! [`Energy::supplied`]: crate::snapshot::Energy::supplied
 
@@ -39,15 +40,15 @@ impl PressureSchedule {
             muscle.at(*pressure, stiffness_source, extrapolation)?;
         }
         let (times, pressures): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
-        let initial = pressure_at(&times, &pressures, 0.0).0;
+        let initial = pressure_at(&times, &pressures, 0.0, 0.0).0;
         let at_release = muscle.at(initial, stiffness_source, extrapolation)?;
         let stiffness_source = stiffness_source.to_owned();
         Ok(Self { muscle, stiffness_source, extrapolation, times, pressures, at_release })
     }
 
-    /// Pressure, Pa, and its rate, Pa/s.
-    pub fn pressure(&self, time: f64) -> (f64, f64) {
-        pressure_at(&self.times, &self.pressures, time)
+    /// Pressure, Pa, and its rate, Pa/s; of the straight line on which the time `since` lies.
+    pub fn pressure(&self, time: f64, since: f64) -> (f64, f64) {
+        pressure_at(&self.times, &self.pressures, time, since)
     }
 
     /// The muscle at release.
@@ -56,8 +57,8 @@ impl PressureSchedule {
     }
 }
 
-fn pressure_at(times: &[f64], pressures: &[f64], time: f64) -> (f64, f64) {
-    let after = times.partition_point(|t| *t <= time);
+fn pressure_at(times: &[f64], pressures: &[f64], time: f64, since: f64) -> (f64, f64) {
+    let after = times.partition_point(|t| *t <= since);
     if after == 0 {
         return (pressures[0], 0.0);
     }
@@ -69,24 +70,32 @@ fn pressure_at(times: &[f64], pressures: &[f64], time: f64) -> (f64, f64) {
 }
 
 impl Schedule for PressureSchedule {
-    fn factors(&self, time: f64) -> [(f64, f64); 4] {
-        let (pressure, rate) = self.pressure(time);
-        let (now, slope) = self
+    fn factors(&self, time: f64, since: f64) -> [[f64; 3]; 4] {
+        let (pressure, rate) = self.pressure(time, since);
+        let (now, first, second) = self
             .muscle
-            .value_and_slope(pressure, &self.stiffness_source, self.extrapolation)
+            .derivatives(pressure, &self.stiffness_source, self.extrapolation)
             .expect("all pressures lie between those that were checked");
-        let at_release = &self.at_release;
+        let reference = &self.at_release;
+        // The pressure follows a straight line, so only the table is curved.
+        let of = |value: f64, first: f64, second: f64, reference: f64| {
+            [value, first * rate, second * rate * rate].map(|x| x / reference)
+        };
         [
-            (now.length, slope.length, at_release.length),
-            (now.bending_stiffness, slope.bending_stiffness, at_release.bending_stiffness),
-            (now.axial_stiffness, slope.axial_stiffness, at_release.axial_stiffness),
-            (now.outer_diameter, slope.outer_diameter, at_release.outer_diameter),
+            of(now.length, first.length, second.length, reference.length),
+            of(
+                now.bending_stiffness,
+                first.bending_stiffness,
+                second.bending_stiffness,
+                reference.bending_stiffness,
+            ),
+            of(now.axial_stiffness, first.axial_stiffness, second.axial_stiffness, reference.axial_stiffness),
+            of(now.outer_diameter, first.outer_diameter, second.outer_diameter, reference.outer_diameter),
         ]
-        .map(|(value, slope, reference)| (value / reference, slope * rate / reference))
     }
 
-    fn pressure_change(&self, time: f64) -> (f64, f64) {
-        let (pressure, rate) = self.pressure(time);
+    fn pressure_change(&self, time: f64, since: f64) -> (f64, f64) {
+        let (pressure, rate) = self.pressure(time, since);
         (pressure - self.at_release.pressure, rate)
     }
 

@@ -2,7 +2,9 @@
 
 use num_dual::Dual64;
 
-use crate::effects::{Body, Effect, Kind, LANES, Lanes, Mass, MassLoad, Place, Real, Rod, Scalar, Tip};
+use crate::effects::{
+    Body, Effect, Kind, LANES, Lanes, LineMass, Mass, MassLoad, Place, Real, Rod, Scalar, Tip,
+};
 use crate::kinematics::{Fields, cross};
 use crate::lanes::{seeded, slopes, with_slopes};
 use crate::model::{
@@ -32,12 +34,16 @@ pub struct Context<T> {
     pub body: Body<T>,
     /// The rod's last half cell alone.
     pub half_cell: Body<T>,
+    /// All else of the end body.
+    pub fixed: Body<T>,
     /// Mass of an interior node, kg.
     pub node_mass: T,
     /// The part of it that has no weight, kg; the end body holds half of that at the last node.
     pub weightless_mass: T,
     /// Rest length of an edge, m.
     pub rest_length: T,
+    /// How fast it grows over itself, 1/s: a strain that is counted against it falls at that rate.
+    pub rest_rate: T,
     /// One over it, 1/m.
     pub per_rest_length: T,
     /// One over the Voronoi length of each bend, 1/m, shape `[N+1]`.
@@ -67,43 +73,55 @@ impl<T: Scalar> Context<T> {
             diameter: theta[DIAMETER],
             pressure: theta[PRESSURE],
         };
-        let weightless_mass = inertia(model, &rod, &theta) * rod.length * per_edges;
-        let node_mass = theta[MASS] * per_edges + weightless_mass;
+        let LineMass { inert, heavy } = beside_the_rod(model, &rod, &theta);
+        let weightless_mass = (inert - heavy) * rod.length * per_edges;
+        let node_mass = theta[MASS] * per_edges + inert * rod.length * per_edges;
         let base = theta[BASE_ANGLE];
         let stencil = Stencil::new(model.scheme, edges);
         let half_cell = half_cell(&stencil, node_mass, theta[LENGTH] * per_edges);
+        let fixed = fixed(model, &theta);
         let mut context = Self {
             edges,
             per_edges,
             time: zero,
             rod,
             base_axis: [base.cos(), base.sin()],
-            body: end_body(model, &theta, half_cell),
+            body: together(&[half_cell, fixed]),
             half_cell,
+            fixed,
             node_mass,
             weightless_mass,
             rest_length: zero,
+            rest_rate: zero,
             per_rest_length: zero,
             per_voronoi: vec![zero; edges + 1],
             stencil,
             theta,
         };
-        context.set_time(model, zero);
+        context.set_time(model, zero, None);
         context
     }
 
-    /// Lets the rod follow its schedule.
-    fn set_time(&mut self, model: &Model, time: T) {
+    /// Lets the rod follow its schedule, on the piece of it in which `since` lies; at rest, with none.
+    fn set_time(&mut self, model: &Model, time: T, since: Option<f64>) {
         self.time = time;
+        self.rest_rate = T::from(0.0);
         if let Some(schedule) = &model.schedule {
             let now = time.re();
-            let factors = schedule.factors(now).map(|(value, rate)| T::from(value) + (time - now) * rate);
-            self.rod.length = self.theta[LENGTH] * factors[0];
-            self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * factors[1];
-            self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * factors[2];
-            self.rod.diameter = self.theta[DIAMETER] * factors[3];
-            let (change, rate) = schedule.pressure_change(now);
+            let piece = since.unwrap_or(now);
+            let factors = schedule.factors(now, piece);
+            let [length, bending, axial, diameter] =
+                factors.map(|[value, rate, _]| T::from(value) + (time - now) * rate);
+            self.rod.length = self.theta[LENGTH] * length;
+            self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * bending;
+            self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * axial;
+            self.rod.diameter = self.theta[DIAMETER] * diameter;
+            let (change, rate) = schedule.pressure_change(now, piece);
             self.rod.pressure = self.theta[PRESSURE] + change + (time - now) * rate;
+            if since.is_some() {
+                let [_, first, second] = factors[0];
+                self.rest_rate = ((time - now) * second + first) / length;
+            }
         }
         self.rest_length = self.rod.length * self.per_edges;
         self.per_rest_length = self.rest_length.recip();
@@ -132,34 +150,45 @@ fn half_cell<T: Scalar>(stencil: &Stencil<T>, node_mass: T, rest_length: T) -> B
     let mass = node_mass * 0.5;
     let before = rest_length * stencil.last_half_cell();
     let about_node = mass * rest_length * rest_length / 12.0;
-    Body { mass, center_of_mass: -before, rotary_inertia: about_node - mass * before * before }
+    let offset = T::from(0.0);
+    Body { mass, center_of_mass: -before, offset, rotary_inertia: about_node - mass * before * before }
 }
 
-/// End fitting, payload and the rod's last half cell as one rigid body.
-fn end_body<T: Scalar>(model: &Model, theta: &[T], half_cell: Body<T>) -> Body<T> {
-    let zero = T::from(0.0);
-    let mut bodies = vec![half_cell];
-    let mut shift = zero;
+/// End fitting, payload and their like as one rigid body.
+fn fixed<T: Scalar>(model: &Model, theta: &[T]) -> Body<T> {
+    let mut bodies = Vec::new();
+    let mut shift = T::from(0.0);
     for active in at(model, Place::Body) {
         let effect = T::laws(active.effect);
         bodies.push(effect.body(&theta[active.theta.clone()]));
         shift += effect.shift(&theta[active.theta.clone()]);
     }
-    // The half cell stays where it is.
-    bodies[1..].iter_mut().for_each(|body| body.center_of_mass += shift);
-    let mass = bodies.iter().fold(zero, |sum, b| sum + b.mass);
-    let center_of_mass = bodies.iter().fold(zero, |sum, b| sum + b.mass * b.center_of_mass) / mass;
-    let rotary_inertia = bodies.iter().fold(zero, |sum, b| {
-        let arm = b.center_of_mass - center_of_mass;
-        sum + b.rotary_inertia + b.mass * arm * arm
-    });
-    Body { mass, center_of_mass, rotary_inertia }
+    bodies.iter_mut().for_each(|body| body.center_of_mass += shift);
+    together(&bodies)
 }
 
-/// Mass per length without weight, kg/m.
-fn inertia<T: Scalar>(model: &Model, at_release: &Rod<T>, theta: &[T]) -> T {
-    at(model, Place::Inertia).fold(T::from(0.0), |sum, active| {
-        sum + T::laws(active.effect).inertia(at_release, &theta[active.theta.clone()])
+/// Rigid bodies as one; without any mass its centre lies at the end of the active length.
+fn together<T: Scalar>(bodies: &[Body<T>]) -> Body<T> {
+    let sum = |of: &dyn Fn(&Body<T>) -> T| bodies.iter().fold(T::from(0.0), |sum, body| sum + of(body));
+    let mass = sum(&|body| body.mass);
+    let mean = |of: &dyn Fn(&Body<T>) -> T| {
+        let moment = sum(&|body| body.mass * of(body));
+        if mass.re() > 0.0 { moment / mass } else { T::from(0.0) }
+    };
+    let (center_of_mass, offset) = (mean(&|body| body.center_of_mass), mean(&|body| body.offset));
+    let rotary_inertia = sum(&|body| {
+        let (along, across) = (body.center_of_mass - center_of_mass, body.offset - offset);
+        body.rotary_inertia + body.mass * (along * along + across * across)
+    });
+    Body { mass, center_of_mass, offset, rotary_inertia }
+}
+
+/// Mass per length beside the rod's own.
+fn beside_the_rod<T: Scalar>(model: &Model, at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
+    let zero = T::from(0.0);
+    at(model, Place::Inertia).fold(LineMass { inert: zero, heavy: zero }, |sum, active| {
+        let own = T::laws(active.effect).inertia(at_release, &theta[active.theta.clone()]);
+        LineMass { inert: sum.inert + own.inert, heavy: sum.heavy + own.heavy }
     })
 }
 
@@ -213,6 +242,10 @@ pub struct Assembly<T> {
     pub fields: Fields<T>,
     /// Share of the loads with mass and at the tip that acts: 1, except while statics puts them on.
     pub(crate) load_share: f64,
+    /// Whether the rod is looked at as if its pressure stayed: statics.
+    pub(crate) stands_still: bool,
+    /// A time of the piece of the schedule that the rod follows; none: that of the evaluation.
+    since: Option<f64>,
     pub(crate) acting: Acting,
 }
 
@@ -222,6 +255,8 @@ impl<T: Scalar> Assembly<T> {
             context: Context::new(model, theta),
             fields: Fields::new(model.edges),
             load_share: 1.0,
+            stands_still: false,
+            since: None,
             acting: Acting::new(model, watched),
         }
     }
@@ -229,7 +264,8 @@ impl<T: Scalar> Assembly<T> {
     /// Puts the rod at a state.
     pub fn place(&mut self, model: &Model, time: T, q: &[T], v: &[T]) {
         if model.schedule.is_some() {
-            self.context.set_time(model, time);
+            let since = self.since.unwrap_or(time.re());
+            self.context.set_time(model, time, (!self.stands_still).then_some(since));
         }
         self.context.time = time;
         self.fields.place(&self.context, q, v);
@@ -246,6 +282,7 @@ impl<T: Scalar> Assembly<T> {
             velocity: self.fields.velocity[n],
             angle: q[2 * n],
             angular_velocity: self.fields.body_rate,
+            center: [self.context.fixed.center_of_mass, self.context.fixed.offset],
             time: self.context.time,
             rod: &self.context.rod,
         }
@@ -327,6 +364,11 @@ impl<T: Scalar> Assembly<T> {
     /// Stored energy of all effects and of weight at a state, J: `(elastic, potential)`.
     pub fn energy(&mut self, model: &Model, time: T, q: &[T], v: &[T], z: &[T]) -> (T, T) {
         self.place(model, time, q, v);
+        self.energy_here(model, q, z)
+    }
+
+    /// Stored energy where the rod [was put](Self::place).
+    fn energy_here(&mut self, model: &Model, q: &[T], z: &[T]) -> (T, T) {
         self.add_loads(model, q);
         let (c, f) = (&self.context, &self.fields);
         let tip = self.tip(q);
@@ -390,6 +432,19 @@ impl<'m> System<'m> {
         Self { model, assembly, mass, tangent, lanes: Vec::new() }
     }
 
+    /// Sets up the equations of a model whose pressure stays as it is at any time: for statics.
+    pub fn at_rest(model: &'m Model) -> Self {
+        let mut system = Self::new(model);
+        system.assembly.stands_still = true;
+        system
+    }
+
+    /// From now on evaluations belong to a step that starts at `time`: where a rate of the pressure
+    /// jumps at its end, they see the rate before.
+    pub fn begin_step(&mut self, time: f64) {
+        self.assembly.since = Some(time);
+    }
+
     /// Generalised forces, shape `[2N+1]`, and rates of the memory.
     pub fn force(
         &mut self,
@@ -423,6 +478,7 @@ impl<'m> System<'m> {
         z_rate: &mut [[f64; LANES]],
     ) {
         let pass = &mut self.lanes[group];
+        pass.assembly.since = self.assembly.since;
         pass.evaluate(self.model, time.into(), q, v, z);
         for ((out, f), m) in force.iter_mut().zip(&pass.force).zip(&pass.mass) {
             let acceleration = f.re / m.re;
@@ -483,6 +539,7 @@ impl<'m> System<'m> {
         z_rate: &mut [f64],
     ) {
         let pass = &mut pass.pass;
+        pass.assembly.since = self.assembly.since;
         pass.evaluate(self.model, Dual64::from(time).derivative(), q, v, z);
         for (out, f) in force.iter_mut().zip(&pass.force) {
             *out = f.eps;
@@ -493,7 +550,8 @@ impl<'m> System<'m> {
     }
 
     /// Power that the effects dissipate and power that a changing pressure supplies, W: what the
-    /// forces do that the energies do not take, and how the energies change at a fixed state.
+    /// forces do that the energies do not take, and how the energies change at a fixed state. Forces
+    /// of damping resist the change of the rest length, too: that much more is supplied and dissipated.
     pub fn powers(&mut self, room: &mut TimePass, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> (f64, f64) {
         self.force(time, q, v, z, &mut room.force, &mut room.z_rate);
         let work: f64 = room.force.iter().zip(v).map(|(f, v)| f * v).sum();
@@ -512,7 +570,43 @@ impl<'m> System<'m> {
         pass.lift(q, v, z);
         let now = Dual64::from(time).derivative();
         let (elastic, potential) = pass.assembly.energy(self.model, now, &pass.q, &pass.v, &pass.z);
-        (dissipated, (elastic + potential).eps)
+        let resisted = self.power_by_rest_length(&mut pass.assembly, time, &pass.q, &pass.v, &pass.z);
+        (dissipated + resisted, (elastic + potential).eps + resisted)
+    }
+
+    /// Power of the forces that are no gradient of an energy, as the rest length changes strains, W; at
+    /// the state of the last [`force`](Self::force).
+    fn power_by_rest_length(
+        &self,
+        assembly: &mut Assembly<Dual64>,
+        time: f64,
+        q: &[Dual64],
+        v: &[Dual64],
+        z: &[Dual64],
+    ) -> f64 {
+        let (c, f) = (&self.assembly.context, &self.assembly.fields);
+        if c.rest_rate == 0.0 {
+            return 0.0;
+        }
+        // Rates of strains at fixed nodes: of stretches, and of integrated curvatures.
+        let stretch = |j: usize| -(1.0 + f.stretch[j]) * c.rest_rate;
+        let kappa = |i: usize| -f.kappa[i] * c.rest_rate;
+        let n = c.edges;
+        let mut power = 0.0;
+        assembly.place(self.model, time.into(), q, v);
+        for j in 0..n {
+            power += f.tension[j] * stretch(j) * c.rest_length;
+            assembly.fields.stretch[j].eps = stretch(j);
+        }
+        for i in 0..=n {
+            power += f.moment[i] * kappa(i);
+            assembly.fields.kappa[i].eps = kappa(i);
+        }
+        if !assembly.acting.whole.is_empty() {
+            assembly.fields.average(&assembly.context);
+        }
+        let (elastic, potential) = assembly.energy_here(self.model, q, z);
+        power - (elastic + potential).eps
     }
 
     /// Kinetic, elastic and potential energy, J.
@@ -560,6 +654,7 @@ impl<'m> System<'m> {
         }
         let v = vec![0.0; q.len()];
         let mut force = vec![0.0; q.len()];
+        let before = std::mem::replace(&mut self.assembly.stands_still, true);
         for _ in 0..20 {
             let rate = self.linearise(time, q, &v, z, &mut force);
             let mut largest: f64 = 0.0;
@@ -573,6 +668,7 @@ impl<'m> System<'m> {
                 break;
             }
         }
+        self.assembly.stands_still = before;
     }
 }
 

@@ -1,8 +1,8 @@
 //! Linearised equations of motion: tangent stiffness and damping, with the memory condensed out.
 //!
-//! An implicit step solves `(a²M + a D + K) u_q = r_f + (a M + D) r_q` with `a = 1/(γh)`. Memory
-//! is a scalar of one bend and one effect, so `(a − ∂g/∂z) u_z = r_z + ∂g/∂q u_q + ∂g/∂v u_v` is
-//! eliminated bend by bend before assembly: the tangents by curvature and rate gain
+//! An implicit step solves `(a²M + a D + K) u_q = r_f + (a M + D) r_q` with `a = 1/(γh)`. A memory
+//! is a scalar of one bend, and no memory drives another: a law sees one at a time. So `(a − ∂g/∂z) u_z = r_z + ∂g/∂q u_q + ∂g/∂v u_v`
+//! is solved for each memory alone, before assembly: the tangents by curvature and rate gain
 //! `m_z g_κ/(a − g_z)` and `m_z g_κ̇/(a − g_z)`, and the band stays as narrow as without memory.
 
 use nalgebra::{Matrix2, Vector2};
@@ -26,7 +26,7 @@ pub(crate) struct Tangent {
     by_stretch_rate: Vec<f64>,
     flow: Vec<[[f64; 2]; 2]>,
     tip: [[f64; 6]; 3],
-    /// One entry a bend and effect with memory, in the order of the memory.
+    /// One entry a bend and memory, in the order of the memories: effect, memory of the effect, bend.
     memory: Vec<BendTangent>,
     /// Gradient of an edge's angle by the edge vector, 1/m, and of its rate, 1/(m s).
     angle_by_edge: Vec<[f64; 2]>,
@@ -44,7 +44,8 @@ pub(crate) struct Tangent {
     per_length: Vec<f64>,
     outer: Vec<[f64; 2]>,
     midpoint_velocity: Vec<[f64; 2]>,
-    body_axis: [f64; 2],
+    /// From the last node to the end body's centre of mass, m.
+    body_arm: [f64; 2],
     body_rate: f64,
     last_force: [f64; 2],
     decay_rate: f64,
@@ -125,7 +126,7 @@ impl Tangent {
         self.tangent.copy_from_slice(&f.tangent);
         self.per_length.copy_from_slice(&f.per_length);
         self.outer.copy_from_slice(&f.outer);
-        self.body_axis = f.body_axis;
+        self.body_arm = f.body_arm;
         self.body_rate = f.body_rate;
     }
 
@@ -138,8 +139,8 @@ impl Tangent {
     }
 
     /// Generalised forces, one for each coordinate, with which the moments [at the turning
-    /// angles](Self::of_angles), N m, resist; with `arm` from the last node to the end body's centre of mass.
-    fn spread(&self, arm: f64, mut add: impl FnMut(usize, f64)) {
+    /// angles](Self::of_angles), N m, resist.
+    fn spread(&self, mut add: impl FnMut(usize, f64)) {
         let n = self.tangent.len();
         let moment = &self.of_angles;
         let mut pull_before = [0.0; 2];
@@ -155,24 +156,23 @@ impl Tangent {
         for k in 0..2 {
             add(2 * n - 2 + k, pull_before[k]);
         }
-        add(2 * n, moment[n] - arm * dot(pull_before, left(self.body_axis)));
+        add(2 * n, moment[n] - dot(pull_before, left(self.body_arm)));
     }
 
     /// What the mean square curvature `⟨κ²⟩` adds to the stiffness, beside its band: how it moves the
     /// forces, times how the coordinates move it.
     fn couple(&mut self, c: &Context<f64>, kappa: &[f64]) {
-        let arm = c.body.center_of_mass;
         let per_length = 2.0 / c.bent_length();
         let mut stiffness = std::mem::take(&mut self.stiffness);
         stiffness.put_beside(|column, row| {
             self.of_bends.copy_from_slice(&self.by_mean);
             self.turn_moments(&c.stencil);
-            self.spread(arm, |dof, x| column[dof] = x);
+            self.spread(|dof, x| column[dof] = x);
             for (i, slope) in self.of_bends.iter_mut().enumerate() {
                 *slope = per_length * c.per_voronoi[i] * kappa[i];
             }
             self.turn_moments(&c.stencil);
-            self.spread(arm, |dof, x| row[dof] = x);
+            self.spread(|dof, x| row[dof] = x);
         });
         self.stiffness = stiffness;
     }
@@ -180,6 +180,11 @@ impl Tangent {
     /// `∂g/∂z` of every memory variable, 1/s.
     pub(crate) fn memory_slopes(&self) -> impl Iterator<Item = f64> + '_ {
         self.memory.iter().map(|tangent| tangent.memory_rate[2])
+    }
+
+    /// Derivatives of the rate of every memory variable: by integrated curvature, by its rate, by itself.
+    pub(crate) fn memory_rates(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        self.memory.iter().map(|tangent| tangent.memory_rate)
     }
 }
 
@@ -203,28 +208,15 @@ impl System<'_> {
         z_rate: &mut [f64],
     ) {
         let model = self.model;
+        self.assembly.place(model, time, q, v);
+        self.linearise_bends(z, z_rate);
         let t = &mut self.tangent;
-        for list in [&mut t.by_kappa, &mut t.by_kappa_rate, &mut t.by_stretch, &mut t.by_stretch_rate] {
+        for list in [&mut t.by_stretch, &mut t.by_stretch_rate] {
             list.fill(0.0);
         }
         t.flow.fill([[0.0; 2]; 2]);
         t.tip = [[0.0; 6]; 3];
-        self.assembly.place(model, time, q, v);
         let Assembly { context: c, fields: f, acting, .. } = &mut self.assembly;
-        for &k in &acting.bend {
-            let active = &model.effects[k];
-            let own = active.memory.clone();
-            active.effect.linearise_moments(
-                c,
-                &model.theta[active.theta.clone()],
-                f,
-                &z[own.clone()],
-                &mut t.by_kappa,
-                &mut t.by_kappa_rate,
-                &mut t.memory[own.clone()],
-                &mut z_rate[own],
-            );
-        }
         if !acting.whole.is_empty() {
             t.by_mean.fill(0.0);
         }
@@ -261,6 +253,28 @@ impl System<'_> {
         f.resist(c, !acting.clamp.is_empty());
         f.gather(c, v, force);
         t.keep_geometry(c, f, !acting.flow.is_empty());
+    }
+
+    /// Moments, their tangents and the rates of memories at the bends' curvatures as they stand.
+    pub(crate) fn linearise_bends(&mut self, z: &[f64], z_rate: &mut [f64]) {
+        let (model, t) = (self.model, &mut self.tangent);
+        let Assembly { context: c, fields: f, acting, .. } = &mut self.assembly;
+        t.by_kappa.fill(0.0);
+        t.by_kappa_rate.fill(0.0);
+        for &k in &acting.bend {
+            let active = &model.effects[k];
+            let own = active.memory.clone();
+            active.effect.linearise_moments(
+                c,
+                &model.theta[active.theta.clone()],
+                f,
+                &z[own.clone()],
+                &mut t.by_kappa,
+                &mut t.by_kappa_rate,
+                &mut t.memory[own.clone()],
+                &mut z_rate[own],
+            );
+        }
     }
 
     /// Makes tangent stiffness `−∂f/∂q` and damping `−∂f/∂v` for a step with `a = 1/(γh)`, 1/s, at
@@ -331,7 +345,7 @@ impl System<'_> {
             t.assemble_flows(n);
         }
         t.assemble_tip(n);
-        t.turn_to_body(n, c.body.center_of_mass);
+        t.turn_to_body(n);
         if acting.whole.is_empty() {
             t.stiffness.put_nothing_beside();
         } else {
@@ -379,7 +393,7 @@ impl System<'_> {
                     .sum();
             }
             t.turn_moments(&c.stencil);
-            t.spread(c.body.center_of_mass, |dof, resistance| r_f[dof][p] -= resistance);
+            t.spread(|dof, resistance| r_f[dof][p] -= resistance);
         }
     }
 
@@ -398,8 +412,7 @@ impl System<'_> {
         }
         let c = &self.assembly.context;
         let n = c.edges;
-        let arm = c.body.center_of_mass;
-        let across = left(t.body_axis);
+        let (arm, swing) = (t.body_arm, left(t.body_arm));
         for p in 0..P {
             let node = |i: usize| -> ([f64; 2], [f64; 2]) {
                 if i == 0 {
@@ -409,9 +422,8 @@ impl System<'_> {
                 let mut rate = [0, 1].map(|k| u_v[2 * i - 2 + k][p]);
                 if i == n {
                     for k in 0..2 {
-                        at[k] -= arm * across[k] * u_q[2 * n][p];
-                        rate[k] -=
-                            arm * (across[k] * u_v[2 * n][p] - t.body_axis[k] * t.body_rate * u_q[2 * n][p]);
+                        at[k] -= swing[k] * u_q[2 * n][p];
+                        rate[k] -= swing[k] * u_v[2 * n][p] - arm[k] * t.body_rate * u_q[2 * n][p];
                     }
                 }
                 (at, rate)
@@ -788,24 +800,23 @@ impl Tangent {
     }
 
     /// From the last node to the body's centre of mass: `x_N = X − c d(φ)`, by the chain rule.
-    fn turn_to_body(&mut self, n: usize, arm: f64) {
+    fn turn_to_body(&mut self, n: usize) {
         let angle = 2 * n;
         let last = 2 * n - 2;
-        let axis = self.body_axis;
-        let across = left(axis);
+        let arm = self.body_arm;
+        let swing = left(arm);
         for row in last.saturating_sub(LAST_REACH)..=angle {
             let damping = [0, 1].map(|k| self.damping[(row, last + k)]);
             let stiffness = [0, 1].map(|k| self.stiffness.band[(row, last + k)]);
-            self.stiffness.band[(row, angle)] +=
-                arm * (self.body_rate * dot(damping, axis) - dot(stiffness, across));
-            self.damping[(row, angle)] -= arm * dot(damping, across);
+            self.stiffness.band[(row, angle)] += self.body_rate * dot(damping, arm) - dot(stiffness, swing);
+            self.damping[(row, angle)] -= dot(damping, swing);
         }
         for column in last.saturating_sub(LAST_REACH)..=angle {
             let stiffness = [0, 1].map(|k| self.stiffness.band[(last + k, column)]);
             let damping = [0, 1].map(|k| self.damping[(last + k, column)]);
-            self.stiffness.band[(angle, column)] -= arm * dot(stiffness, across);
-            self.damping[(angle, column)] -= arm * dot(damping, across);
+            self.stiffness.band[(angle, column)] -= dot(stiffness, swing);
+            self.damping[(angle, column)] -= dot(damping, swing);
         }
-        self.stiffness.band[(angle, angle)] -= arm * dot(self.last_force, axis);
+        self.stiffness.band[(angle, angle)] -= dot(self.last_force, arm);
     }
 }

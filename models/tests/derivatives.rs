@@ -195,7 +195,7 @@ fn derivatives_by_every_parameter_match_differences() {
 /// so friction: its moment works on its memory, which holds the energy and moves with the bend.
 #[test]
 fn force_at_rest_is_the_gradient_of_energy() {
-    let friction = ["dahl", "braid_friction", "clamp_friction", "hysteresis"];
+    let friction = ["dahl", "braid_friction", "friction_over_pressure", "clamp_friction", "hysteresis"];
     let model = model_with(Scheme::Consistent, |about| !friction.contains(&about.name));
     let mut s = state(&model);
     s.v.fill(0.0);

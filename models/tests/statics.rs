@@ -527,6 +527,48 @@ fn zener_rod_stiffens_and_damps_at_its_own_frequency() {
     }
 }
 
+/// Goal: structural damping of a rod. Setup: the muscle at 15, 40 and 70 psi with a loss factor of 0.1,
+/// without weight and hanging. Expected: the rest of the elastic rod; without weight `ζ = η/2` for
+/// every mode in the band; hanging, `ζ = η/2` times the share of bending in the mode's stiffness;
+/// both within the 3 % of its page. That share is what `ω²` has beyond weight: the elastic rod's
+/// `φᵀ K φ`, less the bending in it, which the damping of Kelvin and Voigt measures, `2ζω/β = φᵀ K_b φ`.
+#[test]
+fn structural_damping_is_half_the_loss_factor_about_any_rest() {
+    let (loss, beta) = (0.1, 1e-6);
+    for row in [2, 7, 13] {
+        for gravity in [0.0, 9.81] {
+            let mut elastic = Case { gravity, ..Case::muscle(&PSI_ROWS[row]) };
+            // Stretch has no loss, and no part in this.
+            elastic.rod.axial_stiffness = 1e6;
+            let case = elastic.clone().with("structural_damping", &[("loss_factor", loss)]);
+            let plain = elastic.model();
+            let rest = equilibrium(&plain, None).unwrap();
+            for (found, due) in equilibrium(&case.model(), None).unwrap().q.iter().zip(&rest.q) {
+                assert!((found - due).abs() < 1e-9, "{found}, due {due}");
+            }
+            let mut system = System::new(&plain);
+            let at_rest = vec![0.0; plain.dof()];
+            system.linearise(0.0, &rest.q, &at_rest, &[], &mut at_rest.clone());
+            system.condense(0.0);
+            let viscous = case.clone().with("rayleigh_stiffness", &[("beta", beta)]);
+            for (mode, with) in case.modes(3).iter().zip(viscous.modes(3)) {
+                let omega = mode.angular_frequency;
+                if !(1.1..=330.0).contains(&omega) {
+                    continue;
+                }
+                let bending = 2.0 * (with.damping_ratio - mode.damping_ratio) * omega / beta;
+                let mut pull = vec![0.0; plain.dof()];
+                system.stiffness().multiply_add(mode.shape.as_chunks::<1>().0, pull.as_chunks_mut().0);
+                let elastic: f64 = pull.iter().zip(&mode.shape).map(|(f, x)| f * x).sum();
+                let share = 1.0 - (elastic - bending) / (omega * omega);
+                let ratio = mode.damping_ratio / (0.5 * loss * share);
+                assert!((ratio - 1.0).abs() < 0.03, "{ratio} at {omega} rad/s");
+                assert!(gravity > 0.0 || (share - 1.0).abs() < 1e-3, "{share} at {omega} rad/s");
+            }
+        }
+    }
+}
+
 /// Goal: damping ratios and shapes. Setup: the hanging muscle with mass damping. Expected:
 /// `ζ = α/(2ω)` for every mode, and shapes orthonormal in the mass matrix that leave no residual.
 #[test]

@@ -3,12 +3,15 @@
 //! Simulation, calibration, diagnosis, prediction and sweeps all call [`forward`]. They differ in who
 //! picks the parameters, the effects and the scenarios.
 
+mod history;
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use models::effects::LANES;
 use models::error::ModelError;
+use models::history::History;
 use models::model::Model;
 use models::posture::Posture;
 use models::snapshot::{EffectForce, Energy, Snapshot};
@@ -27,6 +30,8 @@ use crate::trajectory::{Status, Trajectory};
 pub struct Run {
     /// Where it starts.
     pub initial: Initial,
+    /// What the memory of the effects has seen before; none: it is relaxed where the rod starts.
+    pub history: Option<History>,
     /// End of the run, s after release; later where the clock of what observes asks for it.
     pub duration: f64,
     /// Times at which the trajectory is sampled, s, ascending: of states since release, of the points
@@ -77,7 +82,7 @@ impl Cancel {
     }
 }
 
-/// Where a run starts; the memory of the effects is relaxed there.
+/// Where a run starts.
 #[derive(Clone)]
 pub enum Initial {
     /// Straight at the release angle, turning about the clamp at the release rate.
@@ -127,6 +132,7 @@ impl Run {
     pub fn release(duration: f64, rate: f64) -> Self {
         Self {
             initial: Initial::Straight,
+            history: None,
             duration,
             samples: uniform(duration, rate),
             method: DEFAULT_METHOD,
@@ -246,12 +252,11 @@ impl Sample<'_, '_> {
 /// Position and velocity of the observed tip.
 pub fn tip(system: &System, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
     let last = q.len() - 1;
-    let reach = system.model.tip_distance - system.assembly.context.body.center_of_mass;
     let (sin, cos) = q[last].sin_cos();
-    (
-        [q[last - 2] + reach * cos, q[last - 1] + reach * sin],
-        [v[last - 2] - reach * sin * v[last], v[last - 1] + reach * cos * v[last]],
-    )
+    let arm = system.assembly.context.body.arm([cos, sin]);
+    let distance = system.model.tip_distance;
+    let [x, z] = [distance * cos - arm[0], distance * sin - arm[1]];
+    ([q[last - 2] + x, q[last - 1] + z], [v[last - 2] - z * v[last], v[last - 1] + x * v[last]])
 }
 
 /// Simulates a model; `observe` sees every sample while the run goes on, and may break it off.
@@ -263,11 +268,11 @@ pub fn forward(
     observe: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Trajectory, ForwardError> {
     let mut system = System::new(model);
-    let state = initial_state(&mut system, &run.initial)?;
+    let state = initial_state(&mut system, &run.initial, run.history)?;
     let order = lane_order(model, &run.sensitivities);
     let mut variational = match order.is_empty() {
         true => None,
-        false => Some(initial_slopes(model, run, &state, &order)),
+        false => Some(initial_slopes(model, run, &state, &order)?),
     };
     let mut observer = Observer::new(model, run);
     let duration = run.duration.max(observer.end());
@@ -356,12 +361,16 @@ pub fn forward(
 /// [`ForwardError::Model`] where the rod cannot be held as it should.
 pub fn start_of_tip(model: &Model, run: &Run) -> Result<[f64; 2], ForwardError> {
     let mut system = System::new(model);
-    let State { q, v, .. } = initial_state(&mut system, &run.initial)?;
+    let State { q, v, .. } = initial_state(&mut system, &run.initial, None)?;
     // The arm of the end body is that of the model, wherever it stands.
     Ok(tip(&system, &q, &v).0)
 }
 
-fn initial_state(system: &mut System, initial: &Initial) -> Result<State, ModelError> {
+fn initial_state(
+    system: &mut System,
+    initial: &Initial,
+    history: Option<History>,
+) -> Result<State, ModelError> {
     let model = system.model;
     let posture = match initial {
         Initial::Straight => system.assembly.straight_at_release(),
@@ -375,7 +384,10 @@ fn initial_state(system: &mut System, initial: &Initial) -> Result<State, ModelE
     };
     let (q, v) = system.assembly.let_go(model, posture);
     let mut z = vec![0.0; model.memory()];
-    system.relax_memory(0.0, &q, &mut z);
+    match history {
+        Some(history) if !z.is_empty() => z = system.remember(&history, &equilibrium(model, None)?.q, &q),
+        _ => system.relax_memory(0.0, &q, &mut z),
+    }
     Ok(State { time: 0.0, q, v, z })
 }
 
@@ -387,7 +399,12 @@ fn along(points: &[CurvePoint], edges: usize) -> Posture<f64> {
 }
 
 /// Derivatives of the initial state by the watched parameters.
-fn initial_slopes<'m>(model: &'m Model, run: &Run, state: &State, order: &[usize]) -> Variational<'m> {
+fn initial_slopes<'m>(
+    model: &'m Model,
+    run: &Run,
+    state: &State,
+    order: &[usize],
+) -> Result<Variational<'m>, ModelError> {
     let watched: Vec<_> = order.iter().map(|k| Some(*k)).collect();
     let mut system = System::new(model);
     system.watch(&watched);
@@ -404,10 +421,16 @@ fn initial_slopes<'m>(model: &'m Model, run: &Run, state: &State, order: &[usize
             Initial::Posture(posture) => posture.clone().map(Into::into),
         };
         let (q, v) = system.let_go_by_parameters(group, posture);
-        let z = relaxed_memory_slopes(&mut system, group, state, &q);
+        let mut z = relaxed_memory_slopes(&mut system, group, state, &q);
+        if run.history.is_some() && !z.is_empty() {
+            for (lane, parameter) in order[group * LANES..].iter().take(LANES).enumerate() {
+                let slopes = history::memory_by_parameter(model, run, *parameter)?;
+                z.iter_mut().zip(slopes).for_each(|(z, slope)| z[lane] = slope);
+            }
+        }
         all.push(Slopes { q, v, z });
     }
-    Variational::new(system, order, all)
+    Ok(Variational::new(system, order, all))
 }
 
 /// The equilibrium of the hold with its derivatives, by the implicit function theorem.

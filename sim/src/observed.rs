@@ -91,7 +91,9 @@ impl Observer {
         let held = |instant: f64| if instant < 0.0 { 0.0 } else { 1.0 };
         let instant = self.sensor.instant(Moving::from(recorded).derivative());
         let pace = held(instant.re) * instant.eps;
-        let arm = Moving::from(system.assembly.context.body.center_of_mass);
+        let body = &system.assembly.context.body;
+        let center = [body.center_of_mass, body.offset];
+        let arm = center.map(Moving::from);
         let moving = |k: usize| Moving::new(q[k], v[k] * pace);
         let seen = |point: &Observed| self.sensor.see(point.sight(system.model, arm, &moving));
         if self.sees_tip {
@@ -112,11 +114,12 @@ impl Observer {
             let arm = match integrated {
                 Some(variational) => {
                     variational.interpolate(group, step, state.time, 0, &mut self.row);
-                    variational.system().watched(group).body.center_of_mass
+                    let body = &variational.system().watched(group).body;
+                    [body.center_of_mass, body.offset]
                 }
                 None => {
                     self.row.fill([0.0; LANES]);
-                    Lanes::from(arm.re)
+                    center.map(Lanes::from)
                 }
             };
             let instant = sensor.instant(Lanes::from(recorded));
@@ -144,7 +147,8 @@ impl Observer {
                 variational.interpolate(group, step, state.time, first, &mut self.row);
                 let moved = |k: usize| with_slopes(state.q[k], self.row[k]);
                 let system = variational.system();
-                let arm = system.watched(group).body.center_of_mass;
+                let body = &system.watched(group).body;
+                let arm = [body.center_of_mass, body.offset];
                 let [x, z] = Observed::Tip.sight(system.model, arm, &moved).position.map(|x| slopes(&x));
                 of_tip.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]));
             }
@@ -191,11 +195,14 @@ impl Observed {
     }
 
     /// Where it is and how the rod runs there, with coordinates `q` and the centre of mass of the end
-    /// body at `arm` beyond the last node, m.
-    fn sight<T: Real>(&self, model: &Model, arm: T, q: &impl Fn(usize) -> T) -> Sight<T> {
+    /// body at `arm` along and across its axis from the last node, m.
+    fn sight<T: Real>(&self, model: &Model, arm: [T; 2], q: &impl Fn(usize) -> T) -> Sight<T> {
         let last = 2 * model.edges;
         let axis = || [q(last).cos(), q(last).sin()];
-        let on_body = |beyond: T, axis: [T; 2]| [0, 1].map(|k| q(last - 2 + k) + axis[k] * (beyond - arm));
+        let on_body = |beyond: T, [x, z]: [T; 2]| {
+            let [along, across] = [beyond - arm[0], -arm[1]];
+            [q(last - 2) + x * along - z * across, q(last - 1) + z * along + x * across]
+        };
         match self {
             Observed::Tip => {
                 let tangent = axis();

@@ -45,9 +45,9 @@ fn muscle(effects: &[(&str, &[(&str, f64)])]) -> ModelSpec {
 struct Broken;
 
 impl Schedule for Broken {
-    fn factors(&self, time: f64) -> [(f64, f64); 4] {
+    fn factors(&self, time: f64, _since: f64) -> [[f64; 3]; 4] {
         let stiffness = if time > 0.05 { f64::NAN } else { 1.0 };
-        [(1.0, 0.0), (stiffness, 0.0), (1.0, 0.0), (1.0, 0.0)]
+        [1.0, stiffness, 1.0, 1.0].map(|value| [value, 0.0, 0.0])
     }
     fn breakpoints(&self) -> &[f64] {
         &[]
@@ -67,8 +67,8 @@ fn soft() -> ModelSpec {
 struct Stiffening;
 
 impl Schedule for Stiffening {
-    fn factors(&self, time: f64) -> [(f64, f64); 4] {
-        [(1.0, 0.0), (1.0 + 8.0 * time, 8.0), (1.0, 0.0), (1.0, 0.0)]
+    fn factors(&self, time: f64, _since: f64) -> [[f64; 3]; 4] {
+        [[1.0, 0.0, 0.0], [1.0 + 8.0 * time, 8.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]
     }
     fn breakpoints(&self) -> &[f64] {
         &[]

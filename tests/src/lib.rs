@@ -17,7 +17,8 @@ use sim::trajectory::Trajectory;
 /// One pound-force per square inch, Pa.
 pub const PSI: f64 = 6_894.757_293_168_361;
 
-/// The paper's muscle at a pressure, released from the horizontal, with parameters of effects set:
+/// The paper's muscle at a pressure, its fitting a point mass and without air, released from the horizontal, with
+/// parameters of effects set:
 /// `("rayleigh_mass.alpha", 1.0)`.
 pub fn paper(psi: f64, nodes: usize, parameters: &[(&str, f64)]) -> Model {
     Model::new(&paper_spec(psi, nodes, parameters)).expect("the paper's muscle is a model")

@@ -12,9 +12,9 @@
 //! Off:      mass_per_length = 0.
 //! Silent:   Rest.
 //! Source:   Lamb (1932), Hydrodynamics, art. 68: a cylinder across the flow carries ρ π D²/4 a metre,
-//!           0.7 g/m for 27 mm in air; air inside at 3 bar has some 2 g/m, but is weighed with the rod.
+//!           0.7 g/m for 27 mm in air. The air inside a muscle is `enclosed_air`: it weighs.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Rod, Separator};
+use super::{About, Kind, Law, LineMass, Parameter, Place, Reach, Real, Rod, Separator};
 
 /// Inertia without weight.
 pub struct AddedMass;
@@ -25,7 +25,7 @@ impl Law for AddedMass {
         meaning: "fluid that has to move with the rod makes it more inert, and not heavier",
         kind: Kind::Inertial,
         places: &[Place::Inertia],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "mass_per_length",
@@ -44,8 +44,8 @@ impl Law for AddedMass {
         reach: Reach::Muscle,
     };
 
-    fn inertia<T: Real>(_at_release: &Rod<T>, theta: &[T]) -> T {
-        theta[0]
+    fn inertia<T: Real>(_at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
+        LineMass { inert: theta[0], heavy: T::from(0.0) }
     }
 }
 

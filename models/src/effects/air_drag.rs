@@ -38,7 +38,7 @@ impl Law for AirDrag {
         meaning: "the air resists the motion of each edge across itself, with the square of its speed",
         kind: Kind::Dissipative,
         places: &[Place::Flow],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {

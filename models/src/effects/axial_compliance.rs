@@ -30,7 +30,7 @@ impl Law for AxialCompliance {
         meaning: "the muscle gives way along itself more than its axial stiffness says",
         kind: Kind::Elastic,
         places: &[Place::Edge],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "compliance",

@@ -24,7 +24,7 @@ impl Law for Bending {
         meaning: "each bend resists curvature in proportion to it",
         kind: Kind::Elastic,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[],
         looks_like: "sets the rest posture and, with the masses, the frequency of the swing",

@@ -13,7 +13,8 @@
 //!           smooth step M_f κ̇/√(κ̇² + κ̇₀²). It is reached over κ_b, which moves the tip by less than
 //!           cameras see: the step itself, as a function of κ̇, changes its slope faster than an
 //!           integrator can follow. An offset that friction holds creeps back within some
-//!           M_f / (EI κ̇₀). When the rod is let go z = 0.
+//!           M_f / (EI κ̇₀). When the rod is let go z = 0, unless
+//!           `[release] history` says otherwise.
 //! Off:      friction_moment = 0.
 //! Silent:   Rest, and rigid motion.
 //! Source:   Strand on strand in braided muscles: Tondu (2012), J. Intell. Mater. Syst. Struct. 23,
@@ -32,7 +33,7 @@ impl Law for BraidFriction {
         meaning: "strands that rub on one another resist bending with a moment of fixed size",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: true,
+        memory: 1,
         timed: false,
         parameters: &[
             Parameter { meaning: "friction moment of a cross-section", ..FRICTION_MOMENT },

@@ -24,7 +24,7 @@ impl Law for ClampCompliance {
         meaning: "the clamp gives way in rotation",
         kind: Kind::Elastic,
         places: &[Place::Clamp],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "compliance",

@@ -14,7 +14,8 @@
 //! Assumes:  A grip that dies away over λ. Friction of a single cross-section would do no work: a
 //!           root bend of no length takes no rotation, and on a mesh the loss would go with the edge
 //!           length. In the swing of a rod much longer than λ only M_c λ counts. κ_b moves the tip by
-//!           less than cameras see. When the rod is let go z = 0.
+//!           less than cameras see. When the rod is let go z = 0, unless
+//!           `[release] history` says otherwise.
 //! Off:      friction_moment = 0.
 //! Silent:   Any motion in which the root does not bend.
 //! Source:   Slip damping at a clamped root: Goodman and Klumpp (1956), J. Appl. Mech. 23, 421; memory
@@ -37,7 +38,7 @@ impl Law for ClampFriction {
         meaning: "the muscle rubs in its clamp where the root bends",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: true,
+        memory: 1,
         timed: false,
         parameters: &[
             Parameter {

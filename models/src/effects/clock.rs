@@ -23,7 +23,7 @@ impl Law for Clock {
         meaning: "the clock of the recording starts elsewhere, and runs at another rate",
         kind: Kind::Measurement,
         places: &[Place::Sensor],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {

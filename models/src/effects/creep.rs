@@ -9,8 +9,10 @@
 //!   z    memory: curvature to which it has crept                1/m
 //!   τ    creep time                                             s
 //!
-//! Assumes:  One creep time. When the rod is let go it has crept to the end: under a load that stays
-//!           the curvature goes from M / (EI (1 + g)) to M / EI as exp(−t / (τ (1 + g))).
+//! Assumes:  One creep time; for a range of times take `relaxation`. Under a load that stays the
+//!           curvature goes from M / (EI (1 + g)) to M / EI as exp(−t / (τ (1 + g))). When the rod is
+//!           let go it has crept to the end in the posture of release, unless `[release] history`
+//!           says otherwise.
 //! Off:      creep_stiffness = 0.
 //! Silent:   Motion much faster than τ, of which it sees the mean; it only stiffens: EI (1 + g).
 //! Source:   Zener's standard linear solid: Christensen (2003), Theory of Viscoelasticity, ch. 1.
@@ -27,7 +29,7 @@ impl Law for Creep {
         meaning: "part of the bending stiffness gives way over seconds to minutes",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: true,
+        memory: 1,
         timed: false,
         parameters: &[
             Parameter {
@@ -48,13 +50,13 @@ impl Law for Creep {
                 default: 30.0,
                 range: (1e-3, 1e6),
                 scale: 10.0,
-                plausible: Some((5.0, 300.0)),
+                plausible: Some((2.0, 300.0)),
                 tries: &[5.0, 30.0, 150.0],
                 ..Parameter::PLAIN
             },
         ],
         looks_like: "the mean of the swing sinks slowly, long after the release and after the swing",
-        confounded_with: &["set_curvature", "viscoelastic", "stiffness_drift"],
+        confounded_with: &["set_curvature", "viscoelastic", "relaxation", "stiffness_drift"],
         separated_by: &[Separator::LongRecord],
         reach: Reach::Muscle,
     };

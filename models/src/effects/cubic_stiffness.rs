@@ -25,7 +25,7 @@ impl Law for CubicStiffness {
         meaning: "strong bending is resisted more, or less, than in proportion",
         kind: Kind::Elastic,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "coefficient",

@@ -20,7 +20,8 @@
 //!           damping ratio that grows 4.5 times from 5 to 100 psi.
 
 use super::{
-    About, Bend, Edge, Kind, Law, Mass, MassLoad, Moment, Parameter, Place, Reach, Real, Rod, Separator,
+    About, Bend, Edge, Kind, Law, Mass, MassLoad, Moment, Parameter, Place, Reach, Real, Separator,
+    relative_pressure,
 };
 
 /// Losses that grow with the pressure.
@@ -32,7 +33,7 @@ impl Law for DampingOverPressure {
         meaning: "both of Rayleigh's losses grow in proportion to the pressure",
         kind: Kind::Dissipative,
         places: &[Place::Bend, Place::Edge, Place::Mass],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {
@@ -76,28 +77,24 @@ impl Law for DampingOverPressure {
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(theta[0] * relative_pressure(at.rod, theta) * at.rod.bending_stiffness * at.kappa_rate)
+        Moment::of(theta[0] * relative_pressure(at.rod, theta[2]) * at.rod.bending_stiffness * at.kappa_rate)
     }
 
     fn edge<T: Real>(at: &Edge<T>, theta: &[T]) -> T {
-        theta[0] * relative_pressure(at.rod, theta) * at.rod.axial_stiffness * at.stretch_rate
+        theta[0] * relative_pressure(at.rod, theta[2]) * at.rod.axial_stiffness * at.stretch_rate
     }
 
     fn mass<T: Real>(at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
         let zero = T::from(0.0);
-        MassLoad { acceleration: [zero; 2], rate: theta[1] * relative_pressure(at.rod, theta) }
+        MassLoad { acceleration: [zero; 2], rate: theta[1] * relative_pressure(at.rod, theta[2]) }
     }
-}
-
-/// Pressure over the reference; none below ambient, where the losses would turn into gains.
-fn relative_pressure<T: Real>(rod: &Rod<T>, theta: &[T]) -> T {
-    if rod.pressure.re() > 0.0 { rod.pressure / theta[2] } else { T::from(0.0) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::DampingOverPressure as Effect;
     use super::*;
+    use crate::effects::Rod;
     use crate::effects::rayleigh_stiffness::RayleighStiffness;
 
     /// At the reference pressure it is Rayleigh's loss, at twice that twice as much, and below ambient
@@ -117,6 +114,7 @@ mod tests {
                 kappa: 3.0,
                 kappa_rate: 20.0,
                 mean_square_curvature: 0.0,
+                branch: 0,
                 memory: 0.0,
                 position: 0.5,
                 time: 0.0,

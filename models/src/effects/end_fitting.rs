@@ -24,7 +24,7 @@ impl Law for EndFitting {
         meaning: "a rigid body closes the rod and carries the tip marker",
         kind: Kind::Inertial,
         places: &[Place::Body],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: BODY_PARAMETERS,
         looks_like: "lowers frequency and rest posture together",

@@ -3,7 +3,7 @@
 
 use num_dual::{Dual64, DualSVec64};
 
-use super::law::{Body, Flow, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
+use super::law::{Body, Flow, LineMass, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
 use super::{About, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
@@ -19,8 +19,7 @@ pub const MOST_PARAMETERS: usize = 8;
 
 /// What an effect adds, over one scalar.
 pub trait EffectFor<T: Real>: Sync {
-    /// Adds moments at all bends, and the rates of the effect's memory (shape `[N+1]`, empty if it
-    /// has none).
+    /// Adds moments at all bends, and writes the rates of the effect's memories, shape `[memories, N+1]`.
     fn add_moments(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>, z: &[T], z_rate: &mut [T]);
     /// Adds tensions of all edges.
     fn add_tensions(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>);
@@ -36,8 +35,8 @@ pub trait EffectFor<T: Real>: Sync {
     fn body(&self, theta: &[T]) -> Body<T>;
     /// How much further out all bodies at the end lie, m.
     fn shift(&self, theta: &[T]) -> T;
-    /// Mass per length that has no weight, kg/m.
-    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> T;
+    /// Mass that moves with a metre of the rod.
+    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> LineMass<T>;
     /// Compliance of the clamp, rad/(N m).
     fn clamp(&self, theta: &[T]) -> T;
     /// Where an observed point is seen, m.
@@ -74,12 +73,12 @@ impl Scalar for Lanes {
     }
 }
 
-/// Tangents of a scalar law at a bend: by curvature, its rate and memory.
+/// Tangents of a law at a bend: by curvature, its rate and one memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BendTangent {
     /// Of the moment.
     pub moment: [f64; 3],
-    /// Of the memory rate.
+    /// Of the rate of that memory.
     pub memory_rate: [f64; 3],
 }
 
@@ -90,7 +89,7 @@ pub trait Effect: EffectFor<f64> + EffectFor<Dual64> + EffectFor<Lanes> {
     /// Its page: law, symbols, assumptions, source.
     fn page(&self) -> String;
     /// Adds the effect's moment and its tangents by curvature and rate, all of integrated
-    /// curvature; for an effect with memory, writes all its tangents and the memory's rates.
+    /// curvature; for an effect with memories, writes their tangents and rates, shape `[memories, N+1]`.
     #[expect(clippy::too_many_arguments, reason = "what goes in, and four lists that come out")]
     fn linearise_moments(
         &self,

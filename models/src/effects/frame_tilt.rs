@@ -23,7 +23,7 @@ impl Law for FrameTilt {
         meaning: "what is observed is turned about the clamp",
         kind: Kind::Measurement,
         places: &[Place::Sensor],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "angle",

@@ -21,7 +21,7 @@ impl Law for Gravity {
         meaning: "everything that has mass is pulled down",
         kind: Kind::Load,
         places: &[Place::Mass],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "acceleration",

@@ -29,7 +29,7 @@ impl Law for HandRelease {
         meaning: "the hand lets go gradually",
         kind: Kind::Load,
         places: &[Place::Tip],
-        memory: false,
+        memory: 0,
         timed: true,
         parameters: &[
             Parameter {

@@ -39,7 +39,7 @@ impl Law for Hose {
         meaning: "the air supply pulls on the end fitting, as a spring and a dashpot",
         kind: Kind::Dissipative,
         places: &[Place::Tip],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {

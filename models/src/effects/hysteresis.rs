@@ -1,4 +1,4 @@
-//! Hysteresis: a loss in each cycle that does not depend on how fast the cycle is.
+//! Hysteresis: friction in proportion to the present curvature; its loss does not depend on the speed.
 //!
 //! Law:      M = η EI √(κ² + κ_b²) z,   ż = (κ̇ − z √(κ̇² + κ̇₀²)) / κ_b
 //!
@@ -11,10 +11,12 @@
 //!   κ̇₀    rate below which what sticks creeps                     1/(m s)
 //!   κ_b   curvature over which friction turns round, 0.01 1/m
 //!
-//! Assumes:  η EI |κ| sgn κ̇, friction in proportion to the present curvature, but for κ_b, which
-//!           moves the tip by less than cameras see. A cycle about the straight rod loses 2 η EI κ_a²
-//!           per length, so amplitudes fall by exp(−2η) a cycle. About a bent rest it acts as
-//!           friction of the moment η EI |κ| there.
+//! Assumes:  M = η EI |κ| sgn κ̇, but for κ_b, which moves the tip by less than cameras see. About the
+//!           straight rod a cycle of amplitude κ_a loses 2 η EI κ_a² per length: a fixed share of the
+//!           elastic energy, so amplitudes fall by exp(−2η) a cycle. About a rest bent by κ_0 > κ_a it
+//!           is Coulomb's friction and loses 4 η EI κ_0 κ_a: the damping ratio grows as the swing
+//!           decays, and the rod stops away from its rest. For a loss of the same share about every
+//!           rest take `structural_damping`.
 //! Off:      loss_coefficient = 0.
 //! Silent:   Rest, and rigid motion.
 //! Source:   Reid (1956), J. R. Aeronaut. Soc. 60, 283: internal friction with the displacement's
@@ -37,10 +39,10 @@ pub struct Hysteresis;
 impl Law for Hysteresis {
     const ABOUT: About = About {
         name: "hysteresis",
-        meaning: "a loss in each cycle that does not depend on how fast the cycle is",
+        meaning: "friction in proportion to the present curvature; its loss does not depend on the speed",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: true,
+        memory: 1,
         timed: false,
         parameters: &[
             Parameter {
@@ -56,7 +58,7 @@ impl Law for Hysteresis {
             },
             CREEP_RATE,
         ],
-        looks_like: "a straight line of log amplitude over the number of cycles, the same at every pressure and payload",
+        looks_like: "about a straight rest log amplitude falls on a straight line over the cycles; about a bent rest amplitude falls on a straight line, as with friction",
         confounded_with: &["rayleigh_stiffness", "braid_friction"],
         separated_by: &[Separator::Pressures, Separator::Payload],
         reach: Reach::Muscle,

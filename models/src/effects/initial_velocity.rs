@@ -25,7 +25,7 @@ impl Law for InitialVelocity {
         meaning: "the hand lets the rod go while it moves about the clamp",
         kind: Kind::Load,
         places: &[Place::Release],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "angular_velocity",

@@ -40,7 +40,7 @@ impl Law for LatentMoment {
         meaning: "what a moment of unknown cause would have to look like; a description, not a cause",
         kind: Kind::Description,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: true,
         parameters: &[
             term("constant", "constant", "1/m", 0.03),
@@ -93,6 +93,7 @@ mod tests {
             kappa: 2.0,
             kappa_rate: -7.0,
             mean_square_curvature: 0.0,
+            branch: 0,
             memory: 0.0,
             position: 0.3,
             time: 1.2,

@@ -1,6 +1,7 @@
 //! What an effect's author writes: a law over a generic scalar, and what it is given to see.
 
 use super::{About, Parameter, Real};
+use crate::kinematics::{cross, left};
 
 /// The rod as it is now; with a pressure that changes it follows the pressure.
 #[derive(Clone, Copy, Debug)]
@@ -38,12 +39,14 @@ impl<T: Copy> Rod<T> {
 pub struct Bend<'a, T> {
     /// Curvature: integrated curvature over the Voronoi length, 1/m; positive towards +z.
     pub kappa: T,
-    /// Its rate, 1/(m s).
+    /// Its rate, 1/(m s), that of a changing rest length included.
     pub kappa_rate: T,
     /// Mean square of the curvature over the rod, 1/m²: for effects that name [`Whole`](super::Place::Whole),
     /// zero for others. Rates of memory must not depend on it.
     pub mean_square_curvature: T,
-    /// The effect's own memory at this bend.
+    /// Which of the effect's memories at this bend is meant, from 0; 0 for an effect with one or none.
+    pub branch: usize,
+    /// That memory.
     pub memory: T,
     /// Place along the rod, from 0 at the clamp to 1 at the end fitting.
     pub position: f64,
@@ -56,9 +59,9 @@ pub struct Bend<'a, T> {
 /// What a law says of a bend.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<T> {
-    /// Resisting moment, N m: of the sign of the curvature that it resists.
+    /// Resisting moment, N m: of the sign of the curvature that it resists; the branch's part of it.
     pub moment: T,
-    /// Rate of the memory, own unit per s.
+    /// Rate of the branch's memory, own unit per s.
     pub memory_rate: T,
 }
 
@@ -75,7 +78,7 @@ impl<T: Real> Moment<T> {
 pub struct Edge<'a, T> {
     /// Current over rest length, minus one.
     pub stretch: T,
-    /// Its rate, 1/s.
+    /// Its rate, 1/s, that of a changing rest length included.
     pub stretch_rate: T,
     /// Place of the midpoint along the rod, from 0 at the clamp to 1 at the end fitting.
     pub position: f64,
@@ -130,10 +133,27 @@ pub struct Tip<'a, T> {
     pub angle: T,
     /// Its rate, rad/s.
     pub angular_velocity: T,
+    /// Centre of mass of all that is fixed to the last node, from there along and across the body's
+    /// axis, m: end fitting, payload and their like, without the rod's last half cell.
+    pub center: [T; 2],
     /// Time since release, s.
     pub time: T,
     /// The rod as it is now.
     pub rod: &'a Rod<T>,
+}
+
+impl<T: Real> Tip<'_, T> {
+    /// From the last node to [`center`](Self::center), in W, m, with its rate, m/s.
+    pub fn arm(&self) -> ([T; 2], [T; 2]) {
+        let arm = in_world(self.center, [self.angle.cos(), self.angle.sin()]);
+        (arm, left(arm).map(|x| x * self.angular_velocity))
+    }
+}
+
+/// A vector along and across an axis, in W.
+fn in_world<T: Real>([along, across]: [T; 2], axis: [T; 2]) -> [T; 2] {
+    let normal = left(axis);
+    [0, 1].map(|k| axis[k] * along + normal[k] * across)
 }
 
 /// What acts on the end body at the last node.
@@ -145,6 +165,13 @@ pub struct TipLoad<T> {
     pub moment: T,
 }
 
+impl<T: Real> TipLoad<T> {
+    /// A force in W, N, at a point `arm` away from the last node, m.
+    pub fn of_force_at(arm: [T; 2], force: [T; 2]) -> Self {
+        Self { force, moment: cross(arm, force) }
+    }
+}
+
 /// A rigid body fixed to the end of the active length.
 #[derive(Clone, Copy, Debug)]
 pub struct Body<T> {
@@ -152,15 +179,31 @@ pub struct Body<T> {
     pub mass: T,
     /// Centre of mass beyond the end of the active length, along the end fitting's axis, m.
     pub center_of_mass: T,
+    /// Centre of mass beside that axis, m, positive to the left when looking outwards.
+    pub offset: T,
     /// Rotary inertia about its own centre of mass, kg m².
     pub rotary_inertia: T,
 }
 
-impl<T: Copy> Body<T> {
-    /// A body from the values of [`BODY_PARAMETERS`].
+impl<T: Real> Body<T> {
+    /// A body on the axis from the values of [`BODY_PARAMETERS`].
     pub fn of(theta: &[T]) -> Self {
-        Self { mass: theta[0], center_of_mass: theta[1], rotary_inertia: theta[2] }
+        Self { mass: theta[0], center_of_mass: theta[1], offset: T::from(0.0), rotary_inertia: theta[2] }
     }
+
+    /// From the end of the active length to the centre of mass, in W, m, for a direction of the axis.
+    pub fn arm(&self, axis: [T; 2]) -> [T; 2] {
+        in_world([self.center_of_mass, self.offset], axis)
+    }
+}
+
+/// Mass that moves with a metre of the rod.
+#[derive(Clone, Copy, Debug)]
+pub struct LineMass<T> {
+    /// What has to be moved, kg/m.
+    pub inert: T,
+    /// What weighs, kg/m: what the fluid around it does not bear.
+    pub heavy: T,
 }
 
 /// What an effect adds to the posture and the velocities with which the rod is let go.
@@ -227,11 +270,11 @@ pub trait Law: Sync + 'static {
     /// What the catalogue knows.
     const ABOUT: About;
 
-    /// Moment at a bend.
+    /// Moment at a bend; of each [branch](Bend::branch), if the effect has several memories.
     fn bend<T: Real>(_at: &Bend<T>, _theta: &[T]) -> Moment<T> {
         Moment::of(T::from(0.0))
     }
-    /// Energy stored at a bend, J per metre of rod; its derivative by `kappa` is a moment.
+    /// Energy stored at a bend, J per metre of rod, of each branch; its derivative by `kappa` is a moment.
     fn bend_energy<T: Real>(_at: &Bend<T>, _theta: &[T]) -> T {
         T::from(0.0)
     }
@@ -264,16 +307,16 @@ pub trait Law: Sync + 'static {
     /// Body at the end of the active length.
     fn body<T: Real>(_theta: &[T]) -> Body<T> {
         let zero = T::from(0.0);
-        Body { mass: zero, center_of_mass: zero, rotary_inertia: zero }
+        Body { mass: zero, center_of_mass: zero, offset: zero, rotary_inertia: zero }
     }
     /// How much further along the end fitting's axis all bodies at the end lie than they say, m.
     fn shift<T: Real>(_theta: &[T]) -> T {
         T::from(0.0)
     }
-    /// Mass that moves with a metre of the rod and has no weight, kg/m; of the rod at release, as
-    /// masses are.
-    fn inertia<T: Real>(_at_release: &Rod<T>, _theta: &[T]) -> T {
-        T::from(0.0)
+    /// Mass that moves with a metre of the rod beside its own; of the rod at release, as masses are.
+    fn inertia<T: Real>(_at_release: &Rod<T>, _theta: &[T]) -> LineMass<T> {
+        let zero = T::from(0.0);
+        LineMass { inert: zero, heavy: zero }
     }
     /// Rotational compliance of the clamp, rad/(N m).
     fn clamp<T: Real>(_theta: &[T]) -> T {

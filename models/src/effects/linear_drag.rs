@@ -23,7 +23,7 @@ impl Law for LinearDrag {
         meaning: "the surroundings resist each piece of the body in proportion to its velocity",
         kind: Kind::Dissipative,
         places: &[Place::Flow],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "drag_per_length",

@@ -40,7 +40,7 @@ impl Law for MarkerOffset {
         meaning: "the tip's marker sits beside the point that the model takes for the tip",
         kind: Kind::Measurement,
         places: &[Place::Sensor],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             offset("across", "offset across the end body, towards +z where it lies along x", 1e-3),

@@ -13,7 +13,8 @@ use num_dual::DualNum;
 
 pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Scalar};
 pub use law::{
-    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Mass, MassLoad, Moment, Release, Rod, Sight, Tip, TipLoad,
+    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Moment, Release, Rod, Sight, Tip,
+    TipLoad,
 };
 pub use registered::Registered;
 
@@ -44,9 +45,12 @@ catalogue! {
     tip_drag::TipDrag,
     linear_drag::LinearDrag,
     braid_friction::BraidFriction,
+    friction_over_pressure::FrictionOverPressure,
     hysteresis::Hysteresis,
     dahl::Dahl,
     creep::Creep,
+    relaxation::Relaxation,
+    structural_damping::StructuralDamping,
     cubic_stiffness::CubicStiffness,
     quadratic_stiffness::QuadraticStiffness,
     stiffness_taper::StiffnessTaper,
@@ -64,6 +68,7 @@ catalogue! {
     damping_over_pressure::DampingOverPressure,
     tip_offset::TipOffset,
     added_mass::AddedMass,
+    enclosed_air::EnclosedAir,
     pressure_volume::PressureVolume,
     latent_moment::LatentMoment,
     // In the order in which they stand between a point of the rod and its place in a recording.
@@ -82,6 +87,11 @@ pub fn by_name(name: &str) -> Option<&'static dyn Effect> {
 /// The scalar that laws are written over: `f64`, or a dual number that carries derivatives.
 pub trait Real: DualNum<Primitive = f64> + Copy {}
 impl<T: DualNum<Primitive = f64> + Copy> Real for T {}
+
+/// Pressure of a rod over a reference, Pa each; none below ambient, where losses would turn into gains.
+fn relative_pressure<T: Real>(rod: &Rod<T>, reference: T) -> T {
+    if rod.pressure.re() > 0.0 { rod.pressure / reference } else { T::from(0.0) }
+}
 
 /// What an effect does to the energy of the rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,7 +128,7 @@ pub enum Place {
     /// The rigid body at the end of the active length: gives mass, centre of mass, rotary inertia, and
     /// a shift of all that is fixed there.
     Body,
-    /// What moves with the rod: gives a mass per length without weight.
+    /// What moves with the rod: gives masses per length, that which has to be moved and that which weighs.
     Inertia,
     /// The clamp: gives a rotational compliance in series with the root bend.
     Clamp,
@@ -227,8 +237,9 @@ pub struct About {
     pub kind: Kind,
     /// Where it acts.
     pub places: &'static [Place],
-    /// Whether each bend carries a memory of the effect's own.
-    pub memory: bool,
+    /// How many memories of the effect's own each bend carries. The moment is the sum over them, and the
+    /// law is asked for one at a time, see [`Bend::branch`]; so no memory can depend on another.
+    pub memory: usize,
     /// Whether its law names the time.
     pub timed: bool,
     /// Its parameters, in the order in which laws receive them.

@@ -22,7 +22,7 @@ impl Law for OutOfPlane {
         meaning: "the rod swings in a plane that is turned from the one that is observed",
         kind: Kind::Measurement,
         places: &[Place::Sensor],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "lost_share",

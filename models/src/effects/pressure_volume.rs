@@ -8,13 +8,15 @@
 //!   ⟨κ²⟩   mean square curvature over the rod                   1/m²
 //!   κ      curvature                                            1/m
 //!
-//! Assumes:  The valve is shut, and bending takes volume from the gas in proportion to ⟨κ²⟩, so that its
-//!           pressure rises in proportion to it, in all of the muscle at once and without loss.
+//! Assumes:  The valve is shut. Bending makes the braid take volume from the gas in proportion to ⟨κ²⟩,
+//!           so that its pressure rises in proportion to it, in all of the muscle at once and without loss.
 //!           Elastic, with the energy ¼ EI c L ⟨κ²⟩² in all, L the active length.
 //! Off:      stiffening = 0.
 //! Silent:   Small bending.
-//! Source:   Boyle's law to first order in the change of volume, and the volume of a tube to second
-//!           order in its curvature.
+//! Source:   Boyle's law to first order in the change of volume. That bending changes the volume is the
+//!           braid's doing: a smooth tube of constant section keeps its volume, to second order in the
+//!           curvature, because the outside gains what the inside loses (Pappus's theorem). No measured
+//!           value of c is known to us: take it as a coefficient to be fitted.
 
 use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
 
@@ -27,7 +29,7 @@ impl Law for PressureVolume {
         meaning: "bending the sealed muscle anywhere stiffens it everywhere",
         kind: Kind::Elastic,
         places: &[Place::Bend, Place::Whole],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "stiffening",

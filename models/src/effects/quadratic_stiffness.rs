@@ -24,7 +24,7 @@ impl Law for QuadraticStiffness {
         meaning: "the rod is stiffer one way than the other",
         kind: Kind::Elastic,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "coefficient",

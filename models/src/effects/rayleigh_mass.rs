@@ -22,7 +22,7 @@ impl Law for RayleighMass {
         meaning: "everything that has mass loses velocity at one rate",
         kind: Kind::Dissipative,
         places: &[Place::Mass],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "alpha",

@@ -10,6 +10,11 @@
 //! Assumes:  Kelvin and Voigt's solid. In generalised coordinates the force is −β Gᵀ C G v, with G
 //!           the strain-displacement matrix of the present posture and C the material stiffness:
 //!           the material part of the tangent, so that a rigid rotation is never damped.
+//!           Strains are measured against the rest length ℓ. Where the pressure changes ℓ, their rates
+//!           include its rate: ε̇ = (e/ℓ)˙ and κ̇ = (K/ℓ)˙, with e the length of an edge and K the
+//!           integrated curvature of a bend. So a rod that grows as its rest length does feels no
+//!           force, and one that is held back feels β EA ℓ̇/ℓ. The regulator pays for that. Left out is
+//!           how fast a compliant clamp's share of the root's rotation changes with EI.
 //! Off:      beta = 0.
 //! Silent:   Any rigid motion.
 //! Source:   Clough and Penzien (2003), section 12-3, ζ = β ω / 2; rate form as in
@@ -26,7 +31,7 @@ impl Law for RayleighStiffness {
         meaning: "stretch and bending resist their rates as they resist themselves",
         kind: Kind::Dissipative,
         places: &[Place::Bend, Place::Edge],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "beta",

@@ -7,7 +7,7 @@ use nalgebra::SVector;
 use num_dual::{Derivative, Dual64, DualSVec64};
 
 use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
-use super::law::{Bend, Body, Edge, Flow, Law, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
+use super::law::{Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
 use super::{About, Place, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
@@ -38,13 +38,21 @@ const fn acts<L: Law>(place: Place) -> bool {
     false
 }
 
-fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, z: &[T]) -> Bend<'a, T> {
+/// Memories of a law at every bend, counted as one where it has none: its loops run once for each.
+const fn branches<L: Law>() -> usize {
+    if L::ABOUT.memory == 0 { 1 } else { L::ABOUT.memory }
+}
+
+/// Bend `i` as a law sees it, with one of its memories `z`, shape `[memories, N+1]`.
+fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, branch: usize, z: &[T]) -> Bend<'a, T> {
     let per_length = c.per_voronoi[i];
+    let kappa = f.kappa[i] * per_length;
     Bend {
-        kappa: f.kappa[i] * per_length,
-        kappa_rate: f.kappa_rate[i] * per_length,
+        kappa,
+        kappa_rate: f.kappa_rate[i] * per_length - kappa * c.rest_rate,
         mean_square_curvature: f.mean_square_curvature,
-        memory: z.get(i).copied().unwrap_or_else(|| T::from(0.0)),
+        branch,
+        memory: z.get(branch * (c.edges + 1) + i).copied().unwrap_or_else(|| T::from(0.0)),
         position: c.stencil.position(i),
         time: c.time,
         rod: &c.rod,
@@ -54,7 +62,7 @@ fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, z: &[T]) -> 
 fn edge_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Edge<'a, T> {
     Edge {
         stretch: f.stretch[j],
-        stretch_rate: f.stretch_rate[j],
+        stretch_rate: f.stretch_rate[j] - (f.stretch[j] + 1.0) * c.rest_rate,
         position: (j as f64 + 0.5) * c.per_edges,
         time: c.time,
         rod: &c.rod,
@@ -77,11 +85,13 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
         if const { !acts::<L>(Place::Bend) } {
             return;
         }
-        for i in 0..=c.edges {
-            let law = L::bend(&bend_at(c, f, i, z), theta);
-            f.moment[i] += law.moment;
-            if let Some(rate) = z_rate.get_mut(i) {
-                *rate = law.memory_rate;
+        for branch in 0..branches::<L>() {
+            for i in 0..=c.edges {
+                let law = L::bend(&bend_at(c, f, i, branch, z), theta);
+                f.moment[i] += law.moment;
+                if let Some(rate) = z_rate.get_mut(branch * (c.edges + 1) + i) {
+                    *rate = law.memory_rate;
+                }
             }
         }
     }
@@ -126,7 +136,7 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
         L::shift(theta)
     }
 
-    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> T {
+    fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
         L::inertia(at_release, theta)
     }
 
@@ -149,8 +159,10 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
     fn energy(&self, c: &Context<T>, theta: &[T], f: &Fields<T>, z: &[T], tip: &Tip<T>) -> T {
         let mut energy = L::tip_energy(tip, theta);
         if const { acts::<L>(Place::Bend) } {
-            for i in 0..=c.edges {
-                energy += L::bend_energy(&bend_at(c, f, i, z), theta) / c.per_voronoi[i];
+            for branch in 0..branches::<L>() {
+                for i in 0..=c.edges {
+                    energy += L::bend_energy(&bend_at(c, f, i, branch, z), theta) / c.per_voronoi[i];
+                }
             }
         }
         if const { acts::<L>(Place::Edge) } {
@@ -166,6 +178,15 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
 fn variable<const N: usize>(value: f64, k: usize) -> DualSVec64<N> {
     let mut eps = SVector::zeros();
     eps[k] = 1.0;
+    DualSVec64::new(value, Derivative::some(eps))
+}
+
+/// The rate of a strain, the second variable, which falls as the strain, the first one, grows against a
+/// rest length that changes.
+fn strain_rate<const N: usize>(value: f64, by_strain: f64) -> DualSVec64<N> {
+    let mut eps = SVector::zeros();
+    eps[0] = by_strain;
+    eps[1] = 1.0;
     DualSVec64::new(value, Derivative::some(eps))
 }
 
@@ -201,32 +222,36 @@ impl<L: Law> Effect for Registered<L> {
         let rod = c.rod.map(DualSVec64::<3>::from);
         let theta = lifted(theta);
         let theta = &theta[..L::ABOUT.parameters.len()];
-        for i in 0..=c.edges {
-            let here = bend_at(c, f, i, z);
-            let law = L::bend(
-                &Bend {
-                    kappa: variable(here.kappa, 0),
-                    kappa_rate: variable(here.kappa_rate, 1),
-                    mean_square_curvature: here.mean_square_curvature.into(),
-                    memory: variable(here.memory, 2),
-                    position: here.position,
-                    time: here.time.into(),
-                    rod: &rod,
-                },
-                theta,
-            );
-            let per_length = c.per_voronoi[i];
-            let [mut a, mut b, m_z] = derivative(&law.moment);
-            a *= per_length;
-            b *= per_length;
-            f.moment[i] += law.moment.re;
-            by_kappa[i] += a;
-            by_rate[i] += b;
-            if let Some(tangent) = memory.get_mut(i) {
-                let [g_kappa, g_rate, g_z] = derivative(&law.memory_rate);
-                tangent.moment = [a, b, m_z];
-                tangent.memory_rate = [g_kappa * per_length, g_rate * per_length, g_z];
-                z_rate[i] = law.memory_rate.re;
+        for branch in 0..branches::<L>() {
+            for i in 0..=c.edges {
+                let here = bend_at(c, f, i, branch, z);
+                let law = L::bend(
+                    &Bend {
+                        kappa: variable(here.kappa, 0),
+                        kappa_rate: strain_rate(here.kappa_rate, -c.rest_rate),
+                        mean_square_curvature: here.mean_square_curvature.into(),
+                        branch,
+                        memory: variable(here.memory, 2),
+                        position: here.position,
+                        time: here.time.into(),
+                        rod: &rod,
+                    },
+                    theta,
+                );
+                let per_length = c.per_voronoi[i];
+                let [mut a, mut b, m_z] = derivative(&law.moment);
+                a *= per_length;
+                b *= per_length;
+                f.moment[i] += law.moment.re;
+                by_kappa[i] += a;
+                by_rate[i] += b;
+                let own = branch * (c.edges + 1) + i;
+                if let Some(tangent) = memory.get_mut(own) {
+                    let [g_kappa, g_rate, g_z] = derivative(&law.memory_rate);
+                    tangent.moment = [a, b, m_z];
+                    tangent.memory_rate = [g_kappa * per_length, g_rate * per_length, g_z];
+                    z_rate[own] = law.memory_rate.re;
+                }
             }
         }
     }
@@ -245,13 +270,15 @@ impl<L: Law> Effect for Registered<L> {
         let rod = c.rod.map(Dual64::from);
         let theta = lifted(theta);
         let theta = &theta[..L::ABOUT.parameters.len()];
-        for (i, by_mean) in by_mean.iter_mut().enumerate() {
-            let here = bend_at(c, f, i, z);
+        let bends = (0..branches::<L>()).flat_map(|branch| (0..=c.edges).map(move |i| (branch, i)));
+        for (branch, i) in bends {
+            let here = bend_at(c, f, i, branch, z);
             let law = L::bend(
                 &Bend {
                     kappa: here.kappa.into(),
                     kappa_rate: here.kappa_rate.into(),
                     mean_square_curvature: Dual64::from(here.mean_square_curvature).derivative(),
+                    branch,
                     memory: here.memory.into(),
                     position: here.position,
                     time: here.time.into(),
@@ -259,8 +286,12 @@ impl<L: Law> Effect for Registered<L> {
                 },
                 theta,
             );
-            assert!(law.memory_rate.eps == 0.0, "{}: a rate of memory sees the whole rod", L::ABOUT.name);
-            *by_mean += law.moment.eps;
+            assert!(
+                law.memory_rate.eps == 0.0,
+                "{}: the rate of a memory depends on the whole rod",
+                L::ABOUT.name
+            );
+            by_mean[i] += law.moment.eps;
         }
     }
 
@@ -283,7 +314,7 @@ impl<L: Law> Effect for Registered<L> {
             let tension = L::edge(
                 &Edge {
                     stretch: variable(here.stretch, 0),
-                    stretch_rate: variable(here.stretch_rate, 1),
+                    stretch_rate: strain_rate(here.stretch_rate, -c.rest_rate),
                     position: here.position,
                     time: here.time.into(),
                     rod: &rod,
@@ -343,6 +374,7 @@ impl<L: Law> Effect for Registered<L> {
                 angle: variable(at.angle, 2),
                 velocity: [variable(at.velocity[0], 3), variable(at.velocity[1], 4)],
                 angular_velocity: variable(at.angular_velocity, 5),
+                center: at.center.map(DualSVec64::<6>::from),
                 time: at.time.into(),
                 rod: &rod,
             },

@@ -23,7 +23,7 @@ impl Law for ReleaseDrift {
         meaning: "the bending stiffness differs a little from one release to the next",
         kind: Kind::Elastic,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "share",

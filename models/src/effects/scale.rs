@@ -21,7 +21,7 @@ impl Law for Scale {
         meaning: "all lengths are observed too long or too short by one share",
         kind: Kind::Measurement,
         places: &[Place::Sensor],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "relative_error",

@@ -26,7 +26,7 @@ impl Law for SetCurvature {
         meaning: "the rod is bent when nothing loads it, and more so under pressure",
         kind: Kind::Elastic,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {

@@ -26,7 +26,7 @@ impl Law for StiffnessDrift {
         meaning: "the bending stiffness changes during the recording, as the pressure leaks",
         kind: Kind::Elastic,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: true,
         parameters: &[Parameter {
             name: "rate",

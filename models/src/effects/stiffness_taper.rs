@@ -24,7 +24,7 @@ impl Law for StiffnessTaper {
         meaning: "the rod is stiffer at one end than at the other",
         kind: Kind::Elastic,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "taper",

@@ -24,7 +24,7 @@ impl Law for StrainRateCubed {
         meaning: "a loss in bending that grows faster than the rate of bending",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "coefficient",

@@ -23,7 +23,7 @@ impl Law for Stretch {
         meaning: "each edge resists a change of its length in proportion to its stretch",
         kind: Kind::Elastic,
         places: &[Place::Edge],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[],
         looks_like: "the tip swings on a slightly wider path at the bottom of the swing, where the pull is largest",

@@ -22,7 +22,7 @@ impl Law for TipInertia {
         meaning: "the end body resists turning more than its masses say",
         kind: Kind::Inertial,
         places: &[Place::Body],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "rotary_inertia",
@@ -42,7 +42,6 @@ impl Law for TipInertia {
     };
 
     fn body<T: Real>(theta: &[T]) -> Body<T> {
-        let zero = T::from(0.0);
-        Body { mass: zero, center_of_mass: zero, rotary_inertia: theta[0] }
+        Body::of(&[T::from(0.0), T::from(0.0), theta[0]])
     }
 }

@@ -25,7 +25,7 @@ impl Law for TipForce {
         meaning: "a dead force and moment act on the end of the active length",
         kind: Kind::Load,
         places: &[Place::Tip],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             component("force_x", "force along x", "N", 0.1),

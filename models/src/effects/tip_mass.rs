@@ -24,7 +24,7 @@ impl Law for TipMass {
         meaning: "a point mass sits somewhere beyond the end of the rod",
         kind: Kind::Inertial,
         places: &[Place::Body],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[
             Parameter {
@@ -57,6 +57,6 @@ impl Law for TipMass {
     };
 
     fn body<T: Real>(theta: &[T]) -> Body<T> {
-        Body { mass: theta[0], center_of_mass: theta[1], rotary_inertia: T::from(0.0) }
+        Body::of(&[theta[0], theta[1], T::from(0.0)])
     }
 }

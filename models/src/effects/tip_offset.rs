@@ -23,7 +23,7 @@ impl Law for TipOffset {
         meaning: "what is fixed to the end of the rod lies further out than was measured",
         kind: Kind::Inertial,
         places: &[Place::Body],
-        memory: false,
+        memory: 0,
         timed: false,
         parameters: &[Parameter {
             name: "distance",

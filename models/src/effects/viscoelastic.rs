@@ -9,7 +9,8 @@
 //!   z    curvature to which the dashpot has crept               1/m
 //!   τ    relaxation time                                        s
 //!
-//! Assumes:  One relaxation time. The branch is relaxed when the rod is let go.
+//! Assumes:  One relaxation time; for a range of times take `relaxation`. The branch is relaxed in the
+//!           posture of release, unless `[release] history` says otherwise.
 //! Off:      branch_stiffness = 0.
 //! Silent:   Motion much slower than τ. Much faster than τ it only stiffens: EI (1 + g).
 //! Source:   Zener's standard linear solid: Christensen (2003), Theory of Viscoelasticity, ch. 1. Sizes:
@@ -28,7 +29,7 @@ impl Law for Viscoelastic {
         meaning: "a spring and a dashpot in series stand beside the bending stiffness",
         kind: Kind::Dissipative,
         places: &[Place::Bend],
-        memory: true,
+        memory: 1,
         timed: false,
         parameters: &[
             Parameter {
@@ -49,13 +50,13 @@ impl Law for Viscoelastic {
                 default: 0.2,
                 range: (1e-4, 1e4),
                 scale: 0.1,
-                plausible: Some((0.05, 1.0)),
-                tries: &[0.05, 0.2, 0.7],
+                plausible: Some((0.01, 5.0)),
+                tries: &[0.05, 0.2, 1.0],
                 ..Parameter::PLAIN
             },
         ],
         looks_like: "the rod is stiffer in motion than at rest, and loses most at frequencies near 1/τ",
-        confounded_with: &["rayleigh_stiffness", "bend"],
+        confounded_with: &["rayleigh_stiffness", "bend", "relaxation"],
         separated_by: &[Separator::Pressures, Separator::Payload],
         reach: Reach::Muscle,
     };

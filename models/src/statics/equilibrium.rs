@@ -115,7 +115,7 @@ impl<'m> Search<'m> {
     fn new(model: &'m Model) -> Self {
         let (dof, memory) = (model.dof(), model.memory());
         Self {
-            system: System::new(model),
+            system: System::at_rest(model),
             z: vec![0.0; memory],
             z_rate: vec![0.0; memory],
             at_rest: vec![0.0; dof],
@@ -246,9 +246,8 @@ impl<'m> Search<'m> {
     /// bounds of [`Path::leave`] it is seldom needed; either alone settles all but a few rods.
     fn search(&mut self, mut share: f64) {
         let slope_before: f64 = self.force.iter().zip(&self.step).map(|(f, step)| f * step).sum();
-        let arm = self.system.assembly.context.body.center_of_mass;
         for _ in 0..12 {
-            self.path.follow(share, arm);
+            self.path.follow(share);
             if self.path.size * share < 1e-6 {
                 return;
             }
@@ -291,7 +290,7 @@ impl<'m> Search<'m> {
         let end = [self.step[2 * n - 2], self.step[2 * n - 1]];
         let towards = dot(end, [1.0, 1e-3]);
         let share = f64::copysign(PUSH / self.path.size, towards);
-        self.path.follow(share, self.system.assembly.context.body.center_of_mass);
+        self.path.follow(share);
         std::mem::swap(q, &mut self.path.q);
         true
     }

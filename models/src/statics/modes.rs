@@ -35,7 +35,7 @@ pub struct Mode {
 /// [`ModelError::Unstable`] about a posture that is not stable: a mode there grows instead of
 /// swinging.
 pub fn modes(model: &Model, at: &Equilibrium, count: usize) -> Result<Vec<Mode>, ModelError> {
-    let mut system = System::new(model);
+    let mut system = System::at_rest(model);
     let mut force = vec![0.0; model.dof()];
     let at_rest = vec![0.0; model.dof()];
     system.linearise(0.0, &at.q, &at_rest, &at.z, &mut force);

@@ -43,6 +43,7 @@ pub(super) struct Path {
     step: Vec<[f64; 2]>,
     body_angle: f64,
     body_axis: [f64; 2],
+    body_arm: [f64; 2],
     body_turn: f64,
 }
 
@@ -57,6 +58,7 @@ impl Path {
             step: vec![[0.0; 2]; edges],
             body_angle: 0.0,
             body_axis: [0.0; 2],
+            body_arm: [0.0; 2],
             body_turn: 0.0,
         }
     }
@@ -70,6 +72,7 @@ impl Path {
         let n = c.edges;
         self.tangent.copy_from_slice(&f.tangent);
         self.body_axis = f.body_axis;
+        self.body_arm = f.body_arm;
         self.body_angle = q[2 * n];
         self.body_turn = increment[2 * n];
         self.size = 0.0;
@@ -78,8 +81,8 @@ impl Path {
         for j in 0..n {
             let mut end = [increment[2 * j], increment[2 * j + 1]];
             if j + 1 == n {
-                let arm = left(f.body_axis).map(|across| c.body.center_of_mass * across);
-                end = [0, 1].map(|k| end[k] - arm[k] * self.body_turn);
+                let swing = left(f.body_arm);
+                end = [0, 1].map(|k| end[k] - swing[k] * self.body_turn);
             }
             let edge = [0, 1].map(|k| (end[k] - start[k]) * f.per_length[j]);
             start = end;
@@ -103,7 +106,7 @@ impl Path {
     }
 
     /// Goes to a share of the path, counted from its start.
-    pub fn follow(&mut self, share: f64, arm: f64) {
+    pub fn follow(&mut self, share: f64) {
         let n = self.length.len();
         let (mut at, mut rate) = ([0.0; 2], [0.0; 2]);
         for j in 0..n {
@@ -118,11 +121,11 @@ impl Path {
                 self.rate[2 * j + k] = rate[k];
             }
         }
-        let axis = turned(self.body_axis, share * self.body_turn);
-        let across = left(axis);
+        let arm = turned(self.body_arm, share * self.body_turn);
+        let swing = left(arm);
         for k in 0..2 {
-            self.q[2 * n - 2 + k] += arm * axis[k];
-            self.rate[2 * n - 2 + k] += arm * self.body_turn * across[k];
+            self.q[2 * n - 2 + k] += arm[k];
+            self.rate[2 * n - 2 + k] += self.body_turn * swing[k];
         }
         self.q[2 * n] = self.body_angle + share * self.body_turn;
         self.rate[2 * n] = self.body_turn;
@@ -137,9 +140,9 @@ pub(super) fn add_curve(system: &System, force: &[f64], hessian: &mut Banded) {
     let n = c.edges;
     let mut gradient = [-force[2 * n - 2], -force[2 * n - 1]];
     // `X = x_N + c d(φ)` goes along a circle.
-    hessian[(2 * n, 2 * n)] -= c.body.center_of_mass * dot(gradient, f.body_axis);
+    hessian[(2 * n, 2 * n)] -= dot(gradient, f.body_arm);
     // The last node hangs on the body: `x_N = X − c d(φ)`.
-    let arm = left(f.body_axis).map(|across| -c.body.center_of_mass * across);
+    let arm = left(f.body_arm).map(|across| -across);
     for j in (0..n).rev() {
         let (tangent, normal) = (f.tangent[j], left(f.tangent[j]));
         let along = dot(gradient, tangent) * f.per_length[j];
@@ -216,6 +219,7 @@ mod tests {
             effects: vec![
                 effect("pressure_volume", &[("stiffening", 0.1)]),
                 effect("end_fitting", &[("mass", 0.05), ("center_of_mass", 0.02), ("rotary_inertia", 1e-5)]),
+                effect("payload", &[("mass", 0.02), ("center_of_mass", 0.03), ("offset", 0.04)]),
                 effect("tip_load", &[("force_x", 0.4), ("force_z", -0.3), ("moment", 0.02)]),
             ],
             schedule: None,
@@ -236,9 +240,8 @@ mod tests {
         let expected: f64 = product.iter().zip(&increment).map(|(a, b)| a * b).sum();
         let mut path = Path::new(model.edges);
         path.leave(&system, &q, &increment);
-        let arm = system.assembly.context.body.center_of_mass;
         let mut slope = |share: f64| {
-            path.follow(share, arm);
+            path.follow(share);
             system.force(0.0, &path.q, &v, &[], &mut force, &mut []);
             -force.iter().zip(&path.rate).map(|(f, rate)| f * rate).sum::<f64>()
         };

@@ -151,6 +151,7 @@ pub(crate) fn predict(
     let duration = last.max(Sensor::new(&model, model.theta.clone()).instant(last));
     let run = Run {
         initial,
+        history: trial.run.history,
         duration,
         samples: times.clone(),
         method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },

@@ -110,7 +110,7 @@ pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
     for case in cases(&args.source, voice)? {
         let rest = equilibrium(&case.model, None)?;
-        let mut system = System::new(&case.model);
+        let mut system = System::at_rest(&case.model);
         let at_rest = vec![0.0; rest.q.len()];
         let root_moment = root_moment(&mut system, &rest);
         let tip = tip(&system, &rest.q, &at_rest).0;

@@ -51,7 +51,7 @@ pub(super) fn rough(
     without: &Joint,
 ) -> Result<Option<Rough>, CalibrateError> {
     // A memory that turns round needs steps where that happens.
-    let has_own_steps = candidate.effect.about().memory;
+    let has_own_steps = candidate.effect.about().memory > 0;
     let (known, view) = (without.known(), &without.found.view);
     let mut best: Option<Rough> = None;
     for strength in [estimate, candidate.off] {

@@ -73,6 +73,8 @@ pub struct Payload {
     pub mass: f64,
     /// From the end of the active length to its centre of mass, m.
     pub center_of_mass: f64,
+    /// Its centre of mass beside the axis of the end fitting, m, positive to the left looking outwards.
+    pub offset: f64,
     /// About its centre of mass, kg m².
     pub rotary_inertia: f64,
     /// Whether the recording says anything of it.
@@ -235,6 +237,7 @@ impl Payload {
         let values = [
             ("mass", self.mass),
             ("center_of_mass", self.center_of_mass),
+            ("offset", self.offset),
             ("rotary_inertia", self.rotary_inertia),
         ];
         let parameters: &'static [Parameter] =
@@ -263,10 +266,11 @@ fn payload(keys: &Keys) -> Result<Payload, ScenarioError> {
         return Ok(Payload { mass: not_negative(keys, "payload", "kg")?, is_given, ..Payload::default() });
     }
     let table = keys.table("payload")?;
-    table.only(&["mass", "center_of_mass", "rotary_inertia"])?;
+    table.only(&["mass", "center_of_mass", "offset", "rotary_inertia"])?;
     Ok(Payload {
         mass: not_negative(&table, "mass", "kg")?,
         center_of_mass: table.quantity("center_of_mass", "m")?.unwrap_or_default(),
+        offset: table.quantity("offset", "m")?.unwrap_or_default(),
         rotary_inertia: not_negative(&table, "rotary_inertia", "kg m^2")?,
         is_given,
     })

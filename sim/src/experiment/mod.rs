@@ -9,7 +9,7 @@
 //! [[recording]]
 //! file = "15psi.csv"             # relative to this file
 //! pressure = "15 psi"            # needed with a [muscle]
-//! payload = "80 g"               # or { mass = "80 g", center_of_mass = "1 in", rotary_inertia = … }
+//! payload = "80 g"               # or { mass = "80 g", center_of_mass = "1 in", offset = …, rotary_inertia = … }
 //! tip = ["Tip - 1", "Tip - 2"]   # one marker, or several whose centroid it is
 //! body = [{ marker = "M3", at = "120 mm" }]   # from the clamp, or a share of the active length
 //! base = ["Base - 1", "Base - 2", "Base - 3"] # or one rigid body

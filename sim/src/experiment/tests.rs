@@ -23,7 +23,7 @@ fn error(text: &str, overrides: &[&str]) -> String {
 #[test]
 fn every_key_is_read() {
     let text = "name = \"beam\"\n[[recording]]\nfile = \"a/15psi.csv\"\npressure = \"15 psi\"\n\
-        payload = { mass = \"80 g\", center_of_mass = \"1 in\" }\ntip = [\"T1\", \"T2\"]\n\
+        payload = { mass = \"80 g\", center_of_mass = \"1 in\", offset = \"-4 mm\" }\ntip = [\"T1\", \"T2\"]\n\
         body = [{ marker = \"M\", at = \"50 mm\" }, { marker = \"N\", at = 0.7 }]\nbase = \"Base\"\n\
         unit = \"mm\"\nrate = \"100 Hz\"\nup = \"+x\"\nalong = [0, 0, 2]\nclamp = [\"1 mm\", \"0 m\", \"0 m\"]\n\
         base_angle = \"5 deg\"\nangle = \"10 deg\"\noffset = [\"0 mm\", \"22 mm\"]\ninstants = [\"0.71 s\", \"3 s\"]\ninstant_error = \"2 ms\"\nkeep = [1]\n\
@@ -36,7 +36,7 @@ fn every_key_is_read() {
     assert_eq!((entry.name.as_str(), entry.key.as_str()), ("15psi.csv", "recording[1]"));
     assert_eq!(
         entry.payload,
-        Payload { mass: 0.08, center_of_mass: 0.0254, rotary_inertia: 0.0, is_given: true }
+        Payload { mass: 0.08, center_of_mass: 0.0254, offset: -0.004, rotary_inertia: 0.0, is_given: true }
     );
     assert_eq!(entry.body[0].at, At::Length(0.05));
     assert_eq!(entry.body[1].at, At::Share(0.7));

@@ -254,6 +254,7 @@ impl<'p, 'm> Pilot<'p, 'm> {
         if before.number_of_steps >= self.control.most_steps {
             return Err(IntegrateError::TooManySteps { time: self.time, steps: before.number_of_steps });
         }
+        self.problem.eqn.begin_step(self.time);
         if self.at_stop {
             self.leave_stop();
         }
@@ -284,12 +285,14 @@ impl<'p, 'm> Pilot<'p, 'm> {
         Ok(())
     }
 
-    /// Goes on after a stop with the step that it cut short.
+    /// Goes on after a stop with the step that it cut short, and with the rate behind it: the last step's
+    /// is that before a kink of the schedule.
     fn leave_stop(&mut self) {
         let time = self.time;
         let state = self.solver.state_mut();
         *state.t = time;
         *state.h = state.h.max(self.stride);
+        NonLinearOp::call_inplace(&self.problem.eqn, state.y, time, state.dy);
         self.at_stop = false;
     }
 

@@ -213,6 +213,7 @@ impl Stepper for Rosenbrock<'_> {
         if self.effort.steps >= self.control.most_steps {
             return Err(IntegrateError::TooManySteps { time, steps: self.effort.steps });
         }
+        self.system.begin_step(time);
         let State { q, v, z, .. } = &self.state;
         self.system.linearise_into(time, q, v, z, &mut self.start_force, &mut self.start_z_rate);
         self.effort.linearisations += 1;

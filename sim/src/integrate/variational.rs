@@ -158,6 +158,7 @@ impl<'m> Variational<'m> {
         let (begin, end) = (stepper.step_start(), stepper.state().time);
         let h = end - begin;
         let a = 1.0 / (GAMMA * h);
+        self.system.begin_step(begin);
         for (start, slopes) in self.start.iter_mut().zip(&self.slopes) {
             start.copy_from(slopes);
         }

@@ -32,7 +32,7 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
     let model = &frozen(model, time)?;
     let found = equilibrium(model, None)?;
     let at_rest = vec![0.0; found.q.len()];
-    let mut system = System::new(model);
+    let mut system = System::at_rest(model);
     let posture = system.assembly.posture(&found.q, &at_rest);
     let (tip, _) = forward::tip(&system, &found.q, &at_rest);
     let in_hertz =
@@ -55,11 +55,11 @@ fn frozen(model: &Model, time: f64) -> Result<Model, ModelError> {
         return Ok(frozen);
     };
     let paths = ["rod.length", "rod.bending_stiffness", "rod.axial_stiffness", "rod.diameter"];
-    for (path, (factor, _)) in paths.into_iter().zip(schedule.factors(time)) {
+    for (path, [factor, ..]) in paths.into_iter().zip(schedule.factors(time, time)) {
         let value = factor * frozen.theta[frozen.index(path)?];
         frozen.set(path, value)?;
     }
-    let pressure = frozen.rod().pressure + schedule.pressure_change(time).0;
+    let pressure = frozen.rod().pressure + schedule.pressure_change(time, time).0;
     frozen.set("rod.pressure", pressure)?;
     Ok(frozen)
 }

@@ -235,6 +235,12 @@ pub(super) fn page(
         ("nodes".to_owned(), settings.nodes.to_string()),
         ("scheme".to_owned(), settings.scheme.clone()),
         ("starts from".to_owned(), settings.initial.clone()),
+        (
+            "before the release".to_owned(),
+            settings.history_s.map_or("memory relaxed there".to_owned(), |[hung, raised, held]| {
+                format!("hung for {hung} s, raised in {raised} s, held for {held} s")
+            }),
+        ),
         ("simulated".to_owned(), format!("{} s, {} samples", summary.simulated_s, summary.samples)),
         ("steps".to_owned(), format!("{}, {} rejected", summary.effort.steps, summary.effort.rejected)),
     ];

@@ -184,6 +184,10 @@ pub struct Settings {
     pub scheme: String,
     /// From where it starts: `straight`, `equilibrium` or `posture`.
     pub initial: String,
+    /// How long the rod hung, was raised and was held before its release; none where the memory of effects is
+    /// relaxed in the posture of release.
+    #[serde(default)]
+    pub history_s: Option<[f64; 3]>,
     /// Time asked for.
     pub duration_s: f64,
     /// Time between samples, if they are evenly spaced.
@@ -411,6 +415,7 @@ fn settings(model: &Model, run: &Run) -> Settings {
         nodes: model.edges + 1,
         scheme: scheme.to_owned(),
         initial: initial.to_owned(),
+        history_s: run.history.map(|history| [history.hung, history.raised, history.held]),
         duration_s: run.duration,
         sampling_s: sampling(&run.samples),
         effects: model.effects.iter().map(|active| active.effect.about().name.to_owned()).collect(),

@@ -125,6 +125,10 @@ impl Builder<'_> {
             From::Points(points) => self.curve(points, &model, &mut warnings)?,
         };
         let run = Run { initial, ..plan.run.clone() };
+        if run.history.is_some() && model.memory() == 0 {
+            warnings
+                .push("release.history: no effect of this model has a memory, so it changes nothing".into());
+        }
         let goal = Goal {
             accuracy: plan.accuracy,
             chooses_mesh: plan.nodes.is_none() && plan.scheme == Scheme::Consistent,
@@ -331,6 +335,9 @@ fn of_muscle(muscle: &MusclePlan, at: &AtPressure) -> Vec<(String, Vec<(String, 
             ],
         ),
     ];
+    if muscle.mass == MassPlan::Conserved {
+        effects.push(of("enclosed_air", &[("inner_diameter", at.inner_diameter)]));
+    }
     effects.extend(at.rayleigh_mass.map(|alpha| of("rayleigh_mass", &[("alpha", alpha)])));
     effects.extend(at.rayleigh_stiffness.map(|beta| of("rayleigh_stiffness", &[("beta", beta)])));
     effects

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use models::effects::{self, CATALOGUE, Parameter};
+use models::history::History;
 use models::model::Scheme;
 use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
 
@@ -145,8 +146,9 @@ impl Plan {
             &[&["nodes", "scheme", "root", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat(),
         )?;
         let release = keys.table("release")?;
-        release.only(&["angle", "angular_velocity", "from", "posture", "nodes", "hold"])?;
+        release.only(&["angle", "angular_velocity", "from", "posture", "nodes", "hold", "history"])?;
         let RunPlan { rate, accuracy, chooses_tolerance, run } = read_run(&keys)?;
+        let run = Run { history: read_history(&release)?, ..run };
         let schemes = [("consistent", Scheme::Consistent), ("paper", Scheme::Paper)];
         // `root` is what the key was called while it decided of nothing else.
         let scheme = if rod.has("root") { "root" } else { "scheme" };
@@ -330,6 +332,24 @@ fn read_from(document: &Document, release: &Keys, has_muscle: bool) -> Result<Fr
         pressure: hold.quantity("pressure", "Pa")?,
         rod: read_rod(&rod)?,
         effects: read_effects(&hold.table("effects")?)?,
+    }))
+}
+
+fn read_history(release: &Keys) -> Result<Option<History>, ScenarioError> {
+    let history = release.table("history")?;
+    if !history.is_given() {
+        return Ok(None);
+    }
+    history.only(&["hung", "raised", "held"])?;
+    let not_negative = |key: &'static str, example: &'static str| {
+        let time = history.quantity_that(key, "s", "not be negative", |time| time >= 0.0)?;
+        time.ok_or_else(|| history.missing(key, example))
+    };
+    let raised = history.quantity_that("raised", "s", "be positive", |time| time > 0.0)?;
+    Ok(Some(History {
+        hung: not_negative("hung", "hung = \"20 s\"")?,
+        raised: raised.ok_or_else(|| history.missing("raised", "raised = \"3 s\""))?,
+        held: not_negative("held", "held = \"5 s\"")?,
     }))
 }
 

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use models::history::History;
 use models::model::{Model, Scheme};
 use models::muscle::Extrapolation;
 
@@ -31,6 +32,10 @@ pub(super) fn text(case: &Case, plan: &Plan) -> String {
             }
             out += "]\n";
         }
+    }
+    if let Some(History { hung, raised, held }) = run.history {
+        let [hung, raised, held] = [hung, raised, held].map(|time| si(time, "s"));
+        put(&mut out, "history", format!("{{ hung = {hung}, raised = {raised}, held = {held} }}"));
     }
     if let Initial::Equilibrium { hold, own } = &run.initial {
         parameters(&mut out, "release.hold.", hold, own);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use models::effects::CATALOGUE;
+use models::history::History;
 use models::quantity::Unit;
 
 use super::*;
@@ -46,6 +47,8 @@ fn a_muscle_gives_rod_end_fitting_and_gravity() {
     assert_eq!(case.run.samples.len(), 2001);
     let own = one(MUSCLE, &["muscle.mass=per_length", "rod.tip=0 m", "rod.bending_stiffness=1 N m^2"]);
     assert_eq!(value(&own, "rod.mass"), 0.14227 * (7.99 * 0.0254));
+    assert_eq!(value(&case, "effects.enclosed_air.inner_diameter"), 0.98 * 0.0254);
+    assert!(own.model.effect("enclosed_air").is_none(), "the paper's way");
     assert_eq!(own.model.tip_distance, 0.0);
     assert_eq!(value(&own, "rod.bending_stiffness"), 1.0);
 }
@@ -75,6 +78,8 @@ fn a_resolved_case_gives_the_same_model_and_run() {
         (format!("{MUSCLE}{points}"), &["run.rate=77.7 Hz", "integrator.fixed_step=0.3 ms"]),
         (format!("{ROD}{points}"), &["rod.length=0.21 m", "integrator.tolerance=1e-7"]),
         (ROD.to_owned(), &["rod.diameter=3.3 mm", "effects.viscoelastic.branch_stiffness=0.123"]),
+        (format!("{ROD}{HUNG}"), &["effects.creep.creep_time=9 s", "release.history.held=0.7 s"]),
+        (format!("{MUSCLE}{HUNG}"), &["effects.dahl.exponent=2", "effects.payload.offset=-3 mm"]),
     ] {
         let case = one(&text, overrides);
         let again = one(&case.resolved(), &[]);
@@ -87,6 +92,7 @@ fn a_resolved_case_gives_the_same_model_and_run() {
         let (a, b) = (&again.run, &case.run);
         assert_eq!((a.duration, &a.samples, a.method), (b.duration, &b.samples, b.method));
         assert_eq!((a.tolerance, a.fixed_step, a.most_steps), (b.tolerance, b.fixed_step, b.most_steps));
+        assert_eq!(a.history, b.history);
         match (&a.initial, &b.initial) {
             (Initial::Straight, Initial::Straight) => {}
             (Initial::Posture(a), Initial::Posture(b)) => assert_eq!(a, b),
@@ -100,11 +106,34 @@ fn a_resolved_case_gives_the_same_model_and_run() {
         if let (Some(a), Some(b)) = (&again.model.schedule, &case.model.schedule) {
             assert_eq!(a.breakpoints(), b.breakpoints());
             for time in [0.0, 0.123, 3.0, 5.1, 7.0] {
-                assert_eq!(a.factors(time), b.factors(time));
-                assert_eq!(a.pressure_change(time), b.pressure_change(time));
+                assert_eq!(a.factors(time, time), b.factors(time, time));
+                assert_eq!(a.pressure_change(time, time), b.pressure_change(time, time));
             }
         }
         assert_eq!(again.resolved(), case.resolved());
+    }
+}
+
+const HUNG: &str = "[release]\nhistory = { hung = \"20 s\", raised = \"3 s\", held = \"5 s\" }\n";
+
+#[test]
+fn a_history_needs_its_three_times_and_something_that_remembers() {
+    let creeps = ["effects.creep.creep_time=9 s".to_owned()];
+    let case = one(&format!("{MUSCLE}{HUNG}"), &["effects.creep.creep_time=9 s"]);
+    assert_eq!(case.run.history, Some(History { hung: 20.0, raised: 3.0, held: 5.0 }));
+    assert_eq!(case.warnings, [""; 0]);
+    let [warning] = &one(&format!("{MUSCLE}{HUNG}"), &[]).warnings[..] else { panic!("one warning") };
+    assert!(warning.contains("release.history") && warning.contains("memory"), "{warning}");
+    for (wrong, words) in [
+        ("{ hung = \"20 s\", held = \"5 s\" }", "release.history.raised"),
+        ("{ hung = \"20 s\", raised = \"0 s\", held = \"5 s\" }", "be positive"),
+        ("{ hung = \"-1 s\", raised = \"2 s\", held = \"5 s\" }", "not be negative"),
+        ("{ hung = \"20 s\", lifted = \"2 s\", held = \"5 s\" }", "release.history.lifted"),
+        ("\"20 s\"", "release.history"),
+    ] {
+        let text = format!("{MUSCLE}[release]\nhistory = {wrong}\n");
+        let error = Scenario::parse(Path::new("s.toml"), &text, &creeps).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
     }
 }
 

@@ -16,7 +16,7 @@ pub enum Kind {
 }
 
 /// Keys beside those of a rod and of effects.
-const OTHERS: [(&str, Kind); 17] = [
+const OTHERS: [(&str, Kind); 20] = [
     ("muscle.name", Kind::Word),
     ("muscle.pressure", Kind::Quantity("Pa")),
     ("muscle.stiffness", Kind::Word),
@@ -29,6 +29,9 @@ const OTHERS: [(&str, Kind); 17] = [
     ("release.angle", Kind::Quantity("rad")),
     ("release.angular_velocity", Kind::Quantity("rad/s")),
     ("release.hold.pressure", Kind::Quantity("Pa")),
+    ("release.history.hung", Kind::Quantity("s")),
+    ("release.history.raised", Kind::Quantity("s")),
+    ("release.history.held", Kind::Quantity("s")),
     ("run.duration", Kind::Quantity("s")),
     ("run.rate", Kind::Quantity("Hz")),
     ("integrator.method", Kind::Word),

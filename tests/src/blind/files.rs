@@ -10,6 +10,7 @@ use sim::calibrate::{Parameter, Problem, Scale, Scope};
 use sim::experiment::release::{Point, Release};
 
 use super::truth::Truth;
+use crate::twin::AS_DRAWN;
 use crate::twin::drawn::{Drawn, Plan};
 use crate::twin::lab::millimetres;
 
@@ -36,7 +37,7 @@ pub fn experiment(name: &str, problem: &Problem, drawn: &Drawn) -> String {
     let value = |path: &str| model.theta[model.index(path).expect("it is there")];
     let mut text = format!(
         "# Drawn by blind_bench. What is hidden stands in truth.csv, which no diagnosis reads.\n\
-         name = \"{name}\"\n\n[muscle]\nname = \"garbulinski-2022\"\n\n[rod]\nnodes = {}\n",
+         name = \"{name}\"\n\n[muscle]\nname = \"garbulinski-2022\"\n\n[rod]\nnodes = {}\n\n{AS_DRAWN}",
         model.edges + 1
     );
     for (effect, parameter, unit) in [

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use sim::experiment::release::Release;
 
+use super::AS_DRAWN;
 use super::drawn::{Plan, Priors};
 use super::hidden::Hidden;
 
@@ -131,7 +132,7 @@ impl Lab {
              # integrator with the model below. {}, hold, offset and tilt are off by what a laboratory\n\
              # would not notice. To the bit again from the project's root by\n\
              #   cargo run -p tests --bin draw_experiment -- {}\n\
-             name = \"{}\"\n\n[muscle]\nname = \"garbulinski-2022\"\n\n\
+             name = \"{}\"\n\n[muscle]\nname = \"garbulinski-2022\"\n\n{AS_DRAWN}\n\
              [effects.rayleigh_mass]\nalpha = \"{:.1} 1/s\"             # a first value; it is fitted\n\n\
              [effects.rayleigh_stiffness]\nbeta = \"{} ms\"               # likewise\n",
             if self.is_static { "Masses" } else { "EI, masses" },

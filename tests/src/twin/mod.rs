@@ -38,12 +38,16 @@ fn table(psi: f64) -> (Muscle, AtPressure) {
     (muscle, at)
 }
 
+/// What the file of an experiment has to say of the muscle that [`muscle`] makes: its fitting is a point
+/// mass, and no air is in it.
+pub const AS_DRAWN: &str = "[effects.end_fitting]\nrotary_inertia = \"0 kg m^2\"  # as drawn: a point mass\n\n\
+    [effects.enclosed_air]\ninner_diameter = \"0 m\"       # as drawn: without air\n";
+
 /// The twin of the paper's muscle at a pressure, psi, with Rayleigh damping `alpha`, 1/s, and `beta`, s.
 pub fn muscle(psi: f64, elements: usize, alpha: f64, beta: f64) -> beam::Beam {
     let (muscle, at) = table(psi);
     let fitting = muscle.end_fitting;
-    let fitting =
-        beam::Body { mass: fitting.mass, center: fitting.center_of_mass, inertia: fitting.rotary_inertia };
+    let fitting = beam::Body { mass: fitting.mass, center: fitting.center_of_mass, inertia: 0.0 };
     beam::Beam {
         elements,
         length: at.length,

@@ -55,6 +55,12 @@ impl<'m> Equations<'m> {
     pub(super) fn dof(&self) -> usize {
         self.system.borrow().mass.len()
     }
+
+    /// See [`System::begin_step`].
+    pub(super) fn begin_step(&self, time: f64) {
+        self.system.borrow_mut().begin_step(time);
+        self.tangents.borrow_mut().system.begin_step(time);
+    }
 }
 
 /// `q`, `v` and `z` in a vector of diffsol.

@@ -14,6 +14,8 @@ use sim::trajectory::Trajectory;
 use tests::{paper_spec, simulate};
 
 use models::model::Model;
+use models::statics::{equilibrium, modes};
+use models::system::System;
 
 /// Curvature at the root when it is let go, 1/m; the end then stands 3 % of the length aside.
 const ROOT_CURVATURE: f64 = 0.5;
@@ -189,4 +191,50 @@ fn stiffness_drift_lowers_the_frequency_with_time() {
     // A slow change leaves out terms of (λ/ω)², and the phase of the start, λ/ω of a radian.
     let tolerance = rate / steady.angular_frequency().powi(2);
     assert!((found - expected).abs() < tolerance, "{found} against {expected} s");
+}
+
+/// Small swings about the hanging rest at 40 psi: what a cycle takes of the amplitude, from the extent of the
+/// third and the fourth swing, let go from `millimetres` beside the rest.
+fn decrement(psi: f64, millimetres: f64, effect: &[(&str, f64)]) -> (Model, f64) {
+    let model = |force: f64| {
+        Model::new(&paper_spec(psi, EDGES + 1, &[&[("tip_load.force_z", force)][..], effect].concat()))
+            .expect("valid")
+    };
+    let tip = |force: f64| {
+        let rest = equilibrium(&model(force), None).expect("it hangs");
+        let model = model(force);
+        sim::forward::tip(&System::new(&model), &rest.q, &vec![0.0; rest.q.len()]).0[1]
+    };
+    // The rest moves in proportion to a small force.
+    let per_newton = (tip(1e-3) - tip(-1e-3)) / 2e-3;
+    let hold = model(1e-3 * millimetres / per_newton);
+    let (free, initial) = (model(0.0), Initial::Equilibrium { hold: Box::new(hold), own: vec![] });
+    let run = Run { initial, method: Method::Rodas4, tolerance: 1e-9, ..Run::release(6.0, 1000.0) };
+    let path = simulate(&free, &run);
+    let z = path.tip_z();
+    let turns = (1..z.len() - 1).filter(|&k| (z[k] - z[k - 1]) * (z[k + 1] - z[k]) < 0.0);
+    let turns: Vec<f64> = turns.map(|k| z[k]).collect();
+    let extent = |k: usize| (turns[k + 1] - turns[k]).abs();
+    let ratio = (extent(4) / extent(6)).ln();
+    (free, ratio / (4.0 * std::f64::consts::PI.powi(2) + ratio * ratio).sqrt())
+}
+
+/// About a bent rest structural damping takes the same share of every swing, small or large, and that of the
+/// mode; `hysteresis` takes the larger a share, the smaller the swing.
+#[test]
+fn structural_damping_takes_the_same_share_of_small_and_large_swings() {
+    for psi in [15.0, 40.0, 70.0] {
+        let effect = [("structural_damping.loss_factor", 0.1)];
+        let damping = [0.2, 1.0, 5.0].map(|size| decrement(psi, size, &effect));
+        let rest = equilibrium(&damping[0].0, None).expect("it hangs");
+        let mode = modes(&damping[0].0, &rest, 1).expect("stable")[0].damping_ratio;
+        println!("{psi}: mode {mode}, {:?}", damping.each_ref().map(|d| d.1));
+        for (_, found) in &damping {
+            assert!((found / mode - 1.0).abs() < 0.02, "{psi} psi: {found}, mode {mode}");
+        }
+    }
+    let [small, large] =
+        [1.0, 5.0].map(|size| decrement(40.0, size, &[("hysteresis.loss_coefficient", 0.03)]).1);
+    println!("hysteresis {small} {large}");
+    assert!(small > 1.5 * large, "{small}, {large}");
 }

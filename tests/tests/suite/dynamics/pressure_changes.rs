@@ -58,3 +58,56 @@ fn closes(path: &Trajectory) {
     let work = path.energy[path.energy.len() - 1].supplied.abs();
     assert!(work > 1e-3 * released, "there is work to account for: {work} J");
 }
+
+/// What is dissipated in a fast ramp never comes back, and what damping resists is paid by the regulator.
+#[test]
+fn a_fast_ramp_dissipates_and_closes_the_budget() {
+    let rows = [(0.0, 15.0 * PSI), (0.3, 15.0 * PSI), (0.32, 20.0 * PSI)];
+    let model = drifting(&rows, 1.0, &[("rayleigh_stiffness.beta", 8e-3)]);
+    let path = simulate(&model, &Run { energy: true, tolerance: 1e-8, ..Run::release(1.0, 1000.0) });
+    closes(&path);
+    for (before, after) in path.energy.iter().zip(&path.energy[1..]) {
+        assert!(after.dissipated >= before.dissipated - 1e-12, "{} J come back", before.dissipated);
+    }
+}
+
+/// Goal: stiffness damping in a ramp, against one equation. Setup: a rod of hardly any mass in line with
+/// its clamp, without weight, with the end fitting on it; from 15 to 20 psi in 20 ms. Expected:
+/// `m ẍ = −EA ε − β EA ε̇` with `ε = x/L − 1` and `L` and `EA` of the table, by Runge and Kutta's
+/// fourth-order method; the rod's own 1e-6 of the mass moves the end by as much of the ramp's 22 mm.
+#[test]
+fn a_ramp_stretches_a_mass_as_one_equation_says() {
+    let rows = [(0.0, 15.0 * PSI), (0.01, 15.0 * PSI), (0.03, 20.0 * PSI)];
+    let beta = 8e-3;
+    let mut model = drifting(&rows, 0.0, &[("rayleigh_stiffness.beta", beta), ("gravity.acceleration", 0.0)]);
+    let mass = model.theta[model.index("effects.end_fitting.mass").expect("baseline")];
+    model.set("rod.mass", 1e-6 * mass).expect("positive");
+    let arm = model.tip_distance;
+    let path = simulate(&model, &Run { tolerance: 1e-7, ..Run::release(0.2, 1000.0) });
+    let schedule = model.schedule.clone().expect("it has one");
+    let rod = model.rod();
+    let acceleration = |time: f64, since: f64, x: f64, v: f64| {
+        let [[length, rate, _], _, [axial, ..], _] = schedule.factors(time, since);
+        let (length, rate) = (rod.length * length, rod.length * rate);
+        let (strain, strain_rate) = (x / length - 1.0, (v - x * rate / length) / length);
+        -rod.axial_stiffness * axial * (strain + beta * strain_rate) / mass
+    };
+    let (mut x, mut v, step) = (rod.length, 0.0, 1e-6);
+    let mut worst: f64 = 0.0;
+    for k in 0..200_000 {
+        let time = step * f64::from(k);
+        if k % 1000 == 0 {
+            worst = worst.max((path.tip[k as usize / 1000][0] - arm - x).abs());
+        }
+        // A step lies on one side of a kink.
+        let since = time + 1e-9 * step;
+        let of = |share: f64, x: f64, v: f64| [v, acceleration(time + share * step, since, x, v)];
+        let a = of(0.0, x, v);
+        let b = of(0.5, x + 0.5 * step * a[0], v + 0.5 * step * a[1]);
+        let c = of(0.5, x + 0.5 * step * b[0], v + 0.5 * step * b[1]);
+        let d = of(1.0, x + step * c[0], v + step * c[1]);
+        x += step / 6.0 * (a[0] + 2.0 * (b[0] + c[0]) + d[0]);
+        v += step / 6.0 * (a[1] + 2.0 * (b[1] + c[1]) + d[1]);
+    }
+    assert!(worst < 2e-7, "{worst} m");
+}

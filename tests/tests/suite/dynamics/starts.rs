@@ -1,6 +1,7 @@
 //! Where a run may start: at rest it stays; held under another load it is let go from there; a
 //! mirrored posture gives the mirrored swing.
 
+use models::history::History;
 use models::model::Model;
 use models::posture::Posture;
 use models::statics::equilibrium;
@@ -64,4 +65,28 @@ fn mirrored_it_swings_mirrored() {
     // Rounding moves the choice of steps, so that the two differ by the error of the integration:
     // some ten times the tolerance times the length.
     assert!(distance < 1e-7, "{distance} m");
+}
+
+/// Creep of a tenth in 10 s. A rod that was held for long in the posture of release starts as one whose
+/// memory is relaxed there. One that hung for 20 s, was raised in 3 s and held for 5 s remembers most of
+/// its hanging: the branch pulls it down, so that it begins lower.
+#[test]
+fn what_went_before_moves_the_swing() {
+    let model = paper(
+        40.0,
+        32,
+        &[("rayleigh_mass.alpha", 1.0), ("creep.creep_stiffness", 0.1), ("creep.creep_time", 10.0)],
+    );
+    let run = Run { tolerance: 1e-7, ..Run::release(8.0, 100.0) };
+    let with = |history| simulate(&model, &Run { history, ..run.clone() });
+    let relaxed = with(None);
+    let long = with(Some(History { hung: 20.0, raised: 3.0, held: 1e3 }));
+    assert!(rms(&relaxed, &long) < 1e-8, "{} m", rms(&relaxed, &long));
+    let hung = with(Some(History { hung: 20.0, raised: 3.0, held: 5.0 }));
+    let mean =
+        |of: &dyn Fn(usize) -> f64| (0..relaxed.tip.len()).map(of).sum::<f64>() / relaxed.tip.len() as f64;
+    let lower = mean(&|k| relaxed.tip[k][1] - hung.tip[k][1]);
+    let apart = rms(&relaxed, &hung);
+    println!("mean {lower} rms {apart}");
+    assert!(lower > 1e-3 && lower < 5e-3, "{lower} m lower in the mean");
 }

@@ -8,11 +8,13 @@ use models::model::{Model, ModelSpec};
 use sim::forward::Run;
 use tests::{paper_spec, simulate};
 
-/// Friction turns round over a curvature of 0.01 1/m, of which a camera sees nothing: the one constant of the laws
-/// that is no parameter.
-const HAS_A_LENGTH: [&str; 3] = ["braid_friction", "clamp_friction", "hysteresis"];
+/// Friction turns round over a curvature of 0.01 1/m, of which a camera sees nothing.
+const HAS_A_LENGTH: [&str; 4] = ["braid_friction", "friction_over_pressure", "clamp_friction", "hysteresis"];
 /// The description's sign is smooth over 0.5 1/(m s).
 const HAS_A_RATE: [&str; 1] = ["latent_moment"];
+
+/// Air is a substance: it has a gas constant, a temperature and an ambient pressure.
+const HAS_A_GAS: [&str; 1] = ["enclosed_air"];
 
 /// By what lengths, times and masses are multiplied.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +48,7 @@ impl Larger {
             "kg" => mass,
             "N" => mass * length / (time * time),
             "Pa" => mass / (length * time * time),
+            "Hz" => time.recip(),
             "1" | "rad" => 1.0,
             other => panic!("the unit {other} is not known here"),
         };
@@ -114,7 +117,9 @@ fn every_effect_scales_with_lengths_times_and_masses() {
     for name in CATALOGUE.iter().map(|effect| effect.about().name) {
         let twice = [Larger { length: 2.0, ..one }, Larger { time: 2.0, ..one }, Larger { mass: 2.0, ..one }];
         for (k, larger) in twice.into_iter().enumerate() {
-            let hides = (k == 0 && HAS_A_LENGTH.contains(&name)) || (k < 2 && HAS_A_RATE.contains(&name));
+            let hides = (k == 0 && HAS_A_LENGTH.contains(&name))
+                || (k < 2 && HAS_A_RATE.contains(&name))
+                || HAS_A_GAS.contains(&name);
             let apart = apart(name, larger);
             assert!(hides || apart < 1e-9, "{name}, {larger:?}: {apart:e} m");
             assert!(!hides || apart > 1e-9, "{name} hides nothing any more: {apart:e} m");
