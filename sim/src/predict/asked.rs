@@ -34,7 +34,7 @@ impl Asked {
     pub fn muscle(muscle: &str) -> Self {
         let quoted = |text: &str| toml::Value::from(text).to_string();
         let key = if BUILT_IN.iter().any(|(name, _)| *name == muscle) { "name" } else { "file" };
-        let text = format!("[muscle]\n{key} = {}\nextrapolation = \"allowed\"\n", quoted(muscle));
+        let text = format!("[muscle]\n{key} = {}\n", quoted(muscle));
         Self { path: PathBuf::from("prediction.toml"), text, ..Self::default() }
     }
 

@@ -17,6 +17,7 @@ mod dynamics {
     mod starts;
 }
 mod inverse {
+    mod between_pressures;
     mod blind_files;
     mod chain;
     mod coverage;

@@ -57,7 +57,9 @@ fn foretold(seed: u64) -> Vec<Cell> {
     let problem = all_fitted(&Plan::of_two_angles(&[]).draw(seed));
     let outcome = calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit");
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
-    let file = muscle_file(&muscle, &outcome.calibration, None, "twin").expect("a muscle").expect("columns");
+    let file = muscle_file(&muscle, &outcome.calibration, None, "pder_32", "twin")
+        .expect("a muscle")
+        .expect("columns");
     let text =
         format!("[muscle]\ntext = {}\n[run]\nduration = \"{SECONDS} s\"\n", toml::Value::from(file.text));
     let asked = Asked::scenario(Path::new("twin.toml"), text);
