@@ -65,7 +65,7 @@ fn foretold(seed: u64) -> Vec<Cell> {
     let asked = Asked::scenario(Path::new("twin.toml"), text);
     let (case, known) = asked.case(Some(PRESSURE * PSI), Some(0.0)).expect("a case");
     let mut asked = asked;
-    asked.payload_center = Some(case.model.tip_distance);
+    asked.release.payload_center = Some(case.model.tip_distance);
     let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
     let grid = grid("twin", (&[PRESSURE * PSI], &PAYLOADS), &make, known.as_ref(), &|| ());
     grid.expect("a grid").cells
