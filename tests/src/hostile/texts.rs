@@ -97,6 +97,7 @@ fn short(experiment: &Experiment) -> Cleaned {
             recording,
             number,
             instant: 1.0,
+            swings_until: 0.02,
             angle: None,
             dropped: None,
             representative: false,
