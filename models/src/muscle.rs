@@ -5,6 +5,7 @@
 //! `models/muscles/garbulinski-2022.toml` is the example, built in, and [`Muscle::from_toml`] reads
 //! any other.
 
+mod between;
 mod error;
 mod known;
 mod read;
@@ -16,8 +17,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::interpolate::Pchip;
 
+pub use between::Interpolation;
 pub use error::MuscleError;
-pub use known::{Knob, Known, KnownAt};
+pub use known::{Here, Knob, Known, KnownAt};
 pub use write::{CALIBRATED, CalibratedColumn, Found};
 
 /// Names of the built-in muscles, and their data.

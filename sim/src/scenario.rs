@@ -37,6 +37,7 @@ pub(crate) mod document;
 mod error;
 pub(crate) mod plan;
 mod posture;
+mod release;
 pub(crate) mod resolved;
 
 use std::path::{Path, PathBuf};
@@ -52,6 +53,7 @@ use crate::results::rest::rest;
 use document::Document;
 pub use error::{At, Problem, ScenarioError};
 use plan::Plan;
+pub use release::ReleaseOptions;
 
 /// What to simulate, read and checked.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::MuscleError;
-use crate::interpolate::Pchip;
+use super::between::{self, Interpolation};
 
 /// What a calibration says of the numbers that it put into a muscle file: the section `[calibration]`, SI.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -19,6 +19,9 @@ pub struct Known {
     pub excursion_m: f64,
     /// Nodes of the mesh that the numbers belong to; none where its error was removed.
     pub nodes: Option<usize>,
+    /// How parameters are interpolated between calibrated pressures, and how far that may be off.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub interpolation: Vec<Interpolation>,
     /// The numbers.
     pub parameter: Vec<Knob>,
 }
@@ -44,29 +47,53 @@ pub struct Knob {
 pub struct KnownAt {
     /// Paths of the parameters.
     pub paths: Vec<String>,
-    /// Their covariance, shape `[paths][paths]`.
+    /// Their covariance, shape `[paths][paths]`: errors of the calibration and of interpolation together.
     pub covariance: Vec<Vec<f64>>,
-    /// Those that the data did not determine: their standard error is taken to be their value.
-    pub undetermined: Vec<String>,
+    /// Standard deviation of each that interpolation over pressure adds, in the parameter's SI unit; zero at a
+    /// calibrated pressure.
+    pub interpolated: Vec<f64>,
+    /// Those that the data did not determine: without a standard error, or with a 95 % interval that includes zero.
+    pub undetermined: Vec<Knob>,
 }
 
+/// A parameter of the model that is asked about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Here {
+    /// Its value at the pressure that is asked about.
+    pub value: f64,
+    /// Its typical size: the standard deviation that is taken where the data determine none.
+    pub scale: f64,
+}
+
+/// Standard errors from a value to the end of its 95 % interval.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+
 impl Known {
-    /// What is known at a pressure, Pa: between those that were calibrated as the interpolation of a muscle's
-    /// table carries it over, beyond them as at the nearest.
-    pub fn at(&self, pressure: f64) -> KnownAt {
-        let mut known = KnownAt::default();
-        let mut weights: Vec<Vec<f64>> = Vec::new();
+    /// Paths of the parameters, each once.
+    pub fn paths(&self) -> Vec<&str> {
+        let mut paths: Vec<&str> = Vec::new();
         for knob in &self.parameter {
-            if !known.paths.contains(&knob.path) {
-                known.paths.push(knob.path.clone());
-                weights.push(self.weights(&knob.path, pressure));
+            if !paths.contains(&knob.path.as_str()) {
+                paths.push(&knob.path);
             }
         }
-        let deviation = |knob: &Knob| knob.standard_error.unwrap_or(knob.value.abs());
+        paths
+    }
+
+    /// What is known at a pressure, Pa; `here` gives each parameter of the model there.
+    ///
+    /// Errors of calibrated pressures are carried over as the values are (see [`Interpolation`]), and what
+    /// interpolation itself may be off by is added. This is the one place where the parts are put together.
+    pub fn at(&self, pressure: f64, here: &dyn Fn(&str) -> Here) -> KnownAt {
+        let paths = self.paths();
+        let weights: Vec<Vec<f64>> =
+            paths.iter().map(|path| self.weights(path, pressure, here(path))).collect();
+        // Most do not move this one: with many numbers all pairs of all would take minutes.
+        let moves = |weights: &[f64], k: usize| weights[k] != 0.0;
+        let deviation =
+            |knob: &Knob| knob.standard_error.unwrap_or_else(|| knob.value.abs().max(here(&knob.path).scale));
         let covariance = |a: &[f64], b: &[f64]| {
             let mut sum = 0.0;
-            // Most do not move this one: with many numbers all pairs of all would take minutes.
-            let moves = |weights: &[f64], k: usize| weights[k] != 0.0;
             for (k, first) in self.parameter.iter().enumerate().filter(|(k, _)| moves(a, *k)) {
                 for (l, second) in self.parameter.iter().enumerate().filter(|(l, _)| moves(b, *l)) {
                     sum += a[k] * b[l] * first.correlations[l] * deviation(first) * deviation(second);
@@ -74,43 +101,62 @@ impl Known {
             }
             sum
         };
-        known.covariance =
+        let mut of_all: Vec<Vec<f64>> =
             weights.iter().map(|a| weights.iter().map(|b| covariance(a, b)).collect()).collect();
-        let is_used = |k: usize| weights.iter().any(|weights| weights[k] != 0.0);
-        for (k, knob) in self.parameter.iter().enumerate() {
-            let is_new = !known.undetermined.contains(&knob.path);
-            if knob.standard_error.is_none() && is_used(k) && is_new {
-                known.undetermined.push(knob.path.clone());
-            }
+        let interpolated: Vec<f64> =
+            paths.iter().map(|path| self.interpolated(path, pressure, here(path))).collect();
+        for (k, deviation) in interpolated.iter().enumerate() {
+            of_all[k][k] += deviation * deviation;
         }
-        known
+        let is_used = |k: &usize| weights.iter().any(|weights| moves(weights, *k));
+        let is_undetermined =
+            |knob: &&Knob| knob.standard_error.is_none_or(|error| knob.value.abs() <= NORMAL_95 * error);
+        let used = (0..self.parameter.len()).filter(is_used).map(|k| &self.parameter[k]);
+        KnownAt {
+            undetermined: used.filter(is_undetermined).cloned().collect(),
+            paths: paths.into_iter().map(str::to_owned).collect(),
+            covariance: of_all,
+            interpolated,
+        }
+    }
+
+    /// Whether a pressure, Pa, was not calibrated and a parameter is interpolated there without a statement of how far
+    /// that may be off: files by hand, and those of earlier versions, have none.
+    pub fn is_silent_at(&self, pressure: f64) -> bool {
+        self.paths().into_iter().any(|path| {
+            let places: Vec<f64> = self.over_pressure(path).iter().map(|(place, _)| *place).collect();
+            // Pressures in two units differ by rounding.
+            let is_apart = places.iter().all(|place| (place - pressure).abs() > 1e-3 * place.abs());
+            !places.is_empty() && is_apart && self.interpolation.iter().all(|own| own.path != path)
+        })
+    }
+
+    fn interpolation_of(&self, path: &str) -> Option<&Interpolation> {
+        self.interpolation.iter().find(|own| own.path == path)
     }
 
     /// How a parameter at a pressure moves with each number.
-    fn weights(&self, path: &str, pressure: f64) -> Vec<f64> {
+    fn weights(&self, path: &str, pressure: f64, here: Here) -> Vec<f64> {
         let mut own: Vec<usize> =
             (0..self.parameter.len()).filter(|k| self.parameter[*k].path == path).collect();
         let place = |k: &usize| self.parameter[*k].pressure_pa.unwrap_or(0.0);
         own.sort_by(|a, b| place(a).total_cmp(&place(b)));
+        let places: Vec<f64> = own.iter().map(place).collect();
+        let by_ratio = self.interpolation_of(path).is_some_and(|own| own.shape.is_some());
         let mut weights = vec![0.0; self.parameter.len()];
-        let curve = |moved: Option<usize>, by: f64| {
-            let value = |k: &usize| self.parameter[*k].value + if moved == Some(*k) { by } else { 0.0 };
-            Pchip::new(own.iter().map(place).collect(), own.iter().map(value).collect())
-        };
-        let Ok(plain) = curve(None, 0.0) else {
-            // One alone holds everywhere.
-            own.iter().take(1).for_each(|k| weights[*k] = 1.0);
-            return weights;
-        };
-        let (low, high) = plain.range();
-        let at = pressure.clamp(low, high);
-        let largest = own.iter().map(|k| self.parameter[*k].value.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let step = 1e-6 * largest;
-        for k in &own {
-            let moved = curve(Some(*k), step).map_or(0.0, |curve| curve.value(at));
-            weights[*k] = (moved - plain.value(at)) / step;
+        for (k, weight) in own.iter().zip(between::weights(&places, pressure)) {
+            // The value is shape · exp(Σ w ln(own / shape)).
+            weights[*k] = if by_ratio { weight * here.value / self.parameter[*k].value } else { weight };
         }
         weights
+    }
+
+    /// Standard deviation of a parameter from interpolation alone.
+    fn interpolated(&self, path: &str, pressure: f64, here: Here) -> f64 {
+        let Some(own) = self.interpolation_of(path) else { return 0.0 };
+        let places: Vec<f64> = self.over_pressure(path).iter().map(|(place, _)| *place).collect();
+        let deviation = (own.variance_per_pa * between::distance(&places, pressure)).sqrt();
+        if own.shape.is_some() { here.value.abs() * deviation } else { deviation }
     }
 
     /// Least and largest of some values; zeros of none.
@@ -178,6 +224,16 @@ impl Known {
                 return wrong(format!("{name}: correlations must lie in -1 to 1, and be 1 with itself"));
             }
         }
+        for own in &self.interpolation {
+            let name = format!("calibration.interpolation of {}", own.path);
+            if !(own.variance_per_pa >= 0.0 && own.variance_per_pa.is_finite()) {
+                return wrong(format!("{name}: variance_per_pa must be finite and not negative"));
+            }
+            if own.shape.is_some() && self.over_pressure(&own.path).iter().any(|(_, knob)| knob.value <= 0.0)
+            {
+                return wrong(format!("{name}: a ratio to a shape needs positive values"));
+            }
+        }
         Ok(())
     }
 }
@@ -199,19 +255,44 @@ mod tests {
         Known { parameter, ..Known::default() }
     }
 
-    /// At a pressure that was calibrated its own errors stand; between two of equal slope both count by half,
-    /// and beyond the last one its own.
+    fn here(_: &str) -> Here {
+        Here { value: 0.015, scale: 0.5 }
+    }
+
+    /// At a calibrated pressure its own errors hold; half way between two both count by half, and beyond the last
+    /// one its own.
     #[test]
     fn errors_are_carried_over_as_values_are() {
-        let at = |pressure: f64| known().at(pressure);
+        let at = |pressure: f64| known().at(pressure, &here);
         let own = at(1e5);
         assert_eq!(own.paths, ["rod.bending_stiffness", "alpha"]);
         assert!((own.covariance[0][0].sqrt() / 1e-4 - 1.0).abs() < 1e-6);
         assert!((own.covariance[0][1] - 0.5 * 1e-4 * 0.1).abs() < 1e-9);
         assert!((own.covariance[1][1] - 0.01).abs() < 1e-12);
         let between = at(1.5e5).covariance[0][0].sqrt();
-        assert!((between / (0.5 * 1e-4f64.hypot(2e-4)) - 1.0).abs() < 1e-3, "{between}");
+        assert!((between / (0.5 * 1e-4f64.hypot(2e-4)) - 1.0).abs() < 1e-9, "{between}");
         assert!((at(9e5).covariance[0][0].sqrt() / 2e-4 - 1.0).abs() < 1e-6);
+        assert!(known().is_silent_at(1.5e5) && !known().is_silent_at(1e5));
+    }
+
+    /// With a ratio to a shape each number moves the value by its own share of it; what interpolation may be off by
+    /// is added to that, and is nothing where it was calibrated.
+    #[test]
+    fn what_interpolation_may_be_off_by_is_part_of_the_covariance() {
+        let shape = Some("pder_32".to_owned());
+        let path = "rod.bending_stiffness".to_owned();
+        let own = Interpolation { path, shape, variance_per_pa: 4e-8 };
+        let known = Known { interpolation: vec![own], ..known() };
+        assert!(known.check().is_ok() && !known.is_silent_at(1.5e5));
+        let at = known.at(1.5e5, &here);
+        // 25 kPa is the bridge's (p − a)(b − p)/(b − a).
+        let interpolated = 0.015 * (4e-8f64 * 2.5e4).sqrt();
+        assert!((at.interpolated[0] / interpolated - 1.0).abs() < 1e-12 && at.interpolated[1] == 0.0);
+        // Half of a per cent each: both calibrated values are known to a per cent.
+        let carried = 0.015 * 0.5 * 0.01f64.hypot(0.01);
+        assert!((at.covariance[0][0].sqrt() / carried.hypot(interpolated) - 1.0).abs() < 1e-9);
+        let on = known.at(2e5, &|_| Here { value: 0.02, scale: 0.5 });
+        assert!((on.covariance[0][0].sqrt() / 2e-4 - 1.0).abs() < 1e-9 && on.interpolated[0] == 0.0);
     }
 
     #[test]
@@ -224,13 +305,20 @@ mod tests {
         assert!(some.check().is_ok());
     }
 
+    /// Without a standard error a number is taken to be known to its own size, or to its typical size where it is
+    /// smaller; it is named, and so is one that cannot be told from zero.
     #[test]
-    fn what_is_not_determined_is_known_to_its_value_and_named() {
-        let mut known = known();
-        known.parameter[2].standard_error = None;
-        let at = known.at(1e5);
-        assert_eq!(at.undetermined, ["alpha"]);
-        assert!((at.covariance[1][1] - 0.25).abs() < 1e-12);
+    fn what_is_not_determined_is_named() {
+        let named = |value: f64, standard_error: Option<f64>| {
+            let mut known = known();
+            (known.parameter[2].value, known.parameter[2].standard_error) = (value, standard_error);
+            let at = known.at(1e5, &here);
+            (at.undetermined.iter().map(|knob| knob.path.clone()).collect::<Vec<_>>(), at.covariance[1][1])
+        };
+        assert_eq!(named(0.7, None), (vec!["alpha".to_owned()], 0.7 * 0.7));
+        assert_eq!(named(0.0, None), (vec!["alpha".to_owned()], 0.5 * 0.5));
+        assert_eq!(named(0.5, Some(0.3)).0, ["alpha"]);
+        assert!(named(0.5, Some(0.2)).0.is_empty());
     }
 
     #[test]
@@ -249,5 +337,7 @@ mod tests {
         says(&|k| k.parameter[0].correlations.truncate(2), "has 2 numbers, and there are 3");
         says(&|k| k.parameter[0].correlations[1] = 1.5, "must lie in -1 to 1");
         says(&|k| k.parameter[2].value = f64::NAN, "parameter 3 (alpha): value");
+        let own = Interpolation { path: "alpha".to_owned(), shape: None, variance_per_pa: -1.0 };
+        says(&|k| k.interpolation = vec![own.clone()], "interpolation of alpha: variance_per_pa");
     }
 }

@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Extrapolation, Known, Muscle, MuscleError};
-use crate::interpolate::Pchip;
+use super::{Extrapolation, Known, Muscle, MuscleError, between};
 
 /// Name of the estimate of bending stiffness that a calibration writes.
 pub const CALIBRATED: &str = "calibrated";
@@ -13,8 +12,11 @@ pub const CALIBRATED: &str = "calibrated";
 pub struct CalibratedColumn {
     /// Name of the column: `bending_stiffness_calibrated`, `rayleigh_mass` or `rayleigh_stiffness`.
     pub name: &'static str,
-    /// Pressure, Pa, ascending, and value, SI; a single one holds at every pressure.
+    /// Pressure, Pa, ascending, and value, SI; beyond the first and last these hold.
     pub values: Vec<(f64, f64)>,
+    /// Estimate of bending stiffness whose ratio to the values is interpolated between pressures, by its logarithm,
+    /// so that its shape over pressure is kept; without it the values themselves are interpolated.
+    pub shape: Option<String>,
 }
 
 /// What a calibration has found of a muscle.
@@ -31,15 +33,25 @@ pub struct Found {
 }
 
 impl CalibratedColumn {
-    fn at(&self, pressure: f64) -> f64 {
-        let (pressures, values) = self.values.iter().copied().unzip();
-        match Pchip::new(pressures, values) {
-            Ok(curve) => {
-                let (low, high) = curve.range();
-                curve.extrapolate(pressure.clamp(low, high)).0
+    /// The value at a pressure, Pa, with the shape of a muscle.
+    fn at(&self, pressure: f64, muscle: &Muscle) -> Result<f64, MuscleError> {
+        let places: Vec<f64> = self.values.iter().map(|(place, _)| *place).collect();
+        let weights = between::weights(&places, pressure);
+        let Some(shape) = &self.shape else {
+            return Ok(weights.iter().zip(&self.values).map(|(weight, (_, value))| weight * value).sum());
+        };
+        let published =
+            |pressure: f64| muscle.at(pressure, shape, Extrapolation::Allowed).map(|at| at.bending_stiffness);
+        let mut logarithm = 0.0;
+        for (weight, (place, value)) in weights.iter().zip(&self.values).filter(|(weight, _)| **weight != 0.0)
+        {
+            // Exactly the calibrated value where it was calibrated.
+            if *weight == 1.0 && *place == pressure {
+                return Ok(*value);
             }
-            Err(_) => self.values.first().map_or(0.0, |(_, value)| *value),
+            logarithm += weight * (value / published(*place)?).ln();
         }
+        Ok(published(pressure)? * logarithm.exp())
     }
 }
 
@@ -47,8 +59,8 @@ impl Muscle {
     /// The text of a muscle file, SI, with the columns of a calibration beside what this muscle has.
     ///
     /// Its rows are those of this muscle between the lowest and the highest pressure that was
-    /// calibrated, and these pressures themselves: outside them nothing was measured. A calibration
-    /// at one pressure says nothing of others; its values then stand in every row of this muscle.
+    /// calibrated, and these pressures themselves: outside them nothing was measured. After a calibration at one
+    /// pressure they are all rows of this muscle.
     /// # Errors
     /// [`MuscleError`] for a pressure at which this muscle is none.
     pub fn calibrated(&self, source: &str, found: &Found) -> Result<String, MuscleError> {
@@ -57,16 +69,14 @@ impl Muscle {
             columns.iter().flat_map(|column| column.values.iter().map(|(pressure, _)| *pressure)).collect();
         measured.sort_by(f64::total_cmp);
         measured.dedup();
-        let pressures = match measured[..] {
-            [low, .., high] => {
-                let within = self.pressures().iter().copied().filter(|p| (low..=high).contains(p));
-                let mut all: Vec<f64> = within.chain(measured.iter().copied()).collect();
-                all.sort_by(f64::total_cmp);
-                all.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * b.abs());
-                all
-            }
-            _ => self.pressures().to_vec(),
+        let (low, high) = match measured[..] {
+            [low, .., high] => (low, high),
+            _ => (f64::NEG_INFINITY, f64::INFINITY),
         };
+        let within = self.pressures().iter().copied().filter(|p| (low..=high).contains(p));
+        let mut pressures: Vec<f64> = within.chain(measured.iter().copied()).collect();
+        pressures.sort_by(f64::total_cmp);
+        pressures.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * b.abs());
         let mut names = vec!["pressure", "length", "inner_diameter", "outer_diameter", "axial_stiffness"];
         let mut units = vec!["Pa", "m", "m", "m", "N"];
         let sources: Vec<&str> = self.stiffness_sources().filter(|source| *source != CALIBRATED).collect();
@@ -128,7 +138,9 @@ impl Muscle {
             for source in &sources {
                 row.push(self.at(pressure, source, Extrapolation::Allowed)?.bending_stiffness);
             }
-            row.extend(columns.iter().map(|column| column.at(pressure)));
+            for column in columns {
+                row.push(column.at(pressure, self)?);
+            }
             row.extend(at.rayleigh_mass.filter(|_| keeps_mass));
             row.extend(at.rayleigh_stiffness.filter(|_| keeps_stiffness));
             let row: Vec<String> = row.iter().map(|value| format!("{value:?}")).collect();
@@ -161,8 +173,9 @@ mod tests {
             CalibratedColumn {
                 name: "bending_stiffness_calibrated",
                 values: vec![at(12.0, 0.009), at(40.0, 0.011)],
+                shape: Some("pder_32".to_owned()),
             },
-            CalibratedColumn { name: "rayleigh_mass", values: vec![at(12.0, 0.7)] },
+            CalibratedColumn { name: "rayleigh_mass", values: vec![at(12.0, 0.7)], shape: None },
         ];
         let knob = Knob {
             path: "effects.end_fitting.mass".to_owned(),
@@ -186,11 +199,17 @@ mod tests {
         );
         assert!((new.length / old.length - 1.0).abs() < 1e-12);
         assert!((new.axial_stiffness / old.axial_stiffness - 1.0).abs() < 1e-12);
-        assert!(0.009 < new.bending_stiffness && new.bending_stiffness < 0.011);
+        // The logarithm of the ratio to the published column is a straight line over pressure.
+        let published =
+            |psi: f64| muscle.at(psi * PSI, "pder_32", Extrapolation::Refused).unwrap().bending_stiffness;
+        let [low, high] = [0.009 / published(12.0), 0.011 / published(40.0)].map(f64::ln);
+        let expected = published(15.0) * (low + 3.0 / 28.0 * (high - low)).exp();
+        assert!((new.bending_stiffness / expected - 1.0).abs() < 1e-12, "{}", new.bending_stiffness);
         assert_eq!((new.rayleigh_mass, new.rayleigh_stiffness), (Some(0.7), None));
         let found = Found { columns: vec![one], ..Found::default() };
         let alone = muscle.calibrated("one", &found).unwrap();
         assert_eq!(Muscle::from_toml(&alone).unwrap().known, None);
-        assert_eq!(Muscle::from_toml(&alone).unwrap().pressures().len(), 20);
+        // All rows of the muscle, and the calibrated pressure.
+        assert_eq!(Muscle::from_toml(&alone).unwrap().pressures().len(), 21);
     }
 }

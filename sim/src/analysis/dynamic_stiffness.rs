@@ -1,18 +1,43 @@
-//! Bending stiffness from the natural frequency: the EI with which the slowest mode of the model about
-//! its own rest has that frequency.
+//! Bending stiffness from the frequency of a swing: the EI with which the model swings as fast as the recording, at the
+//! amplitude of the recording.
 //!
-//! It holds for small swings and for the model as it is, with its distributed mass, its end fitting and
-//! gravity. The EI of motion: a muscle that is stiffer in motion than at rest shows here.
+//! A large swing is slower than a small one: at 40 psi by 1 %. Where gravity holds the muscle as well, EI moves by
+//! 11 % for each per cent of frequency there, so a linear mode against a large swing is 12 % off. So the model is let
+//! go, too, with the decay of the recording; both frequencies are found in the same way, and their ratio is that of the
+//! linear modes:
+//!
+//! ```text
+//! ω₁(EI) = ω_measured ω₁ / ω_swing,    ω₁ the slowest mode, ω_swing the model's own swing
+//! ```
+//!
+//! Where the model is let go from another height, the difference of ω_swing and ω₁ is scaled by the square of the
+//! amplitudes. This is the EI of motion: a muscle that is stiffer in motion than at rest shows here.
+
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 use models::model::Model;
 use models::statics::{equilibrium, modes};
 
 use super::AnalysisError;
+use super::measured::{self, Coordinate, Measured};
+use crate::experiment::release::{Point, Release, Track};
+use crate::forward::{FAST_TOLERANCE, Run, forward};
+use crate::quantile::usual_step;
+use crate::results::rest::rest;
+use crate::scenario::Case;
 
 /// A factor by which EI may differ from the model's own, either way.
 const REACH: f64 = 1e3;
 /// Change of the logarithm of EI that counts as none.
 const SETTLED: f64 = 1e-10;
+/// Runs of the model at most; each leaves a tenth of the error before, or less.
+const MOST_RUNS: usize = 8;
+/// Change of EI between runs, as a share, at which they end: below what a spectrum of noisy data resolves.
+const SAME: f64 = 1e-4;
+/// Difference of the decay, as a share, that moves EI by no more than that: a ratio that is a tenth off moves the
+/// frequency of the swing by some 1e-4.
+const SAME_RATIO: f64 = 0.01;
 
 /// EI from a frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,8 +47,100 @@ pub struct DynamicStiffness {
     /// Relative change of EI for one of frequency, from the model: 2 where bending alone drives it,
     /// more where gravity helps.
     pub sensitivity: f64,
+    /// Frequency of the model's swing, as large as the recording's, over that of its slowest mode; 1 if the swing could not
+    /// be simulated, and EI is that of the linear mode.
+    pub swing_over_mode: f64,
     /// Eigenvalue problems that were solved.
     pub evaluations: usize,
+}
+
+/// What a swing is compared by.
+struct Swing {
+    /// Damped angular frequency, rad/s.
+    frequency: f64,
+    /// Damping ratio by eq. 6.
+    ratio: f64,
+    /// Amplitude of eq. 6 at the release, m.
+    amplitude: f64,
+    /// Along which it is seen.
+    coordinate: Coordinate,
+}
+
+impl Swing {
+    fn of(measured: &Measured) -> Option<Self> {
+        let decay = measured.decay.as_ref().ok()?;
+        Some(Self {
+            frequency: decay.damped_frequency,
+            ratio: decay.damping_ratio,
+            amplitude: decay.initial_amplitude,
+            coordinate: measured.coordinate,
+        })
+    }
+}
+
+/// The EI with which the model of a case swings as a release was measured to.
+/// # Errors
+/// [`AnalysisError::FrequencyOutOfReach`] as [`fit`]; [`AnalysisError::NoOscillation`] without a measured decay.
+pub fn fit_swing(
+    case: &Case,
+    release: &Release,
+    measured: &Measured,
+) -> Result<DynamicStiffness, AnalysisError> {
+    let Some(seen) = Swing::of(measured) else {
+        return Err(AnalysisError::NoOscillation { lowest: 0.0 });
+    };
+    let mut model = case.model.clone();
+    model.schedule = None;
+    let natural = measured.natural_frequency().unwrap_or(seen.frequency);
+    // First the linear mode; then one run after the other, each with what the one before was off by.
+    let mut found = fit(&model, natural)?;
+    let mut ratio = None;
+    for _ in 0..MOST_RUNS {
+        model.set("rod.bending_stiffness", found.bending_stiffness).ok();
+        let Some((own, mode)) = simulated(&mut model, case, release, &seen, ratio) else { break };
+        let size = (seen.amplitude / own.amplitude).powi(2);
+        let swing_over_mode = 1.0 + (own.frequency / mode - 1.0) * size;
+        let next = fit(&model, seen.frequency / swing_over_mode)?;
+        let change = (next.bending_stiffness / found.bending_stiffness).ln();
+        let evaluations = found.evaluations + next.evaluations;
+        found = DynamicStiffness { swing_over_mode, evaluations, ..next };
+        ratio = Some(own.ratio);
+        if change.abs() < SAME && (own.ratio / seen.ratio - 1.0).abs() < SAME_RATIO {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+/// The swing of the model over the times of a release, by the same analysis, and its slowest mode, rad/s. Mass damping
+/// is first moved by what the model's decay differed from the measured one: that of the run before, or of the mode.
+fn simulated(
+    model: &mut Model,
+    case: &Case,
+    release: &Release,
+    seen: &Swing,
+    ratio: Option<f64>,
+) -> Option<(Swing, f64)> {
+    let at_rest = rest(model, 0.0, 1).ok()?;
+    let (hertz, of_mode) = *at_rest.modes.as_ref().ok()?.first()?;
+    let alpha = model.index("effects.rayleigh_mass.alpha").ok()?;
+    let missing = seen.ratio - ratio.unwrap_or(of_mode);
+    model.theta[alpha] = (model.theta[alpha] + 2.0 * seen.frequency * missing).max(0.0);
+    let run = Run {
+        initial: case.run.initial.clone(),
+        tolerance: FAST_TOLERANCE,
+        ..Run::release(*release.time.last()?, usual_step(&release.time)?.recip())
+    };
+    let trajectory = forward(model, &run, &mut |_| ControlFlow::Continue(())).ok()?;
+    let track = Track {
+        marker: String::new(),
+        at: Point::Tip,
+        position: trajectory.tip.iter().map(|at| Some(*at)).collect(),
+        noise: 0.0,
+    };
+    let simulated = Release { time: trajectory.times, tracks: vec![track], ..release.clone() };
+    let own = measured::analyse_along(&simulated, at_rest.tip, seen.coordinate).ok()?;
+    Some((Swing::of(&own)?, TAU * hertz))
 }
 
 /// Finds the EI with which the slowest mode has a natural angular frequency, rad/s.
@@ -83,7 +200,8 @@ pub fn fit(model: &Model, natural_frequency: f64) -> Result<DynamicStiffness, An
         (Some(less), Some(more)) if more > less => 2.0 * STEP / (more / less).ln(),
         _ => 2.0,
     };
-    Ok(DynamicStiffness { bending_stiffness: start * found.exp(), sensitivity, evaluations })
+    let bending_stiffness = start * found.exp();
+    Ok(DynamicStiffness { bending_stiffness, sensitivity, swing_over_mode: 1.0, evaluations })
 }
 
 #[cfg(test)]

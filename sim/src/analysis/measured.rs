@@ -63,10 +63,21 @@ const LEAST_PEAK: f64 = 6.0;
 /// # Errors
 /// [`AnalysisError`] if there are too few samples for a spectrum.
 pub fn analyse(release: &Release, rest: [f64; 2]) -> Result<Measured, AnalysisError> {
+    let coordinate = coordinate(&release.time, &release.tracks[0].position);
+    analyse_along(release, rest, coordinate)
+}
+
+/// The same along a coordinate of choice: what is compared has to be of one.
+/// # Errors
+/// As [`analyse`].
+pub fn analyse_along(
+    release: &Release,
+    rest: [f64; 2],
+    coordinate: Coordinate,
+) -> Result<Measured, AnalysisError> {
     let tip = &release.tracks[0];
     let too_short = AnalysisError::TooShort { samples: release.time.len(), least: 4 };
     let step = usual_step(&release.time).ok_or(too_short)?;
-    let coordinate = coordinate(&release.time, &tip.position);
     let k = usize::from(coordinate == Coordinate::Z);
     let held_above = tip.position.iter().flatten().next().is_none_or(|first| first[k] >= rest[k]);
     // Upper peaks are on the side of the hold.

@@ -6,8 +6,8 @@
 //!             │                                       ▼
 //!             ├─────▶ peaks (needs the period) ─▶ decay: eq. 6 and 7; cycle by cycle
 //!             └─────▶ settling
-//! tip at rest ──────▶ bending_stiffness, static_stiffness: several models side by side
-//! natural frequency ▶ dynamic_stiffness
+//! late swing ───────▶ rest ─▶ bending_stiffness, static_stiffness: several models side by side
+//! frequency ────────▶ dynamic_stiffness, at the amplitude of the swing
 //! Release ─▶ gaps ──▶ measured: all of it for a recording
 //! ```
 //!
@@ -23,6 +23,7 @@ pub mod gaps;
 pub mod measured;
 pub mod nelder_mead;
 pub mod peaks;
+pub mod rest;
 pub mod settling;
 pub mod spectrum;
 pub mod static_stiffness;

@@ -22,13 +22,38 @@ pub struct StaticFit {
     pub nelder_mead: Result<StiffnessFit, AnalysisError>,
     /// By Gauss and Newton.
     pub gauss_newton: Result<StiffnessFit, AnalysisError>,
+    /// Change of the predicted tip for one of the logarithm of EI, m.
+    pub slope: Option<[f64; 2]>,
+}
+
+impl StaticFit {
+    /// Standard error of EI over its value, from that of each coordinate of the tip, m.
+    pub fn relative_error(&self, tip: [f64; 2]) -> Option<f64> {
+        let [x, z] = self.slope?;
+        Some((x * tip[0]).hypot(z * tip[1]) / (x * x + z * z))
+    }
+}
+
+/// Angle of a base below which it counts as level, rad: what a laboratory levels to.
+const LEVEL: f64 = 1e-3;
+
+/// Why the paper's beam is not fitted to a rod: it is clamped level.
+pub fn no_beam(model: &Model) -> Option<String> {
+    let angle = model.index("rod.base_angle").map_or(0.0, |k| model.theta[k]);
+    (angle.abs() > LEVEL).then(|| {
+        format!(
+            "not fitted: the paper's beam is clamped level, this base is inclined by {:.1} deg",
+            angle.to_degrees()
+        )
+    })
 }
 
 /// Fits all models to a tip at rest, in W, m; `models` are of the same rod with several meshes.
 ///
-/// The root and the mass are those of the models: an EI belongs to both.
+/// The root and the mass are those of the models: an EI belongs to both. The paper's beam is among them where the
+/// base is level, see [`no_beam`].
 pub fn compare(tip: [f64; 2], models: &[Model]) -> Vec<StaticFit> {
-    let beam = models.first().map(|model| {
+    let beam = models.first().filter(|model| no_beam(model).is_none()).map(|model| {
         let beam = beam(model);
         let reach = model.tip_distance;
         let predict = |bending_stiffness: f64| {
@@ -51,12 +76,19 @@ fn both(
     start: f64,
     predict: impl Fn(f64) -> Option<[f64; 2]>,
 ) -> StaticFit {
-    StaticFit {
-        nodes,
-        nelder_mead: fit(tip, start, &predict),
-        gauss_newton: fit_gauss_newton(tip, start, &predict),
-    }
+    let nelder_mead = fit(tip, start, &predict);
+    let gauss_newton = fit_gauss_newton(tip, start, &predict);
+    let found = gauss_newton.as_ref().or(nelder_mead.as_ref()).ok();
+    let slope = found.and_then(|found| {
+        let [less, more] = [-STEP, STEP].map(|step| predict(found.bending_stiffness * step.exp()));
+        let (less, more) = (less?, more?);
+        Some([0, 1].map(|k| (more[k] - less[k]) / (2.0 * STEP)))
+    });
+    StaticFit { nodes, nelder_mead, gauss_newton, slope }
 }
+
+/// Step of the differences in the logarithm of EI.
+const STEP: f64 = 1e-3;
 
 /// The rod as the paper's beam, with the rod's own bending stiffness; end fitting and payload are one weight at their common centre of mass.
 pub fn beam(model: &Model) -> EulerBernoulli {

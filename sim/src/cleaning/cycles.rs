@@ -19,8 +19,10 @@ pub struct Cut {
     pub swing: Range<usize>,
     /// Mean position of the hold, m, in the recording's frame.
     pub held: [f64; 3],
-    /// Where the swing comes to rest, m.
+    /// Where the swing comes to rest, m: the mean of a window.
     pub rest: [f64; 3],
+    /// The sample after that window.
+    pub rest_end: usize,
 }
 
 impl Cut {
@@ -130,13 +132,13 @@ fn swings(
         let whole = hold.end..ends[k];
         let is_last = k + 1 == holds.len();
         let Some(held) = mean(path, late(time, hold)) else { return After::Unclear };
-        let Some(rest) = rest(time, path, motion, whole.clone(), held, is_last) else {
+        let Some((rest, rest_end)) = rest(time, path, motion, whole.clone(), held, is_last) else {
             return After::Unclear;
         };
         let end = if is_last { whole.end } else { raised(path, whole.clone(), rest, held) };
         let swing = whole.start..end;
         match given || turns(path, swing.clone(), held, rest) >= LEAST_TURNS {
-            true => After::Swing(Cut { hold: hold.clone(), swing, held, rest }),
+            true => After::Swing(Cut { hold: hold.clone(), swing, held, rest, rest_end }),
             false => After::NoSwing,
         }
     };
@@ -175,7 +177,8 @@ fn given_holds(time: &[f64], instants: &[f64]) -> Vec<Range<usize>> {
     instants.iter().map(|at| sample(at - 0.5).min(sample(*at).saturating_sub(1))..sample(*at)).collect()
 }
 
-/// Where the swing comes to rest: the mean of the quietest window in it; of the last swing at its end.
+/// Where the swing comes to rest: the mean of the quietest window in it, of the last swing at its end; and the sample
+/// after that window.
 fn rest(
     time: &[f64],
     path: &[Option<[f64; 3]>],
@@ -183,12 +186,12 @@ fn rest(
     swing: Range<usize>,
     held: [f64; 3],
     is_last: bool,
-) -> Option<[f64; 3]> {
+) -> Option<([f64; 3], usize)> {
     let (begin, end) = (*time.get(swing.start)?, *time.get(swing.end.checked_sub(1)?)?);
     let window = REST_WINDOW.min(0.3 * (end - begin));
     if is_last {
         let from = swing.clone().find(|&i| time[i] >= end - 1.5 * window)?;
-        return mean(path, from..swing.end);
+        return Some((mean(path, from..swing.end)?, swing.end));
     }
     // Not next to the hold that follows, which is quiet as well: that end is given up to the raise.
     let held_next = middle(path, swing.end.saturating_sub(AROUND)..(swing.end + AROUND).min(path.len()))?;
@@ -212,7 +215,8 @@ fn rest(
             best = Some((speed, from..to));
         }
     }
-    mean(path, best?.1)
+    let (_, window) = best?;
+    Some((mean(path, window.clone())?, window.end))
 }
 
 /// Sample from which on the tip is raised: after the last one near the rest.

@@ -86,6 +86,8 @@ pub struct CleanRelease {
     pub number: usize,
     /// Instant of release on the recording's clock, s.
     pub instant: f64,
+    /// Time after the release, s, up to which the tip swings or rests and nobody raises it.
+    pub swings_until: f64,
     /// Angle of the straight rod while it is held, rad, if it is given.
     pub angle: Option<f64>,
     /// Why it is not used, if it is not.

@@ -109,6 +109,7 @@ impl Context<'_> {
             recording,
             number,
             instant,
+            swings_until: time[cut.rest_end - 1] - onset.instant,
             angle,
             dropped,
             representative: false,

@@ -89,7 +89,11 @@ pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
 fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     writeln!(out, "\n{}", one.of.release.name)?;
     let line = |out: &mut dyn Write, name: &str, text: String| writeln!(out, "  {name:<22}{text}");
-    line(out, "static drop", format!("{:.2} mm", 1e3 * one.of.statistics.static_drop))?;
+    let error = one.rest.map_or(String::new(), |rest| format!(" ± {:.2}", 1e3 * rest.error[1]));
+    line(out, "static drop", format!("{:.2}{error} mm", 1e3 * one.static_drop()))?;
+    if let Some(warning) = one.rest_warning() {
+        line(out, "  warning", warning)?;
+    }
     match &one.measured {
         Err(error) => line(out, "frequency", error.to_string())?,
         Ok(measured) => {
@@ -151,8 +155,10 @@ fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
             out,
             "EI from the frequency",
             format!(
-                "{:.5} N m^2 ({:.2} % for each % of frequency)",
-                found.bending_stiffness, found.sensitivity
+                "{:.5} N m^2 ({:.2} % for each % of frequency; a swing of this size is {:.2} % slower than the mode)",
+                found.bending_stiffness,
+                found.sensitivity,
+                100.0 * (1.0 - found.swing_over_mode)
             ),
         )?,
         Some(Err(error)) => line(out, "EI from the frequency", error.to_string())?,
@@ -162,9 +168,12 @@ fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     }
     writeln!(
         out,
-        "  {:<22}{:>14}{:>14}{:>12}{:>14}",
-        "EI from the tip", "Nelder-Mead", "Gauss-Newton", "off mm", "evaluations"
+        "  {:<22}{:>14}{:>14}{:>10}{:>12}{:>14}",
+        "EI from the tip", "Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"
     )?;
+    if let Some(why) = &one.no_beam {
+        line(out, "  Euler-Bernoulli", why.clone())?;
+    }
     let ei = |fit: &Result<StiffnessFit, AnalysisError>| {
         fit.as_ref().map_or("-".to_owned(), |fit| format!("{:.5}", fit.bending_stiffness))
     };
@@ -180,7 +189,9 @@ fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
             fit.as_ref().map_or("-".to_owned(), |fit| fit.evaluations.to_string())
         };
         let counts = format!("{} / {}", count(fits.0), count(fits.1));
-        writeln!(out, "  {name:<22}{:>14}{:>14}{off:>12}{counts:>14}", ei(fits.0), ei(fits.1))?;
+        let error = one.rest.and_then(|rest| row.relative_error(rest.error));
+        let error = error.map_or("-".to_owned(), |error| format!("{:.2}", 100.0 * error));
+        writeln!(out, "  {name:<22}{:>14}{:>14}{error:>10}{off:>12}{counts:>14}", ei(fits.0), ei(fits.1))?;
         if let (Err(error), Err(_)) = fits {
             writeln!(out, "    {error}")?;
         }

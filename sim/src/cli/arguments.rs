@@ -3,6 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ColorChoice};
+use models::quantity::Quantity;
+use sim::scenario::ReleaseOptions;
+
+use super::failure::Failure;
 
 /// How a command speaks: the same for all.
 #[derive(Args)]
@@ -82,6 +86,50 @@ impl Source {
         let muscle = quoted("muscle.file", &self.muscle);
         let pressure = quoted("muscle.pressure", &self.pressure);
         muscle.into_iter().chain(pressure).chain(self.set.iter().cloned()).collect()
+    }
+}
+
+/// The release, over what a scenario says; the payload's mass stands with each command, because some take several.
+#[derive(Args)]
+pub struct Release {
+    /// Centre of mass of the payload beyond the active length [default: the scenario's, or at its end].
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub payload_center: Option<String>,
+    /// Rotary inertia of the payload about that, such as "1e-5 kg m^2" [default: the scenario's, or a point mass].
+    #[arg(long, value_name = "INERTIA")]
+    pub payload_inertia: Option<String>,
+    /// Area that the payload turns to the air, such as "20 cm^2".
+    #[arg(long, value_name = "AREA")]
+    pub frontal_area: Option<String>,
+    /// Angle of the straight rod above the horizontal, from which it is let go [default: the scenario's,
+    /// or level].
+    #[arg(long, allow_hyphen_values = true)]
+    pub angle: Option<String>,
+    /// How long to simulate [default: the scenario's, or 20 s].
+    #[arg(long, value_name = "TIME")]
+    pub duration: Option<String>,
+}
+
+impl Release {
+    /// With a payload, such as `80g`.
+    pub fn options(&self, payload: Option<&String>) -> Result<ReleaseOptions, Failure> {
+        let one = |option: &str, value: Option<&String>, unit: &str| -> Result<Option<f64>, Failure> {
+            let Some(text) = value else { return Ok(None) };
+            let parsed = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
+            parsed.map(Some).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
+        };
+        let mass = one("--payload", payload, "kg")?;
+        if let (Some(text), true) = (payload, mass.is_some_and(|mass| mass < 0.0)) {
+            return Err(Failure::Usage(format!("--payload {text}: it must not be negative")));
+        }
+        Ok(ReleaseOptions {
+            payload: mass,
+            payload_center: one("--payload-center", self.payload_center.as_ref(), "m")?,
+            payload_inertia: one("--payload-inertia", self.payload_inertia.as_ref(), "kg m^2")?,
+            frontal_area: one("--frontal-area", self.frontal_area.as_ref(), "m^2")?,
+            angle: one("--angle", self.angle.as_ref(), "rad")?,
+            duration: one("--duration", self.duration.as_ref(), "s")?,
+        })
     }
 }
 

@@ -83,8 +83,8 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     );
     let kept = problem.trials.first().filter(|_| !settings.remove_mesh);
     let nodes = kept.map(|trial| trial.model.edges + 1);
-    let models = match experiment.muscle() {
-        Some(muscle) => muscle_file(muscle, calibration, nodes, &source)
+    let models = match experiment.muscle().zip(experiment.stiffness()) {
+        Some((muscle, stiffness)) => muscle_file(muscle, calibration, nodes, stiffness, &source)
             .map_err(|error| Failure::Usage(error.to_string()))?
             .into_iter()
             .collect(),

@@ -1,22 +1,26 @@
-//! `efam figures`: the paper's Figures 4 to 9 from our own runs.
+//! `efam figures`: the paper's Figures 4 to 9 from our own runs, or from the recordings of an experiment.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
-use sim::figures::{MUSCLE, Pressure, SCENARIO};
+use sim::analysis::static_stiffness::NODES;
+use sim::experiment::Experiment;
+use sim::experiment::analyse::{Analysed, analyse};
+use sim::figures::{FiguresError, MUSCLE, Pressure, SCENARIO, admit as admit_experiment, of_experiment};
 use sim::results::figures::{Words, words, write_figures};
-use sim::results::{self, Request};
+use sim::results::{self, Folder, Request};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 use sim::trajectory::Status;
 
 use super::arguments::Output;
+use super::experiment::{read, request};
 use super::failure::Failure;
 use super::interrupt;
 use super::simulate::{admit, follow};
@@ -25,15 +29,19 @@ use super::voice::{Voice, print};
 const HELP: &str = "Examples:
   efam figures
   efam figures --set effects.rayleigh_mass.alpha=\"0.8 1/s\" --overwrite
+  efam figures --experiment experiment.toml
 
-Exit codes: 4 if a release cannot be simulated, 130 if it is interrupted, which
-saves nothing.";
+Exit codes: 3 for recordings, 4 if a release cannot be simulated, 130 if it is
+interrupted, which saves nothing.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Figures {
-    /// Set a value over the scenario of the figures, such as effects.rayleigh_mass.alpha="0.8 1/s"; may be
-    /// repeated.
+    /// Draw them from the recordings of an experiment, instead of from our own runs.
+    #[arg(long, value_name = "FILE")]
+    experiment: Option<PathBuf>,
+    /// Set a value over the scenario of the figures, such as effects.rayleigh_mass.alpha="0.8 1/s", or over the
+    /// experiment; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
@@ -50,6 +58,48 @@ pub struct Printed<'a> {
 }
 
 pub fn run(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
+    match &args.experiment {
+        Some(experiment) => recorded(args, experiment, voice),
+        None => simulated(args, voice),
+    }
+}
+
+/// From the recordings of an experiment.
+fn recorded(args: &Figures, file: &Path, voice: &Voice) -> Result<ExitCode, Failure> {
+    let begin = Instant::now();
+    let experiment = Experiment::load(file, &args.set)?;
+    admit_experiment(&experiment).map_err(refused)?;
+    interrupt::listen();
+    let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
+    let name = format!("{} figures", experiment.name);
+    let folder = results::open(out, overwrite, &name, experiment.text())?;
+    let stages = voice.stages();
+    let work = || {
+        let cleaned = read(&experiment, &stages)?;
+        stages.tell("frequency, damping and stiffness of each release");
+        let analysed = analyse(&experiment, &cleaned, &NODES)?;
+        let all = of_experiment(&experiment, &analysed).map_err(refused)?;
+        let shown = |one: &&Analysed| all.iter().any(|of| of.name == one.of.release.name);
+        let warnings: Vec<String> = analysed.iter().filter(shown).flat_map(Analysed::warnings).collect();
+        Ok::<_, Failure>((all, warnings))
+    };
+    let (folder, done) = interrupt::during(folder, &stages, work);
+    let (all, warnings) = done?;
+    stages.clear();
+    voice.warn(&warnings);
+    let request = Request { warnings, name, ..request(&experiment, begin) };
+    finish(args, voice, folder, &request, &all)
+}
+
+fn refused(error: FiguresError) -> Failure {
+    match error {
+        FiguresError::Experiment(error) => error.into(),
+        FiguresError::Incomplete { .. } => Failure::Usage(error.to_string()),
+    }
+}
+
+/// From runs of the paper's muscle.
+fn simulated(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let file = Path::new("efam-figures.toml");
     let scenario = Scenario::parse(file, SCENARIO, &args.set)?;
@@ -91,7 +141,7 @@ pub fn run(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
             Status::CutShort { .. } => return Ok(None),
             Status::Complete => {}
         }
-        let of = Pressure::new(case, trajectory).map_err(|error| Failure::Usage(error.to_string()))?;
+        let of = Pressure::simulated(case, trajectory).map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(Some(of))
     };
     let done: Result<Option<Vec<Pressure>>, Failure> = cases.par_iter().map(one).collect();
@@ -100,9 +150,20 @@ pub fn run(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
     let Some(all) = done else {
         return Err(Failure::Interrupted);
     };
-    let words = words(&all);
     let request = Request { wall_time_s: begin.elapsed().as_secs_f64(), ..request };
-    write_figures(&folder, &request, &all, &words)?;
+    finish(args, voice, folder, &request, &all)
+}
+
+fn finish(
+    args: &Figures,
+    voice: &Voice,
+    folder: Folder,
+    request: &Request,
+    all: &[Pressure],
+) -> Result<ExitCode, Failure> {
+    let words = words(all);
+    write_figures(&folder, request, all, &words)?;
+    interrupt::check()?;
     let folder = folder.finish()?;
     if args.output.form.json {
         print(&Printed { folder: &folder, figures: &words })?;

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use clap::Args;
 use models::muscle::BUILT_IN;
-use models::quantity::{Quantity, format_si};
+use models::quantity::format_si;
 use serde::Serialize;
 use sim::predict::asked::Asked;
 use sim::predict::family::{Member, family};
@@ -20,7 +20,7 @@ use sim::results::predicted::{prediction_table, write_prediction};
 use sim::results::{self, Folder, Request};
 use sim::schema::JsonSchema;
 
-use super::arguments::Output;
+use super::arguments::{Output, Release};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::{LiveFamily, Recording, Rerun};
@@ -51,22 +51,8 @@ pub struct Predict {
     /// Mass at the tip; several, or from one to another, as 0g..200g.
     #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
     payload: Option<String>,
-    /// Its centre of mass beyond the active length [default: at its end].
-    #[arg(long, value_name = "LENGTH")]
-    payload_center: Option<String>,
-    /// Its rotary inertia about that, such as "1e-5 kg m^2" [default: a point mass].
-    #[arg(long, value_name = "INERTIA")]
-    payload_inertia: Option<String>,
-    /// The area that it turns to the air, such as "20 cm^2".
-    #[arg(long, value_name = "AREA")]
-    frontal_area: Option<String>,
-    /// Angle of the straight rod above the horizontal, from which it is let go [default: the scenario's,
-    /// or level].
-    #[arg(long, allow_hyphen_values = true)]
-    angle: Option<String>,
-    /// How long to simulate [default: the scenario's, or 20 s].
-    #[arg(long, value_name = "TIME")]
-    duration: Option<String>,
+    #[command(flatten)]
+    release: Release,
     /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
@@ -263,20 +249,9 @@ fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
             Asked::muscle(muscle)
         }
     };
-    asked.payload_center = one("--payload-center", &args.payload_center, "m")?;
-    asked.payload_inertia = one("--payload-inertia", &args.payload_inertia, "kg m^2")?;
-    asked.frontal_area = one("--frontal-area", &args.frontal_area, "m^2")?;
-    asked.angle = one("--angle", &args.angle, "rad")?;
-    asked.duration = one("--duration", &args.duration, "s")?;
+    asked.release = args.release.options(None)?;
     asked.set.clone_from(&args.set);
     Ok((asked, hashes))
-}
-
-/// The quantity of an option.
-fn one(option: &str, value: &Option<String>, unit: &str) -> Result<Option<f64>, Failure> {
-    let Some(text) = value else { return Ok(None) };
-    let parsed = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
-    parsed.map(Some).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
 }
 
 /// The quantities of an option that may have several.

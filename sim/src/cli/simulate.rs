@@ -27,7 +27,7 @@ use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 use sim::trajectory::{Status, Trajectory};
 
-use super::arguments::{Output, Source};
+use super::arguments::{Output, Release, Source};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::Rerun;
@@ -37,6 +37,7 @@ use super::voice::{Voice, print};
 const HELP: &str = "Examples:
   efam simulate scenarios/release-15psi.toml
   efam simulate scenarios/release-15psi.toml --pressure 40psi --csv
+  efam simulate scenarios/release-15psi.toml --payload 80g --duration 5s --angle 20deg
   efam simulate scenarios/payload-80g.toml --set effects.payload.mass=\"50 g\"
   efam simulate scenarios/release-15psi.toml --muscle muscle.toml --json
   efam simulate scenarios/undamped.toml --out outputs/undamped --overwrite -v
@@ -51,6 +52,11 @@ integrated.";
 pub struct Simulate {
     #[command(flatten)]
     source: Source,
+    /// Mass at the tip, such as 80g [default: the scenario's, or none].
+    #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
+    payload: Option<String>,
+    #[command(flatten)]
+    release: Release,
     #[command(flatten)]
     output: Output,
     /// Also write CSV.
@@ -81,7 +87,9 @@ pub struct Printed<'a> {
 }
 
 pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
-    let scenario = Scenario::load(&args.source.scenario, &args.source.overrides())?;
+    let release = args.release.options(args.payload.as_ref())?;
+    let overrides = [release.overrides(), args.source.overrides()].concat();
+    let scenario = Scenario::load(&args.source.scenario, &overrides)?;
     let cases = scenario.cases()?;
     let is_sweep = scenario.is_all_rows();
     if is_sweep && args.rerun.is_some() {

@@ -118,6 +118,11 @@ impl Experiment {
         self.plan.as_ref()?.muscle.as_ref().map(|muscle| &muscle.muscle)
     }
 
+    /// The estimate of bending stiffness that the model starts from, if it is a muscle.
+    pub fn stiffness(&self) -> Option<&str> {
+        self.plan.as_ref()?.muscle.as_ref().map(|muscle| muscle.stiffness.as_str())
+    }
+
     /// The text of the muscle's file, wherever it comes from.
     pub(crate) fn muscle_text(&self) -> Option<&str> {
         self.plan.as_ref()?.muscle.as_ref().map(|muscle| muscle.text.as_str())

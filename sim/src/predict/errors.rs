@@ -1,17 +1,14 @@
 //! Models that the errors of a calibration admit: drawn, or one standard deviation off along each direction.
 
 use models::model::Model;
-use models::muscle::Known;
+use models::muscle::{Here, Knob, Known};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-use super::simulated::value;
+use super::interval::NORMAL_95;
 use crate::normal::normal;
 use crate::scenario::Case;
-
-/// Share of its value below which what describes the rod is not drawn.
-const LEAST: f64 = 1e-3;
 
 /// Draws after which one that is not admitted is put on its bounds.
 const TRIES: usize = 10_000;
@@ -21,28 +18,64 @@ const LEAST_SHARE: f64 = 1e-3;
 /// The errors of a calibration at the pressure of a case.
 pub(crate) struct Errors<'a> {
     model: &'a Model,
-    /// Of each parameter that is drawn its path, its value in the model, and what it may be.
-    drawn: Vec<(String, f64, [f64; 2])>,
+    drawn: Vec<Drawn>,
     /// Takes independent normal numbers to errors; its columns are those of a standard deviation along each direction.
     root: DMatrix<f64>,
-    /// Paths of those that the data did not determine.
-    pub undetermined: Vec<String>,
+    /// Those that the data did not determine.
+    pub undetermined: Vec<Knob>,
+    /// Of each parameter that was interpolated over pressure its path, and half the 95 % interval that this alone
+    /// makes, as a share of its value.
+    pub interpolated: Vec<(String, f64)>,
+}
+
+/// A parameter that is drawn.
+struct Drawn {
+    path: String,
+    /// Its value in the model.
+    value: f64,
+    /// What it may be.
+    range: [f64; 2],
+    /// Whether its logarithm is normal: so it is of what describes the rod, which is positive.
+    is_logarithmic: bool,
+}
+
+impl Drawn {
+    /// Its value with an error, which is that of the logarithm times the value where it is logarithmic.
+    fn with(&self, error: f64) -> f64 {
+        if self.is_logarithmic { self.value * (error / self.value).exp() } else { self.value + error }
+    }
+
+    /// The largest error of a sign that its range admits, as a size.
+    fn room(&self, sign: f64) -> f64 {
+        let end = if sign > 0.0 { self.range[1] } else { self.range[0] };
+        let room = if self.is_logarithmic { self.value * (end / self.value).ln() } else { end - self.value };
+        (room * sign.signum()).max(0.0)
+    }
+
+    fn admits(&self, error: f64) -> bool {
+        (self.range[0]..=self.range[1]).contains(&self.with(error))
+    }
 }
 
 impl<'a> Errors<'a> {
     /// Those of a case.
     pub fn new(known: &Known, case: &'a Case) -> Self {
-        let at = known.at(case.pressure.unwrap_or(0.0));
+        let here = |path: &str| {
+            let of = |k: usize| Here { value: case.model.theta[k], scale: case.model.parameters[k].scale };
+            // A parameter that the model has not is left out below.
+            case.model.index(path).map_or(Here { value: 0.0, scale: 0.0 }, of)
+        };
+        let at = known.at(case.pressure.unwrap_or(0.0), &here);
         // A parameter that the model has not is none of its errors.
         let own: Vec<usize> =
             (0..at.paths.len()).filter(|k| case.model.index(&at.paths[*k]).is_ok()).collect();
         let drawn = |k: &usize| {
             let path = &at.paths[*k];
-            let value = value(&case.model, path);
+            let value = here(path).value;
             let (low, high) =
                 case.model.index(path).map_or((value, value), |k| case.model.parameters[k].range);
-            let least = if path.starts_with("rod.") { LEAST * value } else { low };
-            (path.clone(), value, [least.max(low), high])
+            let is_logarithmic = path.starts_with("rod.") && value > 0.0;
+            Drawn { path: path.clone(), value, range: [low, high], is_logarithmic }
         };
         let covariance = DMatrix::from_fn(own.len(), own.len(), |a, b| at.covariance[own[a]][own[b]]);
         // Numbers of very different size: the root is taken of the correlations.
@@ -53,11 +86,17 @@ impl<'a> Errors<'a> {
         let eigen = SymmetricEigen::new(scaled);
         let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
         let root = DMatrix::from_diagonal(&deviations) * &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+        let is_own = |knob: &Knob| own.iter().any(|k| at.paths[*k] == knob.path);
+        let interpolated = |k: &usize| {
+            let (path, deviation) = (&at.paths[*k], at.interpolated[*k]);
+            (deviation > 0.0).then(|| (path.clone(), NORMAL_95 * deviation / here(path).value.abs()))
+        };
         Self {
             model: &case.model,
             drawn: own.iter().map(drawn).collect(),
             root,
-            undetermined: at.undetermined,
+            interpolated: own.iter().filter_map(interpolated).collect(),
+            undetermined: at.undetermined.into_iter().filter(is_own).collect(),
         }
     }
 
@@ -76,7 +115,7 @@ impl<'a> Errors<'a> {
     /// Paths and values with these errors, as far as the values may go.
     fn with(&self, errors: &DVector<f64>) -> impl Iterator<Item = (&str, f64)> {
         let pairs = self.drawn.iter().zip(errors.iter());
-        pairs.map(|((path, value, [least, most]), error)| (&path[..], (value + error).clamp(*least, *most)))
+        pairs.map(|(of, error)| (&of.path[..], of.with(*error).clamp(of.range[0], of.range[1])))
     }
 
     fn errors(&self, seed: u64, draw: usize) -> DVector<f64> {
@@ -92,27 +131,34 @@ impl<'a> Errors<'a> {
         errors
     }
 
+    /// SI unit of a parameter; empty if it has none.
+    pub fn unit(&self, path: &str) -> &'static str {
+        self.model.index(path).map_or("", |k| self.model.parameters[k].unit)
+    }
+
     /// How many directions there are.
     pub fn directions(&self) -> usize {
         self.drawn.len()
     }
 
-    /// The model one standard deviation along a direction, or as far as its numbers may go, with how far that is;
-    /// none that makes no sense or cannot go at all.
-    pub fn along(&self, direction: usize, side: f64) -> Option<(Model, f64)> {
+    /// The model one standard deviation along a direction, or as far as its numbers may go, with how far that is, and
+    /// how far they may go in all, in standard deviations. There is no model where they cannot go at all.
+    pub fn along(&self, direction: usize, side: f64) -> (Option<(Model, f64)>, f64) {
         let errors = side * self.root.column(direction);
-        let reach = |((_, value, [least, most]), error): (&(String, f64, [f64; 2]), &f64)| {
-            let room = if *error > 0.0 { most - value } else { value - least };
-            if *error == 0.0 { 1.0 } else { (room / error.abs()).clamp(0.0, 1.0) }
+        let reach = |(of, error): (&Drawn, &f64)| {
+            if *error == 0.0 { f64::INFINITY } else { of.room(*error) / error.abs() }
         };
-        let share = self.drawn.iter().zip(errors.iter()).map(reach).fold(1.0, f64::min);
-        (share >= LEAST_SHARE).then_some(())?;
-        Some((self.model(&(share * errors))?, share))
+        let room = self.drawn.iter().zip(errors.iter()).map(reach).fold(f64::INFINITY, f64::min);
+        if room < LEAST_SHARE {
+            return (None, 0.0);
+        }
+        let share = room.min(1.0);
+        (self.model(&(share * errors)).map(|model| (model, share)), room)
     }
 
     fn admits(&self, errors: &DVector<f64>) -> bool {
         let mut pairs = self.drawn.iter().zip(errors.iter());
-        pairs.all(|((_, value, [least, most]), error)| (*least..=*most).contains(&(value + error)))
+        pairs.all(|(of, error)| of.admits(*error))
     }
 
     fn model(&self, errors: &DVector<f64>) -> Option<Model> {

@@ -1,10 +1,9 @@
 //! Predictions over pressures and payloads: every number at each, the payload that takes the tip past straight
 //! down, the pressure at which the muscle swings slowest.
 //!
-//! A hundred cases are too many for hundreds of draws each. Here the errors of the calibration are carried
-//! through the simulation along their principal directions, one standard deviation to either side, or as far as a
-//! number may go: with three parameters seven runs a case. An interval is 1.96 times the root of the sum of squares, which is as good as
-//! the numbers are linear over one standard deviation.
+//! A hundred cases are too many for hundreds of draws each. Here the errors are carried through the simulation along
+//! their principal directions, one standard deviation to either side, or as far as a parameter may go: seven runs a
+//! case with three parameters. This is as good as the numbers are linear over one standard deviation.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,18 +12,16 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::errors::Errors;
+use super::interval::{Change, carried};
 use super::mesh_of;
 use super::quantity::{Quantity, quantities, units};
 use super::simulated::{simulate, value};
-use super::warnings::{Extent, warnings};
+use super::warnings::{Extent, outside, warnings};
 use crate::analysis::brent::{least, root};
 use crate::forward::Run;
 use crate::results::rest::rest;
 use crate::scenario::{Case, ScenarioError};
 use crate::schema::JsonSchema;
-
-/// Standard deviations from the middle of a normal distribution to the ends of the 95 % in its middle.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// The number that says whether the tip went past straight down.
 const LEAST_ANGLE: &str = "least_angle_rad";
@@ -104,7 +101,7 @@ pub type Make<'a> = &'a (dyn Fn(Option<f64>, f64) -> Result<Case, ScenarioError>
 /// Runs of each case of a grid: two for each number that a calibration knows, and two on finer meshes where it
 /// removed that.
 pub fn runs(known: Option<&Known>) -> usize {
-    let of = |known: &Known| 2 * known.at(0.0).paths.len() + if known.nodes.is_none() { 2 } else { 0 };
+    let of = |known: &Known| 2 * known.paths().len() + if known.nodes.is_none() { 2 } else { 0 };
     1 + known.map_or(0, of)
 }
 
@@ -150,12 +147,13 @@ pub fn grid(
         grid.slowest = all.into_iter().flatten().collect();
     }
     let extent = Extent { pressures, payloads, excursion };
-    let errors = known.map(|known| Errors::new(known, &cases[0]));
+    let errors: Vec<Errors> =
+        known.iter().flat_map(|known| cases.iter().map(|case| Errors::new(known, case))).collect();
     let mut words: Vec<String> = cases.iter().flat_map(|case| case.warnings.clone()).collect();
     words.sort();
     words.dedup();
     grid.warnings = words;
-    grid.warnings.extend(warnings(&extent, known, errors.as_ref()));
+    grid.warnings.extend(warnings(&extent, known, &errors));
     let failed = grid.cells.iter().filter(|cell| cell.failed.is_some()).count();
     if failed > 0 {
         grid.warnings
@@ -180,45 +178,38 @@ fn foretell(case: &Case, known: Option<&Known>) -> (Cell, f64) {
         }
     };
     let errors = known.map(|known| Errors::new(known, case));
-    let change = |errors: &Errors, direction: usize, side: f64| -> Option<Vec<Option<f64>>> {
-        let (model, share) = errors.along(direction, side)?;
-        let moved = simulate(&model, &run).ok()?;
+    let change = |errors: &Errors, direction: usize, side: f64| -> Vec<Option<Change>> {
+        let (moved, room) = errors.along(direction, side);
+        let Some((model, share)) = moved else {
+            // Parameters that cannot go there change nothing; a model that cannot be says nothing.
+            return vec![(room == 0.0).then_some(Change { slope: 0.0, room }); own.numbers.len()];
+        };
+        let Ok(moved) = simulate(&model, &run) else { return vec![None; own.numbers.len()] };
         let pairs = moved.numbers.iter().zip(&own.numbers);
-        Some(pairs.map(|(moved, own)| Some((moved.as_ref()? - own.as_ref()?) / share)).collect())
+        let slope = |(moved, own): (&Option<f64>, &Option<f64>)| {
+            Some(Change { slope: (moved.as_ref()? - own.as_ref()?) / share, room })
+        };
+        pairs.map(slope).collect()
     };
     let both = |errors: &Errors, direction: usize| [-1.0, 1.0].map(|side| change(errors, direction, side));
-    let changes: Vec<[Option<Vec<Option<f64>>>; 2]> = errors
+    let changes: Vec<[Vec<Option<Change>>; 2]> = errors
         .iter()
         .flat_map(|errors| (0..errors.directions()).map(|direction| both(errors, direction)))
         .collect();
     // On one mesh the changes are the same but for a small part of themselves.
     mesh_of(known, &own, case, &run).iter().for_each(|mesh| mesh.removed(&mut own));
     cell.quantities = quantities(&own, |k, value| {
-        let of = |side: &Option<Vec<Option<f64>>>| side.as_ref()?[k];
-        known.and_then(|_| carried(value, changes.iter().map(|[low, high]| [of(low), of(high)])))
+        known.and_then(|_| carried(value, changes.iter().map(|[low, high]| [low[k], high[k]])))
     });
-    cell.extrapolated = known.zip(errors.as_ref()).map(|(known, errors)| {
-        let pressures: Vec<f64> = case.pressure.into_iter().collect();
-        let extent = Extent { pressures: &pressures, payloads: &[cell.payload_kg], excursion: own.excursion };
-        warnings(&extent, Some(known), Some(errors)).len() > errors.undetermined.len()
+    cell.extrapolated = known.map(|known| {
+        let extent = Extent {
+            pressures: case.pressure.as_slice(),
+            payloads: &[cell.payload_kg],
+            excursion: own.excursion,
+        };
+        !outside(&extent, known).is_empty()
     });
     (cell, own.excursion)
-}
-
-/// The interval of a number from what one standard deviation to either side along each direction changes of it; none
-/// where both sides of one say nothing.
-fn carried(value: f64, changes: impl Iterator<Item = [Option<f64>; 2]>) -> Option<[f64; 2]> {
-    let mut variance = 0.0;
-    for change in changes {
-        let slope = match change {
-            [Some(low), Some(high)] => 0.5 * (high - low),
-            [Some(side), None] | [None, Some(side)] => side,
-            [None, None] => return None,
-        };
-        variance += slope * slope;
-    }
-    let half = NORMAL_95 * variance.sqrt();
-    Some([value - half, value + half])
 }
 
 /// What is least of the tip's angle, rad, beyond straight down; its half interval.
@@ -292,18 +283,4 @@ fn slowest(cells: &[&Cell], make: Make) -> Result<Option<Slowest>, ScenarioError
         }
     }
     refused.map_or(Ok(Some(slowest)), Err)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two directions that move a number by 3 and 4 make a standard deviation of 5; where one side has no answer
-    /// the other counts, where neither has there is no interval.
-    #[test]
-    fn errors_are_carried_along_their_directions() {
-        let [low, high] = carried(10.0, [[Some(-3.0), Some(3.0)], [None, Some(4.0)]].into_iter()).unwrap();
-        assert!((high - low - 2.0 * NORMAL_95 * 5.0).abs() < 1e-12 && (high + low - 20.0).abs() < 1e-12);
-        assert_eq!(carried(10.0, [[None, None]].into_iter()), None);
-    }
 }

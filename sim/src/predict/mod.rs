@@ -1,14 +1,16 @@
 //! Prediction: what a calibrated muscle will do in a case that nobody has recorded, with intervals.
 //!
-//! The errors of the calibration, with their correlations, are drawn and each draw is simulated: an interval
-//! holds 95 % of what comes out. A calibration removes the error of the mesh from what it finds, so that is
-//! removed from what is foretold as well. What a calibration cannot know is not in it: that EI is another one under load,
-//! or at amplitudes that were never seen. Where a case lies outside what was calibrated, a warning says so.
+//! The errors of the calibration, with their correlations, and those of interpolation over pressure are drawn, and each
+//! draw is simulated: an interval holds 95 % of the results. A calibration removes the error of the mesh from its
+//! parameters, so a prediction removes it from its numbers. What a calibration cannot know is not in an interval: that
+//! EI differs under load, or at amplitudes that were never seen. A warning says where a case lies outside the
+//! calibration.
 
 pub mod asked;
 pub(crate) mod errors;
 pub mod family;
 pub mod grid;
+mod interval;
 pub mod quantity;
 pub(crate) mod simulated;
 pub mod span;
@@ -19,11 +21,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::forward::Run;
-use crate::quantile::quantile;
 use crate::results::summary;
 use crate::scenario::Case;
 use crate::schema::JsonSchema;
 use errors::Errors;
+use interval::of_draws;
 use quantity::{Quantity, quantities};
 use simulated::{Mesh, Simulated, simulate, value};
 use warnings::{Extent, warnings};
@@ -43,9 +45,6 @@ impl Default for Settings {
         Self { draws: 200, seed: 1 }
     }
 }
-
-/// Ends of an interval.
-const ENDS: [f64; 2] = [0.025, 0.975];
 
 /// What is foretold of one case; SI.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -145,9 +144,7 @@ pub fn predict(
         pressure_pa: case.pressure,
         payload_kg: value(&case.model, "effects.payload.mass"),
         quantities: quantities(&own, |k, value| {
-            let [low, high] = interval(all.iter().filter_map(|one| one.numbers[k]).collect(), all.len())?;
-            // A number on its bound lies at the end of what the draws say.
-            Some([low.min(value), high.max(value)])
+            of_draws(value, all.iter().filter_map(|one| one.numbers[k]).collect(), all.len())
         }),
         cycles: cycles(&own, &all),
         draws: all.len(),
@@ -159,7 +156,7 @@ pub fn predict(
         payloads: &[prediction.payload_kg],
         excursion: own.excursion,
     };
-    prediction.warnings.extend(warnings(&extent, known, errors.as_ref()));
+    prediction.warnings.extend(warnings(&extent, known, errors.as_slice()));
     if prediction.failed_draws > 0 {
         let words = format!("{} draws could not be simulated, and are left out", prediction.failed_draws);
         prediction.warnings.push(words);
@@ -172,18 +169,10 @@ fn mesh_of(known: Option<&Known>, own: &Simulated, case: &Case, run: &Run) -> Op
     known.filter(|known| known.nodes.is_none()).and_then(|_| Mesh::of(own, &case.model, run))
 }
 
-/// Interval of what draws say; none of fewer than half of them.
-fn interval(values: Vec<f64>, draws: usize) -> Option<[f64; 2]> {
-    if draws == 0 || 2 * values.len() < draws {
-        return None;
-    }
-    let [low, high] = ENDS.map(|share| quantile(values.clone(), share));
-    Some([low?, high?])
-}
-
 fn cycles(own: &Simulated, all: &[Simulated]) -> Vec<Cycle> {
     let interval_of = |k: usize, what: fn(&summary::Cycle) -> f64| {
-        interval(all.iter().filter_map(|one| one.cycles.get(k).map(what)).collect(), all.len())
+        let drawn = all.iter().filter_map(|one| one.cycles.get(k).map(what));
+        of_draws(what(&own.cycles[k]), drawn.collect(), all.len())
     };
     let cycle = |(k, cycle): (usize, &summary::Cycle)| Cycle {
         amplitude_m: cycle.amplitude_m,
@@ -196,8 +185,10 @@ fn cycles(own: &Simulated, all: &[Simulated]) -> Vec<Cycle> {
 }
 
 fn band(own: &Simulated, all: &[Simulated]) -> Band {
-    let at =
-        |k: usize| interval(all.iter().filter_map(|one| one.height.get(k).copied()).collect(), all.len());
+    let at = |k: usize| {
+        let drawn = all.iter().filter_map(|one| one.height.get(k).copied());
+        of_draws(own.height[k], drawn.collect(), all.len())
+    };
     Band {
         time: own.time.clone(),
         height: own.height.clone(),

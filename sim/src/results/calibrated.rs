@@ -22,6 +22,7 @@ use std::time::SystemTime;
 use serde_json::json;
 
 use super::folder::Folder;
+use super::interval::with_ends;
 use super::page::REPORT;
 use super::picture::{against_markers, calibrated, fitted, over_pressure};
 use super::report::significant;
@@ -106,15 +107,10 @@ pub fn table(calibration: &Calibration) -> String {
             Some(_) => "> 100 %".to_owned(),
             None => "-".to_owned(),
         };
-        let interval = found.interval_95.map_or("not determined".to_owned(), |[low, high]| {
-            format!("{} to {} {}", significant(low, 5), significant(high, 5), found.unit)
-        });
-        let _ = writeln!(
-            text,
-            "{:58} {:>14} {error:>10}   {interval}",
-            found.label(),
-            significant(found.value, 5)
-        );
+        let (value, ends) = with_ends(found.value, found.interval_95, 1.0);
+        let interval =
+            ends.map_or("not determined".to_owned(), |[low, high]| format!("{low} to {high} {}", found.unit));
+        let _ = writeln!(text, "{:58} {value:>14} {error:>10}   {interval}", found.label());
     }
     text.push('\n');
     let _ = writeln!(

@@ -1,4 +1,4 @@
-//! The paper's Figures 4 to 9 from our own runs, on disk.
+//! The paper's Figures 4 to 9 from our own runs or from recordings, on disk.
 //!
 //! ```text
 //! outputs/<UTC>_figures_<hash8>/
@@ -6,7 +6,7 @@
 //!   figure-4.csv …                their numbers; figure-4-rest.csv, figure-8-spectrum.csv beside them
 //!   report.html                   each figure, what the paper's shows, how ours differs
 //!   figures.json                  the same words, and every run's summary
-//!   scenario.toml                 what was simulated, for `efam simulate`
+//!   scenario.toml                 what was simulated, for `efam simulate`; or experiment.toml, what was recorded
 //!   summary.json                  by which command
 //! ```
 
@@ -19,11 +19,13 @@ use std::time::SystemTime;
 
 use serde_json::{Value, json};
 
+use super::calibrated::EXPERIMENT;
 use super::folder::Folder;
 use super::page::REPORT;
-use super::picture::{every_other, example, in_psi, model_name, models, paper};
+use super::picture::{are_recorded, every_other, example, in_psi, model_name, models, paper};
 use super::{Request, ResultsError, write_mark};
-use crate::figures::Pressure;
+use crate::analysis::measured::Coordinate;
+use crate::figures::{Origin, Pressure};
 
 pub use words::{Words, words};
 
@@ -32,7 +34,7 @@ pub const FIGURES: &str = "figures.json";
 /// What was simulated.
 pub const SCENARIO: &str = "scenario.toml";
 
-/// Writes the figures into an open folder; `request.resolved_scenario` is the scenario's text.
+/// Writes the figures into an open folder; `request.resolved_scenario` is the text of the scenario or the experiment.
 /// # Errors
 /// [`ResultsError::Write`].
 pub fn write_figures(
@@ -48,9 +50,13 @@ pub fn write_figures(
     for (name, text) in tables(all) {
         folder.write(&name, text.as_bytes())?;
     }
-    folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;
-    let runs: Vec<Value> =
-        all.iter().map(|of| json!({ "pressure_pa": of.pressure, "run": of.summary })).collect();
+    let source = if are_recorded(all) { EXPERIMENT } else { SCENARIO };
+    folder.write(source, request.resolved_scenario.as_bytes())?;
+    let run = |of: &Pressure| match &of.origin {
+        Origin::Simulated(own) => json!({ "pressure_pa": of.pressure, "run": own.summary }),
+        Origin::Recorded(_) => json!({ "pressure_pa": of.pressure, "release": of.name }),
+    };
+    let runs: Vec<Value> = all.iter().map(run).collect();
     let text = json!({ "figures": words, "runs": runs });
     folder.write(FIGURES, format!("{text:#}\n").as_bytes())?;
     let written = SystemTime::now();
@@ -77,29 +83,28 @@ fn tables(all: &[Pressure]) -> Vec<(String, String)> {
         models().map(|nodes| format!("{what}_{}_{unit}", key(nodes))).collect::<Vec<_>>()
     };
     let paths = every_other(all).into_iter().flat_map(|of| {
-        let samples = of.trajectory.times.iter().zip(&of.trajectory.tip);
+        let samples = of.times.iter().zip(&of.path);
         samples.map(|(time, tip)| vec![Some(in_psi(of)), Some(*time), Some(tip[0]), Some(tip[1])])
     });
     let rests = all.iter().filter_map(|of| {
-        let [x, z] = of.rest.as_ref().ok()?.tip;
+        let [x, z] = of.tip_at_rest?;
         Some(vec![Some(in_psi(of)), Some(x), Some(z)])
     });
     let stiffness = all.iter().map(|of| {
         let fits = models().map(|nodes| of.fit(nodes).map(|fit| fit.bending_stiffness));
-        [Some(in_psi(of))].into_iter().chain(of.published.map(Some)).chain(fits).collect()
+        [Some(in_psi(of))].into_iter().chain(of.published).chain(fits).collect()
     });
     let errors = all
         .iter()
         .map(|of| [Some(in_psi(of))].into_iter().chain(models().map(|nodes| of.tip_error(nodes))).collect());
     let swings = all.iter().map(|of| {
-        let summary = &of.summary;
-        let mode = summary.modes.as_ref().and_then(|modes| modes.first());
+        let numbers = &of.numbers;
         vec![
             Some(in_psi(of)),
-            summary.damped_frequency_hz,
-            summary.natural_frequency_hz,
-            summary.damping_ratio,
-            mode.map(|mode| mode.natural_frequency_hz),
+            numbers.damped_frequency_hz,
+            numbers.natural_frequency_hz,
+            numbers.damping_ratio,
+            numbers.first_mode_hz,
         ]
     });
     let published = ["published_ei_axial_n_m2", "published_ei_euler_n_m2", "published_ei_pder_32_n_m2"];
@@ -130,13 +135,17 @@ fn tables(all: &[Pressure]) -> Vec<(String, String)> {
         ),
     ];
     if let Some(of) = example(all) {
-        let rest = of.rest.as_ref().ok().map(|rest| rest.tip[1]);
-        let decay = of.swing.decay.as_ref();
-        let heights = of.trajectory.times.iter().zip(&of.trajectory.tip).map(|(time, tip)| {
-            vec![Some(*time), Some(tip[1]), rest.zip(decay).map(|(rest, of)| rest + of.envelope(*time))]
+        let (coordinate, side) = of.coordinate();
+        let axis = usize::from(coordinate == Coordinate::Z);
+        let letter = coordinate.name();
+        let (rest, decay) = (of.tip_at_rest.map(|tip| tip[axis]), of.decay());
+        let places = of.times.iter().zip(&of.path).map(|(time, tip)| {
+            let envelope = rest.zip(decay).map(|(rest, of)| rest + side * of.envelope(*time));
+            vec![Some(*time), Some(tip[axis]), envelope]
         });
-        tables.push(("figure-8.csv", table(&names(&["time_s", "tip_z_m", "envelope_z_m"]), heights)));
-        if let Some(spectrum) = &of.swing.spectrum {
+        let heads = ["time_s".to_owned(), format!("tip_{letter}_m"), format!("envelope_{letter}_m")];
+        tables.push(("figure-8.csv", table(&heads, places)));
+        if let Some(spectrum) = of.spectrum() {
             let step = spectrum.frequency_step / TAU;
             let bins = spectrum.amplitude.iter().enumerate();
             let bins = bins.map(|(k, amplitude)| vec![Some(step * k as f64), Some(*amplitude)]);
@@ -150,11 +159,9 @@ fn shapes(all: &[Pressure]) -> String {
     let mut text = String::from("pressure_psi,model,point,x_m,z_m\n");
     for of in all {
         let own = of.shapes.iter().map(|shape| (model_name(shape.nodes), shape.points.clone()));
-        let simulated = of.rest.iter().map(|rest| {
-            let points = rest.nodes.iter().chain([&rest.tip]).copied().collect();
-            ("simulated".to_owned(), points)
-        });
-        for (model, points) in own.chain(simulated) {
+        let body = of.body_at_rest.iter().map(|(_, at)| *at).chain(of.tip_at_rest).collect();
+        let origin = if of.is_recorded() { "recorded" } else { "simulated" };
+        for (model, points) in own.chain([(origin.to_owned(), body)]) {
             for (k, [x, z]) in points.iter().enumerate() {
                 let _ = writeln!(text, "{:?},\"{model}\",{k},{x:?},{z:?}", in_psi(of));
             }

@@ -18,10 +18,10 @@ use serde_json::json;
 
 use super::columns::{Cells, Column, CsvFile, Holds, ParquetFile};
 use super::folder::Folder;
+use super::interval::with_interval;
 use super::page::REPORT;
 use super::picture::{PASCAL_PER_PSI, grid_pictures};
 use super::predicted::page::of_several;
-use super::predicted::with_interval;
 use super::report::{readable, significant};
 use super::{Request, ResultsError, SCENARIO, write_mark};
 use crate::predict::grid::{Cell, Grid};

@@ -25,6 +25,7 @@ pub mod export;
 pub mod figures;
 pub mod folder;
 pub mod grid;
+mod interval;
 pub mod page;
 pub(crate) mod partial;
 pub mod picture;

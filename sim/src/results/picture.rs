@@ -41,7 +41,7 @@ pub use fitted::fitted;
 pub use grid::grid_pictures;
 pub use lines::Named;
 pub use measured::measured;
-pub use paper::{every_other, example, in_psi, model as model_name, models, paper};
+pub use paper::{are_recorded, every_other, example, in_psi, model as model_name, models, paper};
 pub use predicted::predicted;
 pub use pressures::{PASCAL_PER_PSI, PressureRow, pressures};
 pub use recording::recording;

@@ -17,6 +17,7 @@ use std::time::SystemTime;
 use serde_json::json;
 
 use super::folder::Folder;
+use super::interval::with_ends;
 use super::page::REPORT;
 use super::picture::predicted;
 use super::report::{readable, significant};
@@ -42,16 +43,6 @@ pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -
     write_mark(folder, request, "prediction", written, json!({}))
 }
 
-/// A value, so many times finer, with its unit and its interval.
-pub(super) fn with_interval(value: f64, interval: Option<[f64; 2]>, factor: f64, unit: &str) -> String {
-    let value = format!("{} {unit}", significant(factor * value, 4));
-    let value = value.trim_end();
-    match interval.map(|ends| ends.map(|end| significant(factor * end, 4))) {
-        Some([low, high]) => format!("{value} ({low} to {high})"),
-        None => value.to_owned(),
-    }
-}
-
 /// A prediction as a table for people.
 pub fn prediction_table(prediction: &Prediction) -> String {
     let mut text = format!("{:40}{:>12}   95 % interval\n", prediction.name, "");
@@ -62,23 +53,24 @@ pub fn prediction_table(prediction: &Prediction) -> String {
             let _ = writeln!(text, "{:40}{:>12}   {why}", quantity.meaning, "-");
             continue;
         };
-        let interval = quantity.interval_95.map_or(String::new(), |[low, high]| {
-            format!("{} to {} ", significant(factor * low, 4), significant(factor * high, 4))
-        });
-        let value = significant(factor * value, 4);
+        let (value, interval) = with_ends(value, quantity.interval_95, factor);
+        let interval = interval.map_or(String::new(), |[low, high]| format!("{low} to {high} "));
         let _ = writeln!(text, "{:40}{value:>12}   {interval}{unit}", quantity.meaning);
     }
     if let (Some(first), Some(last)) = (prediction.cycles.first(), prediction.cycles.last()) {
         for cycle in [first, last] {
             let name = format!("damping ratio at {} mm", significant(1e3 * cycle.amplitude_m, 3));
-            let interval = cycle.damping_ratio_95.map_or(String::new(), |[low, high]| {
-                format!("{} to {}", significant(low, 4), significant(high, 4))
-            });
-            let _ = writeln!(text, "{name:40}{:>12}   {interval}", significant(cycle.damping_ratio, 4));
+            let (ratio, interval) = with_ends(cycle.damping_ratio, cycle.damping_ratio_95, 1.0);
+            let interval = interval.map_or(String::new(), |[low, high]| format!("{low} to {high}"));
+            let _ = writeln!(text, "{name:40}{ratio:>12}   {interval}");
         }
     }
     if prediction.draws > 0 {
-        let _ = writeln!(text, "\nintervals from {} draws of the calibration's errors", prediction.draws);
+        let _ = writeln!(
+            text,
+            "\nintervals: {} draws from the errors of calibration and interpolation",
+            prediction.draws
+        );
     }
     for warning in &prediction.warnings {
         let _ = writeln!(text, "warning: {warning}");

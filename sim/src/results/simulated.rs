@@ -63,7 +63,7 @@ pub fn write_set(
 ) -> Result<(), ResultsError> {
     let row = |member: &Member| member.pressure.map(|pressure| PressureRow::new(pressure, &member.summary));
     let rows: Vec<PressureRow> = members.iter().filter_map(row).collect();
-    let over = pressures(&request.name, &rows);
+    let over = pressures(&request.name, "simulated", &rows);
     folder.write(PRESSURES, over.as_bytes())?;
     let mut pictures = vec![Picture {
         name: "pressures".to_owned(),

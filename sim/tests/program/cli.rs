@@ -344,3 +344,35 @@ fn statics_and_modes_of_a_ruler() {
     let expected = 3.516 / std::f64::consts::TAU * (0.05_f64 / (1e-3 * 1e-3)).sqrt();
     assert!((frequency / expected - 1.0).abs() < 2e-3, "{frequency} {expected}");
 }
+
+/// The flags of `efam predict` say the same to `efam simulate`, as the keys of a scenario do; `--set` overrides them.
+#[test]
+fn a_release_is_said_by_flags_as_by_keys() {
+    let bench = Bench::new("flags");
+    let text = format!("{MUSCLE}[rod]\nnodes = 8\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n");
+    let flags = ["--payload", "80g", "--duration", "0.2s", "--angle=-20deg", "--payload-center", "1 in"];
+    let (code, stderr) = bench.simulate(&text, &[&flags[..], &["--payload-inertia", "1e-5 kg m^2"]].concat());
+    assert_eq!(code, 0, "{stderr}");
+    let by_flags = bench.summary();
+    let keys = "[release]\nangle = \"-20 deg\"\n[run]\nduration = \"0.2 s\"\n[effects.payload]\nmass = \"80 g\"\n\
+                center_of_mass = \"1 in\"\nrotary_inertia = \"1e-5 kg m^2\"\n";
+    assert_eq!(bench.simulate(&format!("{text}{keys}"), &["--overwrite"]).0, 0);
+    let by_keys = bench.summary();
+    for entry in ["parameters", "lowest", "rest", "simulated_s"] {
+        assert_eq!(by_flags[entry], by_keys[entry], "{entry}");
+    }
+    let over =
+        ["--payload", "80g", "--set", "effects.payload.mass=\"30 g\"", "--duration", "0.1 s", "--overwrite"];
+    assert_eq!(bench.simulate(&text, &over).0, 0);
+    assert_eq!(bench.summary()["parameters"]["effects.payload.mass"]["value"], 0.03);
+    for (flag, expected) in [
+        (["--payload", "-5 g"], "error: --payload -5 g: it must not be negative"),
+        (["--payload", "5 m"], "error: --payload 5 m: \"5 m\" is a length, but a mass is due"),
+        (["--duration", "5"], "error: --duration 5:"),
+        (["--angle", "3 kg"], "error: --angle 3 kg: \"3 kg\" is a mass, but an angle is due"),
+    ] {
+        let (code, stderr) = bench.simulate(&text, &flag);
+        assert_eq!(code, 2, "{stderr}");
+        assert!(stderr.starts_with(expected), "{stderr}");
+    }
+}

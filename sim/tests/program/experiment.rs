@@ -271,3 +271,45 @@ fn what_is_wrong_with_a_recording_is_said() {
         assert!(!bench.0.join("out").exists(), "nothing half-written");
     }
 }
+
+/// Six releases of 8 s, three of them 25 degrees down: what is left of the swing is said, and the paper's beam, which is
+/// clamped level, is fitted to the level ones alone.
+#[test]
+fn an_analysis_says_what_has_not_settled_and_where_the_beam_means_nothing() {
+    let bench = Bench::new("analyse-settling");
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/diagnosis/nothing/experiment.toml");
+    let (code, stdout, stderr) = bench.run(&["analyse", example, "--nodes", "32", "--out", "out"]);
+    assert_eq!(code, 0, "{stderr}");
+    let count = |words: &str| stdout.matches(words).count();
+    assert_eq!(count("not settled: the tip swings by"), 6, "{stdout}");
+    assert_eq!(count("Euler-Bernoulli"), 6, "{stdout}");
+    assert_eq!(
+        count("not fitted: the paper's beam is clamped level, this base is inclined by -25.0 deg"),
+        3,
+        "{stdout}"
+    );
+    let value = bench.json(&["analyse", example, "--nodes", "32", "--out", "out", "--overwrite", "--json"]);
+    for analysis in value["analysis"].as_array().expect("rows") {
+        let is_level = analysis["name"].as_str().expect("a name").contains("-1.csv");
+        let models =
+            analysis["static_stiffness"].as_array().expect("rows").iter().map(|row| row["model"].clone());
+        assert_eq!(
+            models.collect::<Vec<_>>(),
+            if is_level { vec!["euler_bernoulli", "pder"] } else { vec!["pder"] }
+        );
+        assert_eq!(
+            (analysis["settled"].as_bool(), analysis["why_no_beam"].is_null()),
+            (Some(false), is_level)
+        );
+        // Both are of one muscle: the tip at rest, and the swing at its own amplitude.
+        let rod = analysis["static_stiffness"].as_array().expect("rows").last().expect("a rod").clone();
+        let tip = number(&rod["gauss_newton"]["bending_stiffness_n_m2"]);
+        let motion = number(&analysis["dynamic_stiffness"]["bending_stiffness_n_m2"]);
+        assert!(
+            (motion / tip - 1.0).abs() < 0.02,
+            "{motion} from the frequency, {tip} from the tip: {analysis}"
+        );
+    }
+    let page = bench.text("out/report.html");
+    assert!(page.contains("not settled: the tip swings by") && page.contains("Euler-Bernoulli: not fitted"));
+}

@@ -211,3 +211,90 @@ fn the_figures_hold_what_the_paper_s_tables_say() {
     assert!(code == 2 && stderr.contains("leave muscle.name, muscle.file and muscle.pressure"), "{stderr}");
     assert_eq!(bench.left(), ["out"]);
 }
+
+/// The worked example has three pressures: its rests, EI, frequencies and paths are those of the analysis and of its
+/// recordings, by the level release of each pressure.
+#[test]
+fn the_figures_of_an_experiment_show_its_recordings() {
+    let bench = Bench::new("figures-recorded");
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/diagnosis/nothing/experiment.toml");
+    let value = bench.json(&["figures", "--experiment", example, "--json", "--out", "out"]);
+    assert_eq!(value["figures"].as_array().map(Vec::len), Some(6));
+    let analysis = bench.json(&["analyse", example, "--json", "--out", "analysed"]);
+    let rows = |file: &str| -> Vec<Vec<String>> {
+        let text = bench.text(file);
+        text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let column = |file: &str, name: &str| -> Vec<f64> {
+        let rows = rows(file);
+        let k = rows[0].iter().position(|own| own == name).unwrap_or_else(|| panic!("{name} in {file}"));
+        rows[1..].iter().map(|row| row[k].parse().expect("a number")).collect()
+    };
+    let of = |name: &str| {
+        let all = analysis["analysis"].as_array().expect("rows").clone();
+        all.into_iter().find(|own| own["name"] == name).expect("it is analysed")
+    };
+    assert_eq!(column("out/figure-5.csv", "pressure_psi"), [15.0, 40.0, 70.0]);
+    for (k, psi) in [15, 40, 70].into_iter().enumerate() {
+        let own = of(&format!("{psi}psi-1.csv#1"));
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        // JSON is read back to within the last bit.
+        let same =
+            |own: f64, other: f64| assert!((own / other - 1.0).abs() < 1e-14, "{own} {other} at {psi} psi");
+        same(column("out/figure-4-rest.csv", "rest_z_m")[k], number(&own["rest_m"][1]));
+        same(column("out/figure-9.csv", "natural_frequency_hz")[k], number(&own["natural_frequency_hz"]));
+        same(column("out/figure-9.csv", "damping_ratio")[k], number(&own["damping_ratio"]));
+        for row in own["static_stiffness"].as_array().expect("rows") {
+            let key = row["nodes"].as_u64().map_or("euler".to_owned(), |nodes| format!("pder_{nodes}"));
+            let ei = number(&row["nelder_mead"]["bending_stiffness_n_m2"]);
+            same(column("out/figure-5.csv", &format!("ei_{key}_n_m2"))[k], ei);
+        }
+        // The muscle of the example is the table's within 5 %.
+        let published = column("out/figure-5.csv", "published_ei_pder_32_n_m2")[k];
+        assert!((column("out/figure-5.csv", "ei_pder_32_n_m2")[k] / published - 1.0).abs() < 0.06);
+        assert!(column("out/figure-6.csv", "tip_error_pder_32_m")[k] < 1e-3);
+    }
+    // The path is the recorded one, sample by sample from the release on.
+    let recorded = rows("analysed/15psi-1.csv-1.csv");
+    let seen = recorded[1..].iter().filter(|row| !row[1].is_empty() && !row[0].starts_with('-')).count();
+    let path = column("out/figure-4.csv", "pressure_psi").iter().filter(|psi| **psi == 15.0).count();
+    assert_eq!(path, seen);
+    let page = bench.text("out/report.html");
+    for words in [
+        "Drawn from recordings",
+        "15psi-1.csv#1 at 15 psi",
+        "not settled: the tip swings by",
+        "Ours are recorded",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(!page.contains("imulated"), "nothing is simulated here");
+    for number in 4..=9 {
+        let svg = bench.text(&format!("out/figure-{number}.svg"));
+        assert!(page.contains(svg.trim().split_once(' ').expect("an element").1), "figure {number}");
+    }
+    assert!(bench.0.join("out/experiment.toml").is_file() && !bench.0.join("out/scenario.toml").exists());
+
+    let whole = std::fs::read_to_string(example).expect("it is there");
+    let folder = example.trim_end_matches("experiment.toml");
+    let bare = whole.replace("file = \"", &format!("file = \"{folder}"));
+    let before = bench.left();
+    let without = |text: String, expected: &str| {
+        bench.file("e.toml", &text);
+        let (code, _, stderr) = bench.run(&["figures", "--experiment", "e.toml", "--out", "none"]);
+        assert!(code == 2 && stderr.contains(expected), "{code}: {stderr}");
+        std::fs::remove_file(bench.0.join("e.toml")).expect("it was written");
+        assert_eq!(bench.left(), before, "nothing is left behind");
+    };
+    let head = bare.find("[[recording]]").expect("recordings");
+    let end = bare.find("[calibrate]").expect("a section");
+    let no_model = format!("name = \"bare\"\n{}", &bare[head..end]);
+    without(no_model, "e.toml: the figures are over pressure, of a rod that is known; add [muscle] or [rod]");
+    let rod = "[rod]\nlength = \"300 mm\"\nmass = \"30 g\"\nbending_stiffness = \"0.01 N m^2\"\naxial_stiffness = \"200 N\"\n";
+    let no_pressure: String = bare[head..end]
+        .lines()
+        .filter(|line| !line.starts_with("pressure"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    without(format!("{rod}{no_pressure}"), "give the pressure of each [[recording]]");
+}

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use models::muscle::{Extrapolation, Known, Muscle};
+use models::muscle::{Extrapolation, Here, Known, Muscle};
 use sim::cleaning::{CleanRelease, Cleaned, Statistics};
 use sim::diagnose::problem;
 use sim::experiment::Experiment;
@@ -97,6 +97,7 @@ fn short(experiment: &Experiment) -> Cleaned {
             recording,
             number,
             instant: 1.0,
+            swings_until: 0.02,
             angle: None,
             dropped: None,
             representative: false,
@@ -136,7 +137,7 @@ pub fn muscle(bytes: &[u8]) {
         }
     }
     if let Some(known) = &muscle.known {
-        let at = known.at(0.5 * low + 0.5 * high);
+        let at = known.at(0.5 * low + 0.5 * high, &|_| Here { value: 1.0, scale: 1.0 });
         assert_eq!(at.covariance.len(), at.paths.len());
         let again = Known::read(&known.section());
         assert_eq!(again.expect("what was written is read").as_ref(), Some(known));

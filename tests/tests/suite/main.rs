@@ -17,6 +17,8 @@ mod dynamics {
     mod starts;
 }
 mod inverse {
+    mod analysed;
+    mod between_pressures;
     mod blind_files;
     mod chain;
     mod coverage;

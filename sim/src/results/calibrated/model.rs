@@ -19,23 +19,26 @@ pub struct ModelFile {
 
 /// Parameters that a muscle file has columns for.
 const COLUMNS: [(&str, &str); 3] = [
-    ("rod.bending_stiffness", "bending_stiffness_calibrated"),
+    (STIFFNESS, "bending_stiffness_calibrated"),
     ("effects.rayleigh_mass.alpha", "rayleigh_mass"),
     ("effects.rayleigh_stiffness.beta", "rayleigh_stiffness"),
 ];
 
+const STIFFNESS: &str = "rod.bending_stiffness";
 /// Parameters for which it has a constant.
 const ROD_MASS: &str = "rod.mass";
 const END_FITTING_MASS: &str = "effects.end_fitting.mass";
 
 /// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value
-/// for each release.
+/// for each release. `stiffness` is the muscle's estimate of bending stiffness whose shape over pressure is kept
+/// between calibrated pressures.
 /// # Errors
 /// [`MuscleError`] for a pressure at which the muscle is none.
 pub fn muscle_file(
     muscle: &Muscle,
     calibration: &Calibration,
     nodes: Option<usize>,
+    stiffness: &str,
     source: &str,
 ) -> Result<Option<ModelFile>, MuscleError> {
     let mut columns = Vec::new();
@@ -49,21 +52,22 @@ pub fn muscle_file(
         // What all pressures share stands at any of them.
         let anywhere = calibration.releases.iter().find_map(|release| release.pressure_pa).unwrap_or(0.0);
         let values = found.iter().map(|one| (one.pressure_pa.unwrap_or(anywhere), one.value));
-        columns.push(CalibratedColumn { name, values: values.collect() });
+        // One EI for all pressures has no shape.
+        let keeps_shape = path == STIFFNESS && found.iter().all(|one| one.pressure_pa.is_some());
+        let shape = keeps_shape.then(|| stiffness.to_owned());
+        columns.push(CalibratedColumn { name, values: values.collect(), shape });
     }
     if columns.is_empty() {
         return Ok(None);
     }
     let shared = |path: &str| usable(path).filter(|found| found.len() == 1).map(|found| found[0].value);
-    let found = Found {
-        columns,
-        rod_mass: shared(ROD_MASS),
-        end_fitting_mass: shared(END_FITTING_MASS),
-        known: known(calibration, nodes, &|one| {
-            let path = one.name.as_str();
-            COLUMNS.iter().any(|(column, _)| *column == path) || [ROD_MASS, END_FITTING_MASS].contains(&path)
-        }),
-    };
+    let mut known = known(calibration, nodes, &|one| {
+        let path = one.name.as_str();
+        COLUMNS.iter().any(|(column, _)| *column == path) || [ROD_MASS, END_FITTING_MASS].contains(&path)
+    });
+    known.interpolation = muscle.interpolation(&known, stiffness)?;
+    let found =
+        Found { columns, rod_mass: shared(ROD_MASS), end_fitting_mass: shared(END_FITTING_MASS), known };
     let text = muscle.calibrated(source, &found)?;
     Ok(Some(ModelFile { name: "muscle.toml".to_owned(), text }))
 }
@@ -128,6 +132,7 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
         payload_kg: Known::span(fitted().map(|release| release.payload_kg)),
         excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
         nodes,
+        interpolation: Vec::new(),
         parameter: own.iter().map(knob).collect(),
     }
 }

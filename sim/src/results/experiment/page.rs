@@ -92,26 +92,7 @@ fn before_use(experiment: &Experiment, cleaned: &Cleaned, analysed: Option<&[Ana
         let why = release.dropped.as_ref()?;
         Some(format!("{} is not used: {why}", release.release.name))
     }));
-    for one in analysed.into_iter().flatten() {
-        let name = &one.of.release.name;
-        match &one.measured {
-            Err(error) => warnings.push(format!("{name}: {error}")),
-            Ok(measured) => {
-                if let Err(why) = &measured.decay {
-                    warnings.push(format!("{name}: no damping ratio: {why}"));
-                }
-                if measured.since > 0.0 {
-                    let since = measured.since;
-                    warnings.push(format!("{name}: counted from {since:.2} s on, because the first, large swings have another frequency"));
-                }
-                if let Some(at) = measured.bridged.cut_at {
-                    warnings.push(format!(
-                        "{name}: nothing after {at:.2} s counts, where a gap is too long to be bridged"
-                    ));
-                }
-            }
-        }
-    }
+    warnings.extend(analysed.into_iter().flatten().flat_map(Analysed::warnings));
     let held_out = cleaned.releases.iter().filter(|release| release.release.held_out);
     warnings.extend(held_out.map(|release| {
         format!("{} is held out: it is analysed, and no fit may see it", release.release.name)
@@ -148,7 +129,7 @@ fn lost(of: &CleanRelease, analysed: Option<&[Analysed]>) -> Option<Vec<String>>
 fn assumed(experiment: &Experiment, cleaned: &Cleaned, analysed: Option<&[Analysed]>) -> Vec<String> {
     let mut words = vec![
         "The swing lies in a plane; what leaves it is shown with each recording, and left out.".to_owned(),
-        "Where the tip is late in each recording is where it rests.".to_owned(),
+        "The tip rests where the decay of its last three periods leads; where that cannot be fitted, at the mean of the end.".to_owned(),
     ];
     words.push(match (experiment.has_model(), analysed) {
         (true, Some(_)) => "Stiffness: the rod, its masses and the pressure are as the experiment file says, and the damping does not move the rest.".to_owned(),
@@ -172,7 +153,7 @@ fn numbers(page: &mut Page, analysed: &[Analysed]) {
         let mut row = vec![
             one.of.release.name.clone(),
             one.of.release.pressure.map_or("-".to_owned(), |pressure| significant(1e-3 * pressure, 4)),
-            significant(1e3 * one.of.statistics.static_drop, 4),
+            significant(1e3 * one.static_drop(), 4),
         ];
         match &one.measured {
             Err(error) => row.extend([error.to_string()].into_iter().chain(vec!["-".to_owned(); 4])),
@@ -225,6 +206,9 @@ fn at_rest(page: &mut Page, analysed: &[Analysed]) {
                 fit.nodes.map_or("Euler-Bernoulli".to_owned(), |nodes| format!("PDER, {nodes} nodes")),
                 ei(&fit.nelder_mead),
                 ei(&fit.gauss_newton),
+                one.rest
+                    .and_then(|rest| fit.relative_error(rest.error))
+                    .map_or("-".to_owned(), |error| significant(100.0 * error, 2)),
                 off.map_or("-".to_owned(), |off| significant(off, 3)),
             ]);
         }
@@ -233,7 +217,7 @@ fn at_rest(page: &mut Page, analysed: &[Analysed]) {
         "Stiffness from the tip at rest, in numbers",
         &Table {
             caption: "EI in N m² with which each model's tip comes nearest to the measured one, by two searches",
-            heads: &["release", "model", "Nelder-Mead", "Gauss-Newton", "tip error, mm"],
+            heads: &["release", "model", "Nelder-Mead", "Gauss-Newton", "standard error, %", "tip error, mm"],
             rows,
         },
     );

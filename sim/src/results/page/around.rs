@@ -43,7 +43,10 @@ impl Page {
         if let Some(note) = &of.note {
             self.text(note);
         }
-        self.part("Warnings", "None.", &of.warnings);
+        // "None." above a caveat would be read as the all-clear.
+        let is_extrapolated = of.extrapolated.as_ref().is_some_and(|all| !all.is_empty());
+        let none = if is_extrapolated { "None but what is extrapolated, below." } else { "None." };
+        self.part("Warnings", none, &of.warnings);
         if let Some(locked) = &of.locked_away {
             self.heading("Locked away");
             match locked.is_empty() {
@@ -118,6 +121,9 @@ mod tests {
             assumed: vec!["level".to_owned()],
             note: Some("mind".to_owned()),
         });
+        let extrapolated = Some(vec!["far".to_owned()]);
+        let caveat = page(&BeforeUse { extrapolated, ..BeforeUse::default() });
+        assert!(!caveat.contains("None.") && caveat.contains("None but what is extrapolated"), "{caveat}");
         for word in ["hot", "far", "kept", "gone", "level", "mind"] {
             assert!(full.contains(&format!(">{word}<")), "{word}: {full}");
         }

@@ -8,7 +8,7 @@ use super::lines::{Lines, MOST_LINES, Named, spread};
 use super::measured::{damping, frequencies, swing};
 use super::recording::recording;
 use super::released::SIZE;
-use super::{MILLI, Picture, drawn};
+use super::{MILLI, Picture, drawn, model_name};
 use crate::analysis::AnalysisError;
 use crate::analysis::bending_stiffness::StiffnessFit;
 use crate::analysis::static_stiffness::StaticFit;
@@ -61,11 +61,6 @@ pub fn analysed(all: &[Analysed]) -> Vec<Picture> {
 /// The better search of the two: both minimise the same.
 pub(super) fn found(of: &StaticFit) -> Result<&StiffnessFit, &AnalysisError> {
     of.gauss_newton.as_ref().or(of.nelder_mead.as_ref())
-}
-
-/// Name of a model of the tip at rest.
-pub(super) fn model(of: &StaticFit) -> String {
-    of.nodes.map_or("Euler-Bernoulli".to_owned(), |nodes| format!("PDER, {nodes} nodes"))
 }
 
 fn over_pressure(all: &[Analysed]) -> Vec<Picture> {
@@ -128,10 +123,15 @@ fn over_pressure(all: &[Analysed]) -> Vec<Picture> {
         ),
     ];
     let mut lines: Vec<Named> = Vec::new();
-    for k in 0..all.iter().map(|one| one.at_rest.len()).max().unwrap_or(0) {
-        let name = all.iter().find_map(|one| one.at_rest.get(k)).map(model).unwrap_or_default();
-        let ei = |one: &Analysed| Some(found(one.at_rest.get(k)?).ok()?.bending_stiffness);
-        lines.push((name, points(&ei)));
+    // The beam first; a release with an inclined base has none.
+    let mut models: Vec<Option<usize>> =
+        all.iter().flat_map(|one| one.at_rest.iter().map(|fit| fit.nodes)).collect();
+    models.sort_unstable();
+    models.dedup();
+    for nodes in models {
+        let fit = |one: &Analysed| one.at_rest.iter().position(|fit| fit.nodes == nodes);
+        let ei = |one: &Analysed| Some(found(&one.at_rest[fit(one)?]).ok()?.bending_stiffness);
+        lines.push((model_name(nodes), points(&ei)));
     }
     lines.truncate(MOST_LINES - 1);
     let motion = |one: &Analysed| Some(one.in_motion.as_ref()?.as_ref().ok()?.bending_stiffness);
@@ -140,7 +140,7 @@ fn over_pressure(all: &[Analysed]) -> Vec<Picture> {
         pictures.push(picture(
             "stiffness",
             "Bending stiffness over pressure, by method",
-            "EI from the tip at rest by the Euler-Bernoulli beam and by the discrete rod, and from the natural frequency by the model's slowest mode. An EI belongs to its model, mesh and root.",
+            "EI from the tip at rest by the Euler-Bernoulli beam and by the discrete rod, and from the frequency by the model's own swing. An EI belongs to its model, mesh and root.",
             "EI, N m²",
             lines,
         ));

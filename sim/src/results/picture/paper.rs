@@ -1,4 +1,4 @@
-//! The paper's Figures 4 to 9, drawn from runs of our own.
+//! The paper's Figures 4 to 9, drawn from runs of our own or from recordings.
 
 use super::lines::{Lines, Named, looks};
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, plot_size};
@@ -6,8 +6,9 @@ use super::tips::trajectories;
 use super::{
     Area, BLACK, Drawn, MILLI, PASCAL_PER_PSI, Picture, PressureRow, Release, Tip, drawn, pressures,
 };
+use crate::analysis::measured::Coordinate;
 use crate::analysis::static_stiffness::NODES;
-use crate::figures::{Pressure, Shape};
+use crate::figures::{Origin, Pressure, Shape};
 use crate::results::simulated::psi;
 
 /// By how much the shapes of one pressure stand beside those of the one before, and of one model below those
@@ -15,6 +16,8 @@ use crate::results::simulated::psi;
 const APART: f64 = 350.0;
 /// Models whose shapes the paper's Figure 7 shows.
 const SHAPES: [Option<usize>; 5] = [None, Some(4), Some(8), Some(16), Some(32)];
+/// Pressures up to which all paths are drawn, and all shapes beside one another.
+const MOST_PATHS: usize = 10;
 /// The pressure of the paper's Figure 8, psi.
 pub const EXAMPLE_PSI: f64 = 15.0;
 
@@ -23,14 +26,20 @@ pub fn in_psi(of: &Pressure) -> f64 {
     (1e3 * of.pressure / PASCAL_PER_PSI).round() / 1e3
 }
 
-/// Every other pressure from the lowest on, as the paper's Figure 4 has them.
+/// Every other pressure from the lowest on, as the paper's Figure 4 has them; of few all.
 pub fn every_other(all: &[Pressure]) -> Vec<&Pressure> {
-    all.iter().step_by(2).collect()
+    all.iter().step_by(if all.len() > MOST_PATHS { 2 } else { 1 }).collect()
 }
 
-/// The run that Figure 8 shows.
+/// The pressure that Figure 8 shows: the one nearest to the paper's.
 pub fn example(all: &[Pressure]) -> Option<&Pressure> {
-    all.iter().find(|of| (in_psi(of) - EXAMPLE_PSI).abs() < 0.01)
+    let off = |of: &&Pressure| (in_psi(of) - EXAMPLE_PSI).abs();
+    all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// Whether the figures show recordings.
+pub fn are_recorded(all: &[Pressure]) -> bool {
+    all.iter().any(Pressure::is_recorded)
 }
 
 /// Figures 4 to 9, in their order.
@@ -48,20 +57,23 @@ fn picture(number: usize, title: &str, caption: &str, svg: String) -> Picture {
 }
 
 fn tip(of: &Pressure) -> Tip<'_> {
-    Tip {
-        name: psi(of.pressure),
-        times: &of.trajectory.times,
-        path: &of.trajectory.tip,
-        rest: of.rest.as_ref().ok().map(|rest| rest.tip),
-    }
+    Tip { name: psi(of.pressure), times: &of.times, path: &of.path, rest: of.tip_at_rest }
+}
+
+/// Two texts, one for figures of recordings and one for figures of simulations.
+fn either(all: &[Pressure], recorded: &'static str, simulated: &'static str) -> &'static str {
+    if are_recorded(all) { recorded } else { simulated }
 }
 
 fn figure_4(all: &[Pressure]) -> Picture {
     let tips: Vec<Tip> = every_other(all).into_iter().map(tip).collect();
-    let svg = drawn((900, 760), |page| {
-        trajectories(page, "Paths of the tip, simulated", &tips.iter().collect::<Vec<_>>())
-    });
-    let caption = "Simulated paths of the tip and its rests, in steps of 10 psi from 5 psi on. Paths begin where they are named.";
+    let title = either(all, "Paths of the tip, recorded", "Paths of the tip, simulated");
+    let svg = drawn((900, 760), |page| trajectories(page, title, &tips.iter().collect::<Vec<_>>()));
+    let caption = either(
+        all,
+        "Recorded paths of the tip and its rests. Paths begin where they are named; masked samples are left out.",
+        "Simulated paths of the tip and its rests, in steps of 10 psi from 5 psi on. Paths begin where they are named.",
+    );
     picture(4, "Paths of the tip and its rest", caption, svg)
 }
 
@@ -81,8 +93,9 @@ pub fn models() -> impl Iterator<Item = Option<usize>> {
 }
 
 fn figure_5(all: &[Pressure]) -> Picture {
-    let mut lines: Vec<Named> =
-        vec![("axial test, Table 2 by eq. 8".to_owned(), over_psi(all, |of| Some(of.published[0])))];
+    let axial = either(all, "axial test, of the muscle's file", "axial test, Table 2 by eq. 8");
+    let mut lines: Vec<Named> = vec![(axial.to_owned(), over_psi(all, |of| of.published[0]))];
+    lines.retain(|line| !line.1.is_empty());
     lines.extend(models().map(|nodes| {
         let ei = |of: &Pressure| of.fit(nodes).map(|fit| fit.bending_stiffness);
         (model(nodes), over_psi(all, ei))
@@ -93,16 +106,21 @@ fn figure_5(all: &[Pressure]) -> Picture {
         y: "EI, N m²",
         marks: true,
         from_zero: true,
-        why: "no run came to rest",
+        why: "no tip at rest",
     };
-    let caption = "The axial column is Table 2's. All others are fitted here to the tip at rest of our own runs, which have the EI of Table 2's rod of 32 nodes.";
+    let caption = either(
+        all,
+        "Fitted to the recorded tips at rest; a release with an inclined base has no Euler-Bernoulli beam.",
+        "The axial column is Table 2's. All others are fitted here to the tip at rest of our own runs, which have the EI of Table 2's rod of 32 nodes.",
+    );
     picture(5, "Bending stiffness by method", caption, drawn((900, 640), |page| of.draw(page, &lines)))
 }
 
 fn figure_6(all: &[Pressure]) -> Picture {
     let error = |nodes: Option<usize>| move |of: &Pressure| of.tip_error(nodes).map(|error| MILLI * error);
-    // 32 nodes have made the tip: their error is none by construction.
-    let of_models = || models().filter(|nodes| *nodes != Some(32));
+    // In a simulation 32 nodes have made the tip: their error is none by construction.
+    let recorded = are_recorded(all);
+    let of_models = || models().filter(|nodes| recorded || *nodes != Some(32));
     let over: Vec<Named> = of_models().map(|nodes| (model(nodes), over_psi(all, error(nodes)))).collect();
     let some: Vec<&Pressure> = all.iter().step_by((all.len() / 5).max(1)).collect();
     let by_nodes: Vec<Named> = some
@@ -118,7 +136,7 @@ fn figure_6(all: &[Pressure]) -> Picture {
         y: "tip error, mm",
         marks: true,
         from_zero: true,
-        why: "no run came to rest",
+        why: "no tip at rest",
     };
     let second = Lines { title: "B: over the number of nodes", x: "nodes of the discrete rod", ..first };
     let svg = drawn((1200, 560), |page| {
@@ -126,20 +144,29 @@ fn figure_6(all: &[Pressure]) -> Picture {
         first.draw(&panels[0], &over)?;
         second.draw(&panels[1], &by_nodes)
     });
-    let caption = "Distance of each model's tip from the simulated one, with the EI that comes nearest. The rod of 32 nodes made the tip and is left out.";
+    let caption = either(
+        all,
+        "Distance of each model's tip from the recorded one at rest, with the EI that comes nearest.",
+        "Distance of each model's tip from the simulated one, with the EI that comes nearest. The rod of 32 nodes made the tip and is left out.",
+    );
     picture(6, "Tip error over pressure and nodes", caption, svg)
 }
 
 fn figure_7(all: &[Pressure]) -> Picture {
-    let half = all.len().div_ceil(2).max(1);
-    let svg = drawn((1200, 1240), |page| {
-        let panels = page.split_evenly((2, 1));
+    let rows = if all.len() > MOST_PATHS { 2 } else { 1 };
+    let half = all.len().div_ceil(rows).max(1);
+    let svg = drawn((1200, 620 * rows as u32), |page| {
+        let panels = page.split_evenly((rows, 1));
         for ((own, name), area) in all.chunks(half).zip(["A", "B"]).zip(&panels) {
             shapes(area, name, own)?;
         }
         Ok(())
     });
-    let caption = "Shapes at rest, models below one another, pressures beside one another. Rings: our simulated rod, in place of the paper's markers, whose positions are not published.";
+    let caption = either(
+        all,
+        "Shapes at rest, models below one another, pressures beside one another. Rings: the markers of the recordings.",
+        "Shapes at rest, models below one another, pressures beside one another. Rings: our simulated rod, in place of the paper's markers, whose positions are not published.",
+    );
     picture(7, "Shapes at rest", caption, svg)
 }
 
@@ -150,7 +177,7 @@ fn shapes(area: &Area, name: &str, all: &[Pressure]) -> Drawn {
     let (line, ring) = (looks()[0], Stroke::new(BLACK, 1.2));
     let keys = [
         Key::line(Stroke { width: 1.8, ..line }, "model with its fitted EI, end fitting included"),
-        Key::ring(ring, "simulated rod and tip"),
+        Key::ring(ring, either(all, "recorded markers and tip", "simulated rod and tip")),
     ];
     let title = match (all.first(), all.last()) {
         (Some(first), Some(last)) => format!("{name}: {} to {}", psi(first.pressure), psi(last.pressure)),
@@ -185,37 +212,66 @@ fn one_shape(
 ) -> Drawn {
     panel.line(shape.points.iter().map(&at), &Stroke { width: 1.8, ..*line })?;
     panel.dots(shape.points.last().map(&at), line, 2.0)?;
-    if let Ok(rest) = &of.rest {
-        let every = (rest.nodes.len() / 6).max(1);
-        let markers = rest.nodes.iter().step_by(every).skip(1).chain([&rest.tip]);
-        panel.rings(markers.map(at), ring, 2.6)?;
-    }
-    Ok(())
+    // Of a simulated rod some points stand for markers.
+    let every = if of.is_recorded() { 1 } else { (of.body_at_rest.len() / 6).max(1) };
+    let body = of.body_at_rest.iter().map(|(_, at)| at).step_by(every).skip(1);
+    panel.rings(body.chain(&of.tip_at_rest).map(at), ring, 2.6)
 }
 
 fn figure_8(all: &[Pressure]) -> Picture {
     let svg = drawn((1200, 520), |page| {
         let panels = page.split_evenly((1, 2));
         let Some(of) = example(all) else {
-            return Panel::without_data(page, "One release", "no run at 15 psi");
+            return Panel::without_data(page, "One release", "there is none");
         };
-        let release = Release {
-            model: &of.model,
-            trajectory: &of.trajectory,
-            energy_followed: false,
-            rest: of.rest.as_ref().ok(),
-            summary: &of.summary,
-            swing: &of.swing,
-        };
-        super::height(&release, &panels[0])?;
-        super::spectrum(&release, &panels[1])
+        match &of.origin {
+            Origin::Simulated(own) => {
+                let release = Release {
+                    model: &own.model,
+                    trajectory: &own.trajectory,
+                    energy_followed: false,
+                    rest: own.rest.as_ref(),
+                    summary: &own.summary,
+                    swing: &own.swing,
+                };
+                super::height(&release, &panels[0])?;
+                super::spectrum(&release, &panels[1])
+            }
+            Origin::Recorded(None) => Panel::without_data(page, "One release", "too few samples"),
+            Origin::Recorded(Some(own)) => {
+                super::measured::swing(own, &panels[0])?;
+                super::measured::frequencies(own, &panels[1])
+            }
+        }
     });
-    let caption = "The simulated release at 15 psi: z(t) with eq. 6 fitted to its upper peaks, and its amplitude spectrum.";
-    picture(8, "Decay and spectrum at 15 psi", caption, svg)
+    let (pressure, name, letter) = example(all).map_or_else(Default::default, |of| {
+        let letter = if of.coordinate().0 == Coordinate::X { "x" } else { "z" };
+        (psi(of.pressure), of.name.clone(), letter)
+    });
+    let caption = if are_recorded(all) {
+        format!("{name}: {letter}(t) with eq. 6 fitted to its upper peaks, and its amplitude spectrum.")
+    } else {
+        format!(
+            "The simulated release at {pressure}: z(t) with eq. 6 fitted to its upper peaks, and its amplitude spectrum."
+        )
+    };
+    picture(8, &format!("Decay and spectrum at {pressure}"), &caption, svg)
 }
 
 fn figure_9(all: &[Pressure]) -> Picture {
-    let rows: Vec<PressureRow> = all.iter().map(|of| PressureRow::new(of.pressure, &of.summary)).collect();
-    let caption = "Simulated, by the paper's method. Words and the shaded strip: what the paper's text says of its own curves; no point of them is published.";
-    picture(9, "Natural frequency and damping ratio over pressure", caption, pressures("Figure 9", &rows))
+    let row = |of: &Pressure| PressureRow {
+        pressure: of.pressure,
+        natural_frequency: of.numbers.natural_frequency_hz,
+        mode_frequency: of.numbers.first_mode_hz,
+        damping_ratio: of.numbers.damping_ratio,
+    };
+    let rows: Vec<PressureRow> = all.iter().map(row).collect();
+    let origin = either(all, "recorded", "simulated");
+    let caption = either(
+        all,
+        "Recorded, by the paper's method; the first mode is that of the rod of 32 nodes with the EI of the tip at rest. Words and the shaded strip: what the paper's text says of its own curves.",
+        "Simulated, by the paper's method. Words and the shaded strip: what the paper's text says of its own curves; no point of them is published.",
+    );
+    let svg = pressures("Figure 9", origin, &rows);
+    picture(9, "Natural frequency and damping ratio over pressure", caption, svg)
 }

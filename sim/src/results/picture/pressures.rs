@@ -37,10 +37,11 @@ impl PressureRow {
 /// A pound-force per square inch, Pa.
 pub const PASCAL_PER_PSI: f64 = 6_894.757_293_168;
 
-/// Two panels over pressure, psi: natural frequency and damping ratio; as SVG.
-pub fn pressures(name: &str, rows: &[PressureRow]) -> String {
+/// Two panels over pressure, psi: natural frequency and damping ratio; as SVG. `origin` is where the rows come from:
+/// simulated or recorded.
+pub fn pressures(name: &str, origin: &str, rows: &[PressureRow]) -> String {
     drawn((1200, 520), |page| {
-        heading(page, &format!("{name}: simulated, beside the trends that the paper's text gives"))?;
+        heading(page, &format!("{name}: {origin}, beside the trends that the paper's text gives"))?;
         let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((1, 2));
         frequency(rows, &panels[0])?;
         damping(rows, &panels[1])
@@ -152,7 +153,7 @@ mod tests {
     fn the_picture_states_our_spread_and_the_papers_words() {
         let rows: Vec<_> =
             (1..=20).map(|k| row(5.0 * f64::from(k), 1.1 + 0.6 * (-0.25 * f64::from(k - 1)).exp())).collect();
-        let svg = pressures("all rows", &rows);
+        let svg = pressures("all rows", "simulated", &rows);
         if let Ok(folder) = std::env::var("EFAM_LOOK") {
             std::fs::write(format!("{folder}/pressures.svg"), &svg).unwrap();
         }
@@ -172,8 +173,8 @@ mod tests {
             damping_ratio: None,
             ..row(5.0, 1.0)
         };
-        let svg = pressures("one row", &[nothing, row(10.0, 1.2)]);
+        let svg = pressures("one row", "simulated", &[nothing, row(10.0, 1.2)]);
         assert_eq!(svg.matches("<circle").count(), 5);
-        assert!(pressures("no rows", &[nothing]).contains("no run has it"));
+        assert!(pressures("no rows", "simulated", &[nothing]).contains("no run has it"));
     }
 }

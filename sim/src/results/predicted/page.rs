@@ -4,10 +4,10 @@ use std::time::SystemTime;
 
 use super::super::Request;
 use super::super::grid::answers;
+use super::super::interval::{with_ends, with_interval};
 use super::super::page::{BeforeUse, Page, Table};
 use super::super::picture::Picture;
 use super::super::report::{readable, significant};
-use super::with_interval;
 use crate::predict::grid::{Cell, Grid};
 use crate::predict::quantity::{Quantity, units};
 use crate::predict::{Cycle, Prediction};
@@ -16,7 +16,7 @@ use crate::predict::{Cycle, Prediction};
 const ASSUMED: [&str; 3] = [
     "What acts on the rod is what acted when it was calibrated: EI and losses are the same with the payload, at other amplitudes, and later.",
     "The payload is a rigid body at the tip; the air drags at it only if its frontal area is given.",
-    "Intervals hold 95 % of what the errors of the calibration admit, and nothing of what a calibration cannot know.",
+    "Intervals hold the errors of the calibration and of interpolation over pressure, and nothing that a calibration cannot know.",
 ];
 
 /// The page of one case.
@@ -31,23 +31,17 @@ pub(in crate::results) fn of_one(
     page.before_use(&before_use(&prediction.warnings));
     page.section("Numbers");
     page.table(&Table {
-        caption: "What is foretold, with intervals that hold 95 % of what the errors of the calibration admit",
+        caption: "Predicted numbers with 95 % intervals from the errors of calibration and interpolation",
         heads: &["", "value", "interval", "unit"],
         rows: prediction.quantities.iter().map(row).collect(),
     });
     page.section("The release");
     pictures.iter().for_each(|picture| page.figure(picture));
     page.section("Cycle by cycle");
-    let [ratios, frequencies] =
-        [|cycle: &Cycle| cycle.damping_ratio_95, |cycle: &Cycle| cycle.frequency_hz_95];
     let cycle = |cycle: &Cycle| {
-        vec![
-            significant(1e3 * cycle.amplitude_m, 3),
-            significant(cycle.damping_ratio, 4),
-            interval(ratios(cycle), 1.0),
-            significant(cycle.frequency_hz, 4),
-            interval(frequencies(cycle), 1.0),
-        ]
+        let ratio = value_and_interval(cycle.damping_ratio, cycle.damping_ratio_95, 1.0);
+        let frequency = value_and_interval(cycle.frequency_hz, cycle.frequency_hz_95, 1.0);
+        [vec![significant(1e3 * cycle.amplitude_m, 3)], ratio.to_vec(), frequency.to_vec()].concat()
     };
     match prediction.cycles.is_empty() {
         true => page.text("It does not swing twice."),
@@ -88,9 +82,10 @@ pub(in crate::results) fn of_several(
         let (factor, unit) = readable(&quantity.unit);
         let case = |cell: &Cell| {
             let own = cell.quantities.get(k);
-            let value =
-                own.and_then(|own| own.value).map_or("-".to_owned(), |value| significant(factor * value, 4));
-            let ends = interval(own.and_then(|own| own.interval_95), factor);
+            let [value, ends] = match own.and_then(|own| Some((own.value?, own.interval_95))) {
+                Some((value, ends)) => value_and_interval(value, ends, factor),
+                None => ["-".to_owned(), String::new()],
+            };
             let pressure =
                 cell.pressure_pa.map_or("-".to_owned(), |pressure| significant(1e-3 * pressure, 4));
             let payload = significant(1e3 * cell.payload_kg, 4);
@@ -124,20 +119,17 @@ fn lead(prediction: &Prediction) -> String {
 
 fn row(quantity: &Quantity) -> Vec<String> {
     let (factor, unit) = readable(&quantity.unit);
-    let value = match (quantity.value, &quantity.missing) {
-        (Some(value), _) => significant(factor * value, 4),
-        (None, Some(why)) => why.clone(),
-        (None, None) => "-".to_owned(),
+    let [value, interval] = match (quantity.value, &quantity.missing) {
+        (Some(value), _) => value_and_interval(value, quantity.interval_95, factor),
+        (None, why) => [why.clone().unwrap_or("-".to_owned()), String::new()],
     };
-    vec![quantity.meaning.clone(), value, interval(quantity.interval_95, factor), unit.to_owned()]
+    vec![quantity.meaning.clone(), value, interval, unit.to_owned()]
 }
 
-fn interval(ends: Option<[f64; 2]>, factor: f64) -> String {
-    let [low, high] = match ends {
-        Some(ends) => ends.map(|end| significant(factor * end, 4)),
-        None => return String::new(),
-    };
-    format!("{low} to {high}")
+/// The cells of a number and of its interval.
+fn value_and_interval(value: f64, ends: Option<[f64; 2]>, factor: f64) -> [String; 2] {
+    let (value, ends) = with_ends(value, ends, factor);
+    [value, ends.map_or(String::new(), |[low, high]| format!("{low} to {high}"))]
 }
 
 fn capital(words: &str) -> String {

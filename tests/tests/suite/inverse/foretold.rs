@@ -57,13 +57,15 @@ fn foretold(seed: u64) -> Vec<Cell> {
     let problem = all_fitted(&Plan::of_two_angles(&[]).draw(seed));
     let outcome = calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit");
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
-    let file = muscle_file(&muscle, &outcome.calibration, None, "twin").expect("a muscle").expect("columns");
+    let file = muscle_file(&muscle, &outcome.calibration, None, "pder_32", "twin")
+        .expect("a muscle")
+        .expect("columns");
     let text =
         format!("[muscle]\ntext = {}\n[run]\nduration = \"{SECONDS} s\"\n", toml::Value::from(file.text));
     let asked = Asked::scenario(Path::new("twin.toml"), text);
     let (case, known) = asked.case(Some(PRESSURE * PSI), Some(0.0)).expect("a case");
     let mut asked = asked;
-    asked.payload_center = Some(case.model.tip_distance);
+    asked.release.payload_center = Some(case.model.tip_distance);
     let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
     let grid = grid("twin", (&[PRESSURE * PSI], &PAYLOADS), &make, known.as_ref(), &|| ());
     grid.expect("a grid").cells
