@@ -1,9 +1,10 @@
 //! `efam effects`: the catalogue as a table, and the page of an effect.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
+use comfy_table::{ColumnConstraint, ContentArrangement, Table, presets};
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::nearest;
 use models::quantity::format_si;
@@ -12,6 +13,7 @@ use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -88,6 +90,9 @@ pub fn run(args: &Effects, voice: &Voice) -> Result<ExitCode, Failure> {
     }
 }
 
+/// Letters in a line of the list.
+const WIDTH: u16 = 120;
+
 const KINDS: [(Kind, &str); 6] = [
     (Kind::Elastic, "elastic: gives back what it stores"),
     (Kind::Dissipative, "dissipative: never feeds energy"),
@@ -108,19 +113,24 @@ fn list(json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     if voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    let mut out = io::stdout().lock();
+    let mut out = stdout();
     for (kind, title) in KINDS {
-        if abouts().all(|about| about.kind != kind) {
+        let mut table = Table::new();
+        table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic);
+        table.set_width(WIDTH).set_header(["", "", "default", "range", "off at"]);
+        for about in abouts().filter(|about| about.kind == kind) {
+            table.add_row([about.name, about.meaning]);
+            about.parameters.iter().for_each(|own| {
+                table.add_row(of_parameter(own));
+            });
+        }
+        if table.row_count() == 0 {
             continue;
         }
-        writeln!(out, "{title}")?;
-        for about in abouts().filter(|about| about.kind == kind) {
-            writeln!(out, "  {:20}{}", about.name, about.meaning)?;
-            for p in about.parameters {
-                writeln!(out, "    {:20}{}", p.name, of_parameter(p))?;
-            }
+        for whole in [0, 2, 3, 4] {
+            table.column_mut(whole).expect("there are five").set_constraint(ColumnConstraint::ContentWidth);
         }
-        writeln!(out)?;
+        writeln!(out, "{title}\n{}\n", table.trim_fmt())?;
     }
     writeln!(out, "A scenario switches an effect on by [effects.NAME]; `efam effects NAME` shows its page.")?;
     Ok(ExitCode::SUCCESS)
@@ -137,16 +147,17 @@ fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     if json {
         print(&Printed::Page { effect: of_about(effect.about()), page: effect.page() })?;
     } else if !voice.quiet {
-        writeln!(io::stdout(), "{}", effect.page())?;
+        writeln!(stdout(), "{}", effect.page())?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn of_parameter(p: &Parameter) -> String {
-    let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
-    let off = p.off.map_or(String::new(), |off| format!(", off at {off}"));
-    let default = format_si(p.default, p.unit);
-    format!("{}; default {default}, {:e}..={:e}{unit}{off}", p.meaning, p.range.0, p.range.1)
+/// Name, meaning, default, range, and where it is off.
+fn of_parameter(p: &Parameter) -> [String; 5] {
+    let si = |value: f64| format_si(value, p.unit);
+    let range = format!("{} to {}", si(p.range.0), si(p.range.1));
+    let off = p.off.map_or(String::new(), |off| off.to_string());
+    [format!("  {}", p.name), p.meaning.to_owned(), si(p.default), range, off]
 }
 
 fn of_about(about: &'static About) -> Effect {

@@ -1,7 +1,7 @@
 //! `efam figures`: the paper's Figures 4 to 9 from our own runs.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -16,10 +16,11 @@ use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 use sim::trajectory::Status;
 
-use super::arguments::Output;
+use super::arguments::{Output, argv};
 use super::failure::Failure;
 use super::interrupt;
 use super::simulate::{admit, follow};
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -75,7 +76,7 @@ pub fn run(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
         resolved_scenario: set.iter().map(|set| format!("# with {set}\n")).collect::<String>() + SCENARIO,
         warnings,
         input_hashes,
-        argv: std::env::args().collect(),
+        argv: argv(),
         ..Request::default()
     };
     let folder = results::begin(&request)?;
@@ -107,7 +108,7 @@ pub fn run(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.output.form.json {
         print(&Printed { folder: &folder, figures: &words })?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
+        let mut out = stdout();
         for of in &words {
             writeln!(out, "Figure {}\n  paper: {}\n  ours:  {}", of.number, of.paper, of.ours)?;
         }

@@ -1,6 +1,6 @@
 //! Tidy tables in Parquet, such as a run's own `trajectory.parquet`.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use arrow_array::{Array, Float32Array, Float64Array, Int32Array, Int64Array, RecordBatch};
 use arrow_schema::{DataType, Schema};
@@ -59,7 +59,9 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, Problem> {
     let reader = builder.with_projection(mask).build().map_err(|error| broken(&error))?;
 
     // Columns that are read stand in the order of the file, without the others.
-    let place = |column: usize| wanted.range(..column).count();
+    let places: BTreeMap<usize, usize> =
+        wanted.iter().enumerate().map(|(place, column)| (*column, place)).collect();
+    let place = |column: usize| places[&column];
     layout.frame = layout.frame.map(place);
     layout.time = layout.time.map(|(column, second)| (place(column), second));
     for point in &mut layout.points {

@@ -6,10 +6,11 @@ use models::effects::{self, CATALOGUE, Parameter};
 use models::model::Root;
 use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
 
-use super::document::{Document, Keys, read_text};
+use super::document::{Document, Keys};
 use super::error::{Problem, ScenarioError};
 use super::posture;
 use crate::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
+use crate::input;
 use crate::integrate::Method;
 
 /// What a scenario says, in SI units; `None` where it says nothing.
@@ -368,7 +369,7 @@ fn read_effects(keys: &Keys) -> Result<Vec<EffectPlan>, ScenarioError> {
 /// Name and text of a file that a key names.
 fn read_file(document: &Document, keys: &Keys, key: &str) -> Result<(String, String), ScenarioError> {
     let Some((name, place)) = keys.text(key)? else { return Ok(Default::default()) };
-    match read_text(&document.file(place, name)) {
+    match input::text(&document.file(place, name)) {
         Ok(text) => Ok((name.to_owned(), text)),
         Err(error) => {
             let problem = Problem::Unreadable { file: name.to_owned(), reason: error.to_string() };
