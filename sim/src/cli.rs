@@ -33,7 +33,7 @@ use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arguments::Manner;
 use failure::Failure;
-use sim::escape::{escaped_lines, is_hidden};
+use sim::escape::{escaped, is_hidden};
 use voice::Voice;
 
 /// Exit codes, as the help prints them.
@@ -119,7 +119,7 @@ pub fn main() -> ExitCode {
     let parsed = Efam::command().color(color).try_get_matches();
     let efam = match parsed.and_then(|matches| Efam::from_arg_matches(&matches)) {
         Ok(efam) => efam,
-        Err(error) => return answer(&error),
+        Err(error) => return answer(error),
     };
     let voice = Voice::new(efam.manner.quiet, efam.manner.verbose);
     match run(efam.command, &voice) {
@@ -172,17 +172,21 @@ impl Command {
 }
 
 /// Prints help, or what is wrong with the command line.
-fn answer(error: &clap::Error) -> ExitCode {
-    // What was typed stands in the message as it is, and its escape sequences among those of our colours.
-    let is_plain = |argument: std::ffi::OsString| !argument.to_string_lossy().contains(is_hidden);
-    if error.use_stderr() && !std::env::args_os().all(is_plain) {
-        terminal::say_coloured(&escaped_lines(&error.render().to_string()));
-    } else if let Err(failed) = error.print().and_then(|()| terminal::stdout().end())
-        && !error.use_stderr()
-    {
-        return Failure::from(failed).report(false);
+fn answer(error: clap::Error) -> ExitCode {
+    // What was typed stands in the message as it is. Where that would act on a terminal, it is typed visibly.
+    let typed: Vec<String> = std::env::args_os().map(|own| own.to_string_lossy().into_owned()).collect();
+    let is_visible = !typed.iter().any(|own| own.contains(is_hidden));
+    let visibly = || {
+        Efam::command()
+            .color(ColorChoice::Never)
+            .try_get_matches_from(typed.iter().map(|own| escaped(own).into_owned()))
+    };
+    let error = if is_visible { error } else { visibly().err().unwrap_or(error) };
+    let printed = error.print().and_then(|()| terminal::stdout().end());
+    match printed {
+        Err(failed) if !error.use_stderr() => Failure::from(failed).report(false),
+        _ => ExitCode::from(error.exit_code() as u8),
     }
-    ExitCode::from(error.exit_code() as u8)
 }
 
 /// Whether errors are coloured.

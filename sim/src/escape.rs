@@ -68,7 +68,11 @@ pub fn from_cell(cell: &str) -> &str {
 
 /// A path as one word of a shell (bash, zsh), to be copied into a command; all of it can be seen.
 pub fn shell_word(path: &Path) -> String {
-    path.maybe_quote().to_string()
+    let is_safe = |c: char| c.is_ascii_alphanumeric() || "_@%+=:,./-".contains(c);
+    match path.to_str() {
+        Some(text) if !text.is_empty() && text.chars().all(is_safe) => text.to_owned(),
+        _ => path.quote().to_string(),
+    }
 }
 
 fn replaced(

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
-use comfy_table::{ColumnConstraint, ContentArrangement, Table, presets};
+use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::nearest;
 use models::quantity::format_si;
@@ -92,6 +92,10 @@ pub fn run(args: &Effects, voice: &Voice) -> Result<ExitCode, Failure> {
 
 /// Letters in a line of the list.
 const WIDTH: u16 = 120;
+/// Blanks between columns.
+const GAP: u16 = 2;
+/// The column that is broken into lines.
+const MEANING: usize = 1;
 
 const KINDS: [(Kind, &str); 6] = [
     (Kind::Elastic, "elastic: gives back what it stores"),
@@ -114,23 +118,20 @@ fn list(json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let mut out = stdout();
+    let widths = widths(abouts().flat_map(|about| about.parameters));
+    let longest = abouts().map(|about| about.name.len()).max().unwrap_or(0);
     for (kind, title) in KINDS {
-        let mut table = Table::new();
-        table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic);
-        table.set_width(WIDTH).set_header(["", "", "default", "range", "off at"]);
-        for about in abouts().filter(|about| about.kind == kind) {
-            table.add_row([about.name, about.meaning]);
-            about.parameters.iter().for_each(|own| {
-                table.add_row(of_parameter(own));
-            });
-        }
-        if table.row_count() == 0 {
+        if abouts().all(|about| about.kind != kind) {
             continue;
         }
-        for whole in [0, 2, 3, 4] {
-            table.column_mut(whole).expect("there are five").set_constraint(ColumnConstraint::ContentWidth);
+        writeln!(out, "{title}")?;
+        for about in abouts().filter(|about| about.kind == kind) {
+            writeln!(out, "  {:longest$}  {}", about.name, about.meaning)?;
+            if !about.parameters.is_empty() {
+                writeln!(out, "{}", table(about.parameters, widths).trim_fmt())?;
+            }
         }
-        writeln!(out, "{title}\n{}\n", table.trim_fmt())?;
+        writeln!(out)?;
     }
     writeln!(out, "A scenario switches an effect on by [effects.NAME]; `efam effects NAME` shows its page.")?;
     Ok(ExitCode::SUCCESS)
@@ -152,12 +153,36 @@ fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// The parameters of an effect; all effects have columns of the same widths.
+fn table(parameters: &[Parameter], widths: [u16; 5]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    table.add_rows(parameters.iter().map(of_parameter));
+    for (column, width) in table.column_iter_mut().zip(widths) {
+        column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(width))).set_padding((0, GAP));
+    }
+    table
+}
+
+/// Widths of the columns: as much as each takes, and the rest for the meaning.
+fn widths<'a>(parameters: impl Iterator<Item = &'a Parameter>) -> [u16; 5] {
+    let mut widths = [0; 5];
+    for cells in parameters.map(of_parameter) {
+        let own = cells.map(|cell| cell.chars().count() as u16 + GAP);
+        widths = std::array::from_fn(|k| own[k].max(widths[k]));
+    }
+    widths[MEANING] = 0;
+    widths[MEANING] = WIDTH.saturating_sub(widths.iter().sum());
+    widths
+}
+
 /// Name, meaning, default, range, and where it is off.
 fn of_parameter(p: &Parameter) -> [String; 5] {
-    let si = |value: f64| format_si(value, p.unit);
-    let range = format!("{} to {}", si(p.range.0), si(p.range.1));
-    let off = p.off.map_or(String::new(), |off| off.to_string());
-    [format!("  {}", p.name), p.meaning.to_owned(), si(p.default), range, off]
+    let bare = |value: f64| format_si(value, "");
+    let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+    let range = format!("{} to {}{unit}", bare(p.range.0), bare(p.range.1));
+    let off = p.off.map_or(String::new(), |off| format!("off at {}", bare(off)));
+    [format!("    {}", p.name), p.meaning.to_owned(), format_si(p.default, p.unit), range, off]
 }
 
 fn of_about(about: &'static About) -> Effect {

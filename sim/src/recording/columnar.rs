@@ -212,6 +212,34 @@ mod tests {
         assert_eq!(recording.markers[0].position, [Some([0.1, 0.0, 0.0015]), None, None]);
     }
 
+    /// Eight times as many columns take 8 times as long if all is linear, and 64 times if all are compared with all.
+    #[test]
+    fn time_grows_with_the_number_of_columns_and_no_faster() {
+        let file = |markers: usize| {
+            let names = (0..markers).flat_map(|k| ["x", "y", "z"].map(|axis| format!("m{k}_{axis}_m")));
+            let values: ArrayRef = Arc::new(Float64Array::from(vec![0.25, 0.5]));
+            let time: ArrayRef = Arc::new(Float64Array::from(vec![0.0, 1.0]));
+            let columns =
+                [("t_s".to_owned(), time)].into_iter().chain(names.map(|name| (name, values.clone())));
+            let batch = RecordBatch::try_from_iter(columns).unwrap();
+            let mut file = Vec::new();
+            let mut writer = ArrowWriter::try_new(&mut file, batch.schema(), None).unwrap();
+            writer.write(&batch).unwrap();
+            writer.close().unwrap();
+            file
+        };
+        let time = |file: &Vec<u8>| {
+            let (bytes, begin) = (file.clone(), std::time::Instant::now());
+            parse(bytes, Path::new("a.parquet"), &ReadOptions::default()).unwrap();
+            begin.elapsed().as_secs_f64()
+        };
+        let files = [2_000, 16_000].map(file);
+        // The machine has other work at times: the shortest of each, measured in turns.
+        let [few, many] = (0..4)
+            .fold([f64::INFINITY; 2], |least, _| std::array::from_fn(|k| least[k].min(time(&files[k]))));
+        assert!(many / few < 22.0, "{:.1} times as long for 8 times as many columns", many / few);
+    }
+
     #[test]
     fn columns_without_numbers_are_named() {
         let error = table(vec![

@@ -1,5 +1,6 @@
 //! A file: complete under its name, or not there at all.
 
+use std::cell::Cell;
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
@@ -23,12 +24,14 @@ pub fn write_new(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -
     if fs::symlink_metadata(path).is_ok() {
         return Err(ResultsError::Exists { folder: path.to_owned() });
     }
-    written(path, write, rename_new).map_err(|error| match error {
-        ResultsError::Write { source, path } if source.kind() == io::ErrorKind::AlreadyExists => {
-            ResultsError::Exists { folder: path }
-        }
-        error => error,
-    })
+    let is_taken = Cell::new(false);
+    let rename = |from: &Path, to: &Path| {
+        let renamed = rename_new(from, to);
+        is_taken.set(renamed.as_ref().is_err_and(|error| error.kind() == io::ErrorKind::AlreadyExists));
+        renamed
+    };
+    let written = written(path, write, rename);
+    if is_taken.get() { Err(ResultsError::Exists { folder: path.to_owned() }) } else { written }
 }
 
 fn written(

@@ -97,7 +97,8 @@ fn under_nohup_a_closed_terminal_ends_nothing() {
     bench.file(
         "s.toml",
         "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n\
-         [run]\nduration = \"1 s\"\n[integrator]\nfixed_step = \"0.1 ms\"\n",
+         [run]\nduration = \"1 s\"\n[integrator]\nfixed_step = \"0.1 ms\"\n\
+         [effects.rayleigh_stiffness]\nbeta = \"5 ms\"\n",
     );
     let mut command = Command::new("nohup");
     command.arg(program()).args(["simulate", "s.toml", "-v", "--out", "out"]).current_dir(&bench.0);

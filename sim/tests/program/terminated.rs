@@ -2,7 +2,7 @@
 //!
 //! Goal: what was integrated is there and marked; of a search nothing is left; of a sweep whole shards; and what is
 //! done again ends as if nothing had happened.
-//! Setup: half of the signals come at any moment of the run, half while it writes. Two a command;
+//! Setup: half of the signals come at any moment of the run, half while it writes. Four a command;
 //! `EFAM_TERMS=50 cargo test --workspace --no-default-features --test program terminated -- --nocapture` takes 50 of
 //! each, 200 in all.
 
@@ -83,7 +83,7 @@ fn a_simulation_keeps_what_was_integrated() {
     let whole = bench.text("whole/trajectory.csv");
     let mut draws = Draws::new("terminated simulate");
     let (mut early, mut cut, mut complete) = (0, 0, 0);
-    for k in 0..count("EFAM_TERMS", 2) {
+    for k in 0..count("EFAM_TERMS", 4) {
         let out = format!("out-{k}");
         let status = terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
         assert!(is_known(status), "{k}: {status:?}");
@@ -114,6 +114,8 @@ fn a_simulation_keeps_what_was_integrated() {
         fs::remove_dir_all(bench.0.join(&out)).expect("it is there");
     }
     println!("simulate: {cut} cut short, {complete} complete, {early} before they began");
+    // A program listens before it has read its scenario: hardly any signal comes before that.
+    assert!(5 * early <= cut + complete + 4, "{early} were killed");
     // What came before it could listen left nothing but what the next run tidies.
     bench.json(&["simulate", "s.toml", "--json", "--out", "last"]);
     assert!(bench.left().iter().all(|name| !name.starts_with('.')), "{:?}", bench.left());
@@ -128,7 +130,7 @@ fn of_a_search_nothing_is_left() {
         let takes = timed(&bench, &[&arguments[..], &[command]].concat());
         let before = bench.left();
         let (mut told, mut complete, mut early) = (0, 0, 0);
-        for k in 0..count("EFAM_TERMS", 2) {
+        for k in 0..count("EFAM_TERMS", 4) {
             let out = format!("out-{k}");
             let status = terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
             assert!(is_known(status), "{command} {k}: {status:?}");
@@ -147,6 +149,7 @@ fn of_a_search_nothing_is_left() {
             assert_eq!(bench.left(), before, "{command} {k}");
         }
         println!("{command}: {told} ended in order, {complete} complete, {early} before they began");
+        assert!(5 * early <= told + complete + 4, "{early} were killed");
     }
 }
 
@@ -159,7 +162,7 @@ fn a_sweep_keeps_whole_shards() {
     let takes = timed(&bench, &[&arguments[..], &["whole"]].concat());
     let mut draws = Draws::new("terminated sweep");
     let (mut told, mut kept) = (0, 0);
-    for k in 0..count("EFAM_TERMS", 2) {
+    for k in 0..count("EFAM_TERMS", 4) {
         let out = format!("out-{k}");
         let status = terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
         assert!(is_known(status), "{k}: {status:?}");
