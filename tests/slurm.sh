@@ -2,7 +2,8 @@
 # A sweep on a real Slurm: two slurmd on this host, one of which is killed in mid-run together with a task.
 #
 # Goal: what `efam sweep submit` hands in comes to its end, a killed task is one missing shard, handing in again runs
-# that alone, and the merged table is the one of a single machine, byte for byte.
+# that alone, and the merged table is the one of a single machine, byte for byte. Whatever a folder is called, a script
+# does that and nothing else, or is refused.
 # Setup: Debian's slurmctld, slurmd, slurm-client and munge, each daemon started by hand with files of its own in a
 # folder that is removed; 2048 releases of 20 s. Needs root to install and to run them; says so and passes elsewhere.
 #
@@ -156,3 +157,42 @@ for part in "$dir"/alone/shard=*/part.parquet; do
   cmp "$part" "${part/alone/sweep}" || failed "a shard differs"
 done
 say "$points releases: the tables of Slurm and of one machine are equal, byte for byte"
+
+# Names that a shell or Slurm would take for more than names. `PWNED` must never come to be.
+cat >"$dir/one.toml" <<TOML
+[sweep]
+scenario = "$scenario"
+design = "grid"
+[[sweep.parameter]]
+path = "muscle.pressure"
+values = ["15 psi"]
+TOML
+"$efam" -q sweep plan "$dir/one.toml" --out "$dir/one"
+mkdir "$dir/names"
+placed() {
+  mkdir "$dir/names/$1"
+  cp "$dir"/one/{plan.json,points.csv} "$dir/names/$1"
+}
+fitting=('a b' "o'neil" '$(touch PWNED)' '; touch PWNED;' '`touch PWNED`' '#1 & touch PWNED' '--wrap=touch PWNED' '{a,b}*?~'
+  'größe $HOME')
+for name in "${fitting[@]}"; do
+  placed "$name"
+  (cd "$dir/names/$name" && "$efam" -q sweep submit --plan . -- --mem=100) || failed "the folder $name is not handed in"
+done
+for name in $'new\n#SBATCH --wrap=touch\nline' '50%A' 'quote"' 'back\slash'; do
+  placed "$name"
+  code=0
+  (cd "$dir/names" && "$efam" -q sweep submit --plan "./$name") 2>"$dir/refusal" || code=$?
+  [ "$code" = 2 ] && grep -q "no job script can name it" "$dir/refusal" || failed "the folder $name is not refused"
+  [ "$(find "$dir/names/$name" -type f | wc -l)" = 2 ] || failed "the folder $name is refused, and something is there"
+done
+until_true "the sweeps in folders of all names" 300 none_waits
+for name in "${fitting[@]}"; do
+  [ -e "$dir/names/$name/sweep.parquet" ] || failed "nothing is merged in the folder $name"
+done
+strays=$(find "$dir" "$PWD" /root /tmp -maxdepth 4 -name 'PWNED*' 2>/dev/null || true)
+[ -z "$strays" ] || failed "a name was run: $strays"
+strays=$(find "$dir/names" -mindepth 2 -maxdepth 2 ! -name 'plan.json' ! -name 'points.csv' ! -name 'shard=*' ! -name log \
+  ! -name 'array.sh' ! -name 'merge.sh' ! -name 'sweep.*' ! -name 'over-*' ! -name report.html ! -name summary.json)
+[ -z "$strays" ] || failed "a script made more than it should: $strays"
+say "${#fitting[@]} folders of strange names are swept and merged, and made nothing else"

@@ -22,15 +22,18 @@ mod rest;
 mod schema;
 mod simulate;
 mod sweep;
+mod terminal;
+mod threads;
 mod view;
 mod voice;
 
-use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arguments::Manner;
+use failure::Failure;
+use sim::escape::{escaped, is_hidden};
 use voice::Voice;
 
 /// Exit codes, as the help prints them.
@@ -40,8 +43,10 @@ const EXIT_CODES: &str = "Exit codes:
     2  the command line or the scenario is wrong
     3  a muscle file, a recording or other data are wrong
     4  the simulation or the search for a rest posture could not go on
-  130  interrupted: a simulation is saved up to there, nothing of all else;
-       a second Ctrl-C ends at once, and saves nothing
+  130  Ctrl-C: a simulation is saved up to there, whole shards of a sweep, and
+       nothing else; a second Ctrl-C ends at once, and saves nothing
+  143  the same by SIGTERM, 129 by SIGHUP, 152 by SIGXCPU, by which systems and
+       schedulers end a job
 
 Results and tables go to stdout; progress, warnings and errors to stderr.";
 
@@ -109,38 +114,78 @@ enum OnExperiment {
 }
 
 pub fn main() -> ExitCode {
-    let color = Manner::color(std::env::args().skip(1));
+    interrupt::make_long_files_an_error();
+    let color = Manner::color(std::env::args_os().skip(1));
     let parsed = Efam::command().color(color).try_get_matches();
     let efam = match parsed.and_then(|matches| Efam::from_arg_matches(&matches)) {
         Ok(efam) => efam,
-        Err(error) => error.exit(),
+        Err(error) => return answer(error),
     };
     let voice = Voice::new(efam.manner.quiet, efam.manner.verbose);
-    let done = match efam.command {
-        Command::Simulate(args) => simulate::run(&args, &voice),
-        Command::Calibrate(args) => calibrate::run(&args, &voice),
-        Command::Diagnose(args) => diagnose::run(&args, &voice),
-        Command::Predict(args) => predict::run(&args, &voice),
-        Command::Sweep(args) => sweep::run(&args, &voice),
-        Command::View(args) => view::run(&args),
-        Command::Report(args) => report::run(&args, &voice),
-        Command::Export(args) => export::run(&args, &voice),
-        Command::Figures(args) => figures::run(&args, &voice),
-        Command::Effects(args) => effects::run(&args, &voice),
-        Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args, &voice),
-        Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args, &voice),
-        Command::Analyse(args) => analyse::run(&args, &voice),
-        Command::Inspect(args) => inspect::run(&args, &voice),
-        Command::Statics(args) => rest::statics(&args, &voice),
-        Command::Modes(args) => rest::modes(&args, &voice),
-        Command::Doctor(args) => doctor::run(&args, &voice),
-        Command::Schema(args) => schema::run(&args),
-        Command::Completions(args) => completions::run(&args, Efam::command()),
-        Command::Man(args) => man::run(&args, Efam::command(), &voice),
-    };
-    match done {
+    match run(efam.command, &voice) {
         Ok(code) => code,
         Err(failure) => failure.report(is_colored(efam.manner.color)),
+    }
+}
+
+fn run(command: Command, voice: &Voice) -> Result<ExitCode, Failure> {
+    if command.computes() {
+        threads::begin(voice)?;
+    }
+    match command {
+        Command::Simulate(args) => simulate::run(&args, voice),
+        Command::Calibrate(args) => calibrate::run(&args, voice),
+        Command::Diagnose(args) => diagnose::run(&args, voice),
+        Command::Predict(args) => predict::run(&args, voice),
+        Command::Sweep(args) => sweep::run(&args, voice),
+        Command::View(args) => view::run(&args),
+        Command::Report(args) => report::run(&args, voice),
+        Command::Export(args) => export::run(&args, voice),
+        Command::Figures(args) => figures::run(&args, voice),
+        Command::Effects(args) => effects::run(&args, voice),
+        Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args, voice),
+        Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args, voice),
+        Command::Analyse(args) => analyse::run(&args, voice),
+        Command::Inspect(args) => inspect::run(&args, voice),
+        Command::Statics(args) => rest::statics(&args, voice),
+        Command::Modes(args) => rest::modes(&args, voice),
+        Command::Doctor(args) => doctor::run(&args, voice),
+        Command::Schema(args) => schema::run(&args),
+        Command::Completions(args) => completions::run(&args, Efam::command()),
+        Command::Man(args) => man::run(&args, Efam::command(), voice),
+    }
+}
+
+impl Command {
+    /// Whether it may take several threads.
+    fn computes(&self) -> bool {
+        let only_prints = matches!(
+            self,
+            Command::View(_)
+                | Command::Effects(_)
+                | Command::Schema(_)
+                | Command::Completions(_)
+                | Command::Man(_)
+        );
+        !only_prints
+    }
+}
+
+/// Prints help, or what is wrong with the command line.
+fn answer(error: clap::Error) -> ExitCode {
+    // What was typed stands in the message as it is. Where that would act on a terminal, it is typed visibly.
+    let typed: Vec<String> = std::env::args_os().map(|own| own.to_string_lossy().into_owned()).collect();
+    let is_visible = !typed.iter().any(|own| own.contains(is_hidden));
+    let visibly = || {
+        Efam::command()
+            .color(ColorChoice::Never)
+            .try_get_matches_from(typed.iter().map(|own| escaped(own).into_owned()))
+    };
+    let error = if is_visible { error } else { visibly().err().unwrap_or(error) };
+    let printed = error.print().and_then(|()| terminal::stdout().end());
+    match printed {
+        Err(failed) if !error.use_stderr() => Failure::from(failed).report(false),
+        _ => ExitCode::from(error.exit_code() as u8),
     }
 }
 
@@ -151,7 +196,7 @@ fn is_colored(choice: ColorChoice) -> bool {
         ColorChoice::Never => false,
         ColorChoice::Auto => {
             let is_unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-            io::stderr().is_terminal() && !is_unwanted
+            terminal::is_watched() && !is_unwanted
         }
     }
 }
@@ -246,7 +291,7 @@ mod tests {
 
     #[test]
     fn the_first_word_on_colour_is_found_wherever_it_stands() {
-        let color = |line: &str| Manner::color(words(line).into_iter());
+        let color = |line: &str| Manner::color(words(line).into_iter().map(Into::into));
         assert_eq!(color("simulate a.toml --color never"), ColorChoice::Never);
         assert_eq!(color("--color=always simulat"), ColorChoice::Always);
         assert_eq!(color("simulate --colour=always"), ColorChoice::Auto);

@@ -165,10 +165,14 @@ pub(super) fn range_text((low, high): (f64, f64)) -> String {
     format!("{psi} ({kpa})")
 }
 
-/// To three decimals: fine enough to tell a pressure from the end of a table that it misses.
-fn in_unit(pascal: f64, unit: &str) -> f64 {
-    let scale = Unit::parse(unit).map_or(1.0, |unit| unit.scale);
-    (pascal / scale * 1e3).round() / 1e3
+/// To three decimals: fine enough to tell a pressure from the end of a table that it misses. A pressure that would be
+/// left with less than two digits keeps four.
+fn in_unit(pascal: f64, unit: &str) -> String {
+    let value = pascal / Unit::parse(unit).map_or(1.0, |unit| unit.scale);
+    match value.abs() {
+        1e-2..1e9 => ((value * 1e3).round() / 1e3).to_string(),
+        _ => format_si(value, ""),
+    }
 }
 
 fn built_in() -> String {

@@ -146,9 +146,9 @@ impl Calibrated {
         }
     }
 
-    /// Standard error over the value.
+    /// Standard error over the value; none of a value of zero.
     pub fn relative_error(&self) -> Option<f64> {
-        self.standard_error.map(|error| error / self.value.abs())
+        self.standard_error.map(|error| error / self.value.abs()).filter(|error| error.is_finite())
     }
 }
 

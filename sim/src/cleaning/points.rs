@@ -1,9 +1,12 @@
 //! Which markers are what, and which of their samples are used.
 
+use std::collections::HashMap;
+
 use models::nearest::nearest;
 
 use super::decision::{Log, mm};
 use super::{bursts, noise, spurious};
+use crate::escape::escaped;
 use crate::experiment::{Entry, Experiment, ExperimentError};
 use crate::recording::{Marker, Recording};
 use crate::scenario::Problem;
@@ -19,28 +22,46 @@ pub struct Seen {
     pub path: Vec<Option<[f64; 3]>>,
 }
 
-/// The markers of some names.
-pub fn markers<'a>(
-    experiment: &Experiment,
+/// The markers of a recording by their names.
+pub struct ByName<'a> {
     recording: &'a Recording,
-    key: &str,
-    names: &[String],
-) -> Result<Vec<&'a Marker>, ExperimentError> {
-    let known = || recording.markers.iter().map(|marker| marker.name.as_str());
-    let find = |name: &String| {
-        recording.markers.iter().find(|marker| marker.name == *name).ok_or_else(|| {
-            let file = recording.source.file_name().unwrap_or_default().to_string_lossy();
-            let meant =
-                nearest(name, known()).map_or(String::new(), |name| format!("; did you mean `{name}`?"));
-            let mut list: Vec<&str> = known().take(MOST_NAMES).collect();
-            if recording.markers.len() > MOST_NAMES {
-                list.push("…");
-            }
-            let message = format!("{file} has no marker `{name}`{meant}; it has {}", list.join(", "));
-            experiment.wrong(key, Problem::Other { message })
-        })
-    };
-    names.iter().map(find).collect()
+    places: HashMap<&'a str, usize>,
+}
+
+impl<'a> ByName<'a> {
+    /// All markers of a recording; of two with one name, the first.
+    pub fn new(recording: &'a Recording) -> Self {
+        let places = recording.markers.iter().enumerate().rev();
+        Self { recording, places: places.map(|(place, marker)| (marker.name.as_str(), place)).collect() }
+    }
+
+    /// The markers of some names that stand under a key of the experiment.
+    pub fn find(
+        &self,
+        experiment: &Experiment,
+        key: &str,
+        names: &[String],
+    ) -> Result<Vec<&'a Marker>, ExperimentError> {
+        let find = |name: &String| {
+            // A recording names its markers visibly.
+            let name = escaped(name);
+            let place = self.places.get(name.as_ref()).ok_or_else(|| self.missing(experiment, key, &name))?;
+            Ok(&self.recording.markers[*place])
+        };
+        names.iter().map(find).collect()
+    }
+
+    fn missing(&self, experiment: &Experiment, key: &str, name: &str) -> ExperimentError {
+        let known = || self.recording.markers.iter().map(|marker| marker.name.as_str());
+        let file = self.recording.source.file_name().unwrap_or_default().to_string_lossy();
+        let meant = nearest(name, known()).map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+        let mut list: Vec<&str> = known().take(MOST_NAMES).collect();
+        if self.recording.markers.len() > MOST_NAMES {
+            list.push("…");
+        }
+        let message = format!("{file} has no marker `{name}`{meant}; it has {}", list.join(", "));
+        experiment.wrong(key, Problem::Other { message })
+    }
 }
 
 /// Names that a message lists.

@@ -4,7 +4,7 @@ use models::quantity::format_si;
 
 use super::cycles::{self, Cut};
 use super::decision::{Log, mm};
-use super::points::{Seen, markers, see};
+use super::points::{ByName, Seen, see};
 use super::release::{Context, LEAST_NOISE};
 use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise, release};
 use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
@@ -37,7 +37,8 @@ pub fn clean_recording(
         log.say("file", finding.clone());
     }
     let of = |key: &str| format!("{}.{key}", entry.key);
-    let tip_markers = markers(experiment, &recording, &of("tip"), &entry.tip)?;
+    let markers = ByName::new(&recording);
+    let tip_markers = markers.find(experiment, &of("tip"), &entry.tip)?;
     let time = recording.time.clone();
     if time.len() < LEAST_SAMPLES {
         let (file, samples) = (entry.name.clone(), time.len());
@@ -54,10 +55,10 @@ pub fn clean_recording(
     let mut body = Vec::new();
     for (number, marker) in entry.body.iter().enumerate() {
         let key = of(&format!("body[{}].marker", number + 1));
-        let found = markers(experiment, &recording, &key, std::slice::from_ref(&marker.marker))?;
+        let found = markers.find(experiment, &key, std::slice::from_ref(&marker.marker))?;
         body.push((see(entry, &time, step, &found, &mut log), marker.at));
     }
-    let base = base_pose(experiment, entry, &recording, step, &mut log)?;
+    let base = base_pose(experiment, entry, &markers, &time, step, &mut log)?;
     let cuts = cut(entry, &time, &tip, step, &mut log)?;
     let frame = frame::find(entry, base.as_ref(), &tip.path, &cuts, &mut log)?;
     let rod = match experiment.case(k, None)? {
@@ -132,7 +133,8 @@ fn check_geometry(
 fn base_pose(
     experiment: &Experiment,
     entry: &Entry,
-    recording: &Recording,
+    markers: &ByName,
+    time: &[f64],
     step: f64,
     log: &mut Log,
 ) -> Result<Option<BasePose>, ExperimentError> {
@@ -140,13 +142,13 @@ fn base_pose(
         log.say("base", "no base is given: that it stands still is assumed");
         return Ok(None);
     }
-    let found = markers(experiment, recording, &format!("{}.base", entry.key), &entry.base)?;
+    let found = markers.find(experiment, &format!("{}.base", entry.key), &entry.base)?;
     let body = found.iter().find_map(|marker| Some((marker, marker.orientation.as_ref()?)));
     let pose = match (body, found.len()) {
         (Some((marker, orientation)), 1) => base::of_body(&marker.position, orientation),
         _ => {
             let paths: Vec<_> =
-                found.iter().map(|marker| see(entry, &recording.time, step, &[marker], log).path).collect();
+                found.iter().map(|marker| see(entry, time, step, &[marker], log).path).collect();
             base::of_markers(&paths)
         }
     };

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use models::quantity::format_si;
 use serde::Serialize;
 use sim::analysis::bending_stiffness::StiffnessFit;
 use sim::analysis::{AnalysisError, static_stiffness};
@@ -17,6 +18,7 @@ use super::arguments::Cleaning;
 use super::experiment::{CheckPrinted, decisions, open, read, request, table};
 use super::failure::Failure;
 use super::interrupt;
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -71,7 +73,7 @@ pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.of.output.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    let mut out = io::stdout().lock();
+    let mut out = stdout();
     table(&mut out, &cleaned)?;
     if args.decisions {
         decisions(&mut out, &cleaned)?;
@@ -155,8 +157,8 @@ fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
             out,
             "EI from the frequency",
             format!(
-                "{:.5} N m^2 ({:.2} % for each % of frequency; a swing of this size is {:.2} % slower than the mode)",
-                found.bending_stiffness,
+                "{} ({:.2} % for each % of frequency; a swing of this size is {:.2} % slower than the mode)",
+                format_si(found.bending_stiffness, "N m^2"),
                 found.sensitivity,
                 100.0 * (1.0 - found.swing_over_mode)
             ),
@@ -169,13 +171,13 @@ fn tell(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     writeln!(
         out,
         "  {:<22}{:>14}{:>14}{:>10}{:>12}{:>14}",
-        "EI from the tip", "Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"
+        "EI from the tip, N m^2", "Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"
     )?;
     if let Some(why) = &one.no_beam {
         line(out, "  Euler-Bernoulli", why.clone())?;
     }
     let ei = |fit: &Result<StiffnessFit, AnalysisError>| {
-        fit.as_ref().map_or("-".to_owned(), |fit| format!("{:.5}", fit.bending_stiffness))
+        fit.as_ref().map_or("-".to_owned(), |fit| format_si(fit.bending_stiffness, ""))
     };
     for row in &one.at_rest {
         let name = row.nodes.map_or("  Euler-Bernoulli".to_owned(), |nodes| format!("  PDER, {nodes} nodes"));

@@ -1,12 +1,28 @@
 //! What several commands are told in the same way.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, ColorChoice};
 use models::quantity::Quantity;
+use sim::escape::toml_string;
 use sim::scenario::ReleaseOptions;
 
 use super::failure::Failure;
+
+/// The command line as results record it. Bytes that are not UTF-8 stand as `\xE9`.
+pub fn argv() -> Vec<String> {
+    std::env::args_os().map(recorded).collect()
+}
+
+fn recorded(argument: OsString) -> String {
+    let mut text = String::new();
+    for piece in argument.as_encoded_bytes().utf8_chunks() {
+        text.push_str(piece.valid());
+        piece.invalid().iter().for_each(|byte| text.push_str(&format!("\\x{byte:02X}")));
+    }
+    text
+}
 
 /// How a command speaks: the same for all.
 #[derive(Args)]
@@ -24,7 +40,8 @@ pub struct Manner {
 
 impl Manner {
     /// What `--color` says, before all else is read: what is wrong with the rest is coloured, too.
-    pub fn color(mut arguments: impl Iterator<Item = String>) -> ColorChoice {
+    pub fn color(arguments: impl Iterator<Item = OsString>) -> ColorChoice {
+        let mut arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
         while let Some(argument) = arguments.next() {
             let said = match argument.strip_prefix("--color") {
                 Some("") => arguments.next(),
@@ -81,7 +98,7 @@ impl Source {
     /// All overrides as `path=value`.
     pub fn overrides(&self) -> Vec<String> {
         let quoted = |path: &str, value: &Option<String>| {
-            value.as_ref().map(|value| format!("{path}={}", serde_json::Value::from(value.as_str())))
+            value.as_ref().map(|value| format!("{path}={}", toml_string(value)))
         };
         let muscle = quoted("muscle.file", &self.muscle);
         let pressure = quoted("muscle.pressure", &self.pressure);
@@ -153,4 +170,20 @@ pub struct Cleaning {
     /// List every decision, with the key that decides otherwise.
     #[arg(long)]
     pub decisions: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn an_argument_that_is_no_text_is_recorded_byte_by_byte() {
+        use std::os::unix::ffi::OsStringExt;
+
+        let argument = |bytes: &[u8]| recorded(OsString::from_vec(bytes.to_vec()));
+        assert_eq!(argument(b"caf\xe9.csv"), "caf\\xE9.csv");
+        assert_eq!(argument("café.csv".as_bytes()), "café.csv");
+        assert_eq!(argument(b"\xff\xfe"), "\\xFF\\xFE");
+    }
 }

@@ -1,7 +1,7 @@
 //! `efam calibrate`: parameters of a model from the releases of an experiment.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Mutex;
@@ -10,16 +10,19 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use sim::calibrate::{Calibration, Outcome, Problem, Settings, calibrate, problem};
+use sim::escape::shell_word;
 use sim::experiment::{Entry, Experiment};
+use sim::input;
 use sim::results::calibrated::{muscle_file, rod_files, table, write_calibration};
 use sim::results::{self, Request};
 use sim::schema::JsonSchema;
 
-use super::arguments::OfExperiment;
+use super::arguments::{OfExperiment, argv};
 use super::experiment::{open, read};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::{LiveFit, Recording, Rerun, Watcher, unlocked};
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -95,7 +98,7 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
         resolved_scenario: experiment.text().to_owned(),
         warnings: calibration.warnings.clone(),
         input_hashes,
-        argv: std::env::args().collect(),
+        argv: argv(),
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..Request::default()
     };
@@ -109,12 +112,16 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.of.output.form.json {
         print(&Printed { folder: &folder, calibration })?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
+        let mut out = stdout();
         write!(out, "{}", table(calibration))?;
         writeln!(out, "\nresults in {}", folder.display())?;
         for model in &models {
             let option = if experiment.muscle().is_some() { "--muscle " } else { "" };
-            writeln!(out, "predict with them: efam predict {option}{}", folder.join(&model.name).display())?;
+            writeln!(
+                out,
+                "predict with them: efam predict {option}{}",
+                shell_word(&folder.join(&model.name))
+            )?;
         }
     }
     Recording::shown(viewer, args.rerun.as_ref())?;
@@ -123,8 +130,8 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
 
 /// SHA-256 of the experiment and of its recordings, by file.
 pub fn input_hashes(experiment: &Experiment) -> BTreeMap<String, String> {
-    let hash = |file: &Path, bytes: &[u8]| (file.display().to_string(), results::sha256(bytes));
-    let own = hash(&experiment.path, experiment.text().as_bytes());
-    let read = |entry: &Entry| Some(hash(&entry.file, &std::fs::read(&entry.file).ok()?));
+    let hash = |file: &Path, hash: String| (file.display().to_string(), hash);
+    let own = hash(&experiment.path, results::sha256(experiment.text().as_bytes()));
+    let read = |entry: &Entry| Some(hash(&entry.file, input::sha256(&entry.file).ok()?));
     experiment.recordings.iter().filter_map(read).chain([own]).collect()
 }

@@ -1,12 +1,13 @@
 //! `efam completions`: what a shell has to know to complete our command lines.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Args, Command};
 use clap_complete::{Shell, generate};
 
 use super::failure::Failure;
+use super::terminal::stdout;
 
 const HELP: &str = "Examples:
   efam completions bash > ~/.local/share/bash-completion/completions/efam
@@ -27,6 +28,6 @@ pub fn run(args: &Completions, mut efam: Command) -> Result<ExitCode, Failure> {
     // Not straight to stdout: what is not read any longer would panic there.
     let mut text = Vec::new();
     generate(args.shell, &mut efam, name, &mut text);
-    io::stdout().write_all(&text)?;
+    stdout().write_all(&text)?;
     Ok(ExitCode::SUCCESS)
 }

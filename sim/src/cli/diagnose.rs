@@ -1,6 +1,6 @@
 //! `efam diagnose`: which physical effect the model of an experiment lacks.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
@@ -18,12 +18,13 @@ use sim::results::{self, Request};
 use sim::scenario::Scenario;
 use sim::schema::JsonSchema;
 
-use super::arguments::OfExperiment;
+use super::arguments::{OfExperiment, argv};
 use super::calibrate::input_hashes;
 use super::experiment::{open, read};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -142,7 +143,7 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         resolved_scenario: experiment.text().to_owned(),
         warnings: outcome.diagnosis.warnings.clone(),
         input_hashes,
-        argv: std::env::args().collect(),
+        argv: argv(),
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..Request::default()
     };
@@ -156,7 +157,7 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.of.output.form.json {
         print(&Printed::Diagnosed { folder: &folder, diagnosis: &outcome.diagnosis })?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
+        let mut out = stdout();
         write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
@@ -182,7 +183,7 @@ fn planned(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.of.output.form.json {
         print(&Printed::Planned { releases: cases.len(), prospects: &prospects })?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
+        let mut out = stdout();
         write!(out, "{}", plan_table(&prospects, cases.len()))?;
     }
     Ok(ExitCode::SUCCESS)

@@ -17,6 +17,7 @@ use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;
+use super::terminal::{say, stdout};
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -113,10 +114,10 @@ pub fn run(args: &Doctor, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.form.json {
         print(&printed)?;
     } else if !voice.quiet {
-        table(&mut io::stdout().lock(), &printed)?;
+        table(&mut stdout(), &printed)?;
     }
     for fault in &printed.faults {
-        eprintln!("error: {fault}");
+        say(format_args!("error: {fault}"));
     }
     Ok(if printed.faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

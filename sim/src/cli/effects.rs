@@ -1,9 +1,10 @@
 //! `efam effects`: the catalogue as a table, and the page of an effect.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
+use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::nearest;
 use models::quantity::format_si;
@@ -12,6 +13,7 @@ use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -88,6 +90,13 @@ pub fn run(args: &Effects, voice: &Voice) -> Result<ExitCode, Failure> {
     }
 }
 
+/// Letters in a line of the list.
+const WIDTH: u16 = 120;
+/// Blanks between columns.
+const GAP: u16 = 2;
+/// The column that is broken into lines.
+const MEANING: usize = 1;
+
 const KINDS: [(Kind, &str); 6] = [
     (Kind::Elastic, "elastic: gives back what it stores"),
     (Kind::Dissipative, "dissipative: never feeds energy"),
@@ -108,16 +117,18 @@ fn list(json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     if voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    let mut out = io::stdout().lock();
+    let mut out = stdout();
+    let widths = widths(abouts().flat_map(|about| about.parameters));
+    let longest = abouts().map(|about| about.name.len()).max().unwrap_or(0);
     for (kind, title) in KINDS {
         if abouts().all(|about| about.kind != kind) {
             continue;
         }
         writeln!(out, "{title}")?;
         for about in abouts().filter(|about| about.kind == kind) {
-            writeln!(out, "  {:20}{}", about.name, about.meaning)?;
-            for p in about.parameters {
-                writeln!(out, "    {:20}{}", p.name, of_parameter(p))?;
+            writeln!(out, "  {:longest$}  {}", about.name, about.meaning)?;
+            if !about.parameters.is_empty() {
+                writeln!(out, "{}", table(about.parameters, widths).trim_fmt())?;
             }
         }
         writeln!(out)?;
@@ -137,16 +148,41 @@ fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     if json {
         print(&Printed::Page { effect: of_about(effect.about()), page: effect.page() })?;
     } else if !voice.quiet {
-        writeln!(io::stdout(), "{}", effect.page())?;
+        writeln!(stdout(), "{}", effect.page())?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn of_parameter(p: &Parameter) -> String {
+/// The parameters of an effect; all effects have columns of the same widths.
+fn table(parameters: &[Parameter], widths: [u16; 5]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    table.add_rows(parameters.iter().map(of_parameter));
+    for (column, width) in table.column_iter_mut().zip(widths) {
+        column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(width))).set_padding((0, GAP));
+    }
+    table
+}
+
+/// Widths of the columns: as much as each takes, and the rest for the meaning.
+fn widths<'a>(parameters: impl Iterator<Item = &'a Parameter>) -> [u16; 5] {
+    let mut widths = [0; 5];
+    for cells in parameters.map(of_parameter) {
+        let own = cells.map(|cell| cell.chars().count() as u16 + GAP);
+        widths = std::array::from_fn(|k| own[k].max(widths[k]));
+    }
+    widths[MEANING] = 0;
+    widths[MEANING] = WIDTH.saturating_sub(widths.iter().sum());
+    widths
+}
+
+/// Name, meaning, default, range, and where it is off.
+fn of_parameter(p: &Parameter) -> [String; 5] {
+    let bare = |value: f64| format_si(value, "");
     let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
-    let off = p.off.map_or(String::new(), |off| format!(", off at {off}"));
-    let default = format_si(p.default, p.unit);
-    format!("{}; default {default}, {:e}..={:e}{unit}{off}", p.meaning, p.range.0, p.range.1)
+    let range = format!("{} to {}{unit}", bare(p.range.0), bare(p.range.1));
+    let off = p.off.map_or(String::new(), |off| format!("off at {}", bare(off)));
+    [format!("    {}", p.name), p.meaning.to_owned(), format_si(p.default, p.unit), range, off]
 }
 
 fn of_about(about: &'static About) -> Effect {

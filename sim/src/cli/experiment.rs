@@ -1,25 +1,28 @@
 //! `efam experiment init` and `check`: from recordings to releases.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use models::quantity::format_si;
 use serde::Serialize;
 use sim::cleaning::{Cleaned, Decision, clean};
+use sim::escape::shell_word;
 use sim::experiment::{Experiment, init};
 use sim::recording::{self, ReadOptions};
-use sim::results::atomic::write_whole;
+use sim::results::atomic::{write_new, write_whole};
 use sim::results::experiment::{Row, write};
 use sim::results::{self, Folder, Request, ResultsError};
 use sim::schema::JsonSchema;
 
-use super::arguments::{Cleaning, Form, OfExperiment};
+use super::arguments::{Cleaning, Form, OfExperiment, argv};
 use super::calibrate::input_hashes;
 use super::failure::Failure;
 use super::interrupt;
+use super::terminal::stdout;
 use super::voice::{Stages, Voice, print};
 
 const INIT_HELP: &str = "Examples:
@@ -93,17 +96,25 @@ impl<'a> CheckPrinted<'a> {
 /// Writes a first experiment file.
 pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     let out = &args.out;
+    // Said before anything is read; what comes meanwhile is not replaced either.
     if out.exists() && !args.overwrite {
         return Err(ResultsError::Exists { folder: out.clone() }.into());
     }
     let mut recordings = Vec::new();
     for file in &args.files {
         voice.detail(format!("reading {}", file.display()));
-        recordings.push((relative(file, out), recording::read(file, &ReadOptions::default())?));
+        recordings.push((relative(file, out)?, recording::read(file, &ReadOptions::default())?));
     }
     let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());
     let text = init::draft(&name, &recordings);
-    write_whole(out, |file| file.write_all(text.as_bytes()))?;
+    // What is written can be read back, whatever names the recordings hold.
+    Experiment::parse(out, &text, &[])?;
+    let write = |file: &mut File| file.write_all(text.as_bytes());
+    if args.overwrite {
+        write_whole(out, write)?
+    } else {
+        write_new(out, write)?
+    }
     let guesses = text.lines().filter(|line| line.contains("GUESS")).count();
     let unknown = text.lines().filter(|line| line.contains("FILL IN")).count();
     if args.form.json {
@@ -113,35 +124,43 @@ pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     writeln!(
-        io::stdout(),
+        stdout(),
         "{}: {} recording{}; look at {guesses} lines with GUESS and {unknown} with FILL IN, then\n  efam experiment check {}",
         out.display(),
         recordings.len(),
         if recordings.len() == 1 { "" } else { "s" },
-        out.display()
+        shell_word(out)
     )?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// A recording's path as the experiment file names it: relative to that file where one is below the other.
-fn relative(file: &Path, out: &Path) -> String {
+fn relative(file: &Path, out: &Path) -> Result<String, Failure> {
     let folder = match out.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
     let whole = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let (file_whole, folder) = (whole(file), whole(folder));
+    let mut path = file_whole.clone();
     for (up, above) in folder.ancestors().enumerate() {
         // The root alone is no common ground.
         if above.parent().is_none() {
             break;
         }
         if let Ok(below) = file_whole.strip_prefix(above) {
-            let path: PathBuf = std::iter::repeat_n(Path::new(".."), up).collect::<PathBuf>().join(below);
-            return path.to_string_lossy().replace('\\', "/");
+            path = std::iter::repeat_n(Path::new(".."), up).collect::<PathBuf>().join(below);
+            break;
         }
     }
-    file_whole.to_string_lossy().into_owned()
+    let text =
+        path.to_str().map(|text| if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() });
+    text.ok_or_else(|| {
+        let file = file.display();
+        Failure::Data(format!(
+            "{file}: its path is not UTF-8, so an experiment file cannot name it; rename it"
+        ))
+    })
 }
 
 /// Cleans the recordings and shows what came of it.
@@ -163,7 +182,7 @@ pub fn check(args: &Check, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.of.output.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    let mut out = io::stdout().lock();
+    let mut out = stdout();
     table(&mut out, &cleaned)?;
     if args.decisions {
         decisions(&mut out, &cleaned)?;
@@ -184,7 +203,7 @@ pub fn request(experiment: &Experiment, begin: Instant) -> Request {
         name: experiment.name.clone(),
         resolved_scenario: experiment.text().to_owned(),
         input_hashes: input_hashes(experiment),
-        argv: std::env::args().collect(),
+        argv: argv(),
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..Request::default()
     }
@@ -220,7 +239,7 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
     let wide = cleaned.releases.iter().map(|of| of.release.name.chars().count()).max().unwrap_or(0).max(8);
     writeln!(
         out,
-        "{:wide$}{:>10}{:>20}{:>9}{:>9}{:>9}{:>10}{:>14}{:>10}  ",
+        "{:wide$}{:>12}{:>20}{:>9}{:>9}{:>9}{:>10}{:>14}{:>10}  ",
         "release",
         "pressure",
         "instant s",
@@ -233,7 +252,7 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
     )?;
     for of in &cleaned.releases {
         let s = &of.statistics;
-        let pressure = of.release.pressure.map_or("-".to_owned(), |p| format!("{:.1} kPa", 1e-3 * p));
+        let pressure = of.release.pressure.map_or("-".to_owned(), |p| format_si(p, "Pa"));
         let instant = format!("{:.4} ± {:.4}", of.instant, of.release.release_uncertainty);
         let out_of_plane = format!("{:.2} ({:.1})", 1e3 * s.out_of_plane, 1e2 * s.out_of_plane_share);
         let kept = match (&of.dropped, of.release.held_out, of.representative) {
@@ -244,7 +263,7 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
         };
         writeln!(
             out,
-            "{:wide$}{pressure:>10}{instant:>20}{:>9.1}{:>9.2}{:>9}{:>10.2}{out_of_plane:>14}{:>10.4}  {kept}",
+            "{:wide$}{pressure:>12}{instant:>20}{:>9.1}{:>9.2}{:>9}{:>10.2}{out_of_plane:>14}{:>10.4}  {kept}",
             of.release.name,
             s.hold_angle.to_degrees(),
             1e3 * s.static_drop,

@@ -1,7 +1,7 @@
 //! `efam export`: a finished run in the formats of other programs.
 
 use std::ffi::OsString;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -12,6 +12,7 @@ use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -85,7 +86,7 @@ pub fn run(args: &Export, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.form.json {
         print(&Printed { file: &file, format, tables })?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
+        let mut out = stdout();
         for table in tables {
             writeln!(out, "{:40}{} rows, {} columns", table.name, table.rows, table.columns)?;
         }

@@ -1,11 +1,12 @@
 //! What makes the program fail: its exit code, and its message on stderr.
 
-use std::io::{self, IsTerminal, Write};
+use std::io;
 use std::process::ExitCode;
 
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use models::error::ModelError;
 use sim::calibrate::{CalibrateError, SectionError};
+use sim::escape::{escaped, escaped_lines};
 use sim::experiment::ExperimentError;
 use sim::recording::RecordingError;
 use sim::results::ResultsError;
@@ -13,6 +14,7 @@ use sim::scenario::ScenarioError;
 use sim::sweep::SweepError;
 
 use super::interrupt;
+use super::terminal::{is_watched, say_coloured};
 
 /// Why a command ended before its time.
 pub enum Failure {
@@ -84,7 +86,10 @@ impl From<RecordingError> for Failure {
 impl From<ResultsError> for Failure {
     fn from(error: ResultsError) -> Self {
         match error {
-            ResultsError::Write { .. } | ResultsError::FileName { .. } => Failure::Output(error.to_string()),
+            ResultsError::Write { .. }
+            | ResultsError::FileName { .. }
+            | ResultsError::Kept { .. }
+            | ResultsError::Late { .. } => Failure::Output(error.to_string()),
             _ => Failure::Usage(error.to_string()),
         }
     }
@@ -120,40 +125,47 @@ impl Failure {
             Failure::Data(_) => 3,
             Failure::Scenario(_) | Failure::Usage(_) => 2,
             Failure::Diverged(_) => 4,
-            Failure::Interrupted => interrupt::EXIT_CODE,
+            Failure::Interrupted => interrupt::exit_code(),
         }
     }
 
     /// Prints the message, with an excerpt of the scenario on a terminal or where colours are asked for.
     pub fn report(&self, is_colored: bool) -> ExitCode {
-        let mut stderr = io::stderr();
         let text = match self {
             Failure::Unread => String::new(),
             Failure::Interrupted => "interrupted: nothing was saved\n".to_owned(),
-            Failure::Scenario(error) if is_colored || stderr.is_terminal() => excerpt(error, is_colored),
-            Failure::Scenario(error) => format!("error: {error}\n"),
+            Failure::Scenario(error) if is_colored || is_watched() => excerpt(error, is_colored),
+            Failure::Scenario(error) => line(&error.to_string()),
             Failure::Usage(text) | Failure::Diverged(text) | Failure::Data(text) | Failure::Output(text) => {
-                format!("error: {text}\n")
+                line(text)
             }
         };
-        let _ = stderr.write_all(text.as_bytes());
+        say_coloured(&text);
         ExitCode::from(self.code())
     }
 }
 
+/// A message is one line, whatever the names and values in it hold.
+fn line(message: &str) -> String {
+    format!("error: {}\n", escaped(message))
+}
+
 /// The message with the line at fault and a mark under it.
 fn excerpt(error: &ScenarioError, is_colored: bool) -> String {
-    let Some(at) = error.at.as_ref().filter(|at| !at.text.is_empty()) else {
-        return format!("error: {error}\n");
-    };
-    let label = LabeledSpan::new_with_span(Some("here".to_owned()), at.span.clone());
-    let diagnostic = MietteDiagnostic::new(error.message()).with_label(label);
-    let source = NamedSource::new(at.file.clone(), at.text.to_string());
+    let plain = || line(&error.to_string());
+    let Some(at) = error.at.as_ref().filter(|at| !at.text.is_empty()) else { return plain() };
+    let shown = |text: &str| escaped_lines(&text.replace("\r\n", "\n")).into_owned();
+    // Where the place is in the text as it is shown.
+    let ends = [at.span.start, at.span.end].map(|end| at.text.get(..end).map(|before| shown(before).len()));
+    let [Some(start), Some(end)] = ends else { return plain() };
+    let label = LabeledSpan::new_with_span(Some("here".to_owned()), start..end);
+    let diagnostic = MietteDiagnostic::new(escaped(&error.message())).with_label(label);
+    let source = NamedSource::new(escaped(&at.file), shown(&at.text));
     let report = Report::new(diagnostic).with_source_code(source);
     let theme = if is_colored { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let mut text = String::new();
     match GraphicalReportHandler::new_themed(theme).render_report(&mut text, report.as_ref()) {
         Ok(()) => text,
-        Err(_) => format!("error: {error}\n"),
+        Err(_) => plain(),
     }
 }

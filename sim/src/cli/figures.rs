@@ -1,7 +1,7 @@
 //! `efam figures`: the paper's Figures 4 to 9 from our own runs, or from the recordings of an experiment.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -19,11 +19,12 @@ use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 use sim::trajectory::Status;
 
-use super::arguments::Output;
+use super::arguments::{Output, argv};
 use super::experiment::{read, request};
 use super::failure::Failure;
 use super::interrupt;
 use super::simulate::{admit, follow};
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -125,7 +126,7 @@ fn simulated(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
         resolved_scenario: set.iter().map(|set| format!("# with {set}\n")).collect::<String>() + SCENARIO,
         warnings,
         input_hashes,
-        argv: std::env::args().collect(),
+        argv: argv(),
         ..Request::default()
     };
     let folder = results::begin(&request)?;
@@ -168,7 +169,7 @@ fn finish(
     if args.output.form.json {
         print(&Printed { folder: &folder, figures: &words })?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
+        let mut out = stdout();
         for of in &words {
             writeln!(out, "Figure {}\n  paper: {}\n  ours:  {}", of.number, of.paper, of.ours)?;
         }

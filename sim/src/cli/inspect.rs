@@ -6,11 +6,13 @@ use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
+use sim::escape::escaped;
 use sim::recording::{Length, Marker, ReadOptions, Recording, read};
 use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;
+use super::terminal::{say, stdout};
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -98,7 +100,7 @@ pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
         voice.detail(format!("reading {}", file.display()));
         match read(file, &options) {
             Ok(recording) if args.form.json => values.push(of_recording(&recording)),
-            Ok(recording) if !voice.quiet => table(&mut io::stdout().lock(), &recording)?,
+            Ok(recording) if !voice.quiet => table(&mut stdout(), &recording)?,
             Ok(_) => {}
             Err(error) => failures.push(error.to_string()),
         }
@@ -106,21 +108,20 @@ pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.form.json {
         print(&Printed { recordings: values })?;
     }
-    match failures.is_empty() {
-        true => Ok(ExitCode::SUCCESS),
-        false => Err(Failure::Data(failures.join("\nerror: "))),
-    }
+    let Some(last) = failures.pop() else { return Ok(ExitCode::SUCCESS) };
+    failures.iter().for_each(|failure| say(format_args!("error: {failure}")));
+    Err(Failure::Data(last))
 }
 
 fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {
     let samples = recording.time.len();
     writeln!(
         out,
-        "{}\n  {}, {} Hz, {:.3} s, {samples} samples, {} markers\n",
-        recording.source.display(),
+        "{}\n  {}, {} Hz, {} s, {samples} samples, {} markers\n",
+        escaped(&recording.source.to_string_lossy()),
         recording.format,
-        (recording.rate_hz * 1e3).round() / 1e3,
-        duration(recording),
+        decimals((recording.rate_hz * 1e3).round() / 1e3, None),
+        decimals(duration(recording), Some(3)),
         recording.markers.len()
     )?;
     let head = ["lost", "longest gap", "x mm", "y mm", "z mm", "noise mm"];
@@ -134,20 +135,23 @@ fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {
         let lost = format!("{:.2} %", 100.0 * quality.lost as f64 / samples as f64);
         let gap = match quality.longest_gap {
             0 => "-".to_owned(),
-            gap => format!("{gap} ({:.3} s)", gap as f64 / recording.rate_hz),
+            gap => format!("{gap} ({} s)", decimals(gap as f64 / recording.rate_hz, Some(3))),
         };
         write!(out, "  {name:width$}{lost:>9}{gap:>20}")?;
         match quality.extent {
             None => write!(out, "{:>10}{:>10}{:>10}", "-", "-", "-")?,
             Some(extent) => {
                 for [low, high] in extent {
-                    write!(out, "{:>10.2}", 1e3 * (high - low))?;
+                    write!(out, "{:>10}", decimals(1e3 * (high - low), Some(2)))?;
                 }
             }
         }
         match quality.noise {
             None => writeln!(out, "{:>10}", "-")?,
-            Some(noise) => writeln!(out, "{:>10.4}", 1e3 * noise.into_iter().fold(0.0, f64::max))?,
+            Some(noise) => {
+                let worst = 1e3 * noise.into_iter().fold(0.0, f64::max);
+                writeln!(out, "{:>10}", decimals(worst, Some(4)))?
+            }
         }
     }
     if recording.markers.len() > MOST_ROWS {
@@ -161,6 +165,15 @@ fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {
         writeln!(out, "  - {finding}")?;
     }
     writeln!(out)
+}
+
+/// A number with so many decimals, or as many as it has; with an exponent where it would be longer than a column.
+fn decimals(value: f64, count: Option<usize>) -> String {
+    match count {
+        _ if value.abs() >= 1e7 => format!("{value:.2e}"),
+        Some(count) => format!("{value:.count$}"),
+        None => value.to_string(),
+    }
 }
 
 fn of_recording(recording: &Recording) -> Inspected {

@@ -1,20 +1,32 @@
-//! Ctrl-C: the first one asks for an end at the next opportunity, the second one ends at once.
+//! Signals that end a command in order: Ctrl-C, and those by which systems and schedulers end a job.
+//!
+//! The first one asks for an end at the next opportunity. A second Ctrl-C ends the program at once. Of the others a
+//! second one changes nothing: a closed terminal is told by the kernel and by the shell, and schedulers repeat
+//! themselves, while results are still being saved.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Mutex, Once, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use sim::forward::Cancel;
 
 use super::failure::Failure;
+use super::threads;
 use super::voice::Stages;
 
-/// Exit code of what was interrupted.
-pub const EXIT_CODE: u8 = 130;
+/// Exit code of what Ctrl-C ended.
+const CTRL_C: u8 = 128 + 2;
 
+/// Whether an end was asked for.
 static ASKED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+/// By which signal; 0 for none.
+static BY: AtomicUsize = AtomicUsize::new(0);
+/// Whether nobody looks at [`ASKED`], so that a signal has to end the program itself.
+static ALONE: AtomicBool = AtomicBool::new(false);
 
 /// How long an interruption may go unnoticed.
 const NOTICED: Duration = Duration::from_millis(50);
@@ -23,13 +35,49 @@ const STACK: usize = 8 << 20;
 
 /// Listens from here on.
 pub fn listen() {
-    let handler = || {
-        if ASKED.swap(true, Ordering::SeqCst) {
-            std::process::exit(EXIT_CODE.into());
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // Without a handler a signal still ends the program.
+        let _ = flag::register_conditional_shutdown(SIGINT, CTRL_C.into(), ASKED.clone());
+        for signal in signals() {
+            let _ = flag::register_conditional_shutdown(signal, 128 + signal, &ALONE);
+            let _ = flag::register_usize(signal, &BY, signal as usize);
+            let _ = flag::register(signal, ASKED.clone());
         }
-    };
-    // Without a handler Ctrl-C still ends the program.
-    let _ = ctrlc::set_handler(handler);
+    });
+}
+
+/// Ctrl-C; the end of a job; the end of a terminal, unless the program was started to outlive it (`nohup`); the end of
+/// the processor time that the job was given.
+#[cfg(unix)]
+fn signals() -> impl Iterator<Item = i32> {
+    use signal_hook::consts::{SIGHUP, SIGXCPU};
+    [SIGINT, SIGTERM, SIGHUP, SIGXCPU].into_iter().filter(|signal| *signal != SIGHUP || !is_ignored(SIGHUP))
+}
+
+#[cfg(not(unix))]
+fn signals() -> impl Iterator<Item = i32> {
+    [SIGINT, SIGTERM].into_iter()
+}
+
+/// Whether whoever started the program had it ignore a signal. Only Linux says so without unsafe code.
+///
+/// Source: proc(5), `/proc/pid/status`, SigIgn: a mask in hexadecimal, the lowest bit for signal 1.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+/// Makes a file that grows beyond what `ulimit -f` admits an error of writing. Unhandled, SIGXFSZ ends the program.
+pub fn make_long_files_an_error() {
+    #[cfg(unix)]
+    {
+        static MET: AtomicBool = AtomicBool::new(false);
+        let _ = flag::register(signal_hook::consts::SIGXFSZ, &MET);
+    }
 }
 
 /// Whether an end was asked for.
@@ -42,12 +90,20 @@ pub fn cancel() -> Cancel {
     Cancel::by(ASKED.clone())
 }
 
+/// Exit code of a command that was interrupted: 128 and the number of the signal, as shells have it.
+pub fn exit_code() -> u8 {
+    match BY.load(Ordering::SeqCst) {
+        0 => CTRL_C,
+        signal => 128 + signal as u8,
+    }
+}
+
 /// Stops a command that was interrupted while it wrote, before its folder gets its name.
 pub fn check() -> Result<(), Failure> {
     if is_asked() { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
-/// Does what takes long. On Ctrl-C, `kept` is dropped, such as a folder that is not finished, and the program
+/// Does what takes long. On a signal, `kept` is dropped, such as a folder that is not finished, and the program
 /// ends: what works here keeps no state that would have to be put in order, and half a search says nothing.
 pub fn during<K, T: Send>(kept: K, stages: &Stages, work: impl FnOnce() -> T + Send) -> (K, T) {
     during_or(kept, stages, work, || {
@@ -63,25 +119,37 @@ pub fn during_or<K, T: Send>(
     last_words: impl FnOnce(),
 ) -> (K, T) {
     let (done, wait) = mpsc::channel::<()>();
+    // Whoever can have a thread takes it.
+    let work = Mutex::new(Some(move || {
+        let result = work();
+        drop(done);
+        result
+    }));
+    let take = || work.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let run = || take().map(|work| work());
     thread::scope(|scope| {
-        let work = move || {
-            let result = work();
-            drop(done);
-            result
+        let worker = match threads::is_alone() {
+            true => None,
+            false => thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).ok(),
         };
-        let worker = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);
-        let worker = worker.expect("a thread can be had");
+        let Some(worker) = worker else {
+            // There is no thread to be had. Nobody waits for a signal then, so it has to end the program itself.
+            ALONE.store(true, Ordering::SeqCst);
+            let result = run().expect("nobody else took the work");
+            ALONE.store(false, Ordering::SeqCst);
+            return (kept, result);
+        };
         // The channel breaks when the work is over, also when it panics.
         while wait.recv_timeout(NOTICED) == Err(RecvTimeoutError::Timeout) {
             if is_asked() {
                 stages.clear();
                 drop(kept);
                 last_words();
-                std::process::exit(EXIT_CODE.into());
+                std::process::exit(exit_code().into());
             }
         }
         match worker.join() {
-            Ok(result) => (kept, result),
+            Ok(result) => (kept, result.expect("nobody else took the work")),
             Err(panic) => std::panic::resume_unwind(panic),
         }
     })

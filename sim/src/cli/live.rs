@@ -114,6 +114,7 @@ mod with_rerun {
     use sim::observe::rerun::{FamilyStream, FitStream, RerunError, Scene, SearchStream, Sink, Stream};
 
     use super::super::interrupt;
+    use super::super::terminal::say;
     use super::*;
 
     /// A recording in progress: of a run, unless it says otherwise.
@@ -191,7 +192,7 @@ mod with_rerun {
             }
             match self.0.finish() {
                 Err(error @ RerunError::ViewerLost { .. }) => {
-                    eprintln!("warning: {error}");
+                    say(format_args!("warning: {error}"));
                     Ok(())
                 }
                 done => done.map_err(failure),
@@ -202,7 +203,7 @@ mod with_rerun {
     fn opened<D>(how: &Rerun, stream: Result<Stream<D>, RerunError>) -> Result<Live<Stream<D>>, Failure> {
         let stream = stream.map_err(failure)?;
         if let Some(how) = stream.how_to_view().filter(|_| *how == Rerun::Serve) {
-            eprintln!("to see it: {how}");
+            say(format_args!("to see it: {how}"));
         }
         Ok(Live(stream))
     }

@@ -1,6 +1,6 @@
 //! `efam man`: manual pages, one a command, from the same source as the help.
 
-use std::fs;
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -8,9 +8,11 @@ use std::process::ExitCode;
 use clap::{Args, Command};
 use clap_mangen::Man;
 use sim::results::ResultsError;
+use sim::results::atomic::{write_new, write_whole};
 
 use super::failure::Failure;
 use super::schema::lacking;
+use super::terminal::stdout;
 use super::voice::Voice;
 
 const HELP: &str = "Examples:
@@ -47,7 +49,7 @@ pub fn run(args: &Manual, efam: Command, voice: &Voice) -> Result<ExitCode, Fail
             let names =
                 || pages.iter().filter_map(|(name, _)| Some(words(name)).filter(|own| !own.is_empty()));
             let (_, page) = page.ok_or_else(|| lacking("page of", &args.command.join(" "), names()))?;
-            io::stdout().write_all(page)?;
+            stdout().write_all(page)?;
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -79,18 +81,18 @@ fn write(
     if let (Some(path), false) = (taken, overwrite) {
         return Err(ResultsError::Exists { folder: path }.into());
     }
-    let failed = |path: &PathBuf| {
-        let path = path.clone();
-        move |source| ResultsError::Write { path, source }
-    };
-    fs::create_dir_all(folder).map_err(failed(folder))?;
     for (name, page) in pages {
         let path = folder.join(name);
-        fs::write(&path, page).map_err(failed(&path))?;
+        let write = |file: &mut File| file.write_all(page);
+        if overwrite {
+            write_whole(&path, write)?
+        } else {
+            write_new(&path, write)?
+        }
         voice.detail(format!("written: {}", path.display()));
     }
     if !voice.quiet {
-        writeln!(io::stdout(), "{} pages in {}", pages.len(), folder.display())?;
+        writeln!(stdout(), "{} pages in {}", pages.len(), folder.display())?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `efam predict`: what a calibrated muscle will do with a payload.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -10,6 +10,7 @@ use clap::Args;
 use models::muscle::BUILT_IN;
 use models::quantity::format_si;
 use serde::Serialize;
+use sim::input;
 use sim::predict::asked::Asked;
 use sim::predict::family::{Member, family};
 use sim::predict::grid::{Cell, Grid, grid, runs};
@@ -20,10 +21,11 @@ use sim::results::predicted::{prediction_table, write_prediction};
 use sim::results::{self, Folder, Request};
 use sim::schema::JsonSchema;
 
-use super::arguments::{Output, Release};
+use super::arguments::{Output, Release, argv};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::{LiveFamily, Recording, Rerun};
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -115,7 +117,7 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
         overwrite: args.output.overwrite,
         resolved_scenario: case.resolved(),
         input_hashes,
-        argv: std::env::args().collect(),
+        argv: argv(),
         ..Request::default()
     };
     // What stands in the way is said before the simulations.
@@ -203,7 +205,7 @@ fn tell(
     if args.output.form.json {
         print(printed)?;
     } else if !voice.quiet {
-        writeln!(io::stdout().lock(), "{}\nresults in {}", table(), folder.display())?;
+        writeln!(stdout(), "{}\nresults in {}", table(), folder.display())?;
     }
     Ok(())
 }
@@ -222,20 +224,15 @@ fn title(args: &Predict, case: &str) -> String {
 fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
     let mut hashes = BTreeMap::new();
     let mut read = |file: &Path, what: &str| {
-        let bytes = std::fs::read(file).map_err(|error| {
+        let text = input::text(file).map_err(|error| {
             Failure::Data(format!("{}: cannot be read ({error}); give {what}", file.display()))
         })?;
-        hashes.insert(file.display().to_string(), results::sha256(&bytes));
-        Ok::<_, Failure>(bytes)
+        hashes.insert(file.display().to_string(), results::sha256(text.as_bytes()));
+        Ok::<_, Failure>(text)
     };
     let mut asked = match (&args.scenario, &args.muscle) {
         (Some(scenario), _) => {
-            let bytes = read(scenario, "a scenario, such as the rod.toml of a calibration")?;
-            let text = String::from_utf8(bytes);
-            Asked::scenario(
-                scenario,
-                text.map_err(|_| Failure::Data(format!("{}: is no text", scenario.display())))?,
-            )
+            Asked::scenario(scenario, read(scenario, "a scenario, such as the rod.toml of a calibration")?)
         }
         (None, muscle) => {
             let muscle = muscle.as_deref().unwrap_or_default();

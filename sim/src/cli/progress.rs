@@ -19,9 +19,11 @@ pub fn steps(count: usize, kind: &str) -> ProgressBar {
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// A line that says what is being done.
-pub fn line() -> ProgressBar {
+/// A line that says what is being done; `has_thread` if it may have one that keeps it moving.
+pub fn line(has_thread: bool) -> ProgressBar {
     let bar = ProgressBar::new_spinner();
-    bar.enable_steady_tick(Duration::from_millis(200));
+    if has_thread {
+        bar.enable_steady_tick(Duration::from_millis(200));
+    }
     bar
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
+use sim::input;
 use sim::results::compared::{Comparison, compare, write_comparison};
 use sim::results::folder::MARK;
 use sim::results::report::significant;
@@ -14,8 +15,9 @@ use sim::results::reread::{Reread, RereadError, reread};
 use sim::results::{self, Request};
 use sim::schema::JsonSchema;
 
-use super::arguments::Output;
+use super::arguments::{Output, argv};
 use super::failure::Failure;
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -52,13 +54,12 @@ pub fn run(args: &Report, voice: &Voice) -> Result<ExitCode, Failure> {
     names.dedup();
     let hash = |run: &PathBuf| {
         let file = run.join(MARK);
-        let bytes = std::fs::read(&file).ok()?;
-        Some((file.display().to_string(), results::sha256(&bytes)))
+        Some((file.display().to_string(), input::sha256(&file).ok()?))
     };
     let request = Request {
         name: names.join(", "),
         input_hashes: args.runs.iter().filter_map(hash).collect(),
-        argv: std::env::args().collect(),
+        argv: argv(),
         ..Request::default()
     };
     let asks = format!("{:?}", request.input_hashes);
@@ -74,7 +75,7 @@ pub fn run(args: &Report, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.output.form.json {
         print(&Printed { folder: &folder, comparison: &comparison })?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
+        let mut out = stdout();
         tell(&mut out, &comparison)?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }

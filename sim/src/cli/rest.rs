@@ -1,7 +1,7 @@
 //! `efam statics` and `efam modes`: what a scenario's rod does without being let go.
 
 use std::f64::consts::TAU;
-use std::io::{self, Write};
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
@@ -16,6 +16,7 @@ use sim::schema::JsonSchema;
 
 use super::arguments::{Form, Source};
 use super::failure::Failure;
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const STATICS_HELP: &str = "Examples:
@@ -134,7 +135,7 @@ pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
     if voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    let mut out = io::stdout().lock();
+    let mut out = stdout();
     writeln!(out, "{:24}{:>12}{:>12}{:>14}{:>16}", "", "tip x", "tip z", "end angle", "root moment")?;
     for row in rows {
         let angle = format!("{:.2} deg", row.tip_angle_rad.to_degrees());
@@ -173,7 +174,7 @@ pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     if voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    let mut out = io::stdout().lock();
+    let mut out = stdout();
     writeln!(out, "{:24}{:>6}{:>14}{:>16}", "", "mode", "frequency", "damping ratio")?;
     for row in rows {
         writeln!(

@@ -3,7 +3,7 @@
 mod watch;
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
@@ -27,11 +27,12 @@ use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 use sim::trajectory::{Status, Trajectory};
 
-use super::arguments::{Output, Release, Source};
+use super::arguments::{Output, Release, Source, argv};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::Rerun;
 use super::progress::ProgressBar;
+use super::terminal::{say, stdout};
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -168,7 +169,7 @@ fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
         csv: args.csv,
         resolved_scenario: first.resolved(),
         input_hashes: BTreeMap::from([(scenario.path.display().to_string(), hash)]),
-        argv: std::env::args().collect(),
+        argv: argv(),
         ..Request::default()
     }
 }
@@ -197,8 +198,8 @@ fn outcome(folder: &Path, done: &[Member]) -> Result<ExitCode, Failure> {
         match &summary.status {
             Status::Complete => {}
             Status::CutShort { time } => {
-                eprintln!("interrupted: {}: {}", summary.name, saved(*time));
-                return Ok(ExitCode::from(interrupt::EXIT_CODE));
+                say(format_args!("interrupted: {}: {}", summary.name, saved(*time)));
+                return Ok(ExitCode::from(interrupt::exit_code()));
             }
             Status::Failed { time, reason } => {
                 return Err(Failure::Diverged(format!("{reason}; {}", saved(*time))));
@@ -303,7 +304,7 @@ fn tell(
     if voice.quiet {
         return Ok(());
     }
-    let mut out = io::stdout().lock();
+    let mut out = stdout();
     match done {
         [one] => writeln!(out, "{}", report(&one.summary))?,
         _ => write!(out, "{}", over_pressure(done))?,

@@ -6,7 +6,7 @@ pub mod run;
 pub mod status;
 pub mod submit;
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -20,6 +20,7 @@ use sim::sweep::merge::Merged;
 use super::arguments::Output;
 use super::failure::Failure;
 use super::interrupt;
+use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -106,7 +107,7 @@ pub fn run(args: &Sweep, voice: &Voice) -> Result<ExitCode, Failure> {
 fn whole(args: &Whole, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let file = args.file.as_deref().unwrap_or(Path::new(""));
-    let plan = plan::planned(file, &args.planned, &args.output, voice)?;
+    let (plan, _) = plan::planned(file, &args.planned, &args.output, false, voice)?;
     let due = (0..plan.head.shards()).collect::<Vec<_>>();
     run::shards(&plan, &due, args.output.overwrite, voice)?;
     let seconds = begin.elapsed().as_secs_f64();
@@ -118,7 +119,7 @@ fn tell(folder: &Path, merged: &Merged, json: bool, voice: &Voice) -> Result<Exi
     if json {
         print(&MergedPrinted { folder, sweep: merged })?;
     } else if !voice.quiet {
-        writeln!(io::stdout().lock(), "{}\nresults in {}", swept_table(merged), folder.display())?;
+        writeln!(stdout(), "{}\nresults in {}", swept_table(merged), folder.display())?;
     }
     Ok(ExitCode::SUCCESS)
 }

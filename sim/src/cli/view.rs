@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 use clap::Args;
+use sim::escape::shell_word;
 use sim::observe::VIEWER as VERSION;
 use sim::results::{MARK, SCENARIO};
 
@@ -38,7 +39,10 @@ pub fn run(args: &View) -> Result<ExitCode, Failure> {
     let recording = folder.join(RECORDING);
     if !recording.is_file() {
         let again = match folder.join(SCENARIO).is_file() {
-            true => format!("the same bits come from `efam simulate {}/{SCENARIO} --rerun spawn`", shown),
+            true => format!(
+                "the same bits come from `efam simulate {} --rerun spawn`",
+                shell_word(&folder.join(SCENARIO))
+            ),
             false => "run it again with --rerun save".to_owned(),
         };
         return Err(Failure::Usage(format!(

@@ -1,14 +1,17 @@
 //! What is said on stderr while a command works, and on stdout when it is done.
 
 use std::fmt::Display;
-use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use serde::Serialize;
 
+use sim::escape::escaped;
+
 use super::failure::Failure;
 use super::progress::{self, ProgressBar};
+use super::terminal::{is_watched, print_json, say};
+use super::threads;
 
 /// How a command speaks.
 pub struct Voice {
@@ -27,20 +30,21 @@ impl Voice {
     /// What one should know before trusting the results.
     pub fn warn(&self, warnings: impl IntoIterator<Item = impl Display>) {
         for warning in warnings {
-            eprintln!("warning: {warning}");
+            say(format_args!("warning: {warning}"));
         }
     }
 
     /// A line for those who want to know more, after the time since the program began.
     pub fn detail(&self, text: impl Display) {
         if self.verbose {
-            eprintln!("[{:8.3} s] {text}", self.begin.elapsed().as_secs_f64());
+            say(format_args!("[{:8.3} s] {text}", self.begin.elapsed().as_secs_f64()));
         }
     }
 
     /// Stages of something long.
     pub fn stages(&self) -> Stages<'_> {
-        Stages { line: self.shows_progress().then(progress::line), ..Stages::silent(self) }
+        let line = || progress::line(!threads::is_alone());
+        Stages { line: self.shows_progress().then(line), ..Stages::silent(self) }
     }
 
     /// Steps of a kind, so many.
@@ -56,7 +60,7 @@ impl Voice {
 
     /// Lines of details and a line that moves would overwrite one another.
     fn shows_progress(&self) -> bool {
-        !self.quiet && !self.verbose && io::stderr().is_terminal()
+        !self.quiet && !self.verbose && is_watched()
     }
 }
 
@@ -78,7 +82,7 @@ impl<'a> Stages<'a> {
     /// Says what begins now; from any thread.
     pub fn tell(&self, what: &str) {
         match &self.line {
-            Some(line) => line.set_message(what.to_owned()),
+            Some(line) => line.set_message(escaped(what).into_owned()),
             None => self.voice.detail(what),
         }
     }
@@ -112,9 +116,9 @@ impl<'a> Stages<'a> {
 
 /// Prints one JSON object.
 pub fn print(object: &impl Serialize) -> Result<(), Failure> {
-    let text = serde_json::to_string(object);
-    // Only a path that is no Unicode has no JSON.
-    let text = text.map_err(|error| Failure::Output(format!("stdout: no JSON can be made ({error})")))?;
-    writeln!(io::stdout().lock(), "{text}")?;
-    Ok(())
+    let json = serde_json::to_string(object).map_err(|_| {
+        let why = "stdout: a path that is not UTF-8 has no JSON; the results are there, so leave out --json";
+        Failure::Output(why.to_owned())
+    })?;
+    Ok(print_json(&json)?)
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use models::effects::{Parameter, by_name};
 
 use super::direction::{AXES, Direction};
+use crate::escape::escaped;
 use crate::recording::Length;
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::plan::EffectPlan;
@@ -164,7 +165,9 @@ impl Entry {
             return Err(keys.missing("file", "file = \"15psi.csv\", relative to this file"));
         };
         let file = document.file(place, file);
-        let name = file.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+        // It goes into tables, files and commands.
+        let name =
+            file.file_name().map_or(String::new(), |name| escaped(&name.to_string_lossy()).into_owned());
         if has_muscle && !keys.has("pressure") {
             return Err(keys.missing("pressure", "pressure = \"15 psi\", which the muscle needs"));
         }

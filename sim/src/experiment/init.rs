@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::Experiment;
-use crate::cleaning::{clean_all, distance};
+use crate::cleaning::{CleanRecording, clean_all, distance};
+use crate::escape::{escaped, toml_string};
 use crate::quantile::quantile;
 use crate::recording::Recording;
 use crate::scenario::plan;
@@ -44,13 +45,15 @@ pub fn guess(recording: &Recording) -> Option<Guess> {
     let of_tip = |k: usize| {
         k == most || (moves[k] > TIP * moves[most] && spread(path(k), path(most)) < RIGID * moves[most])
     };
-    let tip: Vec<usize> = (0..moves.len()).filter(|&k| of_tip(k)).collect();
+    let is_tip: Vec<bool> = (0..moves.len()).map(of_tip).collect();
     let is_base = |k: usize| {
         let name = recording.markers[k].name.to_lowercase();
         let limit = if BASES.iter().any(|base| name.contains(base)) { STILL_BY_NAME } else { STILL };
-        !tip.contains(&k) && moves[k] >= 0.0 && moves[k] < limit * moves[most]
+        !is_tip[k] && moves[k] >= 0.0 && moves[k] < limit * moves[most]
     };
-    let base: Vec<usize> = (0..moves.len()).filter(|&k| is_base(k)).collect();
+    let is_base: Vec<bool> = (0..moves.len()).map(is_base).collect();
+    let those = |is: &[bool]| -> Vec<usize> { (0..moves.len()).filter(|&k| is[k]).collect() };
+    let (tip, base) = (those(&is_tip), those(&is_base));
     let place = |of: &[usize]| -> [f64; 3] {
         let first: Vec<[f64; 3]> =
             of.iter().filter_map(|&k| path(k).iter().flatten().next().copied()).collect();
@@ -58,14 +61,14 @@ pub fn guess(recording: &Recording) -> Option<Guess> {
     };
     let (from, to) = (place(&base), place(&tip));
     let share = |k: usize| (distance(place(&[k]), from) / distance(to, from).max(1e-9)).clamp(0.0, 1.0);
-    let mut body: Vec<usize> =
-        (0..moves.len()).filter(|k| moves[*k] >= 0.0 && !tip.contains(k) && !base.contains(k)).collect();
-    body.sort_by(|&a, &b| share(a).total_cmp(&share(b)));
+    let is_body = |k: &usize| moves[*k] >= 0.0 && !is_tip[*k] && !is_base[*k];
+    let mut body: Vec<(usize, f64)> = (0..moves.len()).filter(is_body).map(|k| (k, share(k))).collect();
+    body.sort_by(|a, b| a.1.total_cmp(&b.1));
     let name = |k: usize| recording.markers[k].name.clone();
     Some(Guess {
         tip: tip.iter().map(|&k| name(k)).collect(),
         base: base.iter().map(|&k| name(k)).collect(),
-        body: body.iter().map(|&k| (name(k), share(k))).collect(),
+        body: body.into_iter().map(|(k, share)| (name(k), share)).collect(),
         moves: (0..moves.len()).map(|k| (name(k), moves[k])).collect(),
     })
 }
@@ -113,7 +116,8 @@ pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
                 }
             }
             for decision in cleaned.decisions.iter().filter(|decision| decision.key == "up") {
-                if let Some(k) = recordings.iter().position(|(file, _)| file.ends_with(&decision.about)) {
+                let is_about = |clean: &CleanRecording| clean.name == decision.about;
+                if let Some(k) = cleaned.recordings.iter().position(is_about) {
                     found[k].push(decision.what.clone());
                 }
             }
@@ -145,12 +149,12 @@ fn text(
          # [effects.end_fitting]\n\
          # mass = \"… g\"\n\
          # center_of_mass = \"… mm\"       # beyond the active length\n",
-        quoted(name)
+        toml_string(name)
     );
     for (k, (file, recording)) in recordings.iter().enumerate() {
-        let _ = writeln!(out, "\n[[recording]]\nfile = {}", quoted(file));
+        let _ = writeln!(out, "\n[[recording]]\nfile = {}", toml_string(file));
         for found in &found[k] {
-            let _ = writeln!(out, "# found: {}", found.replace('\n', " "));
+            let _ = writeln!(out, "# found: {}", escaped(found));
         }
         pressure_and_payload(&mut out, file);
         markers(&mut out, recording);
@@ -210,14 +214,15 @@ fn number_before<'a>(name: &str, units: &[&'a str]) -> Option<(String, &'a str)>
 
 fn markers(out: &mut String, recording: &Recording) {
     let list = |names: &[String]| match names {
-        [only] => quoted(only),
-        all => format!("[{}]", all.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(", ")),
+        [only] => toml_string(only),
+        all => format!("[{}]", all.iter().map(|name| toml_string(name)).collect::<Vec<_>>().join(", ")),
     };
     let Some(guess) = guess(recording) else {
         *out += "tip = \"?\"   # FILL IN: no marker is seen in this file\n";
         return;
     };
-    let moves: Vec<_> = guess.moves.iter().map(|(name, m)| format!("{name} {:.1}", 1e3 * m)).collect();
+    let moves: Vec<_> =
+        guess.moves.iter().map(|(name, m)| format!("{} {:.1}", escaped(name), 1e3 * m)).collect();
     let _ = writeln!(out, "# how far each marker moves, mm: {}", moves.join(", "));
     let _ = writeln!(out, "tip = {}   # GUESS: what moves most, as one body", list(&guess.tip));
     match guess.base.is_empty() {
@@ -235,12 +240,8 @@ fn markers(out: &mut String, recording: &Recording) {
             ""
         };
         let close = if k + 1 == guess.body.len() { "]\n" } else { "" };
-        let _ = write!(out, "{open}  {{ marker = {}, at = {share:.2} }},\n{close}", quoted(name));
+        let _ = write!(out, "{open}  {{ marker = {}, at = {share:.2} }},\n{close}", toml_string(name));
     }
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::from(text).to_string()
 }
 
 #[cfg(test)]

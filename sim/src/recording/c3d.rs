@@ -15,6 +15,7 @@ use number::Processor;
 use parameters::Parameters;
 
 use super::Marker;
+use super::clock::plain;
 use super::draft::{Draft, Unit};
 use super::error::Problem;
 use super::format::Format;
@@ -74,7 +75,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, Problem> {
     let in_parameters = parameters.number("POINT:RATE").filter(|rate| *rate > 0.0);
     draft.rate = in_parameters.or(Some(in_header));
     if let Some(rate) = in_parameters.filter(|rate| (rate - in_header).abs() > 1e-3 * rate) {
-        findings.push(format!("the header states {in_header} Hz, POINT:RATE {rate} Hz; the latter is taken"));
+        findings.push(format!(
+            "the header states {} Hz, POINT:RATE {} Hz; the latter is taken",
+            plain(in_header),
+            plain(rate)
+        ));
     }
     draft.frames = (0..shape.frames).map(|frame| (shape.first_frame + frame) as f64).collect();
     draft.places = (1..=shape.frames as u64).collect();
@@ -129,6 +134,11 @@ fn shape(
         long(parameters, "TRIAL:ACTUAL_END_FIELD").zip(long(parameters, "TRIAL:ACTUAL_START_FIELD")),
         Some((last, first)),
     ];
+    // Words of the header end at 65535: of a longer recording only TRIAL states both frames.
+    let (end, begin) = stated.into_iter().flatten().next().unwrap_or((last, first));
+    if end < begin {
+        return Err(format!("its last frame, {end}, is before its first, {begin}"));
+    }
     let mut counts: Vec<usize> = stated
         .into_iter()
         .flatten()
@@ -147,7 +157,7 @@ fn shape(
         (None, Some(stated)) => {
             return Err(format!("it states {stated} frames, and there is room for {held}: it is cut short"));
         }
-        (None, None) => return Err(format!("its last frame, {last}, is before its first, {first}")),
+        (None, None) => return Err("it states no frames".to_owned()),
     };
     if let Some(other) = counts.iter().find(|count| **count != frames) {
         findings.push(format!("the file states {other} frames as well as {frames}; the latter is taken"));

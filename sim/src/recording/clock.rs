@@ -68,6 +68,7 @@ impl Stated<'_> {
         };
         // Rates beyond all measure can leave no difference between times.
         ascending(&clock.time, "time in s", place)?;
+        clock.resolves()?;
         clock.steps(self.frames, place, findings);
         Ok(clock)
     }
@@ -93,6 +94,15 @@ impl Stated<'_> {
 }
 
 impl Clock {
+    /// Whether its times have digits enough to tell a step: a number has 53 binary ones.
+    fn resolves(&self) -> Result<(), Problem> {
+        let largest = self.time.iter().fold(0.0, |largest: f64, time| largest.max(time.abs()));
+        match f64::EPSILON * largest * self.rate_hz <= EVEN {
+            true => Ok(()),
+            false => Err(Problem::Unresolved { time: plain(largest), step: plain(self.rate_hz.recip()) }),
+        }
+    }
+
     /// Says where samples are missing, and whether the others are evenly spaced.
     fn steps(&self, frames: &[f64], place: &dyn Fn(usize) -> String, findings: &mut Vec<String>) {
         let (mut jumps, mut missing, mut longest) = (0, 0.0, (0.0, 0));
@@ -116,9 +126,10 @@ impl Clock {
                 false => format!("frame {} to {}", frames[sample - 1], frames[sample]),
             };
             findings.push(format!(
-                "samples are left out in {jumps} places, {missing} in all; the longest jump is {} samples, \
+                "samples are left out in {jumps} places, {} in all; the longest jump is {} samples, \
                  from {from_to} ({})",
-                whole - 1.0,
+                plain(missing),
+                plain(whole - 1.0),
                 place(sample)
             ));
         }

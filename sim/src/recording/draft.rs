@@ -6,10 +6,12 @@ use super::cells::short;
 use super::clock::{self, Clock};
 use super::error::Problem;
 use super::format::Format;
+use super::layout::distinct;
 use super::length::Length;
 use super::quality;
 use super::read::ReadOptions;
 use super::{Marker, Recording};
+use crate::escape::{escaped, is_hidden};
 
 /// A file's numbers in its own units.
 pub(super) struct Draft {
@@ -59,7 +61,10 @@ impl Draft {
         let mut findings = Vec::new();
         let unit = unit.settle(options.unit, &mut findings)?;
         if let Some(none) = rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
-            findings.push(format!("rate: the file states {none} Hz, which is none; it was passed over"));
+            findings.push(format!(
+                "rate: the file states {} Hz, which is none; it was passed over",
+                clock::plain(none)
+            ));
             rate = None;
         }
         let place = |sample: usize| format!("{place} {}", places[sample]);
@@ -74,6 +79,7 @@ impl Draft {
             let positions = markers.iter_mut().flat_map(|marker| marker.position.iter_mut().flatten());
             positions.for_each(|position| *position = position.map(|value| unit.to_metres(value)));
         }
+        name_visibly(&mut markers, &mut findings);
         findings.extend(quality::losses(&markers, &time));
         let extents = markers.iter().filter_map(|marker| quality::extent(&marker.position));
         let extent = extents.flatten().map(|[low, high]| high - low).fold(0.0, f64::max);
@@ -83,8 +89,20 @@ impl Draft {
                 unit.symbol()
             ));
         }
+        // They quote the file.
+        let findings = findings.iter().map(|finding| escaped(finding).into_owned()).collect();
         Ok(Recording { source: source.to_owned(), format, rate_hz, time, markers, findings })
     }
+}
+
+/// Names without hidden characters, for they go into tables, files and commands; different ones stay different.
+fn name_visibly(markers: &mut [Marker], findings: &mut Vec<String>) {
+    if !markers.iter().any(|marker| marker.name.contains(is_hidden)) {
+        return;
+    }
+    let names = markers.iter().map(|marker| escaped(&marker.name).into_owned());
+    let names = distinct(names.collect::<Vec<_>>(), findings);
+    markers.iter_mut().zip(names).for_each(|(marker, name)| marker.name = name);
 }
 
 impl Unit {

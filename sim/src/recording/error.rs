@@ -205,9 +205,21 @@ pub enum Problem {
         /// Its line.
         comma_line: u64,
     },
+    /// Times so far from zero that numbers do not tell neighbours apart.
+    #[error(
+        "has times of up to {time} s, where a number does not resolve a step of {step} s; let its clock begin near \
+         the recording"
+    )]
+    Unresolved {
+        /// The largest time, s.
+        time: String,
+        /// A step, s.
+        step: String,
+    },
     /// Time does not go on.
     #[error(
-        "{place}: {what} is {after} after {before}: it must ascend; sort the samples, or leave out the repeated ones"
+        "{place}: {what} is {} after {}: it must ascend; sort the samples, or leave out the repeated ones",
+        number(*after), number(*before)
     )]
     Order {
         /// Line, row or sample.
@@ -246,6 +258,14 @@ pub enum Problem {
     /// C3D that does not hold together.
     #[error("cannot be read as C3D: {0}; export it again from the capture program")]
     C3d(String),
+}
+
+/// All digits of a number, with an exponent where most of them would be zeros.
+fn number(value: f64) -> String {
+    match value.abs() {
+        size if size != 0.0 && !(1e-9..1e15).contains(&size) => format!("{value:e}"),
+        _ => value.to_string(),
+    }
 }
 
 fn gigabytes(bytes: u64) -> String {

@@ -29,6 +29,7 @@ use super::report::significant;
 use super::{Request, ResultsError, write_mark};
 use crate::calibrate::calibration::Calibrated;
 use crate::calibrate::{Calibration, Outcome, Problem};
+use crate::escape::cell;
 
 pub use model::{ModelFile, muscle_file, rod_files};
 
@@ -83,7 +84,7 @@ pub fn write_calibration(
 
 fn residuals(outcome: &Outcome) -> String {
     let mut text = String::from("release,marker,time_s,x_m,z_m,fitted_x_m,fitted_z_m\n");
-    let quoted = |name: &str| format!("\"{}\"", name.replace('"', "\"\""));
+    let quoted = |name: &str| format!("\"{}\"", cell(name).replace('"', "\"\""));
     for curve in &outcome.curves {
         let (release, marker) = (quoted(&curve.release), quoted(&curve.marker));
         for ((time, seen), fitted) in curve.time.iter().zip(&curve.measured).zip(&curve.predicted) {

@@ -14,6 +14,8 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
+use crate::escape::cell;
+
 pub use read::{About, Found, about, read, table};
 
 /// A column.
@@ -171,7 +173,7 @@ impl Cells {
             Cells::Numbers(all) if holds == Holds::NumbersOrNone && all[row].is_nan() => Ok(()),
             Cells::Numbers(all) => write!(to, "{:?}", all[row]),
             Cells::Counts(all) => write!(to, "{}", all[row]),
-            Cells::Texts(all) => to.write_str(all[row].as_deref().unwrap_or_default()),
+            Cells::Texts(all) => to.write_str(&cell(all[row].as_deref().unwrap_or_default())),
         };
     }
 }
@@ -230,7 +232,7 @@ impl<W: Write> CsvFile<W> {
     /// What the writer met.
     pub fn begin(to: W, columns: &[Column]) -> io::Result<Self> {
         let mut to = csv::Writer::from_writer(to);
-        to.write_record(columns.iter().map(|column| &column.name))?;
+        to.write_record(columns.iter().map(|column| cell(&column.name).into_owned()))?;
         Ok(Self { to, holds: columns.iter().map(|column| column.holds).collect(), cell: String::new() })
     }
 

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use super::manifest::MANIFEST;
+
 /// Why no run folder was written; nothing half-written stays.
 #[derive(Debug, thiserror::Error)]
 pub enum ResultsError {
@@ -14,12 +16,50 @@ pub enum ResultsError {
     },
     /// There is a folder that a run did not write, so it is not ours to remove.
     #[error(
-        "{}: holds other files than those of a run, and --overwrite replaces run folders only; \
+        "{}: holds other files than those of a run (it has no {MANIFEST}), and --overwrite replaces run folders only; \
          choose another --out", folder.display()
     )]
     NotARun {
         /// The folder.
         folder: PathBuf,
+    },
+    /// A run folder in which there is something else.
+    #[error(
+        "{}: holds {}, which efam did not write; it stays: move it elsewhere, or choose another --out",
+        folder.display(), entry.display()
+    )]
+    Foreign {
+        /// The folder.
+        folder: PathBuf,
+        /// What is in it, below the folder.
+        entry: PathBuf,
+    },
+    /// A run folder of which a file was edited.
+    #[error(
+        "{}: holds {}, which was changed since efam wrote it; it stays: move it elsewhere, or choose another --out",
+        folder.display(), entry.display()
+    )]
+    Changed {
+        /// The folder.
+        folder: PathBuf,
+        /// The file, below the folder.
+        entry: PathBuf,
+    },
+    /// A folder that was free, or a run's, when the work began, and is not any more.
+    #[error("{why}; the results are in {}", kept.display())]
+    Kept {
+        /// Why the folder could not be taken.
+        why: Box<ResultsError>,
+        /// Where the results are.
+        kept: PathBuf,
+    },
+    /// Something came into a run folder in the instant in which it was replaced.
+    #[error("{}: is written; what is left of the folder that it replaced is in {}", folder.display(), kept.display())]
+    Late {
+        /// The folder.
+        folder: PathBuf,
+        /// Where the rest of the old one is.
+        kept: PathBuf,
     },
     /// A file stands where a folder is due.
     #[error("{}: is a file where a folder is due; choose another --out, or move the file away", path.display())]

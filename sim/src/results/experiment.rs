@@ -24,6 +24,7 @@ use super::folder::{Folder, plain_name};
 use super::page::REPORT;
 use super::{Request, ResultsError, picture, write_mark};
 use crate::cleaning::{CleanRelease, Cleaned, Statistics};
+use crate::escape::cell;
 use crate::experiment::Experiment;
 use crate::experiment::analyse::Analysed;
 use crate::experiment::release::Release;
@@ -134,6 +135,7 @@ fn csv(release: &Release) -> String {
     let mut text = String::from("t_s");
     for track in &release.tracks {
         let name = track.marker.replace([',', '"'], "_");
+        let name = cell(&name);
         let _ = write!(text, ",{name}_x_m,{name}_z_m");
     }
     text.push('\n');

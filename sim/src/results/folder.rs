@@ -5,17 +5,18 @@
 //! that is killed leaves is hidden, and removed by the next that comes (`partial.rs`).
 
 use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::ResultsError;
-use super::partial::{Partial, begins, beside, exchange, tidy};
+use super::manifest::{self, MANIFEST, Manifest, foreign};
+use super::partial::{Partial, begins, beside, exchange, held, remove_left, tidy};
 pub use super::utc::utc;
 
 /// Where runs go that are given no folder.
 pub const OUTPUTS: &str = "outputs";
-/// The file by which a run folder is known, written into each.
+/// The file that says what a run folder holds, written into each.
 pub const MARK: &str = "summary.json";
 const MOST_NAME_LENGTH: usize = 60;
 /// What steps aside for another run.
@@ -53,13 +54,14 @@ pub struct Folder {
     partial: Partial,
     dated: bool,
     replaces: bool,
+    later: &'static [&'static str],
     finished: bool,
 }
 
 /// Whether a given folder can take a run: to be asked before a long simulation.
 /// # Errors
-/// [`ResultsError::Exists`], [`ResultsError::NotARun`], [`ResultsError::NotAFolder`] or
-/// [`ResultsError::Unnamed`].
+/// [`ResultsError::Exists`], [`ResultsError::NotARun`], [`ResultsError::Foreign`], [`ResultsError::Changed`],
+/// [`ResultsError::NotAFolder`] or [`ResultsError::Unnamed`].
 pub fn admit(folder: &Path, overwrite: bool) -> Result<(), ResultsError> {
     let here = || folder.to_path_buf();
     if folder.file_name().is_none() {
@@ -67,9 +69,14 @@ pub fn admit(folder: &Path, overwrite: bool) -> Result<(), ResultsError> {
     }
     match fs::read_dir(folder).map(Iterator::count) {
         Ok(0) => Ok(()),
-        Ok(_) if !folder.join(MARK).is_file() => Err(ResultsError::NotARun { folder: here() }),
+        Ok(_) if !folder.join(MANIFEST).is_file() => Err(ResultsError::NotARun { folder: here() }),
         Ok(_) if !overwrite => Err(ResultsError::Exists { folder: here() }),
-        Ok(_) => Ok(()),
+        // A link to a run is followed.
+        Ok(_) => match fs::canonicalize(folder).and_then(|run| foreign(&run)) {
+            Ok(None) => Ok(()),
+            Ok(Some(foreign)) => Err(foreign.refuses(folder)),
+            Err(error) => Err(ResultsError::write(folder)(error)),
+        },
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         Err(error) => Err(ResultsError::write(folder)(error)),
     }
@@ -100,7 +107,12 @@ impl Folder {
         tidy(&parent);
         let made = Partial::begin(&target, |path| fs::create_dir(path));
         let (partial, ()) = made.map_err(ResultsError::write(&target))?;
-        Ok(Self { target, partial, dated, replaces, finished: false })
+        Ok(Self { target, partial, dated, replaces, later: &[], finished: false })
+    }
+
+    /// Names paths that commands may add to the folder or rewrite when it is finished; see [`Manifest`].
+    pub fn later(&mut self, paths: &'static [&'static str]) {
+        self.later = paths;
     }
 
     /// Where files go until the folder is finished.
@@ -121,7 +133,7 @@ impl Folder {
     pub fn write_with(
         &self,
         name: &str,
-        write: impl FnOnce(&mut File) -> std::io::Result<()>,
+        write: impl FnOnce(&mut File) -> io::Result<()>,
     ) -> Result<(), ResultsError> {
         let path = self.partial.path.join(name);
         let written = || {
@@ -134,16 +146,34 @@ impl Folder {
     }
 
     /// Gives the folder its name, and returns it.
+    ///
+    /// If the name was taken meanwhile, or somebody put a file into the folder to be replaced, the run gets a free name
+    /// beside it: what was computed is not lost for a name.
     /// # Errors
-    /// [`ResultsError::Exists`] if another run was faster; [`ResultsError::Write`].
+    /// [`ResultsError::Kept`] in that case; [`ResultsError::Late`]; [`ResultsError::Write`].
     pub fn finish(mut self) -> Result<PathBuf, ResultsError> {
+        let manifest =
+            Manifest::of(&self.partial.path, self.later).map_err(ResultsError::write(&self.target))?;
+        self.write(MANIFEST, manifest.text().as_bytes())?;
         sync_folder(&self.partial.path).map_err(ResultsError::write(&self.target))?;
-        let folder = match (self.replaces, self.dated) {
-            (true, _) => self.replace()?,
-            (false, true) => self.take_free_name()?,
-            (false, false) => {
-                self.rename_to(&self.target).map_err(|error| self.refused(error))?;
-                self.target.clone()
+        let named = match (self.replaces, self.dated) {
+            (true, _) => self.replace().map(|()| self.target.clone()),
+            (false, true) => self.take_free_name(&self.partial.path),
+            (false, false) => match self.rename_to(&self.target) {
+                Ok(()) => Ok(self.target.clone()),
+                Err(error) => Err(self.refused(error)),
+            },
+        };
+        let folder = match named {
+            Ok(folder) => folder,
+            Err(late @ ResultsError::Late { .. }) => {
+                self.finished = true;
+                return Err(late);
+            }
+            Err(why) => {
+                let Ok(kept) = self.take_free_name(&self.partial.path) else { return Err(why) };
+                self.finished = true;
+                return Err(ResultsError::Kept { why: why.into(), kept });
             }
         };
         self.finished = true;
@@ -153,23 +183,24 @@ impl Folder {
     }
 
     /// A folder that is not empty, or a file, refuses the rename, so nothing is lost in a race.
-    fn rename_to(&self, target: &Path) -> std::io::Result<()> {
+    fn rename_to(&self, target: &Path) -> io::Result<()> {
         fs::rename(&self.partial.path, target)
     }
 
-    fn refused(&self, error: std::io::Error) -> ResultsError {
+    fn refused(&self, error: io::Error) -> ResultsError {
         match self.target.exists() {
             true => ResultsError::Exists { folder: self.target.clone() },
             false => ResultsError::write(&self.target)(error),
         }
     }
 
-    fn take_free_name(&self) -> Result<PathBuf, ResultsError> {
+    /// Gives a folder the name of the target, followed by a number where that is taken.
+    fn take_free_name(&self, folder: &Path) -> Result<PathBuf, ResultsError> {
         let mut name = self.target.clone();
         for number in 2.. {
-            match self.rename_to(&name) {
+            match fs::rename(folder, &name) {
                 Ok(()) => break,
-                Err(_) if name.exists() => {
+                Err(_) if fs::symlink_metadata(&name).is_ok() => {
                     name = self.target.as_os_str().to_owned().into();
                     name.as_mut_os_string().push(format!("_{number}"));
                 }
@@ -180,24 +211,24 @@ impl Folder {
     }
 
     /// The old run and the new one change places, and the old one is removed.
-    fn replace(&self) -> Result<PathBuf, ResultsError> {
+    fn replace(&self) -> Result<(), ResultsError> {
         let failed = || ResultsError::write(&self.target);
+        // While the old run waits under the hidden name, nobody takes it for left.
+        let _old = held(&self.target);
+        let new = &self.partial.path;
         for _ in 0..MOST_RIVALS {
-            match exchange(&self.partial.path, &self.target) {
-                Ok(()) => {
-                    remove(&self.partial.path)?;
-                    return Ok(self.target.clone());
-                }
+            match exchange(new, &self.target) {
+                Ok(()) => return self.remove(new, || exchange(new, &self.target)),
                 // Nothing is there, unless another was faster.
                 Err(error) if error.kind() == ErrorKind::NotFound => match self.rename_to(&self.target) {
-                    Ok(()) => return Ok(self.target.clone()),
+                    Ok(()) => return Ok(()),
                     Err(_) if self.target.exists() => {}
                     Err(error) => return Err(failed()(error)),
                 },
                 Err(_) => break,
             }
         }
-        self.step_aside().map(|()| self.target.clone())
+        self.step_aside()
     }
 
     /// Where names cannot be exchanged, the old run steps aside, and comes back if the new one cannot take its
@@ -210,7 +241,30 @@ impl Folder {
             let _ = fs::rename(&aside, &self.target);
             return Err(failed()(error));
         }
-        remove(&aside)
+        self.remove(&aside, || {
+            fs::rename(&self.target, &self.partial.path)?;
+            fs::rename(&aside, &self.target)
+        })
+    }
+
+    /// Removes the run that was replaced, which now has another name; if it holds what efam did not write, `undo` puts
+    /// it back. Asked before the exchange, this would miss what comes between the question and the exchange.
+    fn remove(&self, old: &Path, undo: impl FnOnce() -> io::Result<()>) -> Result<(), ResultsError> {
+        let why = match foreign(old) {
+            Ok(None) => None,
+            Ok(Some(foreign)) => Some(foreign.refuses(&self.target)),
+            // Tidied by another process of this machine.
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            Err(error) => Some(ResultsError::write(&self.target)(error)),
+        };
+        match why {
+            Some(why) if undo().is_ok() => Err(why),
+            None if manifest::remove(old).is_ok() => Ok(()),
+            _ => {
+                let kept = self.take_free_name(old)?;
+                Err(ResultsError::Late { folder: self.target.clone(), kept })
+            }
+        }
     }
 }
 
@@ -224,18 +278,10 @@ fn restore(folder: &Path) {
     }
 }
 
-fn remove(run: &Path) -> Result<(), ResultsError> {
-    match fs::remove_dir_all(run) {
-        // Nobody holds it: it may have been tidied already.
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(ResultsError::write(run)(error)),
-        _ => Ok(()),
-    }
-}
-
 impl Drop for Folder {
     fn drop(&mut self) {
         if !self.finished {
-            let _ = fs::remove_dir_all(&self.partial.path);
+            let _ = remove_left(&self.partial.path);
         }
     }
 }
@@ -248,13 +294,13 @@ fn parent(path: &Path) -> PathBuf {
 }
 
 #[cfg(unix)]
-fn sync_folder(folder: &Path) -> std::io::Result<()> {
+fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
 /// Elsewhere a folder cannot be opened as a file.
 #[cfg(not(unix))]
-fn sync_folder(_: &Path) -> std::io::Result<()> {
+fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
 

@@ -7,6 +7,7 @@
 //!   trajectory.parquet       every sample (trajectory.csv on request)
 //!   release.svg              the picture
 //!   report.html              the page for people, with the pictures that lie in pictures/
+//!   efam-files.json          which files efam wrote; see [`manifest`]
 //! ```
 //!
 //! [`write()`] makes the folder: complete, or not at all. Many runs go into one by [`begin`] and
@@ -26,6 +27,7 @@ pub mod figures;
 pub mod folder;
 pub mod grid;
 mod interval;
+pub mod manifest;
 pub mod page;
 pub(crate) mod partial;
 pub mod picture;
@@ -189,7 +191,8 @@ pub fn write_run(
     let within = within.map_or(String::new(), |name| folder::plain_name(name) + "/");
     let place = |file: &str| format!("{within}{file}");
     for (name, bytes) in &request.extra_files {
-        let is_ours = [SCENARIO, PARQUET, CSV, PICTURE, MARK, page::REPORT].contains(&name.as_str());
+        let is_ours = [SCENARIO, PARQUET, CSV, PICTURE, MARK, page::REPORT, manifest::MANIFEST]
+            .contains(&name.as_str());
         if is_ours || folder::plain_name(name) != *name {
             return Err(ResultsError::FileName { name: name.clone() });
         }
@@ -354,7 +357,17 @@ pub(crate) mod tests {
         files.sort();
         assert_eq!(
             files,
-            ["muscle.toml", picture::PICTURES, PICTURE, page::REPORT, SCENARIO, MARK, CSV, PARQUET]
+            [
+                manifest::MANIFEST,
+                "muscle.toml",
+                picture::PICTURES,
+                PICTURE,
+                page::REPORT,
+                SCENARIO,
+                MARK,
+                CSV,
+                PARQUET
+            ]
         );
         let json: serde_json::Value = serde_json::from_slice(&fs::read(out.join(MARK)).unwrap()).unwrap();
         assert_eq!(json["real_time_factor"], 20.0 / 0.1);

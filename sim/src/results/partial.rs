@@ -10,6 +10,8 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use super::manifest::{self, MANIFEST, foreign};
+
 const PARTIAL: &str = "partial";
 const UNHELD: &str = "unheld";
 /// Of the name that it will have.
@@ -68,21 +70,47 @@ pub fn tidy(folder: &Path) {
         if is_named(&name.to_string_lossy(), PARTIAL)
             && let Held::Lock(_lock) = hold(&path)
         {
-            let _ = if kind.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+            let _ = if kind.is_dir() { remove_left(&path) } else { fs::remove_file(&path) };
         }
+    }
+}
+
+/// Removes a folder that was given up, or that a dead process left. One with a manifest had its name already and was replaced: of that only
+/// what the manifest lists goes.
+pub fn remove_left(folder: &Path) -> io::Result<()> {
+    match folder.join(MANIFEST).exists() {
+        false => fs::remove_dir_all(folder),
+        true if foreign(folder)?.is_none() => manifest::remove(folder),
+        true => Ok(()),
     }
 }
 
 /// Removes what was left in a folder in which nobody has anything to write any more, by whatever machine.
 pub fn clear(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let is_of = |what: &str| name.contains(&format!(".{what}-"));
-        if name.starts_with('.') && (is_of(PARTIAL) || is_of(UNHELD)) {
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_file && is_partial(&entry.file_name().to_string_lossy()) {
             let _ = fs::remove_file(entry.path());
         }
     }
+}
+
+/// Whether a name is one that [`Partial`] gives on some machine.
+pub fn is_partial(name: &str) -> bool {
+    let is_of = |what: &str| {
+        let after = name.rsplit_once(&format!(".{what}-")).filter(|(before, _)| before.starts_with('.'));
+        let ends = after.and_then(|(_, after)| {
+            let (before, count) = after.rsplit_once('-')?;
+            let (host, process) = before.rsplit_once('-')?;
+            Some([host, process, count])
+        });
+        ends.is_some_and(|[host, process, count]| !host.is_empty() && is_number(process) && is_number(count))
+    };
+    is_of(PARTIAL) || is_of(UNHELD)
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// A hidden neighbour of a path that nobody else uses, nor has: a machine counts its processes anew.
@@ -109,10 +137,9 @@ fn is_named(name: &str, what: &str) -> bool {
     if !name.starts_with('.') {
         return false;
     }
-    let number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     let after = name.rsplit_once(&format!(".{what}-{}-", host()));
     let ends = after.and_then(|(_, after)| after.split_once('-'));
-    ends.is_some_and(|(process, count)| number(process) && number(count))
+    ends.is_some_and(|(process, count)| is_number(process) && is_number(count))
 }
 
 #[cfg(unix)]
@@ -144,6 +171,42 @@ fn host() -> String {
 #[cfg(not(unix))]
 fn host() -> String {
     "here".to_owned()
+}
+
+/// Holds a path until what is returned is dropped, so that [`tidy`] leaves it; nothing where it cannot be held.
+pub fn held(path: &Path) -> Option<File> {
+    match hold(path) {
+        Held::Lock(lock) => Some(lock),
+        Held::Lost | Held::Unknown => None,
+    }
+}
+
+/// Gives a path another name that is free.
+/// # Errors
+/// [`ErrorKind::AlreadyExists`] if something has that name.
+#[cfg(any(target_os = "linux", target_vendor = "apple"))]
+pub fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    use rustix::io::Errno;
+    match renameat_with(CWD, from, CWD, to, RenameFlags::NOREPLACE) {
+        // The file system has no such call.
+        Err(Errno::INVAL | Errno::NOSYS | Errno::NOTSUP) => link_new(from, to),
+        renamed => Ok(renamed?),
+    }
+}
+
+/// Gives a path another name that is free.
+/// # Errors
+/// [`ErrorKind::AlreadyExists`] if something has that name.
+#[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+pub fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
+    link_new(from, to)
+}
+
+/// A second name for a file is refused where that name is taken, unlike a new one.
+fn link_new(from: &Path, to: &Path) -> io::Result<()> {
+    fs::hard_link(from, to)?;
+    fs::remove_file(from)
 }
 
 /// Two paths change places, so that neither is ever without what it stands for.
@@ -208,5 +271,30 @@ mod tests {
         for name in ["run", ".run.partial-1-2", ".partial-", ".run.partial-x-1-2-3"] {
             assert!(!is_named(name, PARTIAL), "{name}");
         }
+        for name in [".run.partial-lab-1-2", ".part.parquet.unheld-node-7.example-123-0"] {
+            assert!(is_partial(name), "{name}");
+        }
+        for name in [".my.partial-notes", "run.partial-lab-1-2", ".partial-lab-1-2", ".run.partial-1-2"] {
+            assert!(!is_partial(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_is_taken_is_not_given_again() {
+        let root = std::env::temp_dir().join(format!("efam-rename-{}", std::process::id()));
+        fs::create_dir_all(&root).unwrap();
+        let (from, to) = (root.join("new"), root.join("old"));
+        for rename in [rename_new, link_new] {
+            fs::write(&from, "new").unwrap();
+            fs::write(&to, "old").unwrap();
+            assert_eq!(rename(&from, &to).unwrap_err().kind(), ErrorKind::AlreadyExists);
+            assert_eq!(fs::read(&to).unwrap(), b"old");
+            fs::remove_file(&to).unwrap();
+            rename(&from, &to).unwrap();
+            assert_eq!(fs::read(&to).unwrap(), b"new");
+            assert!(!from.exists());
+            fs::remove_file(&to).unwrap();
+        }
+        fs::remove_dir_all(&root).unwrap();
     }
 }

@@ -1,7 +1,6 @@
 //! A run folder read back: what it is, its numbers, its scenario, the path of its tip.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
@@ -16,6 +15,7 @@ use super::summary::Summary;
 use super::{PARQUET, SCENARIO};
 use crate::calibrate::Calibration;
 use crate::diagnose::Diagnosis;
+use crate::input::{MOST_JSON, up_to};
 use crate::recording::{ReadOptions, RecordingError, read};
 
 /// A folder that cannot be read as a run.
@@ -193,7 +193,7 @@ pub fn reread(folder: &Path) -> Result<Reread, RereadError> {
 
 fn load(file: &Path) -> Result<String, RereadError> {
     let unreadable = |source| RereadError::Unreadable { file: file.to_owned(), source };
-    fs::read_to_string(file).map_err(unreadable)
+    up_to(file, MOST_JSON).map_err(unreadable)
 }
 
 fn broken(file: &Path) -> impl Fn(&dyn std::fmt::Display) -> RereadError {

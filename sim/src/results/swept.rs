@@ -33,6 +33,22 @@ pub const NUMBERS: &str = "sweep.json";
 /// The kind of folder.
 pub const KIND: &str = "sweep";
 
+/// What comes into a sweep's folder after its plan, or is written anew; see [`Manifest`](super::manifest::Manifest).
+pub const LATER: [&str; 12] = [
+    "shard=*/part.parquet",
+    "shard=*/seconds.csv",
+    "sweep.parquet",
+    "sweep.csv",
+    NUMBERS,
+    REPORT,
+    MARK,
+    "over-*.svg",
+    "maps.svg",
+    "array.sh",
+    "merge.sh",
+    "log/*.txt",
+];
+
 /// The mark of a sweep's folder.
 pub fn swept_mark(request: &Request) -> String {
     mark(request, KIND, SystemTime::now(), json!({}))

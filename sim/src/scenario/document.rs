@@ -3,8 +3,6 @@
 mod lists;
 mod value;
 
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,6 +11,7 @@ use models::quantity::Quantity;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{At, Problem, ScenarioError};
+use crate::input;
 pub(crate) use value::Place;
 use value::{Entry, Item, Value, entries, of};
 
@@ -37,23 +36,10 @@ const ALTERNATIVES: [&[&str]; 2] = [&["name", "file", "text"], &["from", "postur
 
 /// Parts of a path that is set, at most; the deepest key of a scenario has five.
 const DEEPEST: usize = 8;
-/// The longest text that is read, bytes.
-const MOST_TEXT: u64 = 16 << 20;
-
-/// The text of a file that somebody named; it may be a pipe, and it may have no end.
-pub(crate) fn read_text(path: &Path) -> io::Result<String> {
-    let mut text = String::new();
-    File::open(path)?.take(MOST_TEXT + 1).read_to_string(&mut text)?;
-    match text.len() as u64 > MOST_TEXT {
-        true => Err(io::Error::other(format!("it has more than {MOST_TEXT} bytes"))),
-        false => Ok(text),
-    }
-}
-
 impl Document {
     /// Reads a file and sets `overrides` over it, each as `path=value`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Document, ScenarioError> {
-        let text = read_text(path).map_err(|error| {
+        let text = input::text(path).map_err(|error| {
             let problem = Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() };
             ScenarioError { at: None, problem: problem.into() }
         })?;

@@ -7,10 +7,11 @@ use models::history::History;
 use models::model::Scheme;
 use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
 
-use super::document::{Document, Keys, read_text};
+use super::document::{Document, Keys};
 use super::error::{Problem, ScenarioError};
 use super::posture;
 use crate::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
+use crate::input;
 use crate::integrate::Method;
 use crate::pace;
 
@@ -412,7 +413,7 @@ fn read_effects(keys: &Keys) -> Result<Vec<EffectPlan>, ScenarioError> {
 /// Name and text of a file that a key names.
 fn read_file(document: &Document, keys: &Keys, key: &str) -> Result<(String, String), ScenarioError> {
     let Some((name, place)) = keys.text(key)? else { return Ok(Default::default()) };
-    match read_text(&document.file(place, name)) {
+    match input::text(&document.file(place, name)) {
         Ok(text) => Ok((name.to_owned(), text)),
         Err(error) => {
             let problem = Problem::Unreadable { file: name.to_owned(), reason: error.to_string() };

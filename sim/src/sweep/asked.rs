@@ -23,7 +23,8 @@ use serde::{Deserialize, Serialize};
 use super::experiments::{self, OfExperiments};
 use super::key::{self, Kind};
 use super::point::setting;
-use crate::scenario::document::{Document, Keys, read_text};
+use crate::input;
+use crate::scenario::document::{Document, Keys};
 use crate::scenario::{Problem, Scenario, ScenarioError, plan};
 use crate::schema::JsonSchema;
 
@@ -202,7 +203,7 @@ impl OfScenario {
             return Err(sweep.missing("scenario", "scenario = \"release-15psi.toml\", or experiments"));
         };
         let scenario = document.file(place, scenario);
-        let scenario_text = read_text(&scenario).map_err(|error| {
+        let scenario_text = input::text(&scenario).map_err(|error| {
             let file = scenario.display().to_string();
             sweep.wrong("scenario", Problem::Unreadable { file, reason: error.to_string() })
         })?;

@@ -1,7 +1,5 @@
 //! A point of a sweep over experiments: an experiment as it was planned, and what its diagnosis says.
 
-use std::fs;
-use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -13,8 +11,9 @@ use crate::cleaning::clean;
 use crate::diagnose::verdict::{Added, Gap};
 use crate::diagnose::{Diagnosis, Settings, Verdict, diagnose, problem};
 use crate::experiment::Experiment;
-use crate::results::Sha;
+use crate::input;
 use crate::results::columns::{Cell, Cells, Column, Holds};
+use crate::results::sha256;
 use crate::schema::JsonSchema;
 
 /// What stands between names of a list.
@@ -166,19 +165,15 @@ fn word(value: &Value) -> &str {
 
 /// The hash of an experiment with all that it names, and the experiment itself or what is wrong with it.
 pub(super) fn look(file: &Path) -> (String, Result<Experiment, String>) {
-    let mut sha = Sha::default();
-    let mut add = |bytes: &[u8]| {
-        // The length keeps apart what stands side by side.
-        let head = (bytes.len() as u64).to_le_bytes();
-        sha.write_all(&head).and_then(|()| sha.write_all(bytes)).expect("a hash takes all");
-    };
-    add(&fs::read(file).unwrap_or_default());
     let experiment = Experiment::load(file, &[]).map_err(|error| error.to_string());
+    // A file that cannot be read has no hash, and is another as soon as it can.
+    let hash = |file: &Path| input::sha256(file).unwrap_or_default();
+    let mut hashes = vec![hash(file)];
     if let Ok(experiment) = &experiment {
-        add(experiment.muscle_text().unwrap_or_default().as_bytes());
-        experiment.recordings.iter().for_each(|entry| add(&fs::read(&entry.file).unwrap_or_default()));
+        hashes.push(sha256(experiment.muscle_text().unwrap_or_default().as_bytes()));
+        hashes.extend(experiment.recordings.iter().map(|entry| hash(&entry.file)));
     }
-    (sha.hexadecimal(), experiment)
+    (sha256(hashes.join(",").as_bytes()), experiment)
 }
 
 /// The answers of a row, in the order of their columns.

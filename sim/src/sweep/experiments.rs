@@ -21,6 +21,7 @@ use super::asked::Value;
 use super::diagnosed::{AND, look};
 use super::work::{Diagnose, Point};
 use crate::diagnose::Settings;
+use crate::escape::is_hidden;
 use crate::scenario::document::Keys;
 use crate::scenario::{Problem, ScenarioError};
 
@@ -95,7 +96,7 @@ impl OfExperiments {
             warnings.push(format!("{count} of {of} experiments cannot be diagnosed, and will be rows that say so; the first because of this: {first}"));
         }
         let work = Diagnose {
-            folder: folder.display().to_string(),
+            folder: text(sweep, "experiments", &folder)?.to_owned(),
             false_alarm: format!("{false_alarm:?}"),
             most: diagnose.count("most")?.unwrap_or(usual.most_effects),
         };
@@ -115,10 +116,21 @@ fn without(table: &Keys) -> Result<BTreeSet<String>, ScenarioError> {
     Ok(names.into_iter().map(str::to_owned).collect())
 }
 
+/// The path of a folder as a plan holds it.
+fn text<'a>(table: &Keys, key: &str, folder: &'a Path) -> Result<&'a str, ScenarioError> {
+    folder.to_str().ok_or_else(|| {
+        let folder = folder.display();
+        let message = format!(
+            "the folder {folder} has bytes that are not UTF-8 in its path, so no plan can name it; rename it"
+        );
+        table.wrong(key, Problem::Other { message })
+    })
+}
+
 /// The files that are like the patterns of a key, relative to a folder.
 fn matching(table: &Keys, key: &str, folder: &Path) -> Result<Vec<String>, ScenarioError> {
     let wrong = |message| table.wrong(key, Problem::Other { message });
-    let base = PathBuf::from(glob::Pattern::escape(&folder.display().to_string()));
+    let base = PathBuf::from(glob::Pattern::escape(text(table, key, folder)?));
     let mut found = Vec::new();
     for pattern in table.texts(key)?.unwrap_or_default() {
         let paths = glob::glob(&base.join(pattern).display().to_string()).map_err(|error| {
@@ -126,11 +138,14 @@ fn matching(table: &Keys, key: &str, folder: &Path) -> Result<Vec<String>, Scena
         })?;
         let before = found.len();
         for path in paths.flatten().filter(|path| path.is_file()) {
-            let file = path.strip_prefix(folder).unwrap_or(&path).display().to_string().replace('\\', "/");
-            if file.contains([',', '"', '\n']) {
-                let message = format!("`{file}` has a comma, a quote or a line's end in its name; rename it");
-                return Err(wrong(message));
-            }
+            let own = path.strip_prefix(folder).unwrap_or(&path);
+            let is_plain = |file: &&str| !file.contains([',', '"']) && !file.contains(is_hidden);
+            let Some(file) = own.to_str().filter(is_plain) else {
+                let file = own.display();
+                let what = "a comma, a quote, a character that cannot be seen, or bytes that are not UTF-8";
+                return Err(wrong(format!("`{file}` has {what} in its name; rename it")));
+            };
+            let file = if cfg!(windows) { file.replace('\\', "/") } else { file.to_owned() };
             found.push(file);
         }
         if found.len() == before {

@@ -8,6 +8,7 @@ use super::plan::Plan;
 use super::shard::{Found, file, look};
 use super::status::array;
 use super::work::{FAILED, Work};
+use crate::escape::shell_word;
 use crate::quantile::quantile;
 use crate::results::ResultsError;
 use crate::results::atomic::write_whole;
@@ -179,7 +180,7 @@ fn complete(plan: &Plan) -> Result<(), SweepError> {
             missing: missing.len(),
             shards,
             array: array(&missing),
-            how: format!("efam sweep run --plan {}", plan.folder.display()),
+            how: format!("efam sweep run --plan {}", shell_word(&plan.folder)),
         }),
     }
 }

@@ -13,6 +13,7 @@ use super::SweepError;
 use super::asked::{Asked, MOST_POINTS, Subject};
 use super::design::Sampler;
 use super::work::{Point, Simulate, Work};
+use crate::input::{self, MOST_JSON};
 use crate::results::columns::Column;
 use crate::results::{Sha, sha256};
 use crate::scenario::ScenarioError;
@@ -41,8 +42,6 @@ pub struct Head {
     pub points: usize,
     /// Points in a shard; the last may have fewer.
     pub points_per_shard: usize,
-    /// Processor time of a point, as it was tried, µs; of a diagnosis, as it is taken to be.
-    pub microseconds_per_point: u64,
     /// SHA-256 of the points.
     pub points_sha256: String,
     /// The file of the sweep.
@@ -83,12 +82,7 @@ impl Head {
 /// Freezes what is asked: writes its points, and returns its head.
 /// # Errors
 /// [`SweepError`].
-pub fn freeze(
-    asked: &Asked,
-    points_per_shard: usize,
-    microseconds_per_point: u64,
-    to: &mut dyn Write,
-) -> Result<Head, SweepError> {
+pub fn freeze(asked: &Asked, points_per_shard: usize, to: &mut dyn Write) -> Result<Head, SweepError> {
     let sampler;
     let (work, point): (Work, Box<Make>) = match &asked.subject {
         Subject::Scenario(own) => {
@@ -128,7 +122,6 @@ pub fn freeze(
         efam: env!("CARGO_PKG_VERSION").to_owned(),
         points: asked.points(),
         points_per_shard,
-        microseconds_per_point,
         points_sha256: sha.hexadecimal(),
         sweep: asked.path.display().to_string(),
         sweep_text: asked.text.clone(),
@@ -166,7 +159,7 @@ impl Plan {
         };
         let altered = |file: &Path| SweepError::Altered { file: file.to_owned() };
         let (file, points) = (folder.join(PLAN), folder.join(POINTS));
-        let text = std::fs::read_to_string(&file).map_err(no_plan(&file))?;
+        let text = input::up_to(&file, MOST_JSON).map_err(no_plan(&file))?;
         let head: Head = serde_json::from_str(&text).map_err(|_| altered(&file))?;
         let can_be = (1..=MOST_POINTS).contains(&head.points) && head.points_per_shard > 0;
         if head.hash() != head.sha256 || !can_be {

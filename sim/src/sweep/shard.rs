@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::SweepError;
 use super::plan::Plan;
 use super::work::{Point, Row, Work};
+use crate::input;
 use crate::results::atomic::write_whole;
 use crate::results::columns::{ParquetFile, about};
 
@@ -96,17 +97,13 @@ pub enum Told {
 /// Runs shards, the first one first, and writes each when it is done; returns how many of their points have no answer.
 /// `tell` hears how it goes on, from any thread.
 ///
-/// Simulations are short: the points of one shard after the other, on all threads. Of diagnoses there are as many
-/// shards at a time as threads, each on threads of its own: so none waits for the longest, and each says truly how
-/// long it took.
+/// As many shards run at a time as there are threads, each on threads of its own. So none waits for the longest, what
+/// is interrupted loses little, and each diagnosis says truly how long it took.
 /// # Errors
 /// [`SweepError::Results`]; then that shard is not written.
 pub fn run_all(plan: &Plan, due: &[usize], tell: &(dyn Fn(Told) + Sync)) -> Result<usize, SweepError> {
     let threads = rayon::current_num_threads();
-    let lanes = match plan.head.work {
-        Work::Simulate(_) => 1,
-        Work::Diagnose(_) => threads.min(due.len()),
-    };
+    let lanes = threads.min(due.len());
     let rest = Mutex::new((plan.points()?, due.iter()));
     let next = || -> Option<Result<(usize, Vec<Point>), SweepError>> {
         let mut rest = rest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -126,16 +123,19 @@ pub fn run_all(plan: &Plan, due: &[usize], tell: &(dyn Fn(Told) + Sync)) -> Resu
         return lane();
     }
     let own = |k: usize| threads / lanes + usize::from(k < threads % lanes);
+    // The thread of a lane is one of its pool's. Where no more can be had, a lane takes the threads of all.
+    let work = |k: usize| match ThreadPoolBuilder::new().num_threads(own(k)).use_current_thread().build() {
+        Ok(pool) => pool.install(lane),
+        Err(_) => lane(),
+    };
     thread::scope(|scope| {
-        let begin = |k: usize| {
-            let builder = thread::Builder::new().stack_size(STACK);
-            builder.spawn_scoped(scope, move || {
-                let pool = ThreadPoolBuilder::new().num_threads(own(k)).stack_size(STACK).build();
-                pool.expect("threads can be had").install(lane)
-            })
-        };
-        let all: Vec<_> = (0..lanes).map(|k| begin(k).expect("a thread can be had")).collect();
-        let ended = all.into_iter().map(|lane| lane.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        let begin = |k| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, move || work(k));
+        // Fewer lanes do all the same.
+        let begun: Vec<_> = (0..lanes).map_while(|k| begin(k).ok()).collect();
+        if begun.is_empty() {
+            return lane();
+        }
+        let ended = begun.into_iter().map(|lane| lane.join().unwrap_or_else(|panic| resume_unwind(panic)));
         ended.collect::<Vec<_>>().into_iter().sum()
     })
 }
@@ -192,7 +192,7 @@ const TIMED: &str = "point,seconds";
 
 /// How long the diagnoses of a shard took, s, by point; of none where that is not known.
 pub fn seconds(folder: &Path, shard: usize) -> Vec<(usize, f64)> {
-    let text = fs::read_to_string(file(folder, shard).with_file_name(SECONDS)).unwrap_or_default();
+    let text = input::text(&file(folder, shard).with_file_name(SECONDS)).unwrap_or_default();
     let line = |line: &str| {
         let (point, seconds) = line.split_once(',')?;
         Some((point.parse().ok()?, seconds.parse().ok()?))

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::asked::{Design, Value};
 use super::{diagnosed, point};
+use crate::escape::{cell, from_cell};
 use crate::results::columns::{Cell, Cells, Column, Holds};
 use crate::scenario::{Case, ScenarioError};
 use crate::schema::JsonSchema;
@@ -130,7 +131,7 @@ impl Work {
     pub(super) fn line(&self, point: &Point) -> String {
         let value = |value: &Value| match value {
             Value::Number(number) => format!("{number:?}"),
-            Value::Word(word) => word.clone(),
+            Value::Word(word) => cell(word).into_owned(),
         };
         let fixed = [point.index as u64, point.seed].into_iter().take(self.fixed());
         let cells: Vec<String> =
@@ -147,7 +148,7 @@ impl Work {
         let (fixed, cells) = cells.split_at(self.fixed());
         let seed = fixed.get(1).map_or(Some(0), |seed| seed.parse().ok())?;
         let value = |(column, cell): (&Column, &&str)| match column.holds {
-            Holds::Texts => Some(Value::Word((*cell).to_owned())),
+            Holds::Texts => Some(Value::Word(from_cell(cell).to_owned())),
             _ => cell.parse().ok().map(Value::Number),
         };
         let values = given[self.fixed()..].iter().zip(cells).map(value).collect::<Option<_>>()?;

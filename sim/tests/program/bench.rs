@@ -6,6 +6,12 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
+/// The program that is tested: the one that was built, or another that EFAM_PROGRAM names, such as an older one that a
+/// test is to be seen to fail with.
+pub fn program() -> PathBuf {
+    std::env::var_os("EFAM_PROGRAM").map_or_else(|| env!("CARGO_BIN_EXE_efam").into(), PathBuf::from)
+}
+
 /// A folder of its own for each test.
 pub struct Bench(pub PathBuf);
 
@@ -24,7 +30,7 @@ impl Bench {
 
     /// The program, about to start in the folder.
     pub fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_efam"));
+        let mut command = Command::new(program());
         command.args(arguments).current_dir(&self.0);
         command
     }

@@ -188,8 +188,9 @@ fn recordings_of_one_name_in_two_folders_keep_their_files_apart() {
     }
     assert_eq!(bench.run(&["experiment", "init", "a/x.csv", "b/x.csv"]).0, 0);
     bench.json(&["analyse", "experiment.toml", "--json", "--out", "out"]);
-    let mut expected =
-        ["experiment.toml", "pictures", "report.html", "summary.json"].map(str::to_owned).to_vec();
+    let mut expected = ["efam-files.json", "experiment.toml", "pictures", "report.html", "summary.json"]
+        .map(str::to_owned)
+        .to_vec();
     for name in ["x.csv", "x.csv_2"] {
         let of_releases = ["-1.csv", "-1.svg", "-2.csv", "-2.svg"];
         expected.extend([".svg"].into_iter().chain(of_releases).map(|end| format!("{name}{end}")));

@@ -1,7 +1,7 @@
-//! Ctrl-C, as a terminal sends it: SIGINT.
+//! Ctrl-C, as a terminal sends it (SIGINT), and the signals by which systems and schedulers end a job.
 //!
-//! Goal: the first one ends what is going on soon, with code 130 and a word about it; a simulation is saved up to
-//! there, of all else nothing is left behind.
+//! Goal: the first one ends what is going on soon, with code 128 and the signal's number and a word about it; a
+//! simulation is saved up to there, of all else nothing is left behind.
 //! Setup: work of minutes at least, interrupted when `-v` has said that it is under way.
 
 use std::io::{BufRead, BufReader, Read};
@@ -9,19 +9,18 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::bench::Bench;
+use crate::bench::{Bench, program};
 
 /// Longer than any interruption takes on a busy machine, and shorter than the work.
 const SOON: Duration = Duration::from_secs(30);
 
-/// Exit code, stdout, and stderr from the line on that has `ready` in it, when SIGINT is sent.
-fn interrupted(bench: &Bench, arguments: &[&str], ready: &str) -> (i32, String, String) {
-    let mut child = bench
-        .command(&[arguments, &["-v"]].concat())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("efam runs");
+/// Exit code, stdout, and stderr from the line on that has `ready` in it, when some signals are sent one after the
+/// other.
+fn ended_by(signals: &[&str], bench: &Bench, arguments: &[&str], ready: &str) -> (i32, String, String) {
+    // Whoever runs the tests may have them ignore a signal, as nohup does.
+    let mut command = Command::new("env");
+    command.arg("--default-signal").arg(program()).args(arguments).arg("-v").current_dir(&bench.0);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("efam runs");
     let mut stderr = BufReader::new(child.stderr.take().expect("it is piped"));
     let mut said = String::new();
     while !said.contains(ready) {
@@ -29,8 +28,10 @@ fn interrupted(bench: &Bench, arguments: &[&str], ready: &str) -> (i32, String, 
         assert!(count > 0, "{arguments:?} ends before {ready:?}:\n{said}");
     }
     let begin = Instant::now();
-    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.is_ok_and(|kill| kill.success()));
+    for signal in signals {
+        send(signal, child.id());
+        std::thread::sleep(Duration::from_millis(20));
+    }
     while child.try_wait().expect("a child").is_none() {
         if begin.elapsed() > SOON {
             let _ = child.kill();
@@ -44,23 +45,95 @@ fn interrupted(bench: &Bench, arguments: &[&str], ready: &str) -> (i32, String, 
     (output.status.code().unwrap_or(-1), stdout, rest)
 }
 
-#[test]
-fn a_simulation_is_saved_up_to_there() {
-    let bench = Bench::new("interrupt");
+/// Sends a signal to a process.
+pub fn send(signal: &str, process: u32) {
+    let kill = Command::new("kill").args([&format!("-{signal}"), &process.to_string()]).status();
+    assert!(kill.is_ok_and(|kill| kill.success()), "{signal} to {process}");
+}
+
+/// A bench with a run that takes minutes.
+fn long(name: &str) -> Bench {
+    let bench = Bench::new(name);
     bench.file(
         "s.toml",
         "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n\
          [run]\nduration = \"3600 s\"\n[integrator]\nfixed_step = \"10 us\"\n",
     );
-    let (code, stdout, stderr) =
-        interrupted(&bench, &["simulate", "s.toml", "--json", "--out", "out"], "to simulate");
-    assert_eq!(code, 130, "{stderr}");
-    assert!(stderr.contains("\ninterrupted: s: the "), "{stderr}");
-    let object: serde_json::Value = serde_json::from_str(&stdout).expect("one JSON object");
-    assert_eq!(object["runs"][0]["status"]["kind"], "cut_short");
+    bench
+}
+
+/// Ctrl-C; a scheduler at the time limit; a closed terminal, which the kernel and the shell tell; used-up processor
+/// time; a scheduler that repeats itself.
+#[test]
+fn a_simulation_is_saved_up_to_there() {
+    for (number, (signals, expected)) in [
+        (&["INT"][..], 130),
+        (&["TERM"], 143),
+        (&["HUP", "HUP"], 129),
+        (&["XCPU"], 152),
+        (&["TERM", "TERM", "TERM"], 143),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let bench = long(&format!("interrupt-{number}"));
+        let (code, stdout, stderr) =
+            ended_by(signals, &bench, &["simulate", "s.toml", "--json", "--out", "out"], "to simulate");
+        assert_eq!(code, expected, "{signals:?}: {stderr}");
+        assert!(stderr.contains("\ninterrupted: s: the "), "{signals:?}: {stderr}");
+        let object: serde_json::Value = serde_json::from_str(&stdout).expect("one JSON object");
+        assert_eq!(object["runs"][0]["status"]["kind"], "cut_short");
+        let summary: serde_json::Value = serde_json::from_str(&bench.text("out/summary.json")).expect("JSON");
+        assert_eq!(summary["status"]["kind"], "cut_short");
+        assert_eq!(bench.left(), ["out", "s.toml"]);
+    }
+}
+
+/// A program that was started to outlive its terminal does so.
+#[cfg(target_os = "linux")]
+#[test]
+fn under_nohup_a_closed_terminal_ends_nothing() {
+    let bench = Bench::new("interrupt-nohup");
+    bench.file(
+        "s.toml",
+        "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n\
+         [run]\nduration = \"1 s\"\n[integrator]\nfixed_step = \"0.1 ms\"\n\
+         [effects.rayleigh_stiffness]\nbeta = \"5 ms\"\n",
+    );
+    let mut command = Command::new("nohup");
+    command.arg(program()).args(["simulate", "s.toml", "-v", "--out", "out"]).current_dir(&bench.0);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("nohup runs");
+    let mut stderr = BufReader::new(child.stderr.take().expect("it is piped"));
+    let mut said = String::new();
+    while !said.contains("to simulate") {
+        assert!(stderr.read_line(&mut said).expect("text") > 0, "{said}");
+    }
+    send("HUP", child.id());
+    stderr.read_to_string(&mut said).expect("text");
+    assert!(child.wait().expect("it ends").success(), "{said}");
     let summary: serde_json::Value = serde_json::from_str(&bench.text("out/summary.json")).expect("JSON");
-    assert_eq!(summary["status"]["kind"], "cut_short");
-    assert_eq!(bench.left(), ["out", "s.toml"]);
+    assert_eq!(summary["status"]["kind"], "complete");
+}
+
+/// What `ulimit -f` admits is too short for the results: that is an error of writing, with its file and its reason.
+#[test]
+fn a_file_that_may_not_grow_is_an_error_of_writing() {
+    let bench = Bench::new("interrupt-long-file");
+    bench.file(
+        "s.toml",
+        "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n[run]\nduration = \"2 s\"\n",
+    );
+    // In blocks of 512 or 1024 bytes, as the shell likes; the table has more.
+    let script = format!("ulimit -f 16; exec '{}' simulate s.toml -q --out out", program().display());
+    let mut command = Command::new("sh");
+    let output = command.args(["-c", &script]).current_dir(&bench.0).output().expect("sh runs");
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(1), "{:?} {stderr}", output.status);
+    assert!(
+        stderr.starts_with("error: out/") && stderr.contains("cannot be written: File too large"),
+        "{stderr}"
+    );
+    assert_eq!(bench.left(), ["s.toml"]);
 }
 
 #[test]
@@ -96,9 +169,11 @@ fn of_all_else_nothing_is_left() {
         ),
         (&["diagnose", "--plan", "s.toml", "--set", "rod.nodes=200"], "] hose"),
     ] {
-        let (code, stdout, stderr) = interrupted(&bench, arguments, ready);
-        assert_eq!((code, stdout.as_str()), (130, ""), "{arguments:?}: {stderr}");
-        assert!(stderr.ends_with("interrupted: nothing was saved\n"), "{arguments:?}: {stderr}");
-        assert_eq!(bench.left(), ["known.toml", "s.toml"], "{arguments:?} leaves something behind");
+        for (signal, expected) in [("INT", 130), ("TERM", 143)] {
+            let (code, stdout, stderr) = ended_by(&[signal], &bench, arguments, ready);
+            assert_eq!((code, stdout.as_str()), (expected, ""), "{arguments:?}: {stderr}");
+            assert!(stderr.ends_with("interrupted: nothing was saved\n"), "{arguments:?}: {stderr}");
+            assert_eq!(bench.left(), ["known.toml", "s.toml"], "{arguments:?} leaves something behind");
+        }
     }
 }

@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 use crate::bench::{Bench, Noise};
 use crate::work::{WORK, Work, bench};
 
-/// Times stand in these, or the hash of a plan, which has one; of all others every byte is a function of the inputs.
-const OF_THE_RUN: [&str; 5] = ["summary.json", "plan.json", "sweep.json", "report.html", ".parquet"];
+/// Times stand in these, or their hash; of all others every byte is a function of the inputs.
+const OF_THE_RUN: [&str; 3] = ["efam-files.json", "summary.json", "report.html"];
 
 /// Files below a path by name; of those that differ from run to run, whether they are whole.
 fn found(path: &Path) -> BTreeMap<String, Vec<u8>> {

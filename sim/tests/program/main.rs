@@ -4,17 +4,25 @@ mod bench;
 mod browser;
 mod calibrate;
 mod cli;
+#[cfg(unix)]
+mod cluster;
+#[cfg(unix)]
+mod command_lines;
 mod diagnose;
 mod diagnosis_page;
 mod doctor;
+#[cfg(unix)]
+mod draws;
 mod experiment;
 mod export;
 mod faults;
+mod hidden_letters;
 mod inspect;
 #[cfg(unix)]
 mod interrupted;
 #[cfg(unix)]
 mod killed;
+mod limits;
 #[cfg(target_os = "linux")]
 mod listening;
 #[cfg(feature = "rerun")]
@@ -24,9 +32,13 @@ mod pages;
 mod predict;
 mod predict_rod;
 mod schema;
+#[cfg(unix)]
+mod strangers;
 mod sweep;
 mod sweep_experiments;
 mod sweep_killed;
+#[cfg(unix)]
+mod terminated;
 #[cfg(unix)]
 mod tutorials;
 mod view;

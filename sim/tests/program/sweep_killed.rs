@@ -3,11 +3,14 @@
 //! Goal: what is left is whole shards; the same command, or `run`, goes on and ends with the same bytes.
 //! Setup: the sweep of twenty points in five shards, stretched so that a run takes a second or two.
 
-use std::process::{Command, Stdio};
+use std::io::{BufRead, BufReader, Read};
+use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use crate::bench::Bench;
+#[cfg(unix)]
+use crate::interrupted::send;
 use crate::sweep::{bench, bytes, copied};
 
 /// The bench with a longer run.
@@ -64,8 +67,7 @@ fn interrupted_it_goes_on_with_the_same_command() {
         assert!(begin.elapsed() < Duration::from_secs(120), "no shard came");
         sleep(Duration::from_millis(5));
     }
-    let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.is_ok_and(|kill| kill.success()));
+    send("INT", child.id());
     let output = child.wait_with_output().expect("it ends");
     let stderr = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!((output.status.code(), output.stdout.len()), (Some(130), 0), "{stderr}");
@@ -78,4 +80,45 @@ fn interrupted_it_goes_on_with_the_same_command() {
     assert_eq!(bench.left(), ["out", "s.toml", "sweep.toml"]);
     let again = bench.json(&["sweep", "run", "--plan", "out", "--shard", "0", "--json"]);
     assert_eq!(again["skipped"], 1);
+}
+
+/// As a hostile round found it: 209 points were one shard, and Ctrl-C at the 66th kept none.
+#[cfg(unix)]
+#[test]
+fn what_is_done_is_kept_without_a_word_about_shards() {
+    let bench = slow("sweep-kept");
+    let arguments = ["sweep", "sweep.toml", "--set", "sweep.points=209", "-v", "--out", "out"];
+    let mut command = bench.command(&arguments);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("efam runs");
+    let mut stderr = BufReader::new(child.stderr.take().expect("it is piped"));
+    // It says every tenth of the points.
+    let mut said = String::new();
+    while !said.contains(" of 209 points") {
+        assert!(stderr.read_line(&mut said).expect("text") > 0, "{said}");
+    }
+    send("INT", child.id());
+    stderr.read_to_string(&mut said).expect("text");
+    assert_eq!(child.wait().expect("it ends").code(), Some(130), "{said}");
+    let status = bench.json(&["sweep", "status", "--plan", "out", "--json"]);
+    let kept = status["status"]["points_done"].as_u64().expect("a number");
+    // A tenth, less those that were on their way on each thread.
+    assert!((15..209).contains(&kept), "{kept} points are kept: {said}");
+    bench.json(&["sweep", "run", "--plan", "out", "--json"]);
+    bench.json(&["sweep", "merge", "--plan", "out", "--json"]);
+}
+
+/// A plan is a function of its file: it holds no time, so that it is the same on every machine.
+#[test]
+fn a_plan_is_the_same_whenever_it_is_made() {
+    let bench = slow("sweep-plan");
+    let plan = |out: &str, threads: &str| {
+        let mut command = bench.command(&["sweep", "plan", "sweep.toml", "-q", "--out", out]);
+        assert!(command.env("RAYON_NUM_THREADS", threads).status().expect("efam runs").success());
+        bytes(&bench, &format!("{out}/plan.json"))
+    };
+    let first = plan("first", "1");
+    for k in 0..3 {
+        assert!(plan(&format!("again-{k}"), "2") == first, "another plan: {}", bench.text("first/plan.json"));
+    }
+    assert!(!bench.text("first/plan.json").contains("second"), "{}", bench.text("first/plan.json"));
 }

@@ -29,7 +29,7 @@ pub fn sweep(bytes: &[u8]) {
             Err(error) => return is_message(&error.to_string()),
         };
         if asked.points() <= LOOKED_AT {
-            match freeze(&asked, 7, 1, &mut Vec::new()) {
+            match freeze(&asked, 7, &mut Vec::new()) {
                 Ok(head) => assert_eq!(head.points, asked.points()),
                 Err(error) => is_message(&error.to_string()),
             }
@@ -117,7 +117,7 @@ fn column(found: &FoundColumn) -> Column {
 
 fn empty() -> Head {
     let text = r#"{"sha256":"","name":"","efam":"","work":{"simulate":{"design":"grid","seed":0,"parameters":[],
-        "scenario":"","scenario_text":"","set":[]}},"points":1,"points_per_shard":1,"microseconds_per_point":1,
+        "scenario":"","scenario_text":"","set":[]}},"points":1,"points_per_shard":1,
         "points_sha256":"","sweep":"","sweep_text":"","warnings":[]}"#;
     serde_json::from_str(text).expect("a head")
 }

@@ -14,7 +14,7 @@ use models::effects::CATALOGUE;
 /// kind of work has one door; the two that need more room have a file and a folder of the same name, and
 /// Parquet is written in one file and read in two, strictly where it may be anybody's; a test of our own tables reads back
 /// what was written. argmin has a file a search.
-const DOORS: [(&str, &[&str]); 25] = [
+const DOORS: [(&str, &[&str]); 27] = [
     ("argmin", &["sim/src/analysis/nelder_mead.rs", "sim/src/analysis/brent.rs"]),
     (
         "arrow",
@@ -33,13 +33,14 @@ const DOORS: [(&str, &[&str]); 25] = [
         "csv",
         &["sim/src/recording/cells.rs", "sim/src/results/columns.rs", "sim/src/results/export/stored.rs"],
     ),
-    ("ctrlc", &["sim/src/cli/interrupt.rs"]),
+    ("comfy_table", &["sim/src/cli/effects.rs"]),
     ("diffsol", &["sim/src/integrate/diffsol.rs", "sim/src/integrate/diffsol/"]),
     ("glob", &["sim/src/sweep/experiments.rs"]),
     ("hdf5_pure", &["sim/src/results/export/mat.rs", "sim/tests/program/export.rs"]),
     ("indicatif", &["sim/src/cli/progress.rs"]),
     ("mcap", &["sim/src/results/export/mcap.rs", "sim/tests/program/export.rs"]),
     ("miette", &["sim/src/cli/failure.rs"]),
+    ("os_display", &["sim/src/escape.rs"]),
     (
         "parquet",
         &[
@@ -67,6 +68,7 @@ const DOORS: [(&str, &[&str]); 25] = [
     ("rustix", &["sim/src/results/partial.rs"]),
     ("schemars", &["sim/src/schema.rs"]),
     ("sha2", &["sim/src/results/mod.rs"]),
+    ("signal_hook", &["sim/src/cli/interrupt.rs"]),
     ("sobol_burley", &["sim/src/sweep/design.rs"]),
     ("strsim", &["models/src/nearest.rs"]),
 ];
@@ -187,14 +189,14 @@ fn paths_are_found_where_they_stand() {
     let text = r#"
         use std::{fs, io::{self, Write}}; // not std::thread::spawn
         /// See clap::Parser.
-        const S: &str = "plotters::prelude \" ctrlc::x \\"; const Q: char = '"';
+        const S: &str = "plotters::prelude \" csv::x \\"; const Q: char = '"';
         fn f(x: ::rerun::Y) { argmin::core::go() }
     "#;
     let found = paths(text);
     for path in ["std::fs", "std::io::self", "std::io::Write", "::rerun::Y", "argmin::core::go"] {
         assert!(found.contains(path), "{path} in {found:?}");
     }
-    for package in ["clap", "plotters", "ctrlc"] {
+    for package in ["clap", "plotters", "csv"] {
         assert!(!names(&found, text, package), "{package} stands in a comment or a string");
     }
     assert!(names(&found, "mod rerun;", "rerun"), ":: leads outside");
@@ -245,6 +247,28 @@ fn models_knows_no_file_clock_thread_or_random_number() {
             let named =
                 paths.iter().find(|path| path.contains("::") && within(path.trim_start_matches("::")));
             assert!(named.is_none(), "{file} names {named:?}");
+        }
+    }
+}
+
+/// Text reaches a terminal through one door, where what would act on it is shown instead; arguments are read as they
+/// are, for not all are text.
+#[test]
+fn text_and_arguments_have_one_door() {
+    let door = "sim/src/cli/terminal.rs";
+    for (file, text) in files("sim/src", ".rs").into_iter().filter(|(file, _)| file != door) {
+        let own = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let is_test = file.contains("/tests");
+        for word in ["println!", "print!", "io::stdout", "io::stderr", "stdout().lock", "env::args()"] {
+            let calls = own.lines().filter(|line| !line.trim_start().starts_with("//"));
+            let found = calls.filter(|line| !is_test && line.contains(word)).find(|line| {
+                // `eprintln!` has `println!` in it, and `myprint!` would be another word.
+                !line.contains(&format!("\"{word}"))
+            });
+            assert!(
+                found.is_none(),
+                "{file}: {found:?}; text goes through {door}, arguments through args_os"
+            );
         }
     }
 }

@@ -32,6 +32,19 @@ mod order {
     mod edge_length;
     mod step;
 }
+/// How property tests draw: the same cases each time, so many; `PROPTEST_RNG_SEED` draws others, `PROPTEST_CASES` more.
+/// `.ci/thorough` does both, and prints the seed.
+fn drawn(cases: u32) -> proptest::test_runner::Config {
+    use proptest::test_runner::{Config, RngSeed};
+
+    let wanted = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
+    let usual = Config { cases: wanted.unwrap_or(cases), failure_persistence: None, ..Config::default() };
+    match usual.rng_seed {
+        RngSeed::Random => Config { rng_seed: RngSeed::Fixed(1), ..usual },
+        RngSeed::Fixed(_) => usual,
+    }
+}
+
 mod properties {
     mod allocation;
     mod catalogue;
@@ -43,15 +56,12 @@ mod properties {
     mod similarity;
     mod strange;
 
-    use proptest::test_runner::{Config, RngSeed};
+    use proptest::test_runner::Config;
 
-    /// The same ones each time; `PROPTEST_RNG_SEED` draws others.
+    use super::drawn;
+
     fn cases() -> Config {
-        let usual = Config { cases: 48, failure_persistence: None, ..Config::default() };
-        match usual.rng_seed {
-            RngSeed::Random => Config { rng_seed: RngSeed::Fixed(1), ..usual },
-            RngSeed::Fixed(_) => usual,
-        }
+        drawn(48)
     }
 }
 mod recordings {

@@ -1,6 +1,6 @@
 //! Who watches a run: a viewer or a recording that sees every sample.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -14,6 +14,7 @@ use super::super::failure::Failure;
 use super::super::interrupt;
 use super::super::live::{Live, Recording, Rerun};
 use super::super::progress::ProgressBar;
+use super::super::terminal::{say, stdout};
 use super::super::voice::Voice;
 use super::{follow, timed};
 
@@ -47,13 +48,13 @@ pub fn only(how: &Rerun, case: &Case, request: &Request, voice: &Voice) -> Resul
         Status::Complete => {
             let [simulated, took] = [case.run.duration, wall_time_s].map(|time| format_si(time, "s"));
             if !voice.quiet {
-                writeln!(io::stdout(), "{name}: {simulated} in {took}; {kept}")?;
+                writeln!(stdout(), "{name}: {simulated} in {took}; {kept}")?;
             }
             Ok(ExitCode::SUCCESS)
         }
         Status::CutShort { time } => {
-            eprintln!("interrupted: {name}: at {} of the run; {kept}", format_si(time, "s"));
-            Ok(ExitCode::from(interrupt::EXIT_CODE))
+            say(format_args!("interrupted: {name}: at {} of the run; {kept}", format_si(time, "s")));
+            Ok(ExitCode::from(interrupt::exit_code()))
         }
         Status::Failed { reason, .. } => Err(Failure::Diverged(format!("{reason}; {kept}"))),
     }

@@ -3,14 +3,16 @@
 use std::process::ExitCode;
 
 use clap::Args;
+use sim::escape::shell_word;
 use sim::results::Request;
 use sim::results::swept::write_swept;
 use sim::sweep::merge::{Merged, merge};
 use sim::sweep::plan::Plan;
 
-use super::super::arguments::Form;
+use super::super::arguments::{Form, argv};
 use super::super::failure::Failure;
 use super::super::interrupt;
+use super::super::terminal::say;
 use super::super::voice::Voice;
 use super::{OfPlan, plan, tell};
 
@@ -43,8 +45,8 @@ pub fn run(args: &Merge, voice: &Voice) -> Result<ExitCode, Failure> {
 pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<Merged, Failure> {
     let stages = voice.steps(plan.head.shards(), "shards merged");
     let last_words = || {
-        let plan = plan.folder.display();
-        eprintln!("interrupted: all shards are kept; go on: efam sweep merge --plan {plan}");
+        let plan = shell_word(&plan.folder);
+        say(format_args!("interrupted: all shards are kept; go on: efam sweep merge --plan {plan}"));
     };
     let work = || merge(plan, csv, &|| stages.step());
     let ((), done) = interrupt::during_or((), &stages, work, last_words);
@@ -55,7 +57,7 @@ pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<Mer
         name: head.name.clone(),
         input_hashes: plan::hashes(head.texts()),
         warnings: merged.warnings.clone(),
-        argv: std::env::args().collect(),
+        argv: argv(),
         wall_time_s: seconds,
         ..Request::default()
     };

@@ -4,21 +4,23 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Args;
 use serde::Serialize;
-use sim::results::swept::swept_mark;
+use sim::escape::shell_word;
+use sim::results::swept::{LATER, swept_mark};
 use sim::results::{self, MARK, Request};
 use sim::schema::JsonSchema;
 use sim::sweep::SweepError;
 use sim::sweep::asked::Asked;
-use sim::sweep::estimate::{microseconds_per_point, points_per_shard};
+use sim::sweep::estimate::{points_for_a_cluster, points_per_shard, time_of_a_point};
 use sim::sweep::plan::{self, Head, Plan, freeze, head_text};
-use sim::sweep::work::Work;
 
-use super::super::arguments::Output;
+use super::super::arguments::{Output, argv};
 use super::super::failure::Failure;
 use super::super::interrupt;
+use super::super::terminal::stdout;
 use super::super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -47,7 +49,7 @@ pub struct Planned {
     /// Set a value over the file's, such as sweep.points=64; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
-    /// Points in a shard [default: as many as half a minute of one processor takes].
+    /// Points in a shard [default: 1, or as many as make a thousand shards].
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     pub points_per_shard: Option<u32>,
 }
@@ -59,51 +61,64 @@ pub struct Printed<'a> {
     folder: &'a Path,
     /// How many shards it has.
     shards: usize,
+    /// Processor time of a point, as three were tried here; none for diagnoses, and for a plan that was there.
+    seconds_per_point: Option<f64>,
     /// What it says beside its points.
     plan: &'a Head,
 }
 
 pub fn run(args: &Freeze, voice: &Voice) -> Result<ExitCode, Failure> {
-    let plan = planned(&args.file, &args.planned, &args.output, voice)?;
+    let (plan, time) = planned(&args.file, &args.planned, &args.output, true, voice)?;
     let (folder, head) = (&plan.folder, &plan.head);
     let shards = head.shards();
     if args.output.form.json {
-        print(&Printed { folder, shards, plan: head })?;
+        let seconds_per_point = time.map(|time| time.as_secs_f64());
+        print(&Printed { folder, shards, seconds_per_point, plan: head })?;
     } else if !voice.quiet {
         let (name, points, own) = (&head.name, head.points, head.points_per_shard);
-        let each = match head.work {
-            Work::Simulate(_) => format!("points of some {:.3} s", 1e-6 * head.microseconds_per_point as f64),
-            Work::Diagnose(_) => "experiments".to_owned(),
-        };
-        let folder = folder.display();
-        let mut out = io::stdout().lock();
-        writeln!(out, "{name}: {points} {each}, in {shards} shards of {own}")?;
-        writeln!(out, "here:       efam sweep run --plan {folder}")?;
-        writeln!(out, "on Slurm:   efam sweep submit --plan {folder}")?;
-        writeln!(out, "plan in {folder}")?;
+        let each =
+            time.map_or(String::new(), |time| format!("; a point takes some {:.3} s", time.as_secs_f64()));
+        let word = shell_word(folder);
+        let mut out = stdout();
+        writeln!(out, "{name}: {points} points, in {shards} shards of {own}{each}")?;
+        writeln!(out, "here:       efam sweep run --plan {word}")?;
+        writeln!(out, "on Slurm:   efam sweep submit --plan {word}")?;
+        if let Some(points) = time.and_then(|time| points_for_a_cluster(own, time)) {
+            writeln!(
+                out,
+                "            better planned with --points-per-shard {points}: half a minute a shard"
+            )?;
+        }
+        writeln!(out, "plan in {}", folder.display())?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The plan of a file: a new one, or that which is in the folder already.
-pub fn planned(file: &Path, own: &Planned, output: &Output, voice: &Voice) -> Result<Plan, Failure> {
+/// The plan of a file: a new one, or that which is in the folder already. With how long a point takes, if that is asked
+/// for and the plan is new.
+pub fn planned(
+    file: &Path,
+    own: &Planned,
+    output: &Output,
+    is_timed: bool,
+    voice: &Voice,
+) -> Result<(Plan, Option<Duration>), Failure> {
     let asked = Asked::load(file, &own.set)?;
     voice.warn(&asked.warnings);
     let given = own.points_per_shard.map(|count| count as usize);
     let there = output.out.as_deref().filter(|out| out.join(plan::PLAN).is_file() && !output.overwrite);
     match there {
-        Some(folder) => again(&asked, given, folder, voice),
-        None => new(&asked, given, output, voice),
+        Some(folder) => Ok((again(&asked, given, folder, voice)?, None)),
+        None => new(&asked, given, output, is_timed, voice),
     }
 }
 
 /// The plan in a folder, if it is the one that is asked for.
 fn again(asked: &Asked, given: Option<usize>, folder: &Path, voice: &Voice) -> Result<Plan, Failure> {
     let there = Plan::open(folder)?;
-    let head = &there.head;
-    let own = given.unwrap_or(head.points_per_shard);
-    let asked = freeze(asked, own, head.microseconds_per_point, &mut io::sink())?;
-    if asked.sha256 != head.sha256 {
+    let own = given.unwrap_or(there.head.points_per_shard);
+    let asked = freeze(asked, own, &mut io::sink())?;
+    if asked.sha256 != there.head.sha256 {
         let folder = folder.display();
         return Err(Failure::Usage(format!(
             "{folder}: holds the sweep of another plan; choose another --out, or replace it with --overwrite"
@@ -113,25 +128,36 @@ fn again(asked: &Asked, given: Option<usize>, folder: &Path, voice: &Voice) -> R
     Ok(there)
 }
 
-fn new(asked: &Asked, given: Option<usize>, output: &Output, voice: &Voice) -> Result<Plan, Failure> {
+fn new(
+    asked: &Asked,
+    given: Option<usize>,
+    output: &Output,
+    is_timed: bool,
+    voice: &Voice,
+) -> Result<(Plan, Option<Duration>), Failure> {
     let request = Request {
         name: asked.name.clone(),
         input_hashes: hashes(asked.texts()),
         warnings: asked.warnings.clone(),
-        argv: std::env::args().collect(),
+        argv: argv(),
         ..Request::default()
     };
-    let folder = results::open(output.out.as_deref(), output.overwrite, &asked.name, &asked.text)?;
+    let mut folder = results::open(output.out.as_deref(), output.overwrite, &asked.name, &asked.text)?;
+    folder.later(&LATER);
     let stages = voice.stages();
-    stages.tell("trying some points");
-    let (folder, tried) = interrupt::during(folder, &stages, || microseconds_per_point(asked));
-    let tried = tried?;
-    let own = given.unwrap_or_else(|| points_per_shard(asked.points(), tried));
+    let mut time = None;
+    if is_timed {
+        stages.tell("trying some points");
+        let tried;
+        (folder, tried) = interrupt::during(folder, &stages, || time_of_a_point(asked));
+        time = tried?;
+    }
     stages.tell(&format!("freezing {} points", asked.points()));
+    let own = given.unwrap_or_else(|| points_per_shard(asked.points()));
     let mut head = None;
     let written = folder.write_with(plan::POINTS, |file| {
         let mut to = io::BufWriter::new(file);
-        let frozen = freeze(asked, own, tried, &mut to);
+        let frozen = freeze(asked, own, &mut to);
         let is_frozen = frozen.is_ok();
         head = Some(frozen);
         if is_frozen { to.flush() } else { Err(io::Error::other("no plan")) }
@@ -145,7 +171,7 @@ fn new(asked: &Asked, given: Option<usize>, output: &Output, voice: &Voice) -> R
     folder.write(plan::PLAN, head_text(&head).as_bytes())?;
     folder.write(MARK, swept_mark(&request).as_bytes())?;
     interrupt::check()?;
-    Ok(Plan { folder: folder.finish()?, head })
+    Ok((Plan { folder: folder.finish()?, head }, time))
 }
 
 /// What was read, by name.

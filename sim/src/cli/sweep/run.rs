@@ -1,11 +1,12 @@
 //! `efam sweep run`: the shards of a plan, or one of them.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
+use sim::escape::shell_word;
 use sim::schema::JsonSchema;
 use sim::sweep::cluster::asked;
 use sim::sweep::plan::Plan;
@@ -15,6 +16,7 @@ use sim::sweep::status;
 use super::super::arguments::Form;
 use super::super::failure::Failure;
 use super::super::interrupt;
+use super::super::terminal::{say, stdout};
 use super::super::voice::{Voice, print};
 use super::OfPlan;
 
@@ -79,7 +81,7 @@ pub fn run(args: &Run, voice: &Voice) -> Result<ExitCode, Failure> {
     } else if !voice.quiet {
         let all = run.len();
         writeln!(
-            io::stdout().lock(),
+            stdout(),
             "{all} shards run, {skipped} were there already; {failed_points} points could not be {}\n\
              shards in {}",
             plan.head.work.done(),
@@ -118,10 +120,10 @@ pub fn shards(
     let work = || run_all(plan, &due, &tell);
     let last_words = || {
         let (done, all) = (status::status(plan).shards_done, head.shards());
-        let plan = plan.folder.display();
-        eprintln!(
+        let plan = shell_word(&plan.folder);
+        say(format_args!(
             "interrupted: {done} of {all} shards are whole and kept; go on: efam sweep run --plan {plan}"
-        );
+        ));
     };
     let ((), failed) = interrupt::during_or((), &stages, work, last_words);
     stages.clear();

@@ -1,17 +1,19 @@
 //! `efam sweep status`: what is there of a sweep, and what is missing.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
+use sim::escape::shell_word;
 use sim::schema::JsonSchema;
 use sim::sweep::plan::Plan;
 use sim::sweep::status::{Status, status};
 
 use super::super::arguments::Form;
 use super::super::failure::Failure;
+use super::super::terminal::stdout;
 use super::super::voice::{Voice, print};
 use super::OfPlan;
 
@@ -48,7 +50,7 @@ pub fn run(args: &Ask, voice: &Voice) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     voice.warn(&status.faults);
-    let mut out = io::stdout().lock();
+    let mut out = stdout();
     if !voice.quiet {
         let Status { points, shards, points_done, shards_done, .. } = &status;
         writeln!(
@@ -57,7 +59,7 @@ pub fn run(args: &Ask, voice: &Voice) -> Result<ExitCode, Failure> {
             plan.head.name
         )?;
     }
-    let folder = plan.folder.display();
+    let folder = shell_word(&plan.folder);
     match (status.missing.is_empty(), voice.quiet) {
         (false, true) => writeln!(out, "--array={}", status.missing_array)?,
         (false, false) => writeln!(out, "missing: --array={}", status.missing_array)?,

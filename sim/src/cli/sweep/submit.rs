@@ -7,6 +7,7 @@ use std::process::{Command, ExitCode};
 
 use clap::Args;
 use serde::Serialize;
+use sim::escape::shell_word;
 use sim::results::atomic::write_whole;
 use sim::results::folder::plain_name;
 use sim::schema::JsonSchema;
@@ -16,6 +17,7 @@ use sim::sweep::status::status;
 
 use super::super::arguments::Form;
 use super::super::failure::Failure;
+use super::super::terminal::stdout;
 use super::super::voice::{Voice, print};
 use super::OfPlan;
 
@@ -75,9 +77,9 @@ pub fn run(args: &Submit, voice: &Voice) -> Result<ExitCode, Failure> {
     let status = status(&plan);
     voice.warn(&status.faults);
     let (script, merge) = (folder.join(ARRAY), folder.join(MERGE));
-    for (file, text) in
-        [(&script, array_script(&name, &program, &folder)), (&merge, merge_script(&name, &program, &folder))]
-    {
+    let array_text = array_script(&name, &program, &folder).map_err(Failure::Usage)?;
+    let merge_text = merge_script(&name, &program, &folder).map_err(Failure::Usage)?;
+    for (file, text) in [(&script, array_text), (&merge, merge_text)] {
         write_whole(file, |file| file.write_all(text.as_bytes()))?;
     }
     fs::create_dir_all(folder.join("log")).map_err(here)?;
@@ -92,28 +94,34 @@ pub fn run(args: &Submit, voice: &Voice) -> Result<ExitCode, Failure> {
         let (job, folder) = (own, &plan.folder);
         print(&Printed { folder, array, job, merge_job, script, merge_script: merge })?;
     } else if !voice.quiet {
-        let mut out = io::stdout().lock();
+        let mut out = stdout();
         let (count, all) = (status.missing.len(), status.shards);
         match (&own, &merge_job) {
             (Some(own), Some(merge)) => {
                 writeln!(out, "job {own}: {count} of {all} shards; job {merge} merges them")?;
-                writeln!(out, "look: efam sweep status --plan {}", plan.folder.display())?;
+                writeln!(out, "look: efam sweep status --plan {}", shell_word(&plan.folder))?;
             }
             _ if count == 0 => {
-                writeln!(out, "nothing is missing: efam sweep merge --plan {}", plan.folder.display())?
+                writeln!(out, "nothing is missing: efam sweep merge --plan {}", shell_word(&plan.folder))?
             }
             _ => {
-                writeln!(out, "sbatch {} {}", first.join(" "), script.display())?;
-                writeln!(out, "sbatch --dependency=afterany:JOB {}", merge.display())?;
+                writeln!(out, "{}", command(&first, &script))?;
+                writeln!(out, "sbatch --dependency=afterany:JOB {}", shell_word(&merge))?;
             }
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
+/// The command that hands in a script, to be copied.
+fn command(options: &[String], script: &Path) -> String {
+    let words = options.iter().map(|option| shell_word(Path::new(option))).chain([shell_word(script)]);
+    words.fold("sbatch".to_owned(), |command, word| format!("{command} {word}"))
+}
+
 /// Hands in a script, and returns the number of the job.
 fn sbatch(options: &[String], script: &Path) -> Result<String, Failure> {
-    let by_hand = format!("hand it in yourself: sbatch {} {}", options.join(" "), script.display());
+    let by_hand = format!("hand it in yourself: {}", command(options, script));
     let output = Command::new("sbatch").arg("--parsable").args(options).arg(script).output();
     let output = output.map_err(|error| {
         Failure::Output(format!("sbatch: cannot be started ({error}); where Slurm is, {by_hand}"))

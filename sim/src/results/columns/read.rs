@@ -1,7 +1,7 @@
 //! What [`super::ParquetFile`] wrote, read back.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -14,6 +14,7 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 
 use super::{Cells, Column, Holds, cause};
 use crate::footer::{footer_of, look_through, look_through_footer};
+use crate::input;
 
 /// Nothing takes no room in a file: so much memory may cells take that its bytes do not show, and so many times its
 /// length.
@@ -124,7 +125,7 @@ fn guarded<T>(read: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
 
 /// A file that holds what [`super::ParquetFile`] writes, and no more than its length allows; and its rows.
 fn open(path: &Path) -> io::Result<(ParquetRecordBatchReaderBuilder<Bytes>, usize)> {
-    let bytes = Bytes::from(fs::read(path)?);
+    let bytes = Bytes::from(input::table(path)?);
     look_through(&bytes, true).map_err(io::Error::other)?;
     let most = MOST_CELLS[0].saturating_add(bytes.len().saturating_mul(MOST_CELLS[1]));
     let opened = ParquetRecordBatchReaderBuilder::try_new(bytes).map_err(cause)?;

@@ -7,13 +7,14 @@ mod mat;
 mod mcap;
 mod stored;
 
+use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use super::ResultsError;
-use super::atomic::write_whole;
+use super::atomic::{write_new, write_whole};
 use super::reread::RereadError;
 use crate::schema::JsonSchema;
 
@@ -84,6 +85,7 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
     if to.file_name().is_none() || to.is_dir() {
         return Err(ExportError::NoFile { file: file(), ending: format.ending() });
     }
+    // Said before the tables are written; what comes meanwhile is not replaced either.
     if to.exists() && !overwrite {
         return Err(ExportError::Exists { file: file() });
     }
@@ -93,12 +95,13 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
     if format == Format::Mcap && run.tables.iter().all(|table| table.time().is_none()) {
         return Err(ExportError::NoTime { folder: run.folder.clone() });
     }
-    Ok(write_whole(to, |file| {
+    let write = |file: &mut File| {
         let mut buffer = BufWriter::new(file);
         match format {
             Format::Mat => mat::write(run, &mut buffer)?,
             Format::Mcap => mcap::write(run, &mut buffer)?,
         }
         buffer.flush()
-    })?)
+    };
+    Ok(if overwrite { write_whole(to, write) } else { write_new(to, write) }?)
 }

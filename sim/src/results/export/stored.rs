@@ -12,6 +12,8 @@ use super::super::calibrated::EXPERIMENT;
 use super::super::columns::{self, Found};
 use super::super::folder::MARK;
 use super::super::reread::RereadError;
+use crate::escape::from_cell;
+use crate::input::{self, MOST_JSON, up_to};
 
 /// Units by the end of a name, the longest first: text has no other place for them.
 const UNITS: [(&str, &str); 14] = [
@@ -112,7 +114,7 @@ pub fn read(folder: &Path) -> Result<Stored, RereadError> {
     for name in [MARK, SCENARIO, EXPERIMENT] {
         let file = folder.join(name);
         if file.is_file() {
-            files.push((name, fs::read_to_string(&file).map_err(unreadable(&file))?));
+            files.push((name, up_to(&file, MOST_JSON).map_err(unreadable(&file))?));
         }
     }
     let summary: Value = serde_json::from_str(&files[0].1).map_err(|error| broken(&mark, &error))?;
@@ -189,12 +191,14 @@ fn of_parquet(file: &Path) -> Result<Vec<Series>, RereadError> {
 
 fn of_csv(file: &Path) -> Result<Vec<Series>, RereadError> {
     let of = |error: csv::Error| broken(file, &error);
-    let mut reader = Reader::from_path(file).map_err(of)?;
-    let names: Vec<String> = reader.headers().map_err(of)?.iter().map(str::to_owned).collect();
+    let bytes = input::table(file).map_err(unreadable(file))?;
+    let mut reader = Reader::from_reader(&bytes[..]);
+    let names: Vec<String> =
+        reader.headers().map_err(of)?.iter().map(|name| from_cell(name).to_owned()).collect();
     let mut columns = vec![Vec::new(); names.len()];
     for row in reader.records() {
         let row = row.map_err(of)?;
-        columns.iter_mut().zip(&row).for_each(|(column, cell)| column.push(cell.to_owned()));
+        columns.iter_mut().zip(&row).for_each(|(column, cell)| column.push(from_cell(cell).to_owned()));
     }
     let one = |(name, words): (String, Vec<String>)| {
         let number = |word: &String| if word.is_empty() { Some(f64::NAN) } else { word.parse().ok() };

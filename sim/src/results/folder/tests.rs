@@ -63,12 +63,70 @@ fn a_folder_of_other_things_is_never_replaced_but_an_empty_one_is_filled() {
     fs::create_dir(&photos).unwrap();
     put(&photos, false, "into an empty folder").unwrap();
     fs::remove_file(photos.join(MARK)).unwrap();
+    fs::remove_file(photos.join(MANIFEST)).unwrap();
     fs::write(photos.join("holiday.jpg"), "sea").unwrap();
     for overwrite in [false, true] {
         let error = put(&photos, overwrite, "run").unwrap_err();
         assert!(matches!(error, ResultsError::NotARun { .. }), "{error}");
     }
     assert_eq!(fs::read_to_string(photos.join("holiday.jpg")).unwrap(), "sea");
+}
+
+/// A thesis, a repository, an edited result; there before the run or put there while it goes on.
+#[test]
+fn what_efam_did_not_write_stays_and_is_named() {
+    let scratch = Scratch::new("strangers");
+    let out = scratch.0.join("run");
+    let text = |path: PathBuf| fs::read_to_string(path).unwrap();
+    for (entry, expected) in [
+        ("thesis.tex", "holds thesis.tex, which efam did not write"),
+        (".git/HEAD", "holds .git, which efam did not write"),
+        (MARK, "holds summary.json, which was changed since efam wrote it"),
+    ] {
+        put(&out, false, "old").unwrap();
+        let made = Folder::begin(Target::Given { folder: &out, overwrite: true }).unwrap();
+        made.write(MARK, b"new").unwrap();
+        fs::create_dir_all(out.join(entry).parent().unwrap()).unwrap();
+        fs::write(out.join(entry), "mine").unwrap();
+        let error = admit(&out, true).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+        // It came while the run went on: that is kept beside it.
+        let error = made.finish().unwrap_err();
+        let ResultsError::Kept { kept, .. } = &error else { panic!("{error}") };
+        assert!(error.to_string().contains(expected), "{error}");
+        assert_eq!((text(out.join(entry)).as_str(), text(kept.join(MARK)).as_str()), ("mine", "new"));
+        assert_eq!(*kept, fs::canonicalize(&scratch.0).unwrap().join("run_2"));
+        assert_eq!(scratch.entries(), ["run", "run_2"]);
+        fs::remove_dir_all(&out).unwrap();
+        fs::remove_dir_all(kept).unwrap();
+    }
+}
+
+/// Where names cannot be exchanged, and in a folder that was empty or not there when the run began.
+#[test]
+fn what_comes_while_a_run_goes_on_stays_however_it_is_replaced() {
+    let scratch = Scratch::new("late");
+    let out = scratch.0.join("run");
+    let read = |name: &str| fs::read_to_string(scratch.0.join(name)).unwrap();
+    put(&out, false, "old").unwrap();
+    let made = Folder::begin(Target::Given { folder: &out, overwrite: true }).unwrap();
+    made.write(MARK, b"new").unwrap();
+    fs::write(out.join("notes"), "mine").unwrap();
+    assert!(matches!(made.step_aside(), Err(ResultsError::Foreign { .. })));
+    drop(made);
+    assert_eq!((read("run/notes").as_str(), read("run/summary.json").as_str()), ("mine", "old"));
+    assert_eq!(scratch.entries(), ["run"]);
+    for overwrite in [false, true] {
+        fs::remove_dir_all(&out).unwrap();
+        fs::create_dir(&out).unwrap();
+        let made = Folder::begin(Target::Given { folder: &out, overwrite }).unwrap();
+        made.write(MARK, b"new").unwrap();
+        fs::write(out.join("notes"), "mine").unwrap();
+        let error = made.finish().unwrap_err();
+        assert!(matches!(error, ResultsError::Kept { .. }), "{error}");
+        assert_eq!((read("run/notes").as_str(), read("run_2/summary.json").as_str()), ("mine", "new"));
+        fs::remove_dir_all(scratch.0.join("run_2")).unwrap();
+    }
 }
 
 #[test]
@@ -141,7 +199,13 @@ fn rivals_for_one_name_leave_one_whole_run() {
             rivals.into_iter().map(|rival| rival.join().unwrap()).filter(|done| *done).count()
         })
     };
-    assert_eq!(rivals(false), 1, "the others are refused");
+    // The others are refused at the beginning, or told at the end where their run is.
+    assert_eq!(rivals(false), 1);
+    for other in scratch.entries().iter().filter(|name| *name != "run") {
+        assert!(other.starts_with("run_"), "{other}");
+        assert_eq!(foreign(&scratch.0.join(other)).unwrap(), None, "it is whole");
+        fs::remove_dir_all(scratch.0.join(other)).unwrap();
+    }
     assert_eq!(rivals(true), 8, "each replaces the one before");
     assert_eq!(scratch.entries(), ["run"]);
     assert!(fs::read_to_string(out.join(MARK)).unwrap().parse::<usize>().unwrap() < 8);

@@ -160,7 +160,7 @@ fn swept_answers_are_those_of_the_diagnosis() {
 fn swept(bench: &Path) -> Answers {
     let asked = Asked::load(&bench.join("sweep.toml"), &[]).expect("a sweep");
     let mut points = Vec::new();
-    let head = freeze(&asked, 1, 1, &mut points).expect("a plan");
+    let head = freeze(&asked, 1, &mut points).expect("a plan");
     let out = bench.join("swept");
     fs::create_dir(&out).expect("a folder");
     fs::write(out.join(PLAN), head_text(&head)).expect("written");

@@ -7,6 +7,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use super::super::drawn;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -108,10 +109,9 @@ fn changed(mut bytes: Vec<u8>, changes: &[Change]) -> Vec<u8> {
     bytes
 }
 
-/// Cases of each test; PROPTEST_CASES=1000000 for a night.
+/// Cases of each test; `PROPTEST_CASES=1000000` for a night.
 fn cases() -> ProptestConfig {
-    let wanted = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
-    ProptestConfig { cases: wanted.unwrap_or(3000), failure_persistence: None, ..ProptestConfig::default() }
+    drawn(3000)
 }
 
 proptest! {
