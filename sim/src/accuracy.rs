@@ -146,7 +146,8 @@ const CONVERGES: f64 = 0.5;
 /// Steps times edges that no attempt may be expected to take: some seconds that nobody asked for.
 const MOST_WORK: f64 = 3e6;
 /// Edges and tolerance of a first attempt, from releases of the paper's muscle at all its pressures: there the error
-/// of the mesh is at most `2.6 L / edges⁴`, that of the steps some ten times the tolerance times the length `L`.
+/// of the mesh is at most `2.6 A / edges⁴`, that of the steps some ten times the tolerance times `A`, where `A` is the
+/// swing or the length of the rod, whichever is less.
 const MESH_ERROR: f64 = 2.6;
 const STEP_ERROR: f64 = 10.0;
 const FEWEST_EDGES: usize = 7;
@@ -169,19 +170,17 @@ pub struct Settled {
 /// # Errors
 /// As [`Run::on_mesh`].
 pub fn first(model: &Model, run: &Run, goal: &Goal) -> Result<(Model, Run), ForwardError> {
-    let length = model.rod().length;
-    let accuracy = match goal.accuracy {
-        Some(accuracy) => accuracy,
-        None => usual(model, expected_swing(model, run)?),
-    };
+    let swing = expected_swing(model, run)?;
+    let accuracy = goal.accuracy.unwrap_or_else(|| usual(model, swing));
+    let swing = swing.clamp(FINEST * model.rod().length, model.rod().length);
     let mut run = run.clone();
     if goal.chooses_tolerance {
-        run.tolerance = (AIM * accuracy / (STEP_ERROR * length)).clamp(TOLERANCES[0], TOLERANCES[1]);
+        run.tolerance = (AIM * accuracy / (STEP_ERROR * swing)).clamp(TOLERANCES[0], TOLERANCES[1]);
     }
     if !goal.chooses_mesh {
         return Ok((model.clone(), run));
     }
-    let edges = (MESH_ERROR * length / (AIM * accuracy)).powf(0.25).ceil() as usize;
+    let edges = (MESH_ERROR * swing / (AIM * accuracy)).powf(0.25).ceil() as usize;
     Ok(run.on_mesh(model, edges.clamp(FEWEST_EDGES, MOST_FIRST_EDGES) + 1)?)
 }
 
@@ -236,7 +235,7 @@ fn finer(model: &Model, factor: f64) -> usize {
 
 /// Order of the error in the edge length that estimates count on: three for the consistent scheme, which reaches
 /// four on meshes that resolve the rod and three beyond, where its ends show.
-fn order(model: &Model) -> f64 {
+pub(crate) fn order(model: &Model) -> f64 {
     match model.scheme {
         Scheme::Consistent => 3.0,
         Scheme::Paper => 1.0,

@@ -1,23 +1,21 @@
 //! What mesh and step of the integrator do to a fit, and its removal.
 //!
 //! A fit is a weighted mean over thousands of samples, so it feels errors of the model far below the
-//! noise of one. So a finer run corrects the prediction: `d = y_fine − y + (y_fine − y_same) / 3`, with
+//! noise of one. So a finer run corrects the prediction: `d = y_fine − y + (y_fine − y_same) / (2^p − 1)`, with
 //! `y_same` on the fit's own mesh and `y_fine` on one of half the edge length, both with a fraction of
-//! the step error; the last term is Richardson's, for an error of second order in the edge length. The
+//! the step error; the last term is Richardson's, for an error of order `p` in the edge length. The
 //! fit is then repeated with d held fixed, and belongs to a rod without mesh.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
+
+use crate::accuracy;
 
 use super::objective::{Objective, View};
 use super::prediction::{Fidelity, Prediction, predict};
 
 /// Error admitted in a step of the finer runs.
 const TIGHT: f64 = 2e-6;
-
-/// What Richardson's term leaves of itself: on the paper's muscle with 32 nodes a twentieth was seen
-/// against 160 nodes.
-const LEFT: f64 = 0.2;
 
 /// What a finer run says of each release.
 #[derive(Clone, Debug, Default)]
@@ -26,7 +24,7 @@ pub(crate) struct Correction {
     pub corrections: Vec<Vec<Vec<[f64; 2]>>>,
     /// Root mean square of that, m, of each release.
     pub error: Vec<f64>,
-    /// What may be left of the mesh's error, m, root mean square: a share of Richardson's term.
+    /// What may be left of the mesh's error, m, root mean square: Richardson's term, which is the error of the finer run.
     pub left: Vec<f64>,
     /// Steps of each release's run on the fit's own mesh, s.
     pub own_steps: Vec<Vec<f64>>,
@@ -57,12 +55,13 @@ pub(crate) fn correction(
     for one in each {
         let [own, same, fine] = one?;
         objective.count_steps(own.steps.len() + same.steps.len() + fine.steps.len());
+        let order = accuracy::order(&objective.part.members[0].model);
         let (mut all, mut error, mut left) = (Vec::new(), Mean::default(), Mean::default());
         for track in 0..own.position.len() {
             let of = |k: usize| {
                 let (own, same, fine) =
                     (own.position[track][k], same.position[track][k], fine.position[track][k]);
-                let richardson = [0, 1].map(|axis| (fine[axis] - same[axis]) / 3.0);
+                let richardson = [0, 1].map(|axis| (fine[axis] - same[axis]) / (2f64.powf(order) - 1.0));
                 let whole = [0, 1].map(|axis| fine[axis] - own[axis] + richardson[axis]);
                 (whole, richardson)
             };
@@ -75,7 +74,7 @@ pub(crate) fn correction(
         }
         correction.corrections.push(all);
         correction.error.push(error.root());
-        correction.left.push(LEFT * left.root());
+        correction.left.push(left.root());
         correction.own_steps.push(own.steps);
     }
     Some(correction)

@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use models::model::Model;
 
 use super::quantity::{Told, numbers};
+use crate::accuracy::order;
 use crate::calibrate::problem::refine;
 use crate::forward::{Run, forward, tip};
 use crate::integrate::Effort;
@@ -77,7 +78,7 @@ pub(crate) fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
 }
 
 /// What the mesh does to what a run says: by Richardson from runs with edges of half and of a quarter of the length,
-/// for an error of second order. From half alone a fifth of it was left of the lowest point of a tip that whips. The
+/// for an error of the scheme's order. The
 /// numbers of a calibration whose mesh was removed belong to a rod without one.
 pub(super) struct Mesh {
     numbers: Vec<f64>,
@@ -96,7 +97,8 @@ impl Mesh {
         };
         let (half, quarter) = rayon::join(|| finer(2), || finer(4));
         let (half, quarter) = (half?, quarter?);
-        let off = |own: f64, half: f64, quarter: f64| quarter - own + (quarter - half) / 3.0;
+        let rest_of_mesh = 2f64.powf(order(model)) - 1.0;
+        let off = |own: f64, half: f64, quarter: f64| quarter - own + (quarter - half) / rest_of_mesh;
         let number = |k: usize| match [own.numbers[k], half.numbers[k], quarter.numbers[k]] {
             [Some(own), Some(half), Some(quarter)] => off(own, half, quarter),
             _ => 0.0,

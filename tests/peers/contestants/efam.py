@@ -15,8 +15,8 @@ BATCHES, REPEATS = 4, 5
 
 
 def settings(case):
-    fine = [dict(nodes=n, tol=t) for n in (24, 32, 48, 56, 64, 72, 80, 96) for t in (3e-4, 1e-4, 3e-5, 2e-5, 1e-5)]
-    return fine + [dict(nodes=16, tol=1e-4), dict(nodes=128, tol=1e-4), dict(nodes=128, tol=1e-6), dict(nodes=256, tol=1e-7)]
+    fine = [dict(nodes=n, tol=t) for n in (8, 9, 10, 11, 12, 14, 16, 20, 24, 32) for t in (3e-4, 1e-4, 5e-5, 3e-5, 2e-5, 1e-5)]
+    return fine + [dict(nodes=64, tol=1e-4), dict(nodes=128, tol=1e-4), dict(nodes=64, tol=1e-6), dict(nodes=128, tol=1e-7)]
 
 
 def measure(case, nodes, tol):
