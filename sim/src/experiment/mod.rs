@@ -50,7 +50,7 @@ use std::sync::Arc;
 
 use crate::recording::{self, ReadOptions, Recording};
 use crate::scenario::document::{Document, Keys};
-use crate::scenario::plan::{self, Plan};
+use crate::scenario::plan::{self, From, Plan};
 use crate::scenario::{Case, Problem, case};
 
 pub use direction::Direction;
@@ -151,6 +151,10 @@ impl Experiment {
         plan.nodes = nodes.or(plan.nodes);
         plan.base_angle = entry.base_angle.unwrap_or(plan.base_angle);
         plan.angle = angle.or(entry.angle).unwrap_or(0.0);
+        // A load that holds the rod would belong to the stiffness of the start, and not to the one that is found.
+        if let From::HeldBy(_) = plan.from {
+            plan.from = From::Straight;
+        }
         let payload = entry.payload.effect();
         match plan.effects.iter_mut().find(|(name, _)| *name == payload.0) {
             Some(given) if entry.payload.is_given => *given = payload,

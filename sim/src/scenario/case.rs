@@ -8,10 +8,11 @@ use models::model::{Model, ModelSpec, Scheme};
 use models::muscle::AtPressure;
 use models::pressure::PressureSchedule;
 use models::quantity::{Quantity, format_si};
+use models::statics::held;
 
 use super::document::Document;
 use super::error::{Problem, ScenarioError};
-use super::plan::{From, Hold, MassPlan, MusclePlan, Plan, Pressure, ROD};
+use super::plan::{From, Hold, Holder, MassPlan, MusclePlan, Plan, Pressure, ROD};
 use super::{Case, Scenario};
 use crate::accuracy::Goal;
 use crate::forward::{CurvePoint, Initial, Run};
@@ -103,6 +104,12 @@ impl Builder<'_> {
         if let From::Equilibrium(hold) = &plan.from {
             self.let_go(hold, &mut effects)?;
         }
+        if let From::HeldBy(_) = plan.from
+            && effects.iter().all(|(name, _)| name != "tip_load")
+        {
+            // The load that holds the rod, which is gone once it is let go.
+            effects.push(("tip_load".to_owned(), Vec::new()));
+        }
         // The order of `theta` is that of the catalogue, however a scenario comes by its effects.
         effects.sort_by_key(|(name, _)| CATALOGUE.iter().position(|effect| effect.about().name == name));
         let spec = ModelSpec {
@@ -121,6 +128,12 @@ impl Builder<'_> {
         model.tip_distance = plan.tip.unwrap_or(center.unwrap_or_default());
         let initial = match &plan.from {
             From::Straight => Initial::Straight,
+            From::HeldBy(holder) => {
+                let end_angle = (*holder == Holder::Hand).then_some(plan.angle);
+                let hold = models::statics::Hold { direction: plan.angle, end_angle };
+                let (hold, own) = held(&model, &hold).map_err(|error| self.of_model("release.", error))?;
+                Initial::Equilibrium { hold: Box::new(hold), own }
+            }
             From::Equilibrium(hold) => self.held(hold, &model, &mut warnings)?,
             From::Points(points) => self.curve(points, &model, &mut warnings)?,
         };
@@ -297,6 +310,7 @@ impl Builder<'_> {
                 let path = format!("effects.{effect}");
                 document.error_of(&path, Problem::Model(error))
             }
+            ModelError::Held { .. } => document.error_of("release.angle", Problem::Model(error)),
             error => ScenarioError { at: None, problem: Problem::Model(error).into() },
         }
     }

@@ -76,9 +76,21 @@ pub(crate) enum Pressure {
 #[derive(Clone, Debug)]
 pub(crate) enum From {
     Straight,
+    /// At rest while a string or a hand holds the end in the direction of the release angle.
+    HeldBy(Holder),
     Equilibrium(Hold),
     /// Points with velocities: x, z, vx, vz.
     Points(Vec<[f64; 4]>),
+}
+
+/// What holds the end of a rod.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Holder {
+    /// Pulls straight up or down, and lets the end turn.
+    #[default]
+    String,
+    /// Keeps the end body at the release angle as well.
+    Hand,
 }
 
 /// What is different while the rod is held.
@@ -147,22 +159,25 @@ impl Plan {
             &[&["nodes", "scheme", "root", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat(),
         )?;
         let release = keys.table("release")?;
-        release.only(&["angle", "angular_velocity", "from", "posture", "nodes", "hold", "history"])?;
+        release.only(&["angle", "angular_velocity", "from", "by", "posture", "nodes", "hold", "history"])?;
         let RunPlan { rate, accuracy, chooses_tolerance, run } = read_run(&keys)?;
         let run = Run { history: read_history(&release)?, ..run };
         let schemes = [("consistent", Scheme::Consistent), ("paper", Scheme::Paper)];
         // `root` is what the key was called while it decided of nothing else.
         let scheme = if rod.has("root") { "root" } else { "scheme" };
         let muscle = read_muscle(document, &keys.table("muscle")?, has_pressure)?;
+        let base_angle = rod.quantity("base_angle", "rad")?.unwrap_or(0.0);
+        let angle = release.quantity("angle", "rad")?.unwrap_or(base_angle);
+        let is_clamped = !keys.table("effects")?.table("clamp_compliance")?.is_given();
         Ok(Plan {
             rod: read_rod(&rod)?,
             nodes: rod.count("nodes")?,
             scheme: rod.word(scheme, &schemes)?.unwrap_or_default(),
-            base_angle: rod.quantity("base_angle", "rad")?.unwrap_or(0.0),
+            base_angle,
             tip: rod.quantity_that("tip", "m", "lie in -1..=10 m", |tip| (-1.0..=10.0).contains(&tip))?,
-            angle: release.quantity("angle", "rad")?.unwrap_or(0.0),
+            angle,
             angular_velocity: release.quantity("angular_velocity", "rad/s")?.unwrap_or(0.0),
-            from: read_from(document, &release, muscle.is_some())?,
+            from: read_from(document, &release, muscle.is_some(), is_clamped && is_kink(base_angle, angle))?,
             rate,
             accuracy,
             chooses_tolerance,
@@ -293,12 +308,44 @@ fn read_pressure(keys: &Keys) -> Result<Pressure, ScenarioError> {
     Ok(Pressure::Constant(keys.quantity("pressure", "Pa")?.unwrap_or_default()))
 }
 
-fn read_from(document: &Document, release: &Keys, has_muscle: bool) -> Result<From, ScenarioError> {
+/// The words of `release.from`.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    Straight,
+    Held,
+    Equilibrium,
+}
+
+/// Whether a straight rod at `angle` would be bent by a finite angle in no length where it leaves its clamp.
+fn is_kink(base_angle: f64, angle: f64) -> bool {
+    (angle - base_angle).abs() > 1e-9
+}
+
+/// Where the rod starts. `is_kinked` says whether a straight rod would have a kink at its clamp: the energy of a kink
+/// is infinite, and on a mesh whatever the mesh makes of it.
+fn read_from(
+    document: &Document,
+    release: &Keys,
+    has_muscle: bool,
+    is_kinked: bool,
+) -> Result<From, ScenarioError> {
     let hold = release.table("hold")?;
-    let from = release.word("from", &[("straight", false), ("equilibrium", true)])?;
-    if hold.is_given() && from != Some(true) {
+    let starts = [("straight", Start::Straight), ("held", Start::Held), ("equilibrium", Start::Equilibrium)];
+    let from = release.word("from", &starts)?;
+    if hold.is_given() && from != Some(Start::Equilibrium) {
         let message = "only an equilibrium is held; write from = \"equilibrium\" in [release]".to_owned();
         return Err(document.error_of("release.hold", Problem::Other { message }));
+    }
+    if release.has("by") && matches!(from, Some(Start::Straight | Start::Equilibrium)) {
+        let message = "only a rod that starts from = \"held\" is held by something".to_owned();
+        return Err(release.wrong("by", Problem::Other { message }));
+    }
+    if is_kinked && from == Some(Start::Straight) {
+        let message = "a straight rod at another angle than rod.base_angle has a kink at its clamp, whose energy \
+                       grows with every node; leave from out, or write from = \"held\": a string (by = \"hand\": a \
+                       hand) holds the tip in the direction of release.angle, and the clamped rod bends to it"
+            .to_owned();
+        return Err(release.wrong("from", Problem::Other { message }));
     }
     for key in ["posture", "nodes"] {
         if from.is_some() && release.has(key) {
@@ -319,8 +366,18 @@ fn read_from(document: &Document, release: &Keys, has_muscle: bool) -> Result<Fr
     if release.has("nodes") {
         return Err(release.wrong("nodes", Problem::WrongType { due: "rows of x, z, vx, vz" }));
     }
-    if from != Some(true) {
-        return Ok(From::Straight);
+    match from {
+        Some(Start::Equilibrium) => {}
+        Some(Start::Straight) => return Ok(From::Straight),
+        None if !is_kinked && !release.has("by") => return Ok(From::Straight),
+        None | Some(Start::Held) => {
+            if release.has("angular_velocity") {
+                let message = "a rod that is held is at rest; leave it out".to_owned();
+                return Err(release.wrong("angular_velocity", Problem::Other { message }));
+            }
+            let by = release.word("by", &[("string", Holder::String), ("hand", Holder::Hand)])?;
+            return Ok(From::HeldBy(by.unwrap_or_default()));
+        }
     }
     hold.only(&["pressure", "rod", "effects"])?;
     if hold.has("pressure") && !has_muscle {

@@ -23,7 +23,7 @@ pub(super) fn text(case: &Case, plan: &Plan) -> String {
     rod(&mut out, model, &has);
     match &plan.from {
         From::Straight => put(&mut out, "from", quoted("straight")),
-        From::Equilibrium(_) => put(&mut out, "from", quoted("equilibrium")),
+        From::HeldBy(_) | From::Equilibrium(_) => put(&mut out, "from", quoted("equilibrium")),
         From::Points(points) => {
             out += "nodes = [\n";
             for [x, z, vx, vz] in points {
