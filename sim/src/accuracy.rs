@@ -175,7 +175,7 @@ pub fn first(model: &Model, run: &Run, goal: &Goal) -> Result<(Model, Run), Forw
     let swing = swing.clamp(FINEST * model.rod().length, model.rod().length);
     let mut run = run.clone();
     if goal.chooses_tolerance {
-        run.tolerance = (AIM * accuracy / (STEP_ERROR * swing)).clamp(TOLERANCES[0], TOLERANCES[1]);
+        run.tolerance = tolerance(AIM * accuracy / (STEP_ERROR * swing));
     }
     if !goal.chooses_mesh {
         return Ok((model.clone(), run));
@@ -221,11 +221,17 @@ pub fn settle(
             return Ok(Settled { model, run, trajectory, errors: Some(errors) });
         }
         last = Some(worst);
-        run.tolerance = (run.tolerance * less).max(TOLERANCES[0]);
+        run.tolerance = tolerance(run.tolerance * less);
         if mends[0] {
             (model, run) = run.on_mesh(&model, edges + 1)?;
         }
     }
+}
+
+/// A tolerance within the range of tolerances, with two digits, as people write it.
+fn tolerance(wanted: f64) -> f64 {
+    let wanted = wanted.clamp(TOLERANCES[0], TOLERANCES[1]);
+    format!("{wanted:.1e}").parse().unwrap_or(wanted)
 }
 
 /// Edges of a mesh that lowers an error of the mesh by a factor.

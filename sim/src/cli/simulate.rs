@@ -38,7 +38,7 @@ use super::voice::{Voice, print};
 const HELP: &str = "Examples:
   efam simulate scenarios/release-15psi.toml
   efam simulate scenarios/release-15psi.toml --pressure 40psi --csv
-  efam simulate scenarios/release-15psi.toml --payload 80g --duration 5s --angle 20deg
+  efam simulate scenarios/release-15psi.toml --payload 80g --angle 20deg
   efam simulate scenarios/payload-80g.toml --set effects.payload.mass=\"50 g\"
   efam simulate scenarios/release-15psi.toml --muscle muscle.toml --json
   efam simulate scenarios/undamped.toml --out outputs/undamped --overwrite -v

@@ -95,7 +95,7 @@ fn a_resolved_case_gives_the_same_model_and_run() {
         assert_eq!(a.history, b.history);
         match (&a.initial, &b.initial) {
             (Initial::Straight, Initial::Straight) => {}
-            (Initial::Posture(a), Initial::Posture(b)) => assert_eq!(a, b),
+            (Initial::Curve(a), Initial::Curve(b)) => assert_eq!(a, b),
             (Initial::Equilibrium { hold: a, own: i }, Initial::Equilibrium { hold: b, own: j }) => {
                 assert_eq!((&a.theta, i), (&b.theta, j));
                 assert_ne!(a.theta, again.model.theta);
@@ -219,7 +219,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ),
         (
             with("[rod]\nnodes = 3"),
-            "where.toml:5:9: rod.nodes = 3: must lie in 4..=2000; 32 is what the paper used",
+            "where.toml:5:9: rod.nodes = 3: must lie in 4..=2000; 16 resolve the paper's muscle to 0.02 mm",
         ),
         (
             with("[rod]\nscheme = \"papr\""),

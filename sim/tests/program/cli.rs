@@ -57,7 +57,7 @@ fn every_slip_in_a_scenario_has_its_message_and_code_2() {
         ),
         (
             with("[rod]\nnodes = 3"),
-            "error: s.toml:5:9: rod.nodes = 3: must lie in 4..=2000; 32 is what the paper used\n",
+            "error: s.toml:5:9: rod.nodes = 3: must lie in 4..=2000; 16 resolve the paper's muscle to 0.02 mm\n",
         ),
         (with("[rod]\nnodes = 32.5"), "error: s.toml:5:9: rod.nodes = 32.5: a whole number is due\n"),
         (
@@ -295,7 +295,9 @@ fn how_much_is_said_is_for_the_user_to_say() {
     assert!(table.starts_with("run  ") && nothing.is_empty(), "{table}{nothing}");
     let (table, details) = said(&["-v", "simulate", "s.toml", "--out", "verbose"]);
     assert!(table.starts_with("run  "), "{table}");
-    for part in [" s] s.toml: 1 to simulate, on ", "0.1 s with 32 nodes by Verlet: ", "written to verbose"] {
+    for part in
+        [" s] s.toml: 1 to simulate, on ", " s: 0.1 s with ", " nodes by Verlet: ", "written to verbose"]
+    {
         assert!(details.contains(part), "{part}\n{details}");
     }
     for arguments in [&["statics", "s.toml"][..], &["modes", "s.toml"], &["effects"], &["effects", "payload"]]

@@ -105,7 +105,7 @@ fn what_comes_while_a_run_goes_on_stays() {
     for (number, more) in [&["--overwrite"][..], &[]].into_iter().enumerate() {
         let out = format!("out-{number}");
         fs::create_dir(bench.0.join(&out)).expect("made");
-        let arguments = [&["simulate", "s.toml", "-q", "--no-step-check", "--out", &out], more].concat();
+        let arguments = [&["simulate", "s.toml", "-q", "--no-error-estimate", "--out", &out], more].concat();
         let mut command = bench.command(&arguments);
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("efam runs");
         let begin = Instant::now();

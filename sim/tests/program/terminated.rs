@@ -78,7 +78,7 @@ fn timed(bench: &Bench, arguments: &[&str]) -> Duration {
 #[test]
 fn a_simulation_keeps_what_was_integrated() {
     let bench = bench("terminated-simulate");
-    let arguments = ["simulate", "s.toml", "--csv", "--no-step-check", "-q", "--out"];
+    let arguments = ["simulate", "s.toml", "--csv", "--no-error-estimate", "-q", "--out"];
     let takes = timed(&bench, &[&arguments[..], &["whole"]].concat());
     let whole = bench.text("whole/trajectory.csv");
     let mut draws = Draws::new("terminated simulate");

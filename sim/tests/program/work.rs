@@ -47,7 +47,7 @@ pub const WORK: [Work; 10] = [
 const SWEEP: &str = "[sweep]\nscenario = \"s.toml\"\ndesign = \"latin_hypercube\"\npoints = 8\nseed = 3\n\
     [[sweep.parameter]]\npath = \"muscle.pressure\"\nrange = [\"10 psi\", \"90 psi\"]\n";
 const SCENARIO: &str = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n[rod]\nnodes = 8\n\
-    [run]\nduration = \"1 s\"\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n\
+    [run]\nduration = \"1 s\"\naccuracy = \"1 mm\"\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n\
     [effects.rayleigh_stiffness]\nbeta = \"5 ms\"\n";
 const CALIBRATION: &str = "\n[calibration]\nreleases = 1\npressure_pa = [275790.3, 275790.3]\npayload_kg = [0.0, 0.0]\n\
     excursion_m = 0.2\n[[calibration.parameter]]\npath = \"rod.bending_stiffness\"\n\
