@@ -145,7 +145,8 @@ impl<T: Scalar> Context<T> {
     }
 }
 
-/// The rod's last half cell, a thin rod that turns with the end body.
+/// The rod's last half cell, a thin rod that turns with the end body; of the edge length at release, whatever the
+/// pressure does to it later.
 fn half_cell<T: Scalar>(stencil: &Stencil<T>, node_mass: T, rest_length: T) -> Body<T> {
     let mass = node_mass * 0.5;
     let before = rest_length * stencil.last_half_cell();

@@ -221,7 +221,9 @@ pub fn settle(
             return Ok(Settled { model, run, trajectory, errors: Some(errors) });
         }
         last = Some(worst);
-        run.tolerance = tolerance(run.tolerance * less);
+        if mends[1] {
+            run.tolerance = tolerance(run.tolerance * less);
+        }
         if mends[0] {
             (model, run) = run.on_mesh(&model, edges + 1)?;
         }

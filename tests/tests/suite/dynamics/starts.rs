@@ -52,9 +52,11 @@ fn mirrored(model: &Model) -> Posture<f64> {
 fn mirrored_it_swings_mirrored() {
     let parameters = [("rayleigh_mass.alpha", 1.0), ("air_drag.drag_coefficient", 1.0)];
     let spec = paper_spec(40.0, 24, &parameters);
-    let right = Model::new(&models::model::ModelSpec { release_angle: 0.7, ..spec.clone() }).expect("valid");
-    let left =
-        Model::new(&models::model::ModelSpec { base_angle: std::f64::consts::PI, ..spec }).expect("valid");
+    let at = |base_angle: f64| {
+        let spec = models::model::ModelSpec { base_angle, release_angle: base_angle, ..spec.clone() };
+        Model::new(&spec).expect("valid")
+    };
+    let (right, left) = (at(0.7), at(std::f64::consts::PI - 0.7));
     let run = Run { tolerance: 1e-9, ..Run::release(3.0, 100.0) };
     let there = simulate(&right, &run);
     let mut here = simulate(&left, &Run { initial: Initial::Posture(mirrored(&left)), ..run });

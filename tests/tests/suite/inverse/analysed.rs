@@ -15,6 +15,7 @@ use sim::cleaning::clean;
 use sim::experiment::Experiment;
 use sim::experiment::analyse::analyse;
 use sim::figures::of_experiment;
+use tests::twin::AS_DRAWN;
 use tests::twin::drawn::{Plan, Priors};
 use tests::twin::lab::millimetres;
 
@@ -31,7 +32,7 @@ fn the_stiffness_of_a_drawn_muscle_is_found_from_frequency_and_tip() {
     let marker = |share: f64| format!("{{ marker = \"body_{:02.0}\", at = {share} }}", 100.0 * share);
     let markers: Vec<String> = plan.body.iter().map(|share| marker(*share)).collect();
     let body = format!("body = [{}]\n", markers.join(", "));
-    let mut text = format!("[muscle]\nname = \"garbulinski-2022\"\n[rod]\nnodes = {NODES}\n");
+    let mut text = format!("[muscle]\nname = \"garbulinski-2022\"\n[rod]\nnodes = {NODES}\n{AS_DRAWN}");
     let places =
         plan.pressures.iter().flat_map(|psi| plan.angles.iter().map(move |angle| (psi, angle.to_degrees())));
     for (k, (psi, angle)) in places.enumerate() {

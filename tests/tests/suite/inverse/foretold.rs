@@ -18,6 +18,7 @@ use sim::predict::grid::{Cell, grid};
 use sim::results::calibrated::muscle_file;
 use tests::PSI;
 use tests::blind::all_fitted;
+use tests::twin::AS_DRAWN;
 use tests::twin::drawn::{Plan, Priors};
 use tests::twin::hidden::Hidden;
 
@@ -60,8 +61,10 @@ fn foretold(seed: u64) -> Vec<Cell> {
     let file = muscle_file(&muscle, &outcome.calibration, None, "pder_32", "twin")
         .expect("a muscle")
         .expect("columns");
-    let text =
-        format!("[muscle]\ntext = {}\n[run]\nduration = \"{SECONDS} s\"\n", toml::Value::from(file.text));
+    let text = format!(
+        "[muscle]\ntext = {}\n[run]\nduration = \"{SECONDS} s\"\n{AS_DRAWN}",
+        toml::Value::from(file.text)
+    );
     let asked = Asked::scenario(Path::new("twin.toml"), text);
     let (case, known) = asked.case(Some(PRESSURE * PSI), Some(0.0)).expect("a case");
     let mut asked = asked;

@@ -48,7 +48,7 @@ fn in_the_step_of_sensitivities_there_is_none() {
 fn a_run_that_is_only_watched_keeps_nothing() {
     let model = paper(15.0, 12, &[("rayleigh_mass.alpha", 1.0)]);
     let most = |duration: f64, keep_samples: bool| {
-        let run = Run { keep_samples, ..Run::release(duration, 1000.0) };
+        let run = Run { keep_samples, trace_step: None, ..Run::release(duration, 1000.0) };
         let watch = || {
             forward(&model, &run, &mut |sample| {
                 sample.snapshot();

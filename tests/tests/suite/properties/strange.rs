@@ -180,8 +180,8 @@ struct Start {
 }
 
 /// Straight, raised with its clamp, raised while the clamp stays level (a kink at the clamp), folded in its middle, set
-/// in motion, loaded, soft: each halving of the edge length moves the path less, and in the end by a quarter, as the
-/// second power of the edge length has it.
+/// in motion, loaded, soft: each halving of the edge length moves the path less, and in the end by an eighth at most, as
+/// the third power of the edge length has it. A kink is no curve: it is resolved with the second power.
 #[test]
 fn finer_meshes_move_towards_one_answer_from_any_start() {
     let straight = Start { psi: 40.0, clamp: 0.0, angle: 0.0, rate: 0.0, fold: 0.0, payload: 0.0 };
@@ -202,8 +202,10 @@ fn finer_meshes_move_towards_one_answer_from_any_start() {
         let changes: Vec<f64> = paths.windows(2).map(change).collect();
         let ratios: Vec<f64> = changes.windows(2).map(|pair| pair[1] / pair[0]).collect();
         assert!(ratios.iter().all(|ratio| *ratio < 0.5), "{start:?}: {ratios:?}");
-        // The kink of a fold is resolved a little later.
-        assert!((0.2..0.33).contains(&ratios[2]), "{start:?}: {ratios:?}");
+        let is_smooth = start.fold == 0.0 && start.angle == start.clamp;
+        let most = if is_smooth { 0.15 } else { 0.33 };
+        println!("{start:?}: {ratios:?}");
+        assert!(ratios[2] < most, "{start:?}: {ratios:?}");
     }
 }
 
