@@ -89,9 +89,13 @@ impl Errors {
     pub fn warnings(&self, run: &Run, model: &Model, goal: &Goal) -> Vec<String> {
         let mut warnings = Vec::new();
         let asked = millimetres(self.asked_m);
-        if self.mesh_m > SHARE * self.asked_m {
+        let misses = self.tip_m() > self.asked_m;
+        if misses && self.mesh_m > SHARE * self.asked_m {
             let next = match self.mesh_nodes(model) {
                 Some(nodes) if goal.chooses_mesh => format!("rod.nodes = {nodes} may do, and takes longer"),
+                Some(nodes) if model.scheme == Scheme::Paper => {
+                    format!("give rod.nodes = {nodes}, or leave rod.scheme out")
+                }
                 Some(nodes) => format!("give rod.nodes = {nodes}, or leave it out"),
                 None => "ask for less by run.accuracy".to_owned(),
             };
@@ -112,7 +116,7 @@ impl Errors {
         };
         if let Some(why) = &self.fails {
             warnings.push(format!("with longer steps the run fails: {why}; {next}"));
-        } else if self.step_m > SHARE * self.asked_m {
+        } else if misses && self.step_m > SHARE * self.asked_m {
             warnings.push(format!(
                 "the steps put the tip wrong by some {} mm at {:.2} s, {asked} mm was asked; {next}",
                 millimetres(self.step_m),

@@ -48,7 +48,7 @@ mass = "per_length"
 
 [rod]
 nodes = 32
-root = "paper"
+scheme = "paper"
 
 [effects.rayleigh_mass]
 alpha = "1 1/s"

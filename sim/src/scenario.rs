@@ -39,6 +39,7 @@ pub(crate) mod plan;
 mod posture;
 mod release;
 pub(crate) mod resolved;
+pub(crate) mod start;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -47,6 +48,7 @@ use models::model::Model;
 use models::muscle::Known;
 
 use crate::accuracy::Goal;
+use crate::accuracy::first;
 use crate::forward::{Run, uniform};
 use crate::pace::Pace;
 use crate::results::rest::rest;
@@ -97,6 +99,16 @@ impl Case {
         self.rate = Some(pace.rate);
         self.warnings.extend(pace.warning);
         self
+    }
+
+    /// The case with the mesh and the tolerance with which a run of its accuracy begins, as far as the scenario
+    /// leaves them open. Their errors are not estimated.
+    pub fn begun(self) -> Self {
+        match first(&self.model, &self.run, &self.goal) {
+            Ok((model, run)) => Self { model, run, ..self },
+            // What is wrong with its start is said when it is run.
+            Err(_) => self,
+        }
     }
 
     /// Root moment, N m, of the muscle at rest under its end fitting alone, its clamp level, as it was when its
@@ -173,7 +185,7 @@ impl Scenario {
         if let Some(muscle) = self.plan.muscle.as_ref().filter(|_| names("muscle", "file")) {
             set.push(format!("muscle.text={}", serde_json::Value::from(muscle.text.as_str())));
         }
-        if let (plan::From::Points(points), true) = (&self.plan.from, names("release", "posture")) {
+        if let (start::From::Points(points), true) = (&self.plan.from, names("release", "posture")) {
             let row = |[x, z, vx, vz]: &[f64; 4]| {
                 format!("[\"{x:?} m\", \"{z:?} m\", \"{vx:?} m/s\", \"{vz:?} m/s\"]")
             };

@@ -42,7 +42,13 @@ impl Law for FrictionOverPressure {
         memory: 1,
         timed: false,
         parameters: &[
-            Parameter { meaning: "friction moment that the reference pressure adds", ..FRICTION_MOMENT },
+            // Not tried by diagnoses on its own: over few pressures it cannot be told from `braid_friction`, whose moment a
+            // fit finds at each pressure anyway.
+            Parameter {
+                meaning: "friction moment that the reference pressure adds",
+                plausible: None,
+                ..FRICTION_MOMENT
+            },
             CREEP_RATE,
             Parameter {
                 name: "reference_pressure",

@@ -118,8 +118,8 @@ pub struct Release {
     /// Area that the payload turns to the air, such as "20 cm^2".
     #[arg(long, value_name = "AREA")]
     pub frontal_area: Option<String>,
-    /// Angle of the straight rod above the horizontal, from which it is let go [default: the scenario's,
-    /// or level].
+    /// Angle above the horizontal from which it is let go; a rod whose clamp has another is held at its tip
+    /// [default: the scenario's, or the clamp's].
     #[arg(long, allow_hyphen_values = true)]
     pub angle: Option<String>,
     /// How long to simulate [default: the scenario's, or 20 s].

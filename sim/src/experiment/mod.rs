@@ -50,7 +50,8 @@ use std::sync::Arc;
 
 use crate::recording::{self, ReadOptions, Recording};
 use crate::scenario::document::{Document, Keys};
-use crate::scenario::plan::{self, From, Plan};
+use crate::scenario::plan::{self, Plan};
+use crate::scenario::start::From;
 use crate::scenario::{Case, Problem, case};
 
 pub use direction::Direction;

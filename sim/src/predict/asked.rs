@@ -57,7 +57,7 @@ impl Asked {
             scenario = Scenario::parse(&self.path, &self.text, &set)?;
         }
         let mut cases = scenario.cases()?;
-        let case = cases.swap_remove(0);
+        let case = cases.swap_remove(0).begun();
         Ok((case, scenario.known().cloned()))
     }
 }

@@ -12,7 +12,8 @@ use models::statics::held;
 
 use super::document::Document;
 use super::error::{Problem, ScenarioError};
-use super::plan::{From, Hold, Holder, MassPlan, MusclePlan, Plan, Pressure, ROD};
+use super::plan::{MassPlan, MusclePlan, Plan, Pressure, ROD};
+use super::start::{From, Hold, Holder};
 use super::{Case, Scenario};
 use crate::accuracy::Goal;
 use crate::forward::{CurvePoint, Initial, Run};

@@ -9,7 +9,7 @@ use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
 
 use super::document::{Document, Keys};
 use super::error::{Problem, ScenarioError};
-use super::posture;
+use super::start::{From, is_kinked, read_from};
 use crate::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
 use crate::input;
 use crate::integrate::Method;
@@ -70,35 +70,6 @@ pub(crate) enum Pressure {
     AllRows,
     /// Each recording of an experiment has its own.
     Elsewhere,
-}
-
-/// Where the rod starts.
-#[derive(Clone, Debug)]
-pub(crate) enum From {
-    Straight,
-    /// At rest while a string or a hand holds the end in the direction of the release angle.
-    HeldBy(Holder),
-    Equilibrium(Hold),
-    /// Points with velocities: x, z, vx, vz.
-    Points(Vec<[f64; 4]>),
-}
-
-/// What holds the end of a rod.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) enum Holder {
-    /// Pulls straight up or down, and lets the end turn.
-    #[default]
-    String,
-    /// Keeps the end body at the release angle as well.
-    Hand,
-}
-
-/// What is different while the rod is held.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Hold {
-    pub pressure: Option<f64>,
-    pub rod: [Option<f64>; 6],
-    pub effects: Vec<EffectPlan>,
 }
 
 /// Keys and units of what a rod itself has.
@@ -165,6 +136,10 @@ impl Plan {
         let schemes = [("consistent", Scheme::Consistent), ("paper", Scheme::Paper)];
         // `root` is what the key was called while it decided of nothing else.
         let scheme = if rod.has("root") { "root" } else { "scheme" };
+        if rod.has("root") && rod.has("scheme") {
+            let message = "this is the old name of rod.scheme, which is given too; keep that".to_owned();
+            return Err(rod.wrong("root", Problem::Other { message }));
+        }
         let muscle = read_muscle(document, &keys.table("muscle")?, has_pressure)?;
         let base_angle = rod.quantity("base_angle", "rad")?.unwrap_or(0.0);
         let angle = release.quantity("angle", "rad")?.unwrap_or(base_angle);
@@ -177,7 +152,12 @@ impl Plan {
             tip: rod.quantity_that("tip", "m", "lie in -1..=10 m", |tip| (-1.0..=10.0).contains(&tip))?,
             angle,
             angular_velocity: release.quantity("angular_velocity", "rad/s")?.unwrap_or(0.0),
-            from: read_from(document, &release, muscle.is_some(), is_clamped && is_kink(base_angle, angle))?,
+            from: read_from(
+                document,
+                &release,
+                muscle.is_some(),
+                is_clamped && is_kinked(base_angle, angle),
+            )?,
             rate,
             accuracy,
             chooses_tolerance,
@@ -211,7 +191,7 @@ pub(crate) fn fits_name(c: char) -> bool {
     c.is_alphanumeric() || "-_.+ ".contains(c)
 }
 
-fn read_rod(rod: &Keys) -> Result<[Option<f64>; 6], ScenarioError> {
+pub(super) fn read_rod(rod: &Keys) -> Result<[Option<f64>; 6], ScenarioError> {
     let mut values = [None; 6];
     for (value, (key, unit)) in values.iter_mut().zip(ROD) {
         *value = rod.quantity(key, unit)?;
@@ -308,91 +288,6 @@ fn read_pressure(keys: &Keys) -> Result<Pressure, ScenarioError> {
     Ok(Pressure::Constant(keys.quantity("pressure", "Pa")?.unwrap_or_default()))
 }
 
-/// The words of `release.from`.
-#[derive(Clone, Copy, PartialEq)]
-enum Start {
-    Straight,
-    Held,
-    Equilibrium,
-}
-
-/// Whether a straight rod at `angle` would be bent by a finite angle in no length where it leaves its clamp.
-fn is_kink(base_angle: f64, angle: f64) -> bool {
-    (angle - base_angle).abs() > 1e-9
-}
-
-/// Where the rod starts. `is_kinked` says whether a straight rod would have a kink at its clamp: the energy of a kink
-/// is infinite, and on a mesh whatever the mesh makes of it.
-fn read_from(
-    document: &Document,
-    release: &Keys,
-    has_muscle: bool,
-    is_kinked: bool,
-) -> Result<From, ScenarioError> {
-    let hold = release.table("hold")?;
-    let starts = [("straight", Start::Straight), ("held", Start::Held), ("equilibrium", Start::Equilibrium)];
-    let from = release.word("from", &starts)?;
-    if hold.is_given() && from != Some(Start::Equilibrium) {
-        let message = "only an equilibrium is held; write from = \"equilibrium\" in [release]".to_owned();
-        return Err(document.error_of("release.hold", Problem::Other { message }));
-    }
-    if release.has("by") && matches!(from, Some(Start::Straight | Start::Equilibrium)) {
-        let message = "only a rod that starts from = \"held\" is held by something".to_owned();
-        return Err(release.wrong("by", Problem::Other { message }));
-    }
-    if is_kinked && from == Some(Start::Straight) {
-        let message = "a straight rod at another angle than rod.base_angle has a kink at its clamp, whose energy \
-                       grows with every node; leave from out, or write from = \"held\": a string (by = \"hand\": a \
-                       hand) holds the tip in the direction of release.angle, and the clamped rod bends to it"
-            .to_owned();
-        return Err(release.wrong("from", Problem::Other { message }));
-    }
-    for key in ["posture", "nodes"] {
-        if from.is_some() && release.has(key) {
-            let message = "a release has one start; keep either this or from".to_owned();
-            return Err(release.wrong(key, Problem::Other { message }));
-        }
-    }
-    if release.has("posture") {
-        let (file, text) = read_file(document, release, "posture")?;
-        return (posture::read(&file, &text).map(From::Points))
-            .map_err(|error| release.wrong("posture", *error));
-    }
-    if let Some(rows) = release.rows("nodes", &["m", "m", "m/s", "m/s"], "a row of x, z, vx, vz")? {
-        let points: Vec<_> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
-        posture::check(&points).map_err(|(_, message)| release.wrong("nodes", Problem::Other { message }))?;
-        return Ok(From::Points(points));
-    }
-    if release.has("nodes") {
-        return Err(release.wrong("nodes", Problem::WrongType { due: "rows of x, z, vx, vz" }));
-    }
-    match from {
-        Some(Start::Equilibrium) => {}
-        Some(Start::Straight) => return Ok(From::Straight),
-        None if !is_kinked && !release.has("by") => return Ok(From::Straight),
-        None | Some(Start::Held) => {
-            if release.has("angular_velocity") {
-                let message = "a rod that is held is at rest; leave it out".to_owned();
-                return Err(release.wrong("angular_velocity", Problem::Other { message }));
-            }
-            let by = release.word("by", &[("string", Holder::String), ("hand", Holder::Hand)])?;
-            return Ok(From::HeldBy(by.unwrap_or_default()));
-        }
-    }
-    hold.only(&["pressure", "rod", "effects"])?;
-    if hold.has("pressure") && !has_muscle {
-        let message = "a rod without [muscle] has no pressure; give release.hold.rod instead".to_owned();
-        return Err(hold.wrong("pressure", Problem::Other { message }));
-    }
-    let rod = hold.table("rod")?;
-    rod.only(&ROD.map(|(key, _)| key))?;
-    Ok(From::Equilibrium(Hold {
-        pressure: hold.quantity("pressure", "Pa")?,
-        rod: read_rod(&rod)?,
-        effects: read_effects(&hold.table("effects")?)?,
-    }))
-}
-
 fn read_history(release: &Keys) -> Result<Option<History>, ScenarioError> {
     let history = release.table("history")?;
     if !history.is_given() {
@@ -449,7 +344,7 @@ fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
 }
 
 /// Effects in the order of the catalogue, whatever that of the file.
-fn read_effects(keys: &Keys) -> Result<Vec<EffectPlan>, ScenarioError> {
+pub(super) fn read_effects(keys: &Keys) -> Result<Vec<EffectPlan>, ScenarioError> {
     keys.only(&CATALOGUE.iter().map(|effect| effect.about().name).collect::<Vec<_>>())?;
     let mut plans = Vec::new();
     for about in CATALOGUE.iter().map(|effect| effect.about()).filter(|about| keys.has(about.name)) {
@@ -468,7 +363,11 @@ fn read_effects(keys: &Keys) -> Result<Vec<EffectPlan>, ScenarioError> {
 }
 
 /// Name and text of a file that a key names.
-fn read_file(document: &Document, keys: &Keys, key: &str) -> Result<(String, String), ScenarioError> {
+pub(super) fn read_file(
+    document: &Document,
+    keys: &Keys,
+    key: &str,
+) -> Result<(String, String), ScenarioError> {
     let Some((name, place)) = keys.text(key)? else { return Ok(Default::default()) };
     match input::text(&document.file(place, name)) {
         Ok(text) => Ok((name.to_owned(), text)),

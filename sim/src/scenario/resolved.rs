@@ -7,7 +7,8 @@ use models::model::{Model, Scheme};
 use models::muscle::Extrapolation;
 
 use super::Case;
-use super::plan::{From, METHODS, MassPlan, Plan, Pressure, ROD, fits_name};
+use super::plan::{METHODS, MassPlan, Plan, Pressure, ROD, fits_name};
+use super::start::From;
 use crate::forward::Initial;
 use crate::pace::DEFAULT_RATE;
 

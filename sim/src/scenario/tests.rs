@@ -223,7 +223,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ),
         (
             with("[rod]\nscheme = \"papr\""),
-            "where.toml:5:8: rod.scheme = \"papr\": unknown; did you mean `paper`?; known here are consistent, paper",
+            "where.toml:5:10: rod.scheme = \"papr\": unknown; did you mean `paper`?; known here are consistent, paper",
         ),
         (
             with("[release]\nangle = \"400 deg\""),

@@ -44,7 +44,7 @@ pub fn case(
     let mut all = set.to_vec();
     all.extend(paths.iter().zip(&point.values).map(|(path, value)| setting(path, value)));
     let scenario = Scenario::parse(scenario, text, &all)?;
-    let case = scenario.cases()?.swap_remove(0);
+    let case = scenario.cases()?.swap_remove(0).begun();
     Ok((case, scenario))
 }
 

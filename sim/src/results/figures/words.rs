@@ -44,8 +44,8 @@ pub fn words(all: &[Pressure]) -> Vec<Words> {
             "EI from the axial test lies apart from that by bending. That of the beam and that of rods with 8 to 40 nodes agree; both are least at 25 psi. From there to 100 psi EI grows about fourfold: 4.2 times in the table's column of the beam, 3.9 times in that of 32 nodes.",
             stiffness(all),
             [
-                "Fitted to recorded rests, as the paper does. Each rest follows from the decay of the last swings, so it does not depend on when the recording ends. The root and the mass are those of the experiment; the paper's root is rod.root = \"paper\". An inclined base has no Euler-Bernoulli beam, which is clamped level.",
-                "The paper fits measured tips, which are not published. Ours are the rests of runs with the table's EI of 32 nodes, so that rod finds the table again by construction; the beam and the other rods do not. With the root at which the table's two columns agree, rods of 8 and 16 nodes need another EI than that of 32, which the paper does not see; with --set 'rod.root=\"consistent\"' rods of 8 to 40 nodes agree, and the column of the beam is missed by a tenth. No one root gives both.",
+                "Fitted to recorded rests, as the paper does. Each rest follows from the decay of the last swings, so it does not depend on when the recording ends. The root and the mass are those of the experiment; the paper's root is rod.scheme = \"paper\". An inclined base has no Euler-Bernoulli beam, which is clamped level.",
+                "The paper fits measured tips, which are not published. Ours are the rests of runs with the table's EI of 32 nodes, so that rod finds the table again by construction; the beam and the other rods do not. With the root at which the table's two columns agree, rods of 8 and 16 nodes need another EI than that of 32, which the paper does not see; with --set 'rod.scheme=\"consistent\"' rods of 8 to 40 nodes agree, and the column of the beam is missed by a tenth. No one root gives both.",
             ],
         ),
         of(
