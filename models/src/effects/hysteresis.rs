@@ -53,6 +53,7 @@ impl Law for Hysteresis {
                 range: (0.0, 1.0),
                 scale: 0.03,
                 off: Some(0.0),
+                is_friction: true,
                 plausible: Some((0.0, 0.1)),
                 ..Parameter::PLAIN
             },

@@ -27,6 +27,7 @@ pub(super) const FRICTION_MOMENT: Parameter = Parameter {
     range: (0.0, 100.0),
     scale: 5e-4,
     off: Some(0.0),
+    is_friction: true,
     plausible: Some((0.0, 2e-3)),
     ..Parameter::PLAIN
 };

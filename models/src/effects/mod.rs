@@ -162,6 +162,9 @@ pub struct Parameter {
     /// Whether the effect is a sum in which this parameter scales one term: then the effect is off
     /// where all such parameters are, and not where one of them is.
     pub is_part: bool,
+    /// Whether it is the size of a friction: where that is small against what it holds, the rod slips, and small
+    /// vibrations, in which friction sticks as a spring, are not those of a swing.
+    pub is_friction: bool,
     /// Smallest and largest value that a diagnosis believes of a muscle in a laboratory; none for all
     /// that is admissible.
     pub plausible: Option<(f64, f64)>,
@@ -181,6 +184,7 @@ impl Parameter {
         scale: 1.0,
         off: None,
         is_part: false,
+        is_friction: false,
         plausible: None,
         tries: &[],
     };

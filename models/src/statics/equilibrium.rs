@@ -173,7 +173,11 @@ impl<'m> Search<'m> {
                 (last_size, last_imbalance) = (f64::INFINITY, f64::INFINITY);
                 continue;
             }
-            if !self.imbalance.is_finite() || !self.factorize() {
+            if !self.imbalance.is_finite() {
+                self.imbalance = last_imbalance;
+                return false;
+            }
+            if !self.factorize() {
                 return false;
             }
             if self.shift > 0.0 && !self.may_slip {

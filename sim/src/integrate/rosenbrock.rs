@@ -91,6 +91,14 @@ impl<'m> Rosenbrock<'m> {
         }
     }
 
+    /// Tangents at the state; again after each attempt at a step, for its stages have moved the rod on
+    /// which they are condensed.
+    fn linearise(&mut self) {
+        let State { time, q, v, z } = &self.state;
+        self.system.linearise_into(*time, q, v, z, &mut self.start_force, &mut self.start_z_rate);
+        self.effort.linearisations += 1;
+    }
+
     /// Solves all stages of a step of size `h`; false if the matrix is singular.
     fn solve_stages(&mut self, h: f64) -> bool {
         let tableau = self.tableau;
@@ -214,9 +222,8 @@ impl Stepper for Rosenbrock<'_> {
             return Err(IntegrateError::TooManySteps { time, steps: self.effort.steps });
         }
         self.system.begin_step(time);
+        self.linearise();
         let State { q, v, z, .. } = &self.state;
-        self.system.linearise_into(time, q, v, z, &mut self.start_force, &mut self.start_z_rate);
-        self.effort.linearisations += 1;
         if let Some(pass) = &mut self.time_pass {
             let (force, z_rate) = (&mut self.force_by_time, &mut self.z_rate_by_time);
             self.system.by_time(pass, time, q, v, z, force, z_rate);
@@ -242,6 +249,7 @@ impl Stepper for Rosenbrock<'_> {
                 if is_lent && h > SMALLEST_STEP && !(error <= POOR && keeps_memory()) {
                     self.effort.rejected += 1;
                     self.step = 0.5 * h;
+                    self.linearise();
                     continue;
                 }
                 if !error.is_finite() {
@@ -256,6 +264,7 @@ impl Stepper for Rosenbrock<'_> {
                 if self.step < SMALLEST_STEP {
                     return Err(IntegrateError::StepTooSmall { time, step: self.step, node });
                 }
+                self.linearise();
                 continue;
             }
             self.accept(h);

@@ -16,10 +16,16 @@ use super::cases;
 
 const MUSCLE: &str = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n";
 
-fn one(text: &str, overrides: &[String]) -> Case {
+/// The case of a scenario; none where no hand can hold the rod, which softens without end, at its angle.
+fn one(text: &str, overrides: &[String]) -> Option<Case> {
     let scenario = Scenario::parse(Path::new("drawn.toml"), text, overrides);
-    let cases = scenario.and_then(|scenario| scenario.cases());
-    cases.unwrap_or_else(|error| panic!("{error}\n{overrides:?}")).remove(0)
+    match scenario.and_then(|scenario| scenario.cases()) {
+        Ok(mut cases) => Some(cases.remove(0)),
+        Err(error) => {
+            assert!(error.to_string().contains("no equilibrium found"), "{error}\n{overrides:?}");
+            None
+        }
+    }
 }
 
 /// A value within the range of a parameter, and of what one would believe where that is known.
@@ -52,12 +58,14 @@ proptest! {
             }
         }
         let case = one(MUSCLE, &overrides);
+        prop_assume!(case.is_some());
+        let case = case.expect("assumed");
         for (path, value) in &given {
             if let Ok(k) = case.model.index(path) {
                 prop_assert_eq!(case.model.theta[k].to_bits(), value.to_bits(), "{}", path);
             }
         }
-        let again = one(&case.resolved(), &[]);
+        let again = one(&case.resolved(), &[]).expect("as it was run");
         let bits = |case: &Case| case.model.theta.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         prop_assert_eq!(bits(&again), bits(&case), "{}", case.resolved());
         let paths = |case: &Case| case.model.parameters.iter().map(|own| own.path.clone()).collect::<Vec<_>>();

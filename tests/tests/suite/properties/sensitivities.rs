@@ -56,8 +56,8 @@ fn check(model: &Model, run: &Run) {
         let largest =
             found.tip_by_parameters.iter().map(|by| by[place][0].hypot(by[place][1])).fold(0.0, f64::max);
         // Runs at this tolerance differ by 1e-10 m in what their steps leave: the parameter is moved
-        // until the tip moves half a million times that, as far as its own size lets it.
-        let step = (3e-5 / largest).min(3e-3 * model.theta[k].abs().max(0.1 * p.scale));
+        // until the tip moves 200 000 times that, as far as its own size lets it.
+        let step = (2e-5 / largest).min(3e-3 * model.theta[k].abs().max(0.1 * p.scale));
         let side = |sign: f64| {
             let mut moved = model.clone();
             moved.theta[k] += sign * step;
