@@ -332,6 +332,21 @@ impl Model {
         !self.is_timed() && self.memory == 0 && !self.effects.iter().any(loses)
     }
 
+    /// The model as it swings where its frictions slip: without them. None if it has no friction.
+    pub fn slipping(&self) -> Option<Model> {
+        let mut slipping = self.clone();
+        let mut slips = false;
+        for active in self.effects.iter().filter(|active| !self.is_off(active)) {
+            for (p, k) in active.effect.about().parameters.iter().zip(active.theta.clone()) {
+                if let (true, Some(off)) = (p.is_friction, p.off) {
+                    slipping.theta[k] = off;
+                    slips = true;
+                }
+            }
+        }
+        slips.then_some(slipping)
+    }
+
     /// Whether the effect's parameters stand where it vanishes.
     fn is_off(&self, active: &Active) -> bool {
         active.effect.about().is_off(&self.theta[active.theta.clone()])

@@ -172,18 +172,19 @@ fn derivatives_by_every_parameter_match_differences() {
             };
             // Of fourth order, so that the step may be as long.
             let [near, far] = [1.0, 2.0].map(|share| (side(share), side(-share)));
-            let slope = |of: fn(&(Vec<f64>, Vec<f64>)) -> &Vec<f64>, i: usize| {
-                let [near, far] = [&near, &far].map(|(plus, minus)| of(plus)[i] - of(minus)[i]);
-                (8.0 * near - far) / (12.0 * step)
+            let slope = |near: [f64; 2], far: [f64; 2]| {
+                (8.0 * (near[0] - near[1]) - (far[0] - far[1])) / (12.0 * step)
             };
-            let scale = (0..nq).map(|i| slope(|side| &side.0, i).abs()).fold(1e-3, f64::max);
+            let of_force = |i: usize| slope([near.0.0[i], near.1.0[i]], [far.0.0[i], far.1.0[i]]);
+            let of_memory = |i: usize| slope([near.0.1[i], near.1.1[i]], [far.0.1[i], far.1.1[i]]);
+            let scale = (0..nq).map(|i| of_force(i).abs()).fold(1e-3, f64::max);
             for i in 0..nq {
-                let expected = slope(|side| &side.0, i);
+                let expected = of_force(i);
                 let tolerance = 10.0 * scale + 1e-7 / step;
                 assert_close(by_theta[i][lane], expected, tolerance, &model.parameters[k].path);
             }
             for i in 0..nz {
-                let expected = slope(|side| &side.1, i);
+                let expected = of_memory(i);
                 let tolerance = expected.abs() * 10.0 + 1e-3;
                 assert_close(rate_by_theta[i][lane], expected, tolerance, &model.parameters[k].path);
             }

@@ -72,3 +72,28 @@ fn largest_stretch(model: &Model, trajectory: &Trajectory) -> (f64, f64) {
     }
     (largest, at)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forward::{Run, forward};
+    use crate::scenario::Scenario;
+    use std::ops::ControlFlow;
+    use std::path::Path;
+
+    /// Rests as they may be found: that hangs, that falls when it is pushed, about which vibrations grow.
+    #[test]
+    fn a_rest_that_does_not_hold_is_said() {
+        let text = "[rod]\nlength = \"300 mm\"\nmass = \"30 g\"\nbending_stiffness = \"1 N m^2\"\n\
+                    axial_stiffness = \"10 kN\"\nnodes = 8\n[run]\nduration = \"0.1 s\"\n";
+        let case = Scenario::parse(Path::new("s.toml"), text, &[]).unwrap().cases().unwrap().remove(0);
+        let run = Run { tolerance: 1e-5, ..case.run.clone() };
+        let trajectory = forward(&case.model, &run, &mut |_| ControlFlow::Continue(())).unwrap();
+        let told = |rest: Rest| warnings(&case.model, &trajectory, Some(&rest), None).join("; ");
+        let hangs = || crate::results::rest::rest(&case.model, 0.0, 2).unwrap();
+        assert_eq!(told(hangs()), "");
+        assert!(told(Rest { stable: false, ..hangs() }).contains("not stable"));
+        let grows = told(Rest { modes: Ok(vec![(3.0, 0.1), (40.0, -147.0)]), ..hangs() });
+        assert!(grows.contains("40.0 Hz") && grows.contains("-147"), "{grows}");
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Command};
@@ -71,12 +71,7 @@ fn collect(command: &Command, pages: &mut Vec<(String, Vec<u8>)>) -> io::Result<
 }
 
 /// Writes all pages into a folder, or none where one is there already.
-fn write(
-    folder: &PathBuf,
-    overwrite: bool,
-    pages: &[(String, Vec<u8>)],
-    voice: &Voice,
-) -> Result<(), Failure> {
+fn write(folder: &Path, overwrite: bool, pages: &[(String, Vec<u8>)], voice: &Voice) -> Result<(), Failure> {
     let taken = pages.iter().map(|(name, _)| folder.join(name)).find(|path| path.exists());
     if let (Some(path), false) = (taken, overwrite) {
         return Err(ResultsError::Exists { folder: path }.into());

@@ -1,6 +1,6 @@
 //! Progress on a terminal. The only file that names indicatif.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 pub use indicatif::ProgressBar;
 use indicatif::ProgressStyle;
@@ -26,4 +26,35 @@ pub fn line(has_thread: bool) -> ProgressBar {
         bar.enable_steady_tick(Duration::from_millis(200));
     }
     bar
+}
+
+/// A run is looked at for so long before its end is foretold: most have ended by then.
+const LOOK: Duration = Duration::from_secs(2);
+/// What takes longer is worth a line.
+const LONG: Duration = Duration::from_secs(60);
+
+/// How long a run will take.
+pub struct Cost {
+    begin: Instant,
+    duration: f64,
+    is_told: bool,
+}
+
+impl Cost {
+    /// Of a run of so many simulated seconds that begins now.
+    pub fn new(duration: f64) -> Self {
+        Self { begin: Instant::now(), duration, is_told: false }
+    }
+
+    /// Once, seconds after the begin: the time that a long run takes in all; from the simulated time that is
+    /// reached, s.
+    pub fn foretold(&mut self, time: f64) -> Option<Duration> {
+        let so_far = self.begin.elapsed();
+        if self.is_told || so_far < LOOK || time <= 0.0 {
+            return None;
+        }
+        self.is_told = true;
+        let whole = so_far.as_secs_f64() * self.duration / time;
+        Duration::try_from_secs_f64(whole).ok().filter(|whole| *whole > LONG)
+    }
 }

@@ -1,16 +1,15 @@
 //! `efam statics` and `efam modes`: what a scenario's rod does without being let go.
 
-use std::f64::consts::TAU;
 use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
 use models::quantity::format_si;
-use models::statics::{self, equilibrium};
+use models::statics::equilibrium;
 use models::system::System;
 use serde::Serialize;
 use sim::forward::tip;
-use sim::results::rest::root_moment;
+use sim::results::rest::{rest, root_moment};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 
@@ -104,6 +103,18 @@ struct Vibration {
     frequency_hz: f64,
     /// Share of critical damping.
     damping_ratio: f64,
+    /// What friction does in it, if there is any: it sticks in the smallest vibrations, and slips in a swing.
+    friction: Option<Friction>,
+}
+
+/// What friction does in a vibration.
+#[derive(Clone, Copy, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum Friction {
+    /// It holds as a spring.
+    Sticks,
+    /// It holds nothing.
+    Slips,
 }
 
 /// Shows the rest posture.
@@ -156,15 +167,20 @@ pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
 pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
     for case in cases(&args.source, voice)? {
-        let rest = equilibrium(&case.model, None)?;
-        for (index, mode) in statics::modes(&case.model, &rest, args.count)?.iter().enumerate() {
-            rows.push(Vibration {
-                name: case.name.clone(),
-                pressure_pa: case.pressure,
-                mode: index + 1,
-                frequency_hz: mode.angular_frequency / TAU,
-                damping_ratio: mode.damping_ratio,
-            });
+        let hangs = rest(&case.model, 0.0, args.count)?;
+        let sticks = hangs.slipping.as_ref().map(|_| Friction::Sticks);
+        let slipping = hangs.slipping.unwrap_or_default();
+        for (modes, friction) in [(hangs.modes?, sticks), (slipping, Some(Friction::Slips))] {
+            for (index, (frequency_hz, damping_ratio)) in modes.into_iter().enumerate() {
+                rows.push(Vibration {
+                    name: case.name.clone(),
+                    pressure_pa: case.pressure,
+                    mode: index + 1,
+                    frequency_hz,
+                    damping_ratio,
+                    friction,
+                });
+            }
         }
     }
     if args.form.json {
@@ -179,11 +195,16 @@ pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     for row in rows {
         writeln!(
             out,
-            "{:24}{:>6}{:>14}{:>16.4}",
+            "{:24}{:>6}{:>14}{:>16.4}{}",
             row.name,
             row.mode,
             format_si(row.frequency_hz, "Hz"),
-            row.damping_ratio
+            row.damping_ratio,
+            match row.friction {
+                Some(Friction::Sticks) => "  friction sticks",
+                Some(Friction::Slips) => "  friction slips",
+                None => "",
+            }
         )?;
     }
     Ok(ExitCode::SUCCESS)

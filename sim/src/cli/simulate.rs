@@ -31,7 +31,7 @@ use super::arguments::{Output, Release, Source, argv};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::Rerun;
-use super::progress::ProgressBar;
+use super::progress::{Cost, ProgressBar};
 use super::terminal::{say, stdout};
 use super::voice::{Voice, print};
 
@@ -114,7 +114,7 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
         .par_iter()
         .map(|case| {
             timed(|| -> Result<Settled, Failure> {
-                let done = simulate(case, !args.no_error_estimate, &progress)?;
+                let done = simulate(case, !args.no_error_estimate, &progress, voice)?;
                 if let (Some(how), Status::Complete) = (&args.rerun, &done.trajectory.status) {
                     watch::shown(how, &case.run_as(&done.model, &done.run), folder.path(), &progress)?;
                 }
@@ -210,9 +210,15 @@ fn outcome(folder: &Path, done: &[Member]) -> Result<ExitCode, Failure> {
 }
 
 /// Runs a case until its end, Ctrl-C, or where it fails; what was integrated is kept.
-fn simulate(case: &Case, estimates: bool, progress: &ProgressBar) -> Result<Settled, Failure> {
+fn simulate(case: &Case, estimates: bool, progress: &ProgressBar, voice: &Voice) -> Result<Settled, Failure> {
     let run = Run { cancel: interrupt::cancel(), ..case.run.clone() };
-    let mut see = |_: &mut Sample| counted(progress);
+    let mut cost = Cost::new(case.run.duration);
+    let mut see = |sample: &mut Sample| {
+        if let Some(whole) = cost.foretold(sample.state.time) {
+            progress.suspend(|| voice.expect(&case.name, whole));
+        }
+        counted(progress)
+    };
     if estimates {
         return accuracy::settle(&case.model, &run, &case.goal, &mut see)
             .map_err(|error| stopped(case, error));

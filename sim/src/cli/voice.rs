@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -31,6 +31,19 @@ impl Voice {
     pub fn warn(&self, warnings: impl IntoIterator<Item = impl Display>) {
         for warning in warnings {
             say(format_args!("warning: {warning}"));
+        }
+    }
+
+    /// How long something will take that takes long.
+    pub fn expect(&self, what: &str, whole: Duration) {
+        if !self.quiet {
+            let time = match whole.as_secs_f64() {
+                whole if whole < 7200.0 => format!("{:.0} min", (whole / 60.0).ceil()),
+                whole => format!("{:.0} h", (whole / 3600.0).ceil()),
+            };
+            say(format_args!(
+                "{what}: at this pace it takes about {time}; Ctrl-C ends it and keeps what there is"
+            ));
         }
     }
 

@@ -74,18 +74,11 @@ pub fn report(summary: &Summary) -> String {
     };
     let ratio = summary.damping_ratio.map(|ratio| format!("{} by eq. 6{by_cycle}", significant(ratio, 3)));
     lines.entry(summary, "damping_ratio", ratio);
-    lines.entry(
-        summary,
-        "modes",
-        summary.modes.as_ref().map(|modes| {
-            let mode = |mode: &Mode| {
-                let [hz, ratio] =
-                    [mode.natural_frequency_hz, mode.damping_ratio].map(|value| significant(value, 3));
-                format!("{hz} Hz ({ratio})")
-            };
-            modes.iter().map(mode).collect::<Vec<_>>().join(", ")
-        }),
-    );
+    let stuck = if summary.slipping_modes.is_some() { "friction sticking: " } else { "" };
+    lines.entry(summary, "modes", summary.modes.as_ref().map(|modes| format!("{stuck}{}", listed(modes))));
+    if let Some(modes) = &summary.slipping_modes {
+        lines.row("", &format!("friction slipping: {}", listed(modes)));
+    }
     let settling = summary.settling_2_percent_s.or(summary.settling_5_percent_s).map(|_| {
         let within = |time: Option<f64>| time.map_or("not reached".to_owned(), |time| format!("{time:.2} s"));
         let [two, five] = [summary.settling_2_percent_s, summary.settling_5_percent_s].map(within);
@@ -113,6 +106,15 @@ pub fn report(summary: &Summary) -> String {
         lines.row("warning", warning);
     }
     lines.0
+}
+
+/// Frequencies, with damping ratios.
+fn listed(modes: &[Mode]) -> String {
+    let mode = |mode: &Mode| {
+        let [hz, ratio] = [mode.natural_frequency_hz, mode.damping_ratio].map(|value| significant(value, 3));
+        format!("{hz} Hz ({ratio})")
+    };
+    modes.iter().map(mode).collect::<Vec<_>>().join(", ")
 }
 
 /// Label of an entry of the summary.

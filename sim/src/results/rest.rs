@@ -2,7 +2,7 @@
 
 use models::error::ModelError;
 use models::model::Model;
-use models::statics::{Equilibrium, equilibrium, modes};
+use models::statics::{Equilibrium, Mode, equilibrium, modes};
 use models::system::System;
 
 use crate::forward;
@@ -21,8 +21,22 @@ pub struct Rest {
     pub root_moment: f64,
     /// Whether the rod comes back when it is pushed.
     pub stable: bool,
-    /// Undamped frequency, Hz, and damping ratio of the slowest modes.
+    /// Undamped frequency, Hz, and damping ratio of the slowest modes. Friction sticks in them.
     pub modes: Result<Vec<(f64, f64)>, ModelError>,
+    /// Those of the rod whose friction slips, about the rest without it; none where the rod has no friction.
+    pub slipping: Option<Vec<(f64, f64)>>,
+}
+
+/// Undamped frequency, Hz, and damping ratio of the slowest modes about a rest.
+fn in_hertz(model: &Model, found: &Equilibrium, count: usize) -> Result<Vec<(f64, f64)>, ModelError> {
+    let in_hertz = |mode: &Mode| (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio);
+    Ok(modes(model, found, count)?.iter().map(in_hertz).collect())
+}
+
+/// The modes of the rod whose friction slips; none where there is none.
+pub fn slipping_modes(model: &Model, count: usize) -> Option<Vec<(f64, f64)>> {
+    let slipping = model.slipping()?;
+    in_hertz(&slipping, &equilibrium(&slipping, None).ok()?, count).ok()
 }
 
 /// The rest under the pressure of a time, s, and `count` modes about it.
@@ -35,11 +49,16 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
     let mut system = System::at_rest(model);
     let posture = system.assembly.posture(&found.q, &at_rest);
     let (tip, _) = forward::tip(&system, &found.q, &at_rest);
-    let in_hertz =
-        |mode: &models::statics::Mode| (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio);
     let root_moment = root_moment(&mut system, &found);
-    let modes = modes(model, &found, count).map(|modes| modes.iter().map(in_hertz).collect());
-    Ok(Rest { nodes: posture.nodes, tip, tip_angle: posture.angle, root_moment, stable: found.stable, modes })
+    Ok(Rest {
+        nodes: posture.nodes,
+        tip,
+        tip_angle: posture.angle,
+        root_moment,
+        stable: found.stable,
+        modes: in_hertz(model, &found, count),
+        slipping: slipping_modes(model, count),
+    })
 }
 
 /// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.

@@ -317,16 +317,21 @@ fn numbers(page: &mut Page, summary: &Summary) {
             rows: cycles.iter().enumerate().map(cycle).collect(),
         },
     );
-    let mode = |(k, mode): (usize, &Mode)| {
-        let hertz = format!("{:.4}", mode.natural_frequency_hz);
-        vec![(k + 1).to_string(), hertz, significant(mode.damping_ratio, 3)]
+    let rows = |modes: &Option<Vec<Mode>>, friction: &str| -> Vec<Vec<String>> {
+        let row = |(k, mode): (usize, &Mode)| {
+            let hertz = format!("{:.4}", mode.natural_frequency_hz);
+            vec![format!("{}{friction}", k + 1), hertz, significant(mode.damping_ratio, 3)]
+        };
+        modes.iter().flatten().enumerate().map(row).collect()
     };
+    let slipping = rows(&summary.slipping_modes, ", friction slips");
+    let sticks = if slipping.is_empty() { "" } else { ", friction sticks" };
     page.folded(
         "Modes about the rest",
         &Table {
             caption: "Small vibrations about the rest, slowest first",
             heads: &["mode", "natural frequency, Hz", "damping ratio"],
-            rows: summary.modes.iter().flatten().enumerate().map(mode).collect(),
+            rows: [rows(&summary.modes, sticks), slipping].concat(),
         },
     );
     let parameter = |(path, own): (&String, &super::summary::Parameter)| {

@@ -61,8 +61,11 @@ pub struct Summary {
     pub decay_residual_m: Option<f64>,
     /// Damping and frequency from each upper peak to the next.
     pub cycles: Option<Vec<Cycle>>,
-    /// Small vibrations about the rest, slowest first.
+    /// Small vibrations about the rest, slowest first. Friction, where there is any, sticks in them.
     pub modes: Option<Vec<Mode>>,
+    /// Those of the rod whose friction slips, as in a swing that is large against it; only where there is friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slipping_modes: Option<Vec<Mode>>,
     /// Time after which the tip stays within 2 % of its first excursion.
     pub settling_2_percent_s: Option<f64>,
     /// The same for 5 %.
@@ -285,6 +288,10 @@ pub fn summarise(
         decay_amplitude_m: missing.note("decay_amplitude_m", decay_says(|decay| decay.initial_amplitude)),
         decay_residual_m: missing.note("decay_residual_m", decay_says(|decay| decay.rms_residual)),
         cycles: missing.note("cycles", cycles.map(|cycles| cycles.iter().map(Cycle::from).collect())),
+        slipping_modes: match rest {
+            Ok(Rest { slipping: Some(modes), .. }) => Some(modes.iter().map(mode).collect()),
+            _ => None,
+        },
         modes: missing.note("modes", modes.map(|modes| modes.iter().map(mode).collect())),
         settling_2_percent_s: missing.note("settling_2_percent_s", settling(0.02)),
         settling_5_percent_s: missing.note("settling_5_percent_s", settling(0.05)),
