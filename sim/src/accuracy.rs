@@ -145,8 +145,10 @@ const AIM: f64 = 0.3;
 const MOST_EDGES: usize = 1999;
 /// Runs that are made to choose mesh and tolerance.
 const MOST_ATTEMPTS: usize = 6;
-/// An attempt that is not twice as good as the one before does not converge: a rod without loss, or one that folds.
+/// Attempts in a row that are not twice as good as the one before do not converge: a rod without loss, or one that
+/// folds. One alone may be the first that resolves the rod: what a coarser mesh says before that is too good.
 const CONVERGES: f64 = 0.5;
+const MOST_STALLED: usize = 2;
 /// Steps times edges that no attempt may be expected to take: some seconds that nobody asked for.
 const MOST_WORK: f64 = 3e6;
 /// Edges and tolerance of a first attempt, from releases of the paper's muscle at all its pressures: there the error
@@ -199,7 +201,7 @@ pub fn settle(
     see: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Settled, ForwardError> {
     let (mut model, mut run) = first(model, run, goal)?;
-    let mut last: Option<f64> = None;
+    let (mut last, mut stalled) = (f64::INFINITY, 0);
     let mut attempts = 0;
     loop {
         attempts += 1;
@@ -216,15 +218,16 @@ pub fn settle(
         let may = [goal.chooses_mesh, goal.chooses_tolerance && run.method.of(&model) != Method::Verlet];
         let mends = [may[0] && is_known && wrong[0] > SHARE, may[1] && wrong[1] > SHARE];
         let worst = wrong[0].max(wrong[1]);
-        let diverges = last.is_some_and(|last| worst > CONVERGES * last);
+        stalled = if worst > CONVERGES * last { stalled + 1 } else { 0 };
         // A third more than in proportion, for tolerances of coarse runs promise too much.
         let less = if mends[1] { (AIM / wrong[1]).powf(1.3).max(1e-4) } else { 1.0 };
         let edges = if mends[0] { finer(&model, wrong[0] / AIM).min(MOST_EDGES) } else { model.edges };
         let work = trajectory.effort.steps as f64 * less.powf(-0.25) * edges as f64;
-        if !(mends[0] || mends[1]) || diverges || attempts == MOST_ATTEMPTS || work > MOST_WORK {
+        if !(mends[0] || mends[1]) || stalled == MOST_STALLED || attempts == MOST_ATTEMPTS || work > MOST_WORK
+        {
             return Ok(Settled { model, run, trajectory, errors: Some(errors) });
         }
-        last = Some(worst);
+        last = worst;
         if mends[1] {
             run.tolerance = tolerance(run.tolerance * less);
         }

@@ -1,5 +1,6 @@
 //! What the suites share: the paper's muscle, and ways to run it.
 
+pub mod accuracy;
 pub mod blind;
 pub mod drawn_scenarios;
 pub mod hostile;

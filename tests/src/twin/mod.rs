@@ -20,6 +20,7 @@ pub mod drawn;
 pub mod element;
 pub mod hidden;
 pub mod lab;
+pub mod mesh;
 pub mod motion;
 pub mod random;
 pub mod rest;

@@ -1,5 +1,6 @@
 //! All suites in one binary.
 
+mod accuracy;
 mod architecture;
 mod diagnosis;
 mod hostile;
@@ -78,5 +79,6 @@ mod twin {
     mod hidden_at_rest;
     mod hidden_swings;
     mod lab;
+    mod mesh;
     mod recording;
 }
