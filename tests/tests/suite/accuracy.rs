@@ -1,7 +1,7 @@
 //! Goal: a run is as accurate as was asked, or a warning says that it is not.
 //! Setup: four drawn scenarios at two accuracies against eight times finer meshes; 200 at three: `accuracy_study`.
 //! Expected: within 1.5 times what was asked but for one in twenty, and never three times it without a warning. Of
-//! twelve runs one may be off.
+//! eight runs one may be off.
 
 use rayon::prelude::*;
 use tests::accuracy::{Found, found};
