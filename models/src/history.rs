@@ -10,7 +10,7 @@
 //! Each memory obeys `ż = g(κ, κ̇, z)` with `κ` linear in time. A step is the exponential one of Rosenbrock
 //! and Euler, `z + h φ₁(h g_z) g + h² φ₂(h g_z) g_t`, which is exact where `g` is linear in `z` and in time,
 //! as of Maxwell branches and of friction with the exponent one. Elsewhere it is of second order, and steps
-//! are halved until halving changes the memory by no more than [`TOLERANCE`].
+//! are halved until halving changes the memory by no more than `TOLERANCE`.
 //! Source: Hochbruck and Ostermann (2010), Exponential integrators, Acta Numerica 19, sec. 2.4.
 
 use crate::model::BASE_ANGLE;
