@@ -184,7 +184,8 @@ for name in $'new\n#SBATCH --wrap=touch\nline' '50%A' 'quote"' 'back\slash'; do
   code=0
   (cd "$dir/names" && "$efam" -q sweep submit --plan "./$name") 2>"$dir/refusal" || code=$?
   [ "$code" = 2 ] && grep -q "no job script can name it" "$dir/refusal" || failed "the folder $name is not refused"
-  [ "$(find "$dir/names/$name" -type f | wc -l)" = 2 ] || failed "the folder $name is refused, and something is there"
+  # A name may be of several lines.
+  [ "$(find "$dir/names/$name" -type f -printf x | wc -c)" = 2 ] || failed "the folder $name is refused, and something is there"
 done
 until_true "the sweeps in folders of all names" 300 none_waits
 for name in "${fitting[@]}"; do
@@ -193,6 +194,6 @@ done
 strays=$(find "$dir" "$PWD" /root /tmp -maxdepth 4 -name 'PWNED*' 2>/dev/null || true)
 [ -z "$strays" ] || failed "a name was run: $strays"
 strays=$(find "$dir/names" -mindepth 2 -maxdepth 2 ! -name 'plan.json' ! -name 'points.csv' ! -name 'shard=*' ! -name log \
-  ! -name 'array.sh' ! -name 'merge.sh' ! -name 'sweep.*' ! -name 'over-*' ! -name report.html ! -name summary.json)
+  ! -name 'array.sh' ! -name 'merge.sh' ! -name 'sweep.*' ! -name 'over-*' ! -name report.html ! -name summary.json ! -name efam-files.json)
 [ -z "$strays" ] || failed "a script made more than it should: $strays"
 say "${#fitting[@]} folders of strange names are swept and merged, and made nothing else"
