@@ -9,7 +9,7 @@ use models::statics::equilibrium;
 use models::system::System;
 use serde::Serialize;
 use sim::forward::tip;
-use sim::results::rest::{rest, root_moment};
+use sim::results::rest::{rest, root_moment, slipping_modes};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 
@@ -167,10 +167,10 @@ pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
 pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
     for case in cases(&args.source, voice)? {
-        let hangs = rest(&case.model, 0.0, args.count)?;
-        let sticks = hangs.slipping.as_ref().map(|_| Friction::Sticks);
-        let slipping = hangs.slipping.unwrap_or_default();
-        for (modes, friction) in [(hangs.modes?, sticks), (slipping, Some(Friction::Slips))] {
+        let modes = rest(&case.model, 0.0, args.count)?.modes?;
+        let slipping = slipping_modes(&case.model, 0.0, args.count);
+        let sticks = slipping.as_ref().map(|_| Friction::Sticks);
+        for (modes, friction) in [(modes, sticks), (slipping.unwrap_or_default(), Some(Friction::Slips))] {
             for (index, (frequency_hz, damping_ratio)) in modes.into_iter().enumerate() {
                 rows.push(Vibration {
                     name: case.name.clone(),

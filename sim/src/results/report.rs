@@ -77,7 +77,8 @@ pub fn report(summary: &Summary) -> String {
     let stuck = if summary.slipping_modes.is_some() { "friction sticking: " } else { "" };
     lines.entry(summary, "modes", summary.modes.as_ref().map(|modes| format!("{stuck}{}", listed(modes))));
     if let Some(modes) = &summary.slipping_modes {
-        lines.row("", &format!("friction slipping: {}", listed(modes)));
+        let modes = if modes.is_empty() { "not found".to_owned() } else { listed(modes) };
+        lines.row("", &format!("friction slipping: {modes}"));
     }
     let settling = summary.settling_2_percent_s.or(summary.settling_5_percent_s).map(|_| {
         let within = |time: Option<f64>| time.map_or("not reached".to_owned(), |time| format!("{time:.2} s"));

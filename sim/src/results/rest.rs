@@ -23,8 +23,6 @@ pub struct Rest {
     pub stable: bool,
     /// Undamped frequency, Hz, and damping ratio of the slowest modes. Friction sticks in them.
     pub modes: Result<Vec<(f64, f64)>, ModelError>,
-    /// Those of the rod whose friction slips, about the rest without it; none where the rod has no friction.
-    pub slipping: Option<Vec<(f64, f64)>>,
 }
 
 /// Undamped frequency, Hz, and damping ratio of the slowest modes about a rest.
@@ -33,10 +31,11 @@ fn in_hertz(model: &Model, found: &Equilibrium, count: usize) -> Result<Vec<(f64
     Ok(modes(model, found, count)?.iter().map(in_hertz).collect())
 }
 
-/// The modes of the rod whose friction slips; none where there is none.
-pub fn slipping_modes(model: &Model, count: usize) -> Option<Vec<(f64, f64)>> {
+/// Undamped frequency, Hz, and damping ratio of the slowest modes of the rod whose friction slips, about the rest
+/// without it under the pressure of a time, s: none where the rod has no friction, empty where they are not found.
+pub fn slipping_modes(model: &Model, time: f64, count: usize) -> Option<Vec<(f64, f64)>> {
     let slipping = model.slipping()?;
-    in_hertz(&slipping, &equilibrium(&slipping, None).ok()?, count).ok()
+    Some(rest(&slipping, time, count).and_then(|rest| rest.modes).unwrap_or_default())
 }
 
 /// The rest under the pressure of a time, s, and `count` modes about it.
@@ -57,7 +56,6 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
         root_moment,
         stable: found.stable,
         modes: in_hertz(model, &found, count),
-        slipping: slipping_modes(model, count),
     })
 }
 

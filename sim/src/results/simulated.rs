@@ -325,7 +325,7 @@ fn numbers(page: &mut Page, summary: &Summary) {
         modes.iter().flatten().enumerate().map(row).collect()
     };
     let slipping = rows(&summary.slipping_modes, ", friction slips");
-    let sticks = if slipping.is_empty() { "" } else { ", friction sticks" };
+    let sticks = if summary.slipping_modes.is_some() { ", friction sticks" } else { "" };
     page.folded(
         "Modes about the rest",
         &Table {

@@ -10,7 +10,7 @@ use std::fmt::Display;
 use models::model::{Model, Scheme};
 use serde::{Deserialize, Serialize};
 
-use super::rest::Rest;
+use super::rest::{Rest, slipping_modes};
 use crate::accuracy::{AT_REST, Errors};
 use crate::analysis::decay::{self, Decay};
 use crate::analysis::peaks;
@@ -63,7 +63,8 @@ pub struct Summary {
     pub cycles: Option<Vec<Cycle>>,
     /// Small vibrations about the rest, slowest first. Friction, where there is any, sticks in them.
     pub modes: Option<Vec<Mode>>,
-    /// Those of the rod whose friction slips, as in a swing that is large against it; only where there is friction.
+    /// Those of the rod whose friction slips, as in a swing that is large against it; only where there is friction, and
+    /// empty where they are not found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slipping_modes: Option<Vec<Mode>>,
     /// Time after which the tip stays within 2 % of its first excursion.
@@ -288,10 +289,8 @@ pub fn summarise(
         decay_amplitude_m: missing.note("decay_amplitude_m", decay_says(|decay| decay.initial_amplitude)),
         decay_residual_m: missing.note("decay_residual_m", decay_says(|decay| decay.rms_residual)),
         cycles: missing.note("cycles", cycles.map(|cycles| cycles.iter().map(Cycle::from).collect())),
-        slipping_modes: match rest {
-            Ok(Rest { slipping: Some(modes), .. }) => Some(modes.iter().map(mode).collect()),
-            _ => None,
-        },
+        slipping_modes: slipping_modes(model, simulated_s, MODES)
+            .map(|modes| modes.iter().map(mode).collect()),
         modes: missing.note("modes", modes.map(|modes| modes.iter().map(mode).collect())),
         settling_2_percent_s: missing.note("settling_2_percent_s", settling(0.02)),
         settling_5_percent_s: missing.note("settling_5_percent_s", settling(0.05)),

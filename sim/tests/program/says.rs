@@ -9,7 +9,13 @@ use serde_json::Value;
 
 use crate::bench::Bench;
 
-const MUSCLE: &str = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n";
+/// The paper's muscle with stiffness damping, and what else a test needs.
+fn muscle(beta: &str, more: &str) -> String {
+    format!(
+        "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n\
+         [effects.rayleigh_stiffness]\nbeta = \"{beta}\"\n{more}"
+    )
+}
 
 /// Summary of a scenario's run, and what was said.
 fn run(bench: &Bench, text: &str, more: &[&str]) -> (Value, String) {
@@ -47,8 +53,7 @@ fn a_rod_that_is_faster_than_its_samples() {
         assert_eq!(said.contains("do not show a swing of 177 Hz"), warns, "{said}");
     }
     // The paper's muscle, swinging at 1.4 Hz, looked at three times a second.
-    let muscle =
-        format!("{MUSCLE}[effects.rayleigh_stiffness]\nbeta = \"10 ms\"\n[run]\nduration = \"10 s\"\n");
+    let muscle = muscle("10 ms", "[run]\nduration = \"10 s\"\n");
     let [usual, seldom] =
         ["100 Hz", "3 Hz"].map(|rate| run(&bench, &muscle, &["--set", &format!("run.rate={rate}")]));
     for key in ["damped_frequency_hz", "damping_ratio"] {
@@ -78,9 +83,7 @@ fn a_swing_that_is_small_against_the_rod() {
 #[test]
 fn a_rod_at_rest() {
     let bench = Bench::new("says-rest");
-    let text = format!(
-        "{MUSCLE}[release]\nfrom = \"equilibrium\"\n[effects.rayleigh_stiffness]\nbeta = \"10 ms\"\n"
-    );
+    let text = muscle("10 ms", "[release]\nfrom = \"equilibrium\"\n");
     let (told, _) = run(&bench, &text, &[]);
     for key in ["peaks", "damped_frequency_hz", "damping_ratio", "settling_2_percent_s"] {
         assert_eq!(told[key], Value::Null);
@@ -95,11 +98,12 @@ fn a_rod_at_rest() {
 #[test]
 fn strains_and_loads_that_nobody_measured() {
     let bench = Bench::new("says-limits");
-    let damped = "[effects.rayleigh_stiffness]\nbeta = \"10 ms\"\n[run]\nduration = \"0.5 s\"\n";
-    let (_, said) = run(&bench, &format!("{MUSCLE}{damped}"), &[]);
+    let short = "[run]\nduration = \"0.5 s\"\n";
+    let (_, said) = run(&bench, &muscle("10 ms", short), &[]);
     assert!(!said.contains("warning"), "{said}");
     for mass in ["5 kg", "20 kg"] {
-        let (_, said) = run(&bench, &format!("{MUSCLE}{damped}[effects.payload]\nmass = \"{mass}\"\n"), &[]);
+        let loaded = muscle("10 ms", &format!("{short}[effects.payload]\nmass = \"{mass}\"\n"));
+        let (_, said) = run(&bench, &loaded, &[]);
         assert!(said.contains("times the moment under which"), "{said}");
         assert!(said.contains("the rod stretches by"), "{said}");
     }
@@ -114,9 +118,7 @@ fn strains_and_loads_that_nobody_measured() {
 #[test]
 fn a_release_off_the_clamps_direction() {
     let bench = Bench::new("says-held");
-    let text = format!(
-        "{MUSCLE}[release]\nangle = \"25 deg\"\n[effects.rayleigh_stiffness]\nbeta = \"10 ms\"\n[run]\nduration = \"2 s\"\n"
-    );
+    let text = muscle("10 ms", "[release]\nangle = \"25 deg\"\n[run]\nduration = \"2 s\"\n");
     let peak = |nodes: usize| {
         let set = format!("rod.nodes={nodes}");
         number(&run(&bench, &text, &["--set", &set]).0["peaks"][0]["height_m"])
@@ -133,9 +135,8 @@ fn a_release_off_the_clamps_direction() {
 #[test]
 fn friction_in_modes() {
     let bench = Bench::new("says-friction");
-    let text = format!(
-        "{MUSCLE}[effects.braid_friction]\nfriction_moment = \"0.5 mN m\"\n[effects.rayleigh_stiffness]\nbeta = \"5 ms\"\n[run]\nduration = \"4 s\"\n"
-    );
+    let friction = "[effects.braid_friction]\nfriction_moment = \"0.5 mN m\"\n[run]\nduration = \"4 s\"\n";
+    let text = muscle("5 ms", friction);
     let (told, _) = run(&bench, &text, &[]);
     let swing = number(&told["damped_frequency_hz"]);
     assert!(is_near(&told["slipping_modes"][0]["natural_frequency_hz"], swing, 0.1), "{told}");
@@ -147,6 +148,6 @@ fn friction_in_modes() {
         [3, 3],
         "{table}"
     );
-    let (told, _) = run(&bench, MUSCLE, &["--set", "run.duration=0.1 s"]);
+    let (told, _) = run(&bench, &muscle("5 ms", ""), &["--set", "run.duration=0.1 s"]);
     assert!(told.get("slipping_modes").is_none());
 }

@@ -26,7 +26,8 @@ def measure(case, nodes, tol):
     """
     program = os.environ.get("EFAM_RELEASE", str(HERE / "../../target/release/examples/release"))
     # The case is a rod and a point mass: without the air in the muscle, and without the fitting's own inertia.
-    sets = ["effects.enclosed_air.inner_diameter=0 mm", "effects.end_fitting.rotary_inertia=0 kg m^2", f"rod.nodes={nodes}", f"integrator.tolerance={tol}",
+    sets = ["effects.enclosed_air.inner_diameter=0 mm", "effects.end_fitting.rotary_inertia=0 kg m^2",
+            f"rod.nodes={nodes}", f"integrator.tolerance={tol}",
             f"effects.rayleigh_mass.alpha={case.alpha} 1/s", f"effects.rayleigh_stiffness.beta={case.beta} s"]
 
     def spent(repeats):

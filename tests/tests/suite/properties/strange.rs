@@ -180,9 +180,9 @@ struct Start {
 }
 
 /// Straight, raised with its clamp, raised while the clamp stays level (a kink at the clamp), folded in its middle, set
-/// in motion, loaded, soft: each halving of the edge length moves the path less, in the end by an order of 1.9 at least.
-/// At 40 psi it is the third; what is left of the second, tensions' waves along nodes of mass, shows where the rod is
-/// soft. A kink is no curve: its order is 1.6.
+/// in motion, loaded, soft: each halving of the edge length moves the path less, and in the end by an eighth at most, as
+/// the third power of the edge length has it. A kink is no curve: it is resolved with the second power. So is the soft
+/// rod on these meshes, at any tolerance of the steps; why is not known.
 #[test]
 fn finer_meshes_move_towards_one_answer_from_any_start() {
     let straight = Start { psi: 40.0, clamp: 0.0, angle: 0.0, rate: 0.0, fold: 0.0, payload: 0.0 };
@@ -204,8 +204,12 @@ fn finer_meshes_move_towards_one_answer_from_any_start() {
         let ratios: Vec<f64> = changes.windows(2).map(|pair| pair[1] / pair[0]).collect();
         assert!(ratios.iter().all(|ratio| *ratio < 0.5), "{start:?}: {ratios:?}");
         let is_smooth = start.fold == 0.0 && start.angle == start.clamp;
-        let order = if is_smooth { 1.9 } else { 1.6 };
-        assert!(-ratios[2].log2() > order, "{start:?}: {ratios:?}");
+        let most = match is_smooth {
+            true if start.psi > 5.0 => 0.15,
+            true => 0.25,
+            false => 0.33,
+        };
+        assert!(ratios[2] < most, "{start:?}: {ratios:?}");
     }
 }
 
