@@ -49,7 +49,7 @@ impl Law for AirDrag {
                 range: (0.0, 10.0),
                 scale: 1.0,
                 off: Some(0.0),
-                plausible: Some((0.0, 3.0)),
+                plausible: Some((0.0, 6.0)),
                 ..Parameter::PLAIN
             },
             AIR_DENSITY,

@@ -22,7 +22,7 @@
 //!           as in Dahl (1976), AIAA J. 14, 1675, with |κ̇| made smooth.
 
 use super::memory::{BRISTLE, CREEP_RATE, FRICTION_MOMENT, friction, friction_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator};
 
 /// Moment at which a section slides, N m.
 fn sliding_moment<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
@@ -45,7 +45,8 @@ impl Law for ClampFriction {
                 meaning: "friction moment at the clamp",
                 default: 2e-3,
                 scale: 2e-3,
-                plausible: Some((0.0, 5e-3)),
+                plausible: Some((0.0, 0.2)),
+                per: Per::WeightMoment,
                 ..FRICTION_MOMENT
             },
             Parameter {

@@ -25,7 +25,7 @@
 //!           Comput. Methods Eng. 16, 161. |κ̇| is made smooth in the term of σ.
 
 use super::memory::{CREEP_RATE, FRICTION_MOMENT, friction_energy};
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator};
 
 /// Friction of Dahl, and of Bouc and Wen, in every cross-section.
 pub struct Dahl;
@@ -61,7 +61,8 @@ impl Law for Dahl {
                 default: 0.5,
                 range: (1e-4, 1e4),
                 scale: 0.5,
-                plausible: Some((0.02, 5.0)),
+                plausible: Some((0.006, 1.5)),
+                per: Per::Curvature,
                 tries: &[0.1, 0.5, 2.0],
                 ..Parameter::PLAIN
             },

@@ -1,6 +1,6 @@
 //! Laws of memory that several effects have in common, and scale each in its own way.
 
-use super::{Bend, Moment, Parameter, Real};
+use super::{Bend, Moment, Parameter, Per, Real};
 
 /// Curvature over which friction turns round, 1/m: 0.1 mm at the tip of a muscle of 0.2 m.
 pub(super) const BRISTLE: f64 = 0.01;
@@ -28,7 +28,8 @@ pub(super) const FRICTION_MOMENT: Parameter = Parameter {
     scale: 5e-4,
     off: Some(0.0),
     is_friction: true,
-    plausible: Some((0.0, 2e-3)),
+    plausible: Some((0.0, 0.1)),
+    per: Per::WeightMoment,
     ..Parameter::PLAIN
 };
 

@@ -165,9 +165,11 @@ pub struct Parameter {
     /// Whether it is the size of a friction: where that is small against what it holds, the rod slips, and small
     /// vibrations, in which friction sticks as a spring, are not those of a swing.
     pub is_friction: bool,
-    /// Smallest and largest value that a diagnosis believes of a muscle in a laboratory; none for all
-    /// that is admissible.
+    /// Smallest and largest value that a diagnosis believes of a rod in a laboratory, in units of [`Self::per`];
+    /// none for all that is admissible. A fit that ends there goes on with a wider range.
     pub plausible: Option<(f64, f64)>,
+    /// What of the rod those values are over.
+    pub per: Per,
     /// Values at which a diagnosis tries the effect, where its trace depends on this parameter other
     /// than in proportion, such as a time constant. Empty: it stays at its default.
     pub tries: &'static [f64],
@@ -186,8 +188,37 @@ impl Parameter {
         is_part: false,
         is_friction: false,
         plausible: None,
+        per: Per::Unit,
         tries: &[],
     };
+}
+
+/// What of the rod a believed value is measured by, so that what is believed of a muscle of 30 g suits a cable of 400 g.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Per {
+    /// Nothing: the SI unit itself.
+    Unit,
+    /// Distributed mass of the rod, kg.
+    Mass,
+    /// Moment of its weight at the clamp when it is level, N m: friction that holds more than this lets nothing swing.
+    WeightMoment,
+    /// Square of its length, m².
+    LengthSquared,
+    /// Curvature of a turn by one radian over its length, 1/m.
+    Curvature,
+}
+
+impl Per {
+    /// Its size for a rod.
+    pub fn of(self, rod: &Rod<f64>) -> f64 {
+        match self {
+            Per::Unit => 1.0,
+            Per::Mass => rod.mass,
+            Per::WeightMoment => 0.5 * rod.mass * 9.806_65 * rod.length,
+            Per::LengthSquared => rod.length * rod.length,
+            Per::Curvature => rod.length.recip(),
+        }
+    }
 }
 
 /// What has a value of its own of an effect's parameters.

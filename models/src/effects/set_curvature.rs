@@ -15,7 +15,7 @@
 //! Source:   The natural curvature of a discrete elastic rod: Bergou et al. (2008), Discrete Elastic
 //!           Rods, section 4.2; a braid whose fibres are not laid alike bends under pressure.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Place, Reach, Real, Rod, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Rod, Separator};
 
 /// A natural curvature.
 pub struct SetCurvature;
@@ -38,7 +38,8 @@ impl Law for SetCurvature {
                 scale: 0.1,
                 off: Some(0.0),
                 is_part: true,
-                plausible: Some((-0.5, 0.5)),
+                plausible: Some((-0.15, 0.15)),
+                per: Per::Curvature,
                 ..Parameter::PLAIN
             },
             Parameter {

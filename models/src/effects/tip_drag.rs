@@ -15,7 +15,7 @@
 //!           the frontal area: Hoerner (1965), Fluid-Dynamic Drag, ch. 3.
 
 use super::air_drag::AIR_DENSITY;
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Separator, Tip, TipLoad};
+use super::{About, Kind, Law, Parameter, Per, Place, Reach, Real, Separator, Tip, TipLoad};
 
 /// Quadratic drag of a blunt body at the tip.
 pub struct TipDrag;
@@ -37,7 +37,8 @@ impl Law for TipDrag {
                 range: (0.0, 10.0),
                 scale: 1e-3,
                 off: Some(0.0),
-                plausible: Some((0.0, 4e-3)),
+                plausible: Some((0.0, 0.1)),
+                per: Per::LengthSquared,
                 ..Parameter::PLAIN
             },
             AIR_DENSITY,

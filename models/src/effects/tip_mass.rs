@@ -13,7 +13,7 @@
 //! Silent:   No motion of the tip is without it.
 //! Source:   Newton's second law.
 
-use super::{About, Body, Kind, Law, Parameter, Place, Reach, Real, Separator};
+use super::{About, Body, Kind, Law, Parameter, Per, Place, Reach, Real, Separator};
 
 /// A point mass on the end body.
 pub struct TipMass;
@@ -35,7 +35,8 @@ impl Law for TipMass {
                 range: (0.0, 100.0),
                 scale: 5e-3,
                 off: Some(0.0),
-                plausible: Some((0.0, 0.02)),
+                plausible: Some((0.0, 0.5)),
+                per: Per::Mass,
                 ..Parameter::PLAIN
             },
             Parameter {

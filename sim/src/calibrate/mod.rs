@@ -35,7 +35,7 @@ pub use error::CalibrateError;
 pub use outcome::{Curve, Outcome};
 pub use problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
 pub use search::Stage;
-pub use section::{SectionError, problem};
+pub use section::{SectionError, problem, repeatability};
 
 use numerics::Correction;
 use objective::Objective;

@@ -5,6 +5,7 @@
 //! release_instant = true          # unknown of each recording, fitted with it; or false
 //! hold_angle = "0.5 deg"          # likewise, its standard deviation; "0 deg" takes it as given
 //! offset = "0.5 mm"               # likewise, of each track
+//! repeatability = "0.2 mm"        # root mean square distance of a release from a right model; else from repeats
 //! mesh = "removed"                # or "kept": the parameters then belong to the mesh
 //! [[calibrate.parameter]]
 //! path = "rod.bending_stiffness"  # any parameter of the model
@@ -72,7 +73,7 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
     };
     let section = experiment.section("calibrate")?;
     let read = || -> Result<_, ScenarioError> {
-        section.only(&["parameter", "release_instant", "hold_angle", "offset", "mesh"])?;
+        section.only(&["parameter", "release_instant", "hold_angle", "offset", "mesh", "repeatability"])?;
         let has_pressures = trials.iter().all(|trial| trial.release.pressure.is_some());
         let usual = if has_pressures { Scope::PerPressure } else { Scope::Shared };
         let tables = section.tables("parameter")?;
@@ -86,6 +87,15 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
     let (parameters, nuisances, remove_mesh) = read().map_err(ExperimentError::from)?;
     let settings = Settings { remove_mesh, ..Settings::default() };
     Ok((Problem { trials, parameters, nuisances }, settings))
+}
+
+/// How well an experiment repeats, where it says so: root mean square distance, m.
+/// # Errors
+/// [`SectionError`], with the place in the file.
+pub fn repeatability(experiment: &Experiment) -> Result<Option<f64>, SectionError> {
+    let section = experiment.section("calibrate")?;
+    let read = section.quantity_that("repeatability", "m", "be positive", |value| value > 0.0);
+    Ok(read.map_err(ExperimentError::from)?)
 }
 
 fn nuisances(section: &Keys) -> Result<Nuisances, ScenarioError> {

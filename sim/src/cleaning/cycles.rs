@@ -171,10 +171,13 @@ fn holds(time: &[f64], motion: &Motion, quiet: f64, fast: f64) -> Vec<Range<usiz
     found
 }
 
-/// The half second before each instant, or what there is of it.
+/// The half second before each instant, or what there is of it; the first sample where the recording begins there.
 fn given_holds(time: &[f64], instants: &[f64]) -> Vec<Range<usize>> {
     let sample = |at: f64| time.partition_point(|t| *t < at);
-    instants.iter().map(|at| sample(at - 0.5).min(sample(*at).saturating_sub(1))..sample(*at)).collect()
+    instants
+        .iter()
+        .map(|at| sample(at - 0.5).min(sample(*at).saturating_sub(1))..sample(*at).max(1))
+        .collect()
 }
 
 /// Where the swing comes to rest: the mean of the quietest window in it, of the last swing at its end; and the sample

@@ -181,7 +181,7 @@ fn cut(
     log: &mut Log,
 ) -> Result<Vec<Cut>, ExperimentError> {
     if let Some(&instant) =
-        entry.instants.iter().flatten().find(|at| **at <= time[1] || **at >= time[time.len() - 2])
+        entry.instants.iter().flatten().find(|at| **at < time[0] || **at >= time[time.len() - 2])
     {
         let (file, key) = (entry.name.clone(), entry.key.clone());
         return Err(CleaningError::InstantOutside {

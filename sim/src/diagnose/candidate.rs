@@ -1,10 +1,11 @@
 //! What may be missing: the effects of the catalogue, each as a way to move the prediction.
 
-use models::effects::{About, CATALOGUE, Effect, Kind, Parameter as EffectParameter, Place, Reach};
+use models::effects::{About, CATALOGUE, Effect, Kind, Parameter as EffectParameter, Place, Reach, Rod};
 use models::error::ModelError;
 use models::muscle::Known;
 
 use super::score::Subject;
+use crate::calibrate::joint::Known as Fit;
 use crate::calibrate::{Parameter, Prior, Problem, Scale, Scope, Trial};
 use crate::forward::Initial;
 
@@ -21,6 +22,8 @@ pub(super) struct Candidate {
     pub tried: Vec<(&'static EffectParameter, f64)>,
     /// What shares one strength.
     pub scope: Scope,
+    /// The rod that it acts on, by which its believed values are measured.
+    pub rod: Rod<f64>,
 }
 
 impl Candidate {
@@ -43,7 +46,7 @@ impl Candidate {
 
     /// Believable values of the strength.
     pub fn believed(&self) -> (f64, f64) {
-        believed(self.strength)
+        believed(self.strength, &self.rod)
     }
 
     /// What a score needs of it.
@@ -68,6 +71,35 @@ impl Candidate {
         let widest = (high - self.off).max(self.off - low);
         let is_own = self.scope == Scope::PerRelease && widest.is_finite();
         is_own.then_some(Prior { mean: self.off, deviation: 0.5 * widest })
+    }
+
+    /// Widens the believed range of each of its parameters that a fit ended at, tenfold and up to what is admissible;
+    /// whether there was one. Where the effect is off it is at no bound.
+    pub fn widen(&self, problem: &mut Problem, known: &[Fit]) -> bool {
+        let mut is_wider = false;
+        for of in self.effect.about().parameters {
+            let path = format!("effects.{}.{}", self.name(), of.name);
+            let Some(own) = problem.parameters.iter_mut().find(|own| own.path == path) else { continue };
+            let Some((low, high)) = own.bounds else { continue };
+            for known in
+                known.iter().filter(|known| known.unknown.name == path && known.unknown.is_at_bound(known.x))
+            {
+                let value = known.value();
+                if Some(value) == of.off {
+                    continue;
+                }
+                let wider = match value - low < high - value {
+                    true if low < 0.0 => (10.0 * low, high),
+                    true => (0.1 * low, high),
+                    false => (low, 10.0 * high),
+                };
+                let (least, most) = of.range;
+                let wider = (wider.0.max(least), wider.1.min(most));
+                is_wider |= wider != (low, high);
+                own.bounds = Some(wider);
+            }
+        }
+        is_wider
     }
 
     /// The path of the strength.
@@ -109,7 +141,7 @@ impl Candidate {
             ..Parameter::new(&path, scope)
         });
         for (parameter, value) in self.tried.iter().filter(|(parameter, _)| parameter.plausible.is_some()) {
-            let (low, high) = believed(parameter);
+            let (low, high) = believed(parameter, &self.rod);
             problem.parameters.push(Parameter {
                 start: Some(value.clamp(low, high)),
                 bounds: Some((low, high)),
@@ -128,9 +160,12 @@ pub(super) fn has_several_pressures(problem: &Problem) -> bool {
     lowest < highest
 }
 
-fn believed(parameter: &EffectParameter) -> (f64, f64) {
+fn believed(parameter: &EffectParameter, rod: &Rod<f64>) -> (f64, f64) {
     let (low, high) = parameter.range;
-    parameter.plausible.map_or((low, high), |(least, most)| (least.max(low), most.min(high)))
+    let unit = parameter.per.of(rod);
+    parameter
+        .plausible
+        .map_or((low, high), |(least, most)| ((least * unit).max(low), (most * unit).min(high)))
 }
 
 /// What switches an effect off, with the value that does: the first such parameter, or each of those that are
@@ -147,6 +182,7 @@ fn strengths(about: &About) -> Vec<(&'static EffectParameter, f64)> {
 pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidate> {
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     let mut all = Vec::new();
+    let Some(rod) = problem.trials.first().map(|trial| trial.model.rod()) else { return all };
     for &effect in CATALOGUE {
         let about = effect.about();
         let is_excluded = excluded.iter().any(|name| name == about.name);
@@ -175,7 +211,7 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
                 Reach::Pressure => Scope::PerPressure,
                 Reach::Release => Scope::PerRelease,
             };
-            all.extend(tried.map(|tried| Candidate { effect, strength, off, tried, scope }));
+            all.extend(tried.map(|tried| Candidate { effect, strength, off, tried, scope, rod }));
         }
     }
     all

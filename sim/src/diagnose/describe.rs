@@ -65,7 +65,7 @@ fn with_another(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Option<Description>, CalibrateError> {
     let Some(off) = predictions(fit).filter(|_| terms.len() < MOST_TERMS) else { return Ok(None) };
-    let candidates = others(terms);
+    let candidates = others(terms, problem);
     let scores = scores_of(&candidates, fit, &off, false_alarm, &|_| ());
     let loud = |(_, score): &(&Candidate, &Score)| score.size > scores.threshold;
     let mut each: Vec<(&Candidate, &Score)> = candidates.iter().zip(&scores.each).filter(loud).collect();
@@ -94,14 +94,15 @@ fn with_another(
 }
 
 /// The terms that are not there yet, each with the others at 0.
-fn others(terms: &[&str]) -> Vec<Candidate> {
+fn others(terms: &[&str], problem: &Problem) -> Vec<Candidate> {
+    let Some(rod) = problem.trials.first().map(|trial| trial.model.rod()) else { return Vec::new() };
     let effect = by_name(MOMENT).expect("the catalogue has it");
     let all = || effect.about().parameters.iter();
     let is_new = |term: &&'static Parameter| !terms.contains(&term.name);
     let of = |strength: &'static Parameter| {
         let rest = all().filter(is_new).filter(|term| term.name != strength.name);
         let tried = rest.map(|term| (term, 0.0)).collect();
-        Candidate { effect, strength, off: 0.0, tried, scope: Scope::Shared }
+        Candidate { effect, strength, off: 0.0, tried, scope: Scope::Shared, rod }
     };
     all().filter(is_new).map(of).collect()
 }

@@ -15,6 +15,7 @@ use super::refit::Refit;
 use super::round::{Best, NO_MORE};
 use super::shortlist::{LEAD, falls_behind, price};
 use super::verdict::{Evidence, Member};
+use super::warnings::is_strained;
 use super::{Before, Course, set};
 use crate::calibrate::joint::{Fitted, Joint, Known};
 use crate::calibrate::prediction::Slopes;
@@ -225,7 +226,9 @@ impl Course<'_> {
                 }
             }
         }
-        found.sort_by(|a, b| a.1.worth().total_cmp(&b.1.worth()));
+        // What contradicts the rod or the setup as they are stated comes after what does not.
+        let order = |whole: &Whole| (is_strained(&whole.refit.known), whole.worth());
+        found.sort_by(|a, b| order(&a.1).0.cmp(&order(&b.1).0).then(order(&a.1).1.total_cmp(&order(&b.1).1)));
         let best = self.best_of(found, &mut evidence);
         self.diagnosis.thresholds.push(threshold);
         listener.ranked(threshold, &evidence);

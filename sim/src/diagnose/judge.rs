@@ -17,10 +17,19 @@ use crate::calibrate::{CalibrateError, Problem, Scope};
 /// How a model meets releases.
 #[derive(Clone)]
 pub(super) struct Judgement {
-    /// Of each release: its name, root mean square distance in mm and over the noise, noise in mm.
+    /// Of each release: its name, root mean square distance of all samples in mm, and, without what the robust loss holds
+    /// back, over the noise; noise in mm.
     pub gaps: Vec<(String, f64, f64, f64)>,
     /// Of each release and track: what was seen, and what is predicted.
     pub paths: Vec<Path>,
+}
+
+impl Judgement {
+    /// Root mean square distance of all releases, mm.
+    pub fn distance_mm(&self) -> f64 {
+        let sum: f64 = self.gaps.iter().map(|(_, distance, ..)| distance * distance).sum();
+        (sum / self.gaps.len().max(1) as f64).sqrt()
+    }
 }
 
 /// A model before what was locked away.
@@ -100,21 +109,23 @@ pub(super) fn judgement(fit: &Joint) -> Judgement {
     let of_release = |r: usize| {
         let block = &fit.found.at.carried.blocks[r];
         let loss = fit.found.view.loss[r];
-        let (mut squares, mut distance, mut noise, mut count) = (0.0, 0.0, 0.0, 0.0f64);
+        let (mut squares, mut heard) = (0.0, 0.0f64);
+        let (mut distance, mut noise, mut count) = (0.0, 0.0, 0.0f64);
         for (series, own) in block.iter().zip(&fit.objective.measured[r].noise) {
             for residual in &series.residual {
                 let length = residual[0].hypot(residual[1]);
                 if length <= loss.threshold {
                     squares += 0.5 * length * length;
-                    distance += (own * length).powi(2);
-                    noise += own;
-                    count += 1.0;
+                    heard += 1.0;
                 }
+                distance += (own * length).powi(2);
+                noise += own;
+                count += 1.0;
             }
         }
         let n = count.max(1.0);
         let name = fit.objective.part.members[r].release.name.clone();
-        (name, 1e3 * (distance / n).sqrt(), (squares / n).sqrt(), 1e3 * noise / n)
+        (name, 1e3 * (distance / n).sqrt(), (squares / heard.max(1.0)).sqrt(), 1e3 * noise / n)
     };
     let gaps = (0..fit.found.view.loss.len()).map(of_release).collect();
     Judgement { gaps, paths: paths(fit) }

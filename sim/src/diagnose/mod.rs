@@ -29,9 +29,11 @@ pub mod misfit;
 pub mod plan;
 mod planned;
 mod refit;
+pub mod repeats;
 mod round;
 mod score;
 mod section;
+mod share;
 mod shortlist;
 mod swing;
 pub mod verdict;
@@ -54,9 +56,10 @@ use describe::describe;
 use early::Early;
 use idle::without_idle;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
-use planned::Pair;
 use refit::errors;
+use repeats::Repeats;
 use round::{Asked, Best, Heard, round};
+use share::{Shares, Step};
 use verdict::{Added, Evidence, Gap};
 use warnings::{is_strained, warnings};
 
@@ -85,12 +88,14 @@ pub struct Settings {
     pub most_effects: usize,
     /// Candidates that are left out.
     pub excluded: Vec<String>,
+    /// How well the experiment repeats, where that is stated: root mean square distance, m.
+    pub repeatability: Option<f64>,
 }
 
 impl Default for Settings {
     /// One in a hundred, three effects.
     fn default() -> Self {
-        Self { false_alarm: 0.01, most_effects: 3, excluded: Vec::new() }
+        Self { false_alarm: 0.01, most_effects: 3, excluded: Vec::new(), repeatability: None }
     }
 }
 
@@ -118,7 +123,10 @@ pub fn diagnose(
     settings: &Settings,
     listener: &dyn Listener,
 ) -> Result<Outcome, CalibrateError> {
-    let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, ..Diagnosis::default() };
+    let repeats = Repeats::of(problem, settings.repeatability);
+    let problem =
+        &repeats.iter().filter(|repeats| repeats.is_known()).fold(problem.clone(), Repeats::heard_in);
+    let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, repeats, ..Diagnosis::default() };
     listener.doing("the first swings");
     let before = match early::before(problem)? {
         Some(before) => before,
@@ -137,6 +145,7 @@ pub fn diagnose(
         listener.doing("again, with strengths that differ from pressure to pressure");
         course = course.widened()?;
     }
+    course.keep_what_explains_most()?;
     course.conclude()
 }
 
@@ -156,6 +165,8 @@ struct Course<'a> {
     cost: f64,
     after: Judgement,
     added: Vec<Best>,
+    /// The model after each of them.
+    steps: Vec<Step>,
     /// Whether effects of the rod's material have a strength for each pressure.
     is_widened: bool,
     diagnosis: Diagnosis,
@@ -203,6 +214,7 @@ impl<'a> Course<'a> {
             cost: before.cost,
             after: before.fitted.clone(),
             added: Vec::new(),
+            steps: Vec::new(),
             is_widened: false,
             diagnosis,
         }
@@ -218,6 +230,10 @@ impl<'a> Course<'a> {
         }
         self.add_all()?;
         self.leave_out_idle()?;
+        if !self.added.is_empty() && self.is_within_repeats() {
+            self.diagnosis.verdict = Verdict::Named;
+            return Ok(());
+        }
         if !self.added.is_empty() && self.diagnosis.verdict != Verdict::Unknown {
             self.diagnosis.verdict = if self.is_believed()? { Verdict::Named } else { Verdict::Unknown };
         }
@@ -226,6 +242,9 @@ impl<'a> Course<'a> {
 
     fn add_all(&mut self) -> Result<(), CalibrateError> {
         for place in self.added.len()..=self.settings.most_effects {
+            if self.is_within_repeats() {
+                return Ok(());
+            }
             let (number, is_last) =
                 (self.diagnosis.thresholds.len() + 1, place == self.settings.most_effects);
             let asked = Asked { number, is_last, is_widened: self.is_widened };
@@ -274,6 +293,8 @@ impl<'a> Course<'a> {
         let candidates = self.added.iter().map(|best| &best.candidate);
         (self.diagnosis.effects, self.after) =
             (candidates.map(|candidate| Added::of(&fit, candidate)).collect(), judgement(&fit));
+        drop(fit);
+        self.remember();
         Ok(())
     }
 
@@ -292,6 +313,8 @@ impl<'a> Course<'a> {
             self.after = lean.judgement;
             (self.diagnosis.effects, self.cost) = (lean.effects, lean.cost);
             (self.model, known) = (lean.fitted, lean.known);
+            self.steps.truncate(lean.left_out);
+            self.remember();
         }
         Ok(())
     }
@@ -299,9 +322,17 @@ impl<'a> Course<'a> {
     /// The same search with strengths that differ from pressure to pressure, if that has an answer; or else
     /// this, with the evidence of both.
     fn widened(mut self) -> Result<Self, CalibrateError> {
-        let Diagnosis { false_alarm, numerics, evidence, thresholds, shapes, .. } = self.diagnosis.clone();
-        let diagnosis =
-            Diagnosis { false_alarm, numerics, evidence, thresholds, shapes, ..Diagnosis::default() };
+        let Diagnosis { false_alarm, numerics, evidence, thresholds, shapes, repeats, .. } =
+            self.diagnosis.clone();
+        let diagnosis = Diagnosis {
+            false_alarm,
+            numerics,
+            evidence,
+            thresholds,
+            shapes,
+            repeats,
+            ..Diagnosis::default()
+        };
         let mut wider = Self::new(self.before, self.settings, self.listener, diagnosis);
         wider.is_widened = true;
         wider.search()?;
@@ -371,6 +402,7 @@ impl<'a> Course<'a> {
             }
         }
         self.diagnosis.gap = gap;
+        self.diagnosis.shares = Some(Shares::of(&self.diagnosis.gap));
         let locked = self.problem.trials.iter().filter(|trial| trial.release.held_out);
         self.diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
         if self.before.early.is_some() {
@@ -402,20 +434,6 @@ impl<'a> Course<'a> {
         let profiled = |candidate: &&Candidate| Added::profiled(&fit, candidate);
         self.diagnosis.effects = candidates.par_iter().map(profiled).collect();
         Ok(())
-    }
-
-    /// Whether what was added stands alone, and else what would tell it from the others.
-    fn tell_apart(&mut self, known: &[Known]) {
-        let Some(best) = self.added.iter().find(|best| !best.members.is_empty()) else { return };
-        self.diagnosis.verdict = Verdict::Class;
-        self.diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
-        let (nearest, other) = &best.members[0];
-        let of = [best.candidate.clone(), other.clone()];
-        let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
-        self.listener.doing("which recording would tell them apart");
-        let (problem, widening, now) = (&self.problem, best.widening, nearest.distance);
-        self.diagnosis.separating_experiment =
-            Pair { problem, known, of, strength, widening, now }.separation();
     }
 }
 

@@ -1,10 +1,11 @@
 //! Experiments that were not made: the releases at hand with one thing more, simulated at what is known and
 //! looked at as if they had been recorded, to say which of them would tell two effects apart.
 
+use super::Course;
 use super::candidate::Candidate;
 use super::columns::{columns, predictions};
 use super::score::{APART, distance, gram};
-use super::verdict::Separation;
+use super::verdict::{Separation, Verdict};
 use super::words::listed;
 use crate::calibrate::joint::{Joint, Known};
 use crate::calibrate::prediction::Slopes;
@@ -194,6 +195,22 @@ pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<(), Calib
         }
     }
     Ok(())
+}
+
+impl Course<'_> {
+    /// Whether what was added stands alone, and else what would tell it from the others.
+    pub(super) fn tell_apart(&mut self, known: &[Known]) {
+        let Some(best) = self.added.iter().find(|best| !best.members.is_empty()) else { return };
+        self.diagnosis.verdict = Verdict::Class;
+        self.diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
+        let (nearest, other) = &best.members[0];
+        let of = [best.candidate.clone(), other.clone()];
+        let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
+        self.listener.doing("which recording would tell them apart");
+        let (problem, widening, now) = (&self.problem, best.widening, nearest.distance);
+        self.diagnosis.separating_experiment =
+            Pair { problem, known, of, strength, widening, now }.separation();
+    }
 }
 
 #[cfg(test)]

@@ -71,9 +71,17 @@ pub(super) fn rough(
 
 /// Follows a candidate to its fit. None where it cannot be run.
 pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
-    let Some(fit) = Joint::follow(&rough.problem, &rough.known, &|_| ())? else { return Ok(None) };
-    let fitted = Fitted::new(rough.problem.clone(), fit.found);
-    Refit::of(fitted, candidate, rough.without).map(Some)
+    let (mut problem, mut known) = (rough.problem.clone(), rough.known.clone());
+    loop {
+        let Some(fit) = Joint::follow(&problem, &known, &|_| ())? else { return Ok(None) };
+        known = fit.known();
+        let found = fit.found;
+        let mut wider = problem.clone();
+        if !candidate.widen(&mut wider, &known) {
+            return Refit::of(Fitted::new(problem, found), candidate, rough.without).map(Some);
+        }
+        problem = wider;
+    }
 }
 
 impl Refit {

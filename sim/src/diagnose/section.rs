@@ -28,6 +28,7 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
     }
     let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
     tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
+    believe_stiffness(&mut problem, experiment);
     admit_tilt(&mut problem, USUAL_TILT);
     lock_away(&mut problem);
     Ok(problem)
@@ -36,8 +37,28 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
 /// Noise below which a difference of fit and recording says nothing, m: what is left of mesh and step.
 pub(super) const LEAST_NOISE: f64 = 1e-5;
 
-/// Standard deviation of what is believed of the cameras' vertical, rad.
-pub(super) const USUAL_TILT: f64 = 5e-4;
+/// Share of the stated bending stiffness of a rod that is no muscle of a table to which it is believed: as a bending
+/// test has it.
+const STIFFNESS: f64 = 0.05;
+
+/// Makes what [rod] says of its bending stiffness a belief, unless the experiment says what is believed of it. Where it
+/// is free, a mass at the tip and a softer rod do the same.
+fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
+    let Some(stated) = problem.trials.first().map(|trial| trial.model.rod().bending_stiffness) else {
+        return;
+    };
+    if experiment.muscle().is_some() {
+        return;
+    }
+    let is_stiffness = |own: &&mut Parameter| own.path == "rod.bending_stiffness";
+    if let Some(own) = problem.parameters.iter_mut().find(is_stiffness) {
+        own.prior.get_or_insert(Prior { mean: stated, deviation: STIFFNESS * stated });
+    }
+}
+
+/// Standard deviation of what is believed of the cameras' vertical, rad: a third of a degree, as a calibration frame on a
+/// floor has it.
+pub(super) const USUAL_TILT: f64 = 5e-3;
 
 /// Makes the tilt of the recordings' frame, one for each pressure, an unknown of no interest with a prior
 /// about zero: a deviation in rad. Left out it would be taken for an effect of the muscle. Models that have

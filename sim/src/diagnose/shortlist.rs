@@ -288,13 +288,27 @@ fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::Nuisances;
+    use crate::calibrate::{Nuisances, Trial};
     use crate::diagnose::candidate::candidates;
+    use crate::experiment::release::Release;
+    use crate::forward::Run;
+    use crate::results::tests::muscle_at_15_psi;
 
     /// One that cannot be the answer says nothing of what the others are worth.
     #[test]
     fn a_candidate_of_the_wrong_sign_sets_no_bar() {
-        let none = Problem { trials: Vec::new(), parameters: Vec::new(), nuisances: Nuisances::default() };
+        let release = Release {
+            name: "made-up".to_owned(),
+            time: Vec::new(),
+            release_uncertainty: 0.01,
+            tracks: Vec::new(),
+            pressure: None,
+            payload: 0.0,
+            held_out: false,
+        };
+        let trial = Trial { release, model: muscle_at_15_psi(), run: Run::release(1.0, 10.0) };
+        let problem =
+            Problem { trials: vec![trial], parameters: Vec::new(), nuisances: Nuisances::default() };
         let score = |(decrease, is_admissible)| Score {
             columns: vec![0],
             size: 5.0,
@@ -303,7 +317,7 @@ mod tests {
             ..Score::default()
         };
         let scores = [(800.0, false), (100.0, true), (20.0, true)].map(score);
-        let pairs = candidates(&none, &[]).into_iter().zip(scores);
+        let pairs = candidates(&problem, &[]).into_iter().zip(scores);
         let mut entries: Vec<Entry> = pairs.map(|(candidate, score)| Entry::new(candidate, score)).collect();
         let (worth, others) = shortlist(&mut entries);
         let decreases = |entries: &[Entry]| entries.iter().map(|e| e.score.decrease).collect::<Vec<_>>();

@@ -6,6 +6,8 @@ use super::describe::Description;
 use super::gate::Numerics;
 use super::localise::Shape;
 use super::misfit::Misfit;
+use super::repeats::Repeats;
+use super::share::Shares;
 use crate::schema::JsonSchema;
 
 /// The answer.
@@ -14,6 +16,8 @@ use crate::schema::JsonSchema;
 pub enum Verdict {
     /// One effect, or several, each told from all others.
     Named,
+    /// The same, and what remains is more than noise and than what repeats: something else is missing as well.
+    Incomplete,
     /// One of several effects that these recordings cannot tell apart.
     Class,
     /// Nothing that these recordings could show.
@@ -40,6 +44,12 @@ pub struct Diagnosis {
     pub evidence: Vec<Evidence>,
     /// Gap between simulation and recordings, before and after.
     pub gap: Vec<Gap>,
+    /// How well the experiment repeats; none where that is not known.
+    #[serde(default)]
+    pub repeats: Option<Repeats>,
+    /// What was missing, and how much of it the effects explain.
+    #[serde(default)]
+    pub shares: Option<Shares>,
     /// False-alarm level of a round, and the score that it amounts to.
     pub false_alarm: f64,
     /// Score that a candidate has to exceed, by round.
@@ -158,11 +168,11 @@ pub struct Gap {
     pub release: String,
     /// Whether it was locked away.
     pub held_out: bool,
-    /// Root mean square distance without the effects, mm, and with them.
+    /// Root mean square distance of all samples without the effects, mm, and with them.
     pub before_mm: f64,
     /// With them.
     pub after_mm: f64,
-    /// The same over the noise, 1 being noise alone.
+    /// The same over the noise, 1 being noise alone, without samples that the robust loss holds back.
     pub before: f64,
     /// With them.
     pub after: f64,

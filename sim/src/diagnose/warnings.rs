@@ -72,7 +72,7 @@ fn bounded(known: &[Known], effect: &str) -> Vec<String> {
 
 /// What should be known of an answer of several names.
 fn several(diagnosis: &Diagnosis) -> Option<String> {
-    let is_named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Class);
+    let is_named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Incomplete | Verdict::Class);
     (is_named && diagnosis.effects.len() > 1).then(|| {
         "several effects together can stand in for one that the catalogue does not hold: confirm them with another recording, with markers on the body".to_owned()
     })

@@ -7,9 +7,10 @@ use models::effects::by_name;
 use super::describe::Description;
 use super::localise::Shape;
 use super::misfit::{BANDS, Misfit, Wrong};
+use super::repeats::Source;
 use super::round::NO_MORE;
 use super::verdict::{Added, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
-use crate::results::report::short;
+use crate::results::report::{short, significant};
 
 /// One paragraph for a person; each part of it is there only where numbers stand behind it.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
@@ -28,8 +29,15 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             misfit(),
             Some(named(diagnosis, "")),
             removed(diagnosis),
+            remains(diagnosis),
             next_best(diagnosis),
-            judged(diagnosis),
+        ],
+        Verdict::Incomplete => vec![
+            Some(named(diagnosis, "")),
+            removed(diagnosis),
+            remains(diagnosis),
+            loudest(diagnosis).map(look),
+            misfit(),
         ],
         Verdict::Class => {
             let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
@@ -38,8 +46,8 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
                 misfit(),
                 Some(named(diagnosis, &others)),
                 removed(diagnosis),
+                remains(diagnosis),
                 next_best(diagnosis),
-                judged(diagnosis),
                 diagnosis.separating_experiment.as_ref().map(to_tell_apart),
             ]
         }
@@ -185,7 +193,8 @@ fn values(added: &Added) -> Option<String> {
 /// Share of the square of the gap beyond the noise below which there is nothing to remove.
 const NOTHING_TO_REMOVE: f64 = 0.02;
 
-/// Share of what noise does not explain that is gone with the effects, over what was fitted.
+/// Share of what noise does not explain that is gone with the effects, over what was fitted, without samples that the
+/// robust loss holds back.
 fn share_removed(diagnosis: &Diagnosis) -> Option<f64> {
     let fitted: Vec<&Gap> = diagnosis.gap.iter().filter(|gap| !gap.held_out).collect();
     let sum = |of: fn(&Gap) -> f64| fitted.iter().map(|gap| of(gap)).sum::<f64>();
@@ -199,9 +208,47 @@ fn percent(share: f64) -> String {
 }
 
 fn removed(diagnosis: &Diagnosis) -> Option<String> {
-    let share = share_removed(diagnosis).filter(|share| *share > 0.0)?;
+    let shares = diagnosis.shares.as_ref()?;
+    let share = shares.removed.filter(|share| *share > 0.0)?;
     let it = if diagnosis.effects.len() > 1 { "They explain" } else { "It explains" };
-    Some(format!("{it} {} of what noise does not.", percent(share)))
+    let locked = shares.removed_held_out.map_or(String::new(), |share| match share > 0.0 {
+        true => format!(", and {} of what was locked away", percent(share)),
+        false => ", and nothing of what was locked away".to_owned(),
+    });
+    Some(format!("{it} {} of what noise does not{locked}.", percent(share)))
+}
+
+/// What the effects leave, beside how well the experiment repeats.
+fn remains(diagnosis: &Diagnosis) -> Option<String> {
+    let shares = diagnosis.shares.as_ref()?;
+    let distances = format!(
+        "Simulation and recordings were {} mm apart and are {} mm",
+        significant(shares.before_mm, 2),
+        significant(shares.left_mm, 2)
+    );
+    let told = diagnosis.repeats.as_ref().map(|repeats| {
+        let size = significant(repeats.distance_mm, 2);
+        let releases = diagnosis.gap.iter().filter(|gap| !gap.held_out).count();
+        let is_within = shares.left_mm <= repeats.largest_mm(releases);
+        let than = if is_within { "no more than" } else { "more than" };
+        match repeats.source {
+            Source::Stated => format!(", {than} the {size} mm to which the experiment is said to repeat"),
+            Source::Measured => {
+                let most = significant(repeats.largest_mm(releases), 2);
+                format!(
+                    ", {than} its releases of one condition leave open, which repeat to {size} mm ({most} mm at 95 %)"
+                )
+            }
+            Source::Assumed => format!(
+                ", {than} the {size} mm to which a single release is taken to repeat, 1 % of its motion (state calibrate.repeatability, or record the release again)"
+            ),
+        }
+    });
+    let more = match diagnosis.verdict {
+        Verdict::Incomplete => ": something else is missing as well",
+        _ => "",
+    };
+    Some(format!("{distances}{}{more}.", told.unwrap_or_default()))
 }
 
 /// What the next best effect would explain in the place of the one that was added.
@@ -226,23 +273,6 @@ fn next_best(diagnosis: &Diagnosis) -> Option<String> {
 /// Root mean square of a gap over releases.
 fn mean(gaps: &[&Gap], of: fn(&Gap) -> f64) -> f64 {
     (gaps.iter().map(|gap| of(gap).powi(2)).sum::<f64>() / gaps.len() as f64).sqrt()
-}
-
-/// What the releases say that were locked away.
-fn judged(diagnosis: &Diagnosis) -> Option<String> {
-    let locked: Vec<&Gap> = diagnosis.gap.iter().filter(|gap| gap.held_out).collect();
-    if locked.is_empty() {
-        return None;
-    }
-    let (before, after) = (mean(&locked, |gap| gap.before), mean(&locked, |gap| gap.after));
-    Some(match after < before {
-        true => format!(
-            "What was locked away agrees: there the gap falls from {before:.2} to {after:.2} of the noise."
-        ),
-        false => format!(
-            "What was locked away does not agree: there the gap goes from {before:.2} to {after:.2} of the noise."
-        ),
-    })
 }
 
 /// How far simulation and recordings are apart in the end.

@@ -144,7 +144,7 @@ fn text(
          # length = \"… mm\"               # active length, from the clamp\n\
          # mass = \"… g\"                  # distributed mass in all\n\
          # bending_stiffness = \"… N m^2\" # a first value; it is fitted\n\
-         # axial_stiffness = \"… N\"       # Young's modulus times section\n\
+         # axial_stiffness = \"… N\"       # Young's modulus times section; without it the rod hardly stretches\n\
          # tip = \"… mm\"                  # tip marker beyond the active length\n\
          # [effects.end_fitting]\n\
          # mass = \"… g\"\n\

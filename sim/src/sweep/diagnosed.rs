@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::asked::Value;
 use super::work::{Diagnose, Point, Row, fault, joined};
+use crate::calibrate::repeatability;
 use crate::cleaning::clean;
 use crate::diagnose::verdict::{Added, Gap};
 use crate::diagnose::{Diagnosis, Settings, Verdict, diagnose, problem};
@@ -68,6 +69,7 @@ impl Answer {
             Some(Verdict::Unknown) if names.is_empty() => "unknown".to_owned(),
             Some(Verdict::Unknown) => format!("unknown, partly {names}"),
             Some(Verdict::Named) => names,
+            Some(Verdict::Incomplete) => format!("{names}, incomplete"),
             Some(Verdict::Class) => format!("{names}, or {}", self.members.join(", ")),
         }
     }
@@ -154,6 +156,7 @@ fn said(work: &Diagnose, point: &Point) -> Result<Diagnosis, String> {
         false_alarm: work.false_alarm.parse().unwrap_or(Settings::default().false_alarm),
         most_effects: work.most,
         excluded: without.split(AND).filter(|name| !name.is_empty()).map(str::to_owned).collect(),
+        repeatability: repeatability(&experiment).map_err(|error| error.to_string())?,
     };
     let outcome = diagnose(&problem, &settings, &|_: &str| ()).map_err(|error| error.to_string())?;
     Ok(outcome.diagnosis)

@@ -68,7 +68,7 @@ impl Answer {
 
     /// Whether the answer is one name or several, or a class.
     pub fn is_a_name(&self) -> bool {
-        matches!(self.diagnosis.verdict, Verdict::Named | Verdict::Class)
+        matches!(self.diagnosis.verdict, Verdict::Named | Verdict::Incomplete | Verdict::Class)
     }
 
     /// Whether what is hidden can be told from all else.
@@ -132,6 +132,7 @@ impl Answer {
             Verdict::Unknown if names.is_empty() => "unknown".to_owned(),
             Verdict::Unknown => format!("unknown, partly {names}"),
             Verdict::Named => names,
+            Verdict::Incomplete => format!("{names}, incomplete"),
             Verdict::Class => format!("{names}, or {}", members.join(", ")),
         }
     }

@@ -57,7 +57,9 @@ pub fn told(answers: &[Answer]) -> String {
         .filter(|a| !a.case.is_known() && a.is_visible)
         .partition(|a| a.distance.is_none_or(|distance| distance >= TOLD_APART));
     rate(&mut text, "not in the catalogue, a cousin is: a name or a class", &cousins, |a| a.is_a_name());
-    rate(&mut text, "not in the catalogue: unknown", &strange, |a| a.diagnosis.verdict == Verdict::Unknown);
+    rate(&mut text, "not in the catalogue: unknown or incomplete", &strange, |a| {
+        matches!(a.diagnosis.verdict, Verdict::Unknown | Verdict::Incomplete)
+    });
     rate(&mut text, "not in the catalogue: a single false name", &strange, |a| {
         a.diagnosis.verdict == Verdict::Named
     });

@@ -47,6 +47,7 @@ pub(super) fn page(
 fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Named => "Verdict: named",
+        Verdict::Incomplete => "Verdict: named, incomplete",
         Verdict::Class => "Verdict: one of several",
         Verdict::NothingMissing => "Verdict: nothing missing",
         Verdict::Unknown => "Verdict: unknown",
@@ -262,7 +263,7 @@ mod tests {
             value: 1.1,
             interval_95: Some([1.0, 1.2]),
         };
-        let has_effect = matches!(verdict, Verdict::Named | Verdict::Class);
+        let has_effect = matches!(verdict, Verdict::Named | Verdict::Incomplete | Verdict::Class);
         let is_class = verdict == Verdict::Class;
         let member = Member { effect: "tip_drag".to_owned(), behind: 2.0, distance: 1.5 };
         let separation =

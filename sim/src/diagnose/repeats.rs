@@ -1,0 +1,226 @@
+//! How well an experiment repeats: below that no model can be told right from wrong.
+//!
+//! Two releases of one condition differ by the noise of the camera and by what no model of either foretells: the hand,
+//! the clamp, what the material remembers. Their root mean square distance over √2, aligned in time and by their means
+//! at the end, is what one of them deviates from a right model: pure error beside lack of fit.
+//! Source: Draper and Smith (1998), Applied Regression Analysis, third edition, section 2.1.
+
+use serde::{Deserialize, Serialize};
+
+use crate::calibrate::problem::is_same_pressure;
+use crate::calibrate::{Problem, Trial};
+use crate::experiment::release::Release;
+use crate::schema::JsonSchema;
+
+/// How well an experiment repeats.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Repeats {
+    /// Root mean square distance of a release from what a right model foretells, the camera's noise in it, mm.
+    pub distance_mm: f64,
+    /// Where that is known from.
+    pub source: Source,
+    /// Pairs of releases of one condition.
+    pub pairs: usize,
+}
+
+/// Where it is known from how well an experiment repeats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// The experiment's `calibrate.repeatability`.
+    Stated,
+    /// Releases of one condition.
+    Measured,
+    /// A single release, which cannot tell: a share of its motion is assumed.
+    Assumed,
+}
+
+/// Share of the motion of a single release to which it is taken to repeat. Two releases by hand of a beam of silicone
+/// differed by 1 % of their drop; with a weight at the tip, by 3 %.
+const ASSUMED: f64 = 0.01;
+/// Angle of release within which two releases are of one condition, rad.
+const SAME_ANGLE: f64 = 0.05;
+/// Share of a release at its end whose means are aligned.
+const END: f64 = 0.25;
+
+impl Repeats {
+    /// Of the releases of a problem, unless it is stated, m; none where neither releases of one condition nor the motion
+    /// of a single one tell.
+    pub(super) fn of(problem: &Problem, stated: Option<f64>) -> Option<Self> {
+        if let Some(stated) = stated {
+            return Some(Self { distance_mm: 1e3 * stated, source: Source::Stated, pairs: 0 });
+        }
+        let trials = &problem.trials;
+        let mut squares = Vec::new();
+        for (k, first) in trials.iter().enumerate() {
+            let others = trials[k + 1..].iter().filter(|other| is_one_condition(first, other));
+            squares.extend(others.filter_map(|other| difference(&first.release, &other.release)));
+        }
+        if !squares.is_empty() {
+            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+            return Some(Self {
+                distance_mm: 1e3 * (0.5 * mean).sqrt(),
+                source: Source::Measured,
+                pairs: squares.len(),
+            });
+        }
+        let [only] = &trials[..] else { return None };
+        let assumed = ASSUMED * motion(&only.release);
+        Some(Self { distance_mm: 1e3 * assumed, source: Source::Assumed, pairs: 0 })
+    }
+
+    /// Distance of a right model from so many releases that is exceeded once in twenty times, mm: the F test of lack of
+    /// fit against pure error, where the latter is known from few releases.
+    pub(super) fn largest_mm(&self, releases: usize) -> f64 {
+        let factor = match self.pairs {
+            0 => 1.0,
+            pairs => quantile_of_f(NUMBERS * releases as f64, NUMBERS * pairs as f64).sqrt(),
+        };
+        factor * self.distance_mm
+    }
+
+    /// The problem with no less noise than what does not repeat has in each coordinate.
+    pub(super) fn heard_in(mut problem: Problem, repeats: &Self) -> Problem {
+        let least = 1e-3 * repeats.distance_mm * std::f64::consts::FRAC_1_SQRT_2;
+        let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
+        tracks.for_each(|track| track.noise = track.noise.max(least));
+        problem
+    }
+
+    /// Whether it is known from the experiment itself.
+    pub(super) fn is_known(&self) -> bool {
+        self.source != Source::Assumed
+    }
+}
+
+/// Numbers that a release differs by from another: size and phase of its swing in each coordinate.
+const NUMBERS: f64 = 4.0;
+
+/// The 95 % point of the F distribution.
+/// Source: Paulson (1942), Annals of Mathematical Statistics 13, 233: the cube root is nearly normal.
+fn quantile_of_f(over: f64, under: f64) -> f64 {
+    const NORMAL: f64 = 1.645;
+    let [a, b] = [over, under].map(|degrees| 2.0 / (9.0 * degrees));
+    let square = (1.0 - b).powi(2) - NORMAL * NORMAL * b;
+    let half = (1.0 - a) * (1.0 - b);
+    let rest = (1.0 - a).powi(2) - NORMAL * NORMAL * a;
+    ((half + (half * half - square * rest).sqrt()) / square).powi(3)
+}
+
+/// Whether two releases are of one rod, pressure, payload and posture.
+fn is_one_condition(a: &Trial, b: &Trial) -> bool {
+    let is_same = match (a.release.pressure, b.release.pressure) {
+        (Some(a), Some(b)) => is_same_pressure(a, b),
+        (None, None) => true,
+        _ => false,
+    };
+    let angle = |trial: &Trial| trial.model.index("release.angle").map(|k| trial.model.theta[k]);
+    let is_near = match (angle(a), angle(b)) {
+        (Ok(a), Ok(b)) => (a - b).abs() < SAME_ANGLE,
+        _ => false,
+    };
+    is_same && is_near && a.release.payload == b.release.payload && is_same_rod(a, b)
+}
+
+/// Whether two models differ in nothing but how they are let go.
+fn is_same_rod(a: &Trial, b: &Trial) -> bool {
+    let of = |trial: &Trial| -> Vec<f64> {
+        let all = trial.model.parameters.iter().zip(&trial.model.theta);
+        all.filter(|(own, _)| !own.path.starts_with("release.")).map(|(_, value)| *value).collect()
+    };
+    of(a) == of(b)
+}
+
+/// How far the tip goes from where it begins at most, m.
+fn motion(release: &Release) -> f64 {
+    let path = &release.tracks[release.leading_track()].position;
+    let Some(first) = path.iter().flatten().next() else { return 0.0 };
+    path.iter().flatten().map(|at| (at[0] - first[0]).hypot(at[1] - first[1])).fold(0.0, f64::max)
+}
+
+/// Mean square distance of the tips of two releases, m², at the shift in time, up to the uncertainty of their instants,
+/// at which it is least.
+fn difference(a: &Release, b: &Release) -> Option<f64> {
+    let (path, other) = (known(a), known(b));
+    let (first, last) = (other.first()?.0, other.last()?.0);
+    let mean_of_end = |path: &[(f64, [f64; 2])]| {
+        let end = &path[path.len() - (END * path.len() as f64).ceil() as usize..];
+        [0, 1].map(|axis| end.iter().map(|(_, at)| at[axis]).sum::<f64>() / end.len() as f64)
+    };
+    let (end, other_end) = (mean_of_end(&path), mean_of_end(&other));
+    let at = |time: f64| {
+        let after = other.partition_point(|(own, _)| *own <= time).clamp(1, other.len() - 1);
+        let ((t0, a), (t1, b)) = (other[after - 1], other[after]);
+        let share = (time - t0) / (t1 - t0);
+        [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
+    };
+    let shifted = |shift: f64| {
+        let (mut sum, mut count) = (0.0, 0);
+        for (time, own) in path.iter().filter(|(time, _)| (first..=last).contains(&(time + shift))) {
+            let theirs = at(time + shift);
+            sum += [0, 1]
+                .map(|axis| (own[axis] - end[axis] - theirs[axis] + other_end[axis]).powi(2))
+                .iter()
+                .sum::<f64>();
+            count += 1;
+        }
+        (count > path.len() / 2).then(|| sum / count as f64)
+    };
+    let farthest = 3.0 * a.release_uncertainty.hypot(b.release_uncertainty);
+    (-SHIFTS..=SHIFTS)
+        .filter_map(|k| shifted(farthest * f64::from(k) / f64::from(SHIFTS)))
+        .min_by(f64::total_cmp)
+}
+
+/// Shifts in time that are tried to each side.
+const SHIFTS: i32 = 60;
+
+/// Samples of the tip that are there, with their times.
+fn known(release: &Release) -> Vec<(f64, [f64; 2])> {
+    let path = &release.tracks[release.leading_track()].position;
+    release.time.iter().zip(path).filter_map(|(time, at)| Some((*time, (*at)?))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::release::{Point, Track};
+
+    /// A swing that decays to a rest, seen from `from` on, `more` at its rest, and `share` larger in its swing.
+    fn release(from: f64, more: f64, share: f64) -> Release {
+        let time: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+        let swing = |time: f64| 0.02 * (1.0 + share) * (-time).exp() * (9.0 * time).cos();
+        let position = time.iter().map(|time| Some([0.1, more + swing(time + from)])).collect();
+        let tracks = vec![Track { marker: "tip".to_owned(), at: Point::Tip, position, noise: 1e-5 }];
+        let name = "made-up".to_owned();
+        Release {
+            name,
+            time,
+            release_uncertainty: 0.01,
+            tracks,
+            pressure: None,
+            payload: 0.0,
+            held_out: false,
+        }
+    }
+
+    /// From tables of the distribution.
+    #[test]
+    fn the_f_distribution_is_that_of_tables() {
+        for (over, under, table) in [(8.0, 4.0, 6.04), (8.0, 12.0, 2.85), (36.0, 24.0, 1.91)] {
+            let found = quantile_of_f(over, under);
+            assert!((found / table - 1.0).abs() < 0.03, "{over}, {under}: {found} for {table}");
+        }
+    }
+
+    #[test]
+    fn releases_are_compared_aligned_in_time_and_by_their_rest() {
+        let reference = release(0.0, 0.0, 0.0);
+        let of = |other: &Release| 1e3 * difference(&reference, other).unwrap().sqrt();
+        assert!(of(&release(0.012, 1e-3, 0.0)) < 0.02, "{}", of(&release(0.012, 1e-3, 0.0)));
+        // A twentieth of a swing of 20 mm that decays in a second of four.
+        let expected = (1.0f64 / 16.0).sqrt();
+        let found = of(&release(0.0, 0.0, 0.05));
+        assert!((found / expected - 1.0).abs() < 0.15, "{found}, {expected}");
+    }
+}
