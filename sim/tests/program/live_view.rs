@@ -86,7 +86,8 @@ fn efam_keeps_only_what_is_watched() {
     assert_eq!(code, 0, "{stderr}");
     assert!(stdout.contains("what was seen is in run"), "{stdout}");
     let run = Bench(bench.0.join("run"));
-    assert_eq!(run.left(), ["run.rrd", "scenario.resolved.toml", "summary.json"]);
+    let kept = ["efam-files.json", "run.rrd", "scenario.resolved.toml", "summary.json"];
+    assert_eq!(run.left(), kept);
     assert!(run.text("summary.json").contains("\"kind\": \"watched\""));
     let (code, _, stderr) = bench.run(&asked);
     assert!(code == 2 && stderr.contains("--rerun"), "{stderr}");
