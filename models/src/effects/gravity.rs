@@ -12,6 +12,9 @@
 
 use super::{About, Kind, Law, Mass, MassLoad, Parameter, Place, Reach, Real};
 
+/// Acceleration of free fall where nothing else is said, m/s².
+pub(super) const STANDARD: f64 = 9.81;
+
 /// Weight.
 pub struct Gravity;
 
@@ -27,9 +30,9 @@ impl Law for Gravity {
             name: "acceleration",
             meaning: "acceleration of free fall",
             unit: "m/s^2",
-            default: 9.81,
+            default: STANDARD,
             range: (0.0, 1000.0),
-            scale: 9.81,
+            scale: STANDARD,
             off: Some(0.0),
             ..Parameter::PLAIN
         }],

@@ -214,7 +214,7 @@ impl Per {
         match self {
             Per::Unit => 1.0,
             Per::Mass => rod.mass,
-            Per::WeightMoment => 0.5 * rod.mass * 9.806_65 * rod.length,
+            Per::WeightMoment => 0.5 * rod.mass * gravity::STANDARD * rod.length,
             Per::LengthSquared => rod.length * rod.length,
             Per::Curvature => rod.length.recip(),
         }

@@ -35,7 +35,7 @@ impl Law for TipMass {
                 range: (0.0, 100.0),
                 scale: 5e-3,
                 off: Some(0.0),
-                plausible: Some((0.0, 0.5)),
+                plausible: Some((0.0, 1.0)),
                 per: Per::Mass,
                 ..Parameter::PLAIN
             },

@@ -6,7 +6,7 @@ use models::muscle::Known;
 
 use super::score::Subject;
 use crate::calibrate::joint::Known as Fit;
-use crate::calibrate::{Parameter, Prior, Problem, Scale, Scope, Trial};
+use crate::calibrate::{CalibrateError, Parameter, Prior, Problem, Scale, Scope, Trial};
 use crate::forward::Initial;
 
 /// An effect with what it depends on nonlinearly held at one value.
@@ -75,7 +75,7 @@ impl Candidate {
 
     /// Widens the believed range of each of its parameters that a fit ended at, tenfold and up to what is admissible;
     /// whether there was one. Where the effect is off it is at no bound.
-    pub fn widen(&self, problem: &mut Problem, known: &[Fit]) -> bool {
+    fn widen(&self, problem: &mut Problem, known: &[Fit]) -> bool {
         let mut is_wider = false;
         for of in self.effect.about().parameters {
             let path = format!("effects.{}.{}", self.name(), of.name);
@@ -100,6 +100,20 @@ impl Candidate {
             }
         }
         is_wider
+    }
+
+    /// What a fit finds, made anew with wider ranges while it ends at one; none where it cannot be made.
+    pub fn within_ranges<T>(
+        &self,
+        mut problem: Problem,
+        mut fit: impl FnMut(&Problem) -> Result<Option<(T, Vec<Fit>)>, CalibrateError>,
+    ) -> Result<Option<T>, CalibrateError> {
+        loop {
+            let Some((found, known)) = fit(&problem)? else { return Ok(None) };
+            if !self.widen(&mut problem, &known) {
+                return Ok(Some(found));
+            }
+        }
     }
 
     /// The path of the strength.

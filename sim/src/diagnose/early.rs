@@ -154,11 +154,16 @@ impl Met {
         set(&mut with, known);
         // Each begins where the models are now.
         with.parameters.iter_mut().for_each(|parameter| parameter.start = None);
-        let (fitted, numerics) = match gate::on_fine_mesh(&with, tell) {
-            Ok(found) => found,
-            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
-            Err(error) => return Err(error),
-        };
+        let found =
+            self.candidate.within_ranges(with, |problem| match gate::on_fine_mesh(problem, tell) {
+                Ok((fitted, numerics)) => {
+                    let known = fitted.fit()?.known();
+                    Ok(Some(((fitted, numerics), known)))
+                }
+                Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
+                Err(error) => Err(error),
+            })?;
+        let Some((fitted, numerics)) = found else { return Ok(None) };
         let refit = Refit::of(fitted, &self.candidate, without)?;
         let fit = refit.fitted.fit()?;
         let path = self.candidate.path();
@@ -226,9 +231,9 @@ impl Course<'_> {
                 }
             }
         }
+        found.sort_by(|a, b| a.1.worth().total_cmp(&b.1.worth()));
         // What contradicts the rod or the setup as they are stated comes after what does not.
-        let order = |whole: &Whole| (is_strained(&whole.refit.known), whole.worth());
-        found.sort_by(|a, b| order(&a.1).0.cmp(&order(&b.1).0).then(order(&a.1).1.total_cmp(&order(&b.1).1)));
+        found.sort_by_key(|(_, whole)| is_strained(&whole.refit.known));
         let best = self.best_of(found, &mut evidence);
         self.diagnosis.thresholds.push(threshold);
         listener.ranked(threshold, &evidence);

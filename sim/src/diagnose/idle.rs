@@ -1,9 +1,10 @@
 //! Effects that became idle: what stood in for another one is not needed beside it.
 
+use super::Course;
 use super::candidate::Candidate;
-use super::judge::{Judgement, judgement};
+use super::judge::{Judgement, Locked, judgement};
 use super::round::Best;
-use super::verdict::Added;
+use super::verdict::{Added, Evidence};
 use crate::calibrate::joint::{Fitted, Joint, Known};
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -45,4 +46,27 @@ pub(super) fn without_idle(
         }
     }
     Ok(None)
+}
+
+impl Course<'_> {
+    /// Leaves out again what is not needed beside what came later.
+    pub(super) fn leave_out_idle(&mut self) -> Result<(), CalibrateError> {
+        let mut known = self.model.fit()?.known();
+        while let Some(lean) = without_idle(&self.problem, &self.added, &known, self.cost)? {
+            let idle = self.added.remove(lean.left_out);
+            self.listener.doing(&format!("{} became idle", idle.candidate.name()));
+            let of_idle = |evidence: &&mut Evidence| evidence.effect == idle.candidate.name();
+            for evidence in self.diagnosis.evidence.iter_mut().filter(of_idle) {
+                evidence.rejected.get_or_insert_with(|| "it became idle beside the others".to_owned());
+            }
+            self.added.last_mut().expect("one is left").locked =
+                Locked::meet(&lean.fitted.problem, &lean.known)?;
+            self.after = lean.judgement;
+            (self.diagnosis.effects, self.cost) = (lean.effects, lean.cost);
+            (self.model, known) = (lean.fitted, lean.known);
+            self.steps.truncate(lean.left_out);
+            self.remember();
+        }
+        Ok(())
+    }
 }

@@ -24,14 +24,6 @@ pub(super) struct Judgement {
     pub paths: Vec<Path>,
 }
 
-impl Judgement {
-    /// Root mean square distance of all releases, mm.
-    pub fn distance_mm(&self) -> f64 {
-        let sum: f64 = self.gaps.iter().map(|(_, distance, ..)| distance * distance).sum();
-        (sum / self.gaps.len().max(1) as f64).sqrt()
-    }
-}
-
 /// A model before what was locked away.
 pub(super) struct Locked {
     pub judgement: Judgement,

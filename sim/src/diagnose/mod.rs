@@ -54,14 +54,13 @@ use constancy::{INCONSTANT, inconstant};
 use curve::curves;
 use describe::describe;
 use early::Early;
-use idle::without_idle;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
 use refit::errors;
 use repeats::Repeats;
 use round::{Asked, Best, Heard, round};
 use share::{Shares, Step};
 use verdict::{Added, Evidence, Gap};
-use warnings::{is_strained, warnings};
+use warnings::{contradictions, is_strained, warnings};
 
 /// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
 pub trait Listener: Sync {
@@ -124,8 +123,9 @@ pub fn diagnose(
     listener: &dyn Listener,
 ) -> Result<Outcome, CalibrateError> {
     let repeats = Repeats::of(problem, settings.repeatability);
-    let problem =
-        &repeats.iter().filter(|repeats| repeats.is_known()).fold(problem.clone(), Repeats::heard_in);
+    let heard =
+        repeats.as_ref().filter(|repeats| repeats.is_known()).map(|repeats| repeats.heard_in(problem));
+    let problem = heard.as_ref().unwrap_or(problem);
     let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, repeats, ..Diagnosis::default() };
     listener.doing("the first swings");
     let before = match early::before(problem)? {
@@ -230,13 +230,21 @@ impl<'a> Course<'a> {
         }
         self.add_all()?;
         self.leave_out_idle()?;
-        if !self.added.is_empty() && self.is_within_repeats() {
-            self.diagnosis.verdict = Verdict::Named;
-            return Ok(());
-        }
-        if !self.added.is_empty() && self.diagnosis.verdict != Verdict::Unknown {
-            self.diagnosis.verdict = if self.is_believed()? { Verdict::Named } else { Verdict::Unknown };
-        }
+        let is_strained = is_strained(&self.model.fit()?.known());
+        let is_within = !self.added.is_empty() && self.is_within_repeats();
+        self.diagnosis.verdict = match (is_strained, self.diagnosis.verdict) {
+            // A model that fits because it contradicts what is stated of the setup explains nothing.
+            (true, _) => Verdict::Unknown,
+            _ if is_within => Verdict::Named,
+            (_, verdict) if verdict == Verdict::Unknown || self.added.is_empty() => verdict,
+            _ => {
+                if self.is_believed()? {
+                    Verdict::Named
+                } else {
+                    Verdict::Unknown
+                }
+            }
+        };
         Ok(())
     }
 
@@ -298,27 +306,6 @@ impl<'a> Course<'a> {
         Ok(())
     }
 
-    /// Leaves out again what is not needed beside what came later.
-    fn leave_out_idle(&mut self) -> Result<(), CalibrateError> {
-        let mut known = self.model.fit()?.known();
-        while let Some(lean) = without_idle(&self.problem, &self.added, &known, self.cost)? {
-            let idle = self.added.remove(lean.left_out);
-            self.listener.doing(&format!("{} became idle", idle.candidate.name()));
-            let of_idle = |evidence: &&mut Evidence| evidence.effect == idle.candidate.name();
-            for evidence in self.diagnosis.evidence.iter_mut().filter(of_idle) {
-                evidence.rejected.get_or_insert_with(|| "it became idle beside the others".to_owned());
-            }
-            self.added.last_mut().expect("one is left").locked =
-                Locked::meet(&lean.fitted.problem, &lean.known)?;
-            self.after = lean.judgement;
-            (self.diagnosis.effects, self.cost) = (lean.effects, lean.cost);
-            (self.model, known) = (lean.fitted, lean.known);
-            self.steps.truncate(lean.left_out);
-            self.remember();
-        }
-        Ok(())
-    }
-
     /// The same search with strengths that differ from pressure to pressure, if that has an answer; or else
     /// this, with the evidence of both.
     fn widened(mut self) -> Result<Self, CalibrateError> {
@@ -358,8 +345,7 @@ impl<'a> Course<'a> {
         (gap.collect(), curves(&pairs))
     }
 
-    /// Whether what was added is as strong in one release as in another, needs no setup that nobody believes in,
-    /// and meets what was locked away.
+    /// Whether what was added is as strong in one release as in another, and meets what was locked away.
     fn is_believed(&mut self) -> Result<bool, CalibrateError> {
         let fit = self.model.fit()?;
         let all =
@@ -372,7 +358,7 @@ impl<'a> Course<'a> {
         }
         let warning = |effect| format!("{effect} fits, and {INCONSTANT}: it stands in for something else");
         self.diagnosis.warnings.extend(inconstant.iter().map(warning));
-        Ok(inconstant.is_empty() && !is_strained(&fit.known()) && !is_astray(&self.gaps().0))
+        Ok(inconstant.is_empty() && !is_astray(&self.gaps().0))
     }
 
     /// How the model with all that was added meets what was locked away.
@@ -411,6 +397,7 @@ impl<'a> Course<'a> {
         } else {
             self.diagnosis.misfits = misfit::misfits(&curves);
         }
+        self.diagnosis.contradictions = contradictions(&known);
         let warnings = warnings(&self.diagnosis, &self.problem, &known);
         self.diagnosis.warnings.extend(warnings);
         self.diagnosis.summary = words::summary(&self.diagnosis);

@@ -201,7 +201,9 @@ impl Course<'_> {
     /// Whether what was added stands alone, and else what would tell it from the others.
     pub(super) fn tell_apart(&mut self, known: &[Known]) {
         let Some(best) = self.added.iter().find(|best| !best.members.is_empty()) else { return };
-        self.diagnosis.verdict = Verdict::Class;
+        if self.diagnosis.verdict == Verdict::Named {
+            self.diagnosis.verdict = Verdict::Class;
+        }
         self.diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
         let (nearest, other) = &best.members[0];
         let of = [best.candidate.clone(), other.clone()];

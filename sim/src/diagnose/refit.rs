@@ -71,17 +71,14 @@ pub(super) fn rough(
 
 /// Follows a candidate to its fit. None where it cannot be run.
 pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
-    let (mut problem, mut known) = (rough.problem.clone(), rough.known.clone());
-    loop {
-        let Some(fit) = Joint::follow(&problem, &known, &|_| ())? else { return Ok(None) };
+    let mut known = rough.known.clone();
+    let fitted = candidate.within_ranges(rough.problem.clone(), |problem| {
+        let Some(fit) = Joint::follow(problem, &known, &|_| ())? else { return Ok(None) };
         known = fit.known();
         let found = fit.found;
-        let mut wider = problem.clone();
-        if !candidate.widen(&mut wider, &known) {
-            return Refit::of(Fitted::new(problem, found), candidate, rough.without).map(Some);
-        }
-        problem = wider;
-    }
+        Ok(Some((Fitted::new(problem.clone(), found), known.clone())))
+    })?;
+    fitted.map(|fitted| Refit::of(fitted, candidate, rough.without)).transpose()
 }
 
 impl Refit {

@@ -7,7 +7,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::{Problem, Trial};
 use crate::experiment::release::Release;
 use crate::schema::JsonSchema;
@@ -17,6 +16,8 @@ use crate::schema::JsonSchema;
 pub struct Repeats {
     /// Root mean square distance of a release from what a right model foretells, the camera's noise in it, mm.
     pub distance_mm: f64,
+    /// What of that is the camera's noise, mm.
+    pub noise_mm: f64,
     /// Where that is known from.
     pub source: Source,
     /// Pairs of releases of one condition.
@@ -47,10 +48,15 @@ impl Repeats {
     /// Of the releases of a problem, unless it is stated, m; none where neither releases of one condition nor the motion
     /// of a single one tell.
     pub(super) fn of(problem: &Problem, stated: Option<f64>) -> Option<Self> {
-        if let Some(stated) = stated {
-            return Some(Self { distance_mm: 1e3 * stated, source: Source::Stated, pairs: 0 });
-        }
         let trials = &problem.trials;
+        let tracks = trials.iter().map(|trial| &trial.release.tracks[trial.release.leading_track()]);
+        let noise = (2.0 * tracks.map(|tip| tip.noise * tip.noise).sum::<f64>() / trials.len() as f64).sqrt();
+        let of = |distance: f64, source: Source, pairs: usize| {
+            Some(Self { distance_mm: 1e3 * distance, noise_mm: 1e3 * noise.min(distance), source, pairs })
+        };
+        if let Some(stated) = stated {
+            return of(stated, Source::Stated, 0);
+        }
         let mut squares = Vec::new();
         for (k, first) in trials.iter().enumerate() {
             let others = trials[k + 1..].iter().filter(|other| is_one_condition(first, other));
@@ -58,30 +64,28 @@ impl Repeats {
         }
         if !squares.is_empty() {
             let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-            return Some(Self {
-                distance_mm: 1e3 * (0.5 * mean).sqrt(),
-                source: Source::Measured,
-                pairs: squares.len(),
-            });
+            return of((0.5 * mean).sqrt(), Source::Measured, squares.len());
         }
         let [only] = &trials[..] else { return None };
-        let assumed = ASSUMED * motion(&only.release);
-        Some(Self { distance_mm: 1e3 * assumed, source: Source::Assumed, pairs: 0 })
+        of(ASSUMED * motion(&only.release), Source::Assumed, 0)
     }
 
     /// Distance of a right model from so many releases that is exceeded once in twenty times, mm: the F test of lack of
-    /// fit against pure error, where the latter is known from few releases.
+    /// fit against pure error. What does not repeat is known from few numbers of few releases; the noise in it from
+    /// all samples.
     pub(super) fn largest_mm(&self, releases: usize) -> f64 {
         let factor = match self.pairs {
             0 => 1.0,
-            pairs => quantile_of_f(NUMBERS * releases as f64, NUMBERS * pairs as f64).sqrt(),
+            pairs => quantile_of_f(NUMBERS * releases as f64, NUMBERS * pairs as f64),
         };
-        factor * self.distance_mm
+        let noise = self.noise_mm * self.noise_mm;
+        (noise + factor * (self.distance_mm * self.distance_mm - noise)).sqrt()
     }
 
     /// The problem with no less noise than what does not repeat has in each coordinate.
-    pub(super) fn heard_in(mut problem: Problem, repeats: &Self) -> Problem {
-        let least = 1e-3 * repeats.distance_mm * std::f64::consts::FRAC_1_SQRT_2;
+    pub(super) fn heard_in(&self, problem: &Problem) -> Problem {
+        let mut problem = problem.clone();
+        let least = 1e-3 * self.distance_mm * std::f64::consts::FRAC_1_SQRT_2;
         let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
         tracks.for_each(|track| track.noise = track.noise.max(least));
         problem
@@ -107,28 +111,24 @@ fn quantile_of_f(over: f64, under: f64) -> f64 {
     ((half + (half * half - square * rest).sqrt()) / square).powi(3)
 }
 
-/// Whether two releases are of one rod, pressure, payload and posture.
-fn is_one_condition(a: &Trial, b: &Trial) -> bool {
-    let is_same = match (a.release.pressure, b.release.pressure) {
-        (Some(a), Some(b)) => is_same_pressure(a, b),
-        (None, None) => true,
-        _ => false,
-    };
-    let angle = |trial: &Trial| trial.model.index("release.angle").map(|k| trial.model.theta[k]);
-    let is_near = match (angle(a), angle(b)) {
-        (Ok(a), Ok(b)) => (a - b).abs() < SAME_ANGLE,
-        _ => false,
-    };
-    is_same && is_near && a.release.payload == b.release.payload && is_same_rod(a, b)
-}
+/// Share of a parameter within which two releases have the same one.
+const SAME: f64 = 1e-3;
 
-/// Whether two models differ in nothing but how they are let go.
-fn is_same_rod(a: &Trial, b: &Trial) -> bool {
-    let of = |trial: &Trial| -> Vec<f64> {
-        let all = trial.model.parameters.iter().zip(&trial.model.theta);
-        all.filter(|(own, _)| !own.path.starts_with("release.")).map(|(_, value)| *value).collect()
+/// Whether two releases are of one rod, pressure, payload and posture: whether their models differ in nothing but how
+/// they are let go.
+fn is_one_condition(a: &Trial, b: &Trial) -> bool {
+    let is_same = |k: usize| {
+        let [one, other] = [a, b].map(|trial| trial.model.theta[k]);
+        match a.model.parameters[k].path.as_str() {
+            path if path != b.model.parameters[k].path => false,
+            "release.angle" => (one - other).abs() < SAME_ANGLE,
+            path if path.starts_with("release.") => true,
+            // A rod that states no diameter has none.
+            _ => (one - other).abs() <= SAME * one.abs() || one.is_nan() && other.is_nan(),
+        }
     };
-    of(a) == of(b)
+    let count = a.model.parameters.len();
+    count == b.model.parameters.len() && (0..count).all(is_same)
 }
 
 /// How far the tip goes from where it begins at most, m.
@@ -142,7 +142,8 @@ fn motion(release: &Release) -> f64 {
 /// at which it is least.
 fn difference(a: &Release, b: &Release) -> Option<f64> {
     let (path, other) = (known(a), known(b));
-    let (first, last) = (other.first()?.0, other.last()?.0);
+    let [first, .., last] = &other[..] else { return None };
+    let (first, last) = (first.0, last.0);
     let mean_of_end = |path: &[(f64, [f64; 2])]| {
         let end = &path[path.len() - (END * path.len() as f64).ceil() as usize..];
         [0, 1].map(|axis| end.iter().map(|(_, at)| at[axis]).sum::<f64>() / end.len() as f64)

@@ -67,17 +67,19 @@ fn removed([before, noise]: [f64; 2], [after, _]: [f64; 2]) -> Option<f64> {
     (before > (1.0 + NOTHING) * noise).then(|| (before - after) / (before - noise))
 }
 
+/// Mean square distance of all releases, and of noise alone, mm².
+fn of_all(judged: &Judgement) -> [f64; 2] {
+    mean_square(judged.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]))
+}
+
 /// Whether a model misses at most half of what another one misses, of the squares beyond the noise.
 fn most(before: &Judgement, after: &Judgement) -> bool {
-    let of =
-        |own: &Judgement| mean_square(own.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]));
-    removed(of(before), of(after)).is_none_or(|share| share >= 0.5)
+    removed(of_all(before), of_all(after)).is_none_or(|share| share >= 0.5)
 }
 
 /// A model on the way.
 pub(super) struct Step {
     pub model: Fitted,
-    pub cost: f64,
     pub after: Judgement,
     pub locked: Option<Judgement>,
 }
@@ -88,7 +90,6 @@ impl Course<'_> {
         self.steps.truncate(self.added.len() - 1);
         self.steps.push(Step {
             model: self.model.clone(),
-            cost: self.cost,
             after: self.after.clone(),
             locked: self.locked().map(|locked| locked.judgement.clone()),
         });
@@ -103,7 +104,7 @@ impl Course<'_> {
             && [Some(&self.after), self.locked().map(|locked| &locked.judgement)]
                 .into_iter()
                 .flatten()
-                .all(|met| met.distance_mm() <= repeats.largest_mm(met.gaps.len()))
+                .all(|met| of_all(met)[0].sqrt() <= repeats.largest_mm(met.gaps.len()))
     }
 
     /// Where something is left that has no name: of what was added, the first effects of which each explains most of what
@@ -137,9 +138,8 @@ impl Course<'_> {
         }
         if kept < self.added.len() {
             self.added.truncate(kept);
-            self.steps.truncate(kept);
-            let step = self.steps.last().expect("one is kept");
-            (self.model, self.cost, self.after) = (step.model.clone(), step.cost, step.after.clone());
+            let Step { model, after, .. } = self.steps.swap_remove(kept - 1);
+            (self.model, self.after) = (model, after);
             let fit = self.model.fit()?;
             self.diagnosis.effects = self.added.iter().map(|best| Added::of(&fit, &best.candidate)).collect();
         }

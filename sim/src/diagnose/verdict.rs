@@ -50,6 +50,9 @@ pub struct Diagnosis {
     /// What was missing, and how much of it the effects explain.
     #[serde(default)]
     pub shares: Option<Shares>,
+    /// What the fit moved far from what is stated of the setup, the farthest first.
+    #[serde(default)]
+    pub contradictions: Vec<Contradiction>,
     /// False-alarm level of a round, and the score that it amounts to.
     pub false_alarm: f64,
     /// Score that a candidate has to exceed, by round.
@@ -94,6 +97,19 @@ pub struct Value {
     pub value: f64,
     /// Interval that holds the truth in 95 % of experiments; none for one that was held.
     pub interval_95: Option<[f64; 2]>,
+}
+
+/// A parameter that a fit moved far from what is stated of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Contradiction {
+    /// The parameter, with the release or pressure that it belongs to.
+    pub parameter: String,
+    /// Where the fit has it, SI.
+    pub value: f64,
+    /// SI unit; empty if dimensionless.
+    pub unit: String,
+    /// How far that is from what is stated, standard deviations of the latter.
+    pub deviations: f64,
 }
 
 /// One of several effects that do the same to these recordings.

@@ -5,7 +5,7 @@ use models::effects::{CATALOGUE, Kind};
 use super::gate;
 use super::refit::prefix;
 use super::section::{LEAST_NOISE, TILT};
-use super::verdict::{Diagnosis, Verdict};
+use super::verdict::{Contradiction, Diagnosis, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Known;
 use crate::results::report::significant;
@@ -15,7 +15,7 @@ pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Known]
     let mut words: Vec<String> = several(diagnosis).into_iter().collect();
     words.extend(gate::warning(&diagnosis.numerics));
     words.extend(of_experiment(problem));
-    words.extend(strained(known));
+    words.extend(diagnosis.contradictions.iter().map(|own| format!("{}: check the setup", own.told())));
     words.extend(diagnosis.effects.iter().flat_map(|added| bounded(known, &added.effect)));
     words
 }
@@ -37,21 +37,34 @@ pub(super) fn is_strained(known: &[Known]) -> bool {
 }
 
 /// What a fit had to assume of the setup against what was believed.
-fn strained(known: &[Known]) -> Vec<String> {
+pub(super) fn contradictions(known: &[Known]) -> Vec<Contradiction> {
     let of = |known: &Known| {
-        let off = off(known).filter(|off| *off > BELIEVABLE)?;
-        Some(format!(
-            "{} = {} is {off:.0} standard deviations off what was believed of it: check the setup",
-            known.unknown.name,
-            stated(known)
-        ))
+        let deviations = off(known).filter(|off| *off > BELIEVABLE)?;
+        let (parameter, unit) = (known.unknown.name.clone(), known.unknown.unit.to_owned());
+        Some(Contradiction { parameter, value: known.value(), unit, deviations })
     };
-    known.iter().filter_map(of).collect()
+    let mut all: Vec<_> = known.iter().filter_map(of).collect();
+    all.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
+    all
+}
+
+impl Contradiction {
+    /// Whether no answer is believed that needs it.
+    pub(super) fn is_unbelievable(&self) -> bool {
+        self.deviations > UNBELIEVABLE
+    }
+
+    /// In words.
+    pub(super) fn told(&self) -> String {
+        let Self { parameter, value, unit, deviations } = self;
+        let value = stated(*value, unit);
+        format!("{parameter} = {value} is {deviations:.0} standard deviations off what was believed of it")
+    }
 }
 
 /// A value with its unit.
-fn stated(known: &Known) -> String {
-    format!("{} {}", significant(known.value(), 3), known.unknown.unit).trim_end().to_owned()
+fn stated(value: f64, unit: &str) -> String {
+    format!("{} {unit}", significant(value, 3)).trim_end().to_owned()
 }
 
 /// What of an effect stands at an end of what is believed, so that its interval is no more than a bound.
@@ -63,7 +76,7 @@ fn bounded(known: &[Known], effect: &str) -> Vec<String> {
             format!(
                 "{} = {} stands at an end of what is believed of it, and the recordings would have it beyond: look whether such a size suits this rod, or whether it stands in for something else",
                 known.unknown.label(),
-                stated(known)
+                stated(known.value(), known.unknown.unit)
             )
         })
     };

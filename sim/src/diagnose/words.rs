@@ -9,7 +9,7 @@ use super::localise::Shape;
 use super::misfit::{BANDS, Misfit, Wrong};
 use super::repeats::Source;
 use super::round::NO_MORE;
-use super::verdict::{Added, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
+use super::verdict::{Added, Contradiction, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
 use crate::results::report::{short, significant};
 
 /// One paragraph for a person; each part of it is there only where numbers stand behind it.
@@ -25,34 +25,24 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise does.".to_owned()),
             apart(diagnosis),
         ],
-        Verdict::Named => vec![
+        Verdict::Named | Verdict::Class => vec![
             misfit(),
-            Some(named(diagnosis, "")),
+            Some(named(diagnosis)),
             removed(diagnosis),
             remains(diagnosis),
             next_best(diagnosis),
+            diagnosis.separating_experiment.as_ref().map(to_tell_apart),
         ],
         Verdict::Incomplete => vec![
-            Some(named(diagnosis, "")),
+            Some(named(diagnosis)),
             removed(diagnosis),
             remains(diagnosis),
             loudest(diagnosis).map(look),
             misfit(),
+            diagnosis.separating_experiment.as_ref().map(to_tell_apart),
         ],
-        Verdict::Class => {
-            let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
-            let others = format!(", or what does the same to these recordings ({})", others.join(", "));
-            vec![
-                misfit(),
-                Some(named(diagnosis, &others)),
-                removed(diagnosis),
-                remains(diagnosis),
-                next_best(diagnosis),
-                diagnosis.separating_experiment.as_ref().map(to_tell_apart),
-            ]
-        }
         Verdict::Unknown => vec![
-            Some(missing(diagnosis).to_owned()),
+            Some(missing(diagnosis)),
             misfit(),
             partly(diagnosis),
             diagnosis.description.as_ref().and_then(described),
@@ -64,12 +54,21 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
 }
 
 /// That something is missing which has no name, or was not looked for.
-fn missing(diagnosis: &Diagnosis) -> &'static str {
+fn missing(diagnosis: &Diagnosis) -> String {
+    let unbelievable = diagnosis.contradictions.iter().filter(|own| own.is_unbelievable());
+    let unbelievable: Vec<String> = unbelievable.map(Contradiction::told).collect();
+    if !unbelievable.is_empty() {
+        return format!(
+            "The recordings contradict what is stated: {}. Check that first: with it nothing can be named.",
+            listed(&unbelievable)
+        );
+    }
     let is_unasked = |own: &Evidence| own.rejected.as_deref() == Some(NO_MORE);
-    match diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
+    let told = match diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
         true => "Something is missing; no effect was to be fitted to say what.",
         false => "Something is missing that the catalogue does not hold.",
-    }
+    };
+    told.to_owned()
 }
 
 /// A parameter's name as a person says it.
@@ -165,8 +164,13 @@ fn does(what: Wrong) -> &'static str {
 /// Values of an effect that are told in a sentence, at most.
 const TOLD: usize = 3;
 
-/// What is missing, with its values.
-fn named(diagnosis: &Diagnosis, or: &str) -> String {
+/// What is missing, with its values, and what cannot be told from it.
+fn named(diagnosis: &Diagnosis) -> String {
+    let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
+    let or = match others.is_empty() {
+        true => String::new(),
+        false => format!(", or what does the same to these recordings ({})", others.join(", ")),
+    };
     let is = if diagnosis.effects.len() > 1 { "are" } else { "is" };
     let values: Vec<String> = diagnosis.effects.iter().filter_map(values).collect();
     let values = if values.is_empty() { String::new() } else { format!(": {}", values.join("; ")) };
@@ -188,19 +192,6 @@ fn values(added: &Added) -> Option<String> {
     };
     let few = (1..=TOLD).contains(&added.parameters.len());
     few.then(|| listed(&added.parameters.iter().map(told).collect::<Vec<_>>()))
-}
-
-/// Share of the square of the gap beyond the noise below which there is nothing to remove.
-const NOTHING_TO_REMOVE: f64 = 0.02;
-
-/// Share of what noise does not explain that is gone with the effects, over what was fitted, without samples that the
-/// robust loss holds back.
-fn share_removed(diagnosis: &Diagnosis) -> Option<f64> {
-    let fitted: Vec<&Gap> = diagnosis.gap.iter().filter(|gap| !gap.held_out).collect();
-    let sum = |of: fn(&Gap) -> f64| fitted.iter().map(|gap| of(gap)).sum::<f64>();
-    let beyond = sum(|gap| gap.before.powi(2) - 1.0);
-    let is_there = beyond > NOTHING_TO_REMOVE * fitted.len() as f64;
-    is_there.then(|| sum(|gap| gap.before.powi(2) - gap.after.powi(2)) / beyond)
 }
 
 fn percent(share: f64) -> String {
@@ -264,7 +255,7 @@ fn next_best(diagnosis: &Diagnosis) -> Option<String> {
     };
     let kept = first().filter(is_other).filter_map(|other| Some((other, other.realised_decrease?)));
     let (next, kept) = kept.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let share = share_removed(diagnosis)?.min(1.0) * kept / own;
+    let share = diagnosis.shares.as_ref()?.removed?.min(1.0) * kept / own;
     (share >= 0.005).then(|| {
         format!("{}, the next best, would explain {}.", capitalised(&called(&next.effect)), percent(share))
     })
@@ -298,7 +289,8 @@ fn partly(diagnosis: &Diagnosis) -> Option<String> {
     if diagnosis.effects.is_empty() {
         return None;
     }
-    let share = share_removed(diagnosis).filter(|share| *share > 0.0);
+    let removed = diagnosis.shares.as_ref().and_then(|shares| shares.removed);
+    let share = removed.filter(|share| *share > 0.0);
     let share = share.map_or("a part".to_owned(), percent);
     let describes = if diagnosis.effects.len() > 1 { "describe" } else { "describes" };
     Some(format!("{} {describes} {share} of it, and need not be its cause.", names(diagnosis)))

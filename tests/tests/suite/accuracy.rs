@@ -1,8 +1,8 @@
 //! Goal: a run is as accurate as was asked, or a warning says that it is not.
 //! Setup: two drawn scenarios, which an earlier rule gave up too soon, at two accuracies against eight times finer
 //! meshes; 200 at three: `accuracy_study`.
-//! Expected: within 1.5 times what was asked but for one in twenty, and never three times it without a warning. Of
-//! four runs one may be off.
+//! Expected: within 1.5 times what was asked; of the 200, but for one in twenty, and never three times it without a
+//! warning.
 
 use rayon::prelude::*;
 use tests::accuracy::{Found, found};
@@ -13,7 +13,5 @@ fn a_run_is_as_accurate_as_was_asked() {
         (302..304_u64).into_par_iter().flat_map_iter(|seed| found(seed, &[5e-4, 5e-5])).collect();
     assert!(all.len() == 4, "{all:#?}");
     let off: Vec<_> = all.iter().filter(|found| found.ratio > 1.5).collect();
-    assert!(off.len() <= 1, "{off:#?}");
-    let silent: Vec<_> = off.iter().filter(|found| found.ratio > 3.0 && !found.warned).collect();
-    assert!(silent.is_empty(), "{silent:#?}");
+    assert!(off.is_empty(), "{off:#?}");
 }
