@@ -21,7 +21,7 @@ fn release(path: &Trajectory, number: u64) -> Release {
         3e-4 * 12f64.sqrt() * ((state >> 33) as f64 / (1u64 << 31) as f64 - 0.5)
     };
     let position = path.tip.iter().map(|x| Some(x.map(|x| x + noise()))).collect();
-    let track = Track { marker: "tip".to_owned(), at: Point::Tip, position, noise: 3e-4 };
+    let track = Track { marker: "tip".to_owned(), at: Point::Tip, position, noise: 3e-4, discrepancy: 0.0 };
     Release {
         name: format!("made-up#{number}"),
         time: path.times.clone(),

@@ -137,6 +137,7 @@ fn simulated(
         at: Point::Tip,
         position: trajectory.tip.iter().map(|at| Some(*at)).collect(),
         noise: 0.0,
+        discrepancy: 0.0,
     };
     let simulated = Release { time: trajectory.times, tracks: vec![track], ..release.clone() };
     let own = measured::analyse_along(&simulated, at_rest.tip, seen.coordinate).ok()?;

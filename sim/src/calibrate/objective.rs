@@ -345,6 +345,7 @@ mod tests {
                         (k != 7).then_some([seen[p][0] + far, seen[p][1] - far])
                     })
                     .collect(),
+                discrepancy: 0.0,
                 noise: 5e-4,
             };
             let release = Release {

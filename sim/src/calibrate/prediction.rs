@@ -99,8 +99,8 @@ impl Measured {
             });
         }
         let noise = release.tracks.iter().map(|track| match track.noise {
-            noise if noise > 0.0 && noise.is_finite() => noise.max(LEAST_NOISE),
-            _ => USUAL_NOISE,
+            noise if noise > 0.0 && noise.is_finite() => noise.max(LEAST_NOISE).hypot(track.discrepancy),
+            _ => USUAL_NOISE.hypot(track.discrepancy),
         });
         Ok(Self { noise: noise.collect(), samples })
     }

@@ -85,7 +85,8 @@ pub(crate) fn spread(
         for (t, series) in block.iter().enumerate() {
             let samples: Vec<usize> = series.samples.iter().map(|k| measured.samples[*k]).collect();
             let (loss, noise) = (found.view.loss[r], measured.noise[t]);
-            of_release.push(add_series(series, &samples, loss, lost(r), noise, &mut own));
+            let is_told = objective.part.members[r].release.tracks[t].discrepancy > 0.0;
+            of_release.push(add_series(series, &samples, loss, lost(r), (noise, is_told), &mut own));
         }
         tracks.push(of_release);
         add_at(&places, &own, &mut spread);
@@ -97,13 +98,14 @@ pub(crate) fn spread(
 }
 
 /// Adds what one track's noise does to the gradient; says what its residuals look like. `samples` are
-/// their places in the recording, gaps included.
+/// their places in the recording, gaps included. Where it is told what does not repeat, the noise is no less than that,
+/// whatever a fit leaves of it.
 fn add_series(
     series: &Series,
     samples: &[usize],
     loss: Huber,
     lost: f64,
-    noise: f64,
+    (noise, is_told): (f64, bool),
     spread: &mut DMatrix<f64>,
 ) -> TrackStatistics {
     let count = series.residual.len();
@@ -124,18 +126,22 @@ fn add_series(
     let left = (2.0 * count as f64 - lost).max(1.0);
     let variance = sum / left;
     let found = Autocovariance::of(&grid);
-    let widen = if found.by_lag[0] > 0.0 { variance / found.by_lag[0] } else { 1.0 };
+    let by_lag = match found.by_lag[0] {
+        _ if is_told && variance < 1.0 => vec![1.0],
+        own if own > 0.0 => found.by_lag.iter().map(|value| value * variance / own).collect(),
+        _ => found.by_lag.clone(),
+    };
     // Σ c(lag) a_k a_{k+lag}ᵀ, each sample's partners summed first.
     let width = series.slopes.first().map_or(0, Vec::len);
     let mut partners = vec![[0.0; 2]; width];
     for sample in (0..last).filter(|sample| place[*sample] != usize::MAX) {
         partners.fill([0.0; 2]);
-        for (lag, value) in found.by_lag.iter().take(last - sample).enumerate() {
+        for (lag, value) in by_lag.iter().take(last - sample).enumerate() {
             let other = place[sample + lag];
             if other == usize::MAX {
                 continue;
             }
-            let value = widen * if lag == 0 { 0.5 * value } else { *value };
+            let value = if lag == 0 { 0.5 * value } else { *value };
             for (sum, slope) in partners.iter_mut().zip(&series.slopes[other]) {
                 sum[0] += value * slope[0];
                 sum[1] += value * slope[1];

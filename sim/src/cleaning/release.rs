@@ -214,7 +214,7 @@ impl Context<'_> {
             [x - offset[0], z - offset[1]]
         };
         let position = path.iter().map(|at| at.map(place)).collect();
-        Track { marker: name.to_owned(), at, position, noise }
+        Track { marker: name.to_owned(), at, position, noise, discrepancy: 0.0 }
     }
 
     /// Way of the tip over the end of the hold in that from hold to rest.

@@ -7,7 +7,8 @@
 
 use std::cell::OnceCell;
 
-use super::curve::{Path, paths};
+use super::curve::{Path, noise_of, paths};
+use super::repeats::ghosts;
 use super::set;
 use super::verdict::Gap;
 use crate::calibrate::joint::{Fitted, Joint, Known};
@@ -17,7 +18,7 @@ use crate::calibrate::{CalibrateError, Problem, Scope};
 /// How a model meets releases.
 #[derive(Clone)]
 pub(super) struct Judgement {
-    /// Of each release: its name, root mean square distance of all samples in mm, and, without what the robust loss holds
+    /// Of each release: its name, root mean square distance of all samples but ghosts in mm, and, without what the robust loss holds
     /// back, over the noise; noise in mm.
     pub gaps: Vec<(String, f64, f64, f64)>,
     /// Of each release and track: what was seen, and what is predicted.
@@ -103,21 +104,30 @@ pub(super) fn judgement(fit: &Joint) -> Judgement {
         let loss = fit.found.view.loss[r];
         let (mut squares, mut heard) = (0.0, 0.0f64);
         let (mut distance, mut noise, mut count) = (0.0, 0.0, 0.0f64);
-        for (series, own) in block.iter().zip(&fit.objective.measured[r].noise) {
-            for residual in &series.residual {
+        let release = &fit.objective.part.members[r].release;
+        for (t, (series, own)) in block.iter().zip(&fit.objective.measured[r].noise).enumerate() {
+            let noise_of_track = noise_of(*own, &release.tracks[t]);
+            let ghosts = ghosts(&release.tracks[t].position);
+            for (k, residual) in series.samples.iter().zip(&series.residual) {
                 let length = residual[0].hypot(residual[1]);
                 if length <= loss.threshold {
-                    squares += 0.5 * length * length;
+                    squares += 0.5 * (length * own / noise_of_track).powi(2);
                     heard += 1.0;
                 }
-                distance += (own * length).powi(2);
-                noise += own;
-                count += 1.0;
+                if !ghosts[fit.objective.measured[r].samples[*k]] {
+                    distance += (own * length).powi(2);
+                    noise += noise_of_track;
+                    count += 1.0;
+                }
             }
         }
         let n = count.max(1.0);
-        let name = fit.objective.part.members[r].release.name.clone();
-        (name, 1e3 * (distance / n).sqrt(), (squares / heard.max(1.0)).sqrt(), 1e3 * noise / n)
+        (
+            release.name.clone(),
+            1e3 * (distance / n).sqrt(),
+            (squares / heard.max(1.0)).sqrt(),
+            1e3 * noise / n,
+        )
     };
     let gaps = (0..fit.found.view.loss.len()).map(of_release).collect();
     Judgement { gaps, paths: paths(fit) }

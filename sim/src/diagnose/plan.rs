@@ -63,7 +63,8 @@ pub fn problem(cases: &[Case], noise: f64, markers: &[f64]) -> Problem {
 
 fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
     let time = case.run.samples.clone();
-    let track = |marker: String, at| Track { marker, at, position: vec![None; time.len()], noise };
+    let track =
+        |marker: String, at| Track { marker, at, position: vec![None; time.len()], noise, discrepancy: 0.0 };
     let on_body = markers.iter().map(|share| track(format!("at {share}"), Point::Along(*share)));
     let release = Release {
         name: case.name.clone(),

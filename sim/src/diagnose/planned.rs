@@ -116,6 +116,10 @@ impl Pair<'_> {
     pub fn separation(&self) -> Option<Separation> {
         let fitted = self.problem.trials.iter().filter(|trial| !trial.release.held_out);
         let fitted: Vec<Trial> = fitted.cloned().collect();
+        // Where their traces would be told apart already and their fits are not, traces foretell nothing.
+        if self.distance(&fitted, 1).is_none_or(|distance| distance >= APART) {
+            return None;
+        }
         let mut best: Option<(Separation, Vec<Trial>)> = None;
         for extras in Extra::ALL.iter().map(std::slice::from_ref).chain(TOGETHER) {
             // One thing more is less work than several.
@@ -227,7 +231,8 @@ mod tests {
     fn release() -> Trial {
         let time = uniform(2.0, 20.0);
         let (marker, at) = ("tip".to_owned(), Point::Tip);
-        let track = Track { marker, at, position: vec![Some([0.0; 2]); time.len()], noise: 3e-4 };
+        let track =
+            Track { marker, at, position: vec![Some([0.0; 2]); time.len()], noise: 3e-4, discrepancy: 0.0 };
         let release = Release {
             name: "made-up".to_owned(),
             time,

@@ -190,8 +190,9 @@ fn values(
     values
 }
 
-/// Bounds of an unknown where the cost is a parabola.
+/// Bounds of an unknown where the cost is a parabola, within what is admitted.
 fn parabola(of: &Uncertainty, k: usize, known: &Known) -> [f64; 2] {
     let deviation = of.covariance[(k, k)].max(0.0).sqrt();
-    [-1.0, 1.0].map(|side| known.x + side * NORMAL_95 * deviation)
+    let (least, most) = known.unknown.bounds;
+    [-1.0, 1.0].map(|side| (known.x + side * NORMAL_95 * deviation).max(least).min(most))
 }

@@ -7,6 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::calibrate::loss::spread;
 use crate::calibrate::{Problem, Trial};
 use crate::experiment::release::Release;
 use crate::schema::JsonSchema;
@@ -64,7 +65,11 @@ impl Repeats {
         }
         if !squares.is_empty() {
             let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-            return of((0.5 * mean).sqrt(), Source::Measured, squares.len());
+            let distance = (0.5 * mean).sqrt();
+            // Two recordings of one path differ by their noise, which has a spread of its own.
+            let samples = trials.iter().map(|trial| known(&trial.release).len()).sum::<usize>() as f64;
+            let is_noise = distance < noise * (1.0 + NORMAL / (2.0 * samples).sqrt());
+            return of(if is_noise { noise } else { distance }, Source::Measured, squares.len());
         }
         let [only] = &trials[..] else { return None };
         of(ASSUMED * motion(&only.release), Source::Assumed, 0)
@@ -82,12 +87,18 @@ impl Repeats {
         (noise + factor * (self.distance_mm * self.distance_mm - noise)).sqrt()
     }
 
-    /// The problem with no less noise than what does not repeat has in each coordinate.
+    /// The problem with what does not repeat in each track, beside its noise: a release differs from another by few
+    /// numbers, so many samples share each of them.
     pub(super) fn heard_in(&self, problem: &Problem) -> Problem {
         let mut problem = problem.clone();
-        let least = 1e-3 * self.distance_mm * std::f64::consts::FRAC_1_SQRT_2;
-        let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
-        tracks.for_each(|track| track.noise = track.noise.max(least));
+        let beyond = 1e-6 * (self.distance_mm.powi(2) - self.noise_mm.powi(2));
+        for release in problem.trials.iter_mut().map(|trial| &mut trial.release) {
+            let coordinates = 2.0 * known(release).len() as f64;
+            let shared = (coordinates / NUMBERS).max(1.0);
+            for track in &mut release.tracks {
+                track.discrepancy = (0.5 * beyond * shared).sqrt();
+            }
+        }
         problem
     }
 
@@ -100,10 +111,12 @@ impl Repeats {
 /// Numbers that a release differs by from another: size and phase of its swing in each coordinate.
 const NUMBERS: f64 = 4.0;
 
+/// The 95 % point of the normal distribution.
+const NORMAL: f64 = 1.645;
+
 /// The 95 % point of the F distribution.
 /// Source: Paulson (1942), Annals of Mathematical Statistics 13, 233: the cube root is nearly normal.
 fn quantile_of_f(over: f64, under: f64) -> f64 {
-    const NORMAL: f64 = 1.645;
     let [a, b] = [over, under].map(|degrees| 2.0 / (9.0 * degrees));
     let square = (1.0 - b).powi(2) - NORMAL * NORMAL * b;
     let half = (1.0 - a) * (1.0 - b);
@@ -133,9 +146,9 @@ fn is_one_condition(a: &Trial, b: &Trial) -> bool {
 
 /// How far the tip goes from where it begins at most, m.
 fn motion(release: &Release) -> f64 {
-    let path = &release.tracks[release.leading_track()].position;
-    let Some(first) = path.iter().flatten().next() else { return 0.0 };
-    path.iter().flatten().map(|at| (at[0] - first[0]).hypot(at[1] - first[1])).fold(0.0, f64::max)
+    let path = known(release);
+    let Some((_, first)) = path.first() else { return 0.0 };
+    path.iter().map(|(_, at)| (at[0] - first[0]).hypot(at[1] - first[1])).fold(0.0, f64::max)
 }
 
 /// Mean square distance of the tips of two releases, m², at the shift in time, up to the uncertainty of their instants,
@@ -176,23 +189,51 @@ fn difference(a: &Release, b: &Release) -> Option<f64> {
 /// Shifts in time that are tried to each side.
 const SHIFTS: i32 = 60;
 
-/// Samples of the tip that are there, with their times.
+/// How many times as far from the middle of its two neighbours as samples usually are another thing is that was taken
+/// for the marker: one of a hundred million samples is by chance.
+const GHOST: f64 = 6.0;
+
+/// Samples of the tip that are there, with their times, but for ghosts.
 fn known(release: &Release) -> Vec<(f64, [f64; 2])> {
     let path = &release.tracks[release.leading_track()].position;
-    release.time.iter().zip(path).filter_map(|(time, at)| Some((*time, (*at)?))).collect()
+    let (time, ghosts) = (&release.time, ghosts(path));
+    (0..path.len()).filter(|k| !ghosts[*k]).filter_map(|k| Some((time[k], path[k]?))).collect()
+}
+
+/// Which samples jump and come back at once: another thing that was taken for the marker, whatever a model says.
+pub(super) fn ghosts(path: &[Option<[f64; 2]>]) -> Vec<bool> {
+    let all: Vec<(usize, [f64; 2])> =
+        path.iter().enumerate().filter_map(|(k, at)| Some((k, (*at)?))).collect();
+    let jump = |three: &[(usize, [f64; 2])]| {
+        let off = |axis: usize| three[1].1[axis] - 0.5 * (three[0].1[axis] + three[2].1[axis]);
+        off(0).hypot(off(1))
+    };
+    let jumps: Vec<f64> = all.windows(3).map(jump).collect();
+    let usual = spread(jumps.clone());
+    let at = |k: usize| jumps.get(k.wrapping_sub(1)).copied().unwrap_or(0.0);
+    let mut ghosts = vec![false; path.len()];
+    for (k, (place, _)) in all.iter().enumerate() {
+        // The neighbours of a ghost jump half as far as it, those of a turn as far.
+        ghosts[*place] = at(k) > GHOST * usual && at(k) > 1.5 * at(k + 1).max(at(k.wrapping_sub(1)));
+    }
+    ghosts
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::calibrate::Nuisances;
     use crate::experiment::release::{Point, Track};
+    use crate::forward::Run;
+    use crate::results::tests::muscle_at_15_psi;
 
     /// A swing that decays to a rest, seen from `from` on, `more` at its rest, and `share` larger in its swing.
     fn release(from: f64, more: f64, share: f64) -> Release {
         let time: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
         let swing = |time: f64| 0.02 * (1.0 + share) * (-time).exp() * (9.0 * time).cos();
         let position = time.iter().map(|time| Some([0.1, more + swing(time + from)])).collect();
-        let tracks = vec![Track { marker: "tip".to_owned(), at: Point::Tip, position, noise: 1e-5 }];
+        let tracks =
+            vec![Track { marker: "tip".to_owned(), at: Point::Tip, position, noise: 1e-5, discrepancy: 0.0 }];
         let name = "made-up".to_owned();
         Release {
             name,
@@ -218,10 +259,39 @@ mod tests {
     fn releases_are_compared_aligned_in_time_and_by_their_rest() {
         let reference = release(0.0, 0.0, 0.0);
         let of = |other: &Release| 1e3 * difference(&reference, other).unwrap().sqrt();
+        let mut with_ghosts = release(0.0, 0.0, 0.0);
+        for k in [50, 51, 200] {
+            with_ghosts.tracks[0].position[k] = Some([0.2, 0.1]);
+        }
+        with_ghosts.tracks[0].position[51] = None;
+        assert!(of(&with_ghosts) < 1e-3, "{}", of(&with_ghosts));
         assert!(of(&release(0.012, 1e-3, 0.0)) < 0.02, "{}", of(&release(0.012, 1e-3, 0.0)));
         // A twentieth of a swing of 20 mm that decays in a second of four.
         let expected = (1.0f64 / 16.0).sqrt();
         let found = of(&release(0.0, 0.0, 0.05));
         assert!((found / expected - 1.0).abs() < 0.15, "{found}, {expected}");
+    }
+
+    /// A quarter of the square of 0.1 mm is the camera's: the rest is four numbers that 400 samples of two coordinates
+    /// share, and alone grows by the F test.
+    #[test]
+    fn what_does_not_repeat_is_few_numbers() {
+        let repeats = Repeats { distance_mm: 0.1, noise_mm: 0.05, source: Source::Measured, pairs: 1 };
+        let trial = Trial {
+            release: release(0.0, 0.0, 0.0),
+            model: muscle_at_15_psi(),
+            run: Run::release(4.0, 100.0),
+        };
+        let problem =
+            Problem { trials: vec![trial], parameters: Vec::new(), nuisances: Nuisances::default() };
+        let heard = repeats.heard_in(&problem);
+        let found = heard.trials[0].release.tracks[0].discrepancy;
+        assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.0).sqrt()).abs() < 1e-12, "{found}");
+        let most = (0.0025 + quantile_of_f(8.0, 4.0) * 0.0075).sqrt();
+        assert!((repeats.largest_mm(2) - most).abs() < 1e-12);
+        // A rod without a diameter is the same rod.
+        let mut without = problem.trials[0].clone();
+        without.model.theta[0] = f64::NAN;
+        assert!(is_one_condition(&without, &without) && !is_one_condition(&without, &problem.trials[0]));
     }
 }

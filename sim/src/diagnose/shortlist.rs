@@ -6,7 +6,7 @@ use super::candidate::Candidate;
 use super::judge::Locked;
 use super::refit::{Refit, Rough, refit, rough};
 use super::round::{Best, Heard};
-use super::score::{ONE, Score, Scores, distance};
+use super::score::{APART, ONE, Score, Scores, distance};
 use super::verdict::{Evidence, Member};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem};
@@ -254,7 +254,10 @@ pub(super) fn choose(
         let member = |other: &Entry| {
             let effect = other.candidate.name().to_owned();
             let behind = of(other) - worth(&refit);
-            let distance = apart(lead, other, scores);
+            // Of laws that turn round, traces tell little: fitted side by side, what is left between them is how far
+            // they are apart.
+            let distance = Some(apart(lead, other, scores)).filter(|trace| *trace < APART);
+            let distance = distance.unwrap_or(behind.max(0.0).sqrt());
             (Member { effect, behind, distance }, other.candidate.clone())
         };
         let mut members: Vec<(Member, Candidate)> = others.map(member).collect();

@@ -22,7 +22,8 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
     };
     let sentences: Vec<Option<String>> = match diagnosis.verdict {
         Verdict::NothingMissing => vec![
-            Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise does.".to_owned()),
+            Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and what does not repeat.".to_owned()),
+            remains(diagnosis),
             apart(diagnosis),
         ],
         Verdict::Named | Verdict::Class => vec![
@@ -37,6 +38,7 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             Some(named(diagnosis)),
             removed(diagnosis),
             remains(diagnosis),
+            contradicted(diagnosis).map(|told| format!("It may be what is stated: {told}. Check that first.")),
             loudest(diagnosis).map(look),
             misfit(),
             diagnosis.separating_experiment.as_ref().map(to_tell_apart),
@@ -53,22 +55,22 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
     sentences.into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 
+/// What of the setup a fit moved so far that no answer is believed with it: the worst two.
+fn contradicted(diagnosis: &Diagnosis) -> Option<String> {
+    let told = diagnosis.contradictions.iter().filter(|own| own.is_unbelievable()).map(Contradiction::told);
+    let worst: Vec<String> = told.take(2).collect();
+    (!worst.is_empty()).then(|| listed(&worst))
+}
+
 /// That something is missing which has no name, or was not looked for.
 fn missing(diagnosis: &Diagnosis) -> String {
-    let unbelievable = diagnosis.contradictions.iter().filter(|own| own.is_unbelievable());
-    let unbelievable: Vec<String> = unbelievable.map(Contradiction::told).collect();
-    if !unbelievable.is_empty() {
-        return format!(
-            "The recordings contradict what is stated: {}. Check that first: with it nothing can be named.",
-            listed(&unbelievable)
-        );
-    }
     let is_unasked = |own: &Evidence| own.rejected.as_deref() == Some(NO_MORE);
-    let told = match diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
-        true => "Something is missing; no effect was to be fitted to say what.",
-        false => "Something is missing that the catalogue does not hold.",
-    };
-    told.to_owned()
+    if diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
+        return "Something is missing; no effect was to be fitted to say what.".to_owned();
+    }
+    let or = contradicted(diagnosis)
+        .map_or(String::new(), |told| format!(", or what is stated is not so: {told}. Check that first"));
+    format!("Something is missing that the catalogue does not hold{or}.")
 }
 
 /// A parameter's name as a person says it.
@@ -212,11 +214,11 @@ fn removed(diagnosis: &Diagnosis) -> Option<String> {
 /// What the effects leave, beside how well the experiment repeats.
 fn remains(diagnosis: &Diagnosis) -> Option<String> {
     let shares = diagnosis.shares.as_ref()?;
-    let distances = format!(
-        "Simulation and recordings were {} mm apart and are {} mm",
-        significant(shares.before_mm, 2),
-        significant(shares.left_mm, 2)
-    );
+    let [before, left] = [shares.before_mm, shares.left_mm].map(|distance| significant(distance, 2));
+    let distances = match diagnosis.effects.is_empty() {
+        true => format!("Simulation and recordings are {left} mm apart"),
+        false => format!("Simulation and recordings were {before} mm apart and are {left} mm"),
+    };
     let told = diagnosis.repeats.as_ref().map(|repeats| {
         let size = significant(repeats.distance_mm, 2);
         let releases = diagnosis.gap.iter().filter(|gap| !gap.held_out).count();

@@ -89,6 +89,7 @@ fn short(experiment: &Experiment) -> Cleaned {
                     at: Point::Tip,
                     position: vec![Some([0.2, 0.0]), None, Some([0.2, -1e-3])],
                     noise: 3e-4,
+                    discrepancy: 0.0,
                 }],
                 pressure: entry.pressure,
                 payload: 0.0,

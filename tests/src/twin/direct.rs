@@ -64,7 +64,13 @@ impl Direct {
                 let seen = [0, 1].map(|k| x[k] + offset[k] + self.noise * random.normal());
                 (!random.chance(self.lost)).then_some(seen)
             };
-            Track { marker, at, position: path.into_iter().map(see).collect(), noise: self.noise }
+            Track {
+                marker,
+                at,
+                position: path.into_iter().map(see).collect(),
+                noise: self.noise,
+                discrepancy: 0.0,
+            }
         });
         let tracks = tracks.collect();
         Release {

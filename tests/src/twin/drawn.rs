@@ -216,7 +216,7 @@ impl Plan {
             let path: Vec<_> =
                 after.iter().map(|t| view.see(&motion.at(*t), at, share, recording.offsets[k])).collect();
             let position = self.tracker.track(&path, random);
-            tracks.push(Track { marker, at, position, noise: self.tracker.noise });
+            tracks.push(Track { marker, at, position, noise: self.tracker.noise, discrepancy: 0.0 });
             truth.push(path);
         }
         let second: f64 = self.hidden.iter().map(Hidden::second).product();

@@ -6,8 +6,9 @@
 
 use models::effects::CATALOGUE;
 use sim::calibrate::Scope;
+use sim::diagnose::repeats::Source;
 use sim::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
-use tests::blind::problem;
+use tests::blind::{all_fitted, problem};
 use tests::twin::drawn::{Drawn, Plan, Priors};
 use tests::twin::hidden::Hidden;
 
@@ -48,6 +49,29 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
     let locked = found.gap.iter().filter(|gap| gap.held_out).map(|gap| gap.before);
     assert!(locked.fold(0.0, f64::max) > 1.5, "{:?}", found.gap);
     assert!(repaired.trials.iter().all(|trial| trial.model.effect("viscoelastic").is_some()));
+}
+
+/// A mass at the tip, seen in releases of one condition that differ in EI by more than their noise: what does not
+/// repeat is few numbers a release, however many samples show it.
+#[test]
+fn an_interval_holds_what_does_not_repeat() {
+    const MASS: f64 = 0.015;
+    let priors = Priors { bending_stiffness: 0.003, ..Priors::default() };
+    let hidden = [Hidden::TipMass { mass: MASS }];
+    let (pressures, angles) = (vec![40.0; 3], vec![0.0]);
+    let plan = Plan { pressures, angles, duration: 4.0, priors, ..Plan::usual(&hidden) };
+    // What does the same to a tip.
+    let excluded = ["tip_offset", "tip_inertia", "hose", "clock"].map(str::to_owned).to_vec();
+    let settings = Settings { excluded, ..Settings::default() };
+    let found = diagnose(&all_fitted(&plan.draw(911)), &settings, &|_: &str| ())
+        .expect("it can be diagnosed")
+        .diagnosis;
+    let repeats = found.repeats.as_ref().expect("releases of one condition");
+    assert_eq!(repeats.source, Source::Measured);
+    let first = &found.effects[0];
+    assert_eq!(first.effect, "tip_mass", "{}", found.summary);
+    let [low, high] = first.parameters[0].interval_95.expect("it was fitted");
+    assert!((low..=high).contains(&MASS) && low >= 0.0 && high - low > 0.2 * MASS, "{}", found.summary);
 }
 
 /// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.

@@ -186,7 +186,7 @@ fn an_unknown_is_described_and_nothing_is_just_that() {
     assert_eq!(
         summary(&nothing),
         "Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more \
-         than noise does. Simulation and recordings are 1.02 of the noise apart, 1 being noise alone."
+         than noise and what does not repeat. Simulation and recordings are 1.02 of the noise apart, 1 being noise alone."
     );
 }
 
@@ -208,4 +208,27 @@ fn a_description_is_told_term_by_term() {
     let due = "A description, not a cause: a moment at every bend, over EI with the cube of the curvature \
                (0.00120 m^2) and with the sign of the rate of curvature (-0.0300 1/m), would take 83 % of what is left.";
     assert!(words.contains(due), "{words}");
+}
+
+/// What contradicts the setup comes first where nothing is named, and stands beside what is.
+#[test]
+fn contradictions_are_said() {
+    let contradiction = |deviations: f64| Contradiction {
+        parameter: "rod.bending_stiffness".to_owned(),
+        value: 7e-5,
+        unit: "N m^2".to_owned(),
+        deviations,
+    };
+    let found = |verdict, deviations: f64| {
+        summary(&Diagnosis { verdict, contradictions: vec![contradiction(deviations)], ..drag() })
+    };
+    let told = "rod.bending_stiffness = 0.0000700 N m^2 is 9 standard deviations off what was believed of it";
+    let unknown = found(Verdict::Unknown, 9.0);
+    assert!(
+        unknown.contains(&format!("or what is stated is not so: {told}. Check that first.")),
+        "{unknown}"
+    );
+    let incomplete = found(Verdict::Incomplete, 9.0);
+    assert!(incomplete.contains(&format!("It may be what is stated: {told}.")), "{incomplete}");
+    assert!(!found(Verdict::Unknown, 5.0).contains("what is stated"));
 }

@@ -38,6 +38,7 @@ pub(super) fn swing_of(curve: &Curve, path: &[[f64; 2]]) -> Option<Measured> {
         at: Point::Tip,
         position: path.iter().map(|x| Some(*x)).collect(),
         noise: 1e-4,
+        discrepancy: 0.0,
     };
     let release = Release {
         name: curve.release.clone(),

@@ -66,6 +66,7 @@ fn record(truth: &Model, psi: f64, of: Recording, points: &[Point]) -> Release {
         marker: format!("marker {p}"),
         at: *at,
         noise: of.noise,
+        discrepancy: 0.0,
         position: (path.points.iter())
             .map(|seen| {
                 let is_lost = uniform_number(&mut random) < 0.03;
