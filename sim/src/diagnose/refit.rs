@@ -171,6 +171,9 @@ fn values(
     for (k, known) in fit.known().iter().enumerate() {
         let Some(name) = known.unknown.name.strip_prefix(&prefix) else { continue };
         let is_determined = of.is_determined[k];
+        // Beyond what is admitted there is nothing.
+        let (least, most) = known.unknown.bounds;
+        let interval = || bounds(k, known).map(|x| known.unknown.scaled.value(x.max(least).min(most)));
         values.push(Value {
             name: name.to_owned(),
             unit: known.unknown.unit.to_owned(),
@@ -180,7 +183,7 @@ fn values(
                 Group::Release(t) => fit.name_of(t),
             },
             value: known.value(),
-            interval_95: is_determined.then(|| bounds(k, known).map(|x| known.unknown.scaled.value(x))),
+            interval_95: is_determined.then(interval),
         });
     }
     for (parameter, value) in candidate.tried.iter().filter(|(parameter, _)| parameter.plausible.is_none()) {
@@ -190,9 +193,8 @@ fn values(
     values
 }
 
-/// Bounds of an unknown where the cost is a parabola, within what is admitted.
+/// Bounds of an unknown where the cost is a parabola.
 fn parabola(of: &Uncertainty, k: usize, known: &Known) -> [f64; 2] {
     let deviation = of.covariance[(k, k)].max(0.0).sqrt();
-    let (least, most) = known.unknown.bounds;
-    [-1.0, 1.0].map(|side| (known.x + side * NORMAL_95 * deviation).max(least).min(most))
+    [-1.0, 1.0].map(|side| known.x + side * NORMAL_95 * deviation)
 }
