@@ -18,8 +18,10 @@ use crate::integrate::Method;
 pub(crate) struct Measured {
     /// Places in the release's `time`, ascending; each has a track at least.
     pub samples: Vec<usize>,
-    /// Standard deviation of the noise of each track, m.
+    /// Standard deviation of each track, m: of its noise and of what does not repeat.
     pub noise: Vec<f64>,
+    /// Standard deviation of the noise alone, m.
+    pub camera_noise: Vec<f64>,
 }
 
 /// How finely a run is made.
@@ -98,11 +100,15 @@ impl Measured {
                 least: LEAST_SAMPLES,
             });
         }
-        let noise = release.tracks.iter().map(|track| match track.noise {
-            noise if noise > 0.0 && noise.is_finite() => noise.max(LEAST_NOISE).hypot(track.discrepancy),
-            _ => USUAL_NOISE.hypot(track.discrepancy),
-        });
-        Ok(Self { noise: noise.collect(), samples })
+        let camera_noise: Vec<f64> = (release.tracks.iter())
+            .map(|track| match track.noise {
+                noise if noise > 0.0 && noise.is_finite() => noise.max(LEAST_NOISE),
+                _ => USUAL_NOISE,
+            })
+            .collect();
+        let both = release.tracks.iter().zip(&camera_noise);
+        let noise = both.map(|(track, noise)| noise.hypot(track.discrepancy)).collect();
+        Ok(Self { samples, noise, camera_noise })
     }
 }
 

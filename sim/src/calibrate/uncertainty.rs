@@ -85,8 +85,10 @@ pub(crate) fn spread(
         for (t, series) in block.iter().enumerate() {
             let samples: Vec<usize> = series.samples.iter().map(|k| measured.samples[*k]).collect();
             let (loss, noise) = (found.view.loss[r], measured.noise[t]);
-            let is_told = objective.part.members[r].release.tracks[t].discrepancy > 0.0;
-            of_release.push(add_series(series, &samples, loss, lost(r), (noise, is_told), &mut own));
+            // What does not repeat is told, and a fit that takes it up has not made it less.
+            let is_told = noise > measured.camera_noise[t];
+            let least = if is_told { 1.0 } else { 0.0 };
+            of_release.push(add_series(series, &samples, loss, lost(r), noise, least, &mut own));
         }
         tracks.push(of_release);
         add_at(&places, &own, &mut spread);
@@ -98,14 +100,14 @@ pub(crate) fn spread(
 }
 
 /// Adds what one track's noise does to the gradient; says what its residuals look like. `samples` are
-/// their places in the recording, gaps included. Where it is told what does not repeat, the noise is no less than that,
-/// whatever a fit leaves of it.
+/// their places in the recording, gaps included. The variance of the residuals counts as `least` at least.
 fn add_series(
     series: &Series,
     samples: &[usize],
     loss: Huber,
     lost: f64,
-    (noise, is_told): (f64, bool),
+    noise: f64,
+    least: f64,
     spread: &mut DMatrix<f64>,
 ) -> TrackStatistics {
     let count = series.residual.len();
@@ -127,7 +129,7 @@ fn add_series(
     let variance = sum / left;
     let found = Autocovariance::of(&grid);
     let by_lag = match found.by_lag[0] {
-        _ if is_told && variance < 1.0 => vec![1.0],
+        _ if variance < least => vec![least],
         own if own > 0.0 => found.by_lag.iter().map(|value| value * variance / own).collect(),
         _ => found.by_lag.clone(),
     };

@@ -4,7 +4,6 @@ use super::judge::Judgement;
 use super::swing::{share_of_largest, swing};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::Series;
-use crate::experiment::release::Track;
 
 /// One track as it was measured, and as the model has it without and with what was added.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -89,7 +88,7 @@ pub(super) fn paths(fit: &Joint) -> Vec<Path> {
         let (release, measured) = (&fit.objective.part.members[r].release, &fit.objective.measured[r]);
         let threshold = fit.found.view.loss[r].threshold;
         let path = |(t, series): (usize, &Series)| {
-            let (track, weight) = (&release.tracks[t], measured.noise[t]);
+            let (track, noise) = (&release.tracks[t], measured.noise[t]);
             let mut samples = vec![None; release.time.len()];
             let mut predicted = Vec::with_capacity(series.samples.len());
             for (k, residual) in series.samples.iter().zip(&series.residual) {
@@ -101,7 +100,7 @@ pub(super) fn paths(fit: &Joint) -> Vec<Path> {
                     is_held_back: residual[0].hypot(residual[1]) > threshold,
                     ..Sample::default()
                 });
-                predicted.push([0, 1].map(|axis| seen[axis] - weight * residual[axis]));
+                predicted.push([0, 1].map(|axis| seen[axis] - noise * residual[axis]));
             }
             let curve = Curve {
                 release: release.name.clone(),
@@ -109,7 +108,7 @@ pub(super) fn paths(fit: &Joint) -> Vec<Path> {
                 pressure: release.pressure,
                 marker: track.marker.clone(),
                 is_leading: t == release.leading_track(),
-                noise: noise_of(weight, track),
+                noise: measured.camera_noise[t],
                 samples,
             };
             Path { curve, predicted }
@@ -117,11 +116,6 @@ pub(super) fn paths(fit: &Joint) -> Vec<Path> {
         block.iter().enumerate().map(path).collect::<Vec<_>>()
     };
     fit.found.at.carried.blocks.iter().enumerate().flat_map(of_release).collect()
-}
-
-/// Noise of a track, of what it is weighed by, m: that without what does not repeat.
-pub(super) fn noise_of(weight: f64, track: &Track) -> f64 {
-    (weight * weight - track.discrepancy * track.discrepancy).max(0.0).sqrt()
 }
 
 /// The curves of pairs of judgements of the same releases, before and after, with whether they were locked

@@ -7,7 +7,7 @@
 
 use std::cell::OnceCell;
 
-use super::curve::{Path, noise_of, paths};
+use super::curve::{Path, paths};
 use super::repeats::ghosts;
 use super::set;
 use super::verdict::Gap;
@@ -105,18 +105,19 @@ pub(super) fn judgement(fit: &Joint) -> Judgement {
         let (mut squares, mut heard) = (0.0, 0.0f64);
         let (mut distance, mut noise, mut count) = (0.0, 0.0, 0.0f64);
         let release = &fit.objective.part.members[r].release;
-        for (t, (series, own)) in block.iter().zip(&fit.objective.measured[r].noise).enumerate() {
-            let noise_of_track = noise_of(*own, &release.tracks[t]);
+        let measured = &fit.objective.measured[r];
+        for (t, series) in block.iter().enumerate() {
+            let (own, camera_noise) = (measured.noise[t], measured.camera_noise[t]);
             let ghosts = ghosts(&release.tracks[t].position);
             for (k, residual) in series.samples.iter().zip(&series.residual) {
                 let length = residual[0].hypot(residual[1]);
                 if length <= loss.threshold {
-                    squares += 0.5 * (length * own / noise_of_track).powi(2);
+                    squares += 0.5 * (length * own / camera_noise).powi(2);
                     heard += 1.0;
                 }
-                if !ghosts[fit.objective.measured[r].samples[*k]] {
+                if !ghosts[measured.samples[*k]] {
                     distance += (own * length).powi(2);
-                    noise += noise_of_track;
+                    noise += camera_noise;
                     count += 1.0;
                 }
             }

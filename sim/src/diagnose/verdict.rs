@@ -102,7 +102,7 @@ pub struct Value {
 /// A parameter that a fit moved far from what is stated of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Contradiction {
-    /// The parameter, with the release or pressure that it belongs to.
+    /// Its name.
     pub parameter: String,
     /// Where the fit has it, SI.
     pub value: f64,
