@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use models::effects::{LANES, Lanes};
+use models::effects::{LANES, Lanes, tip_hold};
 use models::error::ModelError;
 use models::history::History;
 use models::model::Model;
 use models::posture::Posture;
-use models::statics::equilibrium;
+use models::statics::{Equilibrium, equilibrium};
 use models::system::System;
 
 use crate::integrate::State;
 use crate::integrate::variational::{Slopes, Variational};
 
-use super::history::memory_by_parameter;
+use super::history::state_by_parameter;
 use super::{ForwardError, Run, tip};
 
 /// Where a run starts.
@@ -90,8 +90,8 @@ pub(super) fn initial_state(
         Initial::Straight => system.assembly.straight_at_release(),
         Initial::Equilibrium { hold, .. } => {
             let rest = equilibrium(hold, None)?;
-            let at_rest = vec![0.0; rest.q.len()];
-            System::new(hold).assembly.posture(&rest.q, &at_rest)
+            let velocity = velocity_in_the_hand(hold, &rest)?;
+            System::new(hold).assembly.posture(&rest.q, &velocity)
         }
         Initial::Curve(points) => along(points, model.edges),
         Initial::Posture(posture) => posture.clone(),
@@ -129,17 +129,24 @@ pub(super) fn initial_slopes<'m>(
             Initial::Straight => system.straight_by_parameters(group),
             Initial::Equilibrium { hold, own } => {
                 let shared: Vec<_> = watched.iter().map(|k| k.filter(|k| !own.contains(k))).collect();
-                held_by_parameters(hold, &shared, group, state)
+                held_by_parameters(hold, &shared, group)
             }
             Initial::Curve(points) => along(points, model.edges).map(Into::into),
             Initial::Posture(posture) => posture.clone().map(Into::into),
         };
         let (q, v) = system.let_go_by_parameters(group, posture);
+        let mut v = v;
         let mut z = relaxed_memory_slopes(&mut system, group, state, &q);
-        if run.history.is_some() && !z.is_empty() {
+        let (is_moving, is_remembered) = (is_moving(&run.initial), run.history.is_some() && !z.is_empty());
+        if is_moving || is_remembered {
             for (lane, parameter) in order[group * LANES..].iter().take(LANES).enumerate() {
-                let slopes = memory_by_parameter(model, run, *parameter)?;
-                z.iter_mut().zip(slopes).for_each(|(z, slope)| z[lane] = slope);
+                let slopes = state_by_parameter(model, run, *parameter)?;
+                if is_moving {
+                    v.iter_mut().zip(slopes.v).for_each(|(v, slope)| v[lane] = slope);
+                }
+                if is_remembered {
+                    z.iter_mut().zip(slopes.z).for_each(|(z, slope)| z[lane] = slope);
+                }
             }
         }
         all.push(Slopes { q, v, z });
@@ -147,15 +154,51 @@ pub(super) fn initial_slopes<'m>(
     Ok(Variational::new(system, order, all))
 }
 
-/// The equilibrium of the hold with its derivatives, by the implicit function theorem.
-fn held_by_parameters(hold: &Model, shared: &[Option<usize>], group: usize, state: &State) -> Posture<Lanes> {
+/// Places of the rates of the hand's force along x and z, and of that force.
+fn hand(hold: &Model) -> Result<Option<[[usize; 2]; 2]>, ModelError> {
+    if hold.effect("tip_hold").is_none() {
+        return Ok(None);
+    }
+    let [x, z, rate_x, rate_z, _] = tip_hold::PULL;
+    Ok(Some([[hold.index(rate_x)?, hold.index(rate_z)?], [hold.index(x)?, hold.index(z)?]]))
+}
+
+/// Whether a hand holds the rod, and may move.
+fn is_moving(initial: &Initial) -> bool {
+    matches!(initial, Initial::Equilibrium { hold, .. } if hold.effect("tip_hold").is_some())
+}
+
+/// Velocity with which the equilibrium moves while the force of the hand changes, shape `[2N+1]`.
+fn velocity_in_the_hand(hold: &Model, rest: &Equilibrium) -> Result<Vec<f64>, ModelError> {
+    let mut velocity = vec![0.0; rest.q.len()];
+    let Some([rates, forces]) = hand(hold)? else { return Ok(velocity) };
+    if rates.iter().all(|k| hold.theta[*k] == 0.0) {
+        return Ok(velocity);
+    }
+    let mut system = System::new(hold);
+    system.watch(&forces.map(Some));
+    let by_force = rest_by_parameters(&mut system, rest, 0);
+    for (velocity, by_force) in velocity.iter_mut().zip(by_force) {
+        *velocity = rates.iter().zip(by_force).map(|(k, slope)| hold.theta[*k] * slope).sum();
+    }
+    Ok(velocity)
+}
+
+/// The equilibrium of the hold with its derivatives.
+fn held_by_parameters(hold: &Model, shared: &[Option<usize>], group: usize) -> Posture<Lanes> {
     let mut system = System::new(hold);
     system.watch(shared);
     let rest = equilibrium(hold, None).expect("the run's initial state was found from it");
+    let by_theta = rest_by_parameters(&mut system, &rest, group);
+    system.posture_by_parameters(group, &rest.q, &by_theta)
+}
+
+/// Derivatives of a rest by the watched parameters, by the implicit function theorem.
+fn rest_by_parameters(system: &mut System, rest: &Equilibrium, group: usize) -> Vec<[f64; LANES]> {
     let at_rest = vec![0.0; rest.q.len()];
     let mut force = vec![0.0; rest.q.len()];
     let mut by_theta = vec![[0.0; LANES]; rest.q.len()];
-    let mut rate_by_theta = vec![[0.0; LANES]; state.z.len()];
+    let mut rate_by_theta = vec![[0.0; LANES]; rest.z.len()];
     system.by_parameters(group, 0.0, &rest.q, &at_rest, &rest.z, &mut by_theta, &mut rate_by_theta);
     system.linearise(0.0, &rest.q, &at_rest, &rest.z, &mut force);
     system.condense(0.0);
@@ -164,7 +207,7 @@ fn held_by_parameters(hold: &Model, shared: &[Option<usize>], group: usize, stat
     if stiffness.factorize().is_ok() {
         stiffness.solve_many(&mut by_theta);
     }
-    system.posture_by_parameters(group, &rest.q, &by_theta)
+    by_theta
 }
 
 /// How the relaxed memory moves with the posture and the parameters.

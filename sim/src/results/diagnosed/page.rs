@@ -290,7 +290,12 @@ mod tests {
         let repaired = Problem {
             trials: Vec::new(),
             parameters: vec![Parameter::new("rod.bending_stiffness", Scope::PerPressure)],
-            nuisances: Nuisances { release_instant: true, hold_angle: Some(0.01), offset: Some(1e-3) },
+            nuisances: Nuisances {
+                release_instant: true,
+                hold_angle: Some(0.01),
+                offset: Some(1e-3),
+                ..Nuisances::default()
+            },
         };
         Outcome {
             diagnosis,
