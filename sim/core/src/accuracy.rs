@@ -12,8 +12,7 @@ use std::ops::ControlFlow;
 
 use crate::forward::{ForwardError, Run, Sample, forward, start_of_tip};
 use crate::integrate::Method;
-use crate::results::rest::rest;
-use crate::schema::JsonSchema;
+use crate::rest::rest;
 use crate::trajectory::{Status, Trajectory};
 
 /// What is asked of a run.
@@ -33,7 +32,7 @@ const USUAL: f64 = 2e-5;
 const USUAL_SHARE: f64 = 1e-3;
 /// Share of its length by which the tip of a rod moves that swings: a fifth of a micrometre for the paper's muscle.
 /// What is less is rounding, and has no frequency.
-pub(crate) const AT_REST: f64 = 1e-6;
+pub const AT_REST: f64 = 1e-6;
 /// No accuracy is finer than that, over the length of the rod: a stiff edge rounds there.
 const FINEST: f64 = 1e-8;
 
@@ -52,7 +51,8 @@ fn expected_swing(model: &Model, run: &Run) -> Result<f64, ForwardError> {
 }
 
 /// How wrong a run may be.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
     /// Accuracy that was asked for, or the usual one.
     pub asked_m: f64,
@@ -250,7 +250,7 @@ fn finer(model: &Model, factor: f64) -> usize {
 
 /// Order of the error in the edge length that estimates count on: three for the consistent scheme, which reaches
 /// four on meshes that resolve the rod and three beyond, where its ends show.
-pub(crate) fn order(model: &Model) -> f64 {
+pub fn order(model: &Model) -> f64 {
     match model.scheme {
         Scheme::Consistent => 3.0,
         Scheme::Paper => 1.0,
@@ -276,7 +276,7 @@ fn estimate(
         ..run.clone()
     };
     let coarse_nodes = (model.edges * 2 / 3).max(3) + 1;
-    let (coarse, longer) = rayon::join(
+    let (coarse, longer) = both(
         || -> Result<_, ForwardError> {
             let (model, run) = quiet.on_mesh(model, coarse_nodes)?;
             traced(&model, &run)
@@ -306,6 +306,14 @@ fn estimate(
         fails,
         attempts,
     }))
+}
+
+/// What two functions say, beside one another where threads are to be had.
+fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    return rayon::join(a, b);
+    #[cfg(not(feature = "parallel"))]
+    (a(), b())
 }
 
 /// A run for the sake of its trace, and why it could not go on.
@@ -351,5 +359,5 @@ fn millimetres(metres: f64) -> String {
 
 /// Two digits that count.
 fn significant(value: f64) -> String {
-    crate::results::report::rounded(value, 2)
+    models::digits::rounded(value, 2)
 }

@@ -18,10 +18,10 @@ use models::snapshot::{EffectForce, Energy, Snapshot};
 use models::system::System;
 use thiserror::Error;
 
-use crate::experiment::release::Point;
 use crate::integrate::variational::lane_order;
 use crate::integrate::{self, Control, IntegrateError, Method, State};
 use crate::observed::Observer;
+use crate::point::Point;
 use crate::trajectory::{Status, Trajectory};
 
 use budget::Budget;

@@ -10,8 +10,6 @@ mod verlet;
 use models::model::Model;
 use thiserror::Error;
 
-use crate::schema::JsonSchema;
-
 #[cfg(feature = "diffsol")]
 use diffsol::Implicit;
 use rosenbrock::Rosenbrock;
@@ -45,7 +43,8 @@ pub struct Control {
 }
 
 /// What a run cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effort {
     /// Accepted steps.
     pub steps: usize,
@@ -78,7 +77,8 @@ pub trait Stepper {
 }
 
 /// A method of integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// [`Method::Verlet`] for a model that loses no energy, [`Method::Rodas4`] for all others.

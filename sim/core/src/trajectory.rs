@@ -6,10 +6,10 @@ use models::system::System;
 
 use crate::forward::{self, Run};
 use crate::integrate::{Effort, State};
-use crate::schema::JsonSchema;
 
 /// Whether a run came to its end.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Status {
     /// It did.

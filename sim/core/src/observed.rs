@@ -10,10 +10,10 @@ use models::posture::Between;
 use models::sensor::Sensor;
 use models::system::System;
 
-use crate::experiment::release::Point;
 use crate::forward::Run;
 use crate::integrate::State;
 use crate::integrate::variational::{Variational, lane_order};
+use crate::point::Point;
 use crate::trajectory::Trajectory;
 
 /// What a run observes, and how: from states to the entries of a [`Trajectory`].

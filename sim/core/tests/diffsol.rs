@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
+use efam_core::integrate::{Control, Effort, IntegrateError, Method, State, Stepper};
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Schedule, Scheme};
 use models::system::System;
-use sim::integrate::{Control, Effort, IntegrateError, Method, State, Stepper};
 
 const INCH: f64 = 0.0254;
 const METHODS: [Method; 2] = [Method::TrBdf2, Method::Esdirk34];

@@ -1,11 +1,11 @@
 //! Where a model should not be believed: strains that its linear laws do not reach, loads that nobody measured, and
 //! rests that do not hold.
 
+use models::digits::significant;
 use models::model::Model;
 use models::system::System;
 
-use crate::results::report::significant;
-use crate::results::rest::Rest;
+use crate::rest::Rest;
 use crate::trajectory::Trajectory;
 
 /// Stretch beyond which a tension that is linear in it means little: there strain over the rest length and strain
@@ -90,7 +90,7 @@ mod tests {
         let run = Run { tolerance: 1e-5, ..case.run.clone() };
         let trajectory = forward(&case.model, &run, &mut |_| ControlFlow::Continue(())).unwrap();
         let told = |rest: Rest| warnings(&case.model, &trajectory, Some(&rest), None).join("; ");
-        let hangs = || crate::results::rest::rest(&case.model, 0.0, 2).unwrap();
+        let hangs = || crate::rest::rest(&case.model, 0.0, 2).unwrap();
         assert_eq!(told(hangs()), "");
         assert!(told(Rest { stable: false, ..hangs() }).contains("not stable"));
         let grows = told(Rest { modes: Ok(vec![(3.0, 0.1), (40.0, -147.0)]), ..hangs() });
