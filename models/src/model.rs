@@ -91,6 +91,36 @@ pub struct ModelSpec {
     pub schedule: Option<Arc<dyn Schedule>>,
 }
 
+impl ModelSpec {
+    /// A rod clamped level and let go level and straight, with 32 nodes, a bare end and no loss: what of it is
+    /// different is set on top, as in `ModelSpec { nodes: 12, ..ModelSpec::of(rod) }`.
+    pub fn of(rod: Rod<f64>) -> Self {
+        Self {
+            nodes: 32,
+            rod,
+            base_angle: 0.0,
+            release_angle: 0.0,
+            release_rate: 0.0,
+            scheme: Scheme::Consistent,
+            tip_distance: 0.0,
+            effects: Vec::new(),
+            schedule: None,
+        }
+    }
+
+    /// The same with parameters of effects, by their paths such as `rayleigh_mass.alpha`, SI; an effect is added by
+    /// its first parameter.
+    /// # Panics
+    /// If a path has no dot.
+    pub fn with(mut self, parameters: &[(&str, f64)]) -> Self {
+        self.effects.extend(parameters.iter().map(|(path, value)| {
+            let (effect, key) = path.split_once('.').expect("effect.parameter");
+            (effect.to_owned(), vec![(key.to_owned(), *value)])
+        }));
+        self
+    }
+}
+
 /// Effects that every model has. Without payload, damping and so on their parameters are at off.
 pub const BASELINE: [&str; 7] =
     ["stretch", "bend", "gravity", "end_fitting", "payload", "rayleigh_mass", "rayleigh_stiffness"];

@@ -93,8 +93,8 @@ const MOST_PUSHES: usize = 3;
 const PUSH: f64 = 0.05;
 
 /// Room to look for the rest posture of one model.
-struct Search<'m> {
-    system: System<'m>,
+struct Search {
+    system: System,
     z: Vec<f64>,
     z_rate: Vec<f64>,
     at_rest: Vec<f64>,
@@ -111,8 +111,8 @@ struct Search<'m> {
     may_slip: bool,
 }
 
-impl<'m> Search<'m> {
-    fn new(model: &'m Model) -> Self {
+impl Search {
+    fn new(model: &Model) -> Self {
         let (dof, memory) = (model.dof(), model.memory());
         Self {
             system: System::at_rest(model),

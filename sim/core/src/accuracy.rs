@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
 use crate::forward::{ForwardError, Run, Sample, forward, start_of_tip};
-use crate::integrate::Method;
+use crate::integrate::{Method, Steps};
 use crate::rest::rest;
 use crate::trajectory::{Status, Trajectory};
 
@@ -106,7 +106,7 @@ impl Errors {
                 self.mesh_time_s
             ));
         }
-        let next = match (run.fixed_step, run.method.of(model)) {
+        let next = match (run.steps.fixed(), run.method.of(model)) {
             (Some(step), _) => format!("give integrator.fixed_step = \"{} ms\"", significant(500.0 * step)),
             (None, Method::Verlet) => {
                 "without any loss every digit counts: give it some damping, or believe the first swings only"
@@ -331,12 +331,12 @@ fn traced(model: &Model, run: &Run) -> Result<(Trajectory, Option<String>), Forw
 /// ESDIRK34. Of a tolerance sixteen times as large, with which the steps of a method that judges itself by a
 /// result of third order are twice as long, the same is expected; stiff modes lose some of the order.
 fn longer_steps(model: &Model, run: &Run) -> (f64, f64) {
-    match (run.fixed_step, run.method.of(model)) {
+    match (&run.steps, run.method.of(model)) {
         (_, Method::Verlet) => (16.0, 3.0),
         (_, Method::TrBdf2) => (8.0, 3.0),
         (_, Method::Esdirk34) => (16.0, 7.0),
-        (Some(_), _) => (16.0, 15.0),
-        (None, _) => (16.0, STIFF),
+        (Steps::Fixed(_) | Steps::Given(_), _) => (16.0, 15.0),
+        (Steps::Adaptive, _) => (16.0, STIFF),
     }
 }
 
@@ -345,12 +345,15 @@ const STIFF: f64 = 6.0;
 
 fn with_longer_steps(model: &Model, run: &Run, trajectory: &Trajectory) -> Run {
     let mean = || run.duration / trajectory.effort.steps.max(1) as f64;
-    let (fixed_step, tolerance) = match (run.fixed_step, run.method.of(model)) {
-        (Some(step), _) => (Some(2.0 * step), run.tolerance),
-        (None, Method::Verlet) => (Some(2.0 * mean()), run.tolerance),
-        (None, _) => (None, longer_steps(model, run).0 * run.tolerance),
+    let (steps, tolerance) = match (&run.steps, run.method.of(model)) {
+        (Steps::Fixed(step), _) => (Steps::Fixed(2.0 * step), run.tolerance),
+        (Steps::Given(ends), _) => {
+            (Steps::Given(ends.iter().skip(1).step_by(2).copied().collect()), run.tolerance)
+        }
+        (Steps::Adaptive, Method::Verlet) => (Steps::Fixed(2.0 * mean()), run.tolerance),
+        (Steps::Adaptive, _) => (Steps::Adaptive, longer_steps(model, run).0 * run.tolerance),
     };
-    Run { fixed_step, tolerance, ..run.clone() }
+    Run { steps, tolerance, ..run.clone() }
 }
 
 fn millimetres(metres: f64) -> String {

@@ -4,15 +4,11 @@
 //! picks the parameters, the effects and the scenarios.
 
 mod budget;
-mod history;
-mod start;
+mod slopes;
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use models::error::ModelError;
-use models::history::History;
 use models::model::Model;
 use models::snapshot::{EffectForce, Energy, Snapshot};
 use models::system::System;
@@ -21,113 +17,13 @@ use thiserror::Error;
 use crate::integrate::variational::lane_order;
 use crate::integrate::{self, Control, IntegrateError, Method, State};
 use crate::observed::Observer;
-use crate::point::Point;
 use crate::trajectory::{Status, Trajectory};
 
 use budget::Budget;
-pub use start::{CurvePoint, Initial, start_of_tip};
-use start::{initial_slopes, initial_state};
+use slopes::initial_slopes;
 
-/// How to run a model.
-#[derive(Clone, Debug)]
-pub struct Run {
-    /// Where it starts.
-    pub initial: Initial,
-    /// What the memory of the effects has seen before; none: it is relaxed where the rod starts.
-    pub history: Option<History>,
-    /// End of the run, s after release; later where the clock of what observes asks for it.
-    pub duration: f64,
-    /// Times at which the trajectory is sampled, s, ascending: of states since release, of the points
-    /// by the clock of what observes.
-    pub samples: Vec<f64>,
-    /// Integrator.
-    pub method: Method,
-    /// Error admitted in a step, see [`Control::tolerance`].
-    pub tolerance: f64,
-    /// Steps of this size, s, without error control.
-    pub fixed_step: Option<f64>,
-    /// Steps after which to give up.
-    pub most_steps: usize,
-    /// Whether the trajectory keeps its samples; if not, only who observes sees them, and memory stays flat.
-    pub keep_samples: bool,
-    /// Whether to keep where the steps ended, so that another run can be made on them.
-    pub keep_steps: bool,
-    /// Whether to follow dissipated and supplied energy.
-    pub energy: bool,
-    /// Parameters, as indices into `theta`, by which to differentiate the path of the tip, and those
-    /// of the points as they are observed.
-    pub sensitivities: Vec<usize>,
-    /// Further points whose paths are recorded.
-    pub points: Vec<Point>,
-    /// Times at which a step has to end, s, ascending. With a fixed step longer than what lies
-    /// between them they are the steps, so that a run can be repeated on those of another.
-    pub stops: Vec<f64>,
-    /// Time between points of the [trace](Trajectory::trace) of the tip, s, which is taken beside the samples;
-    /// none for no trace.
-    pub trace_step: Option<f64>,
-    /// Ends the run before its next step.
-    pub cancel: Cancel,
-}
-
-/// A request to end a run, shared with whoever makes it.
-#[derive(Clone, Debug, Default)]
-pub struct Cancel(Option<Arc<AtomicBool>>);
-
-impl Cancel {
-    /// Ends runs once the flag is set.
-    pub fn by(flag: Arc<AtomicBool>) -> Self {
-        Self(Some(flag))
-    }
-
-    /// Whether the flag is set.
-    pub fn is_asked(&self) -> bool {
-        self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
-    }
-}
-
-/// The integrator that a run takes unless told otherwise.
-pub const DEFAULT_METHOD: Method = Method::Auto;
-/// Default of [`Run::tolerance`]: on the paper's muscle the budget of energy closes to some 1e-6.
-pub const DEFAULT_TOLERANCE: f64 = 1e-6;
-/// Tolerance of fits and sweeps: the tip of the paper's muscle stays within 0.05 mm rms.
-pub const FAST_TOLERANCE: f64 = 3e-5;
-
-impl Run {
-    /// A release with default settings, sampled `rate` times a second.
-    pub fn release(duration: f64, rate: f64) -> Self {
-        Self {
-            initial: Initial::Straight,
-            history: None,
-            duration,
-            samples: uniform(duration, rate),
-            method: DEFAULT_METHOD,
-            tolerance: DEFAULT_TOLERANCE,
-            fixed_step: None,
-            most_steps: 10_000_000,
-            keep_samples: true,
-            keep_steps: false,
-            energy: false,
-            sensitivities: Vec::new(),
-            points: Vec::new(),
-            stops: Vec::new(),
-            trace_step: Some(1.0 / rate),
-            cancel: Cancel::default(),
-        }
-    }
-
-    /// The same model and run on another mesh.
-    /// # Errors
-    /// [`ModelError::Nodes`].
-    pub fn on_mesh(&self, model: &Model, nodes: usize) -> Result<(Model, Run), ModelError> {
-        Ok((model.with_nodes(nodes)?, Run { initial: self.initial.on_mesh(nodes)?, ..self.clone() }))
-    }
-}
-
-/// Times from zero to `duration`, `rate` a second, both ends included where they fall on a sample.
-pub fn uniform(duration: f64, rate: f64) -> Vec<f64> {
-    let count = (duration * rate * (1.0 + 1e-12)).floor() as usize;
-    (0..=count).map(|k| k as f64 / rate).collect()
-}
+pub use crate::initial::{CurvePoint, Initial};
+pub use crate::run::{Cancel, DEFAULT_METHOD, DEFAULT_TOLERANCE, FAST_TOLERANCE, Run, uniform};
 
 /// A simulation that could not be done.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -148,29 +44,23 @@ pub enum ForwardError {
     },
 }
 
-/// Bending moment at the root of a system in a state, N m; positive where the rod is bent towards +z.
-pub fn root_moment(system: &mut System, State { time, q, v, z }: &State) -> f64 {
-    let (mut force, mut z_rate) = (vec![0.0; q.len()], vec![0.0; z.len()]);
-    system.force(*time, q, v, z, &mut force, &mut z_rate);
-    system.assembly.fields.bending_moment(0)
-}
-
 /// What an observer sees at each sample.
-pub struct Sample<'a, 'm> {
+pub struct Sample<'a> {
     /// Place of the sample.
     pub index: usize,
     /// The equations, for whatever the observer wants to know.
-    pub system: &'a mut System<'m>,
+    pub system: &'a mut System,
     /// The state.
     pub state: &'a State,
     /// Where the energy is; zero unless the run follows it.
     pub energy: Energy,
 }
 
-impl Sample<'_, '_> {
+impl Sample<'_> {
     /// Bending moment at the root, N m; a small part of what a snapshot costs.
     pub fn root_moment(&mut self) -> f64 {
-        root_moment(self.system, self.state)
+        let State { time, q, v, z } = self.state;
+        self.system.root_moment(*time, q, v, z)
     }
 
     /// Everything that can be seen of the rod.
@@ -181,7 +71,7 @@ impl Sample<'_, '_> {
         self.system.force(*time, q, v, z, &mut force, &mut z_rate);
         let n = self.system.model.edges;
         let fields = &self.system.assembly.fields;
-        let tip = tip(self.system, q, v);
+        let tip = self.system.observed_tip(q, v);
         Snapshot {
             time: *time,
             nodes: fields.position.clone(),
@@ -198,14 +88,14 @@ impl Sample<'_, '_> {
     }
 }
 
-/// Position and velocity of the observed tip.
-pub fn tip(system: &System, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
-    let last = q.len() - 1;
-    let (sin, cos) = q[last].sin_cos();
-    let arm = system.assembly.context.body.arm([cos, sin]);
-    let distance = system.model.tip_distance;
-    let [x, z] = [distance * cos - arm[0], distance * sin - arm[1]];
-    ([q[last - 2] + x, q[last - 1] + z], [v[last - 2] - z * v[last], v[last - 1] + x * v[last]])
+/// Where the observed tip starts, m.
+/// # Errors
+/// [`ForwardError::Model`] where the rod cannot be held as it should.
+pub fn start_of_tip(model: &Model, run: &Run) -> Result<[f64; 2], ForwardError> {
+    let mut system = System::new(model);
+    let State { q, v, .. } = run.initial.state_of(&mut system, None)?;
+    // The arm of the end body is that of the model, wherever it stands.
+    Ok(system.observed_tip(&q, &v).0)
 }
 
 /// Simulates a model; `observe` sees every sample while the run goes on, and may break it off.
@@ -217,7 +107,7 @@ pub fn forward(
     observe: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Trajectory, ForwardError> {
     let mut system = System::new(model);
-    let state = initial_state(&mut system, &run.initial, run.history)?;
+    let state = run.initial.state_of(&mut system, run.history)?;
     let order = lane_order(model, &run.sensitivities);
     let mut variational = match order.is_empty() {
         true => None,
@@ -230,34 +120,37 @@ pub fn forward(
     let mut trajectory = Trajectory::new(model, run);
     let mut at = state.clone();
     let breakpoints = model.schedule.as_ref().map_or(&[][..], |schedule| schedule.breakpoints());
-    let stops = breakpoints.iter().chain(&run.stops).copied();
-    let mut stops: Vec<f64> = stops.filter(|t| *t > 0.0 && *t < duration).collect();
+    let mut stops: Vec<f64> = breakpoints.iter().copied().filter(|t| *t > 0.0 && *t < duration).collect();
     // What is seen later changes no step before the end of the run.
     stops.extend([run.duration, duration]);
     stops.sort_by(f64::total_cmp);
     stops.dedup();
-    let control =
-        Control { tolerance: run.tolerance, fixed_step: run.fixed_step, stops, most_steps: run.most_steps };
+    let control = Control {
+        tolerance: run.tolerance,
+        steps: run.steps.clone(),
+        most_steps: run.most_steps,
+        first_step: None,
+    };
     // A trajectory that is to be differentiated is integrated in steps that a stage can span.
     let method = match run.method {
         Method::Auto if variational.is_some() => Method::Rodas4,
         method => method,
     };
-    let mut stepper = integrate::start(method, model, state, control).map_err(ForwardError::Method)?;
-    let mut sample = 0;
+    let mut integrator = integrate::start(method, model, state, control).map_err(ForwardError::Method)?;
+    let (mut sample, mut stop) = (0, 0);
     loop {
-        let (begin, end) = (stepper.step_start(), stepper.state().time);
+        let (begin, end) = (integrator.step_start(), integrator.state().time);
         while let Some(instant) = observer.due(end) {
-            stepper.interpolate(instant, &mut at);
+            integrator.interpolate(instant, &mut at);
             observer.see(&system, variational.as_ref(), &at, [begin, end], &mut trajectory);
         }
         while let Some(time) = trajectory.trace.due(end, run.duration) {
-            stepper.interpolate(time, &mut at);
+            integrator.interpolate(time, &mut at);
             trajectory.trace.record(&system, &at);
         }
         while sample < run.samples.len() && run.samples[sample] <= end {
             let time = run.samples[sample];
-            stepper.interpolate(time, &mut at);
+            integrator.interpolate(time, &mut at);
             let energy = match &budget {
                 Some(budget) => budget.at(&mut system, &at, begin, end),
                 None => Energy::default(),
@@ -273,7 +166,7 @@ pub fn forward(
             if observe(&mut seen).is_break() {
                 trajectory.status = Status::CutShort { time };
                 trajectory.cut();
-                trajectory.effort = stepper.effort();
+                trajectory.effort = integrator.effort();
                 return Ok(trajectory);
             }
             sample += 1;
@@ -286,20 +179,23 @@ pub fn forward(
             trajectory.cut();
             return Ok(trajectory);
         }
-        let stepped = stepper.advance().and_then(|()| match &mut variational {
-            Some(variational) => variational.follow(&mut *stepper),
+        while stops[stop] <= end {
+            stop += 1;
+        }
+        let stepped = integrator.advance(stops[stop]).and_then(|()| match &mut variational {
+            Some(variational) => variational.follow(&mut *integrator),
             None => Ok(()),
         });
-        trajectory.effort = stepper.effort();
+        trajectory.effort = integrator.effort();
         if run.keep_steps {
-            trajectory.steps.push(stepper.state().time);
+            trajectory.steps.push(integrator.state().time);
         }
         if let Err(error) = stepped {
-            trajectory.status = Status::Failed { time: stepper.state().time, reason: error.to_string() };
+            trajectory.status = Status::Failed { time: integrator.state().time, reason: error.to_string() };
             return Err(ForwardError::Integrate { error, trajectory: Box::new(trajectory) });
         }
         if let Some(budget) = budget.as_mut().filter(|_| follows_losses) {
-            budget.follow(&mut system, &mut *stepper, &mut at);
+            budget.follow(&mut system, &mut *integrator, &mut at);
         }
     }
     Ok(trajectory)

@@ -5,9 +5,6 @@ use models::model::Model;
 use models::statics::{Equilibrium, Mode, equilibrium, modes};
 use models::system::System;
 
-use crate::forward;
-use crate::integrate::State;
-
 /// The posture in which a model hangs.
 #[derive(Clone, Debug)]
 pub struct Rest {
@@ -47,7 +44,7 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
     let at_rest = vec![0.0; found.q.len()];
     let mut system = System::at_rest(model);
     let posture = system.assembly.posture(&found.q, &at_rest);
-    let (tip, _) = forward::tip(&system, &found.q, &at_rest);
+    let (tip, _) = system.observed_tip(&found.q, &at_rest);
     let root_moment = root_moment(&mut system, &found);
     Ok(Rest {
         nodes: posture.nodes,
@@ -61,8 +58,7 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
 
 /// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.
 pub fn root_moment(system: &mut System, at: &Equilibrium) -> f64 {
-    let state = State { time: 0.0, q: at.q.clone(), v: vec![0.0; at.q.len()], z: at.z.clone() };
-    forward::root_moment(system, &state)
+    system.root_moment(0.0, &at.q, &vec![0.0; at.q.len()], &at.z)
 }
 
 /// The model with the rod that its pressure makes of it at a time.

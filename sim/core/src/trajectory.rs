@@ -4,8 +4,8 @@ use models::model::Model;
 use models::snapshot::Energy;
 use models::system::System;
 
-use crate::forward::{self, Run};
 use crate::integrate::{Effort, State};
+use crate::run::Run;
 
 /// Whether a run came to its end.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -154,7 +154,7 @@ impl Trace {
     }
 
     pub(crate) fn record(&mut self, system: &System, state: &State) {
-        let (tip, velocity) = forward::tip(system, &state.q, &state.v);
+        let (tip, velocity) = system.observed_tip(&state.q, &state.v);
         self.tip.push(tip);
         self.velocity.push(velocity);
         self.angle.push(state.q[2 * system.model.edges]);
@@ -218,7 +218,7 @@ impl Trajectory {
     pub(crate) fn record(&mut self, system: &System, state: &State, energy: Energy) {
         self.times.push(state.time);
         self.states.extend(state.q.iter().chain(&state.v).chain(&state.z));
-        let (tip, velocity) = forward::tip(system, &state.q, &state.v);
+        let (tip, velocity) = system.observed_tip(&state.q, &state.v);
         self.tip.push(tip);
         self.tip_velocity.push(velocity);
         self.energy.push(energy);

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use efam_core::integrate::{Control, Effort, IntegrateError, Method, State, Stepper};
+use efam_core::integrate::{Control, Effort, IntegrateError, Integrator, Method, State};
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Schedule, Scheme};
 use models::system::System;
@@ -75,7 +75,7 @@ impl Schedule for Stiffening {
     }
 }
 
-fn start<'m>(model: &'m Model, method: Method, control: Control) -> Box<dyn Stepper + 'm> {
+fn start(model: &Model, method: Method, control: Control) -> Box<dyn Integrator> {
     let mut system = System::new(model);
     let (q, v) = system.assembly.straight(0.0, 0.0);
     let mut z = vec![0.0; model.memory()];

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use models::digits::unsigned_zero;
+use models::digits::{rounded, unsigned_zero};
 pub use models::digits::{short, significant};
 
 use super::Summary;

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use sim::forward::{Run, forward};
-use sim::integrate::Method;
+use sim::integrate::{Method, Steps};
 use tests::paper;
 
 fn allocations(method: Method, duration: f64, sensitivities: Vec<usize>) -> u64 {
@@ -21,7 +21,7 @@ fn allocations(method: Method, duration: f64, sensitivities: Vec<usize>) -> u64 
         sensitivities,
         samples: vec![],
         tolerance: 1e-5,
-        fixed_step: (method == Method::Verlet).then_some(2e-5),
+        steps: if method == Method::Verlet { Steps::Fixed(2e-5) } else { Steps::Adaptive },
         ..Run::release(duration, 1.0)
     };
     let info = allocation_counter::measure(|| {
