@@ -151,6 +151,29 @@ const ROD_PARAMETERS: [RodParameter; 9] = [
 ];
 
 /// A rod with its clamp, its end body and its effects.
+///
+/// ```
+/// use models::effects::Rod;
+/// use models::model::{Model, ModelSpec};
+///
+/// let rod = Rod {
+///     length: 0.2,
+///     mass: 0.03,
+///     bending_stiffness: 5e-3,
+///     axial_stiffness: 500.0,
+///     diameter: 0.03,
+///     pressure: 0.0,
+/// };
+/// let spec = ModelSpec { nodes: 24, ..ModelSpec::of(rod) };
+/// let mut model = Model::new(&spec.with(&[("rayleigh_mass.alpha", 1.0), ("air_drag.drag_coefficient", 1.2)]))?;
+/// model.set("effects.payload.mass", 0.02)?;
+/// assert!(model.effect("air_drag").is_some());
+///
+/// // A path that is misspelt and a value that cannot be are errors.
+/// assert!(model.set("effects.payload.mas", 0.02).is_err());
+/// assert!(model.set("rod.length", -0.2).is_err());
+/// # Ok::<(), models::error::ModelError>(())
+/// ```
 #[derive(Clone)]
 pub struct Model {
     /// Number of edges `N`.

@@ -99,6 +99,26 @@ pub fn start_of_tip(model: &Model, run: &Run) -> Result<[f64; 2], ForwardError> 
 }
 
 /// Simulates a model; `observe` sees every sample while the run goes on, and may break it off.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use efam_core::forward::{Run, forward};
+/// use efam_core::trajectory::Status;
+/// # use models::effects::Rod;
+/// # use models::model::{Model, ModelSpec};
+/// # let rod = Rod { length: 0.2, mass: 0.03, bending_stiffness: 5e-3, axial_stiffness: 500.0, diameter: 0.03,
+/// #     pressure: 0.0 };
+/// # let model = Model::new(&ModelSpec { nodes: 12, ..ModelSpec::of(rod) }.with(&[("rayleigh_mass.alpha", 1.0)]))?;
+///
+/// // Up to where the tip first passes below a tenth of a metre.
+/// let path = forward(&model, &Run::release(5.0, 200.0), &mut |sample| {
+///     let [_, height] = sample.snapshot().tip;
+///     if height < -0.1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+/// })?;
+/// assert!(matches!(path.status, Status::CutShort { time } if time < 0.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 /// # Errors
 /// [`ForwardError`]; a run that stops half-way carries what was integrated.
 pub fn forward(

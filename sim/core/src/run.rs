@@ -14,6 +14,18 @@ use crate::point::Point;
 pub use crate::integrate::DEFAULT_TOLERANCE;
 
 /// How to run a model.
+///
+/// ```
+/// use efam_core::integrate::{Method, Steps};
+/// use efam_core::run::Run;
+///
+/// // Two seconds, stored 100 times each, with error control.
+/// let run = Run::release(2.0, 100.0);
+/// assert_eq!((run.samples.len(), run.tolerance), (201, 1e-6));
+/// // The same in steps of half a millisecond, without.
+/// let study = Run { method: Method::Rodas4, steps: Steps::Fixed(5e-4), ..run };
+/// assert_eq!(study.steps.fixed(), Some(5e-4));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Run {
     /// Where it starts.
@@ -41,6 +53,29 @@ pub struct Run {
     pub energy: bool,
     /// Parameters, as indices into `theta`, by which to differentiate the path of the tip, and those
     /// of the points as they are observed.
+    ///
+    /// ```
+    /// use std::ops::ControlFlow;
+    ///
+    /// use efam_core::forward::{Run, forward};
+    /// # use models::effects::Rod;
+    /// # use models::model::{Model, ModelSpec};
+    /// # let rod = Rod { length: 0.2, mass: 0.03, bending_stiffness: 5e-3, axial_stiffness: 500.0, diameter: 0.03,
+    /// #     pressure: 0.0 };
+    /// # let mut model = Model::new(&ModelSpec { nodes: 12, ..ModelSpec::of(rod) }.with(&[("rayleigh_mass.alpha", 1.0),
+    /// #     ("rayleigh_stiffness.beta", 2e-3)]))?;
+    ///
+    /// let stiffness = model.index("rod.bending_stiffness")?;
+    /// let run = Run { sensitivities: vec![stiffness], ..Run::release(0.5, 100.0) };
+    /// let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+    /// // How far the tip is higher after half a second for each N m² more.
+    /// let slope = path.tip_by_parameters[50][0][1];
+    /// # model.set("rod.bending_stiffness", 5.001e-3)?;
+    /// # let stiffer = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+    /// # let difference = (stiffer.tip[50][1] - path.tip[50][1]) / 1e-6;
+    /// # assert!((slope / difference - 1.0).abs() < 0.02, "{slope} {difference}");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub sensitivities: Vec<usize>,
     /// Further points whose paths are recorded.
     pub points: Vec<Point>,

@@ -162,6 +162,27 @@ impl Trace {
 }
 
 /// A sampled trajectory.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use efam_core::forward::{Run, forward};
+/// use efam_core::trajectory::Status;
+/// # use models::effects::Rod;
+/// # use models::model::{Model, ModelSpec};
+/// # let rod = Rod { length: 0.2, mass: 0.03, bending_stiffness: 5e-3, axial_stiffness: 500.0, diameter: 0.03,
+/// #     pressure: 0.0 };
+/// # let model = Model::new(&ModelSpec { nodes: 12, ..ModelSpec::of(rod) }.with(&[("rayleigh_mass.alpha", 1.0)]))?;
+///
+/// let run = Run { energy: true, ..Run::release(1.0, 50.0) };
+/// let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+/// assert_eq!(path.status, Status::Complete);
+/// assert_eq!((path.times.len(), path.tip.len(), path.energy.len()), (51, 51, 51));
+/// // A sample's state is all that another run needs to go on from there.
+/// assert_eq!(path.state(25).time, 0.5);
+/// assert!(path.closure().is_some_and(|share| share < 1e-3), "the energy closes");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
     /// Times of the samples that were reached, s; this and what has a row a sample stay empty where the run keeps none.
