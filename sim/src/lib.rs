@@ -20,4 +20,4 @@ pub mod scenario;
 pub mod schema;
 pub mod sweep;
 
-pub use efam_core::{accuracy, forward, integrate, limits, pace, stepper, trajectory};
+pub use efam_core::{accuracy, forward, integrate, limits, pace, rest, stepper, trajectory};

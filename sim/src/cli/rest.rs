@@ -8,7 +8,7 @@ use models::quantity::format_si;
 use models::statics::equilibrium;
 use models::system::System;
 use serde::Serialize;
-use sim::results::rest::{rest, root_moment, slipping_modes};
+use sim::rest::{rest, root_moment, slipping_modes};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 

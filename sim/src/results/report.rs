@@ -220,7 +220,7 @@ fn parts(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::rest::rest;
+    use crate::rest::rest;
     use crate::results::summary::{MODES, summarise};
     use crate::results::tests::{muscle_at_15_psi, released};
 

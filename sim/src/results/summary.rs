@@ -438,7 +438,7 @@ fn parameters(model: &Model) -> BTreeMap<String, Parameter> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::rest::rest;
+    use crate::rest::rest;
     use crate::results::tests::{muscle_at_15_psi, released};
 
     fn summary(duration: f64) -> Summary {
