@@ -192,6 +192,26 @@ pub fn first(model: &Model, run: &Run, goal: &Goal) -> Result<(Model, Run), Forw
 
 /// Runs a model, estimates its errors, and chooses mesh and tolerance anew until they are as small as asked.
 /// `see` sees the samples of each attempt; what it breaks off, or what cannot go on, is returned as it is.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use efam_core::accuracy::{Goal, settle};
+/// use efam_core::forward::Run;
+/// # use models::effects::Rod;
+/// # use models::model::{Model, ModelSpec};
+/// # let rod = Rod { length: 0.2, mass: 0.03, bending_stiffness: 5e-3, axial_stiffness: 500.0, diameter: 0.03,
+/// #     pressure: 0.0 };
+/// # let model = Model::new(&ModelSpec { nodes: 8, ..ModelSpec::of(rod) }.with(&[("rayleigh_mass.alpha", 1.0),
+/// #     ("rayleigh_stiffness.beta", 2e-3)]))?;
+///
+/// let goal = Goal { accuracy: Some(1e-4), chooses_mesh: true, chooses_tolerance: true };
+/// let settled = settle(&model, &Run::release(0.5, 100.0), &goal, &mut |_| ControlFlow::Continue(()))?;
+/// let errors = settled.errors.ok_or("it came to its end")?;
+/// println!("{} nodes are within {:.3} mm", settled.model.edges + 1, 1e3 * errors.tip_m());
+/// # assert!(errors.is_reached(), "{errors:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 /// # Errors
 /// [`ForwardError::Model`], [`ForwardError::Method`].
 pub fn settle(

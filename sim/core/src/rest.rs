@@ -36,6 +36,20 @@ pub fn slipping_modes(model: &Model, time: f64, count: usize) -> Option<Vec<(f64
 }
 
 /// The rest under the pressure of a time, s, and `count` modes about it.
+///
+/// ```
+/// use efam_core::models::model::Model;
+/// use efam_core::models::muscle::{Extrapolation, Muscle};
+/// use efam_core::rest::rest;
+///
+/// let muscle = Muscle::built_in("garbulinski-2022")?;
+/// let model = Model::new(&muscle.spec(&muscle.at(100e3, "pder_32", Extrapolation::Refused)?))?;
+/// let rest = rest(&model, 0.0, 2)?;
+/// let (frequency, _) = rest.modes?[0];
+/// println!("hangs {:.1} mm below the clamp, swings at {frequency:.2} Hz", -1e3 * rest.tip[1]);
+/// # assert!(rest.stable && rest.tip[1] < -0.1 && (1.0..2.0).contains(&frequency), "{frequency}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 /// # Errors
 /// [`ModelError::Equilibrium`], or a pressure at which there is no rod.
 pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> {

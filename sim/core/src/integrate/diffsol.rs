@@ -1,7 +1,7 @@
 //! TR-BDF2 and ESDIRK34 of the crate diffsol behind [`Integrator`]: slower than our own methods, and
 //! independent of them.
 //!
-//! diffsol's solver borrows its problem, and a [`Integrator`] must own both. An `async` block may hold
+//! diffsol's solver borrows its problem, and an [`Integrator`] must own both. An `async` block may hold
 //! a value and a borrow of it: [`Run`] polls one each time it wants something, and the block waits
 //! for the next [`Request`] in between. Nothing else here is asynchronous.
 
