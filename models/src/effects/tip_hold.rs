@@ -24,6 +24,8 @@ use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad};
 /// A hand that holds the end.
 pub struct TipHold;
 
+/// Name of the effect.
+pub const NAME: &str = "tip_hold";
 /// Path of the parameter that says whether the rod is held.
 pub const HELD: &str = "effects.tip_hold.held";
 /// Paths of what the hand does: force along x and z, their rates, and the moment.
@@ -41,7 +43,7 @@ const fn component(name: &'static str, meaning: &'static str, unit: &'static str
 
 impl Law for TipHold {
     const ABOUT: About = About {
-        name: "tip_hold",
+        name: NAME,
         meaning: "a hand holds the end of the active length until the release",
         kind: Kind::Load,
         places: &[Place::Tip],

@@ -6,7 +6,7 @@
 
 use std::ops::ControlFlow;
 
-use models::effects::tip_hold::{HELD, PULL};
+use models::effects::tip_hold::{HELD, NAME, PULL};
 use models::error::ModelError;
 use models::model::Model;
 use nalgebra::{DMatrix, DVector};
@@ -43,7 +43,7 @@ pub(super) fn components(release: &Release) -> usize {
 
 /// Lets a trial start at rest in the hand that holds its markers where they are seen.
 pub(super) fn hold(trial: &mut Trial) -> Result<(), ForwardError> {
-    trial.model = trial.model.with_effect("tip_hold", &[("held", 0.0)])?;
+    trial.model = trial.model.with_effect(NAME, &[("held", 0.0)])?;
     let mut holding = trial.model.clone();
     holding.set(HELD, 1.0)?;
     let own = vec![holding.index(HELD)?];

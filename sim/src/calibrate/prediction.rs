@@ -12,7 +12,7 @@ use super::problem::{Trial, refine};
 use super::unknowns::{Acts, Local, Unknown};
 use crate::experiment::release::Point;
 use crate::forward::{ForwardError, Run, forward};
-use crate::integrate::Method;
+use crate::integrate::{Method, Steps};
 
 /// The samples of a release that are fitted.
 #[derive(Clone, Debug)]
@@ -167,8 +167,9 @@ pub(crate) fn predict(
         samples: times.clone(),
         method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
         tolerance: fidelity.tolerance,
-        fixed_step: steps.map(|_| 2.0 * duration + 1.0),
-        stops: steps.into_iter().flatten().copied().filter(|t| *t < duration - LEAST_STEP).collect(),
+        steps: steps.map_or(Steps::Adaptive, |ends| {
+            Steps::Given(ends.iter().copied().filter(|t| *t < duration - LEAST_STEP).collect())
+        }),
         most_steps: trial.run.most_steps.min(MOST_STEPS),
         keep_samples: true,
         keep_steps: true,

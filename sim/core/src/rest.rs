@@ -5,9 +5,6 @@ use models::model::Model;
 use models::statics::{Equilibrium, Mode, equilibrium, modes};
 use models::system::System;
 
-use crate::forward;
-use crate::integrate::State;
-
 /// The posture in which a model hangs.
 #[derive(Clone, Debug)]
 pub struct Rest {
@@ -39,6 +36,20 @@ pub fn slipping_modes(model: &Model, time: f64, count: usize) -> Option<Vec<(f64
 }
 
 /// The rest under the pressure of a time, s, and `count` modes about it.
+///
+/// ```
+/// use efam_core::models::model::Model;
+/// use efam_core::models::muscle::{Extrapolation, Muscle};
+/// use efam_core::rest::rest;
+///
+/// let muscle = Muscle::built_in("garbulinski-2022")?;
+/// let model = Model::new(&muscle.spec(&muscle.at(100e3, "pder_32", Extrapolation::Refused)?))?;
+/// let rest = rest(&model, 0.0, 2)?;
+/// let (frequency, _) = rest.modes?[0];
+/// println!("hangs {:.1} mm below the clamp, swings at {frequency:.2} Hz", -1e3 * rest.tip[1]);
+/// # assert!(rest.stable && rest.tip[1] < -0.1 && (1.0..2.0).contains(&frequency), "{frequency}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 /// # Errors
 /// [`ModelError::Equilibrium`], or a pressure at which there is no rod.
 pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> {
@@ -47,7 +58,7 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
     let at_rest = vec![0.0; found.q.len()];
     let mut system = System::at_rest(model);
     let posture = system.assembly.posture(&found.q, &at_rest);
-    let (tip, _) = forward::tip(&system, &found.q, &at_rest);
+    let (tip, _) = system.observed_tip(&found.q, &at_rest);
     let root_moment = root_moment(&mut system, &found);
     Ok(Rest {
         nodes: posture.nodes,
@@ -61,8 +72,7 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
 
 /// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.
 pub fn root_moment(system: &mut System, at: &Equilibrium) -> f64 {
-    let state = State { time: 0.0, q: at.q.clone(), v: vec![0.0; at.q.len()], z: at.z.clone() };
-    forward::root_moment(system, &state)
+    system.root_moment(0.0, &at.q, &vec![0.0; at.q.len()], &at.z)
 }
 
 /// The model with the rod that its pressure makes of it at a time.

@@ -1,7 +1,7 @@
-//! TR-BDF2 and ESDIRK34 of the crate diffsol behind [`Stepper`]: slower than our own methods, and
+//! TR-BDF2 and ESDIRK34 of the crate diffsol behind [`Integrator`]: slower than our own methods, and
 //! independent of them.
 //!
-//! diffsol's solver borrows its problem, and a [`Stepper`] must own both. An `async` block may hold
+//! diffsol's solver borrows its problem, and an [`Integrator`] must own both. An `async` block may hold
 //! a value and a borrow of it: [`Run`] polls one each time it wants something, and the block waits
 //! for the next [`Request`] in between. Nothing else here is asynchronous.
 
@@ -22,7 +22,7 @@ use ::diffsol::{
 use models::model::Model;
 
 use self::equations::{BandSolver, Equations, parts};
-use super::{Control, Effort, IntegrateError, State, Stepper};
+use super::{Control, Effort, IntegrateError, Integrator, State, Steps};
 
 /// Speed to which errors of velocities are compared, in rod lengths a second. A rod of 0.2 m falls
 /// at some 7: four times that spares steps which follow the velocity of small fast waves and leave
@@ -50,18 +50,18 @@ pub enum Implicit {
 /// Starts a method of diffsol at a state.
 /// # Errors
 /// [`IntegrateError::NotFinite`] if the forces at the start are not numbers.
-pub fn start<'m>(
+pub fn start(
     method: Implicit,
-    model: &'m Model,
+    model: &Model,
     state: State,
     control: Control,
-) -> Result<Box<dyn Stepper + 'm>, IntegrateError> {
+) -> Result<Box<dyn Integrator>, IntegrateError> {
     let tableau = match method {
         Implicit::TrBdf2 => Tableau::tr_bdf2(),
         Implicit::Esdirk34 => Tableau::esdirk34(),
     };
     let desk = Rc::new(Desk { answer: RefCell::new(state.clone()), ..Desk::default() });
-    let drive = Box::pin(drive(tableau, model, state.clone(), control, desk.clone()));
+    let drive = Box::pin(drive(tableau, model.clone(), state.clone(), control, desk.clone()));
     let mut run = Run { drive, desk, step_start: state.time, state, failure: None };
     run.poll()?;
     Ok(Box::new(run))
@@ -70,7 +70,8 @@ pub fn start<'m>(
 /// What a [`Run`] wants of its solver.
 #[derive(Clone, Copy)]
 enum Request {
-    Step,
+    /// One step, up to a stop, s.
+    Step(f64),
     State(f64),
 }
 
@@ -80,17 +81,18 @@ struct Desk {
     request: Cell<Option<Request>>,
     answer: RefCell<State>,
     effort: Cell<Effort>,
+    next_step: Cell<f64>,
 }
 
-struct Run<'m> {
-    drive: Pin<Box<dyn Future<Output = Result<Infallible, IntegrateError>> + 'm>>,
+struct Run {
+    drive: Pin<Box<dyn Future<Output = Result<Infallible, IntegrateError>>>>,
     desk: Rc<Desk>,
     step_start: f64,
     state: State,
     failure: Option<IntegrateError>,
 }
 
-impl Run<'_> {
+impl Run {
     fn poll(&mut self) -> Result<(), IntegrateError> {
         if let Some(failure) = &self.failure {
             return Err(failure.clone());
@@ -105,9 +107,9 @@ impl Run<'_> {
     }
 }
 
-impl Stepper for Run<'_> {
-    fn advance(&mut self) -> Result<(), IntegrateError> {
-        self.desk.request.set(Some(Request::Step));
+impl Integrator for Run {
+    fn advance(&mut self, stop: f64) -> Result<(), IntegrateError> {
+        self.desk.request.set(Some(Request::Step(stop)));
         self.poll()?;
         let answer = self.desk.answer.borrow();
         if answer.time > self.state.time {
@@ -134,6 +136,10 @@ impl Stepper for Run<'_> {
         }
     }
 
+    fn next_step(&self) -> f64 {
+        self.desk.next_step.get()
+    }
+
     fn effort(&self) -> Effort {
         self.desk.effort.get()
     }
@@ -149,21 +155,22 @@ fn copy(from: &State, to: &mut State) {
 /// Answers requests until an error ends it.
 async fn drive(
     tableau: Tableau<f64>,
-    model: &Model,
+    model: Model,
     start: State,
     control: Control,
     desk: Rc<Desk>,
 ) -> Result<Infallible, IntegrateError> {
-    let problem = problem(model, &start, &control);
+    let problem = problem(&model, &start, &control);
     let mut pilot = Pilot::new(&problem, tableau, control)?;
     let mut y = FaerVec::zeros(problem.atol.len(), Default::default());
     loop {
         let wanted = poll_fn(|_| desk.request.take().map_or(Poll::Pending, Poll::Ready)).await;
         match wanted {
-            Request::Step => {
-                pilot.step()?;
+            Request::Step(stop) => {
+                pilot.step(stop)?;
                 pilot.write(pilot.time, pilot.solver.state().y, &mut desk.answer.borrow_mut());
                 desk.effort.set(pilot.effort());
+                desk.next_step.set(pilot.solver.state().h);
             }
             Request::State(time) => {
                 pilot.interpolate(time, &mut y);
@@ -173,9 +180,9 @@ async fn drive(
     }
 }
 
-fn problem<'m>(model: &'m Model, start: &State, control: &Control) -> OdeSolverProblem<Equations<'m>> {
+fn problem(model: &Model, start: &State, control: &Control) -> OdeSolverProblem<Equations> {
     let equations = Equations::new(model, start);
-    let tolerance = if control.fixed_step.is_some() { ANY_ERROR } else { control.tolerance };
+    let tolerance = if control.steps == Steps::Adaptive { control.tolerance } else { ANY_ERROR };
     let length = model.rod().length;
     let speed = LENGTHS_PER_SECOND * length;
     let dof = model.dof();
@@ -189,7 +196,7 @@ fn problem<'m>(model: &'m Model, start: &State, control: &Control) -> OdeSolverP
         rtol: tolerance,
         atol: FaerVec::from_vec(atol, Default::default()),
         t0: start.time,
-        h0: 1.0,
+        h0: control.first_step.unwrap_or(1.0),
         integrate_out: false,
         sens_rtol: None,
         sens_atol: None,
@@ -210,23 +217,22 @@ fn problem<'m>(model: &'m Model, start: &State, control: &Control) -> OdeSolverP
     }
 }
 
-type Solver<'p, 'm> = Sdirk<'p, Equations<'m>, BandSolver<'m>>;
+type Solver<'p> = Sdirk<'p, Equations, BandSolver>;
 
 /// diffsol's solver on its way from stop to stop.
-struct Pilot<'p, 'm> {
-    problem: &'p OdeSolverProblem<Equations<'m>>,
-    solver: Solver<'p, 'm>,
+struct Pilot<'p> {
+    problem: &'p OdeSolverProblem<Equations>,
+    solver: Solver<'p>,
     control: Control,
     time: f64,
-    next_stop: usize,
     /// The last step that no stop cut short, s.
     stride: f64,
     at_stop: bool,
 }
 
-impl<'p, 'm> Pilot<'p, 'm> {
+impl<'p> Pilot<'p> {
     fn new(
-        problem: &'p OdeSolverProblem<Equations<'m>>,
+        problem: &'p OdeSolverProblem<Equations>,
         tableau: Tableau<f64>,
         control: Control,
     ) -> Result<Self, IntegrateError> {
@@ -235,21 +241,18 @@ impl<'p, 'm> Pilot<'p, 'm> {
         let state = RkState::new(problem, tableau.order()).map_err(stuck)?;
         finite(problem, time, state.as_ref().dy)?;
         let solver = Sdirk::new(problem, state, tableau, BandSolver::new(&problem.eqn)).map_err(stuck)?;
-        let mut pilot = Self { problem, solver, control, time, next_stop: 0, stride: 0.0, at_stop: false };
-        pilot.pass_stops();
-        Ok(pilot)
+        Ok(Self { problem, solver, control, time, stride: 0.0, at_stop: false })
     }
 
-    /// Steps over the stops up to now; diffsol takes times this close for one.
-    fn pass_stops(&mut self) {
-        let reached = self.time + 1e-12 * (1.0 + self.time.abs());
-        while self.control.stops.get(self.next_stop).is_some_and(|stop| *stop <= reached) {
-            self.next_stop += 1;
+    fn step(&mut self, stop: f64) -> Result<(), IntegrateError> {
+        let stop = self.control.steps.stop_after(self.time, stop);
+        // diffsol takes times this close for one.
+        if stop <= self.time + 1e-12 * (1.0 + self.time.abs()) {
+            if stop > self.time {
+                (self.time, self.at_stop) = (stop, true);
+            }
+            return Ok(());
         }
-    }
-
-    fn step(&mut self) -> Result<(), IntegrateError> {
-        let Some(&stop) = self.control.stops.get(self.next_stop) else { return Ok(()) };
         let before = self.solver.get_statistics().clone();
         if before.number_of_steps >= self.control.most_steps {
             return Err(IntegrateError::TooManySteps { time: self.time, steps: before.number_of_steps });
@@ -259,8 +262,10 @@ impl<'p, 'm> Pilot<'p, 'm> {
             self.leave_stop();
         }
         let mut target = stop;
-        if let Some(step) = self.control.fixed_step {
-            if self.time + step * (1.0 + 1e-6) < stop {
+        if self.control.steps != Steps::Adaptive {
+            if let Some(step) =
+                self.control.steps.fixed().filter(|step| self.time + step * (1.0 + 1e-6) < stop)
+            {
                 target = self.time + step;
             }
             *self.solver.state_mut().h = target - self.time;
@@ -275,8 +280,7 @@ impl<'p, 'm> Pilot<'p, 'm> {
         if matches!(reason, OdeSolverStopReason::TstopReached) {
             self.time = target;
             self.at_stop = target == stop;
-            self.pass_stops();
-        } else if self.control.fixed_step.is_some() {
+        } else if self.control.steps != Steps::Adaptive {
             return Err(IntegrateError::Stalled { time: self.time, step: tried });
         } else {
             self.time = state.t;
@@ -354,11 +358,7 @@ fn node(coordinate: usize) -> usize {
     coordinate / 2 + 1
 }
 
-fn finite(
-    problem: &OdeSolverProblem<Equations<'_>>,
-    time: f64,
-    y: &FaerVec<f64>,
-) -> Result<(), IntegrateError> {
+fn finite(problem: &OdeSolverProblem<Equations>, time: f64, y: &FaerVec<f64>) -> Result<(), IntegrateError> {
     let dof = problem.eqn.dof();
     let [q, v, z] = parts(y, dof);
     let strange = |x: &[f64]| x.iter().position(|x| !x.is_finite());

@@ -4,12 +4,12 @@ use models::model::Model;
 use models::snapshot::Energy;
 use models::system::System;
 
-use crate::forward::{self, Run};
 use crate::integrate::{Effort, State};
-use crate::schema::JsonSchema;
+use crate::run::Run;
 
 /// Whether a run came to its end.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", tag = "kind")]
 pub enum Status {
     /// It did.
@@ -154,7 +154,7 @@ impl Trace {
     }
 
     pub(crate) fn record(&mut self, system: &System, state: &State) {
-        let (tip, velocity) = forward::tip(system, &state.q, &state.v);
+        let (tip, velocity) = system.observed_tip(&state.q, &state.v);
         self.tip.push(tip);
         self.velocity.push(velocity);
         self.angle.push(state.q[2 * system.model.edges]);
@@ -162,6 +162,27 @@ impl Trace {
 }
 
 /// A sampled trajectory.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use efam_core::forward::{Run, forward};
+/// use efam_core::trajectory::Status;
+/// # use models::effects::Rod;
+/// # use models::model::{Model, ModelSpec};
+/// # let rod = Rod { length: 0.2, mass: 0.03, bending_stiffness: 5e-3, axial_stiffness: 500.0, diameter: 0.03,
+/// #     pressure: 0.0 };
+/// # let model = Model::new(&ModelSpec { nodes: 12, ..ModelSpec::of(rod) }.with(&[("rayleigh_mass.alpha", 1.0)]))?;
+///
+/// let run = Run { energy: true, ..Run::release(1.0, 50.0) };
+/// let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+/// assert_eq!(path.status, Status::Complete);
+/// assert_eq!((path.times.len(), path.tip.len(), path.energy.len()), (51, 51, 51));
+/// // A sample's state is all that another run needs to go on from there.
+/// assert_eq!(path.state(25).time, 0.5);
+/// assert!(path.closure().is_some_and(|share| share < 1e-3), "the energy closes");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
     /// Times of the samples that were reached, s; this and what has a row a sample stay empty where the run keeps none.
@@ -218,7 +239,7 @@ impl Trajectory {
     pub(crate) fn record(&mut self, system: &System, state: &State, energy: Energy) {
         self.times.push(state.time);
         self.states.extend(state.q.iter().chain(&state.v).chain(&state.z));
-        let (tip, velocity) = forward::tip(system, &state.q, &state.v);
+        let (tip, velocity) = system.observed_tip(&state.q, &state.v);
         self.tip.push(tip);
         self.tip_velocity.push(velocity);
         self.energy.push(energy);

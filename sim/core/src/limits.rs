@@ -1,11 +1,11 @@
 //! Where a model should not be believed: strains that its linear laws do not reach, loads that nobody measured, and
 //! rests that do not hold.
 
+use models::digits::significant;
 use models::model::Model;
 use models::system::System;
 
-use crate::results::report::significant;
-use crate::results::rest::Rest;
+use crate::rest::Rest;
 use crate::trajectory::Trajectory;
 
 /// Stretch beyond which a tension that is linear in it means little: there strain over the rest length and strain
@@ -77,20 +77,27 @@ fn largest_stretch(model: &Model, trajectory: &Trajectory) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::forward::{Run, forward};
-    use crate::scenario::Scenario;
+    use crate::rest::rest;
+    use models::effects::Rod;
+    use models::model::ModelSpec;
     use std::ops::ControlFlow;
-    use std::path::Path;
 
     /// Rests as they may be found: that hangs, that falls when it is pushed, about which vibrations grow.
     #[test]
     fn a_rest_that_does_not_hold_is_said() {
-        let text = "[rod]\nlength = \"300 mm\"\nmass = \"30 g\"\nbending_stiffness = \"1 N m^2\"\n\
-                    axial_stiffness = \"10 kN\"\nnodes = 8\n[run]\nduration = \"0.1 s\"\n";
-        let case = Scenario::parse(Path::new("s.toml"), text, &[]).unwrap().cases().unwrap().remove(0);
-        let run = Run { tolerance: 1e-5, ..case.run.clone() };
-        let trajectory = forward(&case.model, &run, &mut |_| ControlFlow::Continue(())).unwrap();
-        let told = |rest: Rest| warnings(&case.model, &trajectory, Some(&rest), None).join("; ");
-        let hangs = || crate::results::rest::rest(&case.model, 0.0, 2).unwrap();
+        let rod = Rod {
+            length: 0.3,
+            mass: 0.03,
+            bending_stiffness: 1.0,
+            axial_stiffness: 1e4,
+            diameter: f64::NAN,
+            pressure: 0.0,
+        };
+        let model = Model::new(&ModelSpec { nodes: 8, ..ModelSpec::of(rod) }).unwrap();
+        let run = Run { tolerance: 1e-5, ..Run::release(0.1, 100.0) };
+        let trajectory = forward(&model, &run, &mut |_| ControlFlow::Continue(())).unwrap();
+        let told = |rest: Rest| warnings(&model, &trajectory, Some(&rest), None).join("; ");
+        let hangs = || rest(&model, 0.0, 2).unwrap();
         assert_eq!(told(hangs()), "");
         assert!(told(Rest { stable: false, ..hangs() }).contains("not stable"));
         let grows = told(Rest { modes: Ok(vec![(3.0, 0.1), (40.0, -147.0)]), ..hangs() });

@@ -1,4 +1,4 @@
-//! Integrators of the equations of motion behind one seam: [`Stepper`].
+//! Integrators of the equations of motion behind one seam: [`Integrator`].
 
 #[cfg(feature = "diffsol")]
 mod diffsol;
@@ -9,8 +9,6 @@ mod verlet;
 
 use models::model::Model;
 use thiserror::Error;
-
-use crate::schema::JsonSchema;
 
 #[cfg(feature = "diffsol")]
 use diffsol::Implicit;
@@ -30,22 +28,69 @@ pub struct State {
     pub z: Vec<f64>,
 }
 
-/// How accurately, and up to when.
+/// How long the steps are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Steps {
+    /// As long as the error admits.
+    #[default]
+    Adaptive,
+    /// Of this size, s, without error control: for convergence studies.
+    Fixed(f64),
+    /// Those of another run, by the times at which they end, s, ascending. A step that the model cannot resolve
+    /// is halved until it can.
+    Given(Vec<f64>),
+}
+
+impl Steps {
+    /// Their size, s, if all have the same.
+    pub fn fixed(&self) -> Option<f64> {
+        match self {
+            Steps::Fixed(step) => Some(*step),
+            Steps::Adaptive | Steps::Given(_) => None,
+        }
+    }
+
+    /// Where a step that begins at a time has to end at the latest, s: at the stop, or at the end of a given step
+    /// before it.
+    fn stop_after(&self, time: f64, stop: f64) -> f64 {
+        let Steps::Given(ends) = self else { return stop };
+        ends.get(ends.partition_point(|end| *end <= time)).map_or(stop, |end| end.min(stop))
+    }
+}
+
+/// How accurately.
 #[derive(Clone, Debug)]
 pub struct Control {
-    /// Error admitted in a step, relative to the rod's length and to the speed of its fall.
+    /// Error admitted in a step, relative to the rod's length and to the speed of its fall: it chooses the size of
+    /// adaptive steps, says which of the given ones are halved, and how well an implicit method solves any.
     pub tolerance: f64,
-    /// Steps of this size, s, without error control: for convergence studies.
-    pub fixed_step: Option<f64>,
-    /// Times at which a step must end, s, ascending, the last one is the end of the run. The
-    /// solution may have a kink there.
-    pub stops: Vec<f64>,
+    /// How long the steps are.
+    pub steps: Steps,
     /// Steps after which to give up.
     pub most_steps: usize,
+    /// Size to begin with where steps are adaptive, s; none for the method's own.
+    pub first_step: Option<f64>,
+}
+
+/// Default of [`Control::tolerance`]: on the paper's muscle the budget of energy closes to some 1e-6.
+pub const DEFAULT_TOLERANCE: f64 = 1e-6;
+/// Default of [`Control::most_steps`].
+pub const DEFAULT_MOST_STEPS: usize = 10_000_000;
+
+impl Default for Control {
+    fn default() -> Self {
+        Self {
+            tolerance: DEFAULT_TOLERANCE,
+            steps: Steps::Adaptive,
+            most_steps: DEFAULT_MOST_STEPS,
+            first_step: None,
+        }
+    }
 }
 
 /// What a run cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effort {
     /// Accepted steps.
     pub steps: usize,
@@ -61,24 +106,43 @@ pub struct Effort {
     pub newton_iterations: usize,
 }
 
+impl std::ops::Add for Effort {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            steps: self.steps + other.steps,
+            rejected: self.rejected + other.rejected,
+            evaluations: self.evaluations + other.evaluations,
+            linearisations: self.linearisations + other.linearisations,
+            factorizations: self.factorizations + other.factorizations,
+            newton_iterations: self.newton_iterations + other.newton_iterations,
+        }
+    }
+}
+
 /// An integrator in the middle of a run.
-pub trait Stepper {
-    /// Makes one step; at the last stop it does nothing more.
+pub trait Integrator {
+    /// Makes one step, which ends at the stop, s, or before it; at the stop it does nothing. The solution may have a
+    /// kink there.
     /// # Errors
     /// [`IntegrateError`] with the time at which it gave up.
-    fn advance(&mut self) -> Result<(), IntegrateError>;
+    fn advance(&mut self, stop: f64) -> Result<(), IntegrateError>;
     /// The state at the end of the last step.
     fn state(&self) -> &State;
     /// Where the last step began, s.
     fn step_start(&self) -> f64;
     /// The state at a time within the last step.
     fn interpolate(&mut self, time: f64, state: &mut State);
+    /// Size that the next step would have, s.
+    fn next_step(&self) -> f64;
     /// What the run has cost so far.
     fn effort(&self) -> Effort;
 }
 
 /// A method of integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// [`Method::Verlet`] for a model that loses no energy, [`Method::Rodas4`] for all others.
@@ -173,22 +237,37 @@ impl Method {
 
 /// Starts an integrator at a state.
 /// # Errors
-/// [`IntegrateError::Explicit`] for Verlet and a model that it cannot do.
-pub fn start<'m>(
+/// [`IntegrateError::Explicit`] for Verlet and a model that it cannot do, [`IntegrateError::WithoutDiffsol`].
+pub fn start(
     method: Method,
-    model: &'m Model,
+    model: &Model,
     state: State,
     control: Control,
-) -> Result<Box<dyn Stepper + 'm>, IntegrateError> {
-    Ok(match method.of(model) {
-        Method::Verlet if !model.is_conservative() => return Err(IntegrateError::Explicit),
-        Method::Verlet => Box::new(Verlet::new(model, state, control)),
+) -> Result<Box<dyn Integrator>, IntegrateError> {
+    match method.of(model) {
         #[cfg(feature = "diffsol")]
-        Method::TrBdf2 => diffsol::start(Implicit::TrBdf2, model, state, control)?,
+        Method::TrBdf2 => diffsol::start(Implicit::TrBdf2, model, state, control),
         #[cfg(feature = "diffsol")]
-        Method::Esdirk34 => diffsol::start(Implicit::Esdirk34, model, state, control)?,
-        #[cfg(not(feature = "diffsol"))]
-        Method::TrBdf2 | Method::Esdirk34 => return Err(IntegrateError::WithoutDiffsol),
-        Method::Auto | Method::Rodas4 => Box::new(Rosenbrock::new(&tableau::RODAS4, model, state, control)),
-    })
+        Method::Esdirk34 => diffsol::start(Implicit::Esdirk34, model, state, control),
+        own => Ok(start_own(own, model, state, control)?),
+    }
+}
+
+/// Starts one of our own integrators, which may go to another thread.
+/// # Errors
+/// As [`start`]; those of diffsol are none of ours.
+pub fn start_own(
+    method: Method,
+    model: &Model,
+    state: State,
+    control: Control,
+) -> Result<Box<dyn Integrator + Send>, IntegrateError> {
+    match method.of(model) {
+        Method::Verlet if !model.is_conservative() => Err(IntegrateError::Explicit),
+        Method::Verlet => Ok(Box::new(Verlet::new(model, state, control))),
+        Method::TrBdf2 | Method::Esdirk34 => Err(IntegrateError::WithoutDiffsol),
+        Method::Auto | Method::Rodas4 => {
+            Ok(Box::new(Rosenbrock::new(&tableau::RODAS4, model, state, control)))
+        }
+    }
 }

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
+use efam_core::integrate::{self, Control, Effort, IntegrateError, Integrator, Method, State, Steps};
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Schedule, Scheme};
 use models::system::System;
-use sim::integrate::{Control, Effort, IntegrateError, Method, State, Stepper};
 
 const INCH: f64 = 0.0254;
 const METHODS: [Method; 2] = [Method::TrBdf2, Method::Esdirk34];
@@ -75,27 +75,32 @@ impl Schedule for Stiffening {
     }
 }
 
-fn start<'m>(model: &'m Model, method: Method, control: Control) -> Box<dyn Stepper + 'm> {
+fn start(model: &Model, method: Method, control: Control) -> Box<dyn Integrator> {
     let mut system = System::new(model);
     let (q, v) = system.assembly.straight(0.0, 0.0);
     let mut z = vec![0.0; model.memory()];
     system.relax_memory(0.0, &q, &mut z);
-    sim::integrate::start(method, model, State { time: 0.0, q, v, z }, control).unwrap()
+    integrate::start(method, model, State { time: 0.0, q, v, z }, control).unwrap()
 }
 
-fn control(tolerance: f64, stops: &[f64]) -> Control {
-    Control { tolerance, fixed_step: None, stops: stops.to_vec(), most_steps: 1_000_000 }
+fn control(tolerance: f64) -> Control {
+    Control { tolerance, most_steps: 1_000_000, ..Control::default() }
+}
+
+/// Makes a step towards the next of the stops; at the last one none.
+fn advance(run: &mut dyn Integrator, stops: &[f64]) -> Result<(), IntegrateError> {
+    let time = run.state().time;
+    run.advance(*stops.iter().find(|stop| **stop > time).unwrap_or(&stops[stops.len() - 1]))
 }
 
 /// Positions of the end body every 10 ms.
-fn path(model: &Model, method: Method, control: Control) -> (Vec<[f64; 2]>, Effort) {
-    let end = *control.stops.last().unwrap();
+fn path(model: &Model, method: Method, control: Control, end: f64) -> (Vec<[f64; 2]>, Effort) {
     let mut run = start(model, method, control);
     let mut at = State::default();
     let mut path = Vec::new();
     let last = 2 * model.edges;
     while run.state().time < end {
-        run.advance().unwrap();
+        run.advance(end).unwrap();
         while path.len() as f64 * 0.01 <= run.state().time {
             run.interpolate(path.len() as f64 * 0.01, &mut at);
             path.push([at.q[last - 2], at.q[last - 1]]);
@@ -113,10 +118,10 @@ fn rms(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 #[test]
 fn the_standard_case_converges() {
     let model = Model::new(&muscle(&[])).unwrap();
-    let (tight, _) = path(&model, Method::Esdirk34, control(1e-8, &[5.0]));
+    let (tight, _) = path(&model, Method::Esdirk34, control(1e-8), 5.0);
     for method in METHODS {
         let [loose, finer] =
-            [1e-5, 1e-6].map(|tolerance| rms(&path(&model, method, control(tolerance, &[5.0])).0, &tight));
+            [1e-5, 1e-6].map(|tolerance| rms(&path(&model, method, control(tolerance), 5.0).0, &tight));
         assert!(loose < 5e-5 && finer < 0.4 * loose, "{method:?}: {loose} m, then {finer} m");
     }
 }
@@ -131,7 +136,7 @@ fn with_memory_and_drag_both_methods_agree_and_newton_is_quick() {
     ];
     let model = Model::new(&muscle(effects)).unwrap();
     let [(a, effort), (b, _)] = [(Method::TrBdf2, 1e-7), (Method::Esdirk34, 1e-7)]
-        .map(|(m, tolerance)| path(&model, m, control(tolerance, &[1.0])));
+        .map(|(m, tolerance)| path(&model, m, control(tolerance), 1.0));
     assert!(rms(&a, &b) < 2e-6, "{} m apart", rms(&a, &b));
     // Two stages a step, three iterations a stage with a tangent that is up to five steps old.
     assert!(effort.newton_iterations < 6 * effort.steps, "{effort:?}");
@@ -143,10 +148,10 @@ fn with_memory_and_drag_both_methods_agree_and_newton_is_quick() {
 fn both_methods_keep_their_order() {
     let model = Model::new(&soft()).unwrap();
     let end = |method, step| {
-        let control = Control { fixed_step: Some(step), ..control(1e-13, &[0.0997, 0.2]) };
+        let control = Control { steps: Steps::Fixed(step), ..control(1e-13) };
         let mut run = start(&model, method, control);
         while run.state().time < 0.2 {
-            run.advance().unwrap();
+            advance(&mut *run, &[0.0997, 0.2]).unwrap();
         }
         run.state().clone()
     };
@@ -170,11 +175,11 @@ fn steps_end_on_stops_and_the_run_on_the_last() {
     let model = Model::new(&soft()).unwrap();
     let stops = [0.05, 0.05 + 1e-6, 0.1, 0.1 + 1e-14, 0.13];
     for method in METHODS {
-        let mut run = start(&model, method, control(1e-5, &stops));
+        let mut run = start(&model, method, control(1e-5));
         let mut ends = vec![0.0];
         let mut at = State::default();
         while run.state().time < 0.13 {
-            run.advance().unwrap();
+            advance(&mut *run, &stops).unwrap();
             assert_eq!(run.step_start(), *ends.last().unwrap());
             ends.push(run.state().time);
             run.interpolate(run.state().time, &mut at);
@@ -188,7 +193,7 @@ fn steps_end_on_stops_and_the_run_on_the_last() {
         let next = ends[sliver + 1] - ends[sliver];
         assert!(next > 1e-4, "{method:?}: after the short way between two stops a step of only {next} s");
         let (state, effort) = (run.state().clone(), run.effort());
-        run.advance().unwrap();
+        advance(&mut *run, &stops).unwrap();
         assert_eq!((run.state(), run.effort()), (&state, effort));
     }
 }
@@ -196,21 +201,21 @@ fn steps_end_on_stops_and_the_run_on_the_last() {
 #[test]
 fn a_run_that_cannot_go_on_says_so() {
     let model = Model::new(&soft()).unwrap();
-    let mut run = start(&model, Method::TrBdf2, Control { most_steps: 3, ..control(1e-5, &[1.0]) });
-    let failure = (0..10).find_map(|_| run.advance().err()).unwrap();
+    let mut run = start(&model, Method::TrBdf2, Control { most_steps: 3, ..control(1e-5) });
+    let failure = (0..10).find_map(|_| run.advance(1.0).err()).unwrap();
     assert!(matches!(failure, IntegrateError::TooManySteps { steps: 3, .. }), "{failure}");
-    assert_eq!(run.advance(), Err(failure));
+    assert_eq!(run.advance(1.0), Err(failure));
 
     let (mut q, v) = System::new(&model).assembly.straight(0.0, 0.0);
     q[3] = f64::NAN;
     let state = State { time: 0.0, q, v, z: vec![0.0; model.memory()] };
-    let failure = sim::integrate::start(Method::TrBdf2, &model, state, control(1e-5, &[1.0])).err().unwrap();
+    let failure = sim::integrate::start(Method::TrBdf2, &model, state, control(1e-5), 1.0).err().unwrap();
     assert!(matches!(failure, IntegrateError::NotFinite { .. }), "{failure}");
 
     let model = Model::new(&ModelSpec { schedule: Some(Arc::new(Broken)), ..soft() }).unwrap();
     for method in METHODS {
-        let mut run = start(&model, method, control(1e-5, &[1.0]));
-        let failure = (0..1000).find_map(|_| run.advance().err()).unwrap();
+        let mut run = start(&model, method, control(1e-5), 1.0);
+        let failure = (0..1000).find_map(|_| run.advance(1.0).err()).unwrap();
         assert!(
             matches!(failure, IntegrateError::Stalled { time, .. } if (time - 0.05).abs() < 1e-3),
             "{failure}"

@@ -10,10 +10,10 @@ use models::posture::Between;
 use models::sensor::Sensor;
 use models::system::System;
 
-use crate::experiment::release::Point;
-use crate::forward::Run;
 use crate::integrate::State;
 use crate::integrate::variational::{Variational, lane_order};
+use crate::point::Point;
+use crate::run::Run;
 use crate::trajectory::Trajectory;
 
 /// What a run observes, and how: from states to the entries of a [`Trajectory`].
@@ -95,7 +95,7 @@ impl Observer {
         let center = [body.center_of_mass, body.offset];
         let arm = center.map(Moving::from);
         let moving = |k: usize| Moving::new(q[k], v[k] * pace);
-        let seen = |point: &Observed| self.sensor.see(point.sight(system.model, arm, &moving));
+        let seen = |point: &Observed| self.sensor.see(point.sight(&system.model, arm, &moving));
         if self.sees_tip {
             into.seen_tip.push(seen(&Observed::Tip).map(|x| x.re));
         }
@@ -126,7 +126,7 @@ impl Observer {
             let later = (instant - instant.re) * held(instant.re);
             let moved = |k: usize| with_slopes(q[k], self.row[k]) + later * v[k];
             for (point, of_point) in self.points.iter().zip(&mut of_points) {
-                let [x, z] = sensor.see(point.sight(system.model, arm, &moved)).map(|x| slopes(&x));
+                let [x, z] = sensor.see(point.sight(&system.model, arm, &moved)).map(|x| slopes(&x));
                 of_point.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]));
             }
         }
@@ -149,7 +149,7 @@ impl Observer {
                 let system = variational.system();
                 let body = &system.watched(group).body;
                 let arm = [body.center_of_mass, body.offset];
-                let [x, z] = Observed::Tip.sight(system.model, arm, &moved).position.map(|x| slopes(&x));
+                let [x, z] = Observed::Tip.sight(&system.model, arm, &moved).position.map(|x| slopes(&x));
                 of_tip.extend(x.into_iter().zip(z).map(|(x, z)| [x, z]));
             }
         }

@@ -11,9 +11,8 @@ use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
 use crate::forward::{ForwardError, Run, Sample, forward, start_of_tip};
-use crate::integrate::Method;
-use crate::results::rest::rest;
-use crate::schema::JsonSchema;
+use crate::integrate::{Method, Steps};
+use crate::rest::rest;
 use crate::trajectory::{Status, Trajectory};
 
 /// What is asked of a run.
@@ -33,7 +32,7 @@ const USUAL: f64 = 2e-5;
 const USUAL_SHARE: f64 = 1e-3;
 /// Share of its length by which the tip of a rod moves that swings: a fifth of a micrometre for the paper's muscle.
 /// What is less is rounding, and has no frequency.
-pub(crate) const AT_REST: f64 = 1e-6;
+pub const AT_REST: f64 = 1e-6;
 /// No accuracy is finer than that, over the length of the rod: a stiff edge rounds there.
 const FINEST: f64 = 1e-8;
 
@@ -52,7 +51,8 @@ fn expected_swing(model: &Model, run: &Run) -> Result<f64, ForwardError> {
 }
 
 /// How wrong a run may be.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
     /// Accuracy that was asked for, or the usual one.
     pub asked_m: f64,
@@ -106,7 +106,7 @@ impl Errors {
                 self.mesh_time_s
             ));
         }
-        let next = match (run.fixed_step, run.method.of(model)) {
+        let next = match (run.steps.fixed(), run.method.of(model)) {
             (Some(step), _) => format!("give integrator.fixed_step = \"{} ms\"", significant(500.0 * step)),
             (None, Method::Verlet) => {
                 "without any loss every digit counts: give it some damping, or believe the first swings only"
@@ -192,6 +192,26 @@ pub fn first(model: &Model, run: &Run, goal: &Goal) -> Result<(Model, Run), Forw
 
 /// Runs a model, estimates its errors, and chooses mesh and tolerance anew until they are as small as asked.
 /// `see` sees the samples of each attempt; what it breaks off, or what cannot go on, is returned as it is.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use efam_core::accuracy::{Goal, settle};
+/// use efam_core::forward::Run;
+/// # use models::effects::Rod;
+/// # use models::model::{Model, ModelSpec};
+/// # let rod = Rod { length: 0.2, mass: 0.03, bending_stiffness: 5e-3, axial_stiffness: 500.0, diameter: 0.03,
+/// #     pressure: 0.0 };
+/// # let model = Model::new(&ModelSpec { nodes: 8, ..ModelSpec::of(rod) }.with(&[("rayleigh_mass.alpha", 1.0),
+/// #     ("rayleigh_stiffness.beta", 2e-3)]))?;
+///
+/// let goal = Goal { accuracy: Some(1e-4), chooses_mesh: true, chooses_tolerance: true };
+/// let settled = settle(&model, &Run::release(0.5, 100.0), &goal, &mut |_| ControlFlow::Continue(()))?;
+/// let errors = settled.errors.ok_or("it came to its end")?;
+/// println!("{} nodes are within {:.3} mm", settled.model.edges + 1, 1e3 * errors.tip_m());
+/// # assert!(errors.is_reached(), "{errors:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 /// # Errors
 /// [`ForwardError::Model`], [`ForwardError::Method`].
 pub fn settle(
@@ -250,7 +270,7 @@ fn finer(model: &Model, factor: f64) -> usize {
 
 /// Order of the error in the edge length that estimates count on: three for the consistent scheme, which reaches
 /// four on meshes that resolve the rod and three beyond, where its ends show.
-pub(crate) fn order(model: &Model) -> f64 {
+pub fn order(model: &Model) -> f64 {
     match model.scheme {
         Scheme::Consistent => 3.0,
         Scheme::Paper => 1.0,
@@ -276,7 +296,7 @@ fn estimate(
         ..run.clone()
     };
     let coarse_nodes = (model.edges * 2 / 3).max(3) + 1;
-    let (coarse, longer) = rayon::join(
+    let (coarse, longer) = both(
         || -> Result<_, ForwardError> {
             let (model, run) = quiet.on_mesh(model, coarse_nodes)?;
             traced(&model, &run)
@@ -308,6 +328,14 @@ fn estimate(
     }))
 }
 
+/// What two functions say, beside one another where threads are to be had.
+fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    return rayon::join(a, b);
+    #[cfg(not(feature = "parallel"))]
+    (a(), b())
+}
+
 /// A run for the sake of its trace, and why it could not go on.
 fn traced(model: &Model, run: &Run) -> Result<(Trajectory, Option<String>), ForwardError> {
     match forward(model, run, &mut |_| ControlFlow::Continue(())) {
@@ -323,12 +351,12 @@ fn traced(model: &Model, run: &Run) -> Result<(Trajectory, Option<String>), Forw
 /// ESDIRK34. Of a tolerance sixteen times as large, with which the steps of a method that judges itself by a
 /// result of third order are twice as long, the same is expected; stiff modes lose some of the order.
 fn longer_steps(model: &Model, run: &Run) -> (f64, f64) {
-    match (run.fixed_step, run.method.of(model)) {
+    match (&run.steps, run.method.of(model)) {
         (_, Method::Verlet) => (16.0, 3.0),
         (_, Method::TrBdf2) => (8.0, 3.0),
         (_, Method::Esdirk34) => (16.0, 7.0),
-        (Some(_), _) => (16.0, 15.0),
-        (None, _) => (16.0, STIFF),
+        (Steps::Fixed(_) | Steps::Given(_), _) => (16.0, 15.0),
+        (Steps::Adaptive, _) => (16.0, STIFF),
     }
 }
 
@@ -337,12 +365,15 @@ const STIFF: f64 = 6.0;
 
 fn with_longer_steps(model: &Model, run: &Run, trajectory: &Trajectory) -> Run {
     let mean = || run.duration / trajectory.effort.steps.max(1) as f64;
-    let (fixed_step, tolerance) = match (run.fixed_step, run.method.of(model)) {
-        (Some(step), _) => (Some(2.0 * step), run.tolerance),
-        (None, Method::Verlet) => (Some(2.0 * mean()), run.tolerance),
-        (None, _) => (None, longer_steps(model, run).0 * run.tolerance),
+    let (steps, tolerance) = match (&run.steps, run.method.of(model)) {
+        (Steps::Fixed(step), _) => (Steps::Fixed(2.0 * step), run.tolerance),
+        (Steps::Given(ends), _) => {
+            (Steps::Given(ends.iter().skip(1).step_by(2).copied().collect()), run.tolerance)
+        }
+        (Steps::Adaptive, Method::Verlet) => (Steps::Fixed(2.0 * mean()), run.tolerance),
+        (Steps::Adaptive, _) => (Steps::Adaptive, longer_steps(model, run).0 * run.tolerance),
     };
-    Run { fixed_step, tolerance, ..run.clone() }
+    Run { steps, tolerance, ..run.clone() }
 }
 
 fn millimetres(metres: f64) -> String {
@@ -351,5 +382,5 @@ fn millimetres(metres: f64) -> String {
 
 /// Two digits that count.
 fn significant(value: f64) -> String {
-    crate::results::report::rounded(value, 2)
+    models::digits::rounded(value, 2)
 }

@@ -4,7 +4,7 @@ use models::model::Model;
 use models::snapshot::Energy;
 use models::system::{System, TimePass};
 
-use crate::integrate::{State, Stepper};
+use crate::integrate::{Integrator, State};
 
 /// Energy dissipated and supplied, by Gauss's three points in every step.
 pub(super) struct Budget {
@@ -24,13 +24,13 @@ impl Budget {
         Self { pass: TimePass::new(model), before: [0.0; 2], powers: [[0.0; 2]; 3], last_step: 0.0 }
     }
 
-    pub fn follow(&mut self, system: &mut System, stepper: &mut dyn Stepper, at: &mut State) {
-        let (begin, end) = (stepper.step_start(), stepper.state().time);
+    pub fn follow(&mut self, system: &mut System, integrator: &mut dyn Integrator, at: &mut State) {
+        let (begin, end) = (integrator.step_start(), integrator.state().time);
         self.before = self.until(self.last_step, 1.0);
         self.last_step = end - begin;
         for (node, powers) in GAUSS.iter().zip(&mut self.powers) {
             let time = begin + node * (end - begin);
-            stepper.interpolate(time, at);
+            integrator.interpolate(time, at);
             let (dissipated, supplied) = system.powers(&mut self.pass, time, &at.q, &at.v, &at.z);
             *powers = [dissipated, supplied];
         }

@@ -9,11 +9,11 @@
 use models::model::Model;
 use models::system::System;
 
-use super::{Control, Effort, IntegrateError, State, Stepper};
+use super::{Control, Effort, IntegrateError, Integrator, State, Steps};
 
 /// A run of velocity Verlet.
-pub struct Verlet<'m> {
-    system: System<'m>,
+pub struct Verlet {
+    system: System,
     control: Control,
     effort: Effort,
     state: State,
@@ -22,7 +22,6 @@ pub struct Verlet<'m> {
     start_acceleration: Vec<f64>,
     step: f64,
     least_step: f64,
-    next_stop: usize,
 }
 
 /// What a mode may turn by in a step, rad, when the step is chosen.
@@ -34,17 +33,20 @@ const UNSTABLE: f64 = 2.0;
 /// Step below which none is tried, as a share of the first.
 const LEAST_SHARE: f64 = 1e-6;
 
-impl<'m> Verlet<'m> {
+impl Verlet {
     /// Starts at a state, with a step that resolves the fastest mode of it, or with the fixed one.
-    pub fn new(model: &'m Model, state: State, control: Control) -> Self {
+    pub fn new(model: &Model, state: State, control: Control) -> Self {
         let mut system = System::new(model);
-        let step = control.fixed_step.unwrap_or_else(|| PHASE / fastest(&mut system, &state));
+        let step = match control.steps {
+            Steps::Adaptive => PHASE / fastest(&mut system, &state),
+            Steps::Fixed(step) => step,
+            Steps::Given(_) => f64::INFINITY,
+        };
         let mut run = Self {
             effort: Effort::default(),
             start: state.clone(),
             acceleration: vec![0.0; model.dof()],
             start_acceleration: vec![0.0; model.dof()],
-            next_stop: 0,
             step,
             least_step: LEAST_SHARE * step,
             system,
@@ -129,10 +131,13 @@ fn fastest(system: &mut System, state: &State) -> f64 {
     1.1 * square.sqrt()
 }
 
-impl Stepper for Verlet<'_> {
-    fn advance(&mut self) -> Result<(), IntegrateError> {
-        let Some(&stop) = self.control.stops.get(self.next_stop) else { return Ok(()) };
+impl Integrator for Verlet {
+    fn advance(&mut self, stop: f64) -> Result<(), IntegrateError> {
         let time = self.state.time;
+        let stop = self.control.steps.stop_after(time, stop);
+        if stop <= time {
+            return Ok(());
+        }
         if self.effort.steps >= self.control.most_steps {
             return Err(IntegrateError::TooManySteps { time, steps: self.effort.steps });
         }
@@ -146,11 +151,10 @@ impl Stepper for Verlet<'_> {
             self.drift(h);
             let is_finite = self.state.v.iter().all(|v| v.is_finite());
             let phase = self.phase(h);
-            let is_fixed = self.control.fixed_step.is_some();
+            let is_fixed = self.control.steps != Steps::Adaptive;
             if is_finite && phase <= if is_fixed { UNSTABLE } else { MOST_PHASE } {
                 if is_last {
                     self.state.time = stop;
-                    self.next_stop += 1;
                 }
                 self.effort.steps += 1;
                 return Ok(());
@@ -183,6 +187,10 @@ impl Stepper for Verlet<'_> {
         hermite(s, h, [&self.start.q, &self.start.v, &self.state.q, &self.state.v], &mut into.q);
         let rates = [&self.start.v, &self.start_acceleration, &self.state.v, &self.acceleration];
         hermite(s, h, rates, &mut into.v);
+    }
+
+    fn next_step(&self) -> f64 {
+        self.step
     }
 
     fn effort(&self) -> Effort {

@@ -10,16 +10,15 @@ use models::model::Model;
 use models::system::{System, TimePass};
 
 use super::tableau::Tableau;
-use super::{Control, Effort, IntegrateError, State, Stepper};
+use super::{Control, Effort, IntegrateError, Integrator, State, Steps};
 
 /// A run of a Rosenbrock method.
-pub struct Rosenbrock<'m> {
-    system: System<'m>,
+pub struct Rosenbrock {
+    system: System,
     tableau: &'static Tableau,
     control: Control,
     effort: Effort,
     state: State,
-    next_stop: usize,
     step_start: f64,
     step: f64,
     last_error: f64,
@@ -42,18 +41,20 @@ pub struct Rosenbrock<'m> {
     dense: Vec<Vec<f64>>,
 }
 
-/// Error, over what is admitted, from which on a step that another run has lent is halved, and the same of
+/// Error, over what is admitted, from on a given step is halved, and the same of
 /// the memory as a share of its largest value.
 const POOR: f64 = 10.0;
 const POOR_MEMORY: f64 = 0.3;
 /// For the memory such steps are not halved below this, s.
 const SMALLEST_MEMORY_STEP: f64 = 1e-5;
+/// The first step of a run, s, if its steps are adaptive.
+const FIRST_STEP: f64 = 1e-4;
 /// Steps below this, s, lead nowhere.
 const SMALLEST_STEP: f64 = 1e-12;
 
-impl<'m> Rosenbrock<'m> {
+impl Rosenbrock {
     /// Starts at a state.
-    pub fn new(tableau: &'static Tableau, model: &'m Model, state: State, control: Control) -> Self {
+    pub fn new(tableau: &'static Tableau, model: &Model, state: State, control: Control) -> Self {
         let system = System::new(model);
         let (nq, nz) = (model.dof(), model.memory());
         let length = model.rod().length;
@@ -61,9 +62,8 @@ impl<'m> Rosenbrock<'m> {
         Self {
             tableau,
             effort: Effort::default(),
-            next_stop: 0,
             step_start: state.time,
-            step: control.fixed_step.unwrap_or(1e-4),
+            step: first_step(&control),
             last_error: 1.0,
             scale_q: control.tolerance * length,
             // Velocities count at a hundredth of the speed of a fall over the rod's length: those of
@@ -214,10 +214,13 @@ impl<'m> Rosenbrock<'m> {
     }
 }
 
-impl Stepper for Rosenbrock<'_> {
-    fn advance(&mut self) -> Result<(), IntegrateError> {
-        let Some(&stop) = self.control.stops.get(self.next_stop) else { return Ok(()) };
+impl Integrator for Rosenbrock {
+    fn advance(&mut self, stop: f64) -> Result<(), IntegrateError> {
         let time = self.state.time;
+        let stop = self.control.steps.stop_after(time, stop);
+        if stop <= time {
+            return Ok(());
+        }
         if self.effort.steps >= self.control.most_steps {
             return Err(IntegrateError::TooManySteps { time, steps: self.effort.steps });
         }
@@ -234,47 +237,43 @@ impl Stepper for Rosenbrock<'_> {
             // The last two steps before a stop share what is left.
             let h = if self.step >= to_stop * (1.0 - 1e-10) {
                 to_stop
-            } else if self.step > 0.5 * to_stop && self.control.fixed_step.is_none() {
+            } else if self.step > 0.5 * to_stop && self.control.steps == Steps::Adaptive {
                 0.5 * to_stop
             } else {
                 self.step
             };
             let solved = self.solve_stages(h);
             let (error, node) = if solved { self.error() } else { (f64::INFINITY, 0) };
-            if let Some(fixed) = self.control.fixed_step {
-                // A stop that is nearer than the step is a step of another run. Where that one had
-                // nothing to resolve and this one has, it is halved.
-                let is_lent = self.step < fixed || fixed > to_stop;
-                let keeps_memory = || h <= SMALLEST_MEMORY_STEP || self.memory_error() <= POOR_MEMORY;
-                if is_lent && h > SMALLEST_STEP && !(error <= POOR && keeps_memory()) {
-                    self.effort.rejected += 1;
-                    self.step = 0.5 * h;
-                    self.linearise();
-                    continue;
+            let is_poor = match self.control.steps {
+                Steps::Adaptive => error > 1.0 || error.is_nan(),
+                // Where the other run had nothing to resolve and this one has.
+                Steps::Given(_) => {
+                    let keeps_memory = || h <= SMALLEST_MEMORY_STEP || self.memory_error() <= POOR_MEMORY;
+                    h > SMALLEST_STEP && !(error <= POOR && keeps_memory())
                 }
-                if !error.is_finite() {
-                    return Err(IntegrateError::NotFinite { time, node });
-                }
-            } else if error > 1.0 || error.is_nan() {
+                Steps::Fixed(_) => false,
+            };
+            if is_poor {
                 self.effort.rejected += 1;
                 rejected = true;
-                let order = self.tableau.order as f64;
-                let shrink = if error.is_finite() { 0.9 * error.powf(-1.0 / order) } else { 0.1 };
-                self.step = h * shrink.clamp(0.1, 0.9);
-                if self.step < SMALLEST_STEP {
+                self.step = h * self.shrink(error);
+                if self.step < SMALLEST_STEP && self.control.steps == Steps::Adaptive {
                     return Err(IntegrateError::StepTooSmall { time, step: self.step, node });
                 }
                 self.linearise();
                 continue;
             }
+            if !error.is_finite() {
+                return Err(IntegrateError::NotFinite { time, node });
+            }
             self.accept(h);
             if h == to_stop {
                 self.state.time = stop;
-                self.next_stop += 1;
-                self.step = self.control.fixed_step.unwrap_or(self.step);
             }
-            if self.control.fixed_step.is_none() {
-                self.step = self.next_step(h, error, rejected);
+            match self.control.steps {
+                Steps::Adaptive => self.step = self.grown(h, error, rejected),
+                Steps::Given(_) if h == to_stop => self.step = f64::INFINITY,
+                Steps::Given(_) | Steps::Fixed(_) => {}
             }
             return Ok(());
         }
@@ -311,21 +310,44 @@ impl Stepper for Rosenbrock<'_> {
         }
     }
 
+    fn next_step(&self) -> f64 {
+        self.step
+    }
+
     fn effort(&self) -> Effort {
         self.effort
     }
 }
 
-impl Rosenbrock<'_> {
+impl Rosenbrock {
+    /// Share of a rejected step that is tried next.
+    fn shrink(&self, error: f64) -> f64 {
+        if self.control.steps != Steps::Adaptive {
+            return 0.5;
+        }
+        let order = self.tableau.order as f64;
+        let shrink = if error.is_finite() { 0.9 * error.powf(-1.0 / order) } else { 0.1 };
+        shrink.clamp(0.1, 0.9)
+    }
+
     /// Step size after an accepted step of size `h`: the usual law for the error, held back by
     /// Gustafsson's prediction where the error grows.
-    fn next_step(&mut self, h: f64, error: f64, rejected: bool) -> f64 {
+    fn grown(&mut self, h: f64, error: f64, rejected: bool) -> f64 {
         let order = self.tableau.order as f64;
         let error = error.max(1e-6);
         let growth = 0.9 * error.powf(-1.0 / order);
         let predicted = growth * (self.last_error / error).powf(1.0 / order);
         self.last_error = error;
         h * growth.min(predicted.max(0.2)).clamp(0.2, if rejected { 1.0 } else { 5.0 })
+    }
+}
+
+/// The size of the first step, s; a given step ends where it is told to.
+fn first_step(control: &Control) -> f64 {
+    match control.steps {
+        Steps::Adaptive => control.first_step.unwrap_or(FIRST_STEP),
+        Steps::Fixed(step) => step,
+        Steps::Given(_) => f64::INFINITY,
     }
 }
 

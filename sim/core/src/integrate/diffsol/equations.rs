@@ -32,16 +32,16 @@ type V = FaerVec<f64>;
 type M = FaerSparseMat<f64>;
 
 /// The equations of motion, the state at which they start, and what they have cost.
-pub struct Equations<'m> {
+pub struct Equations {
     context: FaerContext,
     start: Vec<f64>,
-    system: RefCell<System<'m>>,
-    pub(super) tangents: Rc<RefCell<Tangents<'m>>>,
+    system: RefCell<System>,
+    pub(super) tangents: Rc<RefCell<Tangents>>,
     pub(super) evaluations: Cell<usize>,
 }
 
-impl<'m> Equations<'m> {
-    pub(super) fn new(model: &'m Model, start: &State) -> Self {
+impl Equations {
+    pub(super) fn new(model: &Model, start: &State) -> Self {
         let system = System::new(model);
         Self {
             context: FaerContext::default(),
@@ -80,7 +80,7 @@ fn split_mut(y: &mut [f64], dof: usize) -> [&mut [f64]; 3] {
     [q, v, z]
 }
 
-impl Op for Equations<'_> {
+impl Op for Equations {
     type T = f64;
     type V = V;
     type M = M;
@@ -100,7 +100,7 @@ impl Op for Equations<'_> {
     }
 }
 
-impl NonLinearOp for Equations<'_> {
+impl NonLinearOp for Equations {
     fn call_inplace(&self, y: &V, t: f64, rate: &mut V) {
         let system = &mut *self.system.borrow_mut();
         let dof = system.mass.len();
@@ -117,7 +117,7 @@ impl NonLinearOp for Equations<'_> {
     }
 }
 
-impl NonLinearOpJacobian for Equations<'_> {
+impl NonLinearOpJacobian for Equations {
     fn jac_mul_inplace(&self, _y: &V, _t: f64, _u: &V, _out: &mut V) {
         unreachable!("only sensitivities multiply by the Jacobian")
     }
@@ -136,13 +136,13 @@ impl NonLinearOpJacobian for Equations<'_> {
     }
 }
 
-impl ConstantOp for Equations<'_> {
+impl ConstantOp for Equations {
     fn call_inplace(&self, _t: f64, y: &mut V) {
         y.for_each_batch_host([], |y, [], _| y.copy_from_slice(&self.start));
     }
 }
 
-impl<'a> OdeEquationsRef<'a> for Equations<'_> {
+impl<'a> OdeEquationsRef<'a> for Equations {
     type Mass = ParameterisedOp<'a, UnitCallable<M>>;
     type Rhs = &'a Self;
     type Root = ParameterisedOp<'a, UnitCallable<M>>;
@@ -151,7 +151,7 @@ impl<'a> OdeEquationsRef<'a> for Equations<'_> {
     type Reset = ParameterisedOp<'a, UnitCallable<M>>;
 }
 
-impl OdeEquations for Equations<'_> {
+impl OdeEquations for Equations {
     fn rhs(&self) -> &Self {
         self
     }
@@ -166,8 +166,8 @@ impl OdeEquations for Equations<'_> {
 }
 
 /// Tangents where diffsol last asked for the Jacobian, and the factors of its step.
-pub(super) struct Tangents<'m> {
-    system: System<'m>,
+pub(super) struct Tangents {
+    system: System,
     factors: Coupled,
     a: f64,
     regular: bool,
@@ -179,8 +179,8 @@ pub(super) struct Tangents<'m> {
     pub(super) factorizations: usize,
 }
 
-impl<'m> Tangents<'m> {
-    fn new(system: System<'m>) -> Self {
+impl Tangents {
+    fn new(system: System) -> Self {
         let (dof, memory) = (system.model.dof(), system.model.memory());
         Self {
             system,
@@ -237,18 +237,18 @@ impl<'m> Tangents<'m> {
 /// Linear solver in the coordinates alone, with a narrow band. `None` only as the default that
 /// diffsol asks for, which it takes for copies of a whole solver: we make none.
 #[derive(Default)]
-pub struct BandSolver<'m> {
-    tangents: Option<Rc<RefCell<Tangents<'m>>>>,
+pub struct BandSolver {
+    tangents: Option<Rc<RefCell<Tangents>>>,
     matrix: Option<M>,
 }
 
-impl<'m> BandSolver<'m> {
-    pub(super) fn new(equations: &Equations<'m>) -> Self {
+impl BandSolver {
+    pub(super) fn new(equations: &Equations) -> Self {
         Self { tangents: Some(equations.tangents.clone()), matrix: None }
     }
 }
 
-impl LinearSolver<M> for BandSolver<'_> {
+impl LinearSolver<M> for BandSolver {
     fn set_sparsity<C: LaLinearOp<V = V, T = f64, M = M, C = FaerContext>>(&mut self, op: &C) {
         self.matrix = Some(M::new_from_sparsity(op.nrows(), op.ncols(), op.sparsity(), *op.context()));
     }

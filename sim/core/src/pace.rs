@@ -1,9 +1,9 @@
 //! How often to look at a rod: what its slowest mode says.
 
+use models::digits::significant;
 use models::model::Model;
 
-use crate::results::report::significant;
-use crate::results::rest::rest;
+use crate::rest::rest;
 
 /// Samples a second of a rod that swings slowly, as the paper's cameras took them.
 pub const DEFAULT_RATE: f64 = 100.0;

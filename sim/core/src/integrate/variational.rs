@@ -17,7 +17,7 @@ use models::effects::LANES;
 use models::model::Model;
 use models::system::System;
 
-use super::{IntegrateError, State, Stepper};
+use super::{IntegrateError, Integrator, State};
 
 /// L-stable, stiffly accurate, order 3. Source: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021;
 /// `gamma` is the root of `γ³ − 3γ² + 3γ/2 − 1/6` near 0.44.
@@ -51,8 +51,8 @@ pub struct Slopes {
 }
 
 /// Sensitivities of one run by one list of parameters.
-pub struct Variational<'m> {
-    system: System<'m>,
+pub struct Variational {
+    system: System,
     /// Derivatives at the end of the last step, one entry a group of [`LANES`] parameters.
     pub slopes: Vec<Slopes>,
     start: Vec<Slopes>,
@@ -112,11 +112,11 @@ impl Slopes {
     }
 }
 
-impl<'m> Variational<'m> {
+impl Variational {
     /// Starts with the derivatives of the initial state by `parameters`, one entry a group, for a
     /// `system` that watches them.
-    pub fn new(system: System<'m>, parameters: &[usize], slopes: Vec<Slopes>) -> Self {
-        let model = system.model;
+    pub fn new(system: System, parameters: &[usize], slopes: Vec<Slopes>) -> Self {
+        let model = &system.model;
         let is_geometric = |group: &[usize]| group.iter().any(|k| model.is_geometric(*k));
         let zeros = Slopes::zeros(model);
         let state = State {
@@ -147,25 +147,25 @@ impl<'m> Variational<'m> {
     }
 
     /// The equations that it linearises.
-    pub fn system(&self) -> &System<'m> {
+    pub fn system(&self) -> &System {
         &self.system
     }
 
-    /// Follows the last step of a stepper.
+    /// Follows the last step of a integrator.
     /// # Errors
     /// [`IntegrateError::StepTooSmall`] if a stage's matrix is singular.
-    pub fn follow(&mut self, stepper: &mut dyn Stepper) -> Result<(), IntegrateError> {
-        let (begin, end) = (stepper.step_start(), stepper.state().time);
+    pub fn follow(&mut self, integrator: &mut dyn Integrator) -> Result<(), IntegrateError> {
+        let (begin, end) = (integrator.step_start(), integrator.state().time);
         let h = end - begin;
         let a = 1.0 / (GAMMA * h);
         self.system.begin_step(begin);
         for (start, slopes) in self.start.iter_mut().zip(&self.slopes) {
             start.copy_from(slopes);
         }
-        self.update_drives(stepper, begin, end);
+        self.update_drives(integrator, begin, end);
         for stage in 0..STAGES {
             let time = begin + NODES[stage] * h;
-            stepper.interpolate(time, &mut self.at);
+            integrator.interpolate(time, &mut self.at);
             let State { q, v, z, .. } = &self.at;
             self.system.linearise_into(time, q, v, z, &mut self.force, &mut self.z_rate);
             self.system.condense(a);
@@ -183,7 +183,7 @@ impl<'m> Variational<'m> {
 
     /// Evaluates what drives the derivatives at the end of the step; at the first step, and behind
     /// a kink of the schedule, also at its start and middle.
-    fn update_drives(&mut self, stepper: &mut dyn Stepper, begin: f64, end: f64) {
+    fn update_drives(&mut self, integrator: &mut dyn Integrator, begin: f64, end: f64) {
         let schedule = self.system.model.schedule.as_ref();
         if schedule
             .is_some_and(|schedule| schedule.breakpoints().iter().any(|kink| (kink - begin).abs() < 1e-12))
@@ -192,14 +192,14 @@ impl<'m> Variational<'m> {
         }
         if self.drive_times.is_empty() {
             for time in [begin, 0.5 * (begin + end)] {
-                self.push_drive(stepper, time);
+                self.push_drive(integrator, time);
             }
         }
-        self.push_drive(stepper, end);
+        self.push_drive(integrator, end);
     }
 
-    fn push_drive(&mut self, stepper: &mut dyn Stepper, time: f64) {
-        stepper.interpolate(time, &mut self.at);
+    fn push_drive(&mut self, integrator: &mut dyn Integrator, time: f64) {
+        integrator.interpolate(time, &mut self.at);
         let State { q, v, z, .. } = &self.at;
         for (group, drives) in self.drives.iter_mut().enumerate() {
             if self.is_geometric[group] {
