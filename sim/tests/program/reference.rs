@@ -151,7 +151,7 @@ fn schemas() {
         let mut schema = schema.as_object().expect("a schema").clone();
         schema.remove("title");
         if let Some((same, _)) = before.iter().find(|(_, own)| *own == schema) {
-            write!(page, "The same as of `efam {same}`.\n").expect("a string");
+            writeln!(page, "The same as of `efam {same}`.").expect("a string");
             continue;
         }
         let types = schema.get("$defs").and_then(Value::as_object).cloned().unwrap_or_default();
