@@ -107,10 +107,5 @@ fn state_by_parameter(model: &Model, run: &Run, parameter: usize) -> Result<Stat
     let slope = |plus: Vec<f64>, minus: Vec<f64>| {
         plus.iter().zip(minus).map(|(plus, minus)| (plus - minus) / (2.0 * step)).collect()
     };
-    Ok(State {
-        time: 0.0,
-        q: slope(plus.q, minus.q),
-        v: slope(plus.v, minus.v),
-        z: slope(plus.z, minus.z),
-    })
+    Ok(State { time: 0.0, q: slope(plus.q, minus.q), v: slope(plus.v, minus.v), z: slope(plus.z, minus.z) })
 }
