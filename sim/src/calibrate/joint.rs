@@ -9,7 +9,7 @@ use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
 use super::refine::{LAST, refine};
-use super::search::{FIT, Found, common_cost, meet, minimise_in, search};
+use super::search::{EXPLAINED, FIT, Found, common_cost, meet, minimise_in, search};
 use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Kind, Unknown, Unknowns};
 
@@ -231,6 +231,11 @@ impl<'a> Joint<'a> {
             Some(seen) => Ok((objective, seen)),
             None => Err(objective.refusal(&x)),
         }
+    }
+
+    /// Whether the noise explains its residuals.
+    pub fn is_explained(&self) -> bool {
+        self.found.at.carried.spreads().iter().all(|spread| *spread < EXPLAINED)
     }
 
     /// The name of a release, by its place in the problem.

@@ -48,6 +48,9 @@ pub(crate) enum Slopes {
 /// Change of a scaled unknown by which differences are taken: the prediction's rounding, some 1e-11 m,
 /// leaves 1e-6 m, its curvature 1e-5 of the slope.
 const DIFFERENCE: f64 = 1e-5;
+/// The same with friction. Where it turns round on given steps jumps with the parameters, by some 1e-6 m at the tolerance of
+/// a fit: over a change of 1e-5 that would be a slope larger than the true one.
+const DIFFERENCE_WITH_FRICTION: f64 = 1e-3;
 
 /// Predicted positions of every track, without offsets.
 #[derive(Clone, Debug, Default)]
@@ -204,10 +207,11 @@ pub(crate) fn predict(
         steps_in_all: path.steps.len(),
     };
     if let Some(slopes) = slopes {
+        let difference = if model.slipping().is_some() { DIFFERENCE_WITH_FRICTION } else { DIFFERENCE };
         let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
             (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
                 let mut aside = x.clone();
-                aside[locals[l].unknown] += DIFFERENCE;
+                aside[locals[l].unknown] += difference;
                 let steps = Some(&path.steps[..]);
                 predict(trial, measured, locals, unknowns, &aside, count, fidelity, steps, None).map(Some)
             }
@@ -229,7 +233,7 @@ pub(crate) fn predict(
                     _ if moved.is_some() => {
                         let aside = moved.as_ref().map_or([0.0; 2], |moved| moved.position[track][sample]);
                         let here = prediction.position[track][sample];
-                        [0, 1].map(|axis| (aside[axis] - here[axis]) / DIFFERENCE)
+                        [0, 1].map(|axis| (aside[axis] - here[axis]) / difference)
                     }
                     Acts::Theta(_) | Acts::OnTheta(_) => {
                         by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))

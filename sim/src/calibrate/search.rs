@@ -51,7 +51,7 @@ const MOST_STARTS: usize = 4;
 /// Logarithm of the ratio of two costs that are one: stages end within a few per cent.
 const ALIKE: f64 = 0.05;
 /// Residuals of this spread, in units of the noise, are explained.
-const EXPLAINED: f64 = 2.0;
+pub(super) const EXPLAINED: f64 = 2.0;
 /// Residuals of this share of the motion need not come from a search gone astray.
 const NEAR: f64 = 0.05;
 /// A new stretch whose residuals are this share of its motion was not foretold.

@@ -73,7 +73,14 @@ pub(super) fn rough(
 pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
     let mut known = rough.known.clone();
     let fitted = candidate.within_ranges(rough.problem.clone(), |problem| {
-        let Some(fit) = Joint::follow(problem, &known, &|_| ())? else { return Ok(None) };
+        let Some(mut fit) = Joint::follow(problem, &known, &|_| ())? else { return Ok(None) };
+        // The way from the fit without it may end beside the best: a law that turns round changes the phase.
+        if !fit.is_explained()
+            && let Ok(other) = Joint::search(problem, &|_| ())
+            && other.cost() < fit.cost()
+        {
+            fit = other;
+        }
         known = fit.known();
         let found = fit.found;
         Ok(Some((Fitted::new(problem.clone(), found), known.clone())))

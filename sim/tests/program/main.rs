@@ -1,6 +1,7 @@
 //! The program `efam` from outside.
 
 mod bench;
+mod bent_starts;
 mod browser;
 mod calibrate;
 mod cli;
