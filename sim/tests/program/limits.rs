@@ -332,6 +332,24 @@ fn numbers_stay_readable_however_small_they_are() {
     assert!(!stdout.contains(" 0.00000"), "{stdout}");
 }
 
+/// A loss that the recording would have below zero ends on its bound; an error has no share of zero.
+#[test]
+fn an_error_of_zero_is_no_share_of_it() {
+    let bench = crate::work::bench("limits-zero");
+    let parameters = ["rod.bending_stiffness", "effects.rayleigh_mass.alpha"]
+        .map(|path| format!("[[calibrate.parameter]]\npath = \"{path}\"\n"));
+    bench.file("zero.toml", &(bench.text("e.toml").replace("\"4 ms\"", "\"40 ms\"") + &parameters.concat()));
+    let (code, stdout, stderr) = bench.run(&["calibrate", "zero.toml", "--out", "zero"]);
+    assert_eq!(code, 0, "{stderr}");
+    let found: serde_json::Value =
+        serde_json::from_str(&bench.text("zero/calibration.json")).expect("it is JSON");
+    assert_eq!(found["parameters"][1]["value"], 0.0, "{found}");
+    for text in [&stdout, &bench.text("zero/report.html")] {
+        let line = text.lines().find(|line| line.contains("inf ") || line.contains("inf<"));
+        assert_eq!(line, None);
+    }
+}
+
 #[test]
 fn the_list_of_effects_is_a_table() {
     let bench = Bench::new("limits-effects");
