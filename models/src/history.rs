@@ -39,7 +39,7 @@ struct Leg<'a> {
     duration: f64,
 }
 
-impl System<'_> {
+impl System {
     /// The memory at the release of a rod that hung with the coordinates `hanging` and is let go with
     /// `held`, shape `[2N+1]` each.
     pub fn remember(&mut self, history: &History, hanging: &[f64], held: &[f64]) -> Vec<f64> {
@@ -48,7 +48,7 @@ impl System<'_> {
         self.relax_memory(0.0, &straight, &mut z);
         let before = std::mem::replace(&mut self.assembly.stands_still, true);
         let [hanging, held] = [hanging, held].map(|q| {
-            self.assembly.place(self.model, 0.0, q, &vec![0.0; q.len()]);
+            self.assembly.place(&self.model, 0.0, q, &vec![0.0; q.len()]);
             self.assembly.fields.kappa.clone()
         });
         for leg in [

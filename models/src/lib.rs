@@ -2,6 +2,7 @@
 pub mod analytical;
 pub mod banded;
 pub mod coupled;
+pub mod digits;
 pub mod effects;
 pub mod error;
 pub mod history;

@@ -1,10 +1,14 @@
 //! A model: a rod, its clamp, its effects, and one flat list of named parameters.
 
+mod spec;
+
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::effects::{self, Effect, EffectFor, Flow, Kind, Place, Rod};
 use crate::error::ModelError;
+
+pub use spec::ModelSpec;
 
 /// How the continuous rod is made discrete, see [`stencil`](crate::stencil).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,29 +72,6 @@ pub trait Schedule: Send + Sync {
     fn breakpoints(&self) -> &[f64];
 }
 
-/// What a model is built from.
-#[derive(Clone)]
-pub struct ModelSpec {
-    /// Number of nodes, clamp and end fitting included.
-    pub nodes: usize,
-    /// The rod at release.
-    pub rod: Rod<f64>,
-    /// Angle of the clamp above the horizontal, rad.
-    pub base_angle: f64,
-    /// Angle above the horizontal at which the straight rod is let go, rad.
-    pub release_angle: f64,
-    /// Angular velocity with which it is let go, rad/s.
-    pub release_rate: f64,
-    /// How the rod is made discrete.
-    pub scheme: Scheme,
-    /// Distance of the observed tip beyond the end of the active length, m.
-    pub tip_distance: f64,
-    /// Effects beside the baseline, and parameters of any effect that differ from its defaults.
-    pub effects: Vec<(String, Vec<(String, f64)>)>,
-    /// A pressure that changes.
-    pub schedule: Option<Arc<dyn Schedule>>,
-}
-
 /// Effects that every model has. Without payload, damping and so on their parameters are at off.
 pub const BASELINE: [&str; 7] =
     ["stretch", "bend", "gravity", "end_fitting", "payload", "rayleigh_mass", "rayleigh_stiffness"];
@@ -121,6 +102,29 @@ const ROD_PARAMETERS: [RodParameter; 9] = [
 ];
 
 /// A rod with its clamp, its end body and its effects.
+///
+/// ```
+/// use models::effects::Rod;
+/// use models::model::{Model, ModelSpec};
+///
+/// let rod = Rod {
+///     length: 0.2,
+///     mass: 0.03,
+///     bending_stiffness: 5e-3,
+///     axial_stiffness: 500.0,
+///     diameter: 0.03,
+///     pressure: 0.0,
+/// };
+/// let spec = ModelSpec { nodes: 24, ..ModelSpec::of(rod) };
+/// let mut model = Model::new(&spec.with(&[("rayleigh_mass.alpha", 1.0), ("air_drag.drag_coefficient", 1.2)]))?;
+/// model.set("effects.payload.mass", 0.02)?;
+/// assert!(model.effect("air_drag").is_some());
+///
+/// // A path that is misspelt and a value that cannot be are errors.
+/// assert!(model.set("effects.payload.mas", 0.02).is_err());
+/// assert!(model.set("rod.length", -0.2).is_err());
+/// # Ok::<(), models::error::ModelError>(())
+/// ```
 #[derive(Clone)]
 pub struct Model {
     /// Number of edges `N`.

@@ -15,7 +15,9 @@ use std::fmt::{self, Display};
 
 use serde::{Deserialize, Serialize};
 
+use crate::effects::Rod;
 use crate::interpolate::Pchip;
+use crate::model::ModelSpec;
 
 pub use between::Interpolation;
 pub use error::MuscleError;
@@ -250,6 +252,25 @@ impl Muscle {
         Ok((value, first, second))
     }
 
+    /// The rod that the muscle is: its mass is that without pressure, which stays as it lengthens.
+    pub fn rod(&self, at: &AtPressure) -> Rod<f64> {
+        at.rod(self.rest.mass_per_length * self.rest.length)
+    }
+
+    /// A model of the muscle, clamped and let go level: the rod with its end fitting, gravity where it was measured,
+    /// and the damping of the table, if it has any. The observed tip is the fitting's centre of mass.
+    pub fn spec(&self, at: &AtPressure) -> ModelSpec {
+        let EndFitting { mass, center_of_mass, rotary_inertia } = self.end_fitting;
+        ModelSpec { tip_distance: center_of_mass, ..ModelSpec::of(self.rod(at)) }.with(&[
+            ("gravity.acceleration", self.gravity),
+            ("end_fitting.mass", mass),
+            ("end_fitting.center_of_mass", center_of_mass),
+            ("end_fitting.rotary_inertia", rotary_inertia),
+            ("rayleigh_mass.alpha", at.rayleigh_mass.unwrap_or(0.0)),
+            ("rayleigh_stiffness.beta", at.rayleigh_stiffness.unwrap_or(0.0)),
+        ])
+    }
+
     fn bending_stiffness(&self, source: &str) -> Result<&Pchip, MuscleError> {
         let known = self.bending_stiffness.iter().find(|(name, _)| name == source);
         known.map(|(_, curve)| curve).ok_or_else(|| MuscleError::UnknownStiffness {
@@ -287,6 +308,18 @@ impl Muscle {
 const WRITTEN: f64 = 5e-6;
 
 impl AtPressure {
+    /// A rod of so much distributed mass, kg.
+    pub fn rod(&self, mass: f64) -> Rod<f64> {
+        Rod {
+            length: self.length,
+            mass,
+            bending_stiffness: self.bending_stiffness,
+            axial_stiffness: self.axial_stiffness,
+            diameter: self.outer_diameter,
+            pressure: self.pressure,
+        }
+    }
+
     /// Inside a table all is positive already.
     fn check(&self) -> Result<(), MuscleError> {
         let Some(extrapolated) = self.extrapolated else {

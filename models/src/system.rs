@@ -401,9 +401,9 @@ impl<T: Scalar> Assembly<T> {
 
 /// The equations of motion of one model, with room to evaluate them: one for each thread.
 #[derive(Clone)]
-pub struct System<'m> {
+pub struct System {
     /// The model.
-    pub model: &'m Model,
+    pub model: Model,
     /// Kinematics and laws over plain numbers.
     pub assembly: Assembly<f64>,
     /// Diagonal of the mass matrix, shape `[2N+1]`, kg and kg m².
@@ -424,17 +424,17 @@ struct Pass<T> {
     z_rate: Vec<T>,
 }
 
-impl<'m> System<'m> {
+impl System {
     /// Sets up the equations of a model.
-    pub fn new(model: &'m Model) -> Self {
+    pub fn new(model: &Model) -> Self {
         let assembly = Assembly::new(model, model.theta.clone(), &[]);
         let mass = assembly.context.mass();
         let tangent = Tangent::new(model);
-        Self { model, assembly, mass, tangent, lanes: Vec::new() }
+        Self { model: model.clone(), assembly, mass, tangent, lanes: Vec::new() }
     }
 
     /// Sets up the equations of a model whose pressure stays as it is at any time: for statics.
-    pub fn at_rest(model: &'m Model) -> Self {
+    pub fn at_rest(model: &Model) -> Self {
         let mut system = Self::new(model);
         system.assembly.stands_still = true;
         system
@@ -456,13 +456,13 @@ impl<'m> System<'m> {
         force: &mut [f64],
         z_rate: &mut [f64],
     ) {
-        self.assembly.force(self.model, time, q, v, z, force, z_rate);
+        self.assembly.force(&self.model, time, q, v, z, force, z_rate);
     }
 
     /// Makes room for derivatives by parameters: `indices` into `theta`, in groups of [`LANES`];
     /// `None` leaves a lane at zero.
     pub fn watch(&mut self, indices: &[Option<usize>]) {
-        self.lanes = indices.chunks(LANES).map(|group| Pass::for_parameters(self.model, group)).collect();
+        self.lanes = indices.chunks(LANES).map(|group| Pass::for_parameters(&self.model, group)).collect();
     }
 
     /// Derivative by the `group`-th [`LANES`] watched parameters of `f − M a` at fixed state and
@@ -480,7 +480,7 @@ impl<'m> System<'m> {
     ) {
         let pass = &mut self.lanes[group];
         pass.assembly.since = self.assembly.since;
-        pass.evaluate(self.model, time.into(), q, v, z);
+        pass.evaluate(&self.model, time.into(), q, v, z);
         for ((out, f), m) in force.iter_mut().zip(&pass.force).zip(&pass.mass) {
             let acceleration = f.re / m.re;
             *out = slopes(&(*f - *m * acceleration));
@@ -517,7 +517,7 @@ impl<'m> System<'m> {
         group: usize,
         posture: Posture<Lanes>,
     ) -> (Vec<[f64; LANES]>, Vec<[f64; LANES]>) {
-        let (q, v) = self.lanes[group].assembly.let_go(self.model, posture);
+        let (q, v) = self.lanes[group].assembly.let_go(&self.model, posture);
         (q.iter().map(slopes).collect(), v.iter().map(slopes).collect())
     }
 
@@ -541,7 +541,7 @@ impl<'m> System<'m> {
     ) {
         let pass = &mut pass.pass;
         pass.assembly.since = self.assembly.since;
-        pass.evaluate(self.model, Dual64::from(time).derivative(), q, v, z);
+        pass.evaluate(&self.model, Dual64::from(time).derivative(), q, v, z);
         for (out, f) in force.iter_mut().zip(&pass.force) {
             *out = f.eps;
         }
@@ -563,14 +563,14 @@ impl<'m> System<'m> {
         for (moving, (z, rate)) in pass.z.iter_mut().zip(z.iter().zip(&room.z_rate)) {
             *moving = Dual64::new(*z, *rate);
         }
-        let (elastic, potential) = pass.assembly.energy(self.model, time.into(), &pass.q, &pass.v, &pass.z);
+        let (elastic, potential) = pass.assembly.energy(&self.model, time.into(), &pass.q, &pass.v, &pass.z);
         let dissipated = -work - (elastic + potential).eps;
         if !self.model.is_timed() {
             return (dissipated, 0.0);
         }
         pass.lift(q, v, z);
         let now = Dual64::from(time).derivative();
-        let (elastic, potential) = pass.assembly.energy(self.model, now, &pass.q, &pass.v, &pass.z);
+        let (elastic, potential) = pass.assembly.energy(&self.model, now, &pass.q, &pass.v, &pass.z);
         let resisted = self.power_by_rest_length(&mut pass.assembly, time, &pass.q, &pass.v, &pass.z);
         (dissipated + resisted, (elastic + potential).eps + resisted)
     }
@@ -594,7 +594,7 @@ impl<'m> System<'m> {
         let kappa = |i: usize| -f.kappa[i] * c.rest_rate;
         let n = c.edges;
         let mut power = 0.0;
-        assembly.place(self.model, time.into(), q, v);
+        assembly.place(&self.model, time.into(), q, v);
         for j in 0..n {
             power += f.tension[j] * stretch(j) * c.rest_length;
             assembly.fields.stretch[j].eps = stretch(j);
@@ -606,14 +606,31 @@ impl<'m> System<'m> {
         if !assembly.acting.whole.is_empty() {
             assembly.fields.average(&assembly.context);
         }
-        let (elastic, potential) = assembly.energy_here(self.model, q, z);
+        let (elastic, potential) = assembly.energy_here(&self.model, q, z);
         power - (elastic + potential).eps
+    }
+
+    /// Position, m, and velocity, m/s, of the observed tip in a state.
+    pub fn observed_tip(&self, q: &[f64], v: &[f64]) -> ([f64; 2], [f64; 2]) {
+        let last = q.len() - 1;
+        let (sin, cos) = q[last].sin_cos();
+        let arm = self.assembly.context.body.arm([cos, sin]);
+        let distance = self.model.tip_distance;
+        let [x, z] = [distance * cos - arm[0], distance * sin - arm[1]];
+        ([q[last - 2] + x, q[last - 1] + z], [v[last - 2] - z * v[last], v[last - 1] + x * v[last]])
+    }
+
+    /// Bending moment at the root in a state, N m; positive where the rod is bent towards +z.
+    pub fn root_moment(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> f64 {
+        let (mut force, mut z_rate) = (vec![0.0; q.len()], vec![0.0; z.len()]);
+        self.force(time, q, v, z, &mut force, &mut z_rate);
+        self.assembly.fields.bending_moment(0)
     }
 
     /// Kinetic, elastic and potential energy, J.
     pub fn energy(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> (f64, f64, f64) {
         let kinetic = self.mass.iter().zip(v).map(|(m, v)| 0.5 * m * v * v).sum();
-        let (elastic, potential) = self.assembly.energy(self.model, time, q, v, z);
+        let (elastic, potential) = self.assembly.energy(&self.model, time, q, v, z);
         (kinetic, elastic, potential)
     }
 
@@ -629,8 +646,8 @@ impl<'m> System<'m> {
         let mut z_rate = vec![0.0; self.model.memory()];
         let all = self.assembly.acting.clone();
         let mut forces = Vec::new();
-        for (k, active) in self.model.effects.iter().enumerate() {
-            let own = Acting::only(self.model, k);
+        for k in 0..self.model.effects.len() {
+            let own = Acting::only(&self.model, k);
             let acts = [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip, &own.clamp]
                 .iter()
                 .any(|list| !list.is_empty());
@@ -638,7 +655,7 @@ impl<'m> System<'m> {
                 self.assembly.acting = own;
                 self.force(time, q, v, z, &mut force, &mut z_rate);
                 forces.push((
-                    active.effect.about().name,
+                    self.model.effects[k].effect.about().name,
                     self.assembly.fields.node_forces(&self.assembly.context),
                 ));
             }

@@ -188,7 +188,7 @@ impl Tangent {
     }
 }
 
-impl System<'_> {
+impl System {
     /// Evaluates forces and tangents of the laws at a state; returns the rates of the memory.
     /// [`condense`](Self::condense) then makes the matrices.
     pub fn linearise(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64], force: &mut [f64]) -> Vec<f64> {
@@ -207,10 +207,9 @@ impl System<'_> {
         force: &mut [f64],
         z_rate: &mut [f64],
     ) {
-        let model = self.model;
-        self.assembly.place(model, time, q, v);
+        self.assembly.place(&self.model, time, q, v);
         self.linearise_bends(z, z_rate);
-        let t = &mut self.tangent;
+        let (model, t) = (&self.model, &mut self.tangent);
         for list in [&mut t.by_stretch, &mut t.by_stretch_rate] {
             list.fill(0.0);
         }
@@ -257,7 +256,7 @@ impl System<'_> {
 
     /// Moments, their tangents and the rates of memories at the bends' curvatures as they stand.
     pub(crate) fn linearise_bends(&mut self, z: &[f64], z_rate: &mut [f64]) {
-        let (model, t) = (self.model, &mut self.tangent);
+        let (model, t) = (&self.model, &mut self.tangent);
         let Assembly { context: c, fields: f, acting, .. } = &mut self.assembly;
         t.by_kappa.fill(0.0);
         t.by_kappa_rate.fill(0.0);

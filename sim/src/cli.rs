@@ -279,13 +279,31 @@ mod tests {
         assert_eq!(printing, published);
     }
 
+    /// Text of README and of every page of the book below a folder.
+    fn documents(folder: &std::path::Path) -> String {
+        let entries = std::fs::read_dir(folder).expect("a folder of the project");
+        let mut text = String::new();
+        for path in entries.map(|entry| entry.expect("an entry").path()) {
+            if path.is_dir() {
+                text += &documents(&path);
+            } else if path.extension().is_some_and(|own| own == "md") {
+                text += &std::fs::read_to_string(&path).expect("text");
+            }
+        }
+        text
+    }
+
     #[test]
-    fn what_the_readme_shows_parses() {
-        let readme = include_str!("../../README.md");
-        let lines: Vec<_> = readme.lines().filter_map(|line| line.strip_prefix("    efam ")).collect();
-        assert!(lines.len() > 10, "{}", lines.len());
+    fn what_the_documents_show_parses() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let text = std::fs::read_to_string(root.join("README.md")).expect("it is there");
+        let text = text + "\n" + &documents(&root.join("docs/src"));
+        // Inside fenced blocks; a continued line is one with the next.
+        let blocks = text.split("\n```sh\n").skip(1).filter_map(|part| part.split("\n```").next());
+        let lines: Vec<_> = blocks.flat_map(str::lines).filter(|line| line.starts_with("efam ")).collect();
+        assert!(lines.len() > 60, "{}", lines.len());
         for line in lines {
-            parses(&format!("efam {line}"));
+            parses(&line.replace(" || echo", " # echo"));
         }
     }
 

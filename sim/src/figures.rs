@@ -27,7 +27,7 @@ use crate::calibrate::problem::is_same_pressure;
 use crate::experiment::analyse::Analysed;
 use crate::experiment::release::Point;
 use crate::experiment::{Experiment, ExperimentError};
-use crate::results::rest::{Rest, rest as rest_of};
+use crate::rest::{Rest, rest as rest_of};
 use crate::results::summary::{MODES, Summary, Swing, summarise};
 use crate::scenario::Case;
 use crate::trajectory::Trajectory;

@@ -1,6 +1,5 @@
 //! What we do with the models.
 
-pub mod accuracy;
 pub mod analysis;
 pub mod calibrate;
 pub mod cleaning;
@@ -9,15 +8,10 @@ pub mod escape;
 pub mod experiment;
 pub mod figures;
 mod footer;
-pub mod forward;
 pub mod input;
-pub mod integrate;
-pub mod limits;
 pub mod memory;
 mod normal;
 pub mod observe;
-mod observed;
-pub mod pace;
 pub mod predict;
 mod quantile;
 pub mod recording;
@@ -25,4 +19,5 @@ pub mod results;
 pub mod scenario;
 pub mod schema;
 pub mod sweep;
-pub mod trajectory;
+
+pub use efam_core::{accuracy, forward, integrate, limits, pace, rest, stepper, trajectory};

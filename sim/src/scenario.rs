@@ -51,7 +51,7 @@ use crate::accuracy::Goal;
 use crate::accuracy::first;
 use crate::forward::{Run, uniform};
 use crate::pace::Pace;
-use crate::results::rest::rest;
+use crate::rest::rest;
 use document::Document;
 pub use error::{At, Problem, ScenarioError};
 use plan::Plan;

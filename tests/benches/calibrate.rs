@@ -59,7 +59,12 @@ fn six_releases(bencher: Bencher) {
             })
             .collect(),
         parameters: paths.map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
-        nuisances: Nuisances { release_instant: true, hold_angle: None, offset: None },
+        nuisances: Nuisances {
+            release_instant: true,
+            hold_angle: None,
+            offset: None,
+            ..Nuisances::default()
+        },
     };
     bencher.bench_local(|| calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit"));
 }

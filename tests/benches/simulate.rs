@@ -2,7 +2,7 @@
 
 use divan::Bencher;
 use sim::forward::{FAST_TOLERANCE, Run};
-use sim::integrate::Method;
+use sim::integrate::{Method, Steps};
 use tests::{paper, simulate};
 
 fn main() {
@@ -52,7 +52,7 @@ fn undamped(bencher: Bencher) {
 #[divan::bench(args = [32, 64, 128, 256, 512])]
 fn nodes(bencher: Bencher, nodes: usize) {
     let model = paper(15.0, nodes, &[("rayleigh_mass.alpha", 1.0)]);
-    let run = Run { fixed_step: Some(1e-3), ..release(Method::Rodas4, FAST_TOLERANCE) };
+    let run = Run { steps: Steps::Fixed(1e-3), ..release(Method::Rodas4, FAST_TOLERANCE) };
     bencher.bench_local(|| simulate(&model, &Run { duration: 1.0, samples: vec![1.0], ..run.clone() }));
 }
 

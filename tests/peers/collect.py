@@ -51,7 +51,7 @@ def number(value, digits=2):
 def scaling(rows):
     """Processor time over the size of the mesh, everything else alike, as a table."""
     meshes = [16, 32, 64, 96, 128]
-    text = "| who | " + " | ".join(map(str, meshes)) + " |\n|---" + "|---" * len(meshes) + "|\n"
+    text = "| package | " + " | ".join(map(str, meshes)) + " |\n|---" + "|---" * len(meshes) + "|\n"
     for case in CASES:
         for name, alike in ALIKE.items():
             cells = {row["setting"].get("nodes") or row["setting"]["elements"]: row["cpu_s"] for row in rows
@@ -78,7 +78,7 @@ def main(folder):
         own = {name: all_of for name, all_of in own.items() if all_of}
         ours = best(own["efam"])["cpu_s"]
         text += f"\n**{TITLES[case]}**\n\n"
-        text += "| who | setting | error, mm | processor time, s | per simulated second, ms | times ours | memory, MB |\n"
+        text += "| package | setting | error, mm | processor time, s | per simulated second, ms | times ours | memory, MB |\n"
         text += "|---|---|---|---|---|---|---|\n"
         for name, row in sorted(((name, best(all_of)) for name, all_of in own.items()), key=lambda of: of[1]["cpu_s"]):
             text += (f"| {name} | {said(row['setting'])} | {number(row['error_mm'])} | {number(row['cpu_s'])} | "
@@ -93,7 +93,7 @@ def main(folder):
         axis.grid(which="major", linewidth=0.3)
     axes[0].set_ylabel("distance of the tip from the converged path, rms, mm")
     axes[0].legend(fontsize=8, frameon=False)
-    figure.savefig(HERE / "../../docs/peers.svg", metadata={"Date": None})
+    figure.savefig(HERE / "../../docs/src/pictures/peers.svg", metadata={"Date": None})
     figure.savefig(Path(folder) / "peers.png", dpi=110)
     text += scaling(rows)
     (HERE / "results.md").write_text(text.lstrip())

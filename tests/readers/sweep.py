@@ -1,4 +1,4 @@
-"""Reads the shards of a sweep, and its table, by DuckDB and Polars as the README says, and its units by PyArrow.
+"""Reads the shards of a sweep, and its table, by DuckDB and Polars as the guide says, and its units by PyArrow.
 
 Six points in three shards, of which the last two cannot be simulated.
 """

@@ -39,6 +39,7 @@ catalogue! {
     rayleigh_mass::RayleighMass,
     rayleigh_stiffness::RayleighStiffness,
     tip_load::TipForce,
+    tip_hold::TipHold,
     air_drag::AirDrag,
     viscoelastic::Viscoelastic,
     clamp_compliance::ClampCompliance,

@@ -45,6 +45,24 @@ pub struct Equilibrium {
 /// other loads of kind [`Load`](crate::effects::Kind::Load) that go with mass or act at the tip are
 /// put on; all else acts in full from the first step. An unstable posture is left where there is a
 /// way down.
+///
+/// A slender rod under a small load at its end sinks by `F L³ / (3 EI)`:
+///
+/// ```
+/// use models::effects::Rod;
+/// use models::model::{Model, ModelSpec};
+/// use models::statics::equilibrium;
+/// use models::system::System;
+///
+/// let rod = Rod { length: 0.2, mass: 1e-6, bending_stiffness: 5e-3, axial_stiffness: 5e4, diameter: 0.01, pressure: 0.0 };
+/// let spec = ModelSpec::of(rod).with(&[("payload.mass", 1e-4), ("gravity.acceleration", 9.81)]);
+/// let model = Model::new(&spec)?;
+/// let rest = equilibrium(&model, None)?;
+/// let (tip, _) = System::new(&model).observed_tip(&rest.q, &vec![0.0; rest.q.len()]);
+/// let due = 1e-4 * 9.81 * 0.2f64.powi(3) / (3.0 * 5e-3);
+/// assert!(rest.stable && (tip[1] / -due - 1.0).abs() < 0.01);
+/// # Ok::<(), models::error::ModelError>(())
+/// ```
 /// # Errors
 /// [`ModelError::Equilibrium`] where not even small steps of the load lead there.
 /// # Panics
@@ -93,8 +111,8 @@ const MOST_PUSHES: usize = 3;
 const PUSH: f64 = 0.05;
 
 /// Room to look for the rest posture of one model.
-struct Search<'m> {
-    system: System<'m>,
+struct Search {
+    system: System,
     z: Vec<f64>,
     z_rate: Vec<f64>,
     at_rest: Vec<f64>,
@@ -111,8 +129,8 @@ struct Search<'m> {
     may_slip: bool,
 }
 
-impl<'m> Search<'m> {
-    fn new(model: &'m Model) -> Self {
+impl Search {
+    fn new(model: &Model) -> Self {
         let (dof, memory) = (model.dof(), model.memory());
         Self {
             system: System::at_rest(model),

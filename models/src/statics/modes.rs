@@ -31,6 +31,21 @@ pub struct Mode {
 
 /// The `count` slowest modes about a stable rest posture, ascending; all that there are, if the
 /// model has fewer.
+///
+/// A slender rod without a load swings at `1.8751² √(EI / (m L³))` first:
+///
+/// ```
+/// use models::effects::Rod;
+/// use models::model::{Model, ModelSpec};
+/// use models::statics::{equilibrium, modes};
+///
+/// let rod = Rod { length: 0.2, mass: 0.01, bending_stiffness: 5.0, axial_stiffness: 5e5, diameter: 0.01, pressure: 0.0 };
+/// let model = Model::new(&ModelSpec::of(rod))?;
+/// let slowest = modes(&model, &equilibrium(&model, None)?, 1)?;
+/// let due = 1.8751f64.powi(2) * (5.0 / (0.01 * 0.2f64.powi(3))).sqrt();
+/// assert!((slowest[0].angular_frequency / due - 1.0).abs() < 1e-3);
+/// # Ok::<(), models::error::ModelError>(())
+/// ```
 /// # Errors
 /// [`ModelError::Unstable`] about a posture that is not stable: a mode there grows instead of
 /// swinging.

@@ -24,7 +24,7 @@ use super::measured::{self, Coordinate, Measured};
 use crate::experiment::release::{Point, Release, Track};
 use crate::forward::{FAST_TOLERANCE, Run, forward};
 use crate::quantile::usual_step;
-use crate::results::rest::rest;
+use crate::rest::rest;
 use crate::scenario::Case;
 
 /// A factor by which EI may differ from the model's own, either way.

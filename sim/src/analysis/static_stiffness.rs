@@ -8,7 +8,6 @@ use models::system::System;
 
 use super::AnalysisError;
 use super::bending_stiffness::{StiffnessFit, fit, fit_gauss_newton};
-use crate::forward::tip;
 
 /// Node counts of the paper.
 pub const NODES: [usize; 5] = [4, 8, 16, 32, 40];
@@ -117,7 +116,7 @@ fn rest_tip(model: &Model, bending_stiffness: f64) -> Option<[f64; 2]> {
     let mut system = System::new(&model);
     let at_rest = vec![0.0; rest.q.len()];
     system.assembly.posture(&rest.q, &at_rest);
-    Some(tip(&system, &rest.q, &at_rest).0)
+    Some(system.observed_tip(&rest.q, &at_rest).0)
 }
 
 #[cfg(test)]

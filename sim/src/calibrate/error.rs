@@ -28,6 +28,17 @@ pub enum CalibrateError {
         /// What the model says.
         error: ModelError,
     },
+    /// A rod that cannot be held as its markers show it.
+    #[error(
+        "release {release}: no load at its end holds the rod where the markers are ({error}); check the rod's data and \
+         rod.base_angle, or give the angle at which it is held straight"
+    )]
+    Held {
+        /// Name of the release.
+        release: String,
+        /// What happened.
+        error: Box<ForwardError>,
+    },
     /// A value for each pressure, and a release without one.
     #[error(
         "release {release} has no pressure, so {path} cannot be one for each pressure; give its pressure, or make the parameter shared or per release"

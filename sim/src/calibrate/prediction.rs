@@ -7,11 +7,12 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::error::CalibrateError;
+use super::hold::LATE_HOLD;
 use super::problem::{Trial, refine};
 use super::unknowns::{Acts, Local, Unknown};
 use crate::experiment::release::Point;
 use crate::forward::{ForwardError, Run, forward};
-use crate::integrate::Method;
+use crate::integrate::{Method, Steps};
 
 /// The samples of a release that are fitted.
 #[derive(Clone, Debug)]
@@ -89,7 +90,11 @@ impl Measured {
                 });
             }
         }
-        let clear = CLEAR_OF_RELEASE * release.release_uncertainty;
+        // The posture in the hand is known from the end of the hold.
+        let clear = match trial.is_held() {
+            true => -LATE_HOLD,
+            false => CLEAR_OF_RELEASE * release.release_uncertainty,
+        };
         let is_seen = |k: &usize| release.tracks.iter().any(|track| track.position[*k].is_some());
         let samples: Vec<usize> =
             (0..release.time.len()).filter(|k| release.time[*k] > clear).filter(is_seen).collect();
@@ -162,8 +167,9 @@ pub(crate) fn predict(
         samples: times.clone(),
         method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
         tolerance: fidelity.tolerance,
-        fixed_step: steps.map(|_| 2.0 * duration + 1.0),
-        stops: steps.into_iter().flatten().copied().filter(|t| *t < duration - LEAST_STEP).collect(),
+        steps: steps.map_or(Steps::Adaptive, |ends| {
+            Steps::Given(ends.iter().copied().filter(|t| *t < duration - LEAST_STEP).collect())
+        }),
         most_steps: trial.run.most_steps.min(MOST_STEPS),
         keep_samples: true,
         keep_steps: true,
@@ -178,7 +184,19 @@ pub(crate) fn predict(
     };
     let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
     let tracks = trial.release.tracks.len();
-    let of_track = |track: usize| path.points.iter().map(|points| points[track]).collect();
+    // A hand that moves brings the markers along a straight line to where it lets go.
+    let way = |track: usize, sample: usize| {
+        let before = trial.release.time[measured.samples[sample]] - instant;
+        let velocity = path.point_velocities[0][track];
+        if trial.is_held() && before < 0.0 { velocity.map(|velocity| before * velocity) } else { [0.0; 2] }
+    };
+    let of_track = |track: usize| {
+        let moved = |(sample, points): (usize, &Vec<[f64; 2]>)| {
+            let ([x, z], [dx, dz]) = (points[track], way(track, sample));
+            [x + dx, z + dz]
+        };
+        path.points.iter().enumerate().map(moved).collect()
+    };
     let mut prediction = Prediction {
         position: (0..tracks).map(of_track).collect(),
         slopes: Vec::new(),
@@ -216,7 +234,7 @@ pub(crate) fn predict(
                     Acts::Theta(_) | Acts::OnTheta(_) => {
                         by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
                     }
-                    Acts::Instant if is_held => [0.0; 2],
+                    Acts::Instant if is_held && !trial.is_held() => [0.0; 2],
                     Acts::Instant => path.point_velocities[sample][track].map(|rate| -chain * rate),
                     Acts::Offset { track: own, axis } => {
                         [0, 1].map(|k| if own == track && axis == k { *chain } else { 0.0 })

@@ -1,5 +1,6 @@
 //! What is to be calibrated: measured releases, their models, and which parameters are unknown.
 
+use models::effects::tip_hold;
 use models::error::ModelError;
 use models::model::Model;
 
@@ -89,12 +90,19 @@ pub struct Nuisances {
     pub hold_angle: Option<f64>,
     /// Standard deviation of a constant offset of each track in x and z, m.
     pub offset: Option<f64>,
+    /// Standard deviations by which each may be off at most.
+    pub farthest: f64,
 }
 
 impl Default for Nuisances {
     /// Instant, half a degree of angle, half a millimetre of offset.
     fn default() -> Self {
-        Self { release_instant: true, hold_angle: Some(0.5f64.to_radians()), offset: Some(5e-4) }
+        Self {
+            release_instant: true,
+            hold_angle: Some(0.5f64.to_radians()),
+            offset: Some(5e-4),
+            farthest: f64::INFINITY,
+        }
     }
 }
 
@@ -133,6 +141,11 @@ impl Trial {
     /// Whether the release is a straight one, so that its angle matters.
     pub(crate) fn is_straight(&self) -> bool {
         matches!(self.run.initial, Initial::Straight)
+    }
+
+    /// Whether a hand holds the rod bent before the release.
+    pub(crate) fn is_held(&self) -> bool {
+        matches!(self.run.initial, Initial::Equilibrium { .. }) && self.model.effect(tip_hold::NAME).is_some()
     }
 
     /// Divides each edge into `factor` of them, of what holds the rod as well. A posture keeps its nodes.

@@ -17,10 +17,11 @@
 //! scale = "logarithmic"           # linear
 //! ```
 
+use super::hold::hold;
 use super::problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
 use super::{CalibrateError, Settings};
 use crate::cleaning::Cleaned;
-use crate::experiment::{Experiment, ExperimentError};
+use crate::experiment::{Experiment, ExperimentError, Start};
 use crate::scenario::document::Keys;
 use crate::scenario::{Problem as Wrong, ScenarioError};
 
@@ -65,7 +66,14 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
     let mut trials = Vec::new();
     for used in cleaned.used() {
         if let Some(case) = experiment.case(used.recording, used.angle)? {
-            trials.push(Trial { release: used.release.clone(), model: case.model, run: case.run });
+            let mut trial = Trial { release: used.release.clone(), model: case.model, run: case.run };
+            if experiment.recordings[used.recording].start_of(used.number) == Start::Held {
+                hold(&mut trial).map_err(|error| CalibrateError::Held {
+                    release: trial.release.name.clone(),
+                    error: error.into(),
+                })?;
+            }
+            trials.push(trial);
         }
     }
     let Some(first) = trials.iter().find(|trial| !trial.release.held_out) else {
@@ -109,6 +117,7 @@ fn nuisances(section: &Keys) -> Result<Nuisances, ScenarioError> {
         release_instant: section.flag("release_instant")?.unwrap_or(usual.release_instant),
         hold_angle: deviation("hold_angle", "rad", usual.hold_angle)?,
         offset: deviation("offset", "m", usual.offset)?,
+        ..usual
     })
 }
 

@@ -1,10 +1,12 @@
 //! From parameters and nuisances to one flat list of unknowns, scaled, and back.
 
+use models::effects::tip_hold::PULL;
 use models::error::ModelError;
 use models::model::ModelParameter;
 use models::quantity::format_si;
 
 use super::error::CalibrateError;
+use super::hold;
 use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial, is_same_pressure};
 
 /// Names of what is unknown of a release.
@@ -35,6 +37,8 @@ pub(crate) enum Kind {
     Instant,
     /// Angle at which it was held, over the model's.
     HoldAngle,
+    /// A component of the load by which a hand holds the rod before its release.
+    Pull,
     /// Offset of a track along an axis.
     Offset { track: usize, axis: usize },
 }
@@ -201,7 +205,10 @@ impl Unknowns {
                 scaled: Scaled::By(deviation),
                 bounds: (-farthest, farthest),
                 prior: Some(Prior { mean: 0.0, deviation }),
-                start: 0.0,
+                start: match acts {
+                    Acts::Theta(k) => trial.model.theta[k],
+                    _ => 0.0,
+                },
             });
         };
         if nuisances.release_instant {
@@ -211,14 +218,21 @@ impl Unknowns {
         let angle_is_fitted = problem.parameters.iter().any(|parameter| parameter.path == RELEASE_ANGLE);
         if let Some(deviation) = nuisances.hold_angle.filter(|_| trial.is_straight() && !angle_is_fitted) {
             let acts = Acts::OnTheta(index(trial, RELEASE_ANGLE)?);
-            add(Kind::HoldAngle, acts, HOLD_ANGLE, "rad", deviation, f64::INFINITY);
+            add(Kind::HoldAngle, acts, HOLD_ANGLE, "rad", deviation, nuisances.farthest);
+        }
+        if trial.is_held() {
+            let of_hand = PULL.iter().zip(hold::sizes(&trial.model)).zip(["N", "N", "N/s", "N/s", "N m"]);
+            for ((path, size), unit) in of_hand.take(hold::components(&trial.release)) {
+                let acts = Acts::Theta(index(trial, path)?);
+                add(Kind::Pull, acts, path, unit, size, f64::INFINITY);
+            }
         }
         if let Some(deviation) = nuisances.offset {
             for (track, of) in trial.release.tracks.iter().enumerate() {
                 for (axis, letter) in ["x", "z"].into_iter().enumerate() {
                     let name = format!("offset of {} in {letter}", of.marker);
                     let (kind, acts) = (Kind::Offset { track, axis }, Acts::Offset { track, axis });
-                    add(kind, acts, &name, "m", deviation, f64::INFINITY);
+                    add(kind, acts, &name, "m", deviation, nuisances.farthest);
                 }
             }
         }

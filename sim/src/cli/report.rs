@@ -6,11 +6,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use models::digits::significant;
 use serde::Serialize;
 use sim::input;
 use sim::results::compared::{Comparison, compare, write_comparison};
 use sim::results::folder::MARK;
-use sim::results::report::significant;
 use sim::results::reread::{Reread, RereadError, reread};
 use sim::results::{self, Request};
 use sim::schema::JsonSchema;

@@ -8,8 +8,7 @@ use models::quantity::format_si;
 use models::statics::equilibrium;
 use models::system::System;
 use serde::Serialize;
-use sim::forward::tip;
-use sim::results::rest::{rest, root_moment, slipping_modes};
+use sim::rest::{rest, root_moment, slipping_modes};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
 
@@ -125,7 +124,7 @@ pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
         let mut system = System::at_rest(&case.model);
         let at_rest = vec![0.0; rest.q.len()];
         let root_moment = root_moment(&mut system, &rest);
-        let tip = tip(&system, &rest.q, &at_rest).0;
+        let tip = system.observed_tip(&rest.q, &at_rest).0;
         rows.push(Resting {
             name: case.name,
             pressure_pa: case.pressure,

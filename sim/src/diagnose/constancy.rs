@@ -96,7 +96,12 @@ mod tests {
         let base = Problem {
             trials: relative_error.map(|own| release(own, &mut count)).to_vec(),
             parameters: vec![Parameter::new("rod.bending_stiffness", Scope::Shared)],
-            nuisances: Nuisances { release_instant: true, hold_angle: Some(4e-3), offset: Some(2e-4) },
+            nuisances: Nuisances {
+                release_instant: true,
+                hold_angle: Some(4e-3),
+                offset: Some(2e-4),
+                ..Nuisances::default()
+            },
         };
         let all = candidates(&base, &[]);
         let scale = all.iter().find(|own| own.name() == "scale").unwrap();

@@ -236,6 +236,10 @@ impl<'a> Course<'a> {
             // A model that fits because it contradicts what is stated of the setup explains nothing.
             (true, _) => Verdict::Unknown,
             _ if is_within => Verdict::Named,
+            // What is far beyond the noise and what repeats is there, whatever speaks of it.
+            (_, Verdict::NothingMissing) if self.added.is_empty() && !self.is_within_noise() => {
+                Verdict::Unknown
+            }
             (_, verdict) if verdict == Verdict::Unknown || self.added.is_empty() => verdict,
             _ => {
                 if self.is_believed()? {

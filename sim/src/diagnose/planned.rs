@@ -257,7 +257,12 @@ mod tests {
                 Parameter::new("rod.bending_stiffness", Scope::Shared),
                 Parameter { prior: prior(mass), ..Parameter::new("rod.mass", Scope::Shared) },
             ],
-            nuisances: Nuisances { release_instant: true, hold_angle: Some(4e-3), offset: Some(2e-4) },
+            nuisances: Nuisances {
+                release_instant: true,
+                hold_angle: Some(4e-3),
+                offset: Some(2e-4),
+                ..Nuisances::default()
+            },
         };
         let all = candidates(&problem, &[]);
         let named = |name: &str| all.iter().find(|own| own.name() == name).unwrap().clone();

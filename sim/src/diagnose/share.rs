@@ -62,6 +62,10 @@ fn mean_square(own: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
 /// a tenth, thousands to this.
 const NOTHING: f64 = 0.02;
 
+/// Mean square of residuals over that of the stated noise up to which they may be noise: it is estimated from third
+/// differences, which see little of noise that is slow.
+const NOISE: f64 = 4.0;
+
 /// Share of the square beyond the noise that is gone; none where there was none.
 fn removed([before, noise]: [f64; 2], [after, _]: [f64; 2]) -> Option<f64> {
     (before > (1.0 + NOTHING) * noise).then(|| (before - after) / (before - noise))
@@ -105,6 +109,14 @@ impl Course<'_> {
                 .into_iter()
                 .flatten()
                 .all(|met| of_all(met)[0].sqrt() <= repeats.largest_mm(met.gaps.len()))
+    }
+
+    /// Whether what the model misses of what it was fitted to is noise, or no more than what two releases differ by.
+    pub(super) fn is_within_noise(&self) -> bool {
+        let [distance, noise] = of_all(&self.after);
+        let repeats = self.diagnosis.repeats.as_ref();
+        let repeats = repeats.map_or(0.0, |repeats| repeats.largest_mm(self.after.gaps.len()));
+        distance <= NOISE * noise + repeats * repeats
     }
 
     /// Where something is left that has no name: of what was added, the first effects of which each explains most of what

@@ -9,6 +9,7 @@ use super::round::{Best, Heard};
 use super::score::{APART, ONE, Score, Scores, distance};
 use super::verdict::{Evidence, Member};
 use crate::calibrate::joint::Joint;
+use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::{CalibrateError, Problem};
 
 /// Candidates fitted in full, at most.
@@ -180,7 +181,7 @@ pub(super) fn choose(
     negligible: f64,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Heard, CalibrateError> {
-    let widening = scores.widening;
+    let widening = least_widening(shortlist, scores.widening)?;
     let each = price(fit, widening);
     let price = |refit: &Refit| refit.unknowns as f64 * each;
     let left = |refit: &Refit| 2.0 * refit.cost / widening;
@@ -274,6 +275,22 @@ pub(super) fn choose(
         })));
     }
     Ok(if most < CHANCE * noise { Heard::Nothing } else { Heard::Stranger })
+}
+
+/// Variance of the noise over that of white noise as large as stated, as the best candidate leaves it: as in any F test,
+/// the larger model says what noise is. What a linear step leaves of a large effect would pass for noise.
+fn least_widening(shortlist: &[Entry], linear: f64) -> Result<f64, CalibrateError> {
+    let refits = shortlist.iter().filter_map(|entry| Some((entry.refit.as_ref()?, &entry.candidate)));
+    let Some((best, candidate)) = refits.min_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost)) else {
+        return Ok(linear);
+    };
+    let fit = best.fitted.fit()?;
+    let of = uncertainty(&fit.objective, &fit.found);
+    let path = candidate.path();
+    let own =
+        best.known.iter().enumerate().filter(|(k, known)| known.unknown.name == path && of.is_determined[*k]);
+    let own = own.map(|(k, _)| of.widening(k)).filter(|own| own.is_finite()).fold(0.0, f64::max);
+    Ok(if own > 0.0 { own.clamp(1.0, linear.max(1.0)) } else { linear })
 }
 
 /// Distance of two traces at the strength of the first, standard deviations of the noise as it is.

@@ -45,6 +45,8 @@ pub struct Entry {
     pub base_angle: Option<f64>,
     /// Angle above the horizontal of the straight rod while it is held, rad.
     pub angle: Option<f64>,
+    /// How the rod is held before the release, if it is given.
+    pub start: Option<Start>,
     /// What stands between the tip marker and the rod's end.
     pub offset: Option<Offset>,
     /// Instants of release on the recording's clock, s, instead of those that are found.
@@ -109,6 +111,15 @@ pub enum HeldOut {
     Only(Vec<usize>),
 }
 
+/// How a rod is held before its release.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// Straight, at the given angle.
+    Straight,
+    /// Bent, by a hand at its end: force and moment follow from the markers.
+    Held,
+}
+
 /// Where the tip marker stands beside the rod's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Offset {
@@ -131,7 +142,7 @@ pub struct Override {
     pub instant: Option<f64>,
 }
 
-const KEYS: [&str; 24] = [
+const KEYS: [&str; 25] = [
     "file",
     "pressure",
     "payload",
@@ -145,6 +156,7 @@ const KEYS: [&str; 24] = [
     "clamp",
     "base_angle",
     "angle",
+    "start",
     "offset",
     "instants",
     "instant_error",
@@ -190,6 +202,7 @@ impl Entry {
             clamp: vector(keys, "clamp", "m")?,
             base_angle: angle(keys, "base_angle")?,
             angle: angle(keys, "angle")?,
+            start: start(keys)?,
             offset: offset(keys)?,
             instants: match keys.quantities("instants", "s")? {
                 Some(list) if list.is_empty() || list.windows(2).any(|pair| pair[0] >= pair[1]) => {
@@ -217,6 +230,15 @@ impl Entry {
     pub fn angle_of(&self, number: usize) -> Option<f64> {
         let own = self.overrides.iter().find(|other| other.number == number).and_then(|other| other.angle);
         own.or(self.angle)
+    }
+
+    /// How the rod is held before a release, from one: bent, unless something says that it is straight.
+    pub fn start_of(&self, number: usize) -> Start {
+        match (self.start, self.angle_of(number)) {
+            (Some(start), _) => start,
+            (None, Some(_)) => Start::Straight,
+            (None, None) => Start::Held,
+        }
     }
 
     /// Instant of a release, from one, if it is given.
@@ -331,6 +353,15 @@ fn vector(keys: &Keys, key: &str, unit: &str) -> Result<Option<[f64; 3]>, Scenar
 
 fn angle(keys: &Keys, key: &str) -> Result<Option<f64>, ScenarioError> {
     keys.quantity_that(key, "rad", "lie in -6.3..=6.3 rad (-361..=361 deg)", |a| a.abs() <= 6.3)
+}
+
+fn start(keys: &Keys) -> Result<Option<Start>, ScenarioError> {
+    let start = keys.word("start", &[("straight", Start::Straight), ("held", Start::Held)])?;
+    if start == Some(Start::Held) && keys.has("angle") {
+        let message = "a rod that is held bent has no angle; its posture follows from the markers; leave one of the two out";
+        return Err(keys.wrong("start", Problem::Other { message: message.to_owned() }));
+    }
+    Ok(start)
 }
 
 /// Nobody knows beforehand how well an instant will be found, so that only a given one has an error.

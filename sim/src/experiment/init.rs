@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::Experiment;
-use crate::cleaning::{CleanRecording, clean_all, distance};
+use super::{Experiment, ExperimentError};
+use crate::cleaning::{CleanRecording, Cleaned, clean_all, distance};
 use crate::escape::{escaped, toml_string};
 use crate::quantile::quantile;
 use crate::recording::Recording;
@@ -20,8 +20,9 @@ const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
 const TIP: f64 = 0.8;
 /// By how much the distance of two markers of one body may vary, in the motion of the tip.
 const RIGID: f64 = 0.1;
-/// Hold within which the rod is guessed to be level, rad.
-const LEVEL: f64 = 20.0 / 180.0 * std::f64::consts::PI;
+/// Direction of the held tip within which the rod is guessed to be straight and level, rad: a marker that stands off a rod
+/// of ten diameters by one of them is seen there.
+const LEVEL: f64 = 0.1;
 
 /// What the markers of a recording seem to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,12 +95,13 @@ pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
     let fit = |c: char| if plan::fits_name(c) { c } else { '-' };
     let fitting: String = name.trim_start_matches('.').chars().map(fit).collect();
     let name = if fitting.trim().is_empty() { "experiment" } else { &fitting };
-    let mut angles = vec![None; recordings.len()];
+    let mut starts = vec![Guessed::default(); recordings.len()];
     let mut found = vec![Vec::new(); recordings.len()];
-    let plain = text(name, recordings, &angles, &found);
-    let all = recordings.iter().map(|(_, recording)| recording.clone());
-    let cleaned = Experiment::parse(Path::new("experiment.toml"), &plain, &[])
-        .and_then(|experiment| clean_all(&experiment, all.collect()));
+    let mut cleaned = clean(&text(name, recordings, &starts, &found), recordings);
+    if cleaned.is_err() {
+        starts = recordings.iter().map(Guessed::of).collect();
+        cleaned = clean(&text(name, recordings, &starts, &found), recordings);
+    }
     match cleaned {
         Ok(cleaned) => {
             for release in &cleaned.releases {
@@ -111,8 +113,9 @@ pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
                     release.instant,
                     1e3 * s.static_drop
                 ));
-                if s.hold_angle.abs() < LEVEL {
-                    angles[release.recording] = Some(s.hold_angle);
+                let start = &mut starts[release.recording];
+                if s.hold_angle.abs() < LEVEL && start.instant.is_none() {
+                    start.angle = Some(s.hold_angle);
                 }
             }
             for decision in cleaned.decisions.iter().filter(|decision| decision.key == "up") {
@@ -124,15 +127,10 @@ pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
         }
         Err(error) => found.iter_mut().for_each(|found| found.push(format!("NOT YET USABLE: {error}"))),
     }
-    text(name, recordings, &angles, &found)
+    text(name, recordings, &starts, &found)
 }
 
-fn text(
-    name: &str,
-    recordings: &[(String, Recording)],
-    angles: &[Option<f64>],
-    found: &[Vec<String>],
-) -> String {
+fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], found: &[Vec<String>]) -> String {
     let mut out = format!(
         "# An experiment, written by `efam experiment init` from the recordings themselves.\n\
          # Look at every line with GUESS, and at those with FILL IN; then `efam experiment check` and\n\
@@ -158,24 +156,60 @@ fn text(
         }
         pressure_and_payload(&mut out, file);
         markers(&mut out, recording);
-        match angles[k] {
-            Some(held) => {
-                let _ = writeln!(
-                    out,
-                    "angle = \"0 deg\"   # GUESS: held straight and level (seen at {:.1} deg); what the tip marker stands off\n\
-                     \x20                 # the rod's end is then taken off. Switch off if it was not held straight.",
-                    held.to_degrees()
-                );
-            }
-            None => {
-                out += "# angle = \"0 deg\"   # FILL IN, if the rod was held straight: its angle above the level\n"
-            }
-        }
+        start(&mut out, &starts[k]);
         out += "# up = \"+z\"         # against gravity; found from the fall of the tip unless it stands here\n\
                 # clamp = [\"0 mm\", \"0 mm\", \"0 mm\"]   # where the rod leaves the clamp, in the file's frame\n\
                 # held_out = true   # locked away from every fit\n";
     }
     out
+}
+
+/// How a recording seems to begin.
+#[derive(Clone, Debug, Default)]
+struct Guessed {
+    /// Instant of release, s, of a recording that begins with the swing.
+    instant: Option<f64>,
+    /// Direction in which the tip of a rod is held that seems to be straight and level, rad.
+    angle: Option<f64>,
+}
+
+impl Guessed {
+    /// The first sample, if the file has no release that can be found without it, and has one with it.
+    fn of(recording: &(String, Recording)) -> Self {
+        let alone = std::slice::from_ref(recording);
+        let is_found = |start: Guessed| clean(&text("draft", alone, &[start], &[Vec::new()]), alone).is_ok();
+        let at_once = Guessed { instant: recording.1.time.first().copied(), angle: None };
+        if !is_found(Guessed::default()) && is_found(at_once.clone()) { at_once } else { Guessed::default() }
+    }
+}
+
+/// What cleaning makes of recordings by a draft.
+fn clean(draft: &str, recordings: &[(String, Recording)]) -> Result<Cleaned, ExperimentError> {
+    let experiment = Experiment::parse(Path::new("experiment.toml"), draft, &[])?;
+    clean_all(&experiment, recordings.iter().map(|(_, recording)| recording.clone()).collect())
+}
+
+fn start(out: &mut String, guessed: &Guessed) {
+    if let Some(instant) = guessed.instant {
+        let _ = writeln!(
+            out,
+            "instants = [\"{instant} s\"]   # GUESS: the file has no hold, so the rod is let go at its first sample"
+        );
+    }
+    match guessed.angle {
+        Some(held) => {
+            let _ = writeln!(
+                out,
+                "angle = \"0 deg\"   # GUESS: held straight and level (seen at {:.1} deg); what the tip marker stands off\n\
+                 \x20                 # the rod's end is then taken off. Switch off if it was not held straight.",
+                held.to_degrees()
+            );
+        }
+        None => {
+            *out += "# angle = \"0 deg\"   # if the rod was held straight: its angle above the level. Without it the rod\n\
+                     \x20                 # is held bent by a hand, and its posture follows from the markers\n"
+        }
+    }
 }
 
 fn pressure_and_payload(out: &mut String, file: &str) {
@@ -248,6 +282,36 @@ fn markers(out: &mut String, recording: &Recording) {
 mod tests {
     use super::*;
     use crate::recording::{ReadOptions, parse};
+
+    /// A tip that swings about a rest and is let go at 0.1 s of a rod of 0.2 m, from `z` m; seen from `from` on.
+    fn swing(z: f64, from: f64) -> Recording {
+        let mut text = "t_s,A_x_m,A_y_m,A_z_m\n".to_owned();
+        for k in 0..400 {
+            let time = from + 0.01 * f64::from(k);
+            let since = (time - 0.1).max(0.0);
+            let height = -0.05 + (z + 0.05) * (-0.5 * since).exp() * (8.0 * since).cos();
+            text += &format!(
+                "{:.2},{:.9},0,{height:.9}\n",
+                0.01 * f64::from(k),
+                (0.04f64 - height * height).sqrt()
+            );
+        }
+        parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()).expect("a table")
+    }
+
+    #[test]
+    fn a_start_is_guessed_from_the_recording() {
+        let draft = |recording: Recording| draft("name", &[("a.csv".to_owned(), recording)]);
+        let level = draft(swing(0.01, -0.4));
+        assert!(level.contains("\nangle = \"0 deg\"   # GUESS") && !level.contains("\ninstants"), "{level}");
+        let bent = draft(swing(-0.03, -0.4));
+        assert!(bent.contains("\n# angle = ") && !bent.contains("\ninstants"), "{bent}");
+        let at_once = draft(swing(0.01, 0.1));
+        assert!(
+            at_once.contains("\ninstants = [\"0 s\"]   # GUESS") && at_once.contains("\n# angle"),
+            "{at_once}"
+        );
+    }
 
     #[test]
     fn pressure_and_payload_are_read_from_a_files_name_and_nothing_else_is() {

@@ -20,6 +20,7 @@
 //! clamp = ["0 mm", "0 mm", "0 mm"]            # where the rod leaves the clamp, in the file's frame
 //! base_angle = "25 deg"          # of the clamp above the level, where it is not rod.base_angle
 //! angle = "0 deg"                # of the straight rod while it is held; then offset = "hold"
+//! start = "held"                 # without an angle: bent by a hand at its end, as the markers show; or "straight"
 //! offset = "hold"                # of the tip marker from the rod's end, taken off: "hold", "none",
 //!                                # or ["0 mm", "22 mm"], along and across the rod at the hold
 //! instants = ["0.71 s"]          # of release, on the recording's clock, instead of those found
@@ -55,7 +56,7 @@ use crate::scenario::start::From;
 use crate::scenario::{Case, Problem, case};
 
 pub use direction::Direction;
-pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Payload};
+pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Payload, Start};
 pub use error::ExperimentError;
 
 /// An experiment, read and checked; its recordings are not read yet.

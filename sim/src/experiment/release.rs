@@ -1,5 +1,7 @@
 //! One release as the fit sees it: tracks of points in the plane of the swing, masked, not filled in.
 
+pub use efam_core::point::Point;
+
 /// A release, cut out of a recording and turned into the frame W at the clamp.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Release {
@@ -42,13 +44,4 @@ pub struct Track {
     /// Standard deviation of what no model foretells of each coordinate beside the noise, m, as if each sample had its
     /// own: what a whole swing shares is smaller, by the root of the samples that share it.
     pub discrepancy: f64,
-}
-
-/// A point that a marker observes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Point {
-    /// The observed tip of the model, [`models::model::Model::tip_distance`] beyond the last node.
-    Tip,
-    /// A point of the rod's axis, as a share of the active length, 0 at the clamp.
-    Along(f64),
 }

@@ -8,7 +8,7 @@ use models::model::Model;
 use super::quantity::{Told, numbers};
 use crate::accuracy::order;
 use crate::calibrate::problem::refine;
-use crate::forward::{Run, forward, tip};
+use crate::forward::{Run, forward};
 use crate::integrate::Effort;
 use crate::results::rest::rest;
 use crate::results::summary::{Cycle, EnergyBalance, MODES, summarise};
@@ -43,7 +43,7 @@ pub(crate) fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
     let (mut root, mut lowest) = (0.0f64, (f64::INFINITY, Vec::new()));
     let trajectory: Trajectory = forward(model, run, &mut |sample| {
         root = root.max(sample.root_moment().abs());
-        let (at, _) = tip(sample.system, &sample.state.q, &sample.state.v);
+        let (at, _) = sample.system.observed_tip(&sample.state.q, &sample.state.v);
         if at[1] < lowest.0 {
             lowest = (at[1], [&sample.system.assembly.fields.position[..], &[at]].concat());
         }

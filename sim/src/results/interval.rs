@@ -1,6 +1,6 @@
 //! A number with its 95 % interval, as people read it.
 
-use super::report::significant;
+use models::digits::{significant, unsigned_zero};
 
 /// Digits of a value that has no interval.
 const DIGITS: i32 = 4;
@@ -33,13 +33,6 @@ pub fn with_interval(value: f64, ends: Option<[f64; 2]>, factor: f64, unit: &str
     let value = format!("{value} {unit}");
     let value = value.trim_end();
     ends.map_or(value.to_owned(), |[low, high]| format!("{value} ({low} to {high})"))
-}
-
-fn unsigned_zero(text: String) -> String {
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
-        _ => text,
-    }
 }
 
 #[cfg(test)]

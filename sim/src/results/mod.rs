@@ -35,7 +35,6 @@ pub mod predicted;
 pub mod quantities;
 pub mod report;
 pub mod reread;
-pub mod rest;
 pub mod simulated;
 pub mod summary;
 pub mod swept;
@@ -54,6 +53,7 @@ use crate::accuracy::Errors;
 use crate::forward::Run;
 use crate::trajectory::{Status, Trajectory};
 
+pub use efam_core::rest;
 pub use error::ResultsError;
 pub use folder::{Folder, MARK};
 pub use summary::Summary;

@@ -337,7 +337,7 @@ fn spectrum(of: &Release, area: &Area) -> Drawn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::rest::rest;
+    use crate::rest::rest;
     use crate::results::summary::{MODES, summarise};
     use crate::results::tests::{muscle_at_15_psi, released};
 

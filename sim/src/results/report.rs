@@ -2,6 +2,9 @@
 
 use std::fmt::Write;
 
+use models::digits::{rounded, unsigned_zero};
+pub use models::digits::{short, significant};
+
 use super::Summary;
 use super::summary::{Cycle, Mode, Settings};
 use crate::accuracy::Errors;
@@ -214,41 +217,10 @@ fn parts(share: f64) -> String {
     }
 }
 
-/// A number with that many digits that count, without exponent.
-pub fn significant(value: f64, digits: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let order = value.abs().log10().floor() as i32;
-    let unit = 10f64.powi(order + 1 - digits);
-    let decimals = (digits - 1 - order).max(0) as usize;
-    unsigned_zero(format!("{:.decimals$}", (value / unit).round() * unit))
-}
-
-/// A number with three digits that count, with an exponent where it is very small or large.
-pub(crate) fn short(value: f64) -> String {
-    rounded(value, 3)
-}
-
-/// The same with as many digits.
-pub(crate) fn rounded(value: f64, digits: i32) -> String {
-    match value.abs() {
-        size if size > 0.0 && !(1e-3..1e5).contains(&size) => format!("{value:.*e}", digits as usize - 1),
-        _ => significant(value, digits),
-    }
-}
-
-fn unsigned_zero(text: String) -> String {
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
-        _ => text,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::rest::rest;
+    use crate::rest::rest;
     use crate::results::summary::{MODES, summarise};
     use crate::results::tests::{muscle_at_15_psi, released};
 
@@ -287,17 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_rounded_to_what_counts() {
-        for (value, digits, expected) in [
-            (0.059_87, 3, "0.0599"),
-            (1234.5, 2, "1200"),
-            (1.2849, 3, "1.28"),
-            (-0.0004, 1, "-0.0004"),
-            (99.96, 3, "100"),
-            (0.0, 3, "0"),
-        ] {
-            assert_eq!(significant(value, digits).trim_end_matches(".0"), expected);
-        }
+    fn a_zero_has_no_sign() {
         assert_eq!(millimetres(-1e-9, None), "0.0");
         assert_eq!(degrees(-1e-9), "0.0 deg");
     }

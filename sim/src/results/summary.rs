@@ -416,7 +416,7 @@ fn settings(model: &Model, run: &Run) -> Settings {
     Settings {
         method: run.method.of(model),
         tolerance: run.tolerance,
-        fixed_step_s: run.fixed_step,
+        fixed_step_s: run.steps.fixed(),
         most_steps: run.most_steps,
         nodes: model.edges + 1,
         scheme: scheme.to_owned(),
@@ -438,7 +438,7 @@ fn parameters(model: &Model) -> BTreeMap<String, Parameter> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::rest::rest;
+    use crate::rest::rest;
     use crate::results::tests::{muscle_at_15_psi, released};
 
     fn summary(duration: f64) -> Summary {

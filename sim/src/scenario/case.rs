@@ -330,14 +330,7 @@ fn rod_of(muscle: &MusclePlan, at: &AtPressure) -> Rod<f64> {
         MassPlan::Conserved => rest.length,
         MassPlan::PerLength => at.length,
     };
-    Rod {
-        length: at.length,
-        mass: rest.mass_per_length * length,
-        bending_stiffness: at.bending_stiffness,
-        axial_stiffness: at.axial_stiffness,
-        diameter: at.outer_diameter,
-        pressure: at.pressure,
-    }
+    at.rod(rest.mass_per_length * length)
 }
 
 /// What the muscle's file says of effects.

@@ -12,7 +12,7 @@ use super::error::{Problem, ScenarioError};
 use super::start::{From, is_kinked, read_from};
 use crate::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
 use crate::input;
-use crate::integrate::Method;
+use crate::integrate::{Method, Steps};
 use crate::pace;
 
 /// What a scenario says, in SI units; `None` where it says nothing.
@@ -333,13 +333,14 @@ fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
     settings.method = integrator.word("method", &METHODS)?.unwrap_or(DEFAULT_METHOD);
     let tolerance = integrator.quantity_that("tolerance", "", "lie in 1e-12..=0.1", admitted)?;
     settings.tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE);
-    settings.fixed_step = integrator.quantity_that("fixed_step", "s", "be positive", |step| step > 0.0)?;
+    let fixed_step = integrator.quantity_that("fixed_step", "s", "be positive", |step| step > 0.0)?;
+    settings.steps = fixed_step.map_or(Steps::Adaptive, Steps::Fixed);
     settings.most_steps = integrator.count("most_steps")?.unwrap_or(settings.most_steps);
     if settings.most_steps == 0 {
         return Err(integrator.wrong("most_steps", Problem::Must { must: "be at least 1" }));
     }
     settings.energy = true;
-    let chooses_tolerance = tolerance.is_none() && settings.fixed_step.is_none();
+    let chooses_tolerance = tolerance.is_none() && fixed_step.is_none();
     Ok(RunPlan { rate, accuracy, chooses_tolerance, run: settings })
 }
 

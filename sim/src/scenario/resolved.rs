@@ -52,7 +52,7 @@ pub(super) fn text(case: &Case, plan: &Plan) -> String {
     put(&mut out, "method", quoted(method.map_or("", |method| method.0)));
     put(&mut out, "tolerance", si(run.tolerance, ""));
     put(&mut out, "most_steps", run.most_steps);
-    if let Some(step) = run.fixed_step {
+    if let Some(step) = run.steps.fixed() {
         put(&mut out, "fixed_step", si(step, "s"));
     }
     effects(&mut out, model);

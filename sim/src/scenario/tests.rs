@@ -91,7 +91,7 @@ fn a_resolved_case_gives_the_same_model_and_run() {
         assert_eq!(names(&again), names(&case));
         let (a, b) = (&again.run, &case.run);
         assert_eq!((a.duration, &a.samples, a.method), (b.duration, &b.samples, b.method));
-        assert_eq!((a.tolerance, a.fixed_step, a.most_steps), (b.tolerance, b.fixed_step, b.most_steps));
+        assert_eq!((a.tolerance, &a.steps, a.most_steps), (b.tolerance, &b.steps, b.most_steps));
         assert_eq!(a.history, b.history);
         match (&a.initial, &b.initial) {
             (Initial::Straight, Initial::Straight) => {}

@@ -60,7 +60,7 @@ fn wrong_destinations_say_what_to_do() {
     assert!(text.contains("rerun+http://HOST:PORT/proxy"), "{text}");
 }
 
-/// The README's first command with its recording beside it.
+/// The README's run with its recording beside it.
 #[test]
 fn efam_saves_the_recording_with_its_results() {
     let bench = Bench::new("release");

@@ -31,6 +31,7 @@ mod names;
 mod pages;
 mod predict;
 mod predict_rod;
+mod reference;
 mod says;
 mod schema;
 #[cfg(unix)]

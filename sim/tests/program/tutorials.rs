@@ -1,9 +1,10 @@
-//! The tutorials, run as they stand.
+//! README and the tutorials of the book, run as they stand.
 //!
 //! Goal: who types what a tutorial shows gets what it shows. Setup: a folder with the project's `scenarios/`, and the
-//! program on the PATH. A block `sh` is run; a block with a file's name after its language is saved under that name,
-//! or added to what is there; each line of a block `text` stands in what the commands before it printed, `…` for
-//! whatever is between. The tutorial about effects builds the project anew, so `.ci/run` does that.
+//! program on the PATH. A block `sh` is run, but for lines of `cargo`, which `.ci/run` runs; a block with a file's name
+//! after its language is saved under that name, or added to what is there; each line of a block `text` stands in what the
+//! commands before it printed, `…` for whatever is between. The tutorial about effects builds the project anew, so
+//! `.ci/run` does that.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -65,9 +66,15 @@ fn is_printed(line: &str, printed: &str) -> bool {
     })
 }
 
-/// Goes through a tutorial, block by block.
+/// Goes through a tutorial of at least three commands, block by block.
 fn follow(name: &str) {
-    let page = fs::read_to_string(root().join("docs/tutorials").join(format!("{name}.md"))).expect("a page");
+    let page = fs::read_to_string(root().join("docs/src/tutorials").join(format!("{name}.md")));
+    let commands = follow_page(name, &page.expect("a page"));
+    assert!(commands >= 3, "{name}.md: {commands} commands");
+}
+
+/// Goes through a page, block by block, and returns how many commands it ran.
+fn follow_page(name: &str, page: &str) -> usize {
     let bench = Bench::new(&format!("tutorial-{name}"));
     copy(&root().join("scenarios"), &bench.0.join("scenarios"));
     let program = Path::new(env!("CARGO_BIN_EXE_efam")).parent().expect("a folder").to_path_buf();
@@ -75,21 +82,22 @@ fn follow(name: &str) {
     let path = std::env::join_paths(std::iter::once(program).chain(std::env::split_paths(&others)));
     let path = path.expect("a PATH");
     let (mut printed, mut commands) = (String::new(), 0);
-    for block in blocks(&page) {
+    for block in blocks(page) {
         match (block.language, block.file) {
             (_, Some(file)) => {
                 let there = fs::read_to_string(bench.0.join(file)).unwrap_or_default();
                 bench.file(file, &(there + block.text + "\n"));
             }
             ("sh", None) => {
+                let own: Vec<&str> = block.text.lines().filter(|line| !line.starts_with("cargo ")).collect();
                 let mut shell = Command::new("sh");
-                shell.args(["-eu", "-c", block.text]).current_dir(&bench.0).env("PATH", &path);
+                shell.args(["-eu", "-c", &own.join("\n")]).current_dir(&bench.0).env("PATH", &path);
                 let output = shell.output().expect("there is a shell");
                 printed = [output.stdout, output.stderr]
                     .map(|own| String::from_utf8_lossy(&own).into_owned())
                     .concat();
                 assert!(output.status.success(), "{name}.md:\n{}\n{printed}", block.text);
-                commands += block.text.lines().count();
+                commands += own.len();
             }
             ("text", None) => {
                 for line in block.text.lines() {
@@ -99,7 +107,13 @@ fn follow(name: &str) {
             (language, None) => panic!("{name}.md: what is to be done with a block of {language:?}?"),
         }
     }
-    assert!(commands >= 3, "{name}.md: {commands} commands");
+    commands
+}
+
+#[test]
+fn the_readme() {
+    let page = fs::read_to_string(root().join("README.md")).expect("it is there");
+    assert_eq!(follow_page("README", &page), 1);
 }
 
 #[test]
@@ -124,7 +138,7 @@ fn a_diagnosis() {
 
 #[test]
 fn all_are_followed_and_name_one_another_rightly() {
-    let folder = root().join("docs/tutorials");
+    let folder = root().join("docs/src/tutorials");
     let mut names = Vec::new();
     for entry in fs::read_dir(&folder).expect("a folder") {
         let path = entry.expect("an entry").path();

@@ -48,8 +48,12 @@ pub fn problem(drawn: &Drawn) -> Problem {
         weighed("rod.mass"),
         weighed("effects.end_fitting.mass"),
     ];
-    let nuisances =
-        Nuisances { release_instant: true, hold_angle: Some(0.25f64.to_radians()), offset: Some(2e-4) };
+    let nuisances = Nuisances {
+        release_instant: true,
+        hold_angle: Some(0.25f64.to_radians()),
+        offset: Some(2e-4),
+        ..Nuisances::default()
+    };
     let mut problem = Problem { trials, parameters, nuisances };
     admit_tilt(&mut problem, 0.2e-3);
     problem

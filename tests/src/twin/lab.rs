@@ -127,7 +127,7 @@ impl Lab {
         let Priors { alpha, beta, .. } = Priors::default();
         format!(
             "# Purpose: recordings of which it is known what the model below lacks: {hidden}.\n\
-             # Expected: `efam diagnose` on this file; what it says stands in README.md, Worked examples.\n{paper}\
+             # Expected: `efam diagnose` on this file; docs/src/validation/examples.md has its answer.\n{paper}\
              #\n# Drawn, not measured: by the independent beam of the tests, which shares no law, mesh or\n\
              # integrator with the model below. {}, hold, offset and tilt are off by what a laboratory\n\
              # would not notice. To the bit again from the project's root by\n\

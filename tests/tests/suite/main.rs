@@ -3,8 +3,8 @@
 mod accuracy;
 mod architecture;
 mod diagnosis;
+mod documents;
 mod hostile;
-mod readme;
 mod dynamics {
     mod accuracy;
     mod bump;

@@ -6,6 +6,8 @@ use std::fmt::Write;
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
 use ::rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines, SeriesPoints};
 
+use models::digits::significant;
+
 use super::compared::{Compared, draw_fitted};
 use super::drawing::TIMELINE;
 use super::search::{STEP, Steps, cell, markdown};
@@ -13,7 +15,6 @@ use super::tree::{self, Kind, Property, Tree, under};
 use crate::calibrate::{self, Calibration, Outcome, Problem, Progress};
 use crate::diagnose::Curve;
 use crate::diagnose::curve::Sample;
-use crate::results::report::significant;
 
 const LOG: &str = "fit/log";
 const RESIDUALS: &str = "fit/residuals";

@@ -57,7 +57,7 @@ fn verdict(verdict: Verdict) -> &'static str {
 /// What should be known before the answer is used.
 fn reservations(outcome: &Outcome) -> BeforeUse {
     BeforeUse {
-        note: Some("How often such answers are right is known from some two hundred drawn experiments only (README, How often it is right). Do not publish a name on its word alone.".to_owned()),
+        note: Some("How often such answers are right is known from some two hundred drawn experiments only (docs/src/validation/blind-bench.md). Do not publish a name on its word alone.".to_owned()),
         warnings: outcome.diagnosis.warnings.clone(),
         locked_away: Some(outcome.diagnosis.held_out.clone()),
         extrapolated: None,
@@ -290,7 +290,12 @@ mod tests {
         let repaired = Problem {
             trials: Vec::new(),
             parameters: vec![Parameter::new("rod.bending_stiffness", Scope::PerPressure)],
-            nuisances: Nuisances { release_instant: true, hold_angle: Some(0.01), offset: Some(1e-3) },
+            nuisances: Nuisances {
+                release_instant: true,
+                hold_angle: Some(0.01),
+                offset: Some(1e-3),
+                ..Nuisances::default()
+            },
         };
         Outcome {
             diagnosis,

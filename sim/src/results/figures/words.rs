@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
+use models::digits::significant;
+
 use crate::figures::Pressure;
 use crate::results::picture::{are_recorded, example, in_psi, models};
-use crate::results::report::significant;
 use crate::schema::JsonSchema;
 
 /// A figure in words.

@@ -8,7 +8,7 @@ use crate::calibrate::unknowns::RELEASE_INSTANT;
 use crate::calibrate::{Curve, Outcome, Problem, Trial};
 use crate::forward::{Run, forward};
 use crate::quantile::usual_step;
-use crate::results::rest::rest;
+use crate::rest::rest;
 
 /// Shapes in the first swing.
 const SHAPES: usize = 9;

@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use plotters::prelude::RGBColor;
 
+use models::digits::significant;
+
 use super::panel::{Axis, Drawn, Key, Panel, Stroke, heading, padded, px};
 use super::{Area, BLACK, BLUE, GREEN, GREY, MILLI, ORANGE, Picture, VERMILION, drawn};
 use crate::predict::grid::{Cell, Grid, PastStraightDown};
-use crate::results::report::significant;
 
 /// Numbers that are drawn: name, title, label of its axis, factor to its unit.
 const NUMBERS: [Number; 6] = [

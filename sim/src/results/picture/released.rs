@@ -1,9 +1,10 @@
 //! The pictures of a run's page, one quantity each: what `release.svg` shows, and the tip's path, its phase
 //! portrait, damping and frequency over the amplitude.
 
+use models::digits::significant;
+
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, padded, plot_size};
 use super::{Area, BLACK, BLUE, Drawn, GREEN, MILLI, Picture, Release, VERMILION, clamp, drawn, in_milli};
-use crate::results::report::significant;
 use crate::results::summary::Cycle;
 
 /// Width and height, pixels.

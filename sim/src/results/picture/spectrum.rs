@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use models::digits::significant;
+
 use super::panel::{Axis, Drawn, Key, Panel, Stroke};
 use super::{Area, BLACK, BLUE, MILLI, VERMILION};
 use crate::analysis::spectrum::Spectrum;
-use crate::results::report::significant;
 
 /// Frequencies drawn, in damped frequencies.
 const REACH: f64 = 3.5;

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
+use models::digits::significant;
+
 use super::super::page::{Page, Table};
-use crate::results::report::significant;
 use crate::sweep::answers::{Answers, Often};
 use crate::sweep::diagnosed::Answer;
 

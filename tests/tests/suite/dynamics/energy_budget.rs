@@ -7,7 +7,7 @@
 use models::model::Model;
 use models::snapshot::Energy;
 use sim::forward::Run;
-use sim::integrate::Method;
+use sim::integrate::{Method, Steps};
 use tests::{paper, simulate};
 
 /// Largest departure of the sum from its start, over the largest potential energy released.
@@ -89,7 +89,7 @@ fn closes_with_laws_of_time() {
 fn is_kept_without_any_loss() {
     // Steps that Verlet chooses are some 6 us long. The error of its energy goes with their square.
     let found = [6e-6, 3e-6].map(|step| {
-        let run = Run { fixed_step: Some(step), method: Method::Verlet, ..Run::release(5.0, 100.0) };
+        let run = Run { steps: Steps::Fixed(step), method: Method::Verlet, ..Run::release(5.0, 100.0) };
         imbalance(&paper(15.0, 32, &[]), &run)
     });
     assert!(found[0] < 3e-4 && found[1] < 0.3 * found[0], "{found:?}");

@@ -203,7 +203,7 @@ fn decrement(psi: f64, millimetres: f64, effect: &[(&str, f64)]) -> (Model, f64)
     let tip = |force: f64| {
         let rest = equilibrium(&model(force), None).expect("it hangs");
         let model = model(force);
-        sim::forward::tip(&System::new(&model), &rest.q, &vec![0.0; rest.q.len()]).0[1]
+        System::new(&model).observed_tip(&rest.q, &vec![0.0; rest.q.len()]).0[1]
     };
     // The rest moves in proportion to a small force.
     let per_newton = (tip(1e-3) - tip(-1e-3)) / 2e-3;

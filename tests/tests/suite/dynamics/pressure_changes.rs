@@ -36,7 +36,7 @@ fn ends_at_the_rest_posture_of_the_last_pressure() {
         let path = simulate(&model, &Run::release(20.0, 10.0));
         let last = paper(60.0, nodes, &OVER_PRESSURE);
         let rest = equilibrium(&last, None).expect("it hangs");
-        let tip = sim::forward::tip(&System::new(&last), &rest.q, &vec![0.0; rest.q.len()]).0;
+        let tip = System::new(&last).observed_tip(&rest.q, &vec![0.0; rest.q.len()]).0;
         let end = path.tip[path.tip.len() - 1];
         (tip[0] - end[0]).hypot(tip[1] - end[1])
     };

@@ -34,7 +34,7 @@ fn at_the_rate_of_mass_and_stiffness_damping() {
     let path = simulate(&model, &run);
     let rest = equilibrium(&model, None).expect("it hangs");
     let system = System::new(&model);
-    let z_rest = sim::forward::tip(&system, &rest.q, &vec![0.0; rest.q.len()]).0[1];
+    let z_rest = system.observed_tip(&rest.q, &vec![0.0; rest.q.len()]).0[1];
     let z: Vec<f64> = path.tip_z().iter().map(|z| z - z_rest).collect();
     let peaks: Vec<(f64, f64)> = (1..z.len() - 1)
         .filter(|&k| z[k] > 0.0 && z[k] > z[k - 1] && z[k] >= z[k + 1])

@@ -29,7 +29,7 @@ fn held_under_a_payload_it_starts_from_there() {
     let model = paper(40.0, 32, &[("rayleigh_mass.alpha", 1.0)]);
     let hold = paper(40.0, 32, &[("rayleigh_mass.alpha", 1.0), ("payload.mass", 0.1)]);
     let rest = equilibrium(&hold, None).expect("it hangs");
-    let held = sim::forward::tip(&System::new(&hold), &rest.q, &vec![0.0; rest.q.len()]).0;
+    let held = System::new(&hold).observed_tip(&rest.q, &vec![0.0; rest.q.len()]).0;
     let own = vec![model.index("effects.payload.mass").expect("baseline")];
     let initial = Initial::Equilibrium { hold: Box::new(hold), own };
     let path = simulate(&model, &Run { initial, ..Run::release(2.0, 100.0) });

@@ -155,7 +155,12 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         let problem = Problem {
             trials: vec![trial(&model, release)],
             parameters: [EI, ALPHA].map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
-            nuisances: Nuisances { release_instant: false, hold_angle: None, offset: None },
+            nuisances: Nuisances {
+                release_instant: false,
+                hold_angle: None,
+                offset: None,
+                ..Nuisances::default()
+            },
         };
         let outcome = solve(&problem);
         for (held, (path, truth)) in held.iter_mut().zip([(EI, ei), (ALPHA, alpha)]) {
@@ -178,7 +183,12 @@ fn ghosts_that_cleaning_has_missed_do_no_harm() {
     let problem = Problem {
         trials: vec![trial(&model, release)],
         parameters: three(),
-        nuisances: Nuisances { release_instant: false, hold_angle: None, offset: None },
+        nuisances: Nuisances {
+            release_instant: false,
+            hold_angle: None,
+            offset: None,
+            ..Nuisances::default()
+        },
     };
     let outcome = solve(&problem);
     for (path, truth) in [(EI, truth.rod().bending_stiffness), (ALPHA, alpha), (BETA, beta)] {
@@ -199,7 +209,12 @@ fn stiffness_against_mass_is_said_to_be_hard_to_tell() {
     let problem = Problem {
         trials: vec![trial(&model, release)],
         parameters: parameters.map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
-        nuisances: Nuisances { release_instant: true, hold_angle: None, offset: None },
+        nuisances: Nuisances {
+            release_instant: true,
+            hold_angle: None,
+            offset: None,
+            ..Nuisances::default()
+        },
     };
     let settings = Settings { remove_mesh: false, ..Settings::default() };
     let found = calibrate(&problem, &settings, &|_: &str| ()).unwrap().calibration;
@@ -238,7 +253,12 @@ fn the_profile_agrees_with_the_curvature_of_a_parabola() {
     let problem = Problem {
         trials: vec![trial(&model, release)],
         parameters: [EI, ALPHA].map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
-        nuisances: Nuisances { release_instant: true, hold_angle: None, offset: None },
+        nuisances: Nuisances {
+            release_instant: true,
+            hold_angle: None,
+            offset: None,
+            ..Nuisances::default()
+        },
     };
     let settings = Settings { profile: true, ..Settings::default() };
     let found = calibrate(&problem, &settings, &|_: &str| ()).unwrap().calibration;

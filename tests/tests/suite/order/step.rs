@@ -7,7 +7,7 @@
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Scheme};
 use sim::forward::Run;
-use sim::integrate::Method;
+use sim::integrate::{Method, Steps};
 use tests::{order, paper_spec, simulate};
 
 fn soft(lossy: bool) -> Model {
@@ -45,9 +45,9 @@ fn order_of(method: Method, steps: [f64; 5], lossy: bool) -> f64 {
     let model = soft(lossy);
     let run = Run { samples: vec![0.4], method, tolerance: 1e-13, ..Run::release(0.4, 1.0) };
     let end = |run: &Run| simulate(&model, run).tip[0];
-    let exact = end(&Run { method: Method::Rodas4, fixed_step: Some(5e-5), ..run.clone() });
+    let exact = end(&Run { method: Method::Rodas4, steps: Steps::Fixed(5e-5), ..run.clone() });
     let errors = steps.map(|h| {
-        let found = end(&Run { fixed_step: Some(h), ..run.clone() });
+        let found = end(&Run { steps: Steps::Fixed(h), ..run.clone() });
         (found[0] - exact[0]).hypot(found[1] - exact[1])
     });
     order(&steps, &errors)
@@ -84,15 +84,15 @@ fn esdirk34_has_order_three() {
 /// A fit compares models on the steps of one of them. A loss that bends the path more sharply than those steps
 /// were made for has them halved, down to where it is resolved: until it was, such a fit ended where it began.
 #[test]
-fn lent_steps_are_halved_where_another_model_needs_it() {
+fn given_steps_are_halved_where_another_model_needs_it() {
     let with = |coefficient: f64| {
         let effects = [("rayleigh_stiffness.beta", 2e-3), ("strain_rate_cubed.coefficient", coefficient)];
         Model::new(&paper_spec(40.0, 32, &effects)).expect("the paper's muscle")
     };
     let own = Run { tolerance: 2e-5, keep_steps: true, ..Run::release(2.0, 100.0) };
-    let lent = simulate(&with(1e-8), &own).steps;
+    let given = simulate(&with(1e-8), &own).steps;
     let model = with(4e-7);
-    let on = Run { fixed_step: Some(10.0), stops: lent, ..own.clone() };
+    let on = Run { steps: Steps::Given(given), ..own.clone() };
     let exact = simulate(&model, &Run { tolerance: 1e-7, ..own });
     let found = simulate(&model, &on);
     let miss = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use sim::forward::{Run, forward};
-use sim::integrate::Method;
+use sim::forward::{Initial, Run, forward};
+use sim::integrate::{Method, Steps};
+use sim::stepper::Stepper;
 use tests::paper;
 
 fn allocations(method: Method, duration: f64, sensitivities: Vec<usize>) -> u64 {
@@ -21,7 +22,7 @@ fn allocations(method: Method, duration: f64, sensitivities: Vec<usize>) -> u64 
         sensitivities,
         samples: vec![],
         tolerance: 1e-5,
-        fixed_step: (method == Method::Verlet).then_some(2e-5),
+        steps: if method == Method::Verlet { Steps::Fixed(2e-5) } else { Steps::Adaptive },
         ..Run::release(duration, 1.0)
     };
     let info = allocation_counter::measure(|| {
@@ -35,6 +36,20 @@ fn in_the_step_of_our_integrators_there_is_none() {
     for method in [Method::Rodas4, Method::Verlet] {
         assert_eq!(allocations(method, 0.5, vec![]), allocations(method, 1.0, vec![]), "{method:?}");
     }
+}
+
+#[test]
+fn a_stepper_allocates_nothing_between_changes() {
+    let model = paper(15.0, 32, &[("rayleigh_mass.alpha", 1.0), ("viscoelastic.branch_stiffness", 0.2)]);
+    let mut stepper =
+        Stepper::new(&model, Initial::Straight.state(&model).expect("a start")).expect("it starts");
+    let info = allocation_counter::measure(|| {
+        for _ in 0..50 {
+            stepper.step(0.01).expect("it goes on");
+            assert!(stepper.tip().position[1] < 0.0 && stepper.nodes().len() == 32);
+        }
+    });
+    assert_eq!(info.count_total, 0);
 }
 
 #[test]

@@ -6,6 +6,7 @@
 use models::effects::{CATALOGUE, Parameter, Rod, by_name};
 use models::model::{Model, ModelSpec};
 use sim::forward::Run;
+use sim::integrate::Steps;
 use tests::{paper_spec, simulate};
 
 /// Friction turns round over a curvature of 0.01 1/m, of which a camera sees nothing.
@@ -95,7 +96,7 @@ fn path(name: &str, larger: Larger) -> Vec<[f64; 2]> {
     let run = Run {
         duration: 0.5 * larger.time,
         samples: (0..=50).map(|k| 0.01 * f64::from(k) * larger.time).collect(),
-        fixed_step: Some(1e-3 * larger.time),
+        steps: Steps::Fixed(1e-3 * larger.time),
         ..Run::release(0.5, 100.0)
     };
     let model = Model::new(&spec).unwrap_or_else(|error| panic!("{name}, {larger:?}: {error}"));

@@ -15,6 +15,7 @@ use models::snapshot::Energy;
 use proptest::prelude::*;
 use sim::accuracy::{Goal, settle};
 use sim::forward::{ForwardError, Initial, Run, forward};
+use sim::integrate::Steps;
 use tests::{paper_spec, simulate};
 
 use super::cases;
@@ -219,7 +220,7 @@ fn finer_steps_move_towards_one_answer() {
     let lowest = |step: f64| {
         let model = Model::new(&paper_spec(40.0, 16, &[("rayleigh_stiffness.beta", 2e-3)]))
             .expect("the paper's muscle");
-        let run = Run { fixed_step: Some(step), ..Run::release(0.6, 500.0) };
+        let run = Run { steps: Steps::Fixed(step), ..Run::release(0.6, 500.0) };
         simulate(&model, &run).tip.iter().map(|at| at[1]).fold(f64::INFINITY, f64::min)
     };
     let all = [8.0, 4.0, 2.0, 1.0].map(|ms| lowest(1e-3 * ms));

@@ -1,0 +1,307 @@
+//! Forward sensitivities: the derivative of a trajectory by parameters, integrated along it.
+//!
+//! The derivatives obey the linearised equations of motion, `M s̈ = −K s − D ṡ + ∂f/∂theta − ∂M/∂theta q̈`,
+//! with coefficients known along the trajectory. A stage of a diagonally implicit method for a
+//! linear equation is one back-substitution, so all parameters share each stage's tangent and its
+//! factors. Every step of the trajectory, whichever integrator made it, is one step here, of third
+//! order.
+//!
+//! What drives the derivatives, `∂f/∂theta − ∂M/∂theta q̈`, is as smooth as the trajectory for parameters
+//! of the laws alone: it is evaluated once a step, at its end, and the parabola through the last three
+//! values stands for it. A parameter of the geometry pulls along the stiff edges, with a force that
+//! must turn with them: a parabola's small error across an edge would bend the rod by much. There it
+//! is evaluated at every stage.
+
+use models::coupled::Coupled;
+use models::effects::LANES;
+use models::model::Model;
+use models::system::System;
+
+use super::{IntegrateError, Integrator, State};
+
+/// L-stable, stiffly accurate, order 3. Source: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021;
+/// `gamma` is the root of `γ³ − 3γ² + 3γ/2 − 1/6` near 0.44.
+const GAMMA: f64 = 0.435_866_521_508_459;
+const STAGES: usize = 3;
+const NODES: [f64; STAGES] = [GAMMA, 0.5 * (1.0 + GAMMA), 1.0];
+const WEIGHTS: [&[f64]; STAGES] = [
+    &[],
+    &[0.5 * (1.0 - GAMMA)],
+    &[-0.25 * (6.0 * GAMMA * GAMMA - 16.0 * GAMMA + 1.0), 0.25 * (6.0 * GAMMA * GAMMA - 20.0 * GAMMA + 5.0)],
+];
+
+type Row = [f64; LANES];
+
+/// What drives the derivatives at one time: of the momenta, shape `[2N+1]`, and of the memory.
+#[derive(Clone)]
+struct Drive {
+    force: Vec<Row>,
+    z_rate: Vec<Row>,
+}
+
+/// Derivatives of a state by [`LANES`] parameters.
+#[derive(Clone, Debug, Default)]
+pub struct Slopes {
+    /// Of the coordinates, shape `[2N+1]`.
+    pub q: Vec<Row>,
+    /// Of the velocities.
+    pub v: Vec<Row>,
+    /// Of the memory.
+    pub z: Vec<Row>,
+}
+
+/// Sensitivities of one run by one list of parameters.
+pub struct Variational {
+    system: System,
+    /// Derivatives at the end of the last step, one entry a group of [`LANES`] parameters.
+    pub slopes: Vec<Slopes>,
+    start: Vec<Slopes>,
+    /// Stage derivatives, `[group][stage]`.
+    rates: Vec<[Slopes; STAGES]>,
+    /// `[group][time]`, at `drive_times`, the last one first; of the groups that are not geometric.
+    drives: Vec<[Drive; 3]>,
+    /// Whether a group has a parameter of the geometry.
+    is_geometric: Vec<bool>,
+    /// Empty where the parabola must begin anew.
+    drive_times: Vec<f64>,
+    at: State,
+    force: Vec<f64>,
+    z_rate: Vec<f64>,
+    matrix: Coupled,
+    known: Slopes,
+    residual: Slopes,
+    damped: Vec<Row>,
+}
+
+/// Parameters that move the rod, in the order in which they fill the groups: those of the geometry cost
+/// more, so they stand together.
+pub fn lane_order(model: &Model, parameters: &[usize]) -> Vec<usize> {
+    let mut order: Vec<usize> = parameters.iter().copied().filter(|k| !model.is_of_sensor(*k)).collect();
+    order.sort_by_key(|k| model.is_geometric(*k));
+    order
+}
+
+impl Slopes {
+    fn zeros(model: &Model) -> Self {
+        let zero = [0.0; LANES];
+        Self { q: vec![zero; model.dof()], v: vec![zero; model.dof()], z: vec![zero; model.memory()] }
+    }
+
+    fn parts(&self) -> [&Vec<Row>; 3] {
+        [&self.q, &self.v, &self.z]
+    }
+
+    fn parts_mut(&mut self) -> [&mut Vec<Row>; 3] {
+        [&mut self.q, &mut self.v, &mut self.z]
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        for (own, other) in self.parts_mut().into_iter().zip(other.parts()) {
+            own.copy_from_slice(other);
+        }
+    }
+
+    fn add(&mut self, weight: f64, other: &Self) {
+        for (own, other) in self.parts_mut().into_iter().zip(other.parts()) {
+            for (own, other) in own.iter_mut().zip(other) {
+                for p in 0..LANES {
+                    own[p] += weight * other[p];
+                }
+            }
+        }
+    }
+}
+
+impl Variational {
+    /// Starts with the derivatives of the initial state by `parameters`, one entry a group, for a
+    /// `system` that watches them.
+    pub fn new(system: System, parameters: &[usize], slopes: Vec<Slopes>) -> Self {
+        let model = &system.model;
+        let is_geometric = |group: &[usize]| group.iter().any(|k| model.is_geometric(*k));
+        let zeros = Slopes::zeros(model);
+        let state = State {
+            time: 0.0,
+            q: vec![0.0; model.dof()],
+            v: vec![0.0; model.dof()],
+            z: vec![0.0; model.memory()],
+        };
+        Self {
+            start: slopes.clone(),
+            rates: vec![std::array::from_fn(|_| zeros.clone()); slopes.len()],
+            drives: vec![
+                std::array::from_fn(|_| Drive { force: zeros.q.clone(), z_rate: zeros.z.clone() });
+                slopes.len()
+            ],
+            drive_times: Vec::with_capacity(3),
+            is_geometric: parameters.chunks(LANES).map(is_geometric).collect(),
+            force: state.v.clone(),
+            z_rate: state.z.clone(),
+            at: state,
+            matrix: Coupled::zeros(model.dof()),
+            known: zeros.clone(),
+            damped: zeros.q.clone(),
+            residual: zeros,
+            slopes,
+            system,
+        }
+    }
+
+    /// The equations that it linearises.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    /// Follows the last step of a integrator.
+    /// # Errors
+    /// [`IntegrateError::StepTooSmall`] if a stage's matrix is singular.
+    pub fn follow(&mut self, integrator: &mut dyn Integrator) -> Result<(), IntegrateError> {
+        let (begin, end) = (integrator.step_start(), integrator.state().time);
+        let h = end - begin;
+        let a = 1.0 / (GAMMA * h);
+        self.system.begin_step(begin);
+        for (start, slopes) in self.start.iter_mut().zip(&self.slopes) {
+            start.copy_from(slopes);
+        }
+        self.update_drives(integrator, begin, end);
+        for stage in 0..STAGES {
+            let time = begin + NODES[stage] * h;
+            integrator.interpolate(time, &mut self.at);
+            let State { q, v, z, .. } = &self.at;
+            self.system.linearise_into(time, q, v, z, &mut self.force, &mut self.z_rate);
+            self.system.condense(a);
+            self.matrix.combine(a, &self.system.mass, self.system.damping(), self.system.stiffness());
+            if self.matrix.factorize().is_err() {
+                return Err(IntegrateError::StepTooSmall { time, step: h, node: 0 });
+            }
+            let weights = self.drive_weights(time);
+            for group in 0..self.slopes.len() {
+                self.solve_stage(group, stage, a, h, weights);
+            }
+        }
+        Ok(())
+    }
+
+    /// Evaluates what drives the derivatives at the end of the step; at the first step, and behind
+    /// a kink of the schedule, also at its start and middle.
+    fn update_drives(&mut self, integrator: &mut dyn Integrator, begin: f64, end: f64) {
+        let schedule = self.system.model.schedule.as_ref();
+        if schedule
+            .is_some_and(|schedule| schedule.breakpoints().iter().any(|kink| (kink - begin).abs() < 1e-12))
+        {
+            self.drive_times.clear();
+        }
+        if self.drive_times.is_empty() {
+            for time in [begin, 0.5 * (begin + end)] {
+                self.push_drive(integrator, time);
+            }
+        }
+        self.push_drive(integrator, end);
+    }
+
+    fn push_drive(&mut self, integrator: &mut dyn Integrator, time: f64) {
+        integrator.interpolate(time, &mut self.at);
+        let State { q, v, z, .. } = &self.at;
+        for (group, drives) in self.drives.iter_mut().enumerate() {
+            if self.is_geometric[group] {
+                continue;
+            }
+            drives.rotate_right(1);
+            let [Drive { force, z_rate }, ..] = drives;
+            self.system.by_parameters(group, time, q, v, z, force, z_rate);
+        }
+        self.drive_times.truncate(2);
+        self.drive_times.insert(0, time);
+    }
+
+    /// Weights of the three drives at a time: Lagrange's parabola.
+    fn drive_weights(&self, time: f64) -> [f64; 3] {
+        std::array::from_fn(|k| {
+            let others = [(k + 1) % 3, (k + 2) % 3];
+            let share = |other: usize| {
+                (time - self.drive_times[other]) / (self.drive_times[k] - self.drive_times[other])
+            };
+            share(others[0]) * share(others[1])
+        })
+    }
+
+    /// `(a − J) Z = a known + b`, then the stage's rate is `a (Z − known)`.
+    fn solve_stage(&mut self, group: usize, stage: usize, a: f64, h: f64, weights: [f64; 3]) {
+        let Self { system, at, known, residual, damped, matrix, .. } = self;
+        known.copy_from(&self.start[group]);
+        for (weight, rate) in WEIGHTS[stage].iter().zip(&self.rates[group]) {
+            known.add(weight * h, rate);
+        }
+        if self.is_geometric[group] {
+            system.by_parameters(group, at.time, &at.q, &at.v, &at.z, &mut residual.v, &mut residual.z);
+        } else {
+            let drives = &self.drives[group];
+            blend(weights, drives.each_ref().map(|drive| &drive.force[..]), &mut residual.v);
+            blend(weights, drives.each_ref().map(|drive| &drive.z_rate[..]), &mut residual.z);
+        }
+        let known_parts = known.q.iter().zip(&known.v);
+        for (((r_f, damped), (known_q, known_v)), mass) in
+            residual.v.iter_mut().zip(&mut *damped).zip(known_parts).zip(&system.mass)
+        {
+            for p in 0..LANES {
+                damped[p] = a * known_q[p];
+                r_f[p] += a * mass * (known_v[p] + damped[p]);
+            }
+        }
+        for (r_z, known) in residual.z.iter_mut().zip(&known.z) {
+            for p in 0..LANES {
+                r_z[p] += a * known[p];
+            }
+        }
+        system.add_damping(damped, &mut residual.v);
+        system.condense_residual(a, &residual.z, &mut residual.v);
+        let slopes = &mut self.slopes[group];
+        slopes.q.copy_from_slice(&residual.v);
+        matrix.solve_many(&mut slopes.q);
+        for ((v, q), known) in slopes.v.iter_mut().zip(&slopes.q).zip(&known.q) {
+            for p in 0..LANES {
+                v[p] = a * (q[p] - known[p]);
+            }
+        }
+        slopes.z.copy_from_slice(&residual.z);
+        system.recover_memory(a, &slopes.q, &slopes.v, &mut slopes.z);
+        let rate = &mut self.rates[group][stage];
+        for ((rate, found), known) in rate.parts_mut().into_iter().zip(slopes.parts()).zip(known.parts()) {
+            for ((rate, found), known) in rate.iter_mut().zip(found).zip(known) {
+                for p in 0..LANES {
+                    rate[p] = a * (found[p] - known[p]);
+                }
+            }
+        }
+    }
+
+    /// Derivatives of the coordinates from the `first` on at a time within the last step, by
+    /// Hermite's cubic.
+    pub fn interpolate(&self, group: usize, [begin, end]: [f64; 2], time: f64, first: usize, q: &mut [Row]) {
+        let h = end - begin;
+        let s = if h > 0.0 { (time - begin) / h } else { 1.0 };
+        let (start, end) = (&self.start[group], &self.slopes[group]);
+        let weights = [
+            (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s),
+            h * s * (1.0 - s) * (1.0 - s),
+            s * s * (3.0 - 2.0 * s),
+            h * s * s * (s - 1.0),
+        ];
+        for (k, row) in q.iter_mut().enumerate().skip(first) {
+            for p in 0..LANES {
+                row[p] = weights[0] * start.q[k][p]
+                    + weights[1] * start.v[k][p]
+                    + weights[2] * end.q[k][p]
+                    + weights[3] * end.v[k][p];
+            }
+        }
+    }
+}
+
+/// `sum = Σ weight term`.
+fn blend(weights: [f64; 3], [x, y, z]: [&[Row]; 3], sum: &mut [Row]) {
+    for (sum, ((x, y), z)) in sum.iter_mut().zip(x.iter().zip(y).zip(z)) {
+        for p in 0..LANES {
+            sum[p] = weights[0] * x[p] + weights[1] * y[p] + weights[2] * z[p];
+        }
+    }
+}

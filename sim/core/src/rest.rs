@@ -1,0 +1,92 @@
+//! Where a run comes to rest, and how it swings about it: what statics says, for reports.
+
+use models::error::ModelError;
+use models::model::Model;
+use models::statics::{Equilibrium, Mode, equilibrium, modes};
+use models::system::System;
+
+/// The posture in which a model hangs.
+#[derive(Clone, Debug)]
+pub struct Rest {
+    /// Node positions in W, m, shape `[N+1]`.
+    pub nodes: Vec<[f64; 2]>,
+    /// The observed tip in W, m.
+    pub tip: [f64; 2],
+    /// Angle of the end body, rad.
+    pub tip_angle: f64,
+    /// Bending moment at the root, N m; positive where the rod is bent towards +z.
+    pub root_moment: f64,
+    /// Whether the rod comes back when it is pushed.
+    pub stable: bool,
+    /// Undamped frequency, Hz, and damping ratio of the slowest modes. Friction sticks in them.
+    pub modes: Result<Vec<(f64, f64)>, ModelError>,
+}
+
+/// Undamped frequency, Hz, and damping ratio of the slowest modes about a rest.
+fn in_hertz(model: &Model, found: &Equilibrium, count: usize) -> Result<Vec<(f64, f64)>, ModelError> {
+    let in_hertz = |mode: &Mode| (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio);
+    Ok(modes(model, found, count)?.iter().map(in_hertz).collect())
+}
+
+/// Undamped frequency, Hz, and damping ratio of the slowest modes of the rod whose friction slips, about the rest
+/// without it under the pressure of a time, s: none where the rod has no friction, empty where they are not found.
+pub fn slipping_modes(model: &Model, time: f64, count: usize) -> Option<Vec<(f64, f64)>> {
+    let slipping = model.slipping()?;
+    Some(rest(&slipping, time, count).and_then(|rest| rest.modes).unwrap_or_default())
+}
+
+/// The rest under the pressure of a time, s, and `count` modes about it.
+///
+/// ```
+/// use efam_core::models::model::Model;
+/// use efam_core::models::muscle::{Extrapolation, Muscle};
+/// use efam_core::rest::rest;
+///
+/// let muscle = Muscle::built_in("garbulinski-2022")?;
+/// let model = Model::new(&muscle.spec(&muscle.at(100e3, "pder_32", Extrapolation::Refused)?))?;
+/// let rest = rest(&model, 0.0, 2)?;
+/// let (frequency, _) = rest.modes?[0];
+/// println!("hangs {:.1} mm below the clamp, swings at {frequency:.2} Hz", -1e3 * rest.tip[1]);
+/// # assert!(rest.stable && rest.tip[1] < -0.1 && (1.0..2.0).contains(&frequency), "{frequency}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+/// # Errors
+/// [`ModelError::Equilibrium`], or a pressure at which there is no rod.
+pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> {
+    let model = &frozen(model, time)?;
+    let found = equilibrium(model, None)?;
+    let at_rest = vec![0.0; found.q.len()];
+    let mut system = System::at_rest(model);
+    let posture = system.assembly.posture(&found.q, &at_rest);
+    let (tip, _) = system.observed_tip(&found.q, &at_rest);
+    let root_moment = root_moment(&mut system, &found);
+    Ok(Rest {
+        nodes: posture.nodes,
+        tip,
+        tip_angle: posture.angle,
+        root_moment,
+        stable: found.stable,
+        modes: in_hertz(model, &found, count),
+    })
+}
+
+/// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.
+pub fn root_moment(system: &mut System, at: &Equilibrium) -> f64 {
+    system.root_moment(0.0, &at.q, &vec![0.0; at.q.len()], &at.z)
+}
+
+/// The model with the rod that its pressure makes of it at a time.
+fn frozen(model: &Model, time: f64) -> Result<Model, ModelError> {
+    let mut frozen = model.clone();
+    let Some(schedule) = frozen.schedule.take() else {
+        return Ok(frozen);
+    };
+    let paths = ["rod.length", "rod.bending_stiffness", "rod.axial_stiffness", "rod.diameter"];
+    for (path, [factor, ..]) in paths.into_iter().zip(schedule.factors(time, time)) {
+        let value = factor * frozen.theta[frozen.index(path)?];
+        frozen.set(path, value)?;
+    }
+    let pressure = frozen.rod().pressure + schedule.pressure_change(time, time).0;
+    frozen.set("rod.pressure", pressure)?;
+    Ok(frozen)
+}
