@@ -26,9 +26,8 @@ pub fn text(path: &Path) -> io::Result<String> {
 /// # Errors
 /// As [`text`].
 pub fn up_to(path: &Path, most: u64) -> io::Result<String> {
-    refuse_pipe(path)?;
     let mut text = String::new();
-    File::open(path)?.take(most + 1).read_to_string(&mut text)?;
+    open(path)?.take(most + 1).read_to_string(&mut text)?;
     match text.len() as u64 > most {
         true => Err(io::Error::other(format!("it has more than {most} bytes, the most that is read"))),
         false => Ok(text),
@@ -47,17 +46,28 @@ pub fn table(path: &Path) -> io::Result<Vec<u8>> {
                 "it takes some {needed:.1} GB of memory, and {free:.1} GB are free"
             )))
         }
-        _ => fs::read(path),
+        _ => {
+            let mut bytes = Vec::with_capacity(length as usize);
+            open(path)?.read_to_end(&mut bytes)?;
+            Ok(bytes)
+        }
     }
+}
+
+/// Opens a file to be read.
+/// # Errors
+/// What the system said, or that it is a named pipe.
+pub fn open(path: &Path) -> io::Result<File> {
+    refuse_pipe(path)?;
+    File::open(path)
 }
 
 /// SHA-256 of a file in hexadecimal, however long it is.
 /// # Errors
 /// As [`text`], without a bound.
 pub fn sha256(path: &Path) -> io::Result<String> {
-    refuse_pipe(path)?;
     let mut sha = Sha::default();
-    io::copy(&mut File::open(path)?, &mut sha)?;
+    io::copy(&mut open(path)?, &mut sha)?;
     Ok(sha.hexadecimal())
 }
 

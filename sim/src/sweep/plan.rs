@@ -166,7 +166,7 @@ impl Plan {
             return Err(altered(&file));
         }
         let mut sha = Sha::default();
-        let hashed = File::open(&points).and_then(|file| io::copy(&mut BufReader::new(file), &mut sha));
+        let hashed = input::open(&points).and_then(|file| io::copy(&mut BufReader::new(file), &mut sha));
         hashed.map_err(no_plan(&points))?;
         if sha.hexadecimal() != head.points_sha256 {
             return Err(altered(&points));
@@ -179,7 +179,7 @@ impl Plan {
     /// [`SweepError::NoPlan`].
     pub fn points(&self) -> Result<Points<'_>, SweepError> {
         let file = self.folder.join(POINTS);
-        let opened = File::open(&file);
+        let opened = input::open(&file);
         let lines =
             opened.map_err(|error| SweepError::NoPlan { file: file.clone(), reason: error.to_string() })?;
         Ok(Points {

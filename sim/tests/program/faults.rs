@@ -7,7 +7,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-use crate::bench::Bench;
+use crate::bench::{Bench, program};
 use crate::work::{WORK, Work, bench};
 
 /// A disk of memory in the bench's folder `disk`.
@@ -140,7 +140,7 @@ fn a_clock_that_is_set_back_harms_no_run() {
     }
     for time in ["2026-05-01 12:00:00", "2026-05-01 12:00:00", "2020-01-01 00:00:00", "1969-12-31 23:00:00"] {
         let mut command = Command::new("faketime");
-        command.args([time, env!("CARGO_BIN_EXE_efam"), "simulate", "s.toml", "-q"]).current_dir(&bench.0);
+        command.arg(time).arg(program()).args(["simulate", "s.toml", "-q"]).current_dir(&bench.0);
         let end = command.env("TZ", "UTC").output().expect("faketime runs");
         assert!(end.status.success(), "{time}: {}", String::from_utf8_lossy(&end.stderr));
     }

@@ -7,6 +7,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 use crate::bench::{Bench, program};
@@ -87,6 +88,64 @@ fn a_simulation_is_saved_up_to_there() {
         assert_eq!(summary["status"]["kind"], "cut_short");
         assert_eq!(bench.left(), ["out", "s.toml"]);
     }
+}
+
+/// As it was found: a rod of 2000 nodes without damping, whose samples are a minute of work apart, was ended 601 s after
+/// Ctrl-C. Here the signal comes in the search for the rest, in the first steps, and later.
+#[test]
+fn a_signal_between_two_samples_is_noticed() {
+    for wait in [0, 1, 4] {
+        let bench = Bench::new("interrupt-between");
+        bench.file(
+            "s.toml",
+            "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n[rod]\nnodes = 2000\n\
+             [run]\nduration = \"60 s\"\nrate = \"1 Hz\"\n",
+        );
+        let mut command = Command::new("env");
+        command.arg("--default-signal").arg(program()).args(["simulate", "s.toml", "-q", "--out", "out"]);
+        let mut child = command.current_dir(&bench.0).stderr(Stdio::null()).spawn().expect("efam runs");
+        // Its folder is there once it is under way.
+        while !bench.left().iter().any(|name| name.starts_with(".out.partial-")) {
+            assert!(child.try_wait().expect("a child").is_none(), "it ends before it begins");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_secs(wait));
+        send("INT", child.id());
+        let begin = Instant::now();
+        while child.try_wait().expect("a child").is_none() {
+            if begin.elapsed() > SOON {
+                let _ = child.kill();
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let took = begin.elapsed();
+        assert_eq!(child.wait().expect("it ended").code(), Some(130), "{wait} s after its begin: {took:?}");
+        // A second on an idle machine.
+        assert!(took < Duration::from_secs(10), "{wait} s after its begin: {took:?}");
+        let summary: serde_json::Value = serde_json::from_str(&bench.text("out/summary.json")).expect("JSON");
+        assert_eq!(summary["status"]["kind"], "cut_short");
+    }
+}
+
+/// A run of minutes says so after two seconds, so that nobody waits for it unasked.
+#[test]
+fn a_long_run_says_how_long_it_takes() {
+    let bench = long("interrupt-cost");
+    let mut command = Command::new("env");
+    command.arg("--default-signal").arg(program()).args(["simulate", "s.toml", "--out", "out"]);
+    let mut child = command
+        .current_dir(&bench.0)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("efam runs");
+    let stderr = BufReader::new(child.stderr.take().expect("it is piped"));
+    let (tell, told) = mpsc::channel();
+    std::thread::spawn(move || stderr.lines().map_while(Result::ok).try_for_each(|line| tell.send(line)));
+    let line = told.recv_timeout(SOON);
+    send("INT", child.id());
+    assert!(line.as_ref().is_ok_and(|line| line.starts_with("s: at this pace it takes about ")), "{line:?}");
+    assert_eq!(child.wait().expect("it ended").code(), Some(130));
 }
 
 /// A program that was started to outlive its terminal does so.

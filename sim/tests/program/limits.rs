@@ -208,6 +208,34 @@ fn a_named_pipe_is_not_waited_for_and_one_of_the_shell_is_read() {
     assert!(bench.0.join("out/summary.json").is_file());
 }
 
+/// In a folder of results, too: what is read is a file.
+#[cfg(unix)]
+#[test]
+fn a_named_pipe_among_results_is_not_waited_for() {
+    let bench = crate::work::bench("limits-pipes");
+    bench.json(&["simulate", "s.toml", "--json", "--out", "swung"]);
+    bench.json(&["sweep", "plan", "sweep.toml", "--json", "--out", "plan"]);
+    bench.json(&["sweep", "sweep.toml", "--json", "--out", "swept"]);
+    for (file, arguments) in [
+        ("swung/trajectory.parquet", &["export", "swung", "--to", "mat"][..]),
+        ("swung/summary.json", &["report", "swung"]),
+        ("plan/points.csv", &["sweep", "run", "--plan", "plan"]),
+        ("plan/plan.json", &["sweep", "status", "--plan", "plan"]),
+        ("swept/shard=00000/part.parquet", &["sweep", "status", "--plan", "swept"]),
+    ] {
+        let file = bench.0.join(file);
+        fs::remove_file(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        assert!(Command::new("mkfifo").arg(&file).status().expect("mkfifo runs").success());
+        let (code, stdout, stderr) = soon(bench.command(arguments));
+        assert!(matches!(code, Some(0..=4)), "{arguments:?}: {code:?} {stderr}");
+        let said = stdout + &stderr;
+        assert!(
+            ["is a named pipe", "is no run"].iter().any(|text| said.contains(text)),
+            "{arguments:?}: {said}"
+        );
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn what_cannot_be_printed_is_an_error() {
@@ -302,6 +330,24 @@ fn numbers_stay_readable_however_small_they_are() {
     assert!(of("EI from the frequency").contains("e-9 N m^2"), "{stdout}");
     assert!(of("PDER, 16 nodes").matches("e-9").count() == 2, "{stdout}");
     assert!(!stdout.contains(" 0.00000"), "{stdout}");
+}
+
+/// A loss that the recording would have below zero ends on its bound; an error has no share of zero.
+#[test]
+fn an_error_of_zero_is_no_share_of_it() {
+    let bench = crate::work::bench("limits-zero");
+    let parameters = ["rod.bending_stiffness", "effects.rayleigh_mass.alpha"]
+        .map(|path| format!("[[calibrate.parameter]]\npath = \"{path}\"\n"));
+    bench.file("zero.toml", &(bench.text("e.toml").replace("\"4 ms\"", "\"40 ms\"") + &parameters.concat()));
+    let (code, stdout, stderr) = bench.run(&["calibrate", "zero.toml", "--out", "zero"]);
+    assert_eq!(code, 0, "{stderr}");
+    let found: serde_json::Value =
+        serde_json::from_str(&bench.text("zero/calibration.json")).expect("it is JSON");
+    assert_eq!(found["parameters"][1]["value"], 0.0, "{found}");
+    for text in [&stdout, &bench.text("zero/report.html")] {
+        let line = text.lines().find(|line| line.contains("inf ") || line.contains("inf<"));
+        assert_eq!(line, None);
+    }
 }
 
 #[test]

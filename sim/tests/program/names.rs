@@ -6,6 +6,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use sim::results::columns::{Cells, Column, Holds, ParquetFile};
+
 use crate::bench::Bench;
 use crate::calibrate::{EXPERIMENT, recording, scenario, simulated};
 use crate::export::messages;
@@ -143,4 +145,78 @@ fn topics_of_different_words_are_different() {
     let expected =
         expected.map(|(word, x)| (format!("/residuals/{word}"), format!("{{\"time_s\":0.0,\"x_m\":{x}.0}}")));
     assert_eq!(said, expected);
+}
+
+/// Signs with which spreadsheets begin a formula that they run.
+const FORMULAS: [&str; 5] = ["=1+1", "+A1", "-2+3", "@SUM(A1)", "\u{ff1d}1"];
+
+/// How many tables of a folder were looked at; none of their cells is run by a spreadsheet.
+fn no_formula(folder: &Path) -> usize {
+    let tables =
+        files(folder).into_iter().filter(|(path, _)| path.extension().is_some_and(|end| end == "csv"));
+    let mut count = 0;
+    for (path, bytes) in tables {
+        count += 1;
+        let mut rows = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(&bytes[..]);
+        for row in rows.records() {
+            let row = row.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            let run = row.iter().find(|cell| {
+                cell.parse::<f64>().is_err() && cell.starts_with(['=', '+', '-', '@', '\t', '\r', '\u{ff1d}'])
+            });
+            assert_eq!(run, None, "{}: {row:?}", path.display());
+        }
+    }
+    count
+}
+
+#[test]
+fn no_name_is_a_formula_of_a_spreadsheet() {
+    let bench = Bench::new("names-formulas");
+    bench.file("truth.toml", &scenario());
+    bench.json(&["simulate", "truth.toml", "--csv", "--json", "--out", "truth"]);
+    let tip = simulated(&bench.text("truth/trajectory.csv"));
+    let text = recording(&tip);
+    for (k, name) in FORMULAS.into_iter().enumerate() {
+        let file = format!("{name}.csv");
+        let header = ["x_m", "y_m", "z_m"].map(|end| format!("{name}_{end}")).join(",");
+        bench.file(&file, &text.replacen("Tip_x_m,Tip_y_m,Tip_z_m", &header, 1));
+        bench.file("e.toml", &EXPERIMENT.replace("15psi.csv", &file).replace("Tip", name));
+        for command in ["analyse", "calibrate"] {
+            let out = format!("{command}-{k}");
+            let (code, _, stderr) = bench.run(&[command, "e.toml", "-q", "--out", &out]);
+            assert_eq!(code, 0, "{command} of {name:?}: {stderr}");
+            assert!(no_formula(&bench.0.join(&out)) > 0, "{command} has a table");
+        }
+        fs::create_dir(bench.0.join(name)).expect("made");
+        for file in ["e.toml", &file] {
+            fs::rename(bench.0.join(file), bench.0.join(name).join(file)).expect("moved");
+        }
+    }
+    // The line that follows a line break is a row of its own. Text recordings hold no line break, Parquet does.
+    let column = |name: &str| Column { name: name.to_owned(), unit: "m", holds: Holds::Numbers };
+    let columns = ["t_s", "a\n=1+1_x_m", "a\n=1+1_y_m", "a\n=1+1_z_m"].map(column);
+    let rows: Vec<Vec<f64>> = (text.lines().skip(1))
+        .map(|line| line.split(',').map(|cell| cell.parse().expect("a number")).collect())
+        .collect();
+    let cells = |k: usize| Cells::from(rows.iter().map(|row| row[k]).collect::<Vec<f64>>());
+    let mut bytes = Vec::new();
+    let mut file = ParquetFile::begin(&mut bytes, &columns, &[]).expect("begun");
+    file.write((0..4).map(cells).collect()).and_then(|()| file.finish()).expect("written");
+    fs::write(bench.0.join("broken.parquet"), bytes).expect("written");
+    bench.file(
+        "e.toml",
+        &EXPERIMENT.replace("15psi.csv", "broken.parquet").replace("\"Tip\"", "\"a\\n=1+1\""),
+    );
+    for command in ["analyse", "calibrate"] {
+        let out = format!("{command}-broken");
+        let (code, _, stderr) = bench.run(&[command, "e.toml", "-q", "--out", &out]);
+        assert_eq!(code, 0, "{command}: {stderr}");
+        assert!(no_formula(&bench.0.join(&out)) > 0, "{command} has a table");
+    }
+    // A folder's name in the lines of a plan, which is read back.
+    bench.file("sweep.toml", "[sweep]\nexperiments = [\"*/e.toml\"]\n");
+    bench.json(&["sweep", "plan", "sweep.toml", "--json", "--out", "plan"]);
+    assert_eq!(no_formula(&bench.0.join("plan")), 1);
+    let status = bench.json(&["sweep", "status", "--plan", "plan", "--json"]);
+    assert_eq!(status["status"]["points"], FORMULAS.len());
 }

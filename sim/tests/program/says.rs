@@ -77,7 +77,9 @@ fn a_swing_that_is_small_against_the_rod() {
     assert!(number(&errors["mesh_m"]).hypot(number(&errors["step_m"])) < 2e-6, "{errors}");
     assert!(!said.contains("warning"), "{said}");
     let (_, said) = run(&bench, rod, &["--set", "integrator.tolerance=1e-5"]);
-    assert!(said.contains("warning") && said.contains("tolerance"), "{said}");
+    for warning in ["the steps put the tip wrong", "the energy fails to close", "give integrator.tolerance"] {
+        assert!(said.contains(warning), "{warning}: {said}");
+    }
 }
 
 #[test]
@@ -113,22 +115,36 @@ fn strains_and_loads_that_nobody_measured() {
     assert!(run(&bench, long, &[]).1.contains("the rod stretches by"));
 }
 
+/// A moment that grows with the rate of bending feeds the rod.
+#[test]
+fn a_rest_about_which_vibrations_grow() {
+    let bench = Bench::new("says-grows");
+    let fed = "[run]\nduration = \"0.5 s\"\n[effects.latent_moment]\nrate_sign = \"-0.03 1/m\"\n";
+    let (told, said) = run(&bench, &muscle("10 ms", fed), &[]);
+    assert!(number(&told["modes"][0]["damping_ratio"]) < 0.0, "{told}");
+    assert!(said.contains("about the rest grow: their damping ratio is -"), "{said}");
+}
+
 /// Off the clamp's direction the rod is held at its tip, which is no kink: the first peak stays as the mesh is made
-/// finer. The kink is refused.
+/// finer (a kink of 60 degrees moves it by 9 mm from 16 to 64 nodes). The kink is refused, and so is an angle at which
+/// no load holds the rod.
 #[test]
 fn a_release_off_the_clamps_direction() {
     let bench = Bench::new("says-held");
-    let text = muscle("10 ms", "[release]\nangle = \"25 deg\"\n[run]\nduration = \"2 s\"\n");
+    let text = muscle("0.5 ms", "[release]\nangle = \"60 deg\"\n[run]\nduration = \"2 s\"\n");
     let peak = |nodes: usize| {
         let set = format!("rod.nodes={nodes}");
         number(&run(&bench, &text, &["--set", &set]).0["peaks"][0]["height_m"])
     };
     let [coarse, middle, fine] = [16, 32, 64].map(peak);
     assert!((coarse - fine).abs() < 1e-3 && (middle - fine).abs() < 1e-4, "{coarse}, {middle}, {fine} m");
-    let (code, _, said) =
-        bench.run(&["simulate", "s.toml", "--set", "release.from=straight", "--out", "kinked"]);
-    assert_eq!(code, 2, "{said}");
-    assert!(said.contains("held"), "{said}");
+    for (set, expected) in [
+        ("release.from=straight", "write from = \"held\""),
+        ("release.angle=180 deg", "hold it nearer to its rest"),
+    ] {
+        let (code, _, said) = bench.run(&["simulate", "s.toml", "--set", set, "--out", "refused"]);
+        assert!(code == 2 && said.contains(expected), "{set}: {code} {said}");
+    }
 }
 
 /// Friction that slips holds nothing: the swing is that of the rod without it, and not of the mode in which it sticks.

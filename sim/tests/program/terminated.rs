@@ -2,7 +2,8 @@
 //!
 //! Goal: what was integrated is there and marked; of a search nothing is left; of a sweep whole shards; and what is
 //! done again ends as if nothing had happened.
-//! Setup: half of the signals come at any moment of the run, half while it writes. Four a command;
+//! Setup: half of the signals come at any moment of the run, half while it writes; a run that ends before its signal is
+//! followed by another. Four a command;
 //! `EFAM_TERMS=50 cargo test --workspace --no-default-features --test program terminated -- --nocapture` takes 50 of
 //! each, 200 in all.
 
@@ -31,8 +32,8 @@ fn begin(bench: &Bench, arguments: &[&str]) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("efam runs")
 }
 
-/// How a run ends that is told to at a random moment.
-fn terminated(bench: &Bench, arguments: &[&str], takes: Duration, draws: &mut Draws) -> ExitStatus {
+/// How a run ends that is told to at a random moment, and whether it was still there to be told.
+fn terminated(bench: &Bench, arguments: &[&str], takes: Duration, draws: &mut Draws) -> (ExitStatus, bool) {
     let mut child = begin(bench, arguments);
     let share = |draws: &mut Draws| draws.below(1000) as f64 / 1000.0;
     if draws.percent(50) {
@@ -51,13 +52,14 @@ fn terminated(bench: &Bench, arguments: &[&str], takes: Duration, draws: &mut Dr
         }
         sleep(takes.mul_f64(0.05 * share(draws)));
     }
-    if child.try_wait().expect("a child").is_none() {
+    let is_there = child.try_wait().expect("a child").is_none();
+    if is_there {
         send("TERM", child.id());
     }
     let told = Instant::now();
     loop {
         if let Some(status) = child.try_wait().expect("a child") {
-            return status;
+            return (status, is_there);
         }
         assert!(told.elapsed() < Duration::from_secs(60), "it does not end");
         sleep(Duration::from_millis(2));
@@ -75,6 +77,31 @@ fn timed(bench: &Bench, arguments: &[&str]) -> Duration {
     begun.elapsed()
 }
 
+/// Counts runs from 0 until so many signals have come in time.
+struct Signals {
+    wanted: usize,
+    sent: usize,
+    runs: usize,
+}
+
+impl Signals {
+    fn new() -> Self {
+        Self { wanted: count("EFAM_TERMS", 4), sent: 0, runs: 0 }
+    }
+
+    /// The number of the next run.
+    fn another(&mut self) -> Option<usize> {
+        assert!(
+            self.runs < 20 * self.wanted,
+            "{} signals in {} runs: the others ended before it",
+            self.sent,
+            self.runs
+        );
+        self.runs += 1;
+        (self.sent < self.wanted).then_some(self.runs - 1)
+    }
+}
+
 #[test]
 fn a_simulation_keeps_what_was_integrated() {
     let bench = bench("terminated-simulate");
@@ -82,10 +109,11 @@ fn a_simulation_keeps_what_was_integrated() {
     let takes = timed(&bench, &[&arguments[..], &["whole"]].concat());
     let whole = bench.text("whole/trajectory.csv");
     let mut draws = Draws::new("terminated simulate");
-    let (mut early, mut cut, mut complete) = (0, 0, 0);
-    for k in 0..count("EFAM_TERMS", 4) {
+    let (mut early, mut cut, mut complete, mut signals) = (0, 0, 0, Signals::new());
+    while let Some(k) = signals.another() {
         let out = format!("out-{k}");
-        let status = terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
+        let (status, in_time) = terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
+        signals.sent += usize::from(in_time);
         assert!(is_known(status), "{k}: {status:?}");
         if status.signal().is_some() {
             early += 1;
@@ -113,7 +141,8 @@ fn a_simulation_keeps_what_was_integrated() {
         assert_eq!(bench.run(&["report", &out, "-q", "--out", "report", "--overwrite"]).0, 0, "{k}");
         fs::remove_dir_all(bench.0.join(&out)).expect("it is there");
     }
-    println!("simulate: {cut} cut short, {complete} complete, {early} before they began");
+    let sent = signals.sent;
+    println!("simulate: {sent} signals, {cut} cut short, {complete} complete, {early} before they began");
     // A program listens before it has read its scenario: hardly any signal comes before that.
     assert!(5 * early <= cut + complete + 4, "{early} were killed");
     // What came before it could listen left nothing but what the next run tidies.
@@ -129,10 +158,12 @@ fn of_a_search_nothing_is_left() {
         let arguments = [command, "e.toml", "-q", "--out"];
         let takes = timed(&bench, &[&arguments[..], &[command]].concat());
         let before = bench.left();
-        let (mut told, mut complete, mut early) = (0, 0, 0);
-        for k in 0..count("EFAM_TERMS", 4) {
+        let (mut told, mut complete, mut early, mut signals) = (0, 0, 0, Signals::new());
+        while let Some(k) = signals.another() {
             let out = format!("out-{k}");
-            let status = terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
+            let (status, in_time) =
+                terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
+            signals.sent += usize::from(in_time);
             assert!(is_known(status), "{command} {k}: {status:?}");
             if status.code() == Some(0) {
                 complete += 1;
@@ -148,7 +179,10 @@ fn of_a_search_nothing_is_left() {
             }
             assert_eq!(bench.left(), before, "{command} {k}");
         }
-        println!("{command}: {told} ended in order, {complete} complete, {early} before they began");
+        let sent = signals.sent;
+        println!(
+            "{command}: {sent} signals, {told} ended in order, {complete} complete, {early} before they began"
+        );
         assert!(5 * early <= told + complete + 4, "{early} were killed");
     }
 }
@@ -161,12 +195,17 @@ fn a_sweep_keeps_whole_shards() {
     let arguments = ["sweep", "sweep.toml", "--csv", "-q", "--out"];
     let takes = timed(&bench, &[&arguments[..], &["whole"]].concat());
     let mut draws = Draws::new("terminated sweep");
-    let (mut told, mut kept) = (0, 0);
-    for k in 0..count("EFAM_TERMS", 4) {
+    let (mut told, mut kept, mut complete, mut early, mut signals) = (0, 0, 0, 0, Signals::new());
+    while let Some(k) = signals.another() {
         let out = format!("out-{k}");
-        let status = terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
+        let (status, in_time) = terminated(&bench, &[&arguments[..], &[&out]].concat(), takes, &mut draws);
+        signals.sent += usize::from(in_time);
         assert!(is_known(status), "{k}: {status:?}");
-        told += usize::from(status.code() == Some(143));
+        match status.code() {
+            Some(143) => told += 1,
+            Some(_) => complete += 1,
+            None => early += 1,
+        }
         if bench.0.join(&out).join("plan.json").exists() {
             let status = bench.json(&["sweep", "status", "--plan", &out, "--json"]);
             kept += status["status"]["shards_done"].as_u64().expect("a number");
@@ -176,6 +215,10 @@ fn a_sweep_keeps_whole_shards() {
         assert_eq!(bench.text(&format!("{out}/sweep.csv")), bench.text("whole/sweep.csv"), "{k}");
         fs::remove_dir_all(bench.0.join(&out)).expect("it is there");
     }
-    println!("sweep: {told} ended in order, which kept {kept} shards of eight each");
+    println!(
+        "sweep: {} signals, {told} ended in order, {complete} complete, {early} before they began; {kept} shards kept",
+        signals.sent
+    );
+    assert!(5 * early <= told + complete + 4, "{early} were killed");
     assert!(bench.left().iter().all(|name| !name.starts_with('.')), "{:?}", bench.left());
 }

@@ -1,9 +1,10 @@
 //! Goal: what the documents show can be used as it stands, and reads easily.
 //!
 //! Documents are README, ARCHITECTURE, the book in `docs/src` and the pages in `docs/decisions`. Expected: every block of
-//! TOML is read without an error; every file and link that they name is there; the book lists all of its pages; README and
-//! ARCHITECTURE stay short; no sentence has more than 35 words, and none has a word of [`UNUSED`]. Tutorials and README are
-//! run by `sim/tests/program/tutorials.rs`, generated pages compared by `sim/tests/program/reference.rs`.
+//! TOML is read without an error; every file, link and test of a promise that they name is there; the book lists all of
+//! its pages; README and ARCHITECTURE stay short; no sentence has more than 35 words, and none has a word of [`UNUSED`].
+//! Tutorials and README are run by `sim/tests/program/tutorials.rs`, generated pages compared by
+//! `sim/tests/program/reference.rs`.
 
 mod pages;
 mod prose;
@@ -148,6 +149,39 @@ fn the_book_lists_its_pages_and_the_map_its_decisions() {
             let date = page.text.lines().nth(2).unwrap_or_default();
             assert!(date.starts_with("20") && date.contains("commit"), "{}: its date is missing", page.name);
         }
+    }
+}
+
+/// Tests as a page names them: `` `file.rs::function` ``, or `` `::function` `` of the file before.
+fn named_tests(text: &str) -> Vec<(String, String)> {
+    let mut file = String::new();
+    let words = text.split('`').skip(1).step_by(2).filter_map(|word| word.split_once("::"));
+    let is_name =
+        |name: &str| !name.is_empty() && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_');
+    words
+        .filter(|(of, name)| (of.is_empty() || of.ends_with(".rs")) && is_name(name))
+        .map(|(of, name)| {
+            if !of.is_empty() {
+                file = of.to_owned();
+            }
+            (file.clone(), name.to_owned())
+        })
+        .collect()
+}
+
+#[test]
+fn tests_of_promises_are_there() {
+    let page = fs::read_to_string(root().join("docs/src/validation/trust.md")).expect("a page");
+    let all = named_tests(&page);
+    assert!(all.len() > 80, "{} are named", all.len());
+    for (file, name) in all {
+        let folder = match file.split('/').next().unwrap_or_default() {
+            "models" | "sim" => "",
+            "program" => "sim/tests",
+            _ => "tests/tests/suite",
+        };
+        let text = fs::read_to_string(root().join(folder).join(&file)).unwrap_or_default();
+        assert!(text.contains(&format!("fn {name}(")), "trust.md: {file}::{name} is not there");
     }
 }
 

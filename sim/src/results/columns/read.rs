@@ -1,7 +1,6 @@
 //! What [`super::ParquetFile`] wrote, read back.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -141,7 +140,7 @@ fn open(path: &Path) -> io::Result<(ParquetRecordBatchReaderBuilder<Bytes>, usiz
 
 /// The end of a file, with the whole footer in it if the file has one.
 fn end(path: &Path) -> io::Result<Vec<u8>> {
-    let mut file = File::open(path)?;
+    let mut file = input::open(path)?;
     let length = file.metadata()?.len();
     let mut last = |count: u64| {
         let mut bytes = Vec::new();
@@ -176,6 +175,8 @@ fn cells(batch: &RecordBatch, column: usize, holds: Holds) -> Option<Cells> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::File;
+
     use crate::results::columns::{CsvFile, ParquetFile};
 
     fn columns() -> Vec<Column> {
