@@ -209,12 +209,12 @@ fn a_run_that_cannot_go_on_says_so() {
     let (mut q, v) = System::new(&model).assembly.straight(0.0, 0.0);
     q[3] = f64::NAN;
     let state = State { time: 0.0, q, v, z: vec![0.0; model.memory()] };
-    let failure = sim::integrate::start(Method::TrBdf2, &model, state, control(1e-5), 1.0).err().unwrap();
+    let failure = integrate::start(Method::TrBdf2, &model, state, control(1e-5)).err().unwrap();
     assert!(matches!(failure, IntegrateError::NotFinite { .. }), "{failure}");
 
     let model = Model::new(&ModelSpec { schedule: Some(Arc::new(Broken)), ..soft() }).unwrap();
     for method in METHODS {
-        let mut run = start(&model, method, control(1e-5), 1.0);
+        let mut run = start(&model, method, control(1e-5));
         let failure = (0..1000).find_map(|_| run.advance(1.0).err()).unwrap();
         assert!(
             matches!(failure, IntegrateError::Stalled { time, .. } if (time - 0.05).abs() < 1e-3),
