@@ -1,6 +1,7 @@
 //! A first experiment file, written from the recordings themselves: what is guessed says so, and how.
 
 use std::fmt::Write;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use super::{Experiment, ExperimentError};
@@ -20,9 +21,9 @@ const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
 const TIP: f64 = 0.8;
 /// By how much the distance of two markers of one body may vary, in the motion of the tip.
 const RIGID: f64 = 0.1;
-/// Direction of the held tip within which the rod is guessed to be straight and level, rad: a marker that stands off a rod
-/// of ten diameters by one of them is seen there.
-const LEVEL: f64 = 0.1;
+/// Directions of the held tip between which the rod is guessed to be straight and level, rad. A marker stands on top of the
+/// rod, so that the tip of a thick one is seen far above the level; a tip below it sags, unless the rod is thin against 0.1.
+const LEVEL: RangeInclusive<f64> = -0.1..=0.35;
 
 /// What the markers of a recording seem to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,7 +115,7 @@ pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
                     1e3 * s.static_drop
                 ));
                 let start = &mut starts[release.recording];
-                if s.hold_angle.abs() < LEVEL && start.instant.is_none() {
+                if LEVEL.contains(&s.hold_angle) && start.instant.is_none() {
                     start.angle = Some(s.hold_angle);
                 }
             }

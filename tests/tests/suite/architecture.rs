@@ -35,7 +35,12 @@ const DOORS: [(&str, &[&str]); 27] = [
     ("clap_mangen", &["sim/src/cli/man.rs"]),
     (
         "csv",
-        &["sim/src/recording/cells.rs", "sim/src/results/columns.rs", "sim/src/results/export/stored.rs"],
+        &[
+            "sim/src/recording/cells.rs",
+            "sim/src/results/columns.rs",
+            "sim/src/results/export/stored.rs",
+            "sim/tests/program/names.rs",
+        ],
     ),
     ("comfy_table", &["sim/src/cli/effects.rs"]),
     ("diffsol", &["sim/core/src/integrate/diffsol.rs", "sim/core/src/integrate/diffsol/"]),
