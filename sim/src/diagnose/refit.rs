@@ -74,8 +74,9 @@ pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit
     let mut known = rough.known.clone();
     let fitted = candidate.within_ranges(rough.problem.clone(), |problem| {
         let Some(mut fit) = Joint::follow(problem, &known, &|_| ())? else { return Ok(None) };
-        // The way from the fit without it may end beside the best: a law that turns round changes the phase.
-        if !fit.is_explained()
+        // The way from the fit without it may end beside the best: friction changes the phase.
+        if candidate.strength.is_friction
+            && !fit.is_explained()
             && let Ok(other) = Joint::search(problem, &|_| ())
             && other.cost() < fit.cost()
         {
