@@ -1,8 +1,8 @@
 //! A rod that is held bent before its release: the force and the moment of the hand, from the markers.
 //!
 //! The rod starts at rest under a dead load at its end (`effects::tip_hold`). The load is a nuisance parameter of its
-//! release. Here it gets its first value: least squares on the places of the markers at the release, by Levenberg and
-//! Marquardt's method, with what a hand may do as a prior.
+//! release. Here it gets its first value: least squares on the places of the markers at the release, with what a hand may
+//! do as a prior.
 
 use std::ops::ControlFlow;
 
@@ -11,6 +11,7 @@ use models::error::ModelError;
 use models::model::Model;
 use nalgebra::{DMatrix, DVector};
 
+use super::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
 use super::problem::Trial;
 use crate::experiment::release::Release;
 use crate::forward::{ForwardError, Initial, Run, forward};
@@ -19,26 +20,26 @@ use crate::forward::{ForwardError, Initial, Run, forward};
 pub(super) const LATE_HOLD: f64 = 0.1;
 /// Error of a marker's place, over the rod's length: half a millimetre on the paper's muscle.
 const PLACE: f64 = 3e-3;
-const MOST_ITERATIONS: usize = 60;
-/// Change of the load, over its size, below which it is found.
-const SETTLED: f64 = 1e-4;
+const MOST_EVALUATIONS: usize = 60;
+/// Predicted decrease of half the squared residuals below which the load is found: a tenth of a standard error.
+const SETTLED: f64 = 5e-3;
 
 /// Sizes of what a hand does: forces that bend the rod by its length and bear what it weighs, rates that change them in
 /// the time in which the end falls by that length, the moment of such a force.
 /// Source: a cantilever under a load at its end, `P = 3 EI w / L³`.
-pub(super) fn sizes(model: &Model) -> [f64; 5] {
-    let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
+pub(crate) fn sizes(model: &Model) -> Result<[f64; 5], ModelError> {
+    let value = |path: &str| Ok(model.theta[model.index(path)?]);
     let rod = model.rod();
-    let mass = rod.mass + value("effects.end_fitting.mass") + value("effects.payload.mass");
-    let gravity = value("effects.gravity.acceleration");
+    let mass = rod.mass + value("effects.end_fitting.mass")? + value("effects.payload.mass")?;
+    let gravity = value("effects.gravity.acceleration")?;
     let force = 3.0 * rod.bending_stiffness / rod.length.powi(2) + mass * gravity;
     let rate = force / (rod.length / gravity.max(1.0)).sqrt();
-    [force, force, rate, rate, force * rod.length]
+    Ok([force, force, rate, rate, force * rod.length])
 }
 
-/// How many of them a release can tell: one marker does not show a moment.
-pub(super) fn components(release: &Release) -> usize {
-    if release.tracks.len() > 1 { 5 } else { 4 }
+/// Whether a release can tell the moment: one marker does not show it.
+pub(super) fn shows_moment(release: &Release) -> bool {
+    release.tracks.len() > 1
 }
 
 /// Lets a trial start at rest in the hand that holds its markers where they are seen.
@@ -53,10 +54,12 @@ pub(super) fn hold(trial: &mut Trial) -> Result<(), ForwardError> {
     Ok(())
 }
 
-/// Where the force and the moment stand in `theta`, and their sizes.
-fn load(model: &Model) -> Result<[(usize, f64); 3], ModelError> {
-    let ([x, z, _, _, moment], [force, .., of_moment]) = (PULL, sizes(model));
-    Ok([(model.index(x)?, force), (model.index(z)?, force), (model.index(moment)?, of_moment)])
+/// Where the force, and the moment if the release can tell it, stand in `theta`, and their sizes.
+fn load(trial: &Trial) -> Result<Vec<(usize, f64)>, ModelError> {
+    let ([x, z, _, _, moment], [force, .., of_moment]) = (PULL, sizes(&trial.model)?);
+    let moment = shows_moment(&trial.release).then_some((moment, of_moment));
+    let all = [(x, force), (z, force)].into_iter().chain(moment);
+    all.map(|(path, size)| Ok((trial.model.index(path)?, size))).collect()
 }
 
 /// Where each track is at the release: the mean of the end of the hold, or else the first sample.
@@ -73,18 +76,16 @@ fn targets(release: &Release) -> Vec<Option<[f64; 2]>> {
     release.tracks.iter().map(|track| mean(&track.position)).collect()
 }
 
-/// The load that brings the markers nearest to where they are.
+/// The load that brings the markers nearest to where they are, beside what a hand may do.
 fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
     let targets = targets(&trial.release);
-    let load = load(&trial.model)?;
-    let unknowns = if trial.release.tracks.len() > 1 { 3 } else { 2 };
-    let load = &load[..unknowns];
+    let load = load(trial)?;
+    let unknowns = load.len();
     let scaled = |x: &DVector<f64>| -> Vec<_> {
         load.iter().zip(x.iter()).map(|((place, size), x)| (*place, size * x)).collect()
     };
     let per_error = (PLACE * trial.model.rod().length).recip();
-    // Residuals of the markers that are seen and of the prior, and their slopes by the load over its sizes.
-    let look = |x: &DVector<f64>| -> Result<(DVector<f64>, DMatrix<f64>), ForwardError> {
+    let look = |x: &DVector<f64>| -> Result<Evaluated<()>, ForwardError> {
         let (model, initial) = trial.with(&scaled(x));
         let run = Run {
             initial,
@@ -95,46 +96,34 @@ fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
             ..Run::release(0.0, 1.0)
         };
         let seen = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
-        let rows = 2 * targets.iter().flatten().count() + unknowns;
-        let (mut residual, mut slopes) = (DVector::zeros(rows), DMatrix::zeros(rows, unknowns));
-        let mut row = 0;
+        // The prior has a standard deviation of one.
+        let (mut cost, mut gradient) = (0.5 * x.norm_squared(), x.clone());
+        let mut hessian = DMatrix::identity(unknowns, unknowns);
         for (t, target) in targets.iter().enumerate() {
             let Some(target) = target else { continue };
             for axis in 0..2 {
-                residual[row] = per_error * (target[axis] - seen.points[0][t][axis]);
-                for k in 0..unknowns {
-                    slopes[(row, k)] = per_error * load[k].1 * seen.points_by_parameters[0][t][k][axis];
-                }
-                row += 1;
+                let residual = per_error * (target[axis] - seen.points[0][t][axis]);
+                let slope = |k: usize| per_error * load[k].1 * seen.points_by_parameters[0][t][k][axis];
+                let slopes = DVector::from_fn(unknowns, |k, _| slope(k));
+                cost += 0.5 * residual * residual;
+                gradient -= residual * &slopes;
+                hessian += &slopes * slopes.transpose();
             }
         }
-        for k in 0..unknowns {
-            residual[row + k] = -x[k];
-            slopes[(row + k, k)] = 1.0;
-        }
-        Ok((residual, slopes))
+        Ok(Evaluated { cost, gradient, hessian, carried: () })
     };
-    let mut x = DVector::zeros(unknowns);
-    let (mut residual, mut slopes) = look(&x)?;
-    let mut damping = 1.0;
-    for _ in 0..MOST_ITERATIONS {
-        let mut normal = slopes.tr_mul(&slopes);
-        for k in 0..unknowns {
-            normal[(k, k)] *= 1.0 + damping;
-        }
-        let Some(inverse) = normal.cholesky() else { break };
-        let step = inverse.solve(&slopes.tr_mul(&residual));
-        match look(&(&x + &step)) {
-            Ok((other, of_other)) if other.norm_squared() < residual.norm_squared() => {
-                (x, residual, slopes) = (x + &step, other, of_other);
-                damping *= 0.2;
-                if step.amax() < SETTLED {
-                    break;
-                }
-            }
-            _ if damping > 1e9 => break,
-            _ => damping *= 5.0,
-        }
-    }
-    Ok(scaled(&x))
+    let start = DVector::zeros(unknowns);
+    look(&start)?;
+    let search = Search {
+        bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); unknowns],
+        longest: vec![1.0; unknowns],
+        tolerance: SETTLED,
+        relative: 0.0,
+        most_evaluations: MOST_EVALUATIONS,
+        first_damping: FIRST_DAMPING,
+        lends_slopes: false,
+        is_followed: true,
+    };
+    let found = minimise(&start, None, &search, &mut |x, _| look(x).ok());
+    Ok(scaled(&found.map_or(start, |found| found.x)))
 }

@@ -7,7 +7,7 @@
 mod autocorrelation;
 pub mod calibration;
 mod error;
-mod hold;
+pub(crate) mod hold;
 mod identifiability;
 pub(crate) mod joint;
 mod levenberg_marquardt;

@@ -221,8 +221,10 @@ impl Unknowns {
             add(Kind::HoldAngle, acts, HOLD_ANGLE, "rad", deviation, nuisances.farthest);
         }
         if trial.is_held() {
-            let of_hand = PULL.iter().zip(hold::sizes(&trial.model)).zip(["N", "N", "N/s", "N/s", "N m"]);
-            for ((path, size), unit) in of_hand.take(hold::components(&trial.release)) {
+            let sizes = hold::sizes(&trial.model).map_err(|error| of_model(trial, error))?;
+            let told = PULL.len() - usize::from(!hold::shows_moment(&trial.release));
+            let of_hand = PULL.iter().zip(sizes).zip(["N", "N", "N/s", "N/s", "N m"]);
+            for ((path, size), unit) in of_hand.take(told) {
                 let acts = Acts::Theta(index(trial, path)?);
                 add(Kind::Pull, acts, path, unit, size, f64::INFINITY);
             }
@@ -253,8 +255,11 @@ impl Group {
 }
 
 fn index(trial: &Trial, path: &str) -> Result<usize, CalibrateError> {
-    let release = || trial.release.name.clone();
-    trial.model.index(path).map_err(|error: ModelError| CalibrateError::Model { release: release(), error })
+    trial.model.index(path).map_err(|error| of_model(trial, error))
+}
+
+fn of_model(trial: &Trial, error: ModelError) -> CalibrateError {
+    CalibrateError::Model { release: trial.release.name.clone(), error }
 }
 
 fn group(parameter: &Parameter, t: usize, trial: &Trial) -> Result<Group, CalibrateError> {

@@ -7,6 +7,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use models::effects::tip_hold::PULL;
+
+use crate::calibrate::hold;
 use crate::calibrate::loss::spread;
 use crate::calibrate::{Problem, Trial};
 use crate::experiment::release::Release;
@@ -136,12 +139,21 @@ fn is_one_condition(a: &Trial, b: &Trial) -> bool {
             path if path != b.model.parameters[k].path => false,
             "release.angle" => (one - other).abs() < SAME_ANGLE,
             path if path.starts_with("release.") => true,
+            path if path.starts_with("effects.tip_hold.") => is_same_hand(a, path, one - other),
             // A rod that states no diameter has none.
             _ => (one - other).abs() <= SAME * one.abs() || one.is_nan() && other.is_nan(),
         }
     };
     let count = a.model.parameters.len();
     count == b.model.parameters.len() && (0..count).all(is_same)
+}
+
+/// Whether a difference in what the hand does before the release bends the rod by no more than the angle of a release may
+/// differ. The rates are part of how it lets go, as an angular velocity is.
+fn is_same_hand(trial: &Trial, path: &str, difference: f64) -> bool {
+    let Ok(sizes) = hold::sizes(&trial.model) else { return false };
+    let own = PULL.iter().zip(sizes).find(|(own, _)| **own == path);
+    own.is_none_or(|(own, size)| own.contains("rate") || difference.abs() < SAME_ANGLE * size)
 }
 
 /// How far the tip goes from where it begins at most, m.
@@ -293,5 +305,14 @@ mod tests {
         let mut without = problem.trials[0].clone();
         without.model.theta[0] = f64::NAN;
         assert!(is_one_condition(&without, &without) && !is_one_condition(&without, &problem.trials[0]));
+        // Two hands never hold a rod with the same force.
+        let held = |share: f64| {
+            let mut trial = problem.trials[0].clone();
+            let force = share * hold::sizes(&trial.model).unwrap()[1];
+            trial.model =
+                trial.model.with_effect("tip_hold", &[("force_z", force), ("rate_z", 1e2 * share)]).unwrap();
+            trial
+        };
+        assert!(is_one_condition(&held(1.0), &held(1.02)) && !is_one_condition(&held(1.0), &held(1.2)));
     }
 }

@@ -4,7 +4,7 @@ use models::effects::{CATALOGUE, Kind};
 
 use super::gate;
 use super::refit::prefix;
-use super::section::{LEAST_NOISE, TILT};
+use super::section::{FARTHEST, LEAST_NOISE, TILT};
 use super::verdict::{Contradiction, Diagnosis, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Known;
@@ -20,9 +20,9 @@ pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Known]
     words
 }
 
-/// Standard deviations by which what was believed of the setup may be off before a warning says so, and before
-/// an answer is not believed that needs it.
-const BELIEVABLE: f64 = 4.0;
+/// Standard deviations by which what was believed of the setup may be off before a warning says so: what ends at its limit
+/// is so far off at least. Beyond the second number no answer is believed that needs it.
+const BELIEVABLE: f64 = FARTHEST * (1.0 - 1e-6);
 const UNBELIEVABLE: f64 = 6.0;
 
 /// Standard deviations by which a fit had to move what was believed of an unknown.

@@ -184,6 +184,14 @@ impl Entry {
             return Err(keys.missing("pressure", "pressure = \"15 psi\", which the muscle needs"));
         }
         keys.text("note")?;
+        let (start, overrides) = (start(keys)?, overrides(keys)?);
+        if let (Some(Start::Held), Some(own)) = (start, overrides.iter().find(|own| own.angle.is_some())) {
+            let message = format!(
+                "a rod that is held bent has no angle, and release {} has one; {ONE_START}",
+                own.number
+            );
+            return Err(keys.wrong("start", Problem::Other { message }));
+        }
         let whole = |key| keys.counts(key).and_then(|counts| from_one(keys, key, counts));
         Ok(Entry {
             key: keys.path.clone(),
@@ -202,7 +210,7 @@ impl Entry {
             clamp: vector(keys, "clamp", "m")?,
             base_angle: angle(keys, "base_angle")?,
             angle: angle(keys, "angle")?,
-            start: start(keys)?,
+            start,
             offset: offset(keys)?,
             instants: match keys.quantities("instants", "s")? {
                 Some(list) if list.is_empty() || list.windows(2).any(|pair| pair[0] >= pair[1]) => {
@@ -222,7 +230,7 @@ impl Entry {
             noise: keys.quantity_that("noise", "m", "be positive", |noise| noise > 0.0)?,
             find_spurious: keys.word("spurious", &[("mask", true), ("keep", false)])?.unwrap_or(true),
             mask: mask(keys)?,
-            overrides: overrides(keys)?,
+            overrides,
         })
     }
 
@@ -355,11 +363,14 @@ fn angle(keys: &Keys, key: &str) -> Result<Option<f64>, ScenarioError> {
     keys.quantity_that(key, "rad", "lie in -6.3..=6.3 rad (-361..=361 deg)", |a| a.abs() <= 6.3)
 }
 
+/// What to do about two starts.
+const ONE_START: &str = "its posture follows from the markers; leave one of the two out";
+
 fn start(keys: &Keys) -> Result<Option<Start>, ScenarioError> {
     let start = keys.word("start", &[("straight", Start::Straight), ("held", Start::Held)])?;
     if start == Some(Start::Held) && keys.has("angle") {
-        let message = "a rod that is held bent has no angle; its posture follows from the markers; leave one of the two out";
-        return Err(keys.wrong("start", Problem::Other { message: message.to_owned() }));
+        let message = format!("a rod that is held bent has no angle; {ONE_START}");
+        return Err(keys.wrong("start", Problem::Other { message }));
     }
     Ok(start)
 }

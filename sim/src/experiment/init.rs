@@ -21,8 +21,9 @@ const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
 const TIP: f64 = 0.8;
 /// By how much the distance of two markers of one body may vary, in the motion of the tip.
 const RIGID: f64 = 0.1;
-/// Directions of the held tip between which the rod is guessed to be straight and level, rad. A marker stands on top of the
-/// rod, so that the tip of a thick one is seen far above the level; a tip below it sags, unless the rod is thin against 0.1.
+/// Directions of the held tip between which the rod is guessed to be straight and level, rad. Markers stand on top of a rod:
+/// on a thick one they are seen far above the level. Below it the tip has sagged, unless a marker hangs there: on a rod of
+/// ten diameters one of them is 0.1 rad.
 const LEVEL: RangeInclusive<f64> = -0.1..=0.35;
 
 /// What the markers of a recording seem to be.

@@ -55,6 +55,23 @@ fn every_key_is_read() {
 }
 
 #[test]
+fn a_rod_without_an_angle_is_held_bent() {
+    let starts = |more: &str| {
+        let experiment = load(&format!("{RECORDING}{more}"), &[]).unwrap();
+        [1, 2].map(|number| experiment.recordings[0].start_of(number))
+    };
+    assert_eq!(starts(""), [Start::Held, Start::Held]);
+    assert_eq!(starts("angle = \"0 deg\"\n"), [Start::Straight, Start::Straight]);
+    assert_eq!(starts("start = \"straight\"\n"), [Start::Straight, Start::Straight]);
+    let second = "[[recording.release]]\nnumber = 2\nangle = \"5 deg\"\n";
+    assert_eq!(starts(second), [Start::Held, Start::Straight]);
+    for more in ["angle = \"0 deg\"\n", second] {
+        let said = error(&format!("{RECORDING}start = \"held\"\n{more}"), &[]);
+        assert!(said.contains("recording[1].start") && said.contains("held bent has no angle"), "{said}");
+    }
+}
+
+#[test]
 fn a_model_is_that_of_a_scenario_with_the_recordings_own_pressure_and_payload() {
     let text = format!(
         "[muscle]\nname = \"garbulinski-2022\"\n{}pressure = \"15 psi\"\n{}pressure = \"40 psi\"\npayload = \"80 g\"\n",
