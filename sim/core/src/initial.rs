@@ -68,7 +68,7 @@ impl Initial {
 
 impl Initial {
     /// Whether a hand holds the rod, and may move.
-    pub(crate) fn is_in_a_hand(&self) -> bool {
+    pub fn is_in_a_hand(&self) -> bool {
         matches!(self, Initial::Equilibrium { hold, .. } if hold.effect(tip_hold::NAME).is_some())
     }
 

@@ -1,6 +1,5 @@
 //! What is to be calibrated: measured releases, their models, and which parameters are unknown.
 
-use models::effects::tip_hold;
 use models::error::ModelError;
 use models::model::Model;
 
@@ -145,7 +144,7 @@ impl Trial {
 
     /// Whether a hand holds the rod bent before the release.
     pub(crate) fn is_held(&self) -> bool {
-        matches!(self.run.initial, Initial::Equilibrium { .. }) && self.model.effect(tip_hold::NAME).is_some()
+        self.run.initial.is_in_a_hand()
     }
 
     /// Divides each edge into `factor` of them, of what holds the rod as well. A posture keeps its nodes.

@@ -5,7 +5,7 @@ use models::effects::{CATALOGUE, Kind};
 use super::report::short;
 use super::report::significant;
 use super::summary::Summary;
-use crate::calibrate::{Parameter, Problem, Scope};
+use crate::calibrate::{Parameter, Problem, Scope, Trial};
 
 /// What a simulation takes for granted.
 pub fn of_run(summary: &Summary) -> Vec<String> {
@@ -66,7 +66,14 @@ pub fn of_problem(problem: &Problem) -> Vec<String> {
     if nuisances.release_instant {
         words.push("the instant of each release is fitted within its error".to_owned());
     }
-    if let Some(angle) = nuisances.hold_angle {
+    if problem.trials.iter().any(Trial::is_held) {
+        words.push(
+            "where no angle is given, a hand holds the rod bent: its force and moment, and how fast they change, are fitted"
+                .to_owned(),
+        );
+    }
+    let is_straight = problem.trials.iter().any(Trial::is_straight);
+    if let Some(angle) = nuisances.hold_angle.filter(|_| is_straight) {
         words.push(format!(
             "the angle at which each release is held is fitted, to {} degrees",
             significant(angle.to_degrees(), 2)
@@ -74,6 +81,9 @@ pub fn of_problem(problem: &Problem) -> Vec<String> {
     }
     if let Some(offset) = nuisances.offset {
         words.push(format!("the place of each marker is fitted, to {} mm", significant(1e3 * offset, 2)));
+    }
+    if nuisances.farthest.is_finite() {
+        words.push(format!("none of these is more than {} standard deviations off", nuisances.farthest));
     }
     words.push("everything else is as experiment.toml says".to_owned());
     words
