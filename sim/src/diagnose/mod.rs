@@ -125,7 +125,9 @@ pub fn diagnose(
     let repeats = Repeats::of(problem, settings.repeatability);
     let heard =
         repeats.as_ref().filter(|repeats| repeats.is_known()).map(|repeats| repeats.heard_in(problem));
-    let problem = heard.as_ref().unwrap_or(problem);
+    let mut problem = heard.unwrap_or_else(|| problem.clone());
+    section::limit(&mut problem);
+    let problem = &problem;
     let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, repeats, ..Diagnosis::default() };
     listener.doing("the first swings");
     let before = match early::before(problem)? {

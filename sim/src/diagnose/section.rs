@@ -29,12 +29,23 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
     }
     let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
     tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
-    problem.nuisances.farthest = FARTHEST;
     believe_stiffness(&mut problem, experiment);
-    damp_waves(&mut problem);
     admit_tilt(&mut problem, USUAL_TILT);
     lock_away(&mut problem);
     Ok(problem)
+}
+
+/// What every diagnosis keeps to, whoever posed the problem: a setup within what is stated of it, and waves that are
+/// damped.
+pub(super) fn limit(problem: &mut Problem) {
+    problem.nuisances.farthest = FARTHEST;
+    let tilt = problem.parameters.iter_mut().find(|own| own.path == TILT_ANGLE && own.bounds.is_none());
+    if let Some(own) = tilt
+        && let Some(Prior { mean, deviation }) = own.prior
+    {
+        own.bounds = Some((mean - FARTHEST * deviation, mean + FARTHEST * deviation));
+    }
+    damp_waves(problem);
 }
 
 /// Noise below which a difference of fit and recording says nothing, m: what is left of mesh and step.
@@ -103,10 +114,9 @@ pub fn admit_tilt(problem: &mut Problem, deviation: f64) {
     let scope = if is_known { Scope::PerPressure } else { Scope::Shared };
     problem.parameters.push(Parameter {
         start: Some(0.0),
-        bounds: Some((-FARTHEST * deviation, FARTHEST * deviation)),
         prior: Some(Prior { mean: 0.0, deviation }),
         scale: Some(Scale::Linear),
-        ..Parameter::new("effects.frame_tilt.angle", scope)
+        ..Parameter::new(TILT_ANGLE, scope)
     });
 }
 
@@ -116,6 +126,7 @@ pub(super) const FARTHEST: f64 = 4.0;
 
 /// The effect of a frame that is not level.
 pub(super) const TILT: &str = "frame_tilt";
+const TILT_ANGLE: &str = "effects.frame_tilt.angle";
 
 /// Locks releases away if the experiment has not: of three pressures or more the middle one, and of what is
 /// left the last release, if two others stay.

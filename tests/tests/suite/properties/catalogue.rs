@@ -11,7 +11,7 @@ use tests::paper_spec;
 const NOW: f64 = 0.3;
 
 /// Effects that pull towards places or directions of the laboratory, and so know its frame.
-const FIXED_IN_THE_LABORATORY: [&str; 4] = ["gravity", "tip_load", "hose", "hand_release"];
+const FIXED_IN_THE_LABORATORY: [&str; 5] = ["gravity", "tip_load", "tip_hold", "hose", "hand_release"];
 
 /// A model in which one effect acts: each parameter at its default or, where that is off, at half its
 /// scale; those `off` at off.
