@@ -23,6 +23,8 @@ pub struct Equilibrium {
     pub q: Vec<f64>,
     /// Relaxed memory of the effects.
     pub z: Vec<f64>,
+    /// Time at which loads and laws that change in time were taken, s.
+    pub time: f64,
     /// Newton iterations, over all load steps.
     pub iterations: usize,
     /// Steps in which the load was put on; 1 where it could be put on at once.
@@ -68,7 +70,16 @@ pub struct Equilibrium {
 /// # Panics
 /// If `start` has not `2N+1` entries.
 pub fn equilibrium(model: &Model, start: Option<&[f64]>) -> Result<Equilibrium, ModelError> {
-    let mut search = Search::new(model);
+    equilibrium_at(model, 0.0, start)
+}
+
+/// The same at another time, s: where loads and laws that change in time have come to, such as a hand that lets go.
+/// # Errors
+/// As [`equilibrium`].
+/// # Panics
+/// If `start` has not `2N+1` entries.
+pub fn equilibrium_at(model: &Model, time: f64, start: Option<&[f64]>) -> Result<Equilibrium, ModelError> {
+    let mut search = Search::new(model, time);
     let straight = search.system.assembly.straight(model.theta[BASE_ANGLE], 0.0).0;
     let mut q = start.map_or_else(|| straight.clone(), <[f64]>::to_vec);
     assert_eq!(q.len(), model.dof(), "coordinates of another model");
@@ -115,6 +126,8 @@ struct Search {
     system: System,
     z: Vec<f64>,
     z_rate: Vec<f64>,
+    /// Time at which laws are taken, s.
+    time: f64,
     at_rest: Vec<f64>,
     force: Vec<f64>,
     step: Vec<f64>,
@@ -130,12 +143,13 @@ struct Search {
 }
 
 impl Search {
-    fn new(model: &Model) -> Self {
+    fn new(model: &Model, time: f64) -> Self {
         let (dof, memory) = (model.dof(), model.memory());
         Self {
             system: System::at_rest(model),
             z: vec![0.0; memory],
             z_rate: vec![0.0; memory],
+            time,
             at_rest: vec![0.0; dof],
             force: vec![0.0; dof],
             step: vec![0.0; dof],
@@ -150,8 +164,8 @@ impl Search {
     }
 
     fn found(self, q: Vec<f64>, load_steps: usize) -> Equilibrium {
-        let Self { z, iterations, imbalance, stable, .. } = self;
-        Equilibrium { q, z, iterations, load_steps, imbalance, stable }
+        let Self { z, time, iterations, imbalance, stable, .. } = self;
+        Equilibrium { q, z, time, iterations, load_steps, imbalance, stable }
     }
 
     fn stalled(&self, share: f64) -> ModelError {
@@ -226,17 +240,17 @@ impl Search {
             + f.tip[2].abs() / length;
         let (moment, forces) = self.force.split_last().expect("a rod has coordinates");
         self.imbalance = forces.iter().fold((moment / length).abs(), |most, force| worse(most, force.abs()));
-        let Self { system, at_rest, z, force, z_rate, .. } = self;
-        system.linearise_into(0.0, q, at_rest, z, force, z_rate);
+        let Self { system, time, at_rest, z, force, z_rate, .. } = self;
+        system.linearise_into(*time, q, at_rest, z, force, z_rate);
         system.condense(0.0);
         load
     }
 
     /// Forces at `q`, with the memory as it is after a long rest there.
     fn relaxed_force(&mut self, q: &[f64]) {
-        let Self { system, at_rest, z, force, z_rate, .. } = self;
-        system.relax_memory(0.0, q, z);
-        system.force(0.0, q, at_rest, z, force, z_rate);
+        let Self { system, time, at_rest, z, force, z_rate, .. } = self;
+        system.relax_memory(*time, q, z);
+        system.force(*time, q, at_rest, z, force, z_rate);
     }
 
     /// Factors the matrix of paths with the smallest shift, of those tried, that makes it positive.

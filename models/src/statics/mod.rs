@@ -9,6 +9,6 @@ mod held;
 mod modes;
 mod path;
 
-pub use equilibrium::{Equilibrium, equilibrium};
+pub use equilibrium::{Equilibrium, equilibrium, equilibrium_at};
 pub use held::{Hold, held};
 pub use modes::{Mode, modes};

@@ -53,7 +53,7 @@ pub fn modes(model: &Model, at: &Equilibrium, count: usize) -> Result<Vec<Mode>,
     let mut system = System::at_rest(model);
     let mut force = vec![0.0; model.dof()];
     let at_rest = vec![0.0; model.dof()];
-    system.linearise(0.0, &at.q, &at_rest, &at.z, &mut force);
+    system.linearise(at.time, &at.q, &at_rest, &at.z, &mut force);
     system.condense(0.0);
     let mut shapes = Shapes::new(&system, &at.q, count);
     let relaxed = shapes.iterate(system.stiffness(), &system.mass)?;

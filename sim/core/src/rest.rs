@@ -2,7 +2,7 @@
 
 use models::error::ModelError;
 use models::model::Model;
-use models::statics::{Equilibrium, Mode, equilibrium, modes};
+use models::statics::{Equilibrium, Mode, equilibrium_at, modes};
 use models::system::System;
 
 /// The posture in which a model hangs.
@@ -35,7 +35,7 @@ pub fn slipping_modes(model: &Model, time: f64, count: usize) -> Option<Vec<(f64
     Some(rest(&slipping, time, count).and_then(|rest| rest.modes).unwrap_or_default())
 }
 
-/// The rest under the pressure of a time, s, and `count` modes about it.
+/// The rest under the pressure and the loads of a time, s, and `count` modes about it.
 ///
 /// ```
 /// use efam_core::models::model::Model;
@@ -54,7 +54,7 @@ pub fn slipping_modes(model: &Model, time: f64, count: usize) -> Option<Vec<(f64
 /// [`ModelError::Equilibrium`], or a pressure at which there is no rod.
 pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> {
     let model = &frozen(model, time)?;
-    let found = equilibrium(model, None)?;
+    let found = equilibrium_at(model, time, None)?;
     let at_rest = vec![0.0; found.q.len()];
     let mut system = System::at_rest(model);
     let posture = system.assembly.posture(&found.q, &at_rest);
@@ -72,7 +72,7 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
 
 /// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.
 pub fn root_moment(system: &mut System, at: &Equilibrium) -> f64 {
-    system.root_moment(0.0, &at.q, &vec![0.0; at.q.len()], &at.z)
+    system.root_moment(at.time, &at.q, &vec![0.0; at.q.len()], &at.z)
 }
 
 /// The model with the rod that its pressure makes of it at a time.
@@ -89,4 +89,36 @@ fn frozen(model: &Model, time: f64) -> Result<Model, ModelError> {
     let pressure = frozen.rod().pressure + schedule.pressure_change(time, time).0;
     frozen.set("rod.pressure", pressure)?;
     Ok(frozen)
+}
+
+#[cfg(test)]
+mod tests {
+    use models::effects::Rod;
+    use models::model::ModelSpec;
+
+    use super::*;
+
+    /// A hand that lets go in a tenth of a second bears a rod at the release, and not twenty of these times later.
+    #[test]
+    fn a_hand_that_has_let_go_bears_nothing() {
+        let rod = Rod {
+            length: 0.2,
+            mass: 0.02,
+            bending_stiffness: 5e-3,
+            axial_stiffness: 500.0,
+            diameter: 0.02,
+            pressure: 0.0,
+        };
+        let free = ModelSpec { nodes: 12, ..ModelSpec::of(rod) }.with(&[("gravity.acceleration", 9.81)]);
+        let hand = [("hand_release.force", 0.1), ("hand_release.release_time", 0.1)];
+        let height = |spec: &ModelSpec, time: f64| {
+            let rest = rest(&Model::new(spec).unwrap(), time, 1).unwrap();
+            (rest.tip[1], rest.root_moment, rest.modes.unwrap()[0].0)
+        };
+        let (held, free_rest) = (free.clone().with(&hand), height(&free, 0.0));
+        let late = height(&held, 2.0);
+        assert!((late.0 - free_rest.0).abs() < 1e-7, "{late:?} {free_rest:?}");
+        assert!((late.1 / free_rest.1 - 1.0).abs() < 1e-6 && (late.2 / free_rest.2 - 1.0).abs() < 1e-6);
+        assert!(height(&held, 0.0).0 > free_rest.0 + 0.01);
+    }
 }

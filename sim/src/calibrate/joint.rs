@@ -72,6 +72,11 @@ impl Fitted {
         Self { problem, found }
     }
 
+    /// The same fit of a problem that differs in nothing that was fitted.
+    pub fn with_problem(&self, problem: Problem) -> Self {
+        Self { problem, found: self.found.clone() }
+    }
+
     /// The fit, as it was found.
     /// # Errors
     /// [`CalibrateError`] where the problem is another one than was fitted.

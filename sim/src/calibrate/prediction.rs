@@ -13,6 +13,7 @@ use super::unknowns::{Acts, Local, Unknown};
 use crate::experiment::release::Point;
 use crate::forward::{ForwardError, Run, forward};
 use crate::integrate::{Method, Steps};
+use crate::trajectory::Status;
 
 /// The samples of a release that are fitted.
 #[derive(Clone, Debug)]
@@ -186,6 +187,9 @@ pub(crate) fn predict(
         cancel: trial.run.cancel.clone(),
     };
     let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+    if let Status::CutShort { time } = path.status {
+        return Err(ForwardError::CutShort { time });
+    }
     let tracks = trial.release.tracks.len();
     // A hand that moves brings the markers along a straight line to where it lets go.
     let way = |track: usize, sample: usize| {

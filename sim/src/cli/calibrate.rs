@@ -70,7 +70,8 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
         let cleaned = read(&experiment, &stages)?;
         let (problem, settings) = problem(&experiment, &cleaned)?;
         let settings = Settings { profile: args.profile, ..settings };
-        let outcome = calibrate(&problem, &settings, &Watcher { stages: &stages, live: live.as_ref() })?;
+        let outcome =
+            calibrate(&problem, &settings, &Watcher { stages: &stages, live: live.as_ref(), ending: None })?;
         Ok((problem, settings, outcome))
     };
     let (folder, done) = interrupt::during(folder, &stages, work);
