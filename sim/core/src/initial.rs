@@ -72,6 +72,14 @@ impl Initial {
         matches!(self, Initial::Equilibrium { hold, .. } if hold.effect(tip_hold::NAME).is_some())
     }
 
+    /// Whether a hand moves the rod, or would with another value of a parameter: its rate.
+    pub(crate) fn is_in_a_moving_hand(&self, parameter: usize) -> bool {
+        let Initial::Equilibrium { hold, .. } = self else { return false };
+        let [_, _, rates @ .., _] = tip_hold::PULL;
+        let rates = rates.map(|path| hold.index(path).ok());
+        rates.into_iter().flatten().any(|rate| rate == parameter || hold.theta[rate] != 0.0)
+    }
+
     /// The state in which a model starts; its memory is relaxed there.
     /// # Errors
     /// [`ModelError::Equilibrium`] where the rod cannot be held as it should.

@@ -29,7 +29,7 @@ pub(super) fn initial_slopes(
             Initial::Straight => system.straight_by_parameters(group),
             Initial::Equilibrium { hold, own } => {
                 let shared: Vec<_> = watched.iter().map(|k| k.filter(|k| !own.contains(k))).collect();
-                held_by_parameters(hold, &shared, group)
+                held_by_parameters(hold, &state.q, &shared, group)
             }
             Initial::Curve(points) => along(points, model.edges).map(Into::into),
             Initial::Posture(posture) => posture.clone().map(Into::into),
@@ -39,8 +39,13 @@ pub(super) fn initial_slopes(
         let is_remembered = run.history.is_some() && !z.is_empty();
         if is_remembered || run.initial.is_in_a_hand() {
             for (lane, parameter) in order[group * LANES..].iter().take(LANES).enumerate() {
+                // A hand that does not move leaves the rod at rest, whatever its force.
+                let is_moved = run.initial.is_in_a_moving_hand(*parameter);
+                if !is_remembered && !is_moved {
+                    continue;
+                }
                 let slopes = state_by_parameter(model, run, *parameter)?;
-                if run.initial.is_in_a_hand() {
+                if is_moved {
                     v.iter_mut().zip(slopes.v).for_each(|(v, slope)| v[lane] = slope);
                 }
                 if is_remembered {
@@ -53,11 +58,11 @@ pub(super) fn initial_slopes(
     Ok(Variational::new(system, order, all))
 }
 
-/// The equilibrium of the hold with its derivatives.
-fn held_by_parameters(hold: &Model, shared: &[Option<usize>], group: usize) -> Posture<Lanes> {
+/// The equilibrium of the hold with its derivatives, from the state in which the rod was let go there.
+fn held_by_parameters(hold: &Model, near: &[f64], shared: &[Option<usize>], group: usize) -> Posture<Lanes> {
     let mut system = System::new(hold);
     system.watch(shared);
-    let rest = equilibrium(hold, None).expect("the run's initial state was found from it");
+    let rest = equilibrium(hold, Some(near)).expect("the run's initial state was found from it");
     let by_theta = rest_by_parameters(&mut system, &rest, group);
     system.posture_by_parameters(group, &rest.q, &by_theta)
 }
