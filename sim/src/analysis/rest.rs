@@ -48,7 +48,8 @@ impl RestEstimate {
 
 /// The rest of a path up to a time, s; damped frequency, rad/s, and rate of decay, 1/s, are where the fit begins.
 ///
-/// None where fewer than three samples for each term are seen in the last three periods.
+/// None where fewer than three samples for each term are seen in the last three periods, and where these do not tell the
+/// rest: a decay that is not there tells it from no other constant, and the answer is anywhere.
 pub fn estimate(
     time: &[f64],
     position: &[Option<[f64; 2]>],
@@ -80,9 +81,19 @@ pub fn estimate(
     let fit = Fit::new(&times, &right, found, 2)?;
     let next = Fit::new(&times, &right, found, 3)?;
     let noise = fit.standard_errors(&times, found)?;
-    Some(RestEstimate {
-        position: fit.rest(),
-        error: [0, 1].map(|k| noise[k].hypot(next.rest()[k] - fit.rest()[k])),
+    let (position, of_next) = (fit.rest(), next.rest());
+    let error = [0, 1].map(|k| noise[k].hypot(of_next[k] - position[k]));
+    // A swing passes its rest. So it lies in what is seen of the path, within its error, and an error as large as that
+    // says less than the mean does.
+    let is_told = (0..2).all(|k| {
+        let column = right.column(k);
+        let (low, high) = (column.min(), column.max());
+        let outside = (low - position[k]).max(position[k] - high).max(0.0);
+        error[k] <= high - low && outside <= 3.0 * error[k]
+    });
+    is_told.then_some(RestEstimate {
+        position,
+        error,
         swing_left: [0, 1]
             .map(|k| fit.terms[(1, k)].hypot(fit.terms[(2, k)]))
             .iter()
@@ -208,6 +219,23 @@ mod tests {
         }
         // Of 40 numbers two standard errors hold 38 in the mean, and fewer than 34 in one of a hundred trials.
         assert!(within >= 34, "{within} of 40");
+    }
+
+    /// A hand, or a valve, that moves all the time makes no decay; neither does a swing that grows.
+    #[test]
+    fn what_does_not_decay_tells_no_rest() {
+        let time: Vec<f64> = (0..291).map(|i| 0.01 * f64::from(i)).collect();
+        let path = |growth: f64| -> Vec<_> {
+            let at =
+                |t: f64| [0.2 + 1e-4 * t, -0.05 + 4e-4 * t + 2e-5 * (growth * t).exp() * (16.9 * t).cos()];
+            time.iter().map(|t| Some(at(*t))).collect()
+        };
+        for growth in [0.0, 0.2] {
+            if let Some(found) = estimate(&time, &path(growth), 2.9, 16.9, 0.0) {
+                let off = (found.position[1] + 0.0488).abs();
+                assert!(off < 1e-3 && found.largest_error() < 1e-3, "{growth}: {found:?}");
+            }
+        }
     }
 
     /// Long after the swing is over nothing is left but noise.
