@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use models::effects::{CATALOGUE, by_name};
@@ -23,9 +23,9 @@ use super::arguments::{OfExperiment, argv};
 use super::calibrate::input_hashes;
 use super::experiment::{open, read};
 use super::failure::Failure;
-use super::interrupt;
+use super::interrupt::{self, Ending};
 use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
-use super::terminal::stdout;
+use super::terminal::{say, stdout};
 use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
@@ -35,7 +35,8 @@ const HELP: &str = "Examples:
   efam diagnose --plan scenarios/release-15psi.toml --noise \"0.1 mm\"
 
 Exit codes: 0 whatever the answer is, 3 for data that cannot be used, 4 if the
-baseline cannot be fitted, 130 if it is interrupted, which saves nothing.";
+baseline cannot be fitted, 130 if it is interrupted: what was found is saved,
+once the baseline is fitted. A second Ctrl-C ends at once.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -48,6 +49,10 @@ pub struct Diagnose {
     /// Effects added at most.
     #[arg(long, value_name = "COUNT", default_value_t = 3)]
     most: usize,
+    /// Time after which the search ends with what it has found. The baseline is fitted in any case, and so is what an
+    /// answer needs.
+    #[arg(long, value_name = "TIME", default_value = "3 min", value_parser = time, conflicts_with = "plan")]
+    budget: Duration,
     /// Leave an effect out of the catalogue; may be repeated.
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
@@ -99,6 +104,15 @@ fn length(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A time with its unit, more than nothing.
+fn time(text: &str) -> Result<Duration, String> {
+    match Quantity::parse(text).and_then(|quantity| quantity.to("s")) {
+        Ok(time) if time > 0.0 => Ok(Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX)),
+        Ok(_) => Err("it must be more than nothing, such as \"3 min\"".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
 /// A probability, not 0 and not 1.
 fn share(text: &str) -> Result<f64, String> {
     match text.parse() {
@@ -134,13 +148,14 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         LiveSearch::search(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
+    let ending = Ending::after(args.budget);
     let work = || -> Result<Outcome, Failure> {
         let cleaned = read(&experiment, &stages)?;
         let problem = problem(&experiment, &cleaned)?;
-        let watcher = Watcher { stages: &stages, live: live.as_ref() };
+        let watcher = Watcher { stages: &stages, live: live.as_ref(), ending: Some(&ending) };
         Ok(diagnose(&problem, &settings, &watcher)?)
     };
-    let (folder, outcome) = interrupt::during(folder, &stages, work);
+    let (folder, outcome) = interrupt::during_search(folder, &stages, &ending, work);
     let outcome = outcome?;
     stages.tell("writing");
     let request = Request {
@@ -155,7 +170,6 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     write_diagnosis(&folder, &request, &outcome)?;
     let live = unlocked(live).map(|mut live| live.found(&outcome).map(|()| live)).transpose()?;
     let viewer = Recording::saved(live, args.rerun.as_ref())?;
-    interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();
     voice.detail(format!("written to {}", folder.display()));
@@ -165,6 +179,10 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         let mut out = stdout();
         write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
         writeln!(out, "\nresults in {}", folder.display())?;
+    }
+    if interrupt::is_asked() {
+        say(format_args!("interrupted: what was found by then is saved"));
+        return Ok(interrupt::exit_code().into());
     }
     Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)

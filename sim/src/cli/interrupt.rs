@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, LazyLock, Mutex, Once, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -111,10 +111,70 @@ pub fn during<K, T: Send>(kept: K, stages: &Stages, work: impl FnOnce() -> T + S
     })
 }
 
+/// How a search ends that has an answer before it is over: when its time is spent, or by a signal.
+pub struct Ending {
+    until: Option<Instant>,
+    has_answer: AtomicBool,
+    stop: Arc<AtomicBool>,
+}
+
+impl Ending {
+    /// After a time from now; a time beyond all clocks is none.
+    pub fn after(budget: Duration) -> Self {
+        Self {
+            until: Instant::now().checked_add(budget),
+            has_answer: AtomicBool::new(false),
+            stop: Arc::default(),
+        }
+    }
+
+    /// From here on there is an answer.
+    pub fn begin(&self) {
+        self.has_answer.store(true, Ordering::SeqCst);
+    }
+
+    /// Ends simulations when the search has to end.
+    pub fn cancel(&self) -> Cancel {
+        Cancel::by(self.stop.clone())
+    }
+
+    /// Asks for the end where the time is spent, or by a signal; whether that signal needs nothing more.
+    fn takes_signal(&self) -> bool {
+        let has_answer = self.has_answer.load(Ordering::SeqCst);
+        let is_over = self.until.is_some_and(|until| Instant::now() >= until);
+        if is_over || (has_answer && is_asked()) {
+            self.stop.store(true, Ordering::SeqCst);
+        }
+        has_answer
+    }
+}
+
+/// The same for a search whose answer so far is kept: on a signal, once there is one, it ends by itself.
+pub fn during_search<K, T: Send>(
+    kept: K,
+    stages: &Stages,
+    ending: &Ending,
+    work: impl FnOnce() -> T + Send,
+) -> (K, T) {
+    wait_for(kept, stages, Some(ending), work, || {
+        Failure::Interrupted.report(false);
+    })
+}
+
 /// The same with its own last words, for what keeps what it has done on its way.
 pub fn during_or<K, T: Send>(
     kept: K,
     stages: &Stages,
+    work: impl FnOnce() -> T + Send,
+    last_words: impl FnOnce(),
+) -> (K, T) {
+    wait_for(kept, stages, None, work, last_words)
+}
+
+fn wait_for<K, T: Send>(
+    kept: K,
+    stages: &Stages,
+    ending: Option<&Ending>,
     work: impl FnOnce() -> T + Send,
     last_words: impl FnOnce(),
 ) -> (K, T) {
@@ -141,7 +201,8 @@ pub fn during_or<K, T: Send>(
         };
         // The channel breaks when the work is over, also when it panics.
         while wait.recv_timeout(NOTICED) == Err(RecvTimeoutError::Timeout) {
-            if is_asked() {
+            let is_taken = ending.is_some_and(Ending::takes_signal);
+            if is_asked() && !is_taken {
                 stages.clear();
                 drop(kept);
                 last_words();

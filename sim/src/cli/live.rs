@@ -8,10 +8,12 @@ use models::snapshot::Snapshot;
 use sim::calibrate::{self, Problem, Progress};
 use sim::diagnose;
 use sim::diagnose::verdict::Evidence;
+use sim::forward::Cancel;
 use sim::predict::family::Member;
 use sim::scenario::Case;
 
 use super::failure::Failure;
+use super::interrupt::Ending;
 use super::voice::Stages;
 
 /// Name of a recording that is saved.
@@ -76,6 +78,8 @@ pub fn unlocked<L>(live: Option<Mutex<L>>) -> Option<L> {
 pub struct Watcher<'a, L> {
     pub stages: &'a Stages<'a>,
     pub live: Option<&'a Mutex<L>>,
+    /// How a search is ended that has an answer.
+    pub ending: Option<&'a Ending>,
 }
 
 impl<L> Watcher<'_, L> {
@@ -95,6 +99,16 @@ impl diagnose::Listener for Watcher<'_, LiveSearch> {
 
     fn ranked(&self, threshold: f64, candidates: &[Evidence]) {
         self.show(|live| live.ranked(threshold, candidates));
+    }
+
+    fn began(&self) {
+        if let Some(ending) = self.ending {
+            ending.begin();
+        }
+    }
+
+    fn stop(&self) -> Cancel {
+        self.ending.map(Ending::cancel).unwrap_or_default()
     }
 }
 

@@ -5,6 +5,7 @@ use models::error::ModelError;
 use models::muscle::Known;
 
 use super::score::Subject;
+use super::section::FARTHEST;
 use crate::calibrate::joint::Known as Fit;
 use crate::calibrate::{CalibrateError, Parameter, Prior, Problem, Scale, Scope, Trial};
 use crate::forward::Initial;
@@ -93,13 +94,27 @@ impl Candidate {
                     true => (0.1 * low, high),
                     false => (low, 10.0 * high),
                 };
-                let (least, most) = of.range;
+                let (least, most) = self.farthest(of);
                 let wider = (wider.0.max(least), wider.1.min(most));
                 is_wider |= wider != (low, high);
                 own.bounds = Some(wider);
             }
         }
         is_wider
+    }
+
+    /// How far the believed range of a parameter may be widened: a measurement is part of the setup, and as far off as
+    /// that may be; what is believed of it holds two deviations to each side.
+    fn farthest(&self, of: &EffectParameter) -> (f64, f64) {
+        let (low, high) = of.range;
+        match of.plausible {
+            Some(_) if self.effect.about().kind == Kind::Measurement => {
+                let (least, most) = believed(of, &self.rod);
+                let (middle, half) = (0.5 * (least + most), 0.25 * FARTHEST * (most - least));
+                ((middle - half).max(low), (middle + half).min(high))
+            }
+            _ => (low, high),
+        }
     }
 
     /// What a fit finds, made anew with wider ranges while it ends at one; none where it cannot be made.
@@ -183,10 +198,12 @@ fn believed(parameter: &EffectParameter, rod: &Rod<f64>) -> (f64, f64) {
 }
 
 /// What switches an effect off, with the value that does: the first such parameter, or each of those that are
-/// parts of it, beside which the others are fitted.
-fn strengths(about: &About) -> Vec<(&'static EffectParameter, f64)> {
+/// parts of it, beside which the others are fitted. A part that grows with the pressure shows itself at several.
+fn strengths(about: &About, is_pressure_varied: bool) -> Vec<(&'static EffectParameter, f64)> {
     let switches = about.parameters.iter().filter_map(|parameter| Some((parameter, parameter.off?)));
-    let is_believed = |(part, _): &(&EffectParameter, f64)| part.is_part && part.plausible.is_some();
+    let is_shown = |part: &EffectParameter| is_pressure_varied || !part.unit.contains("Pa");
+    let is_believed =
+        |(part, _): &(&EffectParameter, f64)| part.is_part && part.plausible.is_some() && is_shown(part);
     let parts: Vec<_> = switches.clone().filter(is_believed).collect();
     if parts.is_empty() { switches.take(1).collect() } else { parts }
 }
@@ -197,6 +214,7 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     let mut all = Vec::new();
     let Some(rod) = problem.trials.first().map(|trial| trial.model.rod()) else { return all };
+    let is_pressure_varied = has_several_pressures(problem);
     for &effect in CATALOGUE {
         let about = effect.about();
         let is_excluded = excluded.iter().any(|name| name == about.name);
@@ -216,8 +234,9 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
                 })
                 .collect();
         }
-        for (strength, off) in strengths(about) {
-            let parts = strengths(about).into_iter().filter(|(part, _)| part.name != strength.name);
+        let strengths = strengths(about, is_pressure_varied);
+        for (strength, off) in strengths.clone() {
+            let parts = strengths.iter().copied().filter(|(part, _)| part.name != strength.name);
             let with_parts = |tried: &Vec<_>| tried.iter().copied().chain(parts.clone()).collect();
             let tried = tried.iter().map(with_parts);
             let scope = match about.reach {

@@ -13,7 +13,8 @@ use super::gate::{self, Numerics};
 use super::judge::Locked;
 use super::refit::Refit;
 use super::round::{Best, NO_MORE};
-use super::shortlist::{LEAD, falls_behind, price};
+use super::shortlist::{LEAD, falls_behind, not_run, price};
+use super::stop::{CUT_SHORT, ending_by};
 use super::verdict::{Evidence, Member};
 use super::warnings::is_strained;
 use super::{Before, Course, set};
@@ -41,6 +42,7 @@ pub(super) const WARNING: &str = "the model as it is misses even the first swing
     them alone; candidates were fitted to them before anything else";
 
 /// The first swings of a problem, which its model does not meet.
+#[derive(Clone)]
 pub(super) struct Early {
     /// The problem, kept near what is believed.
     problem: Problem,
@@ -201,6 +203,9 @@ impl Course<'_> {
     pub(super) fn add_early(&mut self, early: &Early) -> Result<bool, CalibrateError> {
         let number = self.diagnosis.thresholds.len() + 1;
         let listener = self.listener;
+        let stop = listener.stop();
+        let early = &Early { problem: ending_by(&early.problem, &stop), ..early.clone() };
+        let problem = ending_by(&self.problem, &stop);
         let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));
         let meet = |candidate: Candidate| {
             tell(&format!("first swings with {}", candidate.name()));
@@ -215,7 +220,9 @@ impl Course<'_> {
         let least = met.first().map_or(f64::INFINITY, Met::cost);
         let mut found: Vec<(usize, Whole)> = Vec::new();
         for (k, (met, evidence)) in met.iter().zip(&mut evidence).enumerate() {
-            if evidence.score < threshold {
+            if met.end.is_none() && stop.is_asked() {
+                evidence.reject(CUT_SHORT);
+            } else if evidence.score < threshold {
                 evidence.reject("the model with it does not meet the first swings either");
             } else if self.settings.most_effects == 0 {
                 evidence.reject(NO_MORE);
@@ -224,10 +231,10 @@ impl Course<'_> {
             } else {
                 let name = met.candidate.name();
                 let whole =
-                    met.whole(&self.problem, early.known.len(), &|what| tell(&format!("{name}: {what}")))?;
+                    met.whole(&problem, early.known.len(), &|what| tell(&format!("{name}: {what}")))?;
                 match whole {
                     Some(whole) => found.push((k, whole)),
-                    None => evidence.reject("a model with it cannot be run"),
+                    None => evidence.reject(not_run(&problem)),
                 }
             }
         }
@@ -238,11 +245,15 @@ impl Course<'_> {
         self.diagnosis.thresholds.push(threshold);
         listener.ranked(threshold, &evidence);
         self.diagnosis.evidence.extend(evidence);
+        if stop.is_asked() {
+            self.diagnosis.cut_short(number);
+        }
         let Some((best, numerics)) = best else { return Ok(false) };
         self.take_mesh(&numerics);
         tell("what was locked away");
+        let best = self.lasting(Box::new(best))?;
         let locked = Locked::meet(&best.refit.fitted.problem, &best.refit.known)?;
-        self.add(Box::new(Best { locked, ..best }))?;
+        self.add(Box::new(Best { locked, ..*best }))?;
         Ok(true)
     }
 

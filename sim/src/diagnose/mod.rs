@@ -35,6 +35,7 @@ mod score;
 mod section;
 mod share;
 mod shortlist;
+mod stop;
 mod swing;
 pub mod verdict;
 mod warnings;
@@ -45,6 +46,7 @@ use rayon::prelude::*;
 
 use crate::calibrate::joint::{Fitted, Known};
 use crate::calibrate::{CalibrateError, Problem};
+use crate::forward::Cancel;
 pub use curve::Curve;
 pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
@@ -70,6 +72,14 @@ pub trait Listener: Sync {
     /// Candidates of one round as they stand, beside the score that they have to exceed: all of them when
     /// they are scored, one when it was fitted, all when the round is over.
     fn ranked(&self, _threshold: f64, _candidates: &[Evidence]) {}
+
+    /// The baseline is fitted: from here on a search that is cut short has an answer.
+    fn began(&self) {}
+
+    /// A request to end the search at the next opportunity, with what was found by then.
+    fn stop(&self) -> Cancel {
+        Cancel::default()
+    }
 }
 
 impl<F: Fn(&str) + Sync> Listener for F {
@@ -140,10 +150,11 @@ pub fn diagnose(
             Before::of(model, Locked::meet, None)?
         }
     };
+    listener.began();
     let mut course = Course::new(&before, settings, listener, diagnosis);
     course.search()?;
     let is_unknown = course.diagnosis.verdict == Verdict::Unknown && settings.most_effects > 0;
-    if is_unknown && has_several_pressures(problem) {
+    if is_unknown && has_several_pressures(problem) && !course.is_stopped() {
         listener.doing("again, with strengths that differ from pressure to pressure");
         course = course.widened()?;
     }
@@ -231,13 +242,18 @@ impl<'a> Course<'a> {
             return Ok(());
         }
         self.add_all()?;
-        self.leave_out_idle()?;
+        let is_cut_short = self.diagnosis.cut_short_in_round.is_some();
+        if !is_cut_short {
+            self.leave_out_idle()?;
+        }
         let is_strained = is_strained(&self.model.fit()?.known());
         let is_within = !self.added.is_empty() && self.is_within_repeats();
         self.diagnosis.verdict = match (is_strained, self.diagnosis.verdict) {
             // A model that fits because it contradicts what is stated of the setup explains nothing.
             (true, _) => Verdict::Unknown,
             _ if is_within => Verdict::Named,
+            // What was not asked may be what is missing.
+            _ if is_cut_short => Verdict::Unknown,
             // What is far beyond the noise and what repeats is there, whatever speaks of it.
             (_, Verdict::NothingMissing) if self.added.is_empty() && !self.is_within_noise() => {
                 Verdict::Unknown
@@ -262,10 +278,24 @@ impl<'a> Course<'a> {
             let (number, is_last) =
                 (self.diagnosis.thresholds.len() + 1, place == self.settings.most_effects);
             let asked = Asked { number, is_last, is_widened: self.is_widened };
-            let fit = self.model.fit()?;
-            let (problem, locked) = (&self.model.problem, self.locked());
-            let found = round(&fit, problem, locked, &self.added, asked, self.settings, self.listener)?;
+            if self.is_stopped() {
+                self.diagnosis.cut_short(number);
+                return Ok(());
+            }
+            let ending = self.ending();
+            let (fit, locked) = (ending.fit()?, self.locked());
+            let found =
+                round(&fit, &ending.problem, locked, &self.added, asked, self.settings, self.listener);
             drop(fit);
+            if self.is_stopped() {
+                self.diagnosis.cut_short(number);
+            }
+            let found = match found {
+                Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) if self.is_stopped() => {
+                    return Ok(());
+                }
+                found => found?,
+            };
             self.diagnosis.thresholds.push(found.threshold);
             self.diagnosis.evidence.extend(found.evidence);
             self.diagnosis.shapes.extend(found.shapes);
@@ -294,7 +324,8 @@ impl<'a> Course<'a> {
         Ok(())
     }
 
-    fn add(&mut self, mut best: Box<Best>) -> Result<(), CalibrateError> {
+    fn add(&mut self, best: Box<Best>) -> Result<(), CalibrateError> {
+        let mut best = self.lasting(best)?;
         self.model = best.refit.fitted.clone();
         self.cost = best.refit.cost;
         // It may be there already, with one strength for all pressures.
@@ -382,14 +413,17 @@ impl<'a> Course<'a> {
         match self.diagnosis.verdict {
             // A phase that is lost has no moment that describes it.
             Verdict::Unknown if self.before.early.is_some() && self.added.is_empty() => {}
+            Verdict::Unknown if self.is_stopped() => {}
             Verdict::Unknown => {
-                let (fit, level) = (self.model.fit()?, self.settings.false_alarm);
+                let (ending, level) = (self.ending(), self.settings.false_alarm);
                 let tell = |what: &str| self.listener.doing(what);
-                self.diagnosis.description = describe(&fit, &self.model.problem, level, &tell)?;
+                self.diagnosis.description = describe(&ending.fit()?, &ending.problem, level, &tell)?;
             }
             _ => {
-                self.listener.doing("intervals");
-                self.profile()?;
+                if !self.is_stopped() {
+                    self.listener.doing("intervals");
+                    self.profile()?;
+                }
                 self.tell_apart(&known);
             }
         }
@@ -422,7 +456,8 @@ impl<'a> Course<'a> {
 
     /// Bounds of what is badly known, from the profile of the likelihood.
     fn profile(&mut self) -> Result<(), CalibrateError> {
-        let fit = self.model.fit()?;
+        let ending = self.ending();
+        let fit = ending.fit()?;
         let candidates: Vec<_> = self.added.iter().map(|best| &best.candidate).collect();
         let profiled = |candidate: &&Candidate| Added::profiled(&fit, candidate);
         self.diagnosis.effects = candidates.par_iter().map(profiled).collect();

@@ -209,6 +209,9 @@ impl Course<'_> {
             self.diagnosis.verdict = Verdict::Class;
         }
         self.diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
+        if self.is_stopped() {
+            return;
+        }
         let (nearest, other) = &best.members[0];
         let of = [best.candidate.clone(), other.clone()];
         let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);

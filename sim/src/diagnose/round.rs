@@ -7,6 +7,7 @@ use super::localise::{Shape, shapes};
 use super::refit::Refit;
 use super::score::scores_of;
 use super::shortlist::{Entry, LITTLE, best_tries, choose, fit_all, shortlist};
+use super::stop::is_stopped;
 use super::verdict::{Evidence, Member};
 use super::{Listener, Settings};
 use crate::calibrate::joint::Joint;
@@ -119,6 +120,10 @@ pub(super) fn round(
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
+    if is_stopped(problem) {
+        // Some of them were not scored, and the others say little without them.
+        entries.iter_mut().for_each(Entry::cut_short);
+    }
     let ranked = |entries: &[Entry]| {
         let evidence: Vec<Evidence> = entries.iter().map(|entry| entry.evidence(number)).collect();
         listener.ranked(scores.threshold, &evidence);

@@ -7,6 +7,7 @@ use super::judge::Locked;
 use super::refit::{Refit, Rough, refit, rough};
 use super::round::{Best, Heard};
 use super::score::{APART, ONE, Score, Scores, distance};
+use super::stop::{CUT_SHORT, is_stopped};
 use super::verdict::{Evidence, Member};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::uncertainty::uncertainty;
@@ -67,6 +68,11 @@ impl Entry {
     /// Says why it is not the answer; the first reason stands.
     pub fn reject(&mut self, why: impl Into<String>) {
         self.rejected.get_or_insert_with(|| why.into());
+    }
+
+    /// Says that it was not asked.
+    pub fn cut_short(&mut self) {
+        self.rejected = Some(CUT_SHORT.to_owned());
     }
 
     fn falls_behind(&mut self, by: f64, leader: &str) {
@@ -151,7 +157,7 @@ pub(super) fn fit_all(
                 entry.realised = Some(2.0 * (fit.cost() - rough.cost) / widening);
                 tell(entry);
             }
-            None => entry.reject("a model with it cannot be run"),
+            None => entry.reject(not_run(problem)),
         }
         Ok(rough)
     };
@@ -163,11 +169,16 @@ pub(super) fn fit_all(
         if let Some(rough) = rough.as_ref().filter(|rough| rough.cost < least + room) {
             entry.refit = refit(rough, &entry.candidate)?;
             if entry.refit.is_none() {
-                entry.reject("a model with it cannot be run");
+                entry.reject(not_run(problem));
             }
         }
         Ok(())
     })
+}
+
+/// Why a candidate has no fit.
+pub(super) fn not_run(problem: &Problem) -> &'static str {
+    if is_stopped(problem) { CUT_SHORT } else { "a model with it cannot be run" }
 }
 
 /// Takes the one that fits best for its unknowns, and those that fit as well, if that is more than noise would

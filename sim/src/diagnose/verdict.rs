@@ -71,6 +71,9 @@ pub struct Diagnosis {
     pub held_out: Vec<String>,
     /// The moment that it would take, where no effect explains what is there: a description, not a cause.
     pub description: Option<Description>,
+    /// The round in which the search was cut short, by its budget or by an interruption; none where it ended by itself.
+    #[serde(default)]
+    pub cut_short_in_round: Option<usize>,
     /// What should be known before the answer is used, in words.
     pub warnings: Vec<String>,
 }

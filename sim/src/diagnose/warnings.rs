@@ -5,6 +5,7 @@ use models::effects::{CATALOGUE, Kind};
 use super::gate;
 use super::refit::prefix;
 use super::section::{FARTHEST, LEAST_NOISE, TILT};
+use super::stop;
 use super::verdict::{Contradiction, Diagnosis, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Known;
@@ -13,6 +14,7 @@ use crate::results::report::significant;
 /// All that concern a diagnosis as it stands, its problem, and where its fit ended.
 pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Known]) -> Vec<String> {
     let mut words: Vec<String> = several(diagnosis).into_iter().collect();
+    words.extend(stop::warning(diagnosis));
     words.extend(gate::warning(&diagnosis.numerics));
     words.extend(of_experiment(problem));
     words.extend(diagnosis.contradictions.iter().map(|own| format!("{}: check the setup", own.told())));

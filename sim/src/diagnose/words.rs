@@ -68,6 +68,9 @@ fn missing(diagnosis: &Diagnosis) -> String {
     if diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
         return "Something is missing; no effect was to be fitted to say what.".to_owned();
     }
+    if let Some(round) = diagnosis.cut_short_in_round {
+        return format!("The search was cut short in round {round}, before it had an answer.");
+    }
     let or = contradicted(diagnosis)
         .map_or(String::new(), |told| format!(", or what is stated is not so: {told}. Check that first"));
     format!("Something is missing that the catalogue does not hold{or}.")

@@ -195,6 +195,32 @@ fn a_file_that_may_not_grow_is_an_error_of_writing() {
     assert_eq!(bench.left(), ["s.toml"]);
 }
 
+/// Once the baseline is fitted, a search has an answer; its budget ends it as a signal does.
+#[test]
+fn a_diagnosis_is_saved_as_far_as_it_came() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis/viscoelastic");
+    let example = example.join("experiment.toml").display().to_string();
+    let bench = Bench::new("interrupt-diagnosis");
+    let is_cut_short = |out: &str| {
+        let text = bench.text(&format!("{out}/diagnosis.json"));
+        let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!((&found["cut_short_in_round"], &found["verdict"]), (&1.into(), &"unknown".into()));
+        let warning = found["warnings"].as_array().expect("warnings")[0].as_str().expect("words").to_owned();
+        assert!(warning.starts_with("the search was cut short in round 1"), "{warning}");
+    };
+    for (signal, expected) in [("INT", 130), ("TERM", 143)] {
+        let arguments = ["diagnose", &example, "--out", signal];
+        let (code, _, stderr) = ended_by(&[signal], &bench, &arguments, "round 1: score");
+        assert_eq!(code, expected, "{stderr}");
+        assert!(stderr.contains("\ninterrupted: what was found by then is saved\n"), "{stderr}");
+        is_cut_short(signal);
+    }
+    let (code, _, stderr) = bench.run(&["diagnose", &example, "--budget", "1 ms", "--out", "budget"]);
+    assert_eq!(code, 0, "{stderr}");
+    is_cut_short("budget");
+    assert_eq!(bench.left(), ["INT", "TERM", "budget"]);
+}
+
 #[test]
 fn of_all_else_nothing_is_left() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis/viscoelastic");
