@@ -19,11 +19,30 @@ pub struct Known {
     pub excursion_m: f64,
     /// Nodes of the mesh that the numbers belong to; none where its error was removed.
     pub nodes: Option<usize>,
+    /// How far the model was from the recordings that it was calibrated on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub misfit: Option<Misfit>,
     /// How parameters are interpolated between calibrated pressures, and how far that may be off.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub interpolation: Vec<Interpolation>,
     /// The numbers.
     pub parameter: Vec<Knob>,
+}
+
+/// How far a calibrated model was from its recordings, root mean square over the releases.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Misfit {
+    /// Distance of the tip over all samples, over the excursion.
+    pub distance: f64,
+    /// Distance of the tip at the end of the recordings, likewise.
+    pub rest: f64,
+    /// Relative difference of the frequencies.
+    pub frequency: f64,
+    /// Relative difference of the damping ratios.
+    pub damping_ratio: f64,
+    /// Lowest and highest frequency of the recordings, Hz; none where none has one.
+    pub frequency_hz: Option<[f64; 2]>,
 }
 
 /// One number that was found.

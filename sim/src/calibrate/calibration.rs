@@ -3,7 +3,9 @@
 use models::quantity::format_si;
 use serde::{Deserialize, Serialize};
 
+use super::misfit::Misfit;
 use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
+use super::repeats::Repeats;
 use super::search::Stage;
 use super::unknowns::HOLD_ANGLE;
 use crate::schema::JsonSchema;
@@ -19,6 +21,9 @@ pub struct Calibration {
     pub correlations: Vec<Correlations>,
     /// How each release is met.
     pub releases: Vec<ReleaseFit>,
+    /// How well the experiment repeats, where it tells or states it.
+    #[serde(default)]
+    pub repeats: Option<Repeats>,
     /// The searches, one for all releases that share a parameter.
     pub searches: Vec<SearchReport>,
     /// What should be known before the numbers are used, in words.
@@ -90,6 +95,9 @@ pub struct ReleaseFit {
     pub duration_s: f64,
     /// Each track.
     pub tracks: Vec<TrackFit>,
+    /// How far the fit is from the recording in what predictions are asked for.
+    #[serde(default)]
+    pub misfit: Misfit,
     /// Root mean square error of mesh and step, mm, before it was removed.
     pub numerical_error_mm: f64,
     /// What may be left of it, mm.

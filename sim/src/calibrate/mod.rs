@@ -6,12 +6,14 @@
 
 mod autocorrelation;
 pub mod calibration;
+mod discrepancy;
 mod error;
 pub(crate) mod hold;
 mod identifiability;
 pub(crate) mod joint;
 mod levenberg_marquardt;
 pub(crate) mod loss;
+pub(crate) mod misfit;
 pub(crate) mod numerics;
 pub(crate) mod objective;
 mod outcome;
@@ -21,6 +23,7 @@ pub(crate) mod problem;
 pub(crate) mod profile;
 mod quadratic;
 pub(crate) mod refine;
+pub mod repeats;
 pub(crate) mod search;
 mod section;
 mod starts;
@@ -42,7 +45,8 @@ use numerics::Correction;
 use objective::Objective;
 use part::{Part, parts};
 use refine::{refine, shift};
-use search::{Found, search};
+use repeats::{Repeats, Source};
+use search::{Found, go_on, search};
 use uncertainty::{Uncertainty, uncertainty};
 use unknowns::Unknowns;
 
@@ -54,11 +58,13 @@ pub struct Settings {
     pub remove_mesh: bool,
     /// Whether to find intervals by the profile of the likelihood as well.
     pub profile: bool,
+    /// How well the experiment repeats, where that is stated: root mean square distance, m.
+    pub repeatability: Option<f64>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { remove_mesh: true, profile: false }
+        Self { remove_mesh: true, profile: false, repeatability: None }
     }
 }
 
@@ -113,6 +119,12 @@ pub fn calibrate(
     if problem.parameters.is_empty() {
         return Err(CalibrateError::NoParameters);
     }
+    let repeats = Repeats::of(problem, settings.repeatability).filter(Repeats::is_known);
+    // What releases of one condition differ by is in the residuals of their fit, but for what angles and instants of
+    // their own explain.
+    let stated = repeats.as_ref().filter(|repeats| repeats.source == Source::Stated);
+    let heard = stated.map(|repeats| repeats.heard_in(problem));
+    let problem = heard.as_ref().unwrap_or(problem);
     let unknowns = Unknowns::of(problem)?;
     let parts = parts(problem, &unknowns);
     let fitted: Vec<Fitted> = parts
@@ -121,26 +133,30 @@ pub fn calibrate(
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<_, _>>()?;
-    Ok(outcome::outcome(problem, &unknowns, &fitted))
+    let mut outcome = outcome::outcome(problem, &unknowns, &fitted);
+    outcome.calibration.repeats = repeats;
+    Ok(outcome)
 }
+
+/// Times that samples are weighed anew by what the fit misses.
+const MOST_WEIGHINGS: usize = 4;
 
 fn fit<'a>(
     part: Part<'a>,
     settings: &Settings,
     listener: &dyn Listener,
 ) -> Result<Fitted<'a>, CalibrateError> {
-    let objective = Objective::new(part)?;
+    let mut objective = Objective::new(part)?;
     let start = objective.start();
     let name = match &objective.part.members[..] {
         [only] => only.release.name.clone(),
         [first, rest @ ..] => format!("{} and {} more", first.release.name, rest.len()),
         [] => String::new(),
     };
-    let say = |stage: &Stage, x: &DVector<f64>| {
+    let say = |part: &Part, stage: &Stage, x: &DVector<f64>| {
         let stretch = stage.swings.map_or("all of it".to_owned(), |swings| format!("{swings:.2} swings"));
         listener.doing(&format!("{name}: {stretch}, residuals {:.2} times the noise", stage.spread));
-        let unknowns = objective.part.unknowns.iter().zip(x.iter());
-        let parameters = unknowns.filter(|(unknown, _)| !unknown.is_nuisance());
+        let parameters = part.unknowns.iter().zip(x.iter()).filter(|(unknown, _)| !unknown.is_nuisance());
         listener.fitted(&Progress {
             part: name.clone(),
             spread: stage.spread,
@@ -149,9 +165,17 @@ fn fit<'a>(
                 .collect(),
         });
     };
-    let Some(mut found) = search(&objective, &start, &say) else {
+    let Some(mut found) = search(&objective, &start, &|stage, x| say(&objective.part, stage, x)) else {
         return Err(objective.refusal(&start));
     };
+    for _ in 0..MOST_WEIGHINGS {
+        if !discrepancy::hear(&mut objective, &found) {
+            break;
+        }
+        if go_on(&objective, &mut found).is_none() {
+            return Err(objective.refusal(&found.x));
+        }
+    }
     let numerics = refine(&objective, &mut found, !settings.remove_mesh, &|what| {
         listener.doing(&format!("{name}: {what}"))
     });

@@ -2,6 +2,7 @@
 
 use super::calibration::{Calibrated, Calibration, Correlations, ReleaseFit, SearchReport, TrackFit};
 use super::identifiability;
+use super::misfit::Misfit;
 use super::problem::{Problem, Scale, Scope};
 use super::profile::NORMAL_95;
 use super::uncertainty::TrackStatistics;
@@ -50,8 +51,8 @@ pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[Fitted])
             places.iter().filter_map(|k| all[fit.objective.part.places[*k]].clone()).collect();
         calibration.correlations.push(correlations(fit, &own, &places));
         for (r, t) in fit.objective.part.trials.iter().enumerate() {
-            fits[*t] = Some(release_fit(problem, fit, r));
             curves[*t] = of_release(problem, fit, r);
+            fits[*t] = Some(release_fit(problem, fit, r, &curves[*t]));
         }
         calibration.searches.push(SearchReport {
             releases: fit.objective.part.members.iter().map(|trial| trial.release.name.clone()).collect(),
@@ -140,15 +141,16 @@ fn correlations(fit: &Fitted, own: &[Calibrated], places: &[usize]) -> Correlati
 
 const MILLI: f64 = 1e3;
 
-fn release_fit(problem: &Problem, fit: &Fitted, r: usize) -> ReleaseFit {
+fn release_fit(problem: &Problem, fit: &Fitted, r: usize, curves: &[Curve]) -> ReleaseFit {
     let t = fit.objective.part.trials[r];
     let (release, measured) = (&problem.trials[t].release, &fit.objective.measured[r]);
+    let tip = release.leading_track();
     let track = |(k, found): (usize, &TrackStatistics)| TrackFit {
         marker: release.tracks[k].marker.clone(),
         samples: found.samples,
         held_back: found.held_back,
         rms_mm: MILLI * found.rms,
-        stated_noise_mm: MILLI * measured.noise[k],
+        stated_noise_mm: MILLI * measured.camera_noise[k],
         noise_mm: MILLI * found.noise,
         reduced_chi_squared: found.reduced_chi_squared,
         autocorrelation: found.autocorrelation,
@@ -164,6 +166,7 @@ fn release_fit(problem: &Problem, fit: &Fitted, r: usize) -> ReleaseFit {
         held_out: release.held_out,
         duration_s: measured.samples.last().map_or(0.0, |k| release.time[*k]),
         tracks: fit.uncertainty.tracks[r].iter().enumerate().map(track).collect(),
+        misfit: Misfit::of(&curves[tip], measured.camera_noise[tip]),
         numerical_error_mm: of_numerics(|numerics| &numerics.error),
         numerical_error_left_mm: of_numerics(|numerics| &numerics.left),
     }

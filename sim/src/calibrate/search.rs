@@ -195,6 +195,17 @@ fn climb(
     }
 }
 
+/// Goes on from where a search ended, under weights that have changed since.
+pub(crate) fn go_on(objective: &Objective, found: &mut Found) -> Option<()> {
+    let view = View::of_all(objective);
+    let view = view.clone().like(objective.see(&found.x, &view, None)?);
+    let solution = minimise_in(objective, &found.x, None, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
+    found.stages.push(stage(found.starts - 1, None, &solution));
+    let Solution { x, at, predicted, converged, .. } = solution;
+    *found = Found { x, at, view, predicted, converged, ..found.clone() };
+    Some(())
+}
+
 /// Minimises under one view; the tolerance is for residuals of unit spread.
 pub(crate) fn minimise_in(
     objective: &Objective,

@@ -93,7 +93,7 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
         Ok((parameters, nuisances(&section)?, mesh.unwrap_or(true)))
     };
     let (parameters, nuisances, remove_mesh) = read().map_err(ExperimentError::from)?;
-    let settings = Settings { remove_mesh, ..Settings::default() };
+    let settings = Settings { remove_mesh, repeatability: repeatability(experiment)?, ..Settings::default() };
     Ok((Problem { trials, parameters, nuisances }, settings))
 }
 

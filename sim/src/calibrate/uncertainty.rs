@@ -88,7 +88,9 @@ pub(crate) fn spread(
             // What does not repeat is told, and a fit that takes it up has not made it less.
             let is_told = noise > measured.camera_noise[t];
             let least = if is_told { 1.0 } else { 0.0 };
-            of_release.push(add_series(series, &samples, loss, lost(r), noise, least, &mut own));
+            let mut statistics = add_series(series, &samples, loss, lost(r), noise, least, &mut own);
+            statistics.reduced_chi_squared *= (noise / measured.camera_noise[t]).powi(2);
+            of_release.push(statistics);
         }
         tracks.push(of_release);
         add_at(&places, &own, &mut spread);

@@ -10,14 +10,14 @@ use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
 use super::gate::{self, Numerics};
-use super::judge::Locked;
+use super::judge::{Locked, set};
 use super::refit::Refit;
 use super::round::{Best, NO_MORE};
 use super::shortlist::{LEAD, falls_behind, not_run, price};
 use super::stop::{CUT_SHORT, ending_by};
 use super::verdict::{Evidence, Member};
 use super::warnings::is_strained;
-use super::{Before, Course, set};
+use super::{Before, Course};
 use crate::calibrate::joint::{Fitted, Joint, Known};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::uncertainty::uncertainty;

@@ -8,11 +8,10 @@
 use std::cell::OnceCell;
 
 use super::curve::{Path, paths};
-use super::repeats::ghosts;
-use super::set;
 use super::verdict::Gap;
 use crate::calibrate::joint::{Fitted, Joint, Known};
 use crate::calibrate::prediction::Slopes;
+use crate::calibrate::repeats::ghosts;
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
@@ -163,6 +162,18 @@ pub(super) fn gaps(before: &Judgement, after: &Judgement, held_out: bool) -> Vec
             noise_mm: *noise_mm,
         })
         .collect()
+}
+
+/// Puts what was found into the models.
+pub(super) fn set(problem: &mut Problem, known: &[Known]) {
+    for (t, trial) in problem.trials.iter_mut().enumerate() {
+        for known in known {
+            if let (true, Ok(k)) = (known.is_of(t, trial), trial.model.index(&known.unknown.name)) {
+                let (model, initial) = trial.with(&[(k, known.value())]);
+                (trial.model, trial.run.initial) = (model, initial);
+            }
+        }
+    }
 }
 
 #[cfg(test)]

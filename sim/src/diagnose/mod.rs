@@ -17,6 +17,7 @@
 
 mod candidate;
 mod columns;
+mod conclude;
 mod constancy;
 pub mod curve;
 pub mod describe;
@@ -29,7 +30,6 @@ pub mod misfit;
 pub mod plan;
 mod planned;
 mod refit;
-pub mod repeats;
 mod round;
 mod score;
 mod section;
@@ -42,27 +42,24 @@ mod warnings;
 mod words;
 
 use models::muscle;
-use rayon::prelude::*;
 
 use crate::calibrate::joint::{Fitted, Known};
+use crate::calibrate::repeats::Repeats;
 use crate::calibrate::{CalibrateError, Problem};
 use crate::forward::Cancel;
 pub use curve::Curve;
 pub use section::{admit_tilt, problem};
 pub use verdict::{Diagnosis, Verdict};
 
-use candidate::{Candidate, has_several_pressures};
+use candidate::has_several_pressures;
 use constancy::{INCONSTANT, inconstant};
 use curve::curves;
-use describe::describe;
 use early::Early;
 use judge::{Judgement, Locked, gaps, is_astray, judgement};
-use refit::errors;
-use repeats::Repeats;
 use round::{Asked, Best, Heard, round};
-use share::{Shares, Step};
+use share::Step;
 use verdict::{Added, Evidence, Gap};
-use warnings::{contradictions, is_strained, warnings};
+use warnings::is_strained;
 
 /// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
 pub trait Listener: Sync {
@@ -401,78 +398,5 @@ impl<'a> Course<'a> {
     /// How the model with all that was added meets what was locked away.
     fn locked(&self) -> Option<&Locked> {
         self.added.last().map_or(self.before.locked.as_ref(), |best| best.locked.as_ref())
-    }
-
-    /// Says what it all comes to.
-    fn conclude(mut self) -> Result<Outcome, CalibrateError> {
-        let (known, errors) = {
-            let fit = self.model.fit()?;
-            (fit.known(), errors(&fit))
-        };
-        let (gap, curves) = self.gaps();
-        match self.diagnosis.verdict {
-            // A phase that is lost has no moment that describes it.
-            Verdict::Unknown if self.before.early.is_some() && self.added.is_empty() => {}
-            Verdict::Unknown if self.is_stopped() => {}
-            Verdict::Unknown => {
-                let (ending, level) = (self.ending(), self.settings.false_alarm);
-                let tell = |what: &str| self.listener.doing(what);
-                self.diagnosis.description = describe(&ending.fit()?, &ending.problem, level, &tell)?;
-            }
-            _ => {
-                if !self.is_stopped() {
-                    self.listener.doing("intervals");
-                    self.profile()?;
-                }
-                self.tell_apart(&known);
-            }
-        }
-        self.diagnosis.gap = gap;
-        self.diagnosis.shares = Some(Shares::of(&self.diagnosis.gap));
-        let locked = self.problem.trials.iter().filter(|trial| trial.release.held_out);
-        self.diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
-        if self.before.early.is_some() {
-            self.diagnosis.misses_first_swings = true;
-            self.diagnosis.warnings.push(early::WARNING.to_owned());
-        } else {
-            self.diagnosis.misfits = misfit::misfits(&curves);
-        }
-        self.diagnosis.contradictions = contradictions(&known);
-        let warnings = warnings(&self.diagnosis, &self.problem, &known);
-        self.diagnosis.warnings.extend(warnings);
-        self.diagnosis.summary = words::summary(&self.diagnosis);
-        // What was fitted comes last: a pressure may have releases of both kinds.
-        let of_locked = |locked: Option<&Locked>| locked.map_or(Ok(Vec::new()), Locked::known);
-        let (before, after) = (of_locked(self.before.locked.as_ref())?, of_locked(self.locked())?);
-        let (mut baseline, mut repaired) = (self.problem, self.model.problem);
-        for known in [&before, &self.before.known] {
-            set(&mut baseline, known);
-        }
-        for known in [&after, &known] {
-            set(&mut repaired, known);
-        }
-        Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
-    }
-
-    /// Bounds of what is badly known, from the profile of the likelihood.
-    fn profile(&mut self) -> Result<(), CalibrateError> {
-        let ending = self.ending();
-        let fit = ending.fit()?;
-        let candidates: Vec<_> = self.added.iter().map(|best| &best.candidate).collect();
-        let profiled = |candidate: &&Candidate| Added::profiled(&fit, candidate);
-        self.diagnosis.effects = candidates.par_iter().map(profiled).collect();
-        Ok(())
-    }
-}
-
-/// Puts what was found into the models.
-fn set(problem: &mut Problem, known: &[Known]) {
-    for (t, trial) in problem.trials.iter_mut().enumerate() {
-        for known in known {
-            if let (true, Ok(k)) = (known.is_of(t, trial), trial.model.index(&known.unknown.name)) {
-                let (model, initial) = trial.with(&[(k, known.value())]);
-                (trial.model, trial.run.initial) = (model, initial);
-            }
-        }
     }
 }

@@ -6,8 +6,8 @@ use super::describe::Description;
 use super::gate::Numerics;
 use super::localise::Shape;
 use super::misfit::Misfit;
-use super::repeats::Repeats;
 use super::share::Shares;
+use crate::calibrate::repeats::Repeats;
 use crate::schema::JsonSchema;
 
 /// The answer.

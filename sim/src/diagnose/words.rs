@@ -7,9 +7,9 @@ use models::effects::by_name;
 use super::describe::Description;
 use super::localise::Shape;
 use super::misfit::{BANDS, Misfit, Wrong};
-use super::repeats::Source;
 use super::round::NO_MORE;
 use super::verdict::{Added, Contradiction, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
+use crate::calibrate::repeats::Source;
 use crate::results::report::{short, significant};
 
 /// One paragraph for a person; each part of it is there only where numbers stand behind it.

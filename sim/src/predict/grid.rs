@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 use super::errors::Errors;
 use super::interval::{Change, carried};
 use super::mesh_of;
-use super::quantity::{Quantity, quantities, units};
+use super::model_error::ModelError;
+use super::quantity::{QUANTITIES, Quantity, quantities, units};
 use super::simulated::{simulate, value};
 use super::warnings::{Extent, outside, warnings};
 use crate::analysis::brent::{least, root};
@@ -198,8 +199,11 @@ fn foretell(case: &Case, known: Option<&Known>) -> (Cell, f64) {
         .collect();
     // On one mesh the changes are the same but for a small part of themselves.
     mesh_of(known, &own, case, &run).iter().for_each(|mesh| mesh.removed(&mut own));
+    let model_error = known.and_then(|known| ModelError::of(known, case, &own));
     cell.quantities = quantities(&own, |k, value| {
-        known.and_then(|_| carried(value, changes.iter().map(|[low, high]| [low[k], high[k]])))
+        let interval = carried(value, changes.iter().map(|[low, high]| [low[k], high[k]]))?;
+        let widened = |error: &ModelError| error.widened(QUANTITIES[k].off, value, interval);
+        known.map(|_| model_error.as_ref().map_or(interval, widened))
     });
     cell.extrapolated = known.map(|known| {
         let extent = Extent {

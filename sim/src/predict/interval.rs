@@ -1,7 +1,8 @@
 //! The 95 % interval of a predicted number: the one place where its parts are put together.
 //!
-//! Today its parts are the errors of the calibration and of interpolation over pressure, both in the covariance of
-//! [`models::muscle::KnownAt`]. They reach a number by draws, or along the principal directions of that covariance.
+//! Its parts are the errors of the calibration and of interpolation over pressure, both in the covariance of
+//! [`models::muscle::KnownAt`], which reach a number by draws or along the principal directions of that covariance; and
+//! those of the model itself (`model_error.rs`).
 
 use crate::quantile::quantile;
 

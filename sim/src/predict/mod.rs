@@ -11,6 +11,7 @@ pub(crate) mod errors;
 pub mod family;
 pub mod grid;
 mod interval;
+mod model_error;
 pub mod quantity;
 pub(crate) mod simulated;
 pub mod span;
@@ -26,7 +27,8 @@ use crate::scenario::Case;
 use crate::schema::JsonSchema;
 use errors::Errors;
 use interval::of_draws;
-use quantity::{Quantity, quantities};
+use model_error::{ModelError, Off};
+use quantity::{QUANTITIES, Quantity, quantities};
 use simulated::{Mesh, Simulated, simulate, value};
 use warnings::{Extent, warnings};
 
@@ -137,6 +139,10 @@ pub fn predict(
         tell();
         done
     };
+    let model_error = known.and_then(|known| ModelError::of(known, case, &own));
+    let widened = |off: Off, value: f64, interval: [f64; 2]| {
+        model_error.as_ref().map_or(interval, |error| error.widened(off, value, interval))
+    };
     let count = if errors.is_some() { settings.draws } else { 0 };
     let all: Vec<Simulated> = (0..count).into_par_iter().filter_map(simulate_draw).collect();
     let mut prediction = Prediction {
@@ -144,9 +150,10 @@ pub fn predict(
         pressure_pa: case.pressure,
         payload_kg: value(&case.model, "effects.payload.mass"),
         quantities: quantities(&own, |k, value| {
-            of_draws(value, all.iter().filter_map(|one| one.numbers[k]).collect(), all.len())
+            let drawn = all.iter().filter_map(|one| one.numbers[k]).collect();
+            Some(widened(QUANTITIES[k].off, value, of_draws(value, drawn, all.len())?))
         }),
-        cycles: cycles(&own, &all),
+        cycles: cycles(&own, &all, &widened),
         draws: all.len(),
         failed_draws: count - all.len(),
         warnings: case.warnings.clone(),
@@ -161,7 +168,7 @@ pub fn predict(
         let words = format!("{} draws could not be simulated, and are left out", prediction.failed_draws);
         prediction.warnings.push(words);
     }
-    Ok(Outcome { prediction, band: band(&own, &all), postures: own.postures })
+    Ok(Outcome { prediction, band: band(&own, &all, &widened), postures: own.postures })
 }
 
 /// What the mesh does to what is foretold, where a calibration found its numbers without a mesh.
@@ -169,25 +176,29 @@ fn mesh_of(known: Option<&Known>, own: &Simulated, case: &Case, run: &Run) -> Op
     known.filter(|known| known.nodes.is_none()).and_then(|_| Mesh::of(own, &case.model, run))
 }
 
-fn cycles(own: &Simulated, all: &[Simulated]) -> Vec<Cycle> {
-    let interval_of = |k: usize, what: fn(&summary::Cycle) -> f64| {
+/// Puts the error of the model into the interval of a number.
+type Widened<'a> = &'a dyn Fn(Off, f64, [f64; 2]) -> [f64; 2];
+
+fn cycles(own: &Simulated, all: &[Simulated], widened: Widened) -> Vec<Cycle> {
+    let interval_of = |k: usize, off: Off, what: fn(&summary::Cycle) -> f64| {
         let drawn = all.iter().filter_map(|one| one.cycles.get(k).map(what));
-        of_draws(what(&own.cycles[k]), drawn.collect(), all.len())
+        let value = what(&own.cycles[k]);
+        Some(widened(off, value, of_draws(value, drawn.collect(), all.len())?))
     };
     let cycle = |(k, cycle): (usize, &summary::Cycle)| Cycle {
         amplitude_m: cycle.amplitude_m,
         damping_ratio: cycle.damping_ratio,
-        damping_ratio_95: interval_of(k, |cycle| cycle.damping_ratio),
+        damping_ratio_95: interval_of(k, Off::Damping, |cycle| cycle.damping_ratio),
         frequency_hz: cycle.damped_frequency_hz,
-        frequency_hz_95: interval_of(k, |cycle| cycle.damped_frequency_hz),
+        frequency_hz_95: interval_of(k, Off::Frequency, |cycle| cycle.damped_frequency_hz),
     };
     own.cycles.iter().enumerate().map(cycle).collect()
 }
 
-fn band(own: &Simulated, all: &[Simulated]) -> Band {
+fn band(own: &Simulated, all: &[Simulated], widened: Widened) -> Band {
     let at = |k: usize| {
         let drawn = all.iter().filter_map(|one| one.height.get(k).copied());
-        of_draws(own.height[k], drawn.collect(), all.len())
+        Some(widened(Off::Swing, own.height[k], of_draws(own.height[k], drawn.collect(), all.len())?))
     };
     Band {
         time: own.time.clone(),

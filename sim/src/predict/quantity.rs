@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::model_error::Off;
 use super::simulated::Simulated;
 use crate::results::summary::{Mode, Summary};
 use crate::schema::JsonSchema;
@@ -66,6 +67,8 @@ pub(super) struct Kind {
     /// Its entry in a summary, which says why it is missing.
     entry: &'static str,
     of: fn(&Told) -> Option<f64>,
+    /// What the error of the model makes of it.
+    pub off: Off,
 }
 
 /// Name and unit of every number, in the order in which they are told.
@@ -88,30 +91,31 @@ const fn kind(
     unit: &'static str,
     entry: &'static str,
     of: fn(&Told) -> Option<f64>,
+    off: Off,
 ) -> Kind {
-    Kind { name, meaning, unit, entry, of }
+    Kind { name, meaning, unit, entry, of, off }
 }
 
 /// All numbers, in the order in which they are told.
 #[rustfmt::skip]
 pub(super) const QUANTITIES: [Kind; 19] = [
-    kind("rest_x_m", "tip at rest, along the level", "m", "rest", |t| Some(t.summary.rest?.tip_x_m)),
-    kind("rest_z_m", "tip at rest, height over the clamp", "m", "rest", |t| Some(t.summary.rest?.tip_z_m)),
-    kind("rest_angle_rad", "angle of the tip at rest", "rad", "rest", |t| Some(t.summary.rest?.tip_angle_rad)),
-    kind("small_frequency_hz", "frequency of small swings", "Hz", "modes", |t| Some(mode(t, 0)?.natural_frequency_hz)),
-    kind("small_damping_ratio", "damping ratio of small swings", "", "modes", |t| Some(mode(t, 0)?.damping_ratio)),
-    kind("second_mode_hz", "frequency of the second mode", "Hz", "modes", |t| Some(mode(t, 1)?.natural_frequency_hz)),
-    kind("second_damping_ratio", "damping ratio of the second mode", "", "modes", |t| Some(mode(t, 1)?.damping_ratio)),
-    kind("third_mode_hz", "frequency of the third mode", "Hz", "modes", |t| Some(mode(t, 2)?.natural_frequency_hz)),
-    kind("third_damping_ratio", "damping ratio of the third mode", "", "modes", |t| Some(mode(t, 2)?.damping_ratio)),
-    kind("frequency_hz", "frequency as released", "Hz", "damped_frequency_hz", |t| t.summary.damped_frequency_hz),
-    kind("damping_ratio", "damping ratio as released, by eq. 6", "", "damping_ratio", |t| t.summary.damping_ratio),
-    kind("lowest_z_m", "lowest point of the tip", "m", "lowest", |t| t.lowest),
-    kind("least_angle_rad", "least angle of the tip", "rad", "least_tip_angle_rad", |t| t.summary.least_tip_angle_rad),
-    kind("first_peak_m", "first upper peak over the rest", "m", "peaks", |t| Some(t.summary.peaks.as_ref()?.first()?.height_m)),
-    kind("peak_speed_m_s", "greatest speed of the tip", "m/s", "peak_speed", |t| Some(t.summary.peak_speed?.speed_m_s)),
-    kind("settling_5_percent_s", "settled to 5 % after", "s", "settling_5_percent_s", |t| t.summary.settling_5_percent_s),
-    kind("settling_2_percent_s", "settled to 2 % after", "s", "settling_2_percent_s", |t| t.summary.settling_2_percent_s),
-    kind("root_moment_at_rest_n_m", "bending moment at the root at rest", "N m", "rest", |t| Some(t.root_moment_at_rest)),
-    kind("root_moment_n_m", "largest bending moment at the root", "N m", "rest", |t| Some(t.root_moment)),
+    kind("rest_x_m", "tip at rest, along the level", "m", "rest", |t| Some(t.summary.rest?.tip_x_m), Off::Rest),
+    kind("rest_z_m", "tip at rest, height over the clamp", "m", "rest", |t| Some(t.summary.rest?.tip_z_m), Off::Rest),
+    kind("rest_angle_rad", "angle of the tip at rest", "rad", "rest", |t| Some(t.summary.rest?.tip_angle_rad), Off::RestAngle),
+    kind("small_frequency_hz", "frequency of small swings", "Hz", "modes", |t| Some(mode(t, 0)?.natural_frequency_hz), Off::Frequency),
+    kind("small_damping_ratio", "damping ratio of small swings", "", "modes", |t| Some(mode(t, 0)?.damping_ratio), Off::Damping),
+    kind("second_mode_hz", "frequency of the second mode", "Hz", "modes", |t| Some(mode(t, 1)?.natural_frequency_hz), Off::Untold),
+    kind("second_damping_ratio", "damping ratio of the second mode", "", "modes", |t| Some(mode(t, 1)?.damping_ratio), Off::Untold),
+    kind("third_mode_hz", "frequency of the third mode", "Hz", "modes", |t| Some(mode(t, 2)?.natural_frequency_hz), Off::Untold),
+    kind("third_damping_ratio", "damping ratio of the third mode", "", "modes", |t| Some(mode(t, 2)?.damping_ratio), Off::Untold),
+    kind("frequency_hz", "frequency as released", "Hz", "damped_frequency_hz", |t| t.summary.damped_frequency_hz, Off::Frequency),
+    kind("damping_ratio", "damping ratio as released, by eq. 6", "", "damping_ratio", |t| t.summary.damping_ratio, Off::Damping),
+    kind("lowest_z_m", "lowest point of the tip", "m", "lowest", |t| t.lowest, Off::Swing),
+    kind("least_angle_rad", "least angle of the tip", "rad", "least_tip_angle_rad", |t| t.summary.least_tip_angle_rad, Off::SwingAngle),
+    kind("first_peak_m", "first upper peak over the rest", "m", "peaks", |t| Some(t.summary.peaks.as_ref()?.first()?.height_m), Off::Swing),
+    kind("peak_speed_m_s", "greatest speed of the tip", "m/s", "peak_speed", |t| Some(t.summary.peak_speed?.speed_m_s), Off::Share),
+    kind("settling_5_percent_s", "settled to 5 % after", "s", "settling_5_percent_s", |t| t.summary.settling_5_percent_s, Off::Damping),
+    kind("settling_2_percent_s", "settled to 2 % after", "s", "settling_2_percent_s", |t| t.summary.settling_2_percent_s, Off::Damping),
+    kind("root_moment_at_rest_n_m", "bending moment at the root at rest", "N m", "rest", |t| Some(t.root_moment_at_rest), Off::Untold),
+    kind("root_moment_n_m", "largest bending moment at the root", "N m", "rest", |t| Some(t.root_moment), Off::Share),
 ];

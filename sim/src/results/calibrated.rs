@@ -28,6 +28,7 @@ use super::picture::{against_markers, calibrated, fitted, over_pressure};
 use super::report::significant;
 use super::{Request, ResultsError, write_mark};
 use crate::calibrate::calibration::Calibrated;
+use crate::calibrate::repeats::{Repeats, Source};
 use crate::calibrate::{Calibration, Outcome, Problem};
 use crate::escape::cell;
 
@@ -98,6 +99,22 @@ fn residuals(outcome: &Outcome) -> String {
     text
 }
 
+/// How well an experiment repeats, in words.
+fn repeats_in_words(repeats: &Repeats) -> String {
+    let size = significant(repeats.distance_mm, 2);
+    match repeats.source {
+        Source::Measured => format!(
+            "releases of one condition repeat to {size} mm, by {} pair{} of them",
+            repeats.pairs,
+            if repeats.pairs == 1 { "" } else { "s" }
+        ),
+        Source::Stated => {
+            format!("the experiment is said to repeat to {size} mm; intervals are as wide as that")
+        }
+        Source::Assumed => format!("a single release is taken to repeat to {size} mm"),
+    }
+}
+
 /// A calibration as a table for people.
 pub fn table(calibration: &Calibration) -> String {
     let mut text = String::new();
@@ -133,6 +150,9 @@ pub fn table(calibration: &Calibration) -> String {
                 track.held_back
             );
         }
+    }
+    if let Some(repeats) = &calibration.repeats {
+        let _ = writeln!(text, "\n{}", repeats_in_words(repeats));
     }
     for warning in &calibration.warnings {
         let _ = write!(text, "\n! {warning}");

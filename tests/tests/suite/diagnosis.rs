@@ -6,7 +6,7 @@
 
 use models::effects::CATALOGUE;
 use sim::calibrate::Scope;
-use sim::diagnose::repeats::Source;
+use sim::calibrate::repeats::Source;
 use sim::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
 use tests::blind::{all_fitted, problem};
 use tests::twin::drawn::{Drawn, Plan, Priors};

@@ -1,9 +1,9 @@
 //! The model with what a calibration has found, and how well that is known: what `efam simulate` and `efam predict`
 //! take.
 
-use models::muscle::{CalibratedColumn, Found, Knob, Known, Muscle, MuscleError};
+use models::muscle::{CalibratedColumn, Found, Knob, Known, Misfit, Muscle, MuscleError};
 
-use crate::calibrate::calibration::{Calibrated, Correlations};
+use crate::calibrate::calibration::{Calibrated, Correlations, ReleaseFit};
 use crate::calibrate::problem::is_of_pressure;
 use crate::calibrate::{Calibration, Problem};
 use crate::scenario::resolved::plain;
@@ -104,6 +104,23 @@ pub fn rod_files(
     files
 }
 
+/// How far the model is from releases, root mean square; none without any.
+fn misfit<'a>(releases: impl Iterator<Item = &'a ReleaseFit>) -> Option<Misfit> {
+    let releases: Vec<_> = releases.collect();
+    let mean = |of: &dyn Fn(&ReleaseFit) -> Option<f64>| {
+        let values: Vec<f64> = releases.iter().filter_map(|release| of(release)).collect();
+        (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+    };
+    let frequencies = || releases.iter().filter_map(|release| release.misfit.frequency_hz);
+    (!releases.is_empty()).then(|| Misfit {
+        distance: mean(&|release| Some(1e-3 * release.misfit.distance_mm / release.excursion_m)),
+        rest: mean(&|release| Some(1e-3 * release.misfit.rest_mm / release.excursion_m)),
+        frequency: mean(&|release| release.misfit.frequency),
+        damping_ratio: mean(&|release| release.misfit.damping_ratio),
+        frequency_hz: frequencies().next().map(|_| Known::span(frequencies())),
+    })
+}
+
 /// How well a calibration knows some of its numbers.
 fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Calibrated) -> bool) -> Known {
     let is_told = |one: &&Calibrated| one.release.is_none() && is_told(one);
@@ -132,6 +149,7 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
         payload_kg: Known::span(fitted().map(|release| release.payload_kg)),
         excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
         nodes,
+        misfit: misfit(fitted().filter(|release| release.excursion_m > 0.0)),
         interpolation: Vec::new(),
         parameter: own.iter().map(knob).collect(),
     }

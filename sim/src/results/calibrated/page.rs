@@ -30,6 +30,7 @@ pub(super) fn page(
     page.figures(of("parameter-"));
     page.section("How well each release is met");
     fits(&mut page, calibration);
+    misfits(&mut page, calibration);
     page.figures(of("fit-"));
     page.figures(of("shapes-"));
     page.section("What the data cannot tell apart");
@@ -161,6 +162,39 @@ fn parameters(page: &mut Page, calibration: &Calibration) {
             rows: calibration.nuisances.iter().map(row).collect(),
         },
     );
+}
+
+/// How far fits are from recordings in what a prediction is asked for.
+fn misfits(page: &mut Page, calibration: &Calibration) {
+    let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:+.2}", 100.0 * share));
+    let row = |release: &ReleaseFit| {
+        let of = &release.misfit;
+        vec![
+            release.name.clone(),
+            significant(1e3 * release.excursion_m, 3),
+            significant(of.distance_mm, 2),
+            significant(of.rest_mm, 2),
+            of.frequency_hz.map_or("-".to_owned(), |hertz| significant(hertz, 4)),
+            percent(of.frequency),
+            percent(of.damping_ratio),
+        ]
+    };
+    page.table(&Table {
+        caption: "How far fit and recording are apart in what predictions are asked for, noise taken off; intervals of predictions hold as much",
+        heads: &[
+            "release",
+            "excursion, mm",
+            "all samples, mm",
+            "at the end, mm",
+            "frequency, Hz",
+            "frequency, %",
+            "damping ratio, %",
+        ],
+        rows: calibration.releases.iter().map(row).collect(),
+    });
+    if let Some(repeats) = &calibration.repeats {
+        page.text(&super::repeats_in_words(repeats));
+    }
 }
 
 fn fits(page: &mut Page, calibration: &Calibration) {

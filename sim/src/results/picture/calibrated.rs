@@ -3,13 +3,11 @@
 
 use super::panel::{Axis, Key, Panel, Stroke, heading, padded, px};
 use super::{Area, BLACK, BLUE, Drawn, GREEN, GREY, MILLI, VERMILION, drawn};
-use crate::analysis::measured::{Measured, analyse};
+use crate::analysis::measured::Measured;
 use crate::calibrate::calibration::{Calibrated, Calibration};
+use crate::calibrate::misfit::swing_of;
 use crate::calibrate::{Curve, Scale};
-use crate::experiment::release::{Point, Release, Track};
 
-/// Share of a recording, at its end, whose mean counts as the rest.
-const REST: f64 = 0.2;
 /// Decades of amplitude that the decay is drawn over.
 const DECADES: f64 = 2.5;
 
@@ -24,35 +22,6 @@ pub fn calibrated(curve: &Curve) -> String {
         decay(&both, &panels[2])?;
         damping(&both, &panels[3])
     })
-}
-
-/// The swing of a path; nothing where it has none.
-pub(super) fn swing_of(curve: &Curve, path: &[[f64; 2]]) -> Option<Measured> {
-    let late = path.len() - (REST * path.len() as f64) as usize;
-    let mean = |axis: usize| {
-        let tail = &curve.predicted[late.min(path.len().saturating_sub(1))..];
-        tail.iter().map(|x| x[axis]).sum::<f64>() / tail.len().max(1) as f64
-    };
-    let track = Track {
-        marker: curve.marker.clone(),
-        at: Point::Tip,
-        position: path.iter().map(|x| Some(*x)).collect(),
-        noise: 1e-4,
-        discrepancy: 0.0,
-    };
-    let release = Release {
-        name: curve.release.clone(),
-        time: curve.time.clone(),
-        release_uncertainty: 0.0,
-        tracks: vec![track],
-        pressure: None,
-        payload: 0.0,
-        held_out: false,
-    };
-    if path.is_empty() {
-        return None;
-    }
-    analyse(&release, [mean(0), mean(1)]).ok()
 }
 
 fn strokes() -> (Stroke, Stroke) {

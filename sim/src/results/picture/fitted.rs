@@ -1,9 +1,10 @@
 //! The pictures of a calibration's page: each track with its residuals, its decay and damping, the parameters
 //! over pressure, what cannot be told apart.
 
-use super::calibrated::{damping, decay, one_parameter, overlay, paths_over_pressure, residuals, swing_of};
+use super::calibrated::{damping, decay, one_parameter, overlay, paths_over_pressure, residuals};
 use super::matrix::correlations;
 use super::{Picture, drawn};
+use crate::calibrate::misfit::swing_of;
 use crate::calibrate::{Calibration, Curve};
 
 /// All pictures of a calibration, in the order in which one would look at them.

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use models::effects::tip_hold::PULL;
 
-use crate::calibrate::hold;
-use crate::calibrate::loss::spread;
-use crate::calibrate::{Problem, Trial};
+use super::hold;
+use super::loss::spread;
+use super::problem::{Problem, Trial};
 use crate::experiment::release::Release;
 use crate::schema::JsonSchema;
 
@@ -51,7 +51,7 @@ const END: f64 = 0.25;
 impl Repeats {
     /// Of the releases of a problem, unless it is stated, m; none where neither releases of one condition nor the motion
     /// of a single one tell.
-    pub(super) fn of(problem: &Problem, stated: Option<f64>) -> Option<Self> {
+    pub(crate) fn of(problem: &Problem, stated: Option<f64>) -> Option<Self> {
         let trials = &problem.trials;
         let tracks = trials.iter().map(|trial| &trial.release.tracks[trial.release.leading_track()]);
         let noise = (2.0 * tracks.map(|tip| tip.noise * tip.noise).sum::<f64>() / trials.len() as f64).sqrt();
@@ -81,7 +81,7 @@ impl Repeats {
     /// Distance of a right model from so many releases that is exceeded once in twenty times, mm: the F test of lack of
     /// fit against pure error. What does not repeat is known from few numbers of few releases; the noise in it from
     /// all samples.
-    pub(super) fn largest_mm(&self, releases: usize) -> f64 {
+    pub(crate) fn largest_mm(&self, releases: usize) -> f64 {
         let factor = match self.pairs {
             0 => 1.0,
             pairs => quantile_of_f(NUMBERS * releases as f64, NUMBERS * pairs as f64),
@@ -92,7 +92,7 @@ impl Repeats {
 
     /// The problem with what does not repeat in each track, beside its noise: a release differs from another by few
     /// numbers, so many samples share each of them.
-    pub(super) fn heard_in(&self, problem: &Problem) -> Problem {
+    pub(crate) fn heard_in(&self, problem: &Problem) -> Problem {
         let mut problem = problem.clone();
         let beyond = 1e-6 * (self.distance_mm.powi(2) - self.noise_mm.powi(2));
         for release in problem.trials.iter_mut().map(|trial| &mut trial.release) {
@@ -106,7 +106,7 @@ impl Repeats {
     }
 
     /// Whether it is known from the experiment itself.
-    pub(super) fn is_known(&self) -> bool {
+    pub(crate) fn is_known(&self) -> bool {
         self.source != Source::Assumed
     }
 }
@@ -213,7 +213,7 @@ fn known(release: &Release) -> Vec<(f64, [f64; 2])> {
 }
 
 /// Which samples jump and come back at once: another thing that was taken for the marker, whatever a model says.
-pub(super) fn ghosts(path: &[Option<[f64; 2]>]) -> Vec<bool> {
+pub(crate) fn ghosts(path: &[Option<[f64; 2]>]) -> Vec<bool> {
     let all: Vec<(usize, [f64; 2])> =
         path.iter().enumerate().filter_map(|(k, at)| Some((k, (*at)?))).collect();
     let jump = |three: &[(usize, [f64; 2])]| {

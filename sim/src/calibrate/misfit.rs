@@ -1,0 +1,82 @@
+//! How far a fitted model is from a recording in the numbers that it will be asked for: both are analysed alike.
+//!
+//! A prediction is no better than that. What of it noise explains is in the errors of the parameters already, so the
+//! noise is taken off.
+
+use serde::{Deserialize, Serialize};
+
+use super::outcome::Curve;
+use crate::analysis::measured::{Measured, analyse};
+use crate::experiment::release::{Point, Release, Track};
+use crate::schema::JsonSchema;
+
+/// How far a fit is from a recording of the tip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Misfit {
+    /// Root mean square distance over all samples, what noise makes of it taken off, mm.
+    pub distance_mm: f64,
+    /// Distance of the means over the last fifth, mm.
+    pub rest_mm: f64,
+    /// Measured frequency as released, Hz.
+    pub frequency_hz: Option<f64>,
+    /// Frequency as fitted over that, less one.
+    pub frequency: Option<f64>,
+    /// Damping ratio by eq. 6 as fitted over that measured, less one.
+    pub damping_ratio: Option<f64>,
+}
+
+impl Misfit {
+    /// Of the track of a tip, with the noise of a coordinate, m.
+    pub(super) fn of(curve: &Curve, noise: f64) -> Self {
+        let pairs = || curve.measured.iter().zip(&curve.predicted);
+        let count = curve.measured.len().max(1) as f64;
+        let square = pairs().map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sum::<f64>() / count;
+        let [seen, fitted] = [&curve.measured, &curve.predicted].map(|path| rest(path));
+        let both = [swing_of(curve, &curve.measured), swing_of(curve, &curve.predicted)];
+        let ratio = |of: fn(&Measured) -> Option<f64>| {
+            let [seen, fitted] = both.each_ref().map(|swing| swing.as_ref().and_then(of));
+            Some(fitted? / seen? - 1.0)
+        };
+        let frequency = |swing: &Measured| swing.damped_frequency.as_ref().ok().copied();
+        Self {
+            distance_mm: 1e3 * (square - 2.0 * noise * noise).max(0.0).sqrt(),
+            rest_mm: 1e3 * (seen[0] - fitted[0]).hypot(seen[1] - fitted[1]),
+            frequency_hz: both[0].as_ref().and_then(frequency).map(|omega| omega / std::f64::consts::TAU),
+            frequency: ratio(frequency),
+            damping_ratio: ratio(|swing| Some(swing.decay.as_ref().ok()?.damping_ratio)),
+        }
+    }
+}
+
+/// Share of a recording, at its end, whose mean counts as the rest.
+const REST: f64 = 0.2;
+
+fn rest(path: &[[f64; 2]]) -> [f64; 2] {
+    let late = path.len() - (REST * path.len() as f64) as usize;
+    let tail = &path[late.min(path.len().saturating_sub(1))..];
+    [0, 1].map(|axis| tail.iter().map(|x| x[axis]).sum::<f64>() / tail.len().max(1) as f64)
+}
+
+/// The swing of a path of a track about where it comes to rest; nothing where it has none.
+pub(crate) fn swing_of(curve: &Curve, path: &[[f64; 2]]) -> Option<Measured> {
+    if path.is_empty() {
+        return None;
+    }
+    let track = Track {
+        marker: curve.marker.clone(),
+        at: Point::Tip,
+        position: path.iter().map(|x| Some(*x)).collect(),
+        noise: 1e-4,
+        discrepancy: 0.0,
+    };
+    let release = Release {
+        name: curve.release.clone(),
+        time: curve.time.clone(),
+        release_uncertainty: 0.0,
+        tracks: vec![track],
+        pressure: None,
+        payload: 0.0,
+        held_out: false,
+    };
+    analyse(&release, rest(path)).ok()
+}

@@ -1,0 +1,76 @@
+//! What a diagnosis comes to: its words, its warnings, and the models with what was found.
+
+use rayon::prelude::*;
+
+use super::candidate::Candidate;
+use super::describe::describe;
+use super::judge::{Locked, set};
+use super::refit::errors;
+use super::share::Shares;
+use super::verdict::{Added, Verdict};
+use super::warnings::{contradictions, warnings};
+use super::{Course, Outcome, early, misfit, words};
+use crate::calibrate::CalibrateError;
+
+impl Course<'_> {
+    /// Says what it all comes to.
+    pub(super) fn conclude(mut self) -> Result<Outcome, CalibrateError> {
+        let (known, errors) = {
+            let fit = self.model.fit()?;
+            (fit.known(), errors(&fit))
+        };
+        let (gap, curves) = self.gaps();
+        match self.diagnosis.verdict {
+            // A phase that is lost has no moment that describes it.
+            Verdict::Unknown if self.before.early.is_some() && self.added.is_empty() => {}
+            Verdict::Unknown if self.is_stopped() => {}
+            Verdict::Unknown => {
+                let (ending, level) = (self.ending(), self.settings.false_alarm);
+                let tell = |what: &str| self.listener.doing(what);
+                self.diagnosis.description = describe(&ending.fit()?, &ending.problem, level, &tell)?;
+            }
+            _ => {
+                if !self.is_stopped() {
+                    self.listener.doing("intervals");
+                    self.profile()?;
+                }
+                self.tell_apart(&known);
+            }
+        }
+        self.diagnosis.gap = gap;
+        self.diagnosis.shares = Some(Shares::of(&self.diagnosis.gap));
+        let locked = self.problem.trials.iter().filter(|trial| trial.release.held_out);
+        self.diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
+        if self.before.early.is_some() {
+            self.diagnosis.misses_first_swings = true;
+            self.diagnosis.warnings.push(early::WARNING.to_owned());
+        } else {
+            self.diagnosis.misfits = misfit::misfits(&curves);
+        }
+        self.diagnosis.contradictions = contradictions(&known);
+        let warnings = warnings(&self.diagnosis, &self.problem, &known);
+        self.diagnosis.warnings.extend(warnings);
+        self.diagnosis.summary = words::summary(&self.diagnosis);
+        // What was fitted comes last: a pressure may have releases of both kinds.
+        let of_locked = |locked: Option<&Locked>| locked.map_or(Ok(Vec::new()), Locked::known);
+        let (before, after) = (of_locked(self.before.locked.as_ref())?, of_locked(self.locked())?);
+        let (mut baseline, mut repaired) = (self.problem, self.model.problem);
+        for known in [&before, &self.before.known] {
+            set(&mut baseline, known);
+        }
+        for known in [&after, &known] {
+            set(&mut repaired, known);
+        }
+        Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
+    }
+
+    /// Bounds of what is badly known, from the profile of the likelihood.
+    fn profile(&mut self) -> Result<(), CalibrateError> {
+        let ending = self.ending();
+        let fit = ending.fit()?;
+        let candidates: Vec<_> = self.added.iter().map(|best| &best.candidate).collect();
+        let profiled = |candidate: &&Candidate| Added::profiled(&fit, candidate);
+        self.diagnosis.effects = candidates.par_iter().map(profiled).collect();
+        Ok(())
+    }
+}
