@@ -32,14 +32,14 @@ pub struct Context<T> {
     /// The rigid end body, the last half cell of the rod included: its centre of mass is measured
     /// from the last node along the body axis.
     pub body: Body<T>,
-    /// The rod's last half cell alone.
-    pub half_cell: Body<T>,
     /// All else of the end body.
     pub fixed: Body<T>,
     /// Mass of an interior node, kg.
     pub node_mass: T,
-    /// The part of it that has no weight, kg; the end body holds half of that at the last node.
+    /// The part of it that has no weight, kg.
     pub weightless_mass: T,
+    /// The same of the end body; its mass and centre alone mean anything.
+    pub weightless_body: Body<T>,
     /// Rest length of an edge, m.
     pub rest_length: T,
     /// How fast it grows over itself, 1/s: a strain that is counted against it falls at that rate.
@@ -79,7 +79,10 @@ impl<T: Scalar> Context<T> {
         let base = theta[BASE_ANGLE];
         let stencil = Stencil::new(model.scheme, edges);
         let half_cell = half_cell(&stencil, node_mass, theta[LENGTH] * per_edges);
-        let fixed = fixed(model, &theta);
+        let bodies = bodies(model, &theta);
+        let fixed = together(&bodies);
+        let weightless = Body { mass: weightless_mass * 0.5, ..half_cell };
+        let weightless_body = bodies.iter().map(|body| Body { mass: body.mass - body.heavy, ..*body });
         let mut context = Self {
             edges,
             per_edges,
@@ -87,10 +90,10 @@ impl<T: Scalar> Context<T> {
             rod,
             base_axis: [base.cos(), base.sin()],
             body: together(&[half_cell, fixed]),
-            half_cell,
             fixed,
             node_mass,
             weightless_mass,
+            weightless_body: together(&[weightless].into_iter().chain(weightless_body).collect::<Vec<_>>()),
             rest_length: zero,
             rest_rate: zero,
             per_rest_length: zero,
@@ -152,11 +155,17 @@ fn half_cell<T: Scalar>(stencil: &Stencil<T>, node_mass: T, rest_length: T) -> B
     let before = rest_length * stencil.last_half_cell();
     let about_node = mass * rest_length * rest_length / 12.0;
     let offset = T::from(0.0);
-    Body { mass, center_of_mass: -before, offset, rotary_inertia: about_node - mass * before * before }
+    Body {
+        mass,
+        heavy: mass,
+        center_of_mass: -before,
+        offset,
+        rotary_inertia: about_node - mass * before * before,
+    }
 }
 
-/// End fitting, payload and their like as one rigid body.
-fn fixed<T: Scalar>(model: &Model, theta: &[T]) -> Body<T> {
+/// End fitting, payload and their like.
+fn bodies<T: Scalar>(model: &Model, theta: &[T]) -> Vec<Body<T>> {
     let mut bodies = Vec::new();
     let mut shift = T::from(0.0);
     for active in at(model, Place::Body) {
@@ -165,7 +174,7 @@ fn fixed<T: Scalar>(model: &Model, theta: &[T]) -> Body<T> {
         shift += effect.shift(&theta[active.theta.clone()]);
     }
     bodies.iter_mut().for_each(|body| body.center_of_mass += shift);
-    together(&bodies)
+    bodies
 }
 
 /// Rigid bodies as one; without any mass its centre lies at the end of the active length.
@@ -181,7 +190,7 @@ fn together<T: Scalar>(bodies: &[Body<T>]) -> Body<T> {
         let (along, across) = (body.center_of_mass - center_of_mass, body.offset - offset);
         body.rotary_inertia + body.mass * (along * along + across * across)
     });
-    Body { mass, center_of_mass, offset, rotary_inertia }
+    Body { mass, heavy: sum(&|body| body.heavy), center_of_mass, offset, rotary_inertia }
 }
 
 /// Mass per length beside the rod's own.
@@ -294,9 +303,11 @@ impl<T: Scalar> Assembly<T> {
         if effect.about().kind == Kind::Load { self.load_share } else { 1.0 }
     }
 
-    /// Force that bears the weight of what has none in the last half cell, N.
-    pub(crate) fn borne_at_the_end(&self) -> [T; 2] {
-        self.fields.acceleration.map(|acceleration| -acceleration * self.context.weightless_mass * 0.5)
+    /// Force that bears the weight of what has none in the end body, N, and where it acts, from the last node, m.
+    pub(crate) fn borne_at_the_end(&self) -> ([T; 2], [T; 2]) {
+        let weightless = &self.context.weightless_body;
+        let force = self.fields.acceleration.map(|acceleration| -acceleration * weightless.mass);
+        (force, weightless.arm(self.fields.body_axis))
     }
 
     pub(crate) fn add_loads(&mut self, model: &Model, q: &[T]) {
@@ -311,8 +322,8 @@ impl<T: Scalar> Assembly<T> {
             self.fields.acceleration[1] += acceleration[1] * share;
             self.fields.decay_rate += rate;
         }
-        let borne = self.borne_at_the_end();
-        self.fields.tip[2] += cross(self.fields.body_axis, borne) * self.context.half_cell.center_of_mass;
+        let (borne, arm) = self.borne_at_the_end();
+        self.fields.tip[2] += cross(arm, borne);
         for k in 0..2 {
             self.fields.tip[k] += borne[k];
         }
@@ -388,8 +399,8 @@ impl<T: Scalar> Assembly<T> {
         }
         let n = c.edges;
         for k in 0..2 {
-            let half_cell = f.position[n][k] + f.body_axis[k] * c.half_cell.center_of_mass;
-            let mut moment = q[2 * n - 2 + k] * c.body.mass - half_cell * c.weightless_mass * 0.5;
+            let weightless = f.position[n][k] + c.weightless_body.arm(f.body_axis)[k];
+            let mut moment = q[2 * n - 2 + k] * c.body.mass - weightless * c.weightless_body.mass;
             for i in 1..n {
                 moment += q[2 * i - 2 + k] * (c.node_mass - c.weightless_mass);
             }

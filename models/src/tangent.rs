@@ -234,7 +234,7 @@ impl System {
             active.effect.linearise_flows(c, &model.theta[active.theta.clone()], f, &mut t.flow);
         }
         self.assembly.add_loads(model, q);
-        let borne = self.assembly.borne_at_the_end();
+        let (borne, arm) = self.assembly.borne_at_the_end();
         for &k in &self.assembly.acting.tip {
             let active = &model.effects[k];
             let share = self.assembly.share(active.effect);
@@ -248,7 +248,7 @@ impl System {
         }
         let Assembly { context: c, fields: f, acting, .. } = &mut self.assembly;
         // The weight of what has none acts before the last node, and turns with the body.
-        t.tip[2][2] -= dot(f.body_axis, borne) * c.half_cell.center_of_mass;
+        t.tip[2][2] -= dot(arm, borne);
         f.resist(c, !acting.clamp.is_empty());
         f.gather(c, v, force);
         t.keep_geometry(c, f, !acting.flow.is_empty());

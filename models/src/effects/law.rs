@@ -177,6 +177,8 @@ impl<T: Real> TipLoad<T> {
 pub struct Body<T> {
     /// Mass, kg.
     pub mass: T,
+    /// The part of it that weighs, kg.
+    pub heavy: T,
     /// Centre of mass beyond the end of the active length, along the end fitting's axis, m.
     pub center_of_mass: T,
     /// Centre of mass beside that axis, m, positive to the left when looking outwards.
@@ -188,7 +190,13 @@ pub struct Body<T> {
 impl<T: Real> Body<T> {
     /// A body on the axis from the values of [`BODY_PARAMETERS`].
     pub fn of(theta: &[T]) -> Self {
-        Self { mass: theta[0], center_of_mass: theta[1], offset: T::from(0.0), rotary_inertia: theta[2] }
+        Self {
+            mass: theta[0],
+            heavy: theta[0],
+            center_of_mass: theta[1],
+            offset: T::from(0.0),
+            rotary_inertia: theta[2],
+        }
     }
 
     /// From the end of the active length to the centre of mass, in W, m, for a direction of the axis.
@@ -307,7 +315,7 @@ pub trait Law: Sync + 'static {
     /// Body at the end of the active length.
     fn body<T: Real>(_theta: &[T]) -> Body<T> {
         let zero = T::from(0.0);
-        Body { mass: zero, center_of_mass: zero, offset: zero, rotary_inertia: zero }
+        Body { mass: zero, heavy: zero, center_of_mass: zero, offset: zero, rotary_inertia: zero }
     }
     /// How much further along the end fitting's axis all bodies at the end lie than they say, m.
     fn shift<T: Real>(_theta: &[T]) -> T {

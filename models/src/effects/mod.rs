@@ -174,6 +174,8 @@ pub struct Parameter {
     /// Values at which a diagnosis tries the effect, where its trace depends on this parameter other
     /// than in proportion, such as a time constant. Empty: it stays at its default.
     pub tries: &'static [f64],
+    /// The effect beside which they are tried; in a model without it the parameter stays at its default.
+    pub tries_beside: Option<&'static str>,
 }
 
 impl Parameter {
@@ -191,6 +193,7 @@ impl Parameter {
         plausible: None,
         per: Per::Unit,
         tries: &[],
+        tries_beside: None,
     };
 }
 

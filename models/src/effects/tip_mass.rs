@@ -3,6 +3,7 @@
 //! Law:      m ẍ = F
 //!
 //!   m   mass                                                      kg
+//!   w   share of its weight m g that acts                         –
 //!   d   its place beyond the end of the active length, on the     m
 //!       axis of the end fitting with which it turns
 //!   x   its position                                              m
@@ -50,6 +51,17 @@ impl Law for TipMass {
                 tries: &[0.0, 0.02, 0.06],
                 ..Parameter::PLAIN
             },
+            Parameter {
+                name: "weight",
+                meaning: "share of its weight that acts: 0 where the weight is told as a load already",
+                unit: "",
+                default: 1.0,
+                range: (0.0, 1.0),
+                scale: 1.0,
+                tries: &[1.0, 0.0],
+                tries_beside: Some("tip_load"),
+                ..Parameter::PLAIN
+            },
         ],
         looks_like: "lowers frequency and rest posture together, as a softer rod would",
         confounded_with: &["bend", "end_fitting", "payload", "tip_inertia"],
@@ -58,6 +70,49 @@ impl Law for TipMass {
     };
 
     fn body<T: Real>(theta: &[T]) -> Body<T> {
-        Body::of(&[theta[0], theta[1], T::from(0.0)])
+        Body { heavy: theta[0] * theta[2], ..Body::of(&[theta[0], theta[1], T::from(0.0)]) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::effects::tests::rod_with;
+    use crate::model::Model;
+    use crate::system::System;
+
+    const MASS: f64 = 0.05;
+
+    /// Forces on a swinging rod and its energy of weight, with gravity.
+    fn forces(model: &Model) -> (Vec<f64>, f64) {
+        let mut system = System::new(model);
+        let (q, v) = system.assembly.straight(0.3, 2.0);
+        let mut force = vec![0.0; q.len()];
+        system.force(0.0, &q, &v, &[], &mut force, &mut []);
+        (force, system.energy(0.0, &q, &v, &[]).2)
+    }
+
+    fn with(distance: f64, weight: f64, load: f64) -> Model {
+        let gravity: (&str, &[(&str, f64)]) = ("gravity", &[("acceleration", 9.81)]);
+        let mass = [("mass", MASS), ("distance", distance), ("weight", weight)];
+        rod_with(&[gravity, ("tip_mass", &mass), ("tip_load", &[("force_z", load)])])
+    }
+
+    /// A weight that is told as a dead load: the same forces as those of the mass that weighs.
+    #[test]
+    fn its_weight_may_be_told_as_a_load() {
+        let (weighed, told) = (forces(&with(0.0, 1.0, 0.0)).0, forces(&with(0.0, 0.0, -MASS * 9.81)).0);
+        for (a, b) in weighed.iter().zip(&told) {
+            assert!((a - b).abs() < 1e-12, "{a} N, {b} N");
+        }
+    }
+
+    /// Without weight it moves no potential energy, wherever it sits; with half of it, half.
+    #[test]
+    fn its_share_of_weight_has_its_energy() {
+        let [none, half, all] = [0.0, 0.5, 1.0].map(|weight| forces(&with(0.04, weight, 0.0)).1);
+        let (distance, angle) = (0.3 + 0.04, 0.3f64);
+        let due = MASS * 9.81 * distance * angle.sin();
+        assert!((all - none - due).abs() < 1e-12, "{all} − {none} J, due {due} J");
+        assert!((half - none - 0.5 * due).abs() < 1e-12);
     }
 }

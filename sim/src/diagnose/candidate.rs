@@ -222,7 +222,10 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
             continue;
         }
         let mut tried: Vec<Vec<(&'static EffectParameter, f64)>> = vec![Vec::new()];
-        for parameter in about.parameters.iter().filter(|parameter| !parameter.tries.is_empty()) {
+        let is_tried = |parameter: &&EffectParameter| {
+            !parameter.tries.is_empty() && parameter.tries_beside.is_none_or(has)
+        };
+        for parameter in about.parameters.iter().filter(is_tried) {
             tried = tried
                 .iter()
                 .flat_map(|before| {

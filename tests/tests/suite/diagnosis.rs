@@ -74,6 +74,29 @@ fn an_interval_holds_what_does_not_repeat() {
     assert!((low..=high).contains(&MASS) && low >= 0.0 && high - low > 0.2 * MASS, "{}", found.summary);
 }
 
+/// A weight of which the experiment tells the force alone: its mass is found, and no weight beside the told one.
+#[test]
+fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
+    const MASS: f64 = 0.02;
+    let hidden = [Hidden::TipMass { mass: MASS }];
+    let plan = Plan { pressures: vec![40.0; 2], angles: vec![0.0], duration: 3.0, ..Plan::usual(&hidden) };
+    let mut problem = all_fitted(&plan.draw(912));
+    for trial in &mut problem.trials {
+        let load = [("force_z", -9.81 * MASS)];
+        trial.model = trial.model.with_effect("tip_load", &load).expect("an effect of the catalogue");
+    }
+    let asked = ["tip_mass", "added_mass", "viscoelastic", "air_drag"];
+    let names = CATALOGUE.iter().map(|effect| effect.about().name);
+    let excluded = names.filter(|name| !asked.contains(name)).map(str::to_owned).collect();
+    let settings = Settings { excluded, ..Settings::default() };
+    let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
+    let first = &found.effects[0];
+    assert_eq!(first.effect, "tip_mass", "{}", found.summary);
+    let value = |name: &str| first.parameters.iter().find(|own| own.name == name).expect("it has one").value;
+    assert_eq!(value("weight"), 0.0, "{}", found.summary);
+    assert!((value("mass") / MASS - 1.0).abs() < 0.15, "{}", found.summary);
+}
+
 /// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.
 #[test]
 fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
