@@ -40,7 +40,7 @@ const SIM: [(&str, &[&str]); 20] = [
     ("analysis", &["quantile", "scenario"]),
     ("experiment", &["analysis", "escape", "quantile", "recording", "scenario", "schema"]),
     ("cleaning", &["escape", "experiment", "quantile", "recording", "scenario", "schema"]),
-    ("calibrate", &["cleaning", "experiment", "scenario", "schema"]),
+    ("calibrate", &["analysis", "cleaning", "experiment", "scenario", "schema"]),
     ("diagnose", &["calibrate", "cleaning", "experiment", "normal", "scenario", "schema"]),
     ("predict", &["analysis", "calibrate", "normal", "quantile", "scenario", "schema"]),
     ("figures", &["analysis", "calibrate", "experiment", "scenario"]),
