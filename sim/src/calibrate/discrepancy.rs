@@ -22,18 +22,30 @@ use super::search::Found;
 /// Change of the deviation of a track's samples that is worth another fit.
 const CHANGED: f64 = 0.1;
 
-/// Standard deviation of a coordinate of what a fit misses, times the root of the samples that share a number of it, m;
-/// zero where residuals do not go on. `samples` are their places in the recording.
-fn missed(series: &Series, samples: &[usize], noise: f64) -> f64 {
-    let (Some(first), Some(last)) = (series.samples.first(), series.samples.last()) else { return 0.0 };
+/// What a fit misses of a track.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Missed {
+    /// Standard deviation of a coordinate, m; zero where residuals do not go on.
+    pub deviation: f64,
+    /// Samples that share a number of it.
+    pub shared: f64,
+}
+
+/// What a fit misses of a track with the noise of its residuals' unit, m; `samples` are their places in the recording.
+pub(super) fn missed(series: &Series, samples: &[usize], noise: f64) -> Missed {
+    let (Some(first), Some(last)) = (series.samples.first(), series.samples.last()) else {
+        return Missed::default();
+    };
     let mut grid = vec![None; samples[*last] + 1 - samples[*first]];
     for (k, residual) in series.samples.iter().zip(&series.residual) {
         grid[samples[*k] - samples[*first]] = Some(*residual);
     }
     let found = Autocovariance::of(&grid);
-    let Some(next) = found.by_lag.get(1).copied().filter(|next| *next > 0.0) else { return 0.0 };
+    let Some(next) = found.by_lag.get(1).copied().filter(|next| *next > 0.0) else {
+        return Missed::default();
+    };
     let shared = 1.0 + 2.0 * found.by_lag.iter().skip(1).map(|own| (own / next).powi(2)).sum::<f64>();
-    noise * (next * shared).sqrt()
+    Missed { deviation: noise * next.sqrt(), shared }
 }
 
 /// Weighs the samples of an objective by what a fit of it misses, or by what its releases do not repeat where that is
@@ -44,7 +56,8 @@ pub(super) fn hear(objective: &mut Objective, found: &Found) -> bool {
     for (block, (trial, measured)) in found.at.carried.blocks.iter().zip(releases) {
         for ((t, series), track) in block.iter().enumerate().zip(&trial.release.tracks) {
             let before = measured.noise[t];
-            let beyond = missed(series, &measured.samples, before).max(track.discrepancy);
+            let missed = missed(series, &measured.samples, before);
+            let beyond = (missed.deviation * missed.shared.sqrt()).max(track.discrepancy);
             measured.noise[t] = measured.camera_noise[t].hypot(beyond);
             has_changed |= (measured.noise[t] / before).ln().abs() > CHANGED;
         }
@@ -80,15 +93,16 @@ mod tests {
 
     #[test]
     fn noise_alone_misses_nothing() {
-        assert_eq!(missed(&residuals(0.0, 0.0), &all(), 1e-3), 0.0);
+        assert_eq!(missed(&residuals(0.0, 0.0), &all(), 1e-3), Missed::default());
     }
 
     /// `c_k / c_1 = ρ^(k−1)`, so that `w = 1 + 2 / (1 − ρ²)`; 21.5 for ρ = 0.95.
     #[test]
     fn samples_share_what_goes_on() {
         let found = missed(&residuals(0.95, 2.0), &all(), 1e-3);
-        let due = 1e-3 * (4.0 * 0.95 * (1.0 + 2.0 / (1.0 - 0.95f64 * 0.95))).sqrt();
-        assert!((found / due - 1.0).abs() < 0.2, "{found} m, due {due} m");
+        let due = 1.0 + 2.0 / (1.0 - 0.95f64 * 0.95);
+        assert!((found.deviation / 2e-3 - 1.0).abs() < 0.1, "{found:?}");
+        assert!((found.shared / due - 1.0).abs() < 0.3, "{found:?}, due {due}");
     }
 
     #[test]
@@ -97,6 +111,6 @@ mod tests {
         for k in (50..COUNT).step_by(400) {
             with_ghosts.residual[k] = [300.0, -200.0];
         }
-        assert_eq!(missed(&with_ghosts, &all(), 1e-3), 0.0);
+        assert_eq!(missed(&with_ghosts, &all(), 1e-3), Missed::default());
     }
 }

@@ -1,10 +1,11 @@
 //! How far a fitted model is from a recording in the numbers that it will be asked for: both are analysed alike.
 //!
-//! A prediction is no better than that. What of it noise explains is in the errors of the parameters already, so the
-//! noise is taken off.
+//! A prediction is no better than that. What noise explains of it is in the errors of the parameters already, and is left
+//! out.
 
 use serde::{Deserialize, Serialize};
 
+use super::discrepancy::Missed;
 use super::outcome::Curve;
 use crate::analysis::measured::{Measured, analyse};
 use crate::experiment::release::{Point, Release, Track};
@@ -13,7 +14,7 @@ use crate::schema::JsonSchema;
 /// How far a fit is from a recording of the tip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Misfit {
-    /// Root mean square distance over all samples, what noise makes of it taken off, mm.
+    /// Root mean square distance over all samples without noise, mm.
     pub distance_mm: f64,
     /// Distance of the means over the last fifth, mm.
     pub rest_mm: f64,
@@ -26,22 +27,26 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    /// Of the track of a tip, with the noise of a coordinate, m.
-    pub(super) fn of(curve: &Curve, noise: f64) -> Self {
-        let pairs = || curve.measured.iter().zip(&curve.predicted);
-        let count = curve.measured.len().max(1) as f64;
-        let square = pairs().map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sum::<f64>() / count;
-        let [seen, fitted] = [&curve.measured, &curve.predicted].map(|path| rest(path));
+    /// Of the track of a tip without its ghosts, by what a fit misses of it and the deviation by which its samples are
+    /// weighed, m. Where nothing is missed all differences are noise.
+    pub(super) fn of(curve: &Curve, missed: Missed, noise: f64) -> Self {
         let both = [swing_of(curve, &curve.measured), swing_of(curve, &curve.predicted)];
+        let frequency = |swing: &Measured| swing.damped_frequency.as_ref().ok().copied();
+        let frequency_hz = both[0].as_ref().and_then(frequency).map(|omega| omega / std::f64::consts::TAU);
+        if missed.deviation == 0.0 {
+            return Self { frequency_hz, ..Self::default() };
+        }
         let ratio = |of: fn(&Measured) -> Option<f64>| {
             let [seen, fitted] = both.each_ref().map(|swing| swing.as_ref().and_then(of));
             Some(fitted? / seen? - 1.0)
         };
-        let frequency = |swing: &Measured| swing.damped_frequency.as_ref().ok().copied();
+        let [seen, fitted] = [&curve.measured, &curve.predicted].map(|path| rest(path));
+        let square = (seen[0] - fitted[0]).powi(2) + (seen[1] - fitted[1]).powi(2);
+        let by_chance = 2.0 * noise * noise / (REST * curve.time.len() as f64).max(1.0);
         Self {
-            distance_mm: 1e3 * (square - 2.0 * noise * noise).max(0.0).sqrt(),
-            rest_mm: 1e3 * (seen[0] - fitted[0]).hypot(seen[1] - fitted[1]),
-            frequency_hz: both[0].as_ref().and_then(frequency).map(|omega| omega / std::f64::consts::TAU),
+            distance_mm: 1e3 * (2.0 * missed.deviation * missed.deviation).sqrt(),
+            rest_mm: 1e3 * (square - by_chance).max(0.0).sqrt(),
+            frequency_hz,
             frequency: ratio(frequency),
             damping_ratio: ratio(|swing| Some(swing.decay.as_ref().ok()?.damping_ratio)),
         }

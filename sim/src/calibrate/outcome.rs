@@ -1,6 +1,7 @@
 //! From what the searches found to what is told.
 
 use super::calibration::{Calibrated, Calibration, Correlations, ReleaseFit, SearchReport, TrackFit};
+use super::discrepancy::missed;
 use super::identifiability;
 use super::misfit::Misfit;
 use super::problem::{Problem, Scale, Scope};
@@ -166,10 +167,25 @@ fn release_fit(problem: &Problem, fit: &Fitted, r: usize, curves: &[Curve]) -> R
         held_out: release.held_out,
         duration_s: measured.samples.last().map_or(0.0, |k| release.time[*k]),
         tracks: fit.uncertainty.tracks[r].iter().enumerate().map(track).collect(),
-        misfit: Misfit::of(&curves[tip], measured.camera_noise[tip]),
+        misfit: misfit(fit, r, tip, &curves[tip]),
         numerical_error_mm: of_numerics(|numerics| &numerics.error),
         numerical_error_left_mm: of_numerics(|numerics| &numerics.left),
     }
+}
+
+/// How far a fit is from the recording of the tip; what the loss holds back is a ghost.
+fn misfit(fit: &Fitted, r: usize, tip: usize, curve: &Curve) -> Misfit {
+    let (series, measured) = (&fit.found.at.carried.blocks[r][tip], &fit.objective.measured[r]);
+    let noise = measured.noise[tip];
+    let mut seen = Curve { time: Vec::new(), measured: Vec::new(), predicted: Vec::new(), ..curve.clone() };
+    for (k, length) in series.lengths().enumerate().take(curve.time.len()) {
+        if fit.found.view.loss[r].weight(length) == 1.0 {
+            seen.time.push(curve.time[k]);
+            seen.measured.push(curve.measured[k]);
+            seen.predicted.push(curve.predicted[k]);
+        }
+    }
+    Misfit::of(&seen, missed(series, &measured.samples, noise), noise)
 }
 
 /// Largest distance of the tip from where it was seen last, m.

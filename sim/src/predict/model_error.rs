@@ -4,8 +4,8 @@
 //! - Frequencies and damping ratios are off by the same share.
 //! - Damping at another frequency depends on the law of the loss. The ratio goes with the frequency to a power: −1 for
 //!   mass damping, 0 for a material whose loss does not depend on the rate, 1 for stiffness damping (Crandall 1970,
-//!   Journal of Sound and Vibration 11, 3-18). A calibration at one frequency does not tell it, so it is believed to one
-//!   half.
+//!   Journal of Sound and Vibration 11, 3-18). Where both of Rayleigh's were fitted their errors say how well the power
+//!   is known; otherwise it is believed to one half.
 
 use models::muscle::{Known, Misfit};
 
@@ -48,7 +48,12 @@ pub(super) struct ModelError {
     pub length: f64,
     /// Frequency of the swing, Hz.
     pub frequency_hz: Option<f64>,
+    /// Whether the calibration fitted how damping goes with the frequency.
+    pub is_power_fitted: bool,
 }
+
+/// Laws of a loss between whose powers of the frequency all others lie.
+const BOTH: [&str; 2] = ["effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
 
 impl ModelError {
     /// That of a case; none where the calibration does not say what its model missed.
@@ -58,6 +63,7 @@ impl ModelError {
             excursion: own.excursion,
             length: case.model.rod().length,
             frequency_hz: own.cycles.first().map(|cycle| cycle.damped_frequency_hz),
+            is_power_fitted: BOTH.iter().all(|path| known.parameter.iter().any(|own| own.path == *path)),
         })
     }
 
@@ -83,7 +89,8 @@ impl ModelError {
             .frequency_hz
             .zip(self.misfit.frequency_hz)
             .map_or(0.0, |(here, [low, high])| (here / here.clamp(low, high)).ln().abs());
-        self.misfit.damping_ratio.hypot(POWER * away)
+        let power = if self.is_power_fitted { 0.0 } else { POWER };
+        self.misfit.damping_ratio.hypot(power * away)
     }
 
     /// An interval of a number with the error of the model in it.
@@ -115,7 +122,7 @@ mod tests {
             damping_ratio: 0.1,
             frequency_hz: Some([4.0, 8.0]),
         };
-        ModelError { misfit, excursion: 0.1, length: 0.3, frequency_hz: Some(6.0) }
+        ModelError { misfit, excursion: 0.1, length: 0.3, frequency_hz: Some(6.0), is_power_fitted: false }
     }
 
     #[test]
@@ -138,6 +145,7 @@ mod tests {
         let [low, high] = away.widened(Off::Damping, 0.05, [0.05, 0.05]);
         let half = 2f64.powf(0.5 * NORMAL_95);
         assert!((low / (0.05 / half) - 1.0).abs() < 1e-12 && (high / (0.05 * half) - 1.0).abs() < 1e-12);
+        assert_eq!(ModelError { is_power_fitted: true, ..away }.of_damping(), 0.0);
         let inside = ModelError { frequency_hz: Some(6.0), ..away };
         assert_eq!(inside.of_damping(), 0.0);
     }
