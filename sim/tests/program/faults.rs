@@ -124,7 +124,8 @@ fn of_two_that_want_one_name_one_gets_it() {
         if work.ending.is_empty() {
             assert_eq!(ends.iter().filter(|(code, _)| *code == Some(0)).count(), 1, "{ends:?}");
         }
-        assert!(rivals(&["--overwrite"]).iter().all(|end| *end == (Some(0), String::new())), "{ends:?}");
+        let ends = rivals(&["--overwrite"]);
+        assert!(ends.iter().all(|end| *end == (Some(0), String::new())), "{ends:?}");
     }
     assert!(bench.left().iter().all(|name| !name.starts_with('.')), "{:?}", bench.left());
 }
