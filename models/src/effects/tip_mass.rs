@@ -3,7 +3,7 @@
 //! Law:      m ẍ = F
 //!
 //!   m   mass                                                      kg
-//!   w   share of its weight m g that acts                         –
+//!   w   fraction of its weight m g that acts                      –
 //!   d   its place beyond the end of the active length, on the     m
 //!       axis of the end fitting with which it turns
 //!   x   its position                                              m
@@ -53,7 +53,7 @@ impl Law for TipMass {
             },
             Parameter {
                 name: "weight",
-                meaning: "share of its weight that acts: 0 where the weight is told as a load already",
+                meaning: "fraction of its weight that acts: 0 if a tip load already holds the weight",
                 unit: "",
                 default: 1.0,
                 range: (0.0, 1.0),

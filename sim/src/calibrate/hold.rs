@@ -137,3 +137,32 @@ fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
     let found = minimise(&start, None, &search, &mut |x, _| look(x).ok());
     Ok(scaled(&found.map_or(start, |found| found.x)))
 }
+
+#[cfg(test)]
+mod tests {
+    use models::statics::equilibrium;
+    use models::system::System;
+
+    use super::*;
+    use crate::results::tests::muscle_at_15_psi;
+
+    /// Held as high as the clamp and pushed towards it, and pulled down.
+    #[test]
+    fn a_coarse_mesh_places_a_held_rod() {
+        let model = muscle_at_15_psi();
+        let size = sizes(&model).unwrap()[0];
+        for (x, z) in [(0.0, 0.4), (-0.2, 0.4), (0.3, -0.5)] {
+            let pull = [("held", 1.0), ("force_x", x * size), ("force_z", z * size)];
+            let held = model.with_effect(NAME, &pull).unwrap();
+            let tip = |nodes: usize| {
+                let held = held.with_nodes(nodes).unwrap();
+                let rest = equilibrium(&held, None).unwrap();
+                System::new(&held).observed_tip(&rest.q, &vec![0.0; rest.q.len()]).0
+            };
+            let (coarse, fine) = (tip(NODES), tip(8 * (NODES - 1) + 1));
+            let off = (coarse[0] - fine[0]).hypot(coarse[1] - fine[1]) / model.rod().length;
+            println!("({x}, {z}): {off:e} of the length");
+            assert!(off < 0.1 * PLACE, "({x}, {z}): {off} of the length");
+        }
+    }
+}

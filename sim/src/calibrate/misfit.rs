@@ -1,7 +1,7 @@
-//! How far a fitted model is from a recording in the numbers that it will be asked for: both are analysed alike.
+//! Differences of a fit and its recording in the quantities that are predicted later. Both are analysed alike.
 //!
-//! A prediction is no better than that. What noise explains of it is in the errors of the parameters already, and is left
-//! out.
+//! Predictions add them to their intervals. The part that noise explains is left out: the errors of the parameters hold
+//! it already.
 
 use serde::{Deserialize, Serialize};
 

@@ -13,7 +13,7 @@ use super::loss::Huber;
 use super::numerics::{Correction, correction};
 use super::objective::{Objective, Seen, View};
 use super::prediction::{Fidelity, Slopes};
-use super::search::{Found, minimise_in, stage};
+use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
 
 /// Predicted decrease, for residuals of unit spread, at which the search stops.
@@ -52,9 +52,7 @@ pub(crate) fn refine(
         let better = settle(objective, found, &mut view, share)?;
         let errors = pseudo_inverse(&better.at.hessian).0.diagonal();
         let moved = (&better.x - &found.x).zip_map(&errors, |x, error| x / error.max(1e-300).sqrt());
-        found.stages.push(stage(found.starts - 1, None, &better));
-        let Solution { x, at, predicted, converged, .. } = better;
-        *found = Found { x, at, predicted, converged, view: view.clone(), ..found.clone() };
+        found.go_to(better, view.clone());
         numerics = Some(finer);
         if share == 0.0 && moved.amax() < FAR {
             break;

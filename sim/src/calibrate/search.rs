@@ -46,6 +46,15 @@ pub(crate) struct Found {
     pub starts: usize,
 }
 
+impl Found {
+    /// Takes over where a search that went on from here ended.
+    pub fn go_to(&mut self, ended: Solution<Seen>, view: View) {
+        self.stages.push(stage(self.starts - 1, None, &ended));
+        let Solution { x, at, predicted, converged, .. } = ended;
+        (self.x, self.at, self.predicted, self.converged, self.view) = (x, at, predicted, converged, view);
+    }
+}
+
 /// Searches begun at most.
 const MOST_STARTS: usize = 4;
 /// Logarithm of the ratio of two costs that are one: stages end within a few per cent.
@@ -200,9 +209,7 @@ pub(crate) fn go_on(objective: &Objective, found: &mut Found) -> Option<()> {
     let view = View::of_all(objective);
     let view = view.clone().like(objective.see(&found.x, &view, None)?);
     let solution = minimise_in(objective, &found.x, None, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
-    found.stages.push(stage(found.starts - 1, None, &solution));
-    let Solution { x, at, predicted, converged, .. } = solution;
-    *found = Found { x, at, view, predicted, converged, ..found.clone() };
+    found.go_to(solution, view);
     Some(())
 }
 

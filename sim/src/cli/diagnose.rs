@@ -35,8 +35,8 @@ const HELP: &str = "Examples:
   efam diagnose --plan scenarios/release-15psi.toml --noise \"0.1 mm\"
 
 Exit codes: 0 whatever the answer is, 3 for data that cannot be used, 4 if the
-baseline cannot be fitted, 130 if it is interrupted: what was found is saved,
-once the baseline is fitted. A second Ctrl-C ends at once.";
+baseline cannot be fitted, 130 if it is interrupted. An interrupted search
+saves its results once the baseline is fitted. A second Ctrl-C saves nothing.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -49,8 +49,7 @@ pub struct Diagnose {
     /// Effects added at most.
     #[arg(long, value_name = "COUNT", default_value_t = 3)]
     most: usize,
-    /// Time after which the search ends with what it has found. The baseline is fitted in any case, and so is what an
-    /// answer needs.
+    /// Time limit of the search. The program saves the results up to then, and always completes the fit of the baseline.
     #[arg(long, value_name = "TIME", default_value = "3 min", value_parser = time, conflicts_with = "plan")]
     budget: Duration,
     /// Leave an effect out of the catalogue; may be repeated.
@@ -181,7 +180,7 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         writeln!(out, "\nresults in {}", folder.display())?;
     }
     if interrupt::is_asked() {
-        say(format_args!("interrupted: what was found by then is saved"));
+        say(format_args!("interrupted: the results up to then are saved"));
         return Ok(interrupt::exit_code().into());
     }
     Recording::shown(viewer, args.rerun.as_ref())?;

@@ -1,4 +1,4 @@
-//! A search that is asked to end: its time is spent, or someone waits for the answer.
+//! A search that ends early: its budget is spent, or the user interrupts it.
 //!
 //! Fits of candidates end with the run that they are in. What is fitted by then is compared, and the answer says that
 //! it was cut short. What an answer needs of the models that were fitted is still done.
@@ -60,6 +60,6 @@ pub(super) fn warning(diagnosis: &Diagnosis) -> Option<String> {
     let round = diagnosis.cut_short_in_round?;
     let left = diagnosis.evidence.iter().filter(|own| own.rejected.as_deref() == Some(CUT_SHORT)).count();
     Some(format!(
-        "the search was cut short in round {round}, with {left} candidates not fitted: what it names was compared with few others; a longer --budget, or fewer candidates by --without, lets it end"
+        "the search was cut short in round {round}: {left} candidates were not fitted, so the answer is not final; give a longer --budget, or leave out candidates with --without"
     ))
 }

@@ -103,15 +103,12 @@ fn residuals(outcome: &Outcome) -> String {
 fn repeats_in_words(repeats: &Repeats) -> String {
     let size = significant(repeats.distance_mm, 2);
     match repeats.source {
-        Source::Measured => format!(
-            "releases of one condition repeat to {size} mm, by {} pair{} of them",
-            repeats.pairs,
-            if repeats.pairs == 1 { "" } else { "s" }
-        ),
-        Source::Stated => {
-            format!("the experiment is said to repeat to {size} mm; intervals are as wide as that")
+        Source::Measured => {
+            let plural = if repeats.pairs == 1 { "" } else { "s" };
+            format!("repeatability: {size} mm rms, from {} pair{plural} of repeated releases", repeats.pairs)
         }
-        Source::Assumed => format!("a single release is taken to repeat to {size} mm"),
+        Source::Stated => format!("repeatability: {size} mm rms, as stated"),
+        Source::Assumed => format!("repeatability: {size} mm rms, assumed for a single release"),
     }
 }
 

@@ -212,7 +212,7 @@ fn a_diagnosis_is_saved_as_far_as_it_came() {
         let arguments = ["diagnose", &example, "--out", signal];
         let (code, _, stderr) = ended_by(&[signal], &bench, &arguments, "round 1: score");
         assert_eq!(code, expected, "{stderr}");
-        assert!(stderr.contains("\ninterrupted: what was found by then is saved\n"), "{stderr}");
+        assert!(stderr.contains("\ninterrupted: the results up to then are saved\n"), "{stderr}");
         is_cut_short(signal);
     }
     let (code, _, stderr) = bench.run(&["diagnose", &example, "--budget", "1 ms", "--out", "budget"]);

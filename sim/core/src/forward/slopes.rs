@@ -37,20 +37,18 @@ pub(super) fn initial_slopes(
         let (q, mut v) = system.let_go_by_parameters(group, posture);
         let mut z = relaxed_memory_slopes(&mut system, group, state, &q);
         let is_remembered = run.history.is_some() && !z.is_empty();
-        if is_remembered || run.initial.is_in_a_hand() {
-            for (lane, parameter) in order[group * LANES..].iter().take(LANES).enumerate() {
-                // A hand that does not move leaves the rod at rest, whatever its force.
-                let is_moved = run.initial.is_in_a_moving_hand(*parameter);
-                if !is_remembered && !is_moved {
-                    continue;
-                }
-                let slopes = state_by_parameter(model, run, *parameter)?;
-                if is_moved {
-                    v.iter_mut().zip(slopes.v).for_each(|(v, slope)| v[lane] = slope);
-                }
-                if is_remembered {
-                    z.iter_mut().zip(slopes.z).for_each(|(z, slope)| z[lane] = slope);
-                }
+        for (lane, parameter) in order[group * LANES..].iter().take(LANES).enumerate() {
+            // A hand that does not move leaves the rod at rest, whatever its force.
+            let is_moved = run.initial.is_in_a_moving_hand(*parameter);
+            if !is_remembered && !is_moved {
+                continue;
+            }
+            let slopes = state_by_parameter(model, run, *parameter)?;
+            if is_moved {
+                v.iter_mut().zip(slopes.v).for_each(|(v, slope)| v[lane] = slope);
+            }
+            if is_remembered {
+                z.iter_mut().zip(slopes.z).for_each(|(z, slope)| z[lane] = slope);
             }
         }
         all.push(Slopes { q, v, z });

@@ -164,7 +164,7 @@ fn parameters(page: &mut Page, calibration: &Calibration) {
     );
 }
 
-/// How far fits are from recordings in what a prediction is asked for.
+/// Differences of fits and recordings in the quantities that `efam predict` gives.
 fn misfits(page: &mut Page, calibration: &Calibration) {
     let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:+.2}", 100.0 * share));
     let row = |release: &ReleaseFit| {
@@ -180,15 +180,15 @@ fn misfits(page: &mut Page, calibration: &Calibration) {
         ]
     };
     page.table(&Table {
-        caption: "How far fit and recording are apart in what predictions are asked for, noise taken off; intervals of predictions hold as much",
+        caption: "Difference of fit and recording, without noise. Predictions add it to their intervals",
         heads: &[
             "release",
             "excursion, mm",
-            "all samples, mm",
-            "at the end, mm",
-            "frequency, Hz",
-            "frequency, %",
-            "damping ratio, %",
+            "rms distance, mm",
+            "distance at the end, mm",
+            "measured frequency, Hz",
+            "frequency difference, %",
+            "damping ratio difference, %",
         ],
         rows: calibration.releases.iter().map(row).collect(),
     });
