@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::ResultsError;
-use super::manifest::{self, MANIFEST, Manifest, foreign};
-use super::partial::{Partial, begins, beside, exchange, held, remove_left, tidy};
+use super::manifest::{self, Foreign, MANIFEST, Manifest, foreign};
+use super::partial::{Partial, begins, beside, exchange, remove_left, tidy, wait_to_hold};
 pub use super::utc::utc;
 
 /// Where runs go that are given no folder.
@@ -72,7 +72,7 @@ pub fn admit(folder: &Path, overwrite: bool) -> Result<(), ResultsError> {
         Ok(_) if !folder.join(MANIFEST).is_file() => Err(ResultsError::NotARun { folder: here() }),
         Ok(_) if !overwrite => Err(ResultsError::Exists { folder: here() }),
         // A link to a run is followed.
-        Ok(_) => match fs::canonicalize(folder).and_then(|run| foreign(&run)) {
+        Ok(_) => match fs::canonicalize(folder).and_then(|run| foreign_in_one(&run)) {
             Ok(None) => Ok(()),
             Ok(Some(foreign)) => Err(foreign.refuses(folder)),
             Err(error) => Err(ResultsError::write(folder)(error)),
@@ -80,6 +80,33 @@ pub fn admit(folder: &Path, overwrite: bool) -> Result<(), ResultsError> {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         Err(error) => Err(ResultsError::write(folder)(error)),
     }
+}
+
+/// [`foreign`], of one folder: asked again if another run took the name meanwhile, for then its answer mixes the two.
+fn foreign_in_one(run: &Path) -> io::Result<Option<Foreign>> {
+    let mut answer = Ok(None);
+    for _ in 0..MOST_RIVALS {
+        let opened = identity(run);
+        answer = foreign(run);
+        if matches!(answer, Ok(None)) || identity(run).ok() == opened.ok() {
+            break;
+        }
+    }
+    answer
+}
+
+/// Tells a folder from another that gets its name: an inode alone is soon used again.
+#[cfg(unix)]
+fn identity(folder: &Path) -> io::Result<(u64, u64, SystemTime)> {
+    use std::os::unix::fs::MetadataExt;
+    let folder = fs::metadata(folder)?;
+    Ok((folder.dev(), folder.ino(), folder.modified()?))
+}
+
+/// Elsewhere names are not exchanged.
+#[cfg(not(unix))]
+fn identity(_: &Path) -> io::Result<()> {
+    Ok(())
 }
 
 impl Folder {
@@ -213,8 +240,6 @@ impl Folder {
     /// The old run and the new one change places, and the old one is removed.
     fn replace(&self) -> Result<(), ResultsError> {
         let failed = || ResultsError::write(&self.target);
-        // While the old run waits under the hidden name, nobody takes it for left.
-        let _old = held(&self.target);
         let new = &self.partial.path;
         for _ in 0..MOST_RIVALS {
             match exchange(new, &self.target) {
@@ -250,6 +275,9 @@ impl Folder {
     /// Removes the run that was replaced, which now has another name; if it holds what efam did not write, `undo` puts
     /// it back. Asked before the exchange, this would miss what comes between the question and the exchange.
     fn remove(&self, old: &Path, undo: impl FnOnce() -> io::Result<()>) -> Result<(), ResultsError> {
+        // Under its hidden name the old run would be taken for left. Whoever holds it made it, and waits for nothing but
+        // a run still older; or tidies, and waits for nothing.
+        let _old = wait_to_hold(old);
         let why = match foreign(old) {
             Ok(None) => None,
             Ok(Some(foreign)) => Some(foreign.refuses(&self.target)),

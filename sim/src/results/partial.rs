@@ -9,6 +9,8 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use super::manifest::{self, MANIFEST, foreign};
 
@@ -16,6 +18,9 @@ const PARTIAL: &str = "partial";
 const UNHELD: &str = "unheld";
 /// Of the name that it will have.
 const MOST_BYTES: usize = 100;
+/// A hundred times as long as the removal of a run takes; a process that was stopped may hold a run for ever.
+const PATIENCE: Duration = Duration::from_secs(2);
+const PAUSE: Duration = Duration::from_millis(1);
 
 /// A file or folder in the making; held until dropped, and not removed by that.
 #[derive(Debug)]
@@ -173,11 +178,16 @@ fn host() -> String {
     "here".to_owned()
 }
 
-/// Holds a path until what is returned is dropped, so that [`tidy`] leaves it; nothing where it cannot be held.
-pub fn held(path: &Path) -> Option<File> {
-    match hold(path) {
-        Held::Lock(lock) => Some(lock),
-        Held::Lost | Held::Unknown => None,
+/// Holds a path until what is returned is dropped, so that [`tidy`] leaves it. Waits for another who holds it; returns
+/// nothing if the path is gone, cannot be held, or is held too long.
+pub fn wait_to_hold(path: &Path) -> Option<File> {
+    let began = Instant::now();
+    loop {
+        match hold(path) {
+            Held::Lock(lock) => return Some(lock),
+            Held::Lost if path.exists() && began.elapsed() < PATIENCE => thread::sleep(PAUSE),
+            Held::Lost | Held::Unknown => return None,
+        }
     }
 }
 

@@ -211,6 +211,24 @@ fn rivals_for_one_name_leave_one_whole_run() {
     assert!(fs::read_to_string(out.join(MARK)).unwrap().parse::<usize>().unwrap() < 8);
 }
 
+/// While one asks what the folder holds, others take its name, and remove what they replaced.
+#[test]
+fn rivals_that_overwrite_again_and_again_are_not_refused() {
+    let scratch = Scratch::new("again");
+    let out = scratch.0.join("run");
+    std::thread::scope(|scope| {
+        for rival in 0..4 {
+            let out = &out;
+            scope.spawn(move || {
+                for round in 0..100 {
+                    put(out, true, &format!("{rival} {round}")).unwrap();
+                }
+            });
+        }
+    });
+    assert_eq!(scratch.entries(), ["run"]);
+}
+
 #[test]
 fn two_runs_of_one_second_both_find_a_name() {
     let scratch = Scratch::new("dated");
