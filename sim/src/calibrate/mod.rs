@@ -40,6 +40,7 @@ pub use outcome::{Curve, Outcome};
 pub use problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
 pub use search::Stage;
 pub use section::{SectionError, problem, repeatability};
+pub(crate) use section::{marker_error, trial};
 
 use numerics::Correction;
 use objective::Objective;

@@ -20,10 +20,10 @@
 use super::hold::hold;
 use super::problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
 use super::{CalibrateError, Settings};
-use crate::cleaning::Cleaned;
+use crate::cleaning::{CleanRelease, Cleaned};
 use crate::experiment::{Experiment, ExperimentError, Start};
 use crate::scenario::document::Keys;
-use crate::scenario::{Problem as Wrong, ScenarioError};
+use crate::scenario::{Case, Problem as Wrong, ScenarioError};
 
 /// Why an experiment could not be made a problem.
 #[derive(Debug, thiserror::Error)]
@@ -65,16 +65,8 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
     }
     let mut trials = Vec::new();
     for used in cleaned.used() {
-        if let Some(case) = experiment.case(used.recording, used.angle)? {
-            let mut trial = Trial { release: used.release.clone(), model: case.model, run: case.run };
-            if experiment.recordings[used.recording].start_of(used.number) == Start::Held {
-                hold(&mut trial).map_err(|error| CalibrateError::Held {
-                    release: trial.release.name.clone(),
-                    error: error.into(),
-                })?;
-            }
-            trials.push(trial);
-        }
+        let case = experiment.case(used.recording, used.angle)?;
+        trials.extend(case.map(|case| trial(experiment, used, case)).transpose()?);
     }
     let Some(first) = trials.iter().find(|trial| !trial.release.held_out) else {
         return Err(SectionError::NoRelease { experiment: experiment.path.display().to_string() });
@@ -97,6 +89,20 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
     Ok((Problem { trials, parameters, nuisances }, settings))
 }
 
+/// A release with the model of its case; held as the markers show, unless the experiment says that it is straight.
+/// # Errors
+/// [`CalibrateError::Held`] if the model cannot be held so.
+pub(crate) fn trial(experiment: &Experiment, of: &CleanRelease, case: Case) -> Result<Trial, CalibrateError> {
+    let mut trial = Trial { release: of.release.clone(), model: case.model, run: case.run };
+    if experiment.recordings[of.recording].start_of(of.number) == Start::Held {
+        hold(&mut trial).map_err(|error| CalibrateError::Held {
+            release: trial.release.name.clone(),
+            error: error.into(),
+        })?;
+    }
+    Ok(trial)
+}
+
 /// How well an experiment repeats, where it says so: root mean square distance, m.
 /// # Errors
 /// [`SectionError`], with the place in the file.
@@ -104,6 +110,15 @@ pub fn repeatability(experiment: &Experiment) -> Result<Option<f64>, SectionErro
     let section = experiment.section("calibrate")?;
     let read = section.quantity_that("repeatability", "m", "be positive", |value| value > 0.0);
     Ok(read.map_err(ExperimentError::from)?)
+}
+
+/// How far a marker may stand from where it is taken to be, one standard deviation, m: that of the offsets which a
+/// calibration fits.
+/// # Errors
+/// [`SectionError`], with the place in the file.
+pub(crate) fn marker_error(experiment: &Experiment) -> Result<f64, SectionError> {
+    let own = nuisances(&experiment.section("calibrate")?).map_err(ExperimentError::from)?;
+    Ok(own.offset.unwrap_or(0.0))
 }
 
 fn nuisances(section: &Keys) -> Result<Nuisances, ScenarioError> {

@@ -1,5 +1,7 @@
 //! `efam predict`: what a calibrated muscle will do with a payload.
 
+mod check;
+
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -33,6 +35,7 @@ const HELP: &str = "Examples:
   efam predict --muscle garbulinski-2022 --pressure 15psi --angle \"25 deg\"
   efam predict --muscle muscle.toml --pressure 10psi..100psi:19 --payload 0g,50g
   efam predict outputs/beam/rod.toml --payload 20g --draws 400 --json
+  efam predict outputs/beam/rod.toml --check loaded.toml
 
 Exit codes: 3 for a muscle file that cannot be used, 4 if the case cannot be
 simulated, 130 if it is interrupted, which saves nothing.";
@@ -41,10 +44,10 @@ simulated, 130 if it is interrupted, which saves nothing.";
 #[command(after_help = HELP)]
 pub struct Predict {
     /// Scenario whose rod is asked about, such as the rod.toml of a calibration; or else --muscle.
-    #[arg(value_name = "SCENARIO", required_unless_present = "muscle")]
+    #[arg(value_name = "SCENARIO")]
     scenario: Option<PathBuf>,
     /// Muscle file that a calibration wrote, or the name of a built-in muscle.
-    #[arg(long, value_name = "FILE", conflicts_with = "scenario", requires = "pressure")]
+    #[arg(long, value_name = "FILE", conflicts_with = "scenario")]
     muscle: Option<String>,
     /// Pressure above ambient, such as 40psi; several, as 10psi,40psi; or from one to another, as
     /// 10psi..100psi or, in 19 values, 10psi..100psi:19.
@@ -58,6 +61,10 @@ pub struct Predict {
     /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
+    /// Predict the releases of an experiment instead, and count how often intervals hold what was measured; without
+    /// SCENARIO and --muscle, by the experiment's own rod.
+    #[arg(long, value_name = "EXPERIMENT", conflicts_with_all = ["pressure", "payload", "rerun"])]
+    check: Option<PathBuf>,
     /// Draws from the errors of the calibration, of one case.
     #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
     draws: usize,
@@ -89,9 +96,23 @@ pub enum Printed<'a> {
         /// What is foretold.
         grid: &'a Grid,
     },
+    /// Of the releases of an experiment, with `--check`.
+    Check(check::Printed<'a>),
 }
 
 pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
+    if let Some(experiment) = &args.check {
+        return check::run(args, experiment, voice);
+    }
+    if args.scenario.is_none() && args.muscle.is_none() {
+        return Err(Failure::Usage(format!(
+            "which rod? give the rod.toml of a calibration; or --muscle muscle.toml --pressure 40psi; or a built-in muscle: {}",
+            built_in()
+        )));
+    }
+    if args.muscle.is_some() && args.pressure.is_none() {
+        return Err(Failure::Usage("--muscle needs --pressure, such as --pressure 40psi".to_owned()));
+    }
     let begin = Instant::now();
     let (asked, input_hashes) = asked(args)?;
     let pressures = several("--pressure", &args.pressure, "Pa")?;
@@ -237,10 +258,9 @@ fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
         (None, muscle) => {
             let muscle = muscle.as_deref().unwrap_or_default();
             if !BUILT_IN.iter().any(|(name, _)| *name == muscle) {
-                let known = BUILT_IN.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
                 read(
                     Path::new(muscle),
-                    &format!("the muscle.toml of a calibration, or a built-in muscle: {known}"),
+                    &format!("the muscle.toml of a calibration, or a built-in muscle: {}", built_in()),
                 )?;
             }
             Asked::muscle(muscle)
@@ -249,6 +269,11 @@ fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
     asked.release = args.release.options(None)?;
     asked.set.clone_from(&args.set);
     Ok((asked, hashes))
+}
+
+/// Names of the built-in muscles.
+fn built_in() -> String {
+    BUILT_IN.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
 }
 
 /// The quantities of an option that may have several.

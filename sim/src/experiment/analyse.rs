@@ -67,7 +67,7 @@ fn one<'a>(
 }
 
 /// A release by itself, and its rest. The rest is first the mean of a window, then where the decay leads.
-fn measured(of: &CleanRelease) -> (Result<Measured, AnalysisError>, Option<RestEstimate>) {
+pub fn measured(of: &CleanRelease) -> (Result<Measured, AnalysisError>, Option<RestEstimate>) {
     let first = measured::analyse(&of.release, of.statistics.rest);
     let rest = first.as_ref().ok().and_then(|first| {
         let decay = first.decay.as_ref().ok();

@@ -49,6 +49,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use models::muscle::Known;
+
 use crate::recording::{self, ReadOptions, Recording};
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::plan::{self, Plan};
@@ -123,6 +125,11 @@ impl Experiment {
     /// The estimate of bending stiffness that the model starts from, if it is a muscle.
     pub fn stiffness(&self) -> Option<&str> {
         self.plan.as_ref()?.muscle.as_ref().map(|muscle| muscle.stiffness.as_str())
+    }
+
+    /// What a calibration says of the muscle's numbers.
+    pub fn known(&self) -> Option<&Known> {
+        self.plan.as_ref()?.known.as_ref()
     }
 
     /// The text of the muscle's file, wherever it comes from.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use models::muscle::{BUILT_IN, Known};
 
+use crate::experiment::{Experiment, ExperimentError};
 use crate::scenario::{Case, ReleaseOptions, Scenario, ScenarioError};
 
 /// The rod that is asked about, and all but its pressure and its payload's mass; SI.
@@ -35,6 +36,53 @@ impl Asked {
     /// Whether its rod is a muscle, whose pressure may be another.
     pub fn has_muscle(&self) -> bool {
         self.text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("muscle"))
+    }
+
+    /// An experiment with this rod in place of its own, and what a calibration says of the rod's numbers. What the
+    /// experiment says of a recording, such as its pressure and payload, stands.
+    /// # Errors
+    /// [`ExperimentError`] for what the experiment or the rod refuses.
+    pub fn in_experiment(
+        &self,
+        experiment: &Experiment,
+    ) -> Result<(Experiment, Option<Known>), ExperimentError> {
+        // Both were read before, with messages at their places.
+        let mut tables: toml::Table = experiment.text().parse().unwrap_or_default();
+        let mut own: toml::Table = self.text.parse().unwrap_or_default();
+        let mut known = match own.contains_key("calibration") {
+            true => Scenario::parse(&self.path, &self.text, &self.set)?.known().cloned(),
+            false => None,
+        };
+        if let Some(muscle) = own.get_mut("muscle").and_then(toml::Value::as_table_mut) {
+            muscle.remove("pressure");
+            if let Some(file) = muscle.get("file").and_then(toml::Value::as_str) {
+                let file = self.path.parent().unwrap_or(Path::new("")).join(file);
+                let file = std::path::absolute(&file).unwrap_or(file).to_string_lossy().into_owned();
+                muscle.insert("file".to_owned(), file.into());
+            }
+        }
+        for key in ["muscle", "rod", "effects", "integrator"] {
+            let Some(mut value) = own.remove(key) else { continue };
+            // The clamp is the experiment's.
+            let angle = tables.get("rod").and_then(|rod| rod.get("base_angle")).cloned();
+            if let (Some(rod), Some(angle), "rod") = (value.as_table_mut(), angle, key) {
+                rod.insert("base_angle".to_owned(), angle);
+            }
+            tables.insert(key.to_owned(), value);
+        }
+        let parse =
+            |tables: &toml::Table| Experiment::parse(&experiment.path, &tables.to_string(), &self.set);
+        let mut with_rod = parse(&tables)?;
+        known = known.or_else(|| with_rod.known().cloned());
+        // Numbers that belong to a mesh are taken with it.
+        if let Some(nodes) = known.as_ref().and_then(|known| known.nodes) {
+            let rod = tables.entry("rod").or_insert_with(|| toml::Table::new().into());
+            rod.as_table_mut()
+                .into_iter()
+                .for_each(|rod| drop(rod.insert("nodes".to_owned(), (nodes as i64).into())));
+            with_rod = parse(&tables)?;
+        }
+        Ok((with_rod, known))
     }
 
     /// The case at a pressure, Pa, and with a payload, kg, where they are not the scenario's own, and what a

@@ -7,6 +7,7 @@
 //! calibration.
 
 pub mod asked;
+pub mod check;
 pub(crate) mod errors;
 pub mod family;
 pub mod grid;

@@ -17,6 +17,7 @@ mod assumed;
 pub mod atomic;
 pub mod beside_the_paper;
 pub mod calibrated;
+pub mod checked;
 pub mod columns;
 pub mod compared;
 pub mod diagnosed;
