@@ -7,7 +7,7 @@ use efam_core::models::effects::{CATALOGUE, Rod};
 use efam_core::models::model::{Model, ModelSpec};
 use efam_core::models::muscle::{AtPressure, Extrapolation, Muscle};
 use efam_core::models::statics::{Hold, held};
-use efam_core::run::{DEFAULT_TOLERANCE, Run, uniform};
+use efam_core::run::{Run, uniform};
 use serde::{Deserialize, Serialize};
 
 use crate::error::PlaygroundError;
@@ -46,7 +46,7 @@ impl Default for Setup {
             pressure: 0.0,
             rod: BTreeMap::new(),
             nodes: 32,
-            tolerance: DEFAULT_TOLERANCE,
+            tolerance: TOLERANCE,
             base_angle: 0.0,
             angle: None,
             duration: 10.0,
@@ -56,6 +56,9 @@ impl Default for Setup {
     }
 }
 
+/// A tenth of the program's: a browser's sines round otherwise in the last digit, which moves the ends of steps, and with
+/// them the path within the tolerance. At 1e-7 that is less than 1e-9 m.
+const TOLERANCE: f64 = 1e-7;
 /// The estimate of bending stiffness that the program takes of a table unless told otherwise.
 const STIFFNESS: &str = "pder_32";
 /// Keys of a rod, in the order of [`Rod`]; pressure has a place of its own.
