@@ -131,7 +131,7 @@ async function sliders() {
   // The bump of the paper.
   await page.run(`document.getElementById('second').click()`);
   await page.run(`document.getElementById('bump').click()`);
-  await page.until(`/bump of/.test(document.getElementById('s-height').textContent) && !/ and /.test(document.getElementById('s-spectrum').textContent)`);
+  await page.until(`/bump of/.test(document.getElementById('s-height').textContent) && /peak at 1.43 Hz$/.test(document.getElementById('s-spectrum').textContent)`);
   told('sliders, effects, keys', `${names.length} effects on and off; ${await page.run(`document.getElementById('s-height').textContent`)}; ${await page.run(`document.getElementById('s-spectrum').textContent`)}`);
   silent(page);
 }
@@ -156,7 +156,7 @@ async function fit() {
   const text = readFileSync(join(scratch, 'calibration', 'muscle.toml'), 'utf8');
   const columns = JSON.parse(text.match(/^columns = (\[.*\])/m)[1]);
   const rows = [...text.slice(text.indexOf('rows = [')).matchAll(/\[([-+.\de,\s]+)\]/g)].map(([, row]) => row.split(',').map(Number));
-  const row = rows.find(row => Math.abs(row[columns.indexOf('pressure')] - 15) < 1e-6);
+  const row = rows.find(row => Math.abs(row[columns.indexOf('pressure')] / PSI - 15) < 1e-6);
   const due = row[columns.indexOf('bending_stiffness_calibrated')];
   assert.ok(Math.abs(stiffness / due - 1) < 0.01, `EI ${stiffness}, efam calibrate ${due}`);
   told('a recording fitted', `EI ${(1e3 * stiffness).toFixed(3)} mN m2, ${(100 * (stiffness / due - 1)).toFixed(2)} % off efam calibrate; ${before.toFixed(2)} to ${(await page.run('playground.recording.rms')).toFixed(2)} mm; ${seconds.toFixed(1)} s`);

@@ -16,7 +16,10 @@ const NAMES = ['Muscle A', 'Muscle B'];
 const MOST_FRAME = 1 / 20;
 /** Quiet time after a change before a whole release is computed, ms. */
 const QUIET = 120;
+/** Highest frequency of the spectrum, Hz. */
 const HIGHEST = 6;
+/** Tolerance of runs that are only drawn; what is saved has the finer one of the core's door. */
+const SEEN = 1e-6;
 
 const module = await compiled();
 const ask = await core(module);
@@ -113,7 +116,7 @@ const turns = [0, 0];
 async function computed(which) {
   const turn = ++turns[which], wanted = structuredClone(state.setups[which]);
   try {
-    const [run, rest] = [await later({ ask: 'release', setup: wanted }), await later({ ask: 'rest', setup: wanted })];
+    const [run, rest] = [await later({ ask: 'release', setup: { ...wanted, tolerance: SEEN } }), await later({ ask: 'rest', setup: wanted })];
     if (turn !== turns[which] || which >= state.setups.length) return;
     [runs[which], rests[which]] = [run, rest];
     showCharts();
@@ -197,10 +200,11 @@ function bump(run) {
 function say() {
   const lines = frames.map((frame, k) => {
     const swing = rests[k]?.modes[0];
-    const head = frames.length > 1 ? `${NAMES[k]}: ` : '';
     const pressure = state.setups[k].muscle ? `${(frame.pressure / catalogue.psi).toFixed(1)} psi, ` : '';
     const mode = swing ? `${digits(swing[0])} Hz, damping ratio ${digits(swing[1])}` : '';
-    return `${head}${pressure}${frame.time.toFixed(2)} s\ntip ${(1e3 * frame.tip[1]).toFixed(0).replace('-', '−')} mm\n${mode}`;
+    const tip = `tip ${(1e3 * frame.tip[1]).toFixed(0).replace('-', '−')} mm`;
+    return frames.length > 1 ? `${NAMES[k]}: ${pressure}${tip}, ${swing ? `${digits(swing[0])} Hz` : ''}`
+      : `${pressure}${frame.time.toFixed(2)} s\n${tip}\n${mode}`;
   });
   byId('live').textContent = lines.join('\n');
 }

@@ -9,8 +9,8 @@ const OFFSET = 'effects.clock.offset';
 const FITTED = { [EI]: 'bending stiffness EI', [ALPHA]: 'mass damping α', [BETA]: 'stiffness damping β' };
 /** Share of the whole way from which on the tip has left its hold. */
 const LEFT = 0.01;
-/** Distances from the median of five, over the usual one, from which on a sample is a ghost. */
-const GHOST = 30;
+/** Bend of a curve at a sample, over that of the samples around it, from which on the sample is a ghost. */
+const GHOST = 4;
 /** Longest recording that is compared, s. */
 const MOST = 60;
 const at = id => document.getElementById(id);
@@ -128,7 +128,7 @@ export class Recording {
     const turn = this.turn = (this.turn ?? 0) + 1;
     let run;
     try {
-      run = await this.ask({ ask: 'release', setup: { ...this.current(), duration: Math.max(0.1, time.at(-1)), rate: 200 } });
+      run = await this.ask({ ask: 'release', setup: { ...this.current(), duration: Math.max(0.1, time.at(-1)), rate: 200, tolerance: 1e-6 } });
     } catch (error) {
       return this.say(error.message, true);
     }
@@ -242,14 +242,19 @@ function release(time, z) {
   return time[k];
 }
 
-/** Places where a coordinate jumps away from its neighbours and back, far beyond its noise: a ghost. */
+/** Places where a coordinate jumps away from its neighbours and back: its bend is far beyond the noise and that of the
+ *  curve nearby. A turning point of a fast swing bends as much as what is around it. */
 function ghosts(all) {
   const found = new Set();
+  const seen = all.map((_, k) => k).filter(k => all[k].every(Number.isFinite));
   for (const axis of [0, 1]) {
-    const values = all.map(seen => seen[axis]), smooth = medians(values);
-    const apart = values.map((value, k) => Math.abs(value - smooth[k]));
-    const most = GHOST * Math.max(middle(apart), 1e-5);
-    apart.forEach((distance, k) => distance > most && found.add(k));
+    const value = k => all[seen[k]][axis];
+    const bends = seen.map((_, k) => (k && k + 1 < seen.length ? Math.abs(value(k) - (value(k - 1) + value(k + 1)) / 2) : 0));
+    const noise = middle(bends);
+    bends.forEach((bend, k) => {
+      const nearby = Math.max(...[-4, -3, -2, 2, 3, 4].map(by => bends[k + by] ?? 0));
+      if (bend > GHOST * Math.max(nearby, noise) && bend >= Math.max(bends[k - 1] ?? 0, bends[k + 1] ?? 0)) found.add(seen[k]);
+    });
   }
   return found;
 }

@@ -10,7 +10,7 @@ use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, Solution,
 use efam_core::models::model::Model;
 use efam_core::point::Point;
 use efam_core::rest::rest;
-use efam_core::run::Run;
+use efam_core::run::{DEFAULT_TOLERANCE, Run};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -196,25 +196,28 @@ impl Fit {
     }
 
     fn found(&self, problem: &Problem, search: &Search, solution: &Solution<Vec<[f64; 2]>>) -> Vec<Found> {
-        let n = problem.unknowns.len();
-        let freedom = (2 * problem.time.len()).saturating_sub(n).max(1) as f64;
-        let covariance = solution
-            .at
-            .hessian
-            .clone()
-            .try_inverse()
-            .map(|inverse| inverse * (2.0 * solution.at.cost / freedom));
+        let is_bound = |k: usize| {
+            let (low, high) = search.bounds[k];
+            solution.x[k] <= low || solution.x[k] >= high
+        };
+        // What hit its bound is held there: the others are as certain as without it.
+        let free: Vec<usize> = (0..problem.unknowns.len()).filter(|k| !is_bound(*k)).collect();
+        let freedom = (2 * problem.time.len()).saturating_sub(free.len()).max(1) as f64;
+        let hessian = solution.at.hessian.select_rows(&free).select_columns(&free);
+        let covariance = hessian.try_inverse().map(|inverse| inverse * (2.0 * solution.at.cost / freedom));
+        let variance = |k: usize| {
+            let place = free.iter().position(|free| *free == k)?;
+            Some(covariance.as_ref()?[(place, place)])
+        };
         let found = |(k, path): (usize, &String)| {
             let (unknown, x) = (problem.unknowns[k], solution.x[k]);
-            let variance = covariance.as_ref().map(|covariance| covariance[(k, k)]);
-            let (low, high) = search.bounds[k];
             Found {
                 path: path.clone(),
                 unit: problem.model.parameters[unknown.theta].unit,
                 start: problem.model.theta[unknown.theta],
                 value: unknown.value(x),
-                standard_error: variance.filter(|v| *v > 0.0).map(|v| v.sqrt() * unknown.slope(x).abs()),
-                at_bound: x <= low || x >= high,
+                standard_error: variance(k).filter(|v| *v > 0.0).map(|v| v.sqrt() * unknown.slope(x).abs()),
+                at_bound: is_bound(k),
             }
         };
         self.unknowns.iter().enumerate().map(found).collect()
@@ -259,6 +262,7 @@ impl Problem<'_> {
         }
         let samples = self.time[..count].to_vec();
         let run = Run {
+            tolerance: DEFAULT_TOLERANCE,
             duration: *samples.last()?,
             samples,
             energy: false,
