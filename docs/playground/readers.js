@@ -79,7 +79,7 @@ function c3d(bytes) {
   const unit = parameters.get('POINT:UNITS')?.texts[0]?.toLowerCase() || 'mm';
   if (!(unit in LENGTHS)) throw new Error(`this C3D file has positions in ${unit}, which is not known here`);
   const labels = parameters.get('POINT:LABELS')?.texts ?? [];
-  const markers = Array.from({ length: points }, (_, k) => ({ name: labels[k] || `point ${k + 1}`, axes: { x: [], y: [], z: [] } }));
+  const markers = Array.from({ length: points }, (_, k) => ({ name: labels[k]?.replace(/\p{C}/gu, '') || `point ${k + 1}`, axes: { x: [], y: [], z: [] } }));
   const value = at => (size === 4 ? view.getFloat32(at, true) : scale * view.getInt16(at, true));
   for (let frame = 0; frame < frames; frame++) {
     markers.forEach(({ axes }, point) => {
