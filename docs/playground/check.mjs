@@ -265,11 +265,13 @@ async function shapes() {
   }
 }
 
-/** For the book, and to be looked at. */
+/** For the book; with `--whole` the dark ones and whole pages, to be looked at. */
 async function pictures(folder) {
   mkdirSync(folder, { recursive: true });
   const save = async (page, name, clip) => writeFileSync(join(folder, `${name}.webp`), await page.picture(clip));
-  for (const [name, shape] of Object.entries({ wide: { width: 1280, height: 800 }, phone: { width: 390, height: 844 }, 'wide-dark': { width: 1280, height: 800, dark: true }, 'phone-dark': { width: 390, height: 844, dark: true } })) {
+  const [wide, phone] = [{ width: 1280, height: 800 }, { width: 390, height: 844 }];
+  const dark = { 'wide-dark': { ...wide, dark: true }, 'phone-dark': { ...phone, dark: true } };
+  for (const [name, shape] of Object.entries({ wide, phone, ...(options.includes('--whole') && dark) })) {
     const page = await opened(shape);
     await page.until(`/peak/.test(document.getElementById('s-spectrum').textContent)`);
     await page.run(`document.getElementById('go').click()`);
