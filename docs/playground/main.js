@@ -34,7 +34,9 @@ const charts = {
 };
 
 let state = unpacked(location.hash) ?? { setups: [first(catalogue)], speed: 1 };
-let edited = 0, isPaused = false, trails = [], frames = [], rests = [], runs = [];
+// Who asked for less motion begins with a rod that is held.
+let isPaused = matchMedia('(prefers-reduced-motion: reduce)').matches;
+let edited = 0, trails = [], frames = [], rests = [], runs = [];
 /** What frames cost, ms: shown to whoever looks, read by the check. */
 const cost = { last: [], mean: 0, most: 0 };
 const setup = () => state.setups[edited];
@@ -323,6 +325,7 @@ addEventListener('hashchange', () => {
 });
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', showCharts);
 
+byId('pause').setAttribute('aria-pressed', isPaused);
 everything();
 requestAnimationFrame(frame);
 /** For the check, which drives this page. */

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use super::problem::Trial;
 use crate::experiment::release::Release;
 use crate::forward::{ForwardError, Initial, Run, forward};
-use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
+use crate::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
 
 /// Time before the release in which the hand that holds the rod hardly moves, s.
 pub(super) const LATE_HOLD: f64 = 0.1;

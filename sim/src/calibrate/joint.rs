@@ -11,7 +11,7 @@ use super::refine::{LAST, refine};
 use super::search::{EXPLAINED, FIT, Found, common_cost, meet, minimise_in, search};
 use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Kind, Unknown, Unknowns};
-use efam_core::levenberg_marquardt::Solution;
+use crate::levenberg_marquardt::Solution;
 
 /// A value of a scaled unknown.
 #[derive(Clone, Debug)]

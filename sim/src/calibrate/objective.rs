@@ -12,7 +12,7 @@ use super::part::Part;
 use super::prediction::{Fidelity, Measured, Slopes, predict};
 use super::search::FIT;
 use super::unknowns::Acts;
-use efam_core::levenberg_marquardt::Evaluated;
+use crate::levenberg_marquardt::Evaluated;
 
 /// How the data are looked at.
 #[derive(Clone, Debug)]

@@ -10,7 +10,7 @@ use nalgebra::DVector;
 use super::objective::{Objective, Seen};
 use super::search::Found;
 use super::uncertainty::Uncertainty;
-use efam_core::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
+use crate::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
 
 /// The 97.5 % point of the normal distribution.
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;

@@ -14,7 +14,7 @@ use super::objective::{Objective, Seen, View};
 use super::prediction::{Fidelity, Slopes};
 use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
-use efam_core::levenberg_marquardt::Solution;
+use crate::levenberg_marquardt::Solution;
 
 /// Predicted decrease, for residuals of unit spread, at which the search stops.
 const TOLERANCE: f64 = 2e-2;

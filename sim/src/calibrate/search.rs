@@ -12,8 +12,8 @@ use super::loss::Huber;
 use super::objective::{Objective, Seen, View};
 use super::prediction::{Fidelity, Slopes};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
+use crate::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
 use crate::schema::JsonSchema;
-use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
 
 /// How finely a fit runs the model; what that leaves is removed in the end.
 pub(crate) const FIT: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1 };

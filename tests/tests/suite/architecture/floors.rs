@@ -10,7 +10,7 @@ use super::{files, paths, root};
 pub const CRATES: [(&str, &[&str]); 4] = [
     ("models", &[]),
     ("sim/core", &["models"]),
-    ("sim/playground", &["models", "efam_core"]),
+    ("sim/playground", &["efam_core"]),
     ("sim", &["models", "efam_core"]),
 ];
 
