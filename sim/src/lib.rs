@@ -20,4 +20,6 @@ pub mod scenario;
 pub mod schema;
 pub mod sweep;
 
-pub use efam_core::{accuracy, forward, integrate, limits, pace, rest, stepper, trajectory};
+pub use efam_core::{
+    accuracy, forward, integrate, levenberg_marquardt, limits, pace, rest, stepper, trajectory,
+};

@@ -36,6 +36,7 @@
 //! | differentiate a run by parameters | [`run::Run::sensitivities`] |
 //! | find where the rod hangs, and how it swings there | [`rest::rest`], or [`models::statics`] |
 //! | know how wrong a run is, and have mesh and tolerance chosen | [`accuracy::settle`] |
+//! | fit parameters to a path | [`levenberg_marquardt::minimise`] |
 //! | make a model | [`models::model::ModelSpec`]; a muscle makes its own: [`models::muscle::Muscle::spec`] |
 //!
 //! # Features
@@ -48,6 +49,7 @@ pub mod accuracy;
 pub mod forward;
 pub mod initial;
 pub mod integrate;
+pub mod levenberg_marquardt;
 pub mod limits;
 mod observed;
 pub mod pace;

@@ -11,10 +11,10 @@ use models::error::ModelError;
 use models::model::Model;
 use nalgebra::{DMatrix, DVector};
 
-use super::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
 use super::problem::Trial;
 use crate::experiment::release::Release;
 use crate::forward::{ForwardError, Initial, Run, forward};
+use crate::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
 
 /// Time before the release in which the hand that holds the rod hardly moves, s.
 pub(super) const LATE_HOLD: f64 = 0.1;

@@ -3,7 +3,6 @@
 use nalgebra::DVector;
 
 use super::error::CalibrateError;
-use super::levenberg_marquardt::Solution;
 use super::objective::{Objective, Seen, View};
 use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
@@ -12,6 +11,7 @@ use super::refine::{LAST, refine};
 use super::search::{EXPLAINED, FIT, Found, common_cost, meet, minimise_in, search};
 use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Kind, Unknown, Unknowns};
+use crate::levenberg_marquardt::Solution;
 
 /// A value of a scaled unknown.
 #[derive(Clone, Debug)]

@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::error::CalibrateError;
-use super::levenberg_marquardt::Evaluated;
 use super::loss::{Huber, spread};
 use super::part::Part;
 use super::prediction::{Fidelity, Measured, Slopes, predict};
 use super::search::FIT;
 use super::unknowns::Acts;
+use crate::levenberg_marquardt::Evaluated;
 
 /// How the data are looked at.
 #[derive(Clone, Debug)]

@@ -7,10 +7,10 @@
 
 use nalgebra::DVector;
 
-use super::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
 use super::objective::{Objective, Seen};
 use super::search::Found;
 use super::uncertainty::Uncertainty;
+use crate::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
 
 /// The 97.5 % point of the normal distribution.
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;

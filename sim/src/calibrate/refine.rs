@@ -8,13 +8,13 @@
 
 use nalgebra::DVector;
 
-use super::levenberg_marquardt::Solution;
 use super::loss::Huber;
 use super::numerics::{Correction, correction};
 use super::objective::{Objective, Seen, View};
 use super::prediction::{Fidelity, Slopes};
 use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
+use crate::levenberg_marquardt::Solution;
 
 /// Predicted decrease, for residuals of unit spread, at which the search stops.
 const TOLERANCE: f64 = 2e-2;

@@ -8,11 +8,11 @@
 
 use nalgebra::DVector;
 
-use super::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
 use super::loss::Huber;
 use super::objective::{Objective, Seen, View};
 use super::prediction::{Fidelity, Slopes};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
+use crate::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
 use crate::schema::JsonSchema;
 
 /// How finely a fit runs the model; what that leaves is removed in the end.

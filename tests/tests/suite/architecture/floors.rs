@@ -7,12 +7,17 @@ use std::fs;
 use super::{files, paths, root};
 
 /// Our crates by their folders, from the ground up, each with those of ours that it may depend on.
-pub const CRATES: [(&str, &[&str]); 3] =
-    [("models", &[]), ("sim/core", &["models"]), ("sim", &["models", "efam_core"])];
+pub const CRATES: [(&str, &[&str]); 4] = [
+    ("models", &[]),
+    ("sim/core", &["models"]),
+    ("sim/playground", &["efam_core"]),
+    ("sim", &["models", "efam_core"]),
+];
 
 /// The modules of the core from the ground up, each with those that it imports.
-const CORE: [(&str, &[&str]); 12] = [
+const CORE: [(&str, &[&str]); 13] = [
     ("integrate", &[]),
+    ("levenberg_marquardt", &[]),
     ("point", &[]),
     ("rest", &[]),
     ("initial", &["integrate"]),

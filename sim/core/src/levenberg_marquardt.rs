@@ -11,9 +11,11 @@
 //! Sources: Marquardt (1963), J. SIAM 11, 431-441; Moré (1978), Lecture Notes in Mathematics 630, for the
 //! scaling; Nielsen (1999), IMM-REP-1999-05, for μ.
 
+mod quadratic;
+
 use nalgebra::{DMatrix, DVector};
 
-use super::quadratic::least_within;
+use quadratic::least_within;
 
 /// Cost and its derivatives at one point.
 #[derive(Clone, Debug)]
@@ -73,8 +75,9 @@ const MOST_REFUSED: usize = 10;
 /// search that is followed by another.
 const MOST_IDLE: usize = 6;
 const MOST_IDLE_FOLLOWED: usize = 2;
-/// Usual damping of the first step, and that of a search that begins near its end.
+/// Usual damping of the first step.
 pub const FIRST_DAMPING: f64 = 1e-3;
+/// That of a search that begins near its end.
 pub const NEAR_DAMPING: f64 = 1e-8;
 /// Actual over predicted decrease from which on lent slopes are good enough for another step.
 const TRUSTED: f64 = 0.8;
