@@ -22,6 +22,9 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src dat
 pub struct Page {
     title: String,
     sections: Vec<String>,
+    /// What the section of caveats holds, in a line, and its number.
+    caveats: Option<(String, usize)>,
+    lead: String,
     body: String,
 }
 
@@ -39,8 +42,8 @@ impl Page {
     /// A page that says first what matters most: a word, and a paragraph.
     pub fn new(title: &str, word: &str, lead: &str) -> Self {
         let (word, lead) = (escaped(word), escaped(lead));
-        let body = format!("<p class=\"lead\"><strong>{word}</strong> {lead}</p>\n");
-        Self { title: title.to_owned(), sections: Vec::new(), body }
+        let lead = format!("<p class=\"lead\"><strong>{word}</strong> {lead}</p>\n");
+        Self { title: title.to_owned(), sections: Vec::new(), caveats: None, lead, body: String::new() }
     }
 
     /// Begins a section.
@@ -151,6 +154,10 @@ impl Page {
         let entry = |(k, section): (usize, &String)| {
             format!("<li><a href=\"#s{}\">{}</a></li>\n", k + 1, escaped(section))
         };
+        // Caveats stand below what they are of: the first lines say how many there are, and lead to them.
+        let caveats = self.caveats.map_or(String::new(), |(words, section)| {
+            format!("<p>Before you use this: <a href=\"#s{section}\">{}</a>.</p>\n", escaped(&words))
+        });
         let contents: String = self.sections.iter().enumerate().map(entry).collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -158,8 +165,8 @@ impl Page {
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
              <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
              <body>\n<header>\n<h1>{title}</h1>\n</header>\n\
-             <nav aria-label=\"Sections\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{}</main>\n</body>\n</html>\n",
-            self.body
+             <nav aria-label=\"Sections\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{}{caveats}{}</main>\n</body>\n</html>\n",
+            self.lead, self.body
         )
     }
 }

@@ -123,7 +123,6 @@ fn set_page(
         let own = member.summary.warnings.iter().cloned().chain(not_complete(&member.summary));
         warnings.extend(own.map(|warning| format!("{}: {warning}", member.summary.name)));
     }
-    page.before_use(&before_use(members.first().map(|member| &member.summary), &warnings));
     page.section("Over pressure");
     for picture in &pictures[..1] {
         page.figure(picture);
@@ -136,6 +135,7 @@ fn set_page(
     page.table(&set_table(members));
     page.text("Each run has a folder of its own beside this page, with its trajectory, its scenario and its picture.");
     let runs = vec![("runs".to_owned(), members.len().to_string())];
+    page.before_use(&before_use(members.first().map(|member| &member.summary), &warnings));
     page.facts_of(request, written, runs);
     page.finish()
 }
@@ -218,7 +218,6 @@ pub(super) fn page(
     };
     let mut page = Page::new(&summary.name, word, &lead(summary));
     let warnings: Vec<String> = not_complete(summary).into_iter().chain(summary.warnings.clone()).collect();
-    page.before_use(&before_use(Some(summary), &warnings));
     let of = |names: &[&str]| -> Vec<&Picture> {
         pictures.iter().filter(|picture| names.contains(&picture.name.as_str())).collect()
     };
@@ -250,6 +249,7 @@ pub(super) fn page(
             .map(|factor| ("simulated over wall time".to_owned(), significant(factor, 2))),
     );
     let request = Request { input_hashes: summary.inputs_sha256.clone(), ..request.clone() };
+    page.before_use(&before_use(Some(summary), &warnings));
     page.facts_of(&request, written, own);
     page.finish()
 }

@@ -21,18 +21,20 @@ pub(super) fn page(
     let calibration = &outcome.calibration;
     let title = format!("Calibration of {}", request.name);
     let mut page = Page::new(&title, &word(calibration), &lead(calibration));
-    page.before_use(&before_use(problem, calibration));
     let of = |name: &str| -> Vec<&Picture> {
         pictures.iter().filter(|picture| picture.name.starts_with(name)).collect()
     };
     page.section("Parameters");
     parameters(&mut page, calibration);
-    page.figures(of("parameter-"));
     page.section("How well each release is met");
+    page.figures(of("fit-"));
     fits(&mut page, calibration);
     misfits(&mut page, calibration);
-    page.figures(of("fit-"));
     page.figures(of("shapes-"));
+    if !of("parameter-").is_empty() {
+        page.section("Parameters over pressure");
+        page.figures(of("parameter-"));
+    }
     page.section("What the data cannot tell apart");
     match calibration.correlations.iter().all(|group| group.names.len() < 2) {
         true => page.text("Each search found one parameter alone: there is nothing to be correlated with."),
@@ -50,6 +52,7 @@ pub(super) fn page(
         ("releases that were only predicted".to_owned(), count(true)),
         ("evaluations of all releases of a search".to_owned(), evaluations.to_string()),
     ];
+    page.before_use(&before_use(problem, calibration));
     page.facts_of(request, written, own);
     page.finish()
 }

@@ -20,7 +20,6 @@ pub(super) fn page(
 ) -> String {
     let (word, lead) = lead(runs, comparison);
     let mut page = Page::new(&format!("Comparison of {}", request.name), &word, &lead);
-    page.before_use(&before_use(runs, comparison));
     page.section("The runs");
     the_runs(&mut page, runs, comparison);
     differences(&mut page, comparison);
@@ -58,6 +57,7 @@ pub(super) fn page(
         let hash = |(file, hash): (&String, &String)| (format!("{letter}: SHA-256 of {file}"), hash.clone());
         own.extend(run.hashes.iter().map(hash));
     }
+    page.before_use(&before_use(runs, comparison));
     page.facts_of(request, written, own);
     page.finish()
 }

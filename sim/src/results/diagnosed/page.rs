@@ -19,7 +19,6 @@ pub(super) fn page(
     let diagnosis = &outcome.diagnosis;
     let title = format!("Diagnosis of {}", request.name);
     let mut page = Page::new(&title, verdict(diagnosis.verdict), &diagnosis.summary);
-    page.before_use(&reservations(outcome));
     effects(&mut page, diagnosis);
     let of = |names: &[&str]| {
         pictures.iter().filter(|picture| names.iter().any(|name| picture.name.starts_with(name))).collect()
@@ -40,6 +39,7 @@ pub(super) fn page(
         page.figure(picture);
     }
     evidence(&mut page, diagnosis);
+    page.before_use(&reservations(outcome));
     page.facts_of(request, written, facts(diagnosis));
     page.finish()
 }

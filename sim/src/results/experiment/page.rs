@@ -25,7 +25,6 @@ pub(super) fn page(
         None => (format!("Check of {}", experiment.name), "Checked"),
     };
     let mut page = Page::new(&title, word, &lead(cleaned, analysed));
-    page.before_use(&before_use(experiment, cleaned, analysed));
     let of = |name: &str| -> Vec<&Picture> {
         pictures.iter().filter(|picture| picture.name.starts_with(name)).collect()
     };
@@ -49,6 +48,7 @@ pub(super) fn page(
         ("recordings".to_owned(), cleaned.recordings.len().to_string()),
         ("releases".to_owned(), format!("{}, {used} of them used", cleaned.releases.len())),
     ];
+    page.before_use(&before_use(experiment, cleaned, analysed));
     page.facts_of(request, written, own);
     page.finish()
 }

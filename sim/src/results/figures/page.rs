@@ -43,13 +43,6 @@ pub(super) fn page(
     if let Some(Origin::Simulated(own)) = all.first().map(|of| &of.origin) {
         assumed.extend(assumed::of_run(&own.summary));
     }
-    page.before_use(&BeforeUse {
-        note: Some("What the paper does not publish is not drawn: of its own curves the tables' numbers and the text's trends alone.".to_owned()),
-        warnings,
-        extrapolated: Some(extrapolated),
-        assumed,
-        ..BeforeUse::default()
-    });
     for (picture, of) in pictures.iter().zip(words) {
         page.section(&picture.title);
         page.remarks(&[("The paper's", &of.paper), ("Ours", &of.ours), ("How it differs", &of.differs)]);
@@ -62,6 +55,13 @@ pub(super) fn page(
     }
     let name = if recorded { "releases" } else { "runs" };
     let own = vec![(name.to_owned(), all.iter().map(|of| of.name.clone()).collect::<Vec<_>>().join(", "))];
+    page.before_use(&BeforeUse {
+        note: Some("What the paper does not publish is not drawn: of its own curves the tables' numbers and the text's trends alone.".to_owned()),
+        warnings,
+        extrapolated: Some(extrapolated),
+        assumed,
+        ..BeforeUse::default()
+    });
     page.facts_of(request, written, own);
     page.finish()
 }

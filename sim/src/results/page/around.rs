@@ -1,4 +1,4 @@
-//! What stands around the results on every page: first what should be known before they are used, last the
+//! What stands around the results on every page: after them what should be known before they are used, last the
 //! facts of the run.
 
 use std::time::SystemTime;
@@ -25,6 +25,27 @@ pub struct BeforeUse {
     pub assumed: Vec<String>,
 }
 
+impl BeforeUse {
+    /// How many caveats there are, of those that a reader must know of.
+    fn in_a_line(&self) -> String {
+        let count = |count: usize, what: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {what}")),
+            count => Some(format!("{count} {what}s")),
+        };
+        let extrapolated = self.extrapolated.as_ref().map_or(0, Vec::len);
+        let counts = [
+            count(self.warnings.len(), "warning"),
+            count(extrapolated, "extrapolation"),
+            count(self.assumed.len(), "assumption"),
+        ];
+        match counts.into_iter().flatten().collect::<Vec<_>>() {
+            none if none.is_empty() => "no warnings".to_owned(),
+            some => some.join(", "),
+        }
+    }
+}
+
 /// Samples that do not count, a row each release or marker.
 #[derive(Clone, Debug, Default)]
 pub struct Masked {
@@ -37,9 +58,10 @@ pub struct Masked {
 }
 
 impl Page {
-    /// The first section of every page.
+    /// The caveats of a page, below what they are of; the first lines say how many there are.
     pub fn before_use(&mut self, of: &BeforeUse) {
         self.section("Before you use this");
+        self.caveats = Some((of.in_a_line(), self.sections.len()));
         if let Some(note) = &of.note {
             self.text(note);
         }
@@ -124,6 +146,8 @@ mod tests {
         let extrapolated = Some(vec!["far".to_owned()]);
         let caveat = page(&BeforeUse { extrapolated, ..BeforeUse::default() });
         assert!(!caveat.contains("None.") && caveat.contains("None but what is extrapolated"), "{caveat}");
+        assert!(full.contains("<a href=\"#s1\">1 warning, 1 extrapolation, 1 assumption</a>"), "{full}");
+        assert!(empty.contains("<a href=\"#s1\">no warnings</a>"), "{empty}");
         for word in ["hot", "far", "kept", "gone", "level", "mind"] {
             assert!(full.contains(&format!(">{word}<")), "{word}: {full}");
         }

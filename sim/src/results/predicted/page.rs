@@ -28,7 +28,6 @@ pub(in crate::results) fn of_one(
 ) -> String {
     let title = format!("Prediction: {}", prediction.name);
     let mut page = Page::new(&title, "Foretold", &lead(prediction));
-    page.before_use(&before_use(&prediction.warnings));
     page.section("Numbers");
     page.table(&Table {
         caption: "Predicted numbers with 95 % intervals from the errors of calibration and interpolation",
@@ -58,6 +57,7 @@ pub(in crate::results) fn of_one(
         0 => "none: nothing is known of the errors".to_owned(),
         draws => format!("{draws}, of which {} could not be simulated", prediction.failed_draws),
     };
+    page.before_use(&before_use(&prediction.warnings));
     page.facts_of(request, written, vec![("draws from the errors of the calibration".to_owned(), draws)]);
     page.finish()
 }
@@ -71,7 +71,6 @@ pub(in crate::results) fn of_several(
 ) -> String {
     let lead = answers(grid).into_iter().take(2).collect::<Vec<_>>().join("; ");
     let mut page = Page::new(&format!("Prediction: {}", grid.name), "Foretold", &(capital(&lead) + "."));
-    page.before_use(&before_use(&grid.warnings));
     page.section("What the cases say together");
     page.list(&answers(grid));
     page.section("Pictures");
@@ -102,6 +101,7 @@ pub(in crate::results) fn of_several(
             },
         );
     }
+    page.before_use(&before_use(&grid.warnings));
     page.facts_of(request, written, vec![("cases".to_owned(), grid.cells.len().to_string())]);
     page.finish()
 }

@@ -47,12 +47,6 @@ pub(in crate::results) fn page(
     };
     let mut page = Page::new(&format!("Sweep: {}", merged.name), word, &lead);
     let (extrapolated, warnings) = extrapolated(&merged.warnings);
-    page.before_use(&BeforeUse {
-        warnings,
-        extrapolated: Some(extrapolated),
-        assumed,
-        ..BeforeUse::default()
-    });
     match &merged.diagnosed {
         Some(answers) => diagnosed::page(&mut page, answers),
         None => {
@@ -86,6 +80,12 @@ pub(in crate::results) fn page(
         Work::Simulate(of) => own.push(("seed", of.seed.to_string())),
         Work::Diagnose(of) => own.push(("experiments in", of.folder.clone())),
     }
+    page.before_use(&BeforeUse {
+        warnings,
+        extrapolated: Some(extrapolated),
+        assumed,
+        ..BeforeUse::default()
+    });
     page.facts_of(request, written, own.into_iter().map(|(name, value)| (name.to_owned(), value)).collect());
     page.finish()
 }
