@@ -24,6 +24,7 @@ pub(crate) mod profile;
 mod quadratic;
 pub(crate) mod refine;
 pub mod repeats;
+pub mod residuals;
 pub(crate) mod search;
 mod section;
 mod starts;
