@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::error::CalibrateError;
 use super::objective::{Objective, View};
 use super::part::whole;
+use super::prediction::Slopes;
 use super::problem::Problem;
 use super::unknowns::Unknowns;
 
@@ -65,17 +66,21 @@ impl Residuals {
     }
 
     /// Residuals at values of the unknowns, SI; none where a release cannot be simulated.
+    ///
+    /// The Jacobian is that of the exact solution, some per cent off at the tolerance of a fit. An `exact` one is that of
+    /// these residuals, from a run more for each unknown of a release.
     /// # Errors
     /// [`CalibrateError`] for a release that cannot be fitted.
     /// # Panics
     /// If there are not as many values as unknowns.
-    pub fn at(&self, values: &[f64]) -> Result<Option<Evaluation>, CalibrateError> {
+    pub fn at(&self, values: &[f64], exact: bool) -> Result<Option<Evaluation>, CalibrateError> {
         let objective = Objective::new(whole(&self.problem, Unknowns::of(&self.problem)?))?;
         let unknowns = &objective.part.unknowns;
         assert_eq!(values.len(), unknowns.len(), "a value for each unknown");
         let scaled = unknowns.iter().zip(values).map(|(unknown, value)| unknown.scaled.variable(*value));
         let x = DVector::from_iterator(unknowns.len(), scaled);
-        let view = View { steps: self.steps.clone(), ..View::of_all(&objective) };
+        let slopes = if exact { Slopes::Differences } else { Slopes::Variational };
+        let view = View { steps: self.steps.clone(), slopes, ..View::of_all(&objective) };
         let Some(seen) = objective.see(&x, &view, Some(view.slopes)) else { return Ok(None) };
         let width = unknowns.len();
         let (mut residuals, mut jacobian) = (Vec::new(), Vec::new());

@@ -7,8 +7,12 @@ use std::fs;
 use super::{files, paths, root};
 
 /// Our crates by their folders, from the ground up, each with those of ours that it may depend on.
-pub const CRATES: [(&str, &[&str]); 3] =
-    [("models", &[]), ("sim/core", &["models"]), ("sim", &["models", "efam_core"])];
+pub const CRATES: [(&str, &[&str]); 4] = [
+    ("models", &[]),
+    ("sim/core", &["models"]),
+    ("sim", &["models", "efam_core"]),
+    ("sim/python", &["models", "efam_core", "sim"]),
+];
 
 /// The modules of the core from the ground up, each with those that it imports.
 const CORE: [(&str, &[&str]); 12] = [
@@ -27,7 +31,7 @@ const CORE: [(&str, &[&str]); 12] = [
 ];
 
 /// The same of sim, without the core's, which all may import.
-const SIM: [(&str, &[&str]); 20] = [
+const SIM: [(&str, &[&str]); 22] = [
     ("schema", &[]),
     ("escape", &[]),
     ("quantile", &[]),
@@ -80,6 +84,8 @@ const SIM: [(&str, &[&str]); 20] = [
             "sweep",
         ],
     ),
+    ("failure", &["calibrate", "experiment", "recording", "results", "scenario", "sweep"]),
+    ("simulate", &["failure", "results", "scenario"]),
     ("observe", &["calibrate", "diagnose", "predict", "quantile"]),
     (
         "cli",
@@ -90,6 +96,7 @@ const SIM: [(&str, &[&str]); 20] = [
             "diagnose",
             "escape",
             "experiment",
+            "failure",
             "figures",
             "input",
             "memory",
@@ -99,6 +106,7 @@ const SIM: [(&str, &[&str]); 20] = [
             "results",
             "scenario",
             "schema",
+            "simulate",
             "sweep",
         ],
     ),
