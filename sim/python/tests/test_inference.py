@@ -38,8 +38,9 @@ def test_the_jacobian_is_that_of_the_residuals():
         up, down = (residuals.residuals_and_jacobian(end)[0] for end in ends)
         difference = (up - down) / (2 * step)
         size = np.linalg.norm(difference)
-        # On the same steps differences agree to four digits; variational slopes are those of the exact solution.
-        assert np.linalg.norm(difference - exact[:, k]) < 1e-3 * size, residuals.names[k]
+        # On the same steps differences agree to three digits: a later release moves samples from one step to the next.
+        # Variational slopes are those of the exact solution.
+        assert np.linalg.norm(difference - exact[:, k]) < 5e-3 * size, residuals.names[k]
         assert np.linalg.norm(difference - jacobian[:, k]) < 0.15 * size, residuals.names[k]
 
 
