@@ -15,6 +15,9 @@ use crate::overrides::{overrides, tables};
 use crate::run::{self, RunData};
 use crate::swing::Swing;
 
+/// What a pickle holds: the path that files are relative to, the text, and what is set over it.
+type Parts = (PathBuf, String, Vec<String>);
+
 /// A rod with its clamp, effects and release: a scenario of one run.
 #[pyclass(frozen, module = "efam._efam")]
 pub struct Model {
@@ -149,7 +152,7 @@ impl Model {
     }
 
     /// Its text and what is set over it: a pickle needs no file.
-    fn __reduce__(slf: &Bound<'_, Self>) -> PyResult<(Py<PyAny>, (PathBuf, String, Vec<String>))> {
+    fn __reduce__(slf: &Bound<'_, Self>) -> PyResult<(Py<PyAny>, Parts)> {
         let restore = slf.py().get_type::<Model>().getattr("_restore")?;
         let own = slf.get();
         let set = [own.overrides.clone(), own.without_files.clone()].concat();

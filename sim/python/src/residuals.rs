@@ -13,6 +13,9 @@ use sim::failure::Failure;
 use crate::failure::exception;
 use crate::watch::watched;
 
+/// Residuals and Jacobian.
+type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
 /// Residuals of an experiment at any values of its unknowns.
 #[pyclass(frozen, module = "efam._efam")]
 pub struct Residuals {
@@ -65,7 +68,7 @@ impl Residuals {
         py: Python<'py>,
         theta: Vec<f64>,
         exact: bool,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
+    ) -> PyResult<Arrays<'py>> {
         let due = self.own.start.len();
         if theta.len() != due || !theta.iter().all(|value| value.is_finite()) {
             let message = format!("theta: {due} finite numbers are due, {} were given", theta.len());
