@@ -27,12 +27,13 @@ mod threads;
 mod view;
 mod voice;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arguments::Manner;
-use failure::Failure;
+use failure::{Failure, report};
 use sim::escape::{escaped, is_hidden};
 use voice::Voice;
 
@@ -113,18 +114,19 @@ enum OnExperiment {
     Check(experiment::Check),
 }
 
-pub fn main() -> ExitCode {
+/// The program with its arguments, of which the first is its own name: as a program of its own, or within Python.
+pub fn main(arguments: Vec<OsString>) -> ExitCode {
     interrupt::make_long_files_an_error();
-    let color = Manner::color(std::env::args_os().skip(1));
-    let parsed = Efam::command().color(color).try_get_matches();
+    let color = Manner::color(arguments.iter().skip(1).cloned());
+    let parsed = Efam::command().color(color).try_get_matches_from(&arguments);
     let efam = match parsed.and_then(|matches| Efam::from_arg_matches(&matches)) {
         Ok(efam) => efam,
-        Err(error) => return answer(error),
+        Err(error) => return answer(error, &arguments),
     };
     let voice = Voice::new(efam.manner.quiet, efam.manner.verbose);
     match run(efam.command, &voice) {
         Ok(code) => code,
-        Err(failure) => failure.report(is_colored(efam.manner.color)),
+        Err(failure) => report(&failure, is_colored(efam.manner.color)),
     }
 }
 
@@ -172,9 +174,9 @@ impl Command {
 }
 
 /// Prints help, or what is wrong with the command line.
-fn answer(error: clap::Error) -> ExitCode {
+fn answer(error: clap::Error, arguments: &[OsString]) -> ExitCode {
     // What was typed stands in the message as it is. Where that would act on a terminal, it is typed visibly.
-    let typed: Vec<String> = std::env::args_os().map(|own| own.to_string_lossy().into_owned()).collect();
+    let typed: Vec<String> = arguments.iter().map(|own| own.to_string_lossy().into_owned()).collect();
     let is_visible = !typed.iter().any(|own| own.contains(is_hidden));
     let visibly = || {
         Efam::command()
@@ -184,7 +186,7 @@ fn answer(error: clap::Error) -> ExitCode {
     let error = if is_visible { error } else { visibly().err().unwrap_or(error) };
     let printed = error.print().and_then(|()| terminal::stdout().end());
     match printed {
-        Err(failed) if !error.use_stderr() => Failure::from(failed).report(false),
+        Err(failed) if !error.use_stderr() => report(&Failure::from(failed), false),
         _ => ExitCode::from(error.exit_code() as u8),
     }
 }

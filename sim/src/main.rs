@@ -1,7 +1,5 @@
 //! The program `efam`.
 
-mod cli;
-
 fn main() -> std::process::ExitCode {
-    cli::main()
+    sim::cli::main(std::env::args_os().collect())
 }

@@ -40,6 +40,7 @@ mod posture;
 mod release;
 pub(crate) mod resolved;
 pub(crate) mod start;
+mod units;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -56,6 +57,7 @@ use document::Document;
 pub use error::{At, Problem, ScenarioError};
 use plan::Plan;
 pub use release::ReleaseOptions;
+pub use units::unit_of;
 
 /// What to simulate, read and checked.
 #[derive(Clone, Debug)]

@@ -22,6 +22,7 @@ pub(crate) mod problem;
 pub(crate) mod profile;
 pub(crate) mod refine;
 pub mod repeats;
+pub mod residuals;
 pub(crate) mod search;
 mod section;
 mod starts;

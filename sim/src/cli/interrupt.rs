@@ -14,7 +14,7 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use sim::forward::Cancel;
 
-use super::failure::Failure;
+use super::failure::{Failure, report};
 use super::threads;
 use super::voice::Stages;
 
@@ -107,7 +107,7 @@ pub fn check() -> Result<(), Failure> {
 /// ends: what works here keeps no state that would have to be put in order, and half a search says nothing.
 pub fn during<K, T: Send>(kept: K, stages: &Stages, work: impl FnOnce() -> T + Send) -> (K, T) {
     during_or(kept, stages, work, || {
-        Failure::Interrupted.report(false);
+        report(&Failure::Interrupted, false);
     })
 }
 
@@ -157,7 +157,7 @@ pub fn during_search<K, T: Send>(
     work: impl FnOnce() -> T + Send,
 ) -> (K, T) {
     wait_for(kept, stages, Some(ending), work, || {
-        Failure::Interrupted.report(false);
+        report(&Failure::Interrupted, false);
     })
 }
 

@@ -13,18 +13,16 @@ use clap::Args;
 use models::quantity::format_si;
 use rayon::prelude::*;
 use serde::Serialize;
-use sim::accuracy::{self, Settled};
-use sim::forward::{ForwardError, Run, Sample, forward};
-use sim::limits;
+use sim::accuracy::Settled;
+use sim::forward::{Run, Sample, forward};
 use sim::memory;
-use sim::rest::rest;
 use sim::results::beside_the_paper::beside_the_paper;
 use sim::results::report::report;
 use sim::results::simulated::{Member, write_set};
-use sim::results::summary;
 use sim::results::{self, Request, Summary};
 use sim::scenario::{Case, Scenario};
 use sim::schema::JsonSchema;
+use sim::simulate;
 use sim::trajectory::{Status, Trajectory};
 
 use super::arguments::{Output, Release, Source, argv};
@@ -127,13 +125,8 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut done: Vec<Member> = Vec::with_capacity(runs.len());
     for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
         let run: Settled = run?;
+        let warnings = simulate::warnings(case, &run);
         let case = case.run_as(&run.model, &run.run);
-        let warnings =
-            run.errors.iter().flat_map(|errors| errors.warnings(&case.run, &case.model, &case.goal));
-        let end = run.trajectory.times.last().copied().unwrap_or(0.0);
-        let rest = rest(&case.model, end, summary::MODES).ok();
-        let limits = limits::warnings(&case.model, &run.trajectory, rest.as_ref(), case.measured_moment());
-        let warnings: Vec<String> = warnings.chain(limits).collect();
         voice.warn(&warnings);
         let own = Request {
             name: case.name.clone(),
@@ -211,7 +204,6 @@ fn outcome(folder: &Path, done: &[Member]) -> Result<ExitCode, Failure> {
 
 /// Runs a case until its end, Ctrl-C, or where it fails; what was integrated is kept.
 fn simulate(case: &Case, estimates: bool, progress: &ProgressBar, voice: &Voice) -> Result<Settled, Failure> {
-    let run = Run { cancel: interrupt::cancel(), ..case.run.clone() };
     let mut cost = Cost::new(case.run.duration);
     let mut see = |sample: &mut Sample| {
         if let Some(whole) = cost.foretold(sample.state.time) {
@@ -219,14 +211,7 @@ fn simulate(case: &Case, estimates: bool, progress: &ProgressBar, voice: &Voice)
         }
         counted(progress)
     };
-    if estimates {
-        return accuracy::settle(&case.model, &run, &case.goal, &mut see)
-            .map_err(|error| stopped(case, error));
-    }
-    let (model, run) =
-        accuracy::first(&case.model, &run, &case.goal).map_err(|error| stopped(case, error))?;
-    let trajectory = kept(case, forward(&model, &run, &mut see))?;
-    Ok(Settled { model, run, trajectory, errors: None })
+    simulate::simulate(case, estimates, interrupt::cancel(), &mut see)
 }
 
 /// What sees every sample, and may fail.
@@ -246,23 +231,7 @@ pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Traj
     let run = forward(&case.model, &run, &mut observe);
     match failure {
         Some(failure) => Err(failure),
-        None => kept(case, run),
-    }
-}
-
-/// What was integrated, if anything was.
-fn kept(case: &Case, run: Result<Trajectory, ForwardError>) -> Result<Trajectory, Failure> {
-    match run {
-        Ok(trajectory) => Ok(trajectory),
-        Err(ForwardError::Integrate { trajectory, .. }) => Ok(*trajectory),
-        Err(error) => Err(stopped(case, error)),
-    }
-}
-
-fn stopped(case: &Case, error: ForwardError) -> Failure {
-    match error {
-        ForwardError::Model(error) => error.into(),
-        error => Failure::Usage(format!("{}: {error}", case.name)),
+        None => simulate::kept(case, run),
     }
 }
 

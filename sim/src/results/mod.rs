@@ -40,6 +40,7 @@ pub mod simulated;
 pub mod summary;
 pub mod swept;
 pub mod table;
+pub mod told;
 mod utc;
 
 use std::collections::BTreeMap;
@@ -61,6 +62,7 @@ pub use summary::Summary;
 
 use folder::{OUTPUTS, Target};
 use table::Table;
+use told::{Told, told};
 
 /// File names of a run folder.
 pub const SCENARIO: &str = "scenario.resolved.toml";
@@ -200,44 +202,22 @@ pub fn write_run(
         folder.write(&place(name), bytes)?;
     }
 
-    let end = trajectory.times.last().copied().unwrap_or(0.0);
-    let rest = rest::rest(model, end, summary::MODES);
-    let (numbers, swing) = summary::summarise(model, run, trajectory, &rest);
-    let hash = sha256(request.resolved_scenario.as_bytes());
-    let mut inputs_sha256 = request.input_hashes.clone();
-    inputs_sha256.insert(SCENARIO.to_owned(), hash.clone());
-    let summary = Summary {
-        name: request.name.clone(),
-        warnings: request.warnings.clone(),
-        wall_time_s: request.wall_time_s,
-        real_time_factor: (request.wall_time_s > 0.0).then(|| end / request.wall_time_s),
-        inputs_sha256,
-        errors: request.errors.clone(),
-        argv: request.argv.clone(),
-        written_utc: folder::utc(SystemTime::now()),
-        ..numbers
-    };
+    let told = told(request, model, run, trajectory);
+    let Told { summary, .. } = &told;
 
     folder.write(&place(SCENARIO), request.resolved_scenario.as_bytes())?;
     let table = Table::new(model, trajectory, run.energy);
     let about = [
         ("run", request.name.clone()),
         ("status", status_word(&trajectory.status).to_owned()),
-        ("scenario_sha256", hash),
+        ("scenario_sha256", summary.inputs_sha256[SCENARIO].clone()),
         ("efam", summary.versions.efam.clone()),
     ];
     folder.write_with(&place(PARQUET), |file| table.write_parquet(file, &about))?;
     if request.csv {
         folder.write_with(&place(CSV), |file| table.write_csv(file))?;
     }
-    let shown = picture::Release {
-        model,
-        trajectory,
-        energy_followed: run.energy,
-        rest: rest.as_ref().ok(),
-        summary: &summary,
-        swing: &swing,
-    };
+    let shown = told.shown(model, run, trajectory);
     folder.write(&place(PICTURE), picture::release(&shown).as_bytes())?;
     // Many runs have one page, which is that of the folder.
     if within.is_empty() {
@@ -245,12 +225,12 @@ pub fn write_run(
         for picture in &pictures {
             folder.write(&picture.file(), picture.svg.as_bytes())?;
         }
-        let html = simulated::page(request, &summary, &pictures, SystemTime::now());
+        let html = simulated::page(request, summary, &pictures, SystemTime::now());
         folder.write(page::REPORT, html.as_bytes())?;
     }
-    let json = serde_json::to_string_pretty(&summary).expect("a summary has nothing that JSON has not");
+    let json = serde_json::to_string_pretty(summary).expect("a summary has nothing that JSON has not");
     folder.write(&place(MARK), json.as_bytes())?;
-    Ok(summary)
+    Ok(told.summary)
 }
 
 /// SHA-256 in hexadecimal.

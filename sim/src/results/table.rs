@@ -42,6 +42,15 @@ impl<'a> Table<'a> {
         &self.columns
     }
 
+    /// All numbers, one sample after another, each in the order of the columns.
+    pub fn numbers(&self) -> Vec<f64> {
+        let mut system = System::new(self.model);
+        let samples = self.trajectory.times.len();
+        let mut numbers = Vec::with_capacity(samples * self.columns.len());
+        (0..samples).for_each(|sample| self.row(&mut system, sample, &mut numbers));
+        numbers
+    }
+
     /// Writes Parquet; `about` becomes the file's key-value metadata.
     /// # Errors
     /// What the writer met.

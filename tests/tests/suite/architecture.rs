@@ -18,7 +18,7 @@ use floors::CRATES;
 /// kind of work has one door; the two that need more room have a file and a folder of the same name, and
 /// Parquet is written in one file and read in two, strictly where it may be anybody's; a test of our own tables reads back
 /// what was written. argmin has a file a search.
-const DOORS: [(&str, &[&str]); 27] = [
+const DOORS: [(&str, &[&str]); 29] = [
     ("argmin", &["sim/src/analysis/nelder_mead.rs", "sim/src/analysis/brent.rs"]),
     (
         "arrow",
@@ -49,6 +49,7 @@ const DOORS: [(&str, &[&str]); 27] = [
     ("indicatif", &["sim/src/cli/progress.rs"]),
     ("mcap", &["sim/src/results/export/mcap.rs", "sim/tests/program/export.rs"]),
     ("miette", &["sim/src/cli/failure.rs"]),
+    ("numpy", &["sim/python/src/"]),
     ("os_display", &["sim/src/escape.rs"]),
     (
         "parquet",
@@ -60,6 +61,7 @@ const DOORS: [(&str, &[&str]); 27] = [
         ],
     ),
     ("plotters", &["sim/src/results/picture.rs", "sim/src/results/picture/"]),
+    ("pyo3", &["sim/python/src/"]),
     ("rand_chacha", &["tests/src/twin/random.rs"]),
     (
         "rand_xoshiro",

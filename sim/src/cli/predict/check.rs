@@ -5,22 +5,22 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use crate::experiment::Experiment;
+use crate::predict::Settings;
+use crate::predict::check::{Check, check, fitted_files};
+use crate::results::checked::{check_table, write_check};
+use crate::results::{self, Request};
+use crate::schema::JsonSchema;
 use serde::Serialize;
-use sim::experiment::Experiment;
-use sim::predict::Settings;
-use sim::predict::check::{Check, CheckError, check, fitted_files};
-use sim::results::checked::{check_table, write_check};
-use sim::results::{self, Request};
-use sim::schema::JsonSchema;
 
 use super::super::arguments::argv;
 use super::super::calibrate::input_hashes;
 use super::super::experiment::read;
-use super::super::failure::Failure;
 use super::super::interrupt;
 use super::super::terminal::stdout;
 use super::super::voice::{Voice, print};
 use super::{Predict, asked};
+use crate::failure::Failure;
 
 /// What is printed for programs.
 #[derive(Serialize, JsonSchema)]
@@ -78,16 +78,4 @@ pub fn run(args: &Predict, file: &Path, voice: &Voice) -> Result<ExitCode, Failu
         writeln!(stdout(), "{}\nresults in {}", check_table(&check), folder.display())?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-impl From<CheckError> for Failure {
-    fn from(error: CheckError) -> Self {
-        match error {
-            CheckError::Experiment(error) => error.into(),
-            CheckError::Calibrate(error) => error.into(),
-            CheckError::Section(error) => error.into(),
-            CheckError::Predict(error) => Failure::Diverged(error.to_string()),
-            CheckError::NoModel { .. } => Failure::Usage(error.to_string()),
-        }
-    }
 }

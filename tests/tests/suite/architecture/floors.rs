@@ -7,11 +7,12 @@ use std::fs;
 use super::{files, paths, root};
 
 /// Our crates by their folders, from the ground up, each with those of ours that it may depend on.
-pub const CRATES: [(&str, &[&str]); 4] = [
+pub const CRATES: [(&str, &[&str]); 5] = [
     ("models", &[]),
     ("sim/core", &["models"]),
     ("sim/playground", &["efam_core"]),
     ("sim", &["models", "efam_core"]),
+    ("sim/python", &["models", "efam_core", "sim"]),
 ];
 
 /// The modules of the core from the ground up, each with those that it imports.
@@ -32,7 +33,7 @@ const CORE: [(&str, &[&str]); 13] = [
 ];
 
 /// The same of sim, without the core's, which all may import.
-const SIM: [(&str, &[&str]); 20] = [
+const SIM: [(&str, &[&str]); 22] = [
     ("schema", &[]),
     ("escape", &[]),
     ("quantile", &[]),
@@ -47,7 +48,20 @@ const SIM: [(&str, &[&str]); 20] = [
     ("cleaning", &["escape", "experiment", "quantile", "recording", "scenario", "schema"]),
     ("calibrate", &["analysis", "cleaning", "experiment", "scenario", "schema"]),
     ("diagnose", &["calibrate", "cleaning", "experiment", "normal", "scenario", "schema"]),
-    ("predict", &["analysis", "calibrate", "normal", "quantile", "scenario", "schema"]),
+    (
+        "predict",
+        &[
+            "analysis",
+            "calibrate",
+            "cleaning",
+            "experiment",
+            "input",
+            "normal",
+            "quantile",
+            "scenario",
+            "schema",
+        ],
+    ),
     ("figures", &["analysis", "calibrate", "experiment", "scenario"]),
     (
         "sweep",
@@ -85,6 +99,8 @@ const SIM: [(&str, &[&str]); 20] = [
             "sweep",
         ],
     ),
+    ("failure", &["calibrate", "experiment", "predict", "recording", "results", "scenario", "sweep"]),
+    ("simulate", &["failure", "results", "scenario"]),
     ("observe", &["calibrate", "diagnose", "predict", "quantile"]),
     (
         "cli",
@@ -95,6 +111,7 @@ const SIM: [(&str, &[&str]); 20] = [
             "diagnose",
             "escape",
             "experiment",
+            "failure",
             "figures",
             "input",
             "memory",
@@ -104,6 +121,7 @@ const SIM: [(&str, &[&str]); 20] = [
             "results",
             "scenario",
             "schema",
+            "simulate",
             "sweep",
         ],
     ),

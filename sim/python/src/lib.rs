@@ -1,0 +1,30 @@
+//! The Python package `efam`: classes and functions over the same library that the program calls.
+
+mod failure;
+mod inference;
+mod model;
+mod overrides;
+mod program;
+mod residuals;
+mod run;
+mod swing;
+mod watch;
+
+use pyo3::prelude::*;
+
+/// What the package `efam` is made of.
+#[pymodule]
+fn _efam(py: Python<'_>, module: &Bound<'_, PyModule>) -> PyResult<()> {
+    failure::register(py, module)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<run::RunData>()?;
+    module.add_class::<swing::Swing>()?;
+    module.add_class::<residuals::Residuals>()?;
+    module.add_function(wrap_pyfunction!(run::tips_of_many, module)?)?;
+    module.add_function(wrap_pyfunction!(inference::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(inference::diagnose, module)?)?;
+    module.add_function(wrap_pyfunction!(inference::predict, module)?)?;
+    module.add_function(wrap_pyfunction!(program::main, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,192 @@
+//! Runs: one with all its numbers, or the tips of many.
+
+use std::ops::ControlFlow;
+use std::sync::OnceLock;
+use std::time::Instant;
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use sim::accuracy::Settled;
+use sim::failure::Failure;
+use sim::forward::{Cancel, Run, uniform};
+use sim::results::Request;
+use sim::results::report::report;
+use sim::results::table::Table;
+use sim::results::told::{Told, told};
+use sim::scenario::Case;
+use sim::simulate;
+use sim::trajectory::Status;
+
+use crate::failure::exception;
+use crate::model::Model;
+use crate::watch::watched;
+
+/// A run with its numbers.
+#[pyclass(frozen, module = "efam._efam")]
+pub struct RunData {
+    case: Case,
+    done: Settled,
+    /// Paths of the parameters by which the tip is differentiated.
+    sensitivities: Vec<String>,
+    wall_time_s: f64,
+    /// What a loop over parameters need not have, and would take a third of its time.
+    about: OnceLock<(Request, Told)>,
+}
+
+/// Simulates a model.
+pub fn run(py: Python<'_>, model: &Model, estimates: bool, by: Vec<String>) -> PyResult<RunData> {
+    let mut case = model.case.clone();
+    let index = |path: &String| case.model.index(path);
+    let indices = by.iter().map(index).collect::<Result<_, _>>();
+    case.run.sensitivities =
+        indices.map_err(|error| exception(Failure::Usage(format!("sensitivities: {error}"))))?;
+    watched(py, |cancel| finished(case, estimates, by, cancel))?.map_err(exception)
+}
+
+fn finished(case: Case, estimates: bool, by: Vec<String>, cancel: Cancel) -> Result<RunData, Failure> {
+    let begin = Instant::now();
+    let done = simulate::simulate(&case, estimates, cancel, &mut |_| ControlFlow::Continue(()))?;
+    match &done.trajectory.status {
+        Status::Complete => {}
+        // Nothing but a signal cuts it short, and becomes the exception.
+        Status::CutShort { .. } => return Err(Failure::Interrupted),
+        Status::Failed { reason, .. } => return Err(Failure::Diverged(reason.clone())),
+    }
+    let wall_time_s = begin.elapsed().as_secs_f64();
+    Ok(RunData { case, done, sensitivities: by, wall_time_s, about: OnceLock::new() })
+}
+
+impl RunData {
+    fn about(&self, py: Python<'_>) -> &(Request, Told) {
+        // Another thread may hold the lock of the cell, and wait for the global one.
+        py.detach(|| self.about.get_or_init(|| self.summarised()))
+    }
+
+    fn summarised(&self) -> (Request, Told) {
+        let (case, done) = (&self.case, &self.done);
+        let warnings = simulate::warnings(case, done);
+        let request = Request {
+            name: case.name.clone(),
+            resolved_scenario: self.text(),
+            warnings: case.warnings.iter().cloned().chain(warnings).collect(),
+            wall_time_s: self.wall_time_s,
+            errors: done.errors.clone(),
+            ..Request::default()
+        };
+        let told = told(&request, &done.model, &done.run, &done.trajectory);
+        (request, told)
+    }
+
+    fn table(&self) -> Table<'_> {
+        Table::new(&self.done.model, &self.done.trajectory, self.done.run.energy)
+    }
+}
+
+#[pymethods]
+impl RunData {
+    /// Names of the columns, as in trajectory.parquet.
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        self.table().columns().iter().map(|own| own.name.clone()).collect()
+    }
+
+    /// All numbers, shape `[samples, columns]`, handed over without a copy.
+    fn data<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let numbers = py.detach(|| self.table().numbers());
+        let shape = [self.done.trajectory.times.len(), self.table().columns().len()];
+        PyArray1::from_vec(py, numbers).reshape(shape)
+    }
+
+    /// Nodes of the mesh that was taken.
+    #[getter]
+    fn nodes(&self) -> usize {
+        self.done.model.edges + 1
+    }
+
+    /// Derivatives of the tip's position by a parameter, m per SI unit, shape `[samples, 2]`.
+    fn sensitivity<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let Some(k) = self.sensitivities.iter().position(|own| own == path) else { return Ok(None) };
+        let rows = &self.done.trajectory.tip_by_parameters;
+        let numbers: Vec<f64> = rows.iter().flat_map(|row| row[k]).collect();
+        PyArray1::from_vec(py, numbers).reshape([rows.len(), 2]).map(Some)
+    }
+
+    /// What `efam simulate --json` prints of the run.
+    #[getter]
+    fn json(&self, py: Python<'_>) -> String {
+        serde_json::to_string(&self.about(py).1.summary).expect("a summary has nothing that JSON has not")
+    }
+
+    /// What `efam simulate` prints of the run.
+    #[getter]
+    fn report(&self, py: Python<'_>) -> String {
+        report(&self.about(py).1.summary)
+    }
+
+    /// What to know before the run is used.
+    #[getter]
+    fn warnings(&self, py: Python<'_>) -> Vec<String> {
+        self.about(py).0.warnings.clone()
+    }
+
+    /// The page of the run.
+    fn page(&self, py: Python<'_>) -> String {
+        let Settled { model, run, trajectory, .. } = &self.done;
+        let (request, told) = self.about(py);
+        py.detach(|| told.page(request, model, run, trajectory))
+    }
+
+    /// The scenario that gives the same bits.
+    #[getter]
+    fn text(&self) -> String {
+        self.case.run_as(&self.done.model, &self.done.run).resolved()
+    }
+}
+
+/// What comes of many runs: times, tips with shape `[models][samples][2]`, and the failures with their places.
+type Tips<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<(usize, String)>);
+
+/// The tips of many models, on all cores, sampled `rate` times a second. What a run has not is not a number.
+#[pyfunction]
+pub fn tips_of_many<'py>(py: Python<'py>, models: Vec<Py<Model>>, rate: f64) -> PyResult<Tips<'py>> {
+    if !(rate > 0.0 && rate.is_finite()) {
+        return Err(exception(Failure::Usage(format!("rate = {rate} Hz: must be positive"))));
+    }
+    let cases: Vec<&Case> = models.iter().map(|model| &model.get().case).collect();
+    let longest = cases.iter().map(|case| case.run.duration).fold(0.0, f64::max);
+    let count = longest * rate * cases.len() as f64;
+    if count > 1e9 {
+        let message = format!("{count:.0} samples in all are more than memory holds; lower rate or duration");
+        return Err(exception(Failure::Usage(message)));
+    }
+    let times = uniform(longest, rate);
+    let (tips, failures) = watched(py, |cancel| {
+        let mut tips = vec![f64::NAN; 2 * times.len() * cases.len()];
+        let width = 2 * times.len();
+        let one = |(place, (row, case)): (usize, (&mut [f64], &&Case))| {
+            if cancel.is_asked() {
+                return None;
+            }
+            let samples: Vec<f64> = times.iter().copied().filter(|time| *time <= case.run.duration).collect();
+            let run = Run { samples, energy: false, trace_step: None, ..case.run.clone() };
+            let case = case.run_as(&case.model, &run);
+            let done = simulate::simulate(&case, false, cancel.clone(), &mut |_| ControlFlow::Continue(()));
+            match done {
+                Err(failure) => Some((place, failure.to_string())),
+                Ok(done) => {
+                    for (own, tip) in row.chunks_exact_mut(2).zip(&done.trajectory.tip) {
+                        own.copy_from_slice(tip);
+                    }
+                    match done.trajectory.status {
+                        Status::Failed { reason, .. } => Some((place, reason)),
+                        _ => None,
+                    }
+                }
+            }
+        };
+        let failures: Vec<_> = tips.par_chunks_mut(width).zip(&cases).enumerate().filter_map(one).collect();
+        (tips, failures)
+    })?;
+    Ok((PyArray1::from_vec(py, times), PyArray1::from_vec(py, tips), failures))
+}

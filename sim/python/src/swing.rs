@@ -1,0 +1,159 @@
+//! A model in the middle of its motion: one step after another, pressure and payload changed between them.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sim::failure::Failure;
+use sim::integrate::State;
+use sim::stepper::Stepper;
+
+use crate::failure::exception;
+use crate::model::Model;
+use crate::overrides::{overrides, quantity};
+
+/// Time, coordinates, rates, and memory of the effects.
+type Numbers = (f64, Vec<f64>, Vec<f64>, Vec<f64>);
+
+/// A rod that is stepped.
+#[pyclass(frozen, module = "efam._efam")]
+pub struct Swing {
+    inner: Mutex<Inner>,
+}
+
+struct Inner {
+    stepper: Stepper,
+    /// The scenario as it stands, with all that was set.
+    model: Model,
+}
+
+impl Swing {
+    /// At the start of a model, on the mesh with which a run of its accuracy begins.
+    pub fn of(model: &Model) -> PyResult<Self> {
+        let model = model.with(Vec::new())?;
+        let case = model.case.clone().begun();
+        let wrong = |error: &dyn std::fmt::Display| exception(Failure::Diverged(error.to_string()));
+        let state = case.run.initial.state(&case.model).map_err(|error| wrong(&error))?;
+        let control = sim::integrate::Control {
+            tolerance: case.run.tolerance,
+            steps: case.run.steps.clone(),
+            most_steps: case.run.most_steps,
+            first_step: None,
+        };
+        let stepper = Stepper::with(&case.model, state, case.run.method, control);
+        let stepper = stepper.map_err(|error| wrong(&error))?;
+        Ok(Self { inner: Mutex::new(Inner { stepper, model }) })
+    }
+
+    /// A panic leaves a rod that `set_state` makes whole again.
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn diverged(error: impl std::fmt::Display) -> PyErr {
+        exception(Failure::Diverged(error.to_string()))
+    }
+}
+
+#[pymethods]
+impl Swing {
+    /// Goes on for a time, such as 0.01 or "10 ms".
+    fn step(&self, py: Python<'_>, dt: &Bound<'_, PyAny>) -> PyResult<()> {
+        let dt = quantity("dt", dt, "s")?;
+        if !(dt >= 0.0 && dt.is_finite()) {
+            return Err(exception(Failure::Usage(format!("dt = {dt} s: must not be negative"))));
+        }
+        py.detach(|| self.inner().stepper.step(dt).map(|_| ())).map_err(Self::diverged)
+    }
+
+    /// Changes pressure, payload or any parameter; the rod keeps its place and velocity.
+    #[pyo3(signature = (**options))]
+    fn set(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let more = overrides(options)?;
+        py.detach(|| {
+            let mut inner = self.inner();
+            let model = inner.model.with(more)?;
+            let is_timed = inner.stepper.model().schedule.is_some() || model.case.model.schedule.is_some();
+            let own = &model.case.model;
+            if is_timed || own.theta.len() != inner.stepper.model().theta.len() {
+                let message = "while it swings no effect can be added and no pressure over time be given; \
+                               have the effect in the model, and set the pressure step by step";
+                return Err(exception(Failure::Usage(message.to_owned())));
+            }
+            let values: Vec<(&str, f64)> = own
+                .parameters
+                .iter()
+                .map(|parameter| parameter.path.as_str())
+                .zip(own.theta.clone())
+                .collect();
+            inner.stepper.set_all(&values).map_err(|error| exception(Failure::Usage(error.to_string())))?;
+            inner.model = model;
+            Ok(())
+        })
+    }
+
+    /// Time since the release, s.
+    #[getter]
+    fn time(&self) -> f64 {
+        self.inner().stepper.state().time
+    }
+
+    /// Time, coordinates, rates, and memory of the effects; may be set.
+    #[getter]
+    fn get_state(&self) -> Numbers {
+        let State { time, q, v, z } = self.inner().stepper.state().clone();
+        (time, q, v, z)
+    }
+
+    #[setter]
+    fn set_state(&self, state: Numbers) -> PyResult<()> {
+        let mut inner = self.inner();
+        let (time, q, v, z) = state;
+        let now = inner.stepper.state();
+        let is_shaped = [q.len(), v.len(), z.len()] == [now.q.len(), now.v.len(), now.z.len()];
+        let is_finite = time.is_finite() && q.iter().chain(&v).chain(&z).all(|value| value.is_finite());
+        if !is_shaped || !is_finite {
+            let message = format!(
+                "state: {} coordinates, {} rates and {} memories, all finite, are due",
+                now.q.len(),
+                now.v.len(),
+                now.z.len()
+            );
+            return Err(exception(Failure::Usage(message)));
+        }
+        inner.stepper.set_state(State { time, q, v, z });
+        Ok(())
+    }
+
+    /// Position of the observed tip, m, and its velocity, m/s.
+    #[getter]
+    fn tip<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
+        let tip = self.inner().stepper.tip();
+        (PyArray1::from_slice(py, &tip.position), PyArray1::from_slice(py, &tip.velocity))
+    }
+
+    /// Positions of the nodes, m, shape `[N+1, 2]`.
+    #[getter]
+    fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let numbers = self.inner().stepper.nodes().as_flattened().to_vec();
+        let count = numbers.len() / 2;
+        PyArray1::from_vec(py, numbers).reshape([count, 2])
+    }
+
+    /// Kinetic, elastic and potential energy, J.
+    #[getter]
+    fn energy(&self) -> (f64, f64, f64) {
+        let energy = self.inner().stepper.energy();
+        (energy.kinetic, energy.elastic, energy.potential)
+    }
+
+    fn __getitem__(&self, path: &str) -> PyResult<f64> {
+        let inner = self.inner();
+        let model = inner.stepper.model();
+        let index = model.index(path);
+        index
+            .map(|k| model.theta[k])
+            .map_err(|error| pyo3::exceptions::PyKeyError::new_err(error.to_string()))
+    }
+}

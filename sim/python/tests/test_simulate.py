@@ -1,0 +1,100 @@
+"""One run: the numbers of the program, as arrays."""
+
+import json
+import subprocess
+
+import efam
+import numpy as np
+import pytest
+
+from conftest import EFAM
+
+# The hour, the time that it took and the command differ.
+OF_THE_CALL = {"argv", "wall_time_s", "real_time_factor", "written_utc", "inputs_sha256"}
+
+
+def test_numbers_are_those_of_the_program_to_the_bit(scenario, tmp_path):
+    out = tmp_path / "run"
+    command = [*EFAM, "simulate", str(scenario), "--payload", "20g", "--json", "--csv", "--out", str(out)]
+    printed = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    run = efam.simulate(scenario, payload="20g")
+    of_program = printed["runs"][0]
+    assert set(run.summary) == set(of_program)
+    for key in set(run.summary) - OF_THE_CALL:
+        assert run.summary[key] == of_program[key], key
+    table = np.genfromtxt(out / "trajectory.csv", delimiter=",", names=True)
+    assert list(table.dtype.names) == run.columns
+    assert all(np.array_equal(table[name], run[name]) for name in run.columns)
+    assert (out / "scenario.resolved.toml").read_text() == run.text
+
+
+def test_arrays_are_views_of_one(model):
+    run = efam.simulate(model)
+    samples, nodes = len(run.t), run.nodes.shape[1]
+    assert run.nodes.shape == (samples, nodes, 2) and run.tip.shape == (samples, 2)
+    assert all(np.shares_memory(own, run.data) for own in (run.t, run.tip, run.nodes, run.velocities))
+    assert np.array_equal(run.nodes[:, 0], np.zeros((samples, 2))), "the clamp"
+    assert np.array_equal(run.nodes[:, -1, 0], run[f"x_{nodes - 1:02}_m"])
+    total = run.energies["total"]
+    assert np.ptp(total) < 1e-3 * np.ptp(run.energies["kinetic"])
+
+
+def test_units_are_texts_or_si(scenario):
+    by_text = efam.simulate(scenario, payload="50 g", duration="1 s", error_estimate=False)
+    by_number = efam.simulate(
+        scenario, duration=1, error_estimate=False, **{"effects.payload.mass": np.float64(0.05)}
+    )
+    assert np.array_equal(by_text.data, by_number.data)
+
+
+def test_a_model_of_tables_is_that_of_its_text():
+    text = '[rod]\nlength = "0.2 m"\nmass = "30 g"\nbending_stiffness = "0.005 N m^2"\n[run]\nduration = "1 s"\n'
+    rod = {"length": 0.2, "mass": "30 g", "bending_stiffness": 0.005}
+    by_tables = efam.Model({"rod": rod, "run": {"duration": 1.0}})
+    assert by_tables.text == efam.Model(text).text
+    assert by_tables["rod.mass"] == 0.03 and by_tables.units["rod.mass"] == "kg"
+
+
+def test_a_pressure_over_time(scenario):
+    rows = [[0, 1e5], [1.0, 2e5]]
+    by_number = efam.Model(scenario, pressure=rows)
+    by_text = efam.Model(scenario, pressure=[["0 s", "100000 Pa"], ["1 s", "200000 Pa"]])
+    assert by_number.text == by_text.text
+
+
+def test_sensitivities_are_derivatives(model):
+    path = "rod.bending_stiffness"
+    run = efam.simulate(model, error_estimate=False, sensitivities=[path])
+    step = 1e-4 * model[path]
+    tips = [
+        efam.simulate(model.replace(**{path: model[path] + sign * step}), error_estimate=False).tip
+        for sign in (1, -1)
+    ]
+    difference = (tips[0] - tips[1]) / (2 * step)
+    error = np.abs(run.sensitivity(path) - difference).max() / np.abs(difference).max()
+    # Steps of the usual tolerance; see the documentation of Run::sensitivities.
+    assert error < 0.03, error
+    with pytest.raises(KeyError, match="not asked for"):
+        run.sensitivity("rod.mass")
+
+
+def test_what_other_packages_take(model):
+    run = efam.simulate(model)
+    frame = run.to_pandas()
+    assert list(frame.columns) == run.columns and len(frame) == len(run.t)
+    data = run.to_xarray()
+    assert data["nodes"].dims == ("time", "node", "axis")
+    assert len(run.plot()[1].lines) == 1
+    page = run._repr_html_()
+    assert page.startswith("<iframe srcdoc=") and "The swing" in page
+    assert "frequency" in str(run) and "15psi" in repr(run).replace("-", "")
+
+
+def test_many_are_the_same_as_each(model):
+    models = [model.replace(payload=mass) for mass in (0.0, 0.02, 0.05)]
+    many = efam.simulate_many([*models, model.replace(duration=1)], rate=50)
+    assert many.tip.shape == (4, 101, 2) and many.failures == {}
+    for own, tip in zip(models, many.tip):
+        alone = efam.simulate(own, error_estimate=False, **{"run.rate": "50 Hz"})
+        assert np.array_equal(alone.tip, tip)
+    assert np.isnan(many.tip[3, 51:]).all() and np.isfinite(many.tip[3, :51]).all()

@@ -1,0 +1,56 @@
+//! A case of a scenario, simulated as `efam simulate` does it, and what must be known of the run before it is used.
+
+use std::ops::ControlFlow;
+
+use crate::accuracy::{Settled, first, settle};
+use crate::failure::Failure;
+use crate::forward::{Cancel, ForwardError, Run, Sample, forward};
+use crate::limits;
+use crate::rest::rest;
+use crate::results::summary::MODES;
+use crate::scenario::Case;
+use crate::trajectory::Trajectory;
+
+/// Simulates a case until its end, until it is cancelled, or to where it fails; what was integrated is kept.
+///
+/// With `estimates`, the run is repeated on a coarser mesh and with longer steps. They tell its errors, and choose mesh
+/// and tolerance.
+/// # Errors
+/// [`Failure`] where nothing could be integrated.
+pub fn simulate(
+    case: &Case,
+    estimates: bool,
+    cancel: Cancel,
+    see: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
+) -> Result<Settled, Failure> {
+    let run = Run { cancel, ..case.run.clone() };
+    let stopped = |error| Failure::of_simulation(&case.name, error);
+    if estimates {
+        return settle(&case.model, &run, &case.goal, see).map_err(stopped);
+    }
+    let (model, run) = first(&case.model, &run, &case.goal).map_err(stopped)?;
+    let trajectory = kept(case, forward(&model, &run, see))?;
+    Ok(Settled { model, run, trajectory, errors: None })
+}
+
+/// What was integrated, if anything was.
+/// # Errors
+/// [`Failure`] where nothing was.
+pub fn kept(case: &Case, run: Result<Trajectory, ForwardError>) -> Result<Trajectory, Failure> {
+    match run {
+        Ok(trajectory) => Ok(trajectory),
+        Err(ForwardError::Integrate { trajectory, .. }) => Ok(*trajectory),
+        Err(error) => Err(Failure::of_simulation(&case.name, error)),
+    }
+}
+
+/// The warnings that only a finished run can tell: its errors, and where its model does not hold. Those of its case
+/// come before them.
+pub fn warnings(case: &Case, done: &Settled) -> Vec<String> {
+    let case = case.run_as(&done.model, &done.run);
+    let errors = done.errors.iter().flat_map(|errors| errors.warnings(&case.run, &case.model, &case.goal));
+    let end = done.trajectory.times.last().copied().unwrap_or(0.0);
+    let rest = rest(&case.model, end, MODES).ok();
+    let limits = limits::warnings(&case.model, &done.trajectory, rest.as_ref(), case.measured_moment());
+    errors.chain(limits).collect()
+}
