@@ -1,16 +1,18 @@
 //! What a model misses of a recording, beside the camera's noise.
 //!
 //! Noise is fresh in each sample; what a model misses goes on to the next. So the autocovariance of the residuals at one
-//! sample is the variance d² of what is missed, whatever the noise and single ghosts are, and by how the residuals
-//! resemble each other further on, w samples share one number of it:
+//! sample is the variance d² of what is missed, whatever the noise and single ghosts are. How much of a parameter it
+//! takes away depends on how the parameter moves the samples, its slopes s: the pull `Σ s r` of residuals on it has w
+//! times the variance that fresh residuals of the same size would give it,
 //!
 //! ```text
-//! w = 1 + 2 Σ (c_k / c_1)²,   c_k the autocovariance at k samples
+//! w = 1 + 2 Σ (c_k / c_1) (s_k / s_0),   c_k and s_k the autocovariances of residuals and slopes at k samples
 //! ```
 //!
-//! A fit then weighs each sample by `σ² + w d²` instead of the noise's σ² alone: N samples know as much of the model as
-//! N/w that miss by d. Beliefs of the setup and of the material count against that, and no sample is held back because
-//! the model misses it. Where nothing is missed, nothing changes.
+//! What swings as the slopes do counts many times over; a marker that drifts slowly hardly touches a damping. A fit
+//! weighs each sample by `σ² + w d²` instead of the noise's σ² alone, with the largest w of the parameters that are
+//! sought. Beliefs of the setup and of the material count against that, and no sample is held back because the model
+//! misses it. Where nothing is missed, nothing changes.
 //!
 //! Source: Kennedy and O'Hagan (2001), Journal of the Royal Statistical Society B 63, 425-464, for a discrepancy beside
 //! the noise; Bayley and Hammersley (1946), Supplement to the same, 8, 184-197, for w.
@@ -23,41 +25,76 @@ use super::search::Found;
 const CHANGED: f64 = 0.1;
 
 /// What a fit misses of a track.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Missed {
     /// Standard deviation of a coordinate, m; zero where residuals do not go on.
     pub deviation: f64,
-    /// Samples that share a number of it.
-    pub shared: f64,
+    /// Correlation of what is missed at two samples, by their distance from 0 on; zero beyond the last.
+    correlation: Vec<f64>,
+}
+
+impl Missed {
+    /// Samples that share a number of it, for one who moves them by `slopes`.
+    fn shared(&self, slopes: &[Option<[f64; 2]>]) -> f64 {
+        let at = |lag: usize| -> f64 {
+            let pairs = slopes.iter().zip(slopes.iter().skip(lag));
+            pairs.filter_map(|(a, b)| (*a).zip(*b)).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
+        };
+        let own = at(0);
+        if own <= 0.0 {
+            return 0.0;
+        }
+        let beyond = self.correlation.iter().enumerate().skip(1).map(|(lag, value)| value * at(lag) / own);
+        (1.0 + 2.0 * beyond.sum::<f64>()).max(0.0)
+    }
 }
 
 /// What a fit misses of a track with the noise of its residuals' unit, m; `samples` are their places in the recording.
 pub(super) fn missed(series: &Series, samples: &[usize], noise: f64) -> Missed {
-    let (Some(first), Some(last)) = (series.samples.first(), series.samples.last()) else {
-        return Missed::default();
-    };
-    let mut grid = vec![None; samples[*last] + 1 - samples[*first]];
-    for (k, residual) in series.samples.iter().zip(&series.residual) {
-        grid[samples[*k] - samples[*first]] = Some(*residual);
-    }
-    let found = Autocovariance::of(&grid);
+    let found = Autocovariance::of(&on_grid(series, samples, |k| series.residual[k]));
     let Some(next) = found.by_lag.get(1).copied().filter(|next| *next > 0.0) else {
         return Missed::default();
     };
-    let shared = 1.0 + 2.0 * found.by_lag.iter().skip(1).map(|own| (own / next).powi(2)).sum::<f64>();
-    Missed { deviation: noise * next.sqrt(), shared }
+    let beyond = found.by_lag.iter().skip(1).map(|own| own / next);
+    Missed { deviation: noise * next.sqrt(), correlation: std::iter::once(1.0).chain(beyond).collect() }
+}
+
+/// Values of a series at their places; lost samples are gaps.
+fn on_grid(series: &Series, samples: &[usize], value: impl Fn(usize) -> [f64; 2]) -> Vec<Option<[f64; 2]>> {
+    let place = |k: &usize| samples[*k];
+    let (Some(first), Some(last)) = (series.samples.first().map(place), series.samples.last().map(place))
+    else {
+        return Vec::new();
+    };
+    let mut grid = vec![None; last + 1 - first];
+    for (k, sample) in series.samples.iter().enumerate() {
+        grid[samples[*sample] - first] = Some(value(k));
+    }
+    grid
 }
 
 /// Weighs the samples of an objective by what a fit of it misses, or by what its releases do not repeat where that is
 /// more; whether that changes it.
 pub(super) fn hear(objective: &mut Objective, found: &Found) -> bool {
     let mut has_changed = false;
-    let releases = objective.part.members.iter().zip(&mut objective.measured);
-    for (block, (trial, measured)) in found.at.carried.blocks.iter().zip(releases) {
+    for (r, block) in found.at.carried.blocks.iter().enumerate() {
+        let sought: Vec<usize> = objective
+            .places(r, 0)
+            .into_iter()
+            .enumerate()
+            .filter_map(|(column, unknown)| {
+                (!objective.part.unknowns[unknown].is_nuisance()).then_some(column)
+            })
+            .collect();
+        let (trial, measured) = (objective.part.members[r], &mut objective.measured[r]);
         for ((t, series), track) in block.iter().enumerate().zip(&trial.release.tracks) {
             let before = measured.noise[t];
             let missed = missed(series, &measured.samples, before);
-            let beyond = (missed.deviation * missed.shared.sqrt()).max(track.discrepancy);
+            let of_slopes = |column: &usize| {
+                missed.shared(&on_grid(series, &measured.samples, |k| series.slopes[k][*column]))
+            };
+            let shared = sought.iter().map(of_slopes).fold(0.0, f64::max);
+            let beyond = (missed.deviation * shared.sqrt()).max(track.discrepancy);
             measured.noise[t] = measured.camera_noise[t].hypot(beyond);
             has_changed |= (measured.noise[t] / before).ln().abs() > CHANGED;
         }
@@ -96,13 +133,21 @@ mod tests {
         assert_eq!(missed(&residuals(0.0, 0.0), &all(), 1e-3), Missed::default());
     }
 
-    /// `c_k / c_1 = ρ^(k−1)`, so that `w = 1 + 2 / (1 − ρ²)`; 21.5 for ρ = 0.95.
+    /// `c_k / c_1 = ρ^(k−1)`: for slopes that do not change, `w = 1 + 2 / (1 − ρ)`, 41 for ρ = 0.95; for slopes that
+    /// swing with a period of 20 samples, the sum is `Re e^{iω} / (1 − ρ e^{iω})`.
     #[test]
-    fn samples_share_what_goes_on() {
+    fn what_goes_on_counts_as_it_moves_the_parameter() {
         let found = missed(&residuals(0.95, 2.0), &all(), 1e-3);
-        let due = 1.0 + 2.0 / (1.0 - 0.95f64 * 0.95);
         assert!((found.deviation / 2e-3 - 1.0).abs() < 0.1, "{found:?}");
-        assert!((found.shared / due - 1.0).abs() < 0.3, "{found:?}, due {due}");
+        let omega = std::f64::consts::TAU / 20.0;
+        let steady: Vec<_> = (0..COUNT).map(|_| Some([1.0; 2])).collect();
+        let swinging: Vec<_> = (0..COUNT).map(|k| Some([(omega * k as f64).sin(); 2])).collect();
+        let memory: f64 = 0.95;
+        let sum = (omega.cos() - memory) / (1.0 - 2.0 * memory * omega.cos() + memory * memory);
+        for (slopes, due) in [(steady, 1.0 + 2.0 / (1.0 - memory)), (swinging, 1.0 + 2.0 * sum)] {
+            let shared = found.shared(&slopes);
+            assert!((shared / due - 1.0).abs() < 0.3, "{shared}, due {due}");
+        }
     }
 
     #[test]

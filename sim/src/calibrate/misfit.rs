@@ -5,7 +5,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::discrepancy::Missed;
 use super::outcome::Curve;
 use crate::analysis::measured::{Measured, analyse};
 use crate::experiment::release::{Point, Release, Track};
@@ -27,13 +26,13 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    /// Of the track of a tip without its ghosts, by what a fit misses of it and the deviation by which its samples are
+    /// Of the track of a tip without its ghosts, by the deviations of what a fit misses of it and by which its samples are
     /// weighed, m. Where nothing is missed all differences are noise.
-    pub(super) fn of(curve: &Curve, missed: Missed, noise: f64) -> Self {
+    pub(super) fn of(curve: &Curve, missed: f64, noise: f64) -> Self {
         let both = [swing_of(curve, &curve.measured), swing_of(curve, &curve.predicted)];
         let frequency = |swing: &Measured| swing.damped_frequency.as_ref().ok().copied();
         let frequency_hz = both[0].as_ref().and_then(frequency).map(|omega| omega / std::f64::consts::TAU);
-        if missed.deviation == 0.0 {
+        if missed == 0.0 {
             return Self { frequency_hz, ..Self::default() };
         }
         let ratio = |of: fn(&Measured) -> Option<f64>| {
@@ -44,7 +43,7 @@ impl Misfit {
         let square = (seen[0] - fitted[0]).powi(2) + (seen[1] - fitted[1]).powi(2);
         let by_chance = 2.0 * noise * noise / (REST * curve.time.len() as f64).max(1.0);
         Self {
-            distance_mm: 1e3 * (2.0 * missed.deviation * missed.deviation).sqrt(),
+            distance_mm: 1e3 * (2.0 * missed * missed).sqrt(),
             rest_mm: 1e3 * (square - by_chance).max(0.0).sqrt(),
             frequency_hz,
             frequency: ratio(frequency),

@@ -185,7 +185,7 @@ fn misfit(fit: &Fitted, r: usize, tip: usize, curve: &Curve) -> Misfit {
             seen.predicted.push(curve.predicted[k]);
         }
     }
-    Misfit::of(&seen, missed(series, &measured.samples, noise), noise)
+    Misfit::of(&seen, missed(series, &measured.samples, noise).deviation, noise)
 }
 
 /// Largest distance of the tip from where it was seen last, m.
