@@ -61,6 +61,9 @@ impl Asked {
                 muscle.insert("file".to_owned(), file.into());
             }
         }
+        let given = |key: &str| own.contains_key(key);
+        // What the experiment says where a rod's own file says nothing; its calibrated numbers are in that file.
+        let kept: Vec<&str> = ["rod", "effects"].into_iter().filter(|key| !given(key)).collect();
         for key in ["muscle", "rod", "effects", "integrator"] {
             let Some(mut value) = own.remove(key) else { continue };
             // The clamp is the experiment's.
@@ -72,16 +75,27 @@ impl Asked {
         }
         let parse =
             |tables: &toml::Table| Experiment::parse(&experiment.path, &tables.to_string(), &self.set);
-        let mut with_rod = parse(&tables)?;
-        known = known.or_else(|| with_rod.known().cloned());
+        known = match known {
+            Some(known) => Some(known),
+            None => parse(&tables)?.known().cloned(),
+        };
+        for path in known.iter().flat_map(Known::paths) {
+            if let Some((table, key)) = path.rsplit_once('.')
+                && kept.contains(&table.split('.').next().unwrap_or(table))
+            {
+                let mut at = Some(&mut tables);
+                for name in table.split('.') {
+                    at = at.and_then(|at| at.get_mut(name)?.as_table_mut());
+                }
+                at.map(|at| at.remove(key));
+            }
+        }
         // Numbers that belong to a mesh are taken with it.
         if let Some(nodes) = known.as_ref().and_then(|known| known.nodes) {
             let rod = tables.entry("rod").or_insert_with(|| toml::Table::new().into());
-            rod.as_table_mut()
-                .into_iter()
-                .for_each(|rod| drop(rod.insert("nodes".to_owned(), (nodes as i64).into())));
-            with_rod = parse(&tables)?;
+            rod.as_table_mut().map(|rod| rod.insert("nodes".to_owned(), (nodes as i64).into()));
         }
+        let with_rod = parse(&tables)?;
         Ok((with_rod, known))
     }
 

@@ -90,13 +90,6 @@ fn page(request: &Request, check: &Check, written: SystemTime) -> String {
         .releases
         .iter()
         .flat_map(|own| own.warnings.iter().map(|words| format!("{}: {words}", own.name)));
-    page.before_use(&BeforeUse {
-        warnings: check.warnings.iter().cloned().chain(of_releases).collect(),
-        assumed: vec![
-            "An interval covers the prediction; whether it holds counts the error of the measurement as well, as far as that is known.".to_owned(),
-        ],
-        ..BeforeUse::default()
-    });
     for release in &check.releases {
         page.section(&heading(release));
         page.table(&Table {
@@ -105,6 +98,13 @@ fn page(request: &Request, check: &Check, written: SystemTime) -> String {
             rows: release.numbers.iter().map(|number| cells(number).to_vec()).collect(),
         });
     }
+    page.before_use(&BeforeUse {
+        warnings: check.warnings.iter().cloned().chain(of_releases).collect(),
+        assumed: vec![
+            "An interval covers the prediction; whether it holds counts the error of the measurement as well, as far as that is known.".to_owned(),
+        ],
+        ..BeforeUse::default()
+    });
     page.facts_of(request, written, vec![("releases".to_owned(), check.releases.len().to_string())]);
     page.finish()
 }

@@ -113,6 +113,26 @@ fn what_made_a_recording_is_found_and_simulated_again() {
     let hertz = |run: &Value| run["runs"][0]["damped_frequency_hz"].as_f64().expect("a number");
     // Half of the relative error of EI, which is below a thousandth.
     assert!((hertz(&again) / hertz(&truth) - 1.0).abs() < 1e-3, "{} {}", hertz(&again), hertz(&truth));
+
+    // With a payload that nobody calibrated: what is found predicts it, and a rod that is too soft does not.
+    let loaded = ["--set", "effects.payload.mass=\"40 g\"", "--csv", "--out", "loaded"];
+    bench.json(&[&["simulate", "truth.toml", "--json"], &loaded[..]].concat());
+    bench.file("loaded.csv", &recording(&simulated(&bench.text("loaded/trajectory.csv"))));
+    let experiment = EXPERIMENT.replace("15psi.csv", "loaded.csv");
+    bench.file("loaded.toml", &experiment.replace("tip =", "payload = \"40 g\"\ntip ="));
+    let counts = |experiment: &str, more: &[&str]| {
+        let asked =
+            ["predict", "--muscle", "out/muscle.toml", "--check", experiment, "--draws", "60", "--json"];
+        let value = bench.json(&[&asked[..], more, &["--overwrite", "--out", "check"]].concat());
+        ["compared", "held"].map(|key| value["check"][key].as_u64().expect("a count"))
+    };
+    let [compared, held] = counts("loaded.toml", &[]);
+    // Each of 95 intervals in 100 holds.
+    assert!(compared >= 3 && held + 1 >= compared, "{held} of {compared}");
+    let soft = format!("rod.bending_stiffness=\"{} N m^2\"", 0.9 * EI);
+    let [compared, held] = counts("loaded.toml", &["--set", &soft]);
+    assert!(held + 2 <= compared, "{held} of {compared}");
+    assert_eq!(counts("e.toml", &[]), [0, 0], "it took part");
 }
 
 #[test]

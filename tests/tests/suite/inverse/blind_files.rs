@@ -106,6 +106,7 @@ fn same_models(own: &Trial, asked: &Trial) {
 }
 
 #[test]
+#[ignore = "minutes: three diagnoses twice"]
 fn swept_answers_are_those_of_the_diagnosis() {
     let robbed = Case { is_robbed: true, ..Case::of("air_drag", 1.0, 44) };
     let cases = [Case::empty(901), Case::of("viscoelastic", 1.0, 902), robbed];
