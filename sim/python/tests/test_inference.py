@@ -75,3 +75,16 @@ def test_a_simplex_finds_the_stiffness_back(scenario):
     found = minimize(misfit, [0.9e3 * model[path]], method="Nelder-Mead", options={"maxfev": 40, "xatol": 1e-7})
     print(f"{found.nfev} calls in {time.perf_counter() - begin:.3f} s")
     assert found.x[0] == pytest.approx(1e3 * model[path], rel=1e-4)
+
+
+def test_calibrations_and_diagnoses_are_those_of_the_program(tmp_path):
+    def printed(*arguments):
+        command = [*EFAM, *arguments, str(EXPERIMENT), "--json", "--out", str(tmp_path / arguments[0])]
+        return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+    found = efam.calibrate(EXPERIMENT)
+    assert found["parameters"] == printed("calibrate")["calibration"]["parameters"]
+    assert "rod.bending_stiffness" in str(found)
+    diagnosed = efam.diagnose(EXPERIMENT, most=0)
+    program = printed("diagnose", "--most", "0")["diagnosis"]
+    assert diagnosed["verdict"] == program["verdict"] and diagnosed["evidence"] == program["evidence"]
