@@ -9,6 +9,7 @@ const KINDS = {
 };
 /** What only a recording shows moves no rod. */
 const UNSEEN = 'measurement';
+const text = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
 
 export class Library {
   /** `current` gives the setup that is edited, `change` is called after it was changed. */
@@ -74,7 +75,6 @@ export class Library {
   }
 
   page(effect, setup) {
-    const text = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
     const parts = [text('h3', effect.title), text('p', `In a recording: ${effect.looks_like}.`, 'note')];
     if (effect.kind === UNSEEN) parts.push(text('p', 'It changes what is recorded, not how the rod swings.', 'note'));
     const sliders = text('div', '', 'sliders');
@@ -96,7 +96,6 @@ export class Library {
   }
 
   rod(setup) {
-    const text = (tag, textContent, className = '') => Object.assign(document.createElement(tag), { textContent, className });
     const sliders = text('div', '', 'sliders');
     for (const p of this.catalogue.rod) {
       const value = setup.rod[p.name] ?? fromTable(this.catalogue, setup, p.name);

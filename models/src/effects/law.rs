@@ -20,6 +20,18 @@ pub struct Rod<T> {
     pub pressure: T,
 }
 
+/// Axial stiffness of a rod that says nothing of it, over EI/L²: that of a round section and a length of fifty diameters,
+/// 16 · 50². It stretches too little to be seen.
+const UNSTRETCHED: f64 = 4e4;
+
+impl Rod<f64> {
+    /// A rod that is no muscle, and of which no more is known; its diameter is not a number.
+    pub fn plain(length: f64, mass: f64, bending_stiffness: f64) -> Self {
+        let axial_stiffness = UNSTRETCHED * bending_stiffness / (length * length);
+        Rod { length, mass, bending_stiffness, axial_stiffness, diameter: f64::NAN, pressure: 0.0 }
+    }
+}
+
 impl<T: Copy> Rod<T> {
     /// The same rod over another scalar.
     pub fn map<U>(&self, f: impl Fn(T) -> U) -> Rod<U> {

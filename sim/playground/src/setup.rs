@@ -69,8 +69,6 @@ pub(crate) const ROD: [(&str, &str); 5] = [
     ("axial_stiffness", "N"),
     ("diameter", "m"),
 ];
-/// Axial stiffness of a plain rod that has none of its own, over EI/L², as in a scenario.
-const UNSTRETCHED: f64 = 4e4;
 /// Angles that differ by less are one, rad, as in a scenario.
 const KINK: f64 = 1e-9;
 /// Longest run, s, and fastest sampling, Hz: what a page can show.
@@ -159,15 +157,8 @@ impl Setup {
 
     fn plain(&self) -> Result<Rod<f64>, PlaygroundError> {
         let of = |key: &'static str| self.rod.get(key).copied().ok_or(PlaygroundError::Missing { key });
-        let (length, mass, bending_stiffness) = (of("length")?, of("mass")?, of("bending_stiffness")?);
-        Ok(Rod {
-            length,
-            mass,
-            bending_stiffness,
-            axial_stiffness: UNSTRETCHED * bending_stiffness / (length * length),
-            diameter: f64::NAN,
-            pressure: self.pressure,
-        })
+        let plain = Rod::plain(of("length")?, of("mass")?, of("bending_stiffness")?);
+        Ok(Rod { pressure: self.pressure, ..plain })
     }
 
     fn overridden(&self, rod: Rod<f64>) -> Rod<f64> {

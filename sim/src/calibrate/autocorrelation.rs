@@ -35,12 +35,10 @@ impl Autocovariance {
     pub fn of(grid: &[Option<[f64; 2]>]) -> Self {
         let count = grid.iter().flatten().count();
         let product = |lag: usize| -> f64 {
-            let pairs = grid.iter().zip(grid.iter().skip(lag));
-            let both: Vec<_> = pairs.filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
-            let mean = both.iter().map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum::<f64>();
+            let (sum, pairs) = products(grid, lag);
             // Gaps are made up for; the pairs that the end of the recording takes are not.
             let share = (grid.len() - lag) as f64 / grid.len() as f64;
-            share * mean / (2 * both.len()).max(1) as f64
+            share * sum / (2 * pairs).max(1) as f64
         };
         let variance = product(0);
         if variance <= 0.0 {
@@ -70,6 +68,13 @@ impl Autocovariance {
         let tapered = if has_positive_spectrum(&flat_top) { flat_top } else { tapered(&correlation, 1.0) };
         Self { by_lag: tapered.iter().map(|value| variance * value).collect(), next }
     }
+}
+
+/// Sum of the products of a plane's values at samples that are so far apart, and how many pairs are there.
+pub(super) fn products(grid: &[Option<[f64; 2]>], lag: usize) -> (f64, usize) {
+    let pairs = grid.iter().zip(grid.iter().skip(lag));
+    let both = pairs.filter_map(|(a, b)| (*a).zip(*b));
+    both.fold((0.0, 0), |(sum, count), (a, b)| (sum + (a[0] * b[0] + a[1] * b[1]), count + 1))
 }
 
 /// Weights that fall to zero one lag after the last, `steepness` times as fast as a line from one at lag zero.

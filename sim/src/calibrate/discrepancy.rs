@@ -17,7 +17,7 @@
 //! Source: Kennedy and O'Hagan (2001), Journal of the Royal Statistical Society B 63, 425-464, for a discrepancy beside
 //! the noise; Bayley and Hammersley (1946), Supplement to the same, 8, 184-197, for w.
 
-use super::autocorrelation::Autocovariance;
+use super::autocorrelation::{Autocovariance, products};
 use super::objective::{Objective, Series};
 use super::search::Found;
 
@@ -36,10 +36,7 @@ pub(super) struct Missed {
 impl Missed {
     /// Samples that share a number of it, for one who moves them by `slopes`.
     fn shared(&self, slopes: &[Option<[f64; 2]>]) -> f64 {
-        let at = |lag: usize| -> f64 {
-            let pairs = slopes.iter().zip(slopes.iter().skip(lag));
-            pairs.filter_map(|(a, b)| (*a).zip(*b)).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
-        };
+        let at = |lag: usize| products(slopes, lag).0;
         let own = at(0);
         if own <= 0.0 {
             return 0.0;
@@ -78,14 +75,9 @@ fn on_grid(series: &Series, samples: &[usize], value: impl Fn(usize) -> [f64; 2]
 pub(super) fn hear(objective: &mut Objective, found: &Found) -> bool {
     let mut has_changed = false;
     for (r, block) in found.at.carried.blocks.iter().enumerate() {
-        let sought: Vec<usize> = objective
-            .places(r, 0)
-            .into_iter()
-            .enumerate()
-            .filter_map(|(column, unknown)| {
-                (!objective.part.unknowns[unknown].is_nuisance()).then_some(column)
-            })
-            .collect();
+        let places = objective.places(r, 0);
+        let is_sought = |column: &usize| !objective.part.unknowns[places[*column]].is_nuisance();
+        let sought: Vec<usize> = (0..places.len()).filter(is_sought).collect();
         let (trial, measured) = (objective.part.members[r], &mut objective.measured[r]);
         for ((t, series), track) in block.iter().enumerate().zip(&trial.release.tracks) {
             let before = measured.noise[t];

@@ -40,6 +40,18 @@ const HELP: &str = "Examples:
 Exit codes: 3 for a muscle file that cannot be used, 4 if the case cannot be
 simulated, 130 if it is interrupted, which saves nothing.";
 
+/// Options of a case, and of showing it. With --check the experiment says what was released.
+const CASE: [&str; 8] = [
+    "pressure",
+    "payload",
+    "payload_center",
+    "payload_inertia",
+    "frontal_area",
+    "angle",
+    "duration",
+    "rerun",
+];
+
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Predict {
@@ -63,7 +75,7 @@ pub struct Predict {
     set: Vec<String>,
     /// Predict the releases of an experiment instead, and count how often intervals hold what was measured; without
     /// SCENARIO and --muscle, by the experiment's own rod.
-    #[arg(long, value_name = "EXPERIMENT", conflicts_with_all = ["pressure", "payload", "rerun"])]
+    #[arg(long, value_name = "EXPERIMENT", conflicts_with_all = CASE)]
     check: Option<PathBuf>,
     /// Draws from the errors of the calibration, of one case.
     #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]

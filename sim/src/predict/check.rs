@@ -114,6 +114,8 @@ pub fn check(
     settings: &Settings,
 ) -> Result<Check, CheckError> {
     let marker = marker_error(experiment)?;
+    let is_fitted = |file: &Path| input::sha256(file).is_ok_and(|hash| fitted.contains(&hash));
+    let was_read: Vec<bool> = experiment.recordings.iter().map(|entry| is_fitted(&entry.file)).collect();
     let mut check = Check { name: experiment.name.clone(), ..Check::default() };
     for of in cleaned.used() {
         let angle = of.angle.or(Some(of.statistics.hold_angle));
@@ -123,8 +125,7 @@ pub fn check(
         case.name.clone_from(&of.release.name);
         let start = trial(experiment, of, case.clone())?;
         (case.model, case.run) = (start.model, start.run);
-        let hash = input::sha256(&experiment.recordings[of.recording].file).ok();
-        let took_part = !of.release.held_out && hash.is_some_and(|hash| fitted.contains(&hash));
+        let took_part = was_read[of.recording] && !of.release.held_out;
         check.releases.push(one(of, case, known, settings, (took_part, marker))?);
     }
     let counted = check.releases.iter().filter(|release| !release.took_part);

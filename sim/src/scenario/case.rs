@@ -74,10 +74,6 @@ struct Builder<'a> {
     pressure_key: &'a str,
 }
 
-/// Axial stiffness of a rod that says nothing of it, over EI/L²: that of a round section and a length of fifty diameters,
-/// 16 · 50². It stretches too little to be seen.
-const UNSTRETCHED: f64 = 4e4;
-
 impl Builder<'_> {
     fn case(&self, name: String, pressure: Option<f64>) -> Result<Case, ScenarioError> {
         let plan = &**self.plan;
@@ -166,13 +162,12 @@ impl Builder<'_> {
         let length = needed(0, "length = \"300 mm\", or a [muscle]")?;
         let mass = needed(1, "mass = \"30 g\"")?;
         let bending_stiffness = needed(2, "bending_stiffness = \"0.05 N m^2\"")?;
+        let plain = Rod::plain(length, mass, bending_stiffness);
         Ok(Rod {
-            length,
-            mass,
-            bending_stiffness,
-            axial_stiffness: self.plan.rod[3].unwrap_or(UNSTRETCHED * bending_stiffness / (length * length)),
-            diameter: self.plan.rod[4].unwrap_or(f64::NAN),
-            pressure: self.plan.rod[5].or(pressure).unwrap_or(0.0),
+            axial_stiffness: self.plan.rod[3].unwrap_or(plain.axial_stiffness),
+            diameter: self.plan.rod[4].unwrap_or(plain.diameter),
+            pressure: self.plan.rod[5].or(pressure).unwrap_or(plain.pressure),
+            ..plain
         })
     }
 

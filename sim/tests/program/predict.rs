@@ -179,6 +179,18 @@ fn what_cannot_be_foretold_is_said_before_anything_is_written() {
     says(2, "known.toml", &["--pressure", "10psi..40psi:1"], "how many values, 2 to 1000");
     says(2, "known.toml", &[], "--pressure");
     says(2, "known.toml", &["--pressure", "40 psi", "--set", "effects.air_drg.x=1"], "air_drag");
+    // What the experiment says is not said twice.
+    for option in
+        ["pressure", "payload", "payload-center", "payload-inertia", "frontal-area", "angle", "duration"]
+    {
+        let option = format!("--{option}");
+        let asked = ["--check", "e.toml", &option, "1"];
+        says(2, "known.toml", &asked, "cannot be used with");
+    }
+    says(2, "known.toml", &["--check", "absent.toml"], "absent.toml: cannot be read");
+    let (code, stdout, stderr) = bench.run(&["predict"]);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    assert!(stderr.contains("--muscle muscle.toml --pressure 40psi"), "{stderr}");
 }
 
 /// The worked example without its recordings at 40 psi, which its authors then did not see: what they recorded there

@@ -5,22 +5,22 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use crate::experiment::Experiment;
-use crate::predict::Settings;
-use crate::predict::check::{Check, check, fitted_files};
-use crate::results::checked::{check_table, write_check};
-use crate::results::{self, Request};
-use crate::schema::JsonSchema;
 use serde::Serialize;
+use sim::experiment::Experiment;
+use sim::predict::Settings;
+use sim::predict::check::{Check, check, fitted_files};
+use sim::results::checked::{check_table, write_check};
+use sim::results::{self, Request};
+use sim::schema::JsonSchema;
 
 use super::super::arguments::argv;
 use super::super::calibrate::input_hashes;
 use super::super::experiment::read;
+use super::super::failure::Failure;
 use super::super::interrupt;
 use super::super::terminal::stdout;
 use super::super::voice::{Voice, print};
 use super::{Predict, asked};
-use crate::failure::Failure;
 
 /// What is printed for programs.
 #[derive(Serialize, JsonSchema)]
@@ -35,23 +35,23 @@ pub struct Printed<'a> {
 pub fn run(args: &Predict, file: &Path, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let own = Experiment::load(file, &args.set)?;
-    let has_rod = args.scenario.is_some() || args.muscle.is_some();
-    let (experiment, known, rod) = match has_rod {
-        true => {
+    let mut input_hashes = input_hashes(&own);
+    let rod = args.scenario.as_deref().or(args.muscle.as_deref().map(Path::new));
+    let (experiment, known) = match rod {
+        None => (own.clone(), own.known().cloned()),
+        Some(_) => {
             let (asked, hashes) = asked(args)?;
-            let (experiment, known) = asked.in_experiment(&own)?;
-            (experiment, known, hashes)
+            input_hashes.extend(hashes);
+            asked.in_experiment(&own)?
         }
-        false => (own.clone(), own.known().cloned(), Default::default()),
     };
-    let rod_file = args.scenario.as_deref().or(args.muscle.as_deref().map(Path::new));
-    let fitted = rod_file.map(fitted_files).unwrap_or_default();
+    let fitted = rod.map(fitted_files).unwrap_or_default();
     let request = Request {
         name: format!("{} predicted", own.name),
         out: args.output.out.clone(),
         overwrite: args.output.overwrite,
         resolved_scenario: experiment.text().to_owned(),
-        input_hashes: input_hashes(&own).into_iter().chain(rod).collect(),
+        input_hashes,
         argv: argv(),
         ..Request::default()
     };
