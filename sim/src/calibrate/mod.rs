@@ -168,6 +168,11 @@ fn fit<'a>(
     let Some(mut found) = search(&objective, &start, &|stage, x| say(&objective.part, stage, x)) else {
         return Err(objective.refusal(&start));
     };
+    let refined = |objective: &Objective, found: &mut Found| {
+        refine(objective, found, !settings.remove_mesh, &|what| listener.doing(&format!("{name}: {what}")))
+    };
+    // Mesh and step swing as the rod does: what a model misses is only seen without them.
+    let mut numerics = refined(&objective, &mut found);
     for _ in 0..MOST_WEIGHINGS {
         if !discrepancy::hear(&mut objective, &found) {
             break;
@@ -175,10 +180,8 @@ fn fit<'a>(
         if go_on(&objective, &mut found).is_none() {
             return Err(objective.refusal(&found.x));
         }
+        numerics = refined(&objective, &mut found);
     }
-    let numerics = refine(&objective, &mut found, !settings.remove_mesh, &|what| {
-        listener.doing(&format!("{name}: {what}"))
-    });
     let shift = shift(&objective, &found);
     let effort = objective.effort();
     let uncertainty = uncertainty(&objective, &found);

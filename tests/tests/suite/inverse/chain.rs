@@ -65,8 +65,8 @@ fn a_recording_at_15_and_one_at_40_psi() {
     assert_eq!(recovers(40.0, 8.0, 0.3e-3, 40), 2);
 }
 
-/// From 30 to 40 psi six releases determine both losses, whatever the noise. Beyond, what is left of the wandering base
-/// counts as missed by the model, and is more than the camera's noise.
+/// From 25 to 45 psi six releases determine both losses, whatever the noise. Beyond, with 0.1 mm of noise, what is left of
+/// the wandering base counts as missed by the model: without it they would be ten times as well known.
 #[test]
 #[ignore = "minutes: twenty pressures twice"]
 fn recordings_at_all_pressures_and_noises() {
@@ -75,7 +75,7 @@ fn recordings_at_all_pressures_and_noises() {
         let of = |(k, noise): (i32, f64)| recovers(5.0 * f64::from(k), 15.0, noise, seed);
         let determined: Vec<usize> = (1..=20).zip(noises.clone()).map(of).collect();
         println!("{} of 40 losses are determined", determined.iter().sum::<usize>());
-        assert!(determined[5..8].iter().all(|count| *count == 2), "{determined:?}");
-        assert!(determined.iter().sum::<usize>() >= 15, "{determined:?}");
+        assert!(determined[4..9].iter().all(|count| *count == 2), "{determined:?}");
+        assert!(determined.iter().sum::<usize>() >= 20, "{determined:?}");
     }
 }
