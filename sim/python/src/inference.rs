@@ -6,7 +6,7 @@ use models::muscle::BUILT_IN;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::to_string;
-use sim::calibrate::{self as calibration, repeatability};
+use sim::calibrate as calibration;
 use sim::cleaning::clean;
 use sim::diagnose as diagnosis;
 use sim::experiment::Experiment;
@@ -74,8 +74,9 @@ pub fn diagnose(
             false_alarm,
             most_effects: most,
             excluded: without,
-            repeatability: repeatability(&experiment)?,
-        };
+            ..diagnosis::Settings::default()
+        }
+        .stated(&experiment)?;
         let problem = diagnosis::problem(&experiment, &clean(&experiment)?)?;
         let outcome = diagnosis::diagnose(&problem, &settings, &Silent(cancel))?;
         Ok((json(&outcome.diagnosis), diagnosis_table(&outcome.diagnosis)))

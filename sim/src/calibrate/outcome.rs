@@ -80,7 +80,10 @@ pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[Fitted])
     }
     calibration.releases = fits.into_iter().flatten().collect();
     calibration.warnings.extend(calibration.releases.iter().flat_map(warnings::of_release));
-    calibration.warnings.extend(calibration.nuisances.iter().filter_map(warnings::of_nuisance));
+    let believed = calibration.parameters.iter().chain(&calibration.nuisances);
+    let contradictions = warnings::of_beliefs(believed);
+    // What is stated and not so comes before all else.
+    calibration.warnings.splice(..0, contradictions);
     Outcome { calibration, curves: curves.into_iter().flatten().collect() }
 }
 

@@ -9,7 +9,7 @@ const MISFIT: f64 = 1.5;
 const HELD_BACK: f64 = 0.04;
 /// Share of the noise that the errors of mesh and step may have.
 const NUMERICS: f64 = 0.1;
-/// Deviations from which on a nuisance contradicts what was said of it.
+/// Deviations from which on a value contradicts what was believed of it.
 const CONTRADICTS: f64 = 3.0;
 
 pub(super) fn of_search(fit: &Fitted) -> Option<String> {
@@ -53,15 +53,18 @@ pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
     words
 }
 
-pub(super) fn of_nuisance(found: &Calibrated) -> Option<String> {
-    let prior = found.prior?;
-    let off = (found.value - prior.mean) / prior.deviation;
-    (off.abs() > CONTRADICTS).then(|| {
+/// What came out far from what was believed of it, the farthest first.
+pub(super) fn of_beliefs<'a>(all: impl Iterator<Item = &'a Calibrated>) -> Vec<String> {
+    let off = |own: &Calibrated| own.prior.map(|prior| ((own.value - prior.mean) / prior.deviation).abs());
+    let mut contradicted: Vec<(f64, &Calibrated)> =
+        all.filter_map(|own| Some((off(own)?, own))).filter(|(off, _)| *off > CONTRADICTS).collect();
+    contradicted.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let words = |(off, own): (f64, &Calibrated)| {
         format!(
-            "{} came out at {}, {:.1} times the deviation that was admitted; check the recording, or admit more in [calibrate]",
-            found.label(),
-            models::quantity::format_si(found.value, &found.unit),
-            off.abs()
+            "{} came out at {}, {off:.1} times the deviation that was admitted; check what is stated of it and the recording, or admit more in [calibrate]",
+            own.label(),
+            models::quantity::format_si(own.value, &own.unit),
         )
-    })
+    };
+    contradicted.into_iter().map(words).collect()
 }

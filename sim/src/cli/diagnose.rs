@@ -11,7 +11,6 @@ use models::effects::{CATALOGUE, by_name};
 use models::nearest::nearest;
 use models::quantity::Quantity;
 use serde::Serialize;
-use sim::calibrate::repeatability;
 use sim::diagnose::plan::Prospect;
 use sim::diagnose::{Diagnosis, Outcome, Settings, diagnose, plan, problem};
 use sim::results::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
@@ -140,8 +139,9 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         false_alarm: args.false_alarm,
         most_effects: args.most,
         excluded: args.without.clone(),
-        repeatability: repeatability(&experiment)?,
-    };
+        ..Settings::default()
+    }
+    .stated(&experiment)?;
     let open = |how| {
         let id = results::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
         LiveSearch::search(how, &experiment.name, &id, folder.path())

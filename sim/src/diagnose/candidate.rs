@@ -4,6 +4,7 @@ use models::effects::{About, CATALOGUE, Effect, Kind, Parameter as EffectParamet
 use models::error::ModelError;
 use models::muscle::Known;
 
+use super::Settings;
 use super::score::Subject;
 use super::section::FARTHEST;
 use crate::calibrate::joint::Known as Fit;
@@ -25,6 +26,8 @@ pub(super) struct Candidate {
     pub scope: Scope,
     /// The rod that it acts on, by which its believed values are measured.
     pub rod: Rod<f64>,
+    /// Ranges of its parameters that the experiment states.
+    pub stated: Vec<(&'static str, (f64, f64))>,
 }
 
 impl Candidate {
@@ -47,7 +50,16 @@ impl Candidate {
 
     /// Believable values of the strength.
     pub fn believed(&self) -> (f64, f64) {
-        believed(self.strength, &self.rod)
+        self.range(self.strength)
+    }
+
+    /// Believable values of one of its parameters.
+    fn range(&self, of: &EffectParameter) -> (f64, f64) {
+        self.stated_range(of).unwrap_or_else(|| believed(of, &self.rod))
+    }
+
+    fn stated_range(&self, of: &EffectParameter) -> Option<(f64, f64)> {
+        self.stated.iter().find(|(name, _)| *name == of.name).map(|(_, range)| *range)
     }
 
     /// What a score needs of it.
@@ -103,9 +115,12 @@ impl Candidate {
         is_wider
     }
 
-    /// How far the believed range of a parameter may be widened: a measurement is part of the setup, and as far off as
+    /// How far the believed range of a parameter may be widened: one that is stated not at all; a measurement is part of the setup, and as far off as
     /// that may be; what is believed of it holds two deviations to each side.
     fn farthest(&self, of: &EffectParameter) -> (f64, f64) {
+        if let Some(stated) = self.stated_range(of) {
+            return stated;
+        }
         let (low, high) = of.range;
         match of.plausible {
             Some(_) if self.effect.about().kind == Kind::Measurement => {
@@ -170,7 +185,7 @@ impl Candidate {
             ..Parameter::new(&path, scope)
         });
         for (parameter, value) in self.tried.iter().filter(|(parameter, _)| parameter.plausible.is_some()) {
-            let (low, high) = believed(parameter, &self.rod);
+            let (low, high) = self.range(parameter);
             problem.parameters.push(Parameter {
                 start: Some(value.clamp(low, high)),
                 bounds: Some((low, high)),
@@ -209,15 +224,15 @@ fn strengths(about: &About, is_pressure_varied: bool) -> Vec<(&'static EffectPar
 }
 
 /// The candidates for a problem: every cause in the catalogue that its models do not have already, but for
-/// the `excluded`.
-pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidate> {
+/// those that the settings exclude.
+pub(super) fn candidates(problem: &Problem, settings: &Settings) -> Vec<Candidate> {
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     let mut all = Vec::new();
     let Some(rod) = problem.trials.first().map(|trial| trial.model.rod()) else { return all };
     let is_pressure_varied = has_several_pressures(problem);
     for &effect in CATALOGUE {
         let about = effect.about();
-        let is_excluded = excluded.iter().any(|name| name == about.name);
+        let is_excluded = settings.excluded.iter().any(|name| name == about.name);
         if has(about.name) || is_excluded || about.kind == Kind::Description {
             continue;
         }
@@ -238,6 +253,11 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
                 .collect();
         }
         let strengths = strengths(about, is_pressure_varied);
+        let stated = |own: &EffectParameter| {
+            let path = format!("effects.{}.{}", about.name, own.name);
+            settings.ranges.iter().find(|(stated, _)| *stated == path).map(|(_, range)| (own.name, *range))
+        };
+        let stated: Vec<(&'static str, (f64, f64))> = about.parameters.iter().filter_map(stated).collect();
         for (strength, off) in strengths.clone() {
             let parts = strengths.iter().copied().filter(|(part, _)| part.name != strength.name);
             let with_parts = |tried: &Vec<_>| tried.iter().copied().chain(parts.clone()).collect();
@@ -247,7 +267,15 @@ pub(super) fn candidates(problem: &Problem, excluded: &[String]) -> Vec<Candidat
                 Reach::Pressure => Scope::PerPressure,
                 Reach::Release => Scope::PerRelease,
             };
-            all.extend(tried.map(|tried| Candidate { effect, strength, off, tried, scope, rod }));
+            all.extend(tried.map(|tried| Candidate {
+                effect,
+                strength,
+                off,
+                tried,
+                scope,
+                rod,
+                stated: stated.clone(),
+            }));
         }
     }
     all

@@ -47,7 +47,9 @@ impl Course<'_> {
         } else {
             self.diagnosis.misfits = misfit::misfits(&curves);
         }
-        self.diagnosis.contradictions = contradictions(&known);
+        if self.diagnosis.contradictions.is_empty() {
+            self.diagnosis.contradictions = contradictions(known.iter().map(|own| (own, own)));
+        }
         let warnings = warnings(&self.diagnosis, &self.problem, &known);
         self.diagnosis.warnings.extend(warnings);
         self.diagnosis.summary = words::summary(&self.diagnosis);

@@ -55,6 +55,7 @@ mod tests {
     use super::*;
     use crate::calibrate::prediction::Slopes;
     use crate::calibrate::{Nuisances, Parameter, Problem, Scope, Trial};
+    use crate::diagnose::Settings;
     use crate::diagnose::candidate::candidates;
     use crate::experiment::release::{Point, Release, Track};
     use crate::forward::{Run, forward, uniform};
@@ -103,7 +104,7 @@ mod tests {
                 ..Nuisances::default()
             },
         };
-        let all = candidates(&base, &[]);
+        let all = candidates(&base, &Settings::default());
         let scale = all.iter().find(|own| own.name() == "scale").unwrap();
         let problem = scale.added_to(&base, 0.01).unwrap();
         let fit = Joint::at(&problem, &[], Slopes::Variational).unwrap();

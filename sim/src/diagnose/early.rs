@@ -259,7 +259,7 @@ impl Course<'_> {
 
     /// Each effect once: values that are tried are starts here. Those that were asked before are not asked again.
     fn asked_early(&self, early: &Early) -> Vec<Candidate> {
-        let mut all = candidates(&early.problem, &self.settings.excluded);
+        let mut all = candidates(&early.problem, self.settings);
         if self.is_widened {
             all = all.iter().filter_map(Candidate::of_each_pressure).collect();
         }

@@ -33,8 +33,10 @@ mod refit;
 mod round;
 mod score;
 mod section;
+mod setup;
 mod share;
 mod shortlist;
+mod stated;
 mod stop;
 mod swing;
 pub mod verdict;
@@ -49,6 +51,7 @@ use crate::calibrate::{CalibrateError, Problem};
 use crate::forward::Cancel;
 pub use curve::Curve;
 pub use section::{admit_tilt, problem};
+pub(crate) use stated::without;
 pub use verdict::{Diagnosis, Verdict};
 
 use candidate::has_several_pressures;
@@ -59,7 +62,6 @@ use judge::{Judgement, Locked, gaps, is_astray, judgement};
 use round::{Asked, Best, Heard, round};
 use share::Step;
 use verdict::{Added, Evidence, Gap};
-use warnings::is_strained;
 
 /// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
 pub trait Listener: Sync {
@@ -94,6 +96,8 @@ pub struct Settings {
     pub most_effects: usize,
     /// Candidates that are left out.
     pub excluded: Vec<String>,
+    /// Ranges of parameters of candidates that hold instead of those of the catalogue: path, and two values in SI.
+    pub ranges: Vec<(String, (f64, f64))>,
     /// How well the experiment repeats, where that is stated: root mean square distance, m.
     pub repeatability: Option<f64>,
 }
@@ -101,7 +105,13 @@ pub struct Settings {
 impl Default for Settings {
     /// One in a hundred, three effects.
     fn default() -> Self {
-        Self { false_alarm: 0.01, most_effects: 3, excluded: Vec::new(), repeatability: None }
+        Self {
+            false_alarm: 0.01,
+            most_effects: 3,
+            excluded: Vec::new(),
+            ranges: Vec::new(),
+            repeatability: None,
+        }
     }
 }
 
@@ -243,11 +253,11 @@ impl<'a> Course<'a> {
         if !is_cut_short {
             self.leave_out_idle()?;
         }
-        let is_strained = is_strained(&self.model.fit()?.known());
+        let misstated = self.misstated()?;
         let is_within = !self.added.is_empty() && self.is_within_repeats();
-        self.diagnosis.verdict = match (is_strained, self.diagnosis.verdict) {
-            // A model that fits because it contradicts what is stated of the setup explains nothing.
-            (true, _) => Verdict::Unknown,
+        self.diagnosis.verdict = match (misstated.is_empty(), self.diagnosis.verdict) {
+            // What is stated may be wrong, and then nothing is missing.
+            (false, _) => Verdict::Unknown,
             _ if is_within => Verdict::Named,
             // What was not asked may be what is missing.
             _ if is_cut_short => Verdict::Unknown,
@@ -264,6 +274,7 @@ impl<'a> Course<'a> {
                 }
             }
         };
+        self.diagnosis.contradictions = misstated;
         Ok(())
     }
 

@@ -8,6 +8,7 @@
 
 use serde::Serialize;
 
+use super::Settings;
 use super::candidate::{Candidate, candidates};
 use super::columns::{Column, columns, predictions};
 use super::planned::record;
@@ -89,7 +90,7 @@ pub fn plan(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Prosp
     record(&mut recorded, &[])?;
     let fit = Joint::at(&recorded, &[], Slopes::Differences)?;
     let off = predictions(&fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
-    let candidates = candidates(&recorded, &[]);
+    let candidates = candidates(&recorded, &Settings::default());
     let columns = columns(&fit, &off, &candidates, tell);
     let gram = gram(&fit, &columns);
     let traces: Vec<Trace> =

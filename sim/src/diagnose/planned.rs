@@ -226,6 +226,7 @@ impl Course<'_> {
 mod tests {
     use super::*;
     use crate::calibrate::{Nuisances, Parameter, Prior};
+    use crate::diagnose::Settings;
     use crate::diagnose::candidate::candidates;
     use crate::experiment::release::Release;
     use crate::forward::{Run, uniform};
@@ -267,7 +268,7 @@ mod tests {
                 ..Nuisances::default()
             },
         };
-        let all = candidates(&problem, &[]);
+        let all = candidates(&problem, &Settings::default());
         let named = |name: &str| all.iter().find(|own| own.name() == name).unwrap().clone();
         let of = [named("air_drag"), named("scale")];
         let pair = Pair { problem: &problem, known: &[], of, strength: 1.0, widening: 1.0, now: 0.0 };

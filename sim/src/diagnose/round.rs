@@ -108,7 +108,7 @@ pub(super) fn round(
     let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));
     let off = predictions(fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let shapes = shapes(fit, &off, number, RARER * settings.false_alarm);
-    let mut candidates = candidates(problem, &settings.excluded);
+    let mut candidates = candidates(problem, settings);
     if is_widened {
         candidates.iter_mut().for_each(|own| *own = own.of_each_pressure().unwrap_or_else(|| own.clone()));
     }

@@ -4,6 +4,7 @@
 use models::error::ModelError;
 use models::statics::{equilibrium, modes};
 
+use super::setup::limit_beliefs;
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::{
     Parameter, Prior, Problem, Scale, Scope, SectionError, Trial, problem as calibration_problem,
@@ -39,12 +40,7 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
 /// damped.
 pub(super) fn limit(problem: &mut Problem) {
     problem.nuisances.farthest = FARTHEST;
-    let tilt = problem.parameters.iter_mut().find(|own| own.path == TILT_ANGLE && own.bounds.is_none());
-    if let Some(own) = tilt
-        && let Some(Prior { mean, deviation }) = own.prior
-    {
-        own.bounds = Some((mean - FARTHEST * deviation, mean + FARTHEST * deviation));
-    }
+    limit_beliefs(problem);
     damp_waves(problem);
 }
 

@@ -122,8 +122,9 @@ impl Course<'_> {
     /// Where something is left that has no name: of what was added, the first effects of which each explains most of what
     /// was missing before it, in what was fitted and in what was locked away. The others may stand in for anything.
     pub(super) fn keep_what_explains_most(&mut self) -> Result<(), CalibrateError> {
-        if self.diagnosis.verdict != Verdict::Unknown || self.added.is_empty() || self.before.early.is_some()
-        {
+        let is_misstated = !self.diagnosis.contradictions.is_empty();
+        let is_open = self.diagnosis.verdict == Verdict::Unknown && !is_misstated;
+        if !is_open || self.added.is_empty() || self.before.early.is_some() {
             return Ok(());
         }
         let (mut fitted, mut locked) =

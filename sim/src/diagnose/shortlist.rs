@@ -320,6 +320,7 @@ fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
 mod tests {
     use super::*;
     use crate::calibrate::{Nuisances, Trial};
+    use crate::diagnose::Settings;
     use crate::diagnose::candidate::candidates;
     use crate::experiment::release::Release;
     use crate::forward::Run;
@@ -348,7 +349,7 @@ mod tests {
             ..Score::default()
         };
         let scores = [(800.0, false), (100.0, true), (20.0, true)].map(score);
-        let pairs = candidates(&problem, &[]).into_iter().zip(scores);
+        let pairs = candidates(&problem, &Settings::default()).into_iter().zip(scores);
         let mut entries: Vec<Entry> = pairs.map(|(candidate, score)| Entry::new(candidate, score)).collect();
         let (worth, others) = shortlist(&mut entries);
         let decreases = |entries: &[Entry]| entries.iter().map(|e| e.score.decrease).collect::<Vec<_>>();

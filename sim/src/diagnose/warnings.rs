@@ -23,39 +23,33 @@ pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Known]
 }
 
 /// Standard deviations by which what was believed of the setup may be off before a warning says so: what ends at its limit
-/// is so far off at least. Beyond the second number no answer is believed that needs it.
+/// is so far off at least.
 const BELIEVABLE: f64 = FARTHEST * (1.0 - 1e-6);
-const UNBELIEVABLE: f64 = 6.0;
 
-/// Standard deviations by which a fit had to move what was believed of an unknown.
-fn off(known: &Known) -> Option<f64> {
-    let prior = known.unknown.prior?;
-    Some(((known.value() - prior.mean) / prior.deviation).abs())
+/// Standard deviations by which a value is off what was `believed`; none where that is believable.
+pub(super) fn deviations_off(found: &Known, believed: &Known) -> Option<f64> {
+    let prior = believed.unknown.prior?;
+    Some(((found.value() - prior.mean) / prior.deviation).abs()).filter(|off| *off > BELIEVABLE)
 }
 
-/// Whether the fit needs a setup that nobody believes in.
+/// Whether the fit needs a setup as far off as it may be.
 pub(super) fn is_strained(known: &[Known]) -> bool {
-    known.iter().filter_map(off).any(|off| off > UNBELIEVABLE)
+    known.iter().any(|known| deviations_off(known, known).is_some())
 }
 
-/// What a fit had to assume of the setup against what was believed.
-pub(super) fn contradictions(known: &[Known]) -> Vec<Contradiction> {
-    let of = |known: &Known| {
-        let deviations = off(known).filter(|off| *off > BELIEVABLE)?;
-        let (parameter, unit) = (known.unknown.name.clone(), known.unknown.unit.to_owned());
-        Some(Contradiction { parameter, value: known.value(), unit, deviations })
+/// What a fit had to assume of the setup against what was believed: each value, and the unknown that has the belief.
+pub(super) fn contradictions<'a>(known: impl Iterator<Item = (&'a Known, &'a Known)>) -> Vec<Contradiction> {
+    let of = |(found, believed): (&Known, &Known)| {
+        let deviations = deviations_off(found, believed)?;
+        let (parameter, unit) = (found.unknown.name.clone(), found.unknown.unit.to_owned());
+        Some(Contradiction { parameter, value: found.value(), unit, deviations })
     };
-    let mut all: Vec<_> = known.iter().filter_map(of).collect();
+    let mut all: Vec<_> = known.filter_map(of).collect();
     all.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
     all
 }
 
 impl Contradiction {
-    /// Whether no answer is believed that needs it.
-    pub(super) fn is_unbelievable(&self) -> bool {
-        self.deviations > UNBELIEVABLE
-    }
-
     /// In words.
     pub(super) fn told(&self) -> String {
         let Self { parameter, value, unit, deviations } = self;

@@ -27,6 +27,7 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             apart(diagnosis),
         ],
         Verdict::Named | Verdict::Class => vec![
+            contradicted(diagnosis).map(|told| format!("What is stated may not be so: {told}. Check that first.")),
             misfit(),
             Some(named(diagnosis)),
             removed(diagnosis),
@@ -55,9 +56,9 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
     sentences.into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 
-/// What of the setup a fit moved so far that no answer is believed with it: the worst two.
+/// What of the setup a fit moved to its limit or beyond: the worst two.
 fn contradicted(diagnosis: &Diagnosis) -> Option<String> {
-    let told = diagnosis.contradictions.iter().filter(|own| own.is_unbelievable()).map(Contradiction::told);
+    let told = diagnosis.contradictions.iter().map(Contradiction::told);
     let worst: Vec<String> = told.take(2).collect();
     (!worst.is_empty()).then(|| listed(&worst))
 }

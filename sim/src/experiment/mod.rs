@@ -91,7 +91,7 @@ impl Experiment {
 
     fn of(path: &Path, document: Document) -> Result<Experiment, ExperimentError> {
         let keys = document.keys();
-        keys.only(&["name", "muscle", "rod", "effects", "integrator", "recording", "calibrate"])?;
+        keys.only(&["name", "muscle", "rod", "effects", "integrator", "recording", "calibrate", "diagnose"])?;
         let plan = Plan::of_experiment(&document)?;
         let has_muscle = plan.as_ref().is_some_and(|plan| plan.muscle.is_some());
         let tables = keys.tables("recording")?;

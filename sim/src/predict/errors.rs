@@ -7,6 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
 use super::interval::NORMAL_95;
+use super::loss::Loss;
 use crate::normal::normal;
 use crate::scenario::Case;
 
@@ -15,11 +16,15 @@ const TRIES: usize = 10_000;
 /// Share of a standard deviation below which a step along a direction says nothing.
 const LEAST_SHARE: f64 = 1e-3;
 
-/// The errors of a calibration at the pressure of a case.
-pub(crate) struct Errors<'a> {
-    model: &'a Model,
+/// The errors of a calibration at the pressure and the frequency of a case.
+pub(crate) struct Errors {
+    /// The model of the case, with its loss at the frequency of the case.
+    pub model: Model,
     drawn: Vec<Drawn>,
+    /// The loss that is known at another frequency.
+    loss: Option<Loss>,
     /// Takes independent normal numbers to errors; its columns are those of a standard deviation along each direction.
+    /// The last error is that of the logarithm of the loss, where that is known at another frequency.
     root: DMatrix<f64>,
     /// Those that the data did not determine.
     pub undetermined: Vec<Knob>,
@@ -31,7 +36,7 @@ pub(crate) struct Errors<'a> {
 /// A parameter that is drawn.
 struct Drawn {
     path: String,
-    /// Its value in the model.
+    /// Its calibrated value.
     value: f64,
     /// What it may be.
     range: [f64; 2],
@@ -57,9 +62,9 @@ impl Drawn {
     }
 }
 
-impl<'a> Errors<'a> {
+impl Errors {
     /// Those of a case.
-    pub fn new(known: &Known, case: &'a Case) -> Self {
+    pub fn new(known: &Known, case: &Case) -> Self {
         let here = |path: &str| {
             let of = |k: usize| Here { value: case.model.theta[k], scale: case.model.parameters[k].scale };
             // A parameter that the model has not is left out below.
@@ -85,19 +90,38 @@ impl<'a> Errors<'a> {
         });
         let eigen = SymmetricEigen::new(scaled);
         let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
-        let root = DMatrix::from_diagonal(&deviations) * &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+        let mut root =
+            DMatrix::from_diagonal(&deviations) * &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+        let drawn: Vec<Drawn> = own.iter().map(drawn).collect();
+        let loss = Loss::of(known, &case.model).filter(|loss| drawn.iter().any(|own| own.path == loss.path));
+        if let Some(loss) = &loss {
+            let count = own.len();
+            root = root.resize(count + 1, count + 1, 0.0);
+            root[(count, count)] = loss.deviation;
+        }
         let is_own = |knob: &Knob| own.iter().any(|k| at.paths[*k] == knob.path);
         let interpolated = |k: &usize| {
             let (path, deviation) = (&at.paths[*k], at.interpolated[*k]);
             (deviation > 0.0).then(|| (path.clone(), NORMAL_95 * deviation / here(path).value.abs()))
         };
-        Self {
-            model: &case.model,
-            drawn: own.iter().map(drawn).collect(),
-            root,
-            interpolated: own.iter().filter_map(interpolated).collect(),
-            undetermined: at.undetermined.into_iter().filter(is_own).collect(),
+        let (interpolated, undetermined) = (
+            own.iter().filter_map(interpolated).collect(),
+            at.undetermined.into_iter().filter(is_own).collect(),
+        );
+        let mut errors = Self { model: case.model.clone(), drawn, loss, root, interpolated, undetermined };
+        if errors.loss.is_some()
+            && let Some(model) = errors.model(&DVector::zeros(errors.root.nrows()))
+        {
+            errors.model = model;
         }
+        errors
+    }
+
+    /// What should be known of the loss, in words.
+    pub fn of_loss(&self) -> Option<String> {
+        let loss = self.loss.as_ref()?;
+        let own = self.drawn.iter().find(|own| own.path == loss.path)?;
+        Some(loss.words(own.value, self.unit(&own.path)))
     }
 
     /// The model of a draw, the same whoever asks for it; none that makes no sense. Errors that take a number
@@ -113,14 +137,18 @@ impl<'a> Errors<'a> {
     }
 
     /// Paths and values with these errors, as far as the values may go.
-    fn with(&self, errors: &DVector<f64>) -> impl Iterator<Item = (&str, f64)> {
+    fn with<'a>(&'a self, errors: &'a DVector<f64>) -> impl Iterator<Item = (&'a str, f64)> {
+        let own = |of: &Drawn| self.loss.as_ref().filter(|loss| loss.path == of.path);
+        let at_frequency =
+            move |of: &Drawn| own(of).map_or(1.0, |loss| loss.factor * errors[self.drawn.len()].exp());
+        let value = move |(of, error): (&Drawn, &f64)| at_frequency(of) * of.with(*error);
         let pairs = self.drawn.iter().zip(errors.iter());
-        pairs.map(|(of, error)| (&of.path[..], of.with(*error).clamp(of.range[0], of.range[1])))
+        pairs.map(move |pair| (&pair.0.path[..], value(pair).clamp(pair.0.range[0], pair.0.range[1])))
     }
 
     fn errors(&self, seed: u64, draw: usize) -> DVector<f64> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.wrapping_add((draw as u64) << 20));
-        let mut draw = || &self.root * DVector::from_fn(self.drawn.len(), |_, _| normal(&mut random));
+        let mut draw = || &self.root * DVector::from_fn(self.directions(), |_, _| normal(&mut random));
         let mut errors = draw();
         for _ in 0..TRIES {
             if self.admits(&errors) {
@@ -138,7 +166,7 @@ impl<'a> Errors<'a> {
 
     /// How many directions there are.
     pub fn directions(&self) -> usize {
-        self.drawn.len()
+        self.root.ncols()
     }
 
     /// The model one standard deviation along a direction, or as far as its numbers may go, with how far that is, and

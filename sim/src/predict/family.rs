@@ -40,5 +40,7 @@ pub fn family(case: &Case, known: Option<&Known>, settings: &Settings) -> Vec<Me
         let model = errors.as_ref()?.drawn(settings.seed, draw)?;
         Some(Member { name: format!("draw {}", draw + 1), model, is_draw: true, ..Member::case(case) })
     };
-    (0..count).filter_map(draw).chain([Member::case(case)]).collect()
+    let own = errors.as_ref().map_or(&case.model, |errors| &errors.model);
+    let own = Member { model: own.clone(), ..Member::case(case) };
+    (0..count).filter_map(draw).chain([own]).collect()
 }

@@ -138,6 +138,14 @@ pub fn grid(
     };
     let excursion = foretold.iter().map(|(_, excursion)| *excursion).fold(0.0, f64::max);
     grid.cells = foretold.into_iter().map(|(cell, _)| cell).collect();
+    // What is sought between the cells has the loss of its frequency, as they have.
+    let make: Make = &|pressure, payload| {
+        let mut case = make(pressure, payload)?;
+        if let Some(known) = known {
+            case.model = Errors::new(known, &case).model;
+        }
+        Ok(case)
+    };
     let rows: Vec<&[Cell]> = grid.cells.chunks(payloads.len()).collect();
     grid.past_straight_down =
         rows.par_iter().map(|row| past_straight_down(row, make)).collect::<Result<_, ScenarioError>>()?;
@@ -171,14 +179,15 @@ fn foretell(case: &Case, known: Option<&Known>) -> (Cell, f64) {
         payload_kg: value(&case.model, "effects.payload.mass"),
         ..Cell::default()
     };
-    let mut own = match simulate(&case.model, &run) {
+    let errors = known.map(|known| Errors::new(known, case));
+    let model = errors.as_ref().map_or(&case.model, |errors| &errors.model);
+    let mut own = match simulate(model, &run) {
         Ok(own) => own,
         Err(why) => {
             cell.failed = Some(why);
             return (cell, 0.0);
         }
     };
-    let errors = known.map(|known| Errors::new(known, case));
     let change = |errors: &Errors, direction: usize, side: f64| -> Vec<Option<Change>> {
         let (moved, room) = errors.along(direction, side);
         let Some((model, share)) = moved else {
@@ -198,7 +207,7 @@ fn foretell(case: &Case, known: Option<&Known>) -> (Cell, f64) {
         .flat_map(|errors| (0..errors.directions()).map(|direction| both(errors, direction)))
         .collect();
     // On one mesh the changes are the same but for a small part of themselves.
-    mesh_of(known, &own, case, &run).iter().for_each(|mesh| mesh.removed(&mut own));
+    mesh_of(known, &own, model, &run).iter().for_each(|mesh| mesh.removed(&mut own));
     let model_error = known.and_then(|known| ModelError::of(known, case, &own));
     cell.quantities = quantities(&own, |k, value| {
         let interval = carried(value, changes.iter().map(|[low, high]| [low[k], high[k]]))?;

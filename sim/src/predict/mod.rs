@@ -12,12 +12,14 @@ pub(crate) mod errors;
 pub mod family;
 pub mod grid;
 mod interval;
+mod loss;
 mod model_error;
 pub mod quantity;
 pub(crate) mod simulated;
 pub mod span;
 mod warnings;
 
+use models::model::Model;
 use models::muscle::Known;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -128,11 +130,12 @@ pub fn predict(
     tell: &(dyn Fn() + Sync),
 ) -> Result<Outcome, PredictError> {
     let run = Run { energy: false, ..case.run.clone() };
-    let simulated = simulate(&case.model, &run);
-    let mut own = simulated.map_err(|reason| PredictError { name: case.name.clone(), reason })?;
-    let mesh = mesh_of(known, &own, case, &run);
-    mesh.iter().for_each(|mesh| mesh.removed(&mut own));
     let errors = known.map(|known| Errors::new(known, case));
+    let model = errors.as_ref().map_or(&case.model, |errors| &errors.model);
+    let simulated = simulate(model, &run);
+    let mut own = simulated.map_err(|reason| PredictError { name: case.name.clone(), reason })?;
+    let mesh = mesh_of(known, &own, model, &run);
+    mesh.iter().for_each(|mesh| mesh.removed(&mut own));
     let simulate_draw = |draw: usize| {
         let model = errors.as_ref()?.drawn(settings.seed, draw)?;
         let mut done = simulate(&model, &run).ok();
@@ -173,8 +176,8 @@ pub fn predict(
 }
 
 /// What the mesh does to what is foretold, where a calibration found its numbers without a mesh.
-fn mesh_of(known: Option<&Known>, own: &Simulated, case: &Case, run: &Run) -> Option<Mesh> {
-    known.filter(|known| known.nodes.is_none()).and_then(|_| Mesh::of(own, &case.model, run))
+fn mesh_of(known: Option<&Known>, own: &Simulated, model: &Model, run: &Run) -> Option<Mesh> {
+    known.filter(|known| known.nodes.is_none()).and_then(|_| Mesh::of(own, model, run))
 }
 
 /// Puts the error of the model into the interval of a number.

@@ -26,6 +26,12 @@ pub(super) fn warnings(asked: &Extent, known: Option<&Known>, errors: &[Errors])
     };
     let mut words = outside(asked, known);
     words.extend(interpolated(errors));
+    let of_loss: Vec<String> = errors.iter().filter_map(Errors::of_loss).collect();
+    words.extend(match &of_loss[..] {
+        [] => None,
+        [only] => Some(only.clone()),
+        [first, ..] => Some(format!("{} of {} cases: {first}", of_loss.len(), errors.len())),
+    });
     let silent = asked.pressures.iter().filter(|pressure| known.is_silent_at(**pressure)).count();
     if silent > 0 {
         words.push(

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::asked::Value;
 use super::work::{Diagnose, Point, Row, fault, joined};
-use crate::calibrate::repeatability;
 use crate::cleaning::clean;
 use crate::diagnose::verdict::{Added, Gap};
 use crate::diagnose::{Diagnosis, Settings, Verdict, diagnose, problem};
@@ -156,8 +155,9 @@ fn said(work: &Diagnose, point: &Point) -> Result<Diagnosis, String> {
         false_alarm: work.false_alarm.parse().unwrap_or(Settings::default().false_alarm),
         most_effects: work.most,
         excluded: without.split(AND).filter(|name| !name.is_empty()).map(str::to_owned).collect(),
-        repeatability: repeatability(&experiment).map_err(|error| error.to_string())?,
+        ..Settings::default()
     };
+    let settings = settings.stated(&experiment).map_err(|error| error.to_string())?;
     let outcome = diagnose(&problem, &settings, &|_: &str| ()).map_err(|error| error.to_string())?;
     Ok(outcome.diagnosis)
 }

@@ -13,14 +13,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use models::effects::{CATALOGUE, by_name};
-use models::nearest::nearest;
 use rayon::prelude::*;
 
 use super::asked::Value;
 use super::diagnosed::{AND, look};
 use super::work::{Diagnose, Point};
-use crate::diagnose::Settings;
+use crate::diagnose::{self, Settings};
 use crate::escape::is_hidden;
 use crate::scenario::document::Keys;
 use crate::scenario::{Problem, ScenarioError};
@@ -45,16 +43,16 @@ impl OfExperiments {
 
     /// Reads it from the section of a file that lies in `folder`; says what should be known beforehand, too.
     pub(super) fn read(sweep: &Keys, folder: &Path) -> Result<(OfExperiments, Vec<String>), ScenarioError> {
-        let diagnose = sweep.table("diagnose")?;
-        diagnose.only(&["false_alarm", "most", "without"])?;
+        let diagnosed = sweep.table("diagnose")?;
+        diagnosed.only(&["false_alarm", "most", "without"])?;
         let usual = Settings::default();
         let must = "lie between 0 and 1, such as 0.01";
-        let false_alarm = diagnose
+        let false_alarm = diagnosed
             .quantity_that("false_alarm", "", must, |share| share > 0.0 && share < 1.0)?
             .unwrap_or(usual.false_alarm);
         // Wherever it is run from, by whatever scheduler.
         let folder = std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.to_owned());
-        let without = without(&diagnose)?;
+        let without: BTreeSet<String> = diagnose::without(&diagnosed)?.into_iter().collect();
         let mut files: BTreeMap<String, BTreeSet<String>> = matching(sweep, "experiments", &folder)?
             .into_iter()
             .map(|file| (file, without.clone()))
@@ -64,7 +62,7 @@ impl OfExperiments {
             if !table.has("file") {
                 return Err(table.missing("file", "file = \"bench/0007/experiment.toml\""));
             }
-            let own: BTreeSet<String> = without.union(&self::without(&table)?).cloned().collect();
+            let own: BTreeSet<String> = without.iter().cloned().chain(diagnose::without(&table)?).collect();
             files.extend(matching(&table, "file", &folder)?.into_iter().map(|file| (file, own.clone())));
         }
         let looked: Vec<_> = files
@@ -98,22 +96,10 @@ impl OfExperiments {
         let work = Diagnose {
             folder: text(sweep, "experiments", &folder)?.to_owned(),
             false_alarm: format!("{false_alarm:?}"),
-            most: diagnose.count("most")?.unwrap_or(usual.most_effects),
+            most: diagnosed.count("most")?.unwrap_or(usual.most_effects),
         };
         Ok((OfExperiments { work, all }, warnings))
     }
-}
-
-/// Effects that a table leaves out of the catalogue.
-fn without(table: &Keys) -> Result<BTreeSet<String>, ScenarioError> {
-    let names = table.texts("without")?.unwrap_or_default();
-    if let Some(name) = names.iter().find(|name| by_name(name).is_none()) {
-        let all = || CATALOGUE.iter().map(|effect| effect.about().name);
-        let near = nearest(name, all()).map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-        let message = format!("there is no effect `{name}`{near}; `efam effects` lists all");
-        return Err(table.wrong("without", Problem::Other { message }));
-    }
-    Ok(names.into_iter().map(str::to_owned).collect())
 }
 
 /// The path of a folder as a plan holds it.

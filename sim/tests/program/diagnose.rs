@@ -93,6 +93,12 @@ fn what_cannot_be_diagnosed_is_said_before_the_search() {
     bench.file("body.toml", &format!("{EXPERIMENT}body = [{{ marker = \"Tip\", at = \"400 mm\" }}]\n"));
     bench
         .file("twice.toml", &EXPERIMENT.replace("nodes = 16\n", "length = \"203 mm\"\nlength = \"20 cm\"\n"));
+    let stated = |name: &str, lines: &str| bench.file(name, &format!("{EXPERIMENT}{lines}"));
+    stated("without.toml", "[diagnose]\nwithout = [\"air_drg\"]\n");
+    stated("path.toml", "[[diagnose.parameter]]\npath = \"effects.air_drag.coefficient\"\n");
+    let mass = "[[diagnose.parameter]]\npath = \"effects.tip_mass.mass\"\n";
+    stated("bounds.toml", &format!("{mass}bounds = [\"1 g\", \"1 mg\"]\n"));
+    stated("unit.toml", &format!("{mass}bounds = [\"1 mm\", \"1 m\"]\n"));
     let before = bench.left();
     let refused = |expected: i32, arguments: &[&str]| {
         let out = ["--out", "out"];
@@ -122,6 +128,18 @@ fn what_cannot_be_diagnosed_is_said_before_the_search() {
         &["e.toml", "--set", "recording[1].held_out=true"],
         "e.toml: every release is held out or dropped, and none is left to fit; take held_out, keep or drop",
     );
+    says(
+        2,
+        &["without.toml"],
+        "without.toml:17:11: diagnose.without = [\"air_drg\"]: there is no effect `air_drg`; did you mean `air_drag`?",
+    );
+    says(
+        2,
+        &["path.toml"],
+        "path.toml:17:8: diagnose.parameter[1].path = \"effects.air_drag.coefficient\": no effect has a parameter",
+    );
+    says(2, &["bounds.toml"], "bounds.toml:18:10: diagnose.parameter[1].bounds");
+    says(2, &["unit.toml"], "unit.toml:18:11: diagnose.parameter[1].bounds");
     says(
         2,
         &["e.toml", "--without", "air_drg"],

@@ -46,6 +46,10 @@ struct Words {
     /// Names of effects that are hidden; all if not given.
     #[arg(long, value_delimiter = ',')]
     kinds: Vec<String>,
+    /// Releases that differ as in a laboratory: each from the horizontal made twice, a base that wanders, effects that are
+    /// not quite as large as their laws say.
+    #[arg(long)]
+    laboratory: bool,
     /// Three markers on the body beside the tip's.
     #[arg(long)]
     body: bool,
@@ -97,7 +101,7 @@ fn main() -> ExitCode {
 
 /// Cases, each with what is foreseen of it; and the noise that this is for, m.
 fn foreseen(words: &Words, plan: impl Fn(&Case) -> Plan) -> (Vec<(Case, Option<Limits>)>, f64) {
-    let nominal = problem(&Plan { hidden: Vec::new(), ..plan(&Case::empty(1)) }.draw(1));
+    let nominal = problem(&plan(&Case { is_of_a_laboratory: words.laboratory, ..Case::default() }).draw(1));
     let limits = limits(&nominal).expect("the usual experiment can be simulated");
     let own = |case: &Case| case.hidden.first().and_then(|(name, _)| limits.get(name)).copied();
     let cases = cases(words, &limits).into_iter().map(|case| (case.clone(), own(&case))).collect();
@@ -206,6 +210,9 @@ fn cases(words: &Words, limits: &AllLimits) -> Vec<Case> {
         let second = *others[pick(others.len())];
         let size = words.size.unwrap_or(1.0);
         all.push(Case { hidden: vec![(first, size), (second, size)], ..Case::of(first, size, seed()) });
+    }
+    for case in &mut all {
+        case.is_of_a_laboratory = words.laboratory;
     }
     all
 }

@@ -12,7 +12,7 @@ use crate::twin::hidden::{self, Hidden, IN_CATALOGUE};
 use crate::twin::random::Random;
 
 /// One question.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Case {
     /// What is hidden, with its size in what is typical.
     pub hidden: Vec<(&'static str, f64)>,
@@ -20,6 +20,8 @@ pub struct Case {
     pub is_robbed: bool,
     /// Whether the start is far off and the mesh coarse.
     pub is_decoyed: bool,
+    /// Whether releases differ as they do in a laboratory.
+    pub is_of_a_laboratory: bool,
     /// Seed of the experiment.
     pub seed: u64,
 }
@@ -27,12 +29,12 @@ pub struct Case {
 impl Case {
     /// One with nothing hidden; every other seed has a poor start on a coarse mesh.
     pub fn empty(seed: u64) -> Self {
-        Self { hidden: Vec::new(), is_robbed: false, is_decoyed: seed.is_multiple_of(2), seed }
+        Self { is_decoyed: seed.is_multiple_of(2), seed, ..Self::default() }
     }
 
     /// One with an effect hidden.
     pub fn of(name: &'static str, size: f64, seed: u64) -> Self {
-        Self { hidden: vec![(name, size)], is_robbed: false, is_decoyed: false, seed }
+        Self { hidden: vec![(name, size)], seed, ..Self::default() }
     }
 
     /// How it is drawn.
@@ -40,6 +42,7 @@ impl Case {
         let of = |(name, size): &(&'static str, f64)| Hidden::named(name, *size);
         let hidden: Vec<Hidden> = self.hidden.iter().filter_map(of).collect();
         let usual = Plan::usual(&hidden);
+        let usual = if self.is_of_a_laboratory { usual.of_a_laboratory() } else { usual };
         if with_body { usual.with_body() } else { usual }
     }
 

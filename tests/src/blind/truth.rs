@@ -8,7 +8,7 @@ use crate::twin::hidden;
 /// The file.
 pub const TRUTH: &str = "truth.csv";
 
-const NAMES: &str = "experiment,seed,hidden,robbed,decoyed,distance,visible";
+const NAMES: &str = "experiment,seed,hidden,robbed,decoyed,laboratory,distance,visible";
 
 /// What there is to say of a case.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +42,8 @@ pub fn text(all: &[(String, Truth)]) -> String {
         let distance = distance.map_or(String::new(), |distance| format!("{distance:?}"));
         let _ = write!(
             text,
-            "\n{file},{seed},{hidden},{},{},{distance},{is_visible}",
-            case.is_robbed, case.is_decoyed
+            "\n{file},{seed},{hidden},{},{},{},{distance},{is_visible}",
+            case.is_robbed, case.is_decoyed, case.is_of_a_laboratory
         );
     }
     text + "\n"
@@ -61,7 +61,7 @@ pub fn read(text: &str) -> Result<Vec<(String, Truth)>, usize> {
 
 fn read_line(line: &str) -> Option<(String, Truth)> {
     let cells: Vec<&str> = line.split(',').collect();
-    let [file, seed, hidden, robbed, decoyed, distance, visible] = cells[..] else { return None };
+    let [file, seed, hidden, robbed, decoyed, laboratory, distance, visible] = cells[..] else { return None };
     let known = hidden::all(1.0).map(|(name, _)| name);
     let one = |text: &str| {
         let (name, size) = text.split_once('=')?;
@@ -73,6 +73,7 @@ fn read_line(line: &str) -> Option<(String, Truth)> {
         hidden,
         is_robbed: robbed.parse().ok()?,
         is_decoyed: decoyed.parse().ok()?,
+        is_of_a_laboratory: laboratory.parse().ok()?,
         seed: seed.parse().ok()?,
     };
     Some((file.to_owned(), Truth { case, distance, is_visible: visible.parse().ok()? }))

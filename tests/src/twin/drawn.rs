@@ -4,6 +4,8 @@
 //! A plan and a seed give one experiment, to the bit, whatever the number of threads: what is common to
 //! all releases is drawn first, and each release goes on with a stream of random numbers of its own.
 
+use std::f64::consts::TAU;
+
 use models::model::ModelSpec;
 use rayon::prelude::*;
 use sim::experiment::release::{Point, Release, Track};
@@ -40,6 +42,8 @@ pub struct Plan {
     pub tracker: Tracker,
     /// How far off the muscle and its setup may be.
     pub priors: Priors,
+    /// What differs from release to release, and what no law foresees.
+    pub unrepeated: Unrepeated,
     /// Effects that the fit is not told of.
     pub hidden: Vec<Hidden>,
     /// How exactly it is computed.
@@ -66,6 +70,22 @@ pub struct Priors {
     /// What each marker stands off its place, x and z, m, by pressure.
     pub offset: f64,
 }
+
+/// What no two releases share, whatever is stated: bounds of shares, and a length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Unrepeated {
+    /// Of EI.
+    pub bending_stiffness: f64,
+    /// Of α and of β.
+    pub losses: f64,
+    /// Of the size of each hidden effect.
+    pub hidden: f64,
+    /// How far the base, and all that is seen with it, wanders to either side, m.
+    pub drift: f64,
+}
+
+/// Periods between which a base wanders, s.
+const WANDERS: [f64; 2] = [5.0, 20.0];
 
 /// Mesh and tolerance of the beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,6 +159,7 @@ impl Plan {
             body: Vec::new(),
             tracker: Tracker::usual(0.3e-3),
             priors: Priors::default(),
+            unrepeated: Unrepeated::default(),
             hidden: hidden.to_vec(),
             numerics: Numerics::default(),
         }
@@ -148,6 +169,14 @@ impl Plan {
     pub fn of_two_angles(hidden: &[Hidden]) -> Self {
         let usual = Self::usual(hidden);
         Self { angles: usual.angles[..2].to_vec(), ..usual }
+    }
+
+    /// The same as a laboratory has it: the release from the horizontal is made twice, no two releases are alike to better
+    /// than a per cent of their motion, the base wanders, and no effect is quite as large as its law says.
+    pub fn of_a_laboratory(self) -> Self {
+        let unrepeated = Unrepeated { bending_stiffness: 3e-3, losses: 0.03, hidden: 0.1, drift: 0.2e-3 };
+        let angles = [0.0f64, 0.0, -25.0].map(f64::to_radians).to_vec();
+        Self { angles, unrepeated, ..self }
     }
 
     /// The same with three markers on the body.
@@ -197,7 +226,16 @@ impl Plan {
         random: &mut Random,
     ) -> DrawnRelease {
         let base = if self.clamp_follows { angle } else { 0.0 };
-        let (beam, occasion) = self.muscle(whole, recording, base, random);
+        let (mut beam, occasion) = self.muscle(whole, recording, base, random);
+        let about = |share: f64, random: &mut Random| {
+            1.0 + if share > 0.0 { random.between(-share, share) } else { 0.0 }
+        };
+        beam.bending_stiffness *= about(self.unrepeated.bending_stiffness, random);
+        beam.alpha *= about(self.unrepeated.losses, random);
+        beam.beta *= about(self.unrepeated.losses, random);
+        let hidden: Vec<Hidden> =
+            self.hidden.iter().map(|own| own.times(about(self.unrepeated.hidden, random))).collect();
+        let wander = Wander::drawn(self.unrepeated.drift, random);
         let (bending_stiffness, tip) = (beam.bending_stiffness, beam.bodies[0].center);
         let held = angle - base + self.priors.hold_angle * random.normal();
         let late = self.priors.instant * random.normal();
@@ -206,20 +244,22 @@ impl Plan {
         let count = ((self.duration - first) * self.rate) as usize + held_samples as usize;
         let after: Vec<f64> = (0..count).map(|k| first + (k as f64 - held_samples) / self.rate).collect();
 
-        let specimen = Specimen::new(beam, &self.hidden, &occasion);
+        let specimen = Specimen::new(beam, &hidden, &occasion);
         let motion = Motion::let_go(&specimen, held, self.duration, self.numerics.tolerance);
-        let view = View { plan: self, recording, specimen: &specimen };
+        let view = View { hidden: &hidden, recording, specimen: &specimen };
         let mut spots = vec![("tip".to_owned(), Point::Tip, 1.0 + tip / specimen.beam.length)];
         spots.extend(self.body.iter().map(|s| (format!("body_{:02.0}", 100.0 * s), Point::Along(*s), *s)));
         let (mut tracks, mut truth) = (Vec::new(), Vec::new());
         for (k, (marker, at, share)) in spots.into_iter().enumerate() {
-            let path: Vec<_> =
-                after.iter().map(|t| view.see(&motion.at(*t), at, share, recording.offsets[k])).collect();
+            let path: Vec<_> = after
+                .iter()
+                .map(|t| view.see(&motion.at(*t), at, share, wander.off(recording.offsets[k], *t)))
+                .collect();
             let position = self.tracker.track(&path, random);
             tracks.push(Track { marker, at, position, noise: self.tracker.noise, discrepancy: 0.0 });
             truth.push(path);
         }
-        let second: f64 = self.hidden.iter().map(Hidden::second).product();
+        let second: f64 = hidden.iter().map(Hidden::second).product();
         let release = Release {
             name: format!("drawn#{}", number + 1),
             time: after.iter().map(|t| second * t - late).collect(),
@@ -292,9 +332,32 @@ struct Recording {
     offsets: Vec<[f64; 2]>,
 }
 
+/// How the base wanders in x and z: amplitudes, m, angular frequencies and phases.
+struct Wander([[f64; 3]; 2]);
+
+impl Wander {
+    fn drawn(drift: f64, random: &mut Random) -> Self {
+        if drift == 0.0 {
+            return Self([[0.0; 3]; 2]);
+        }
+        let axis = |random: &mut Random| {
+            let [shortest, longest] = WANDERS;
+            let period = random.between(shortest, longest);
+            [drift, TAU / period, random.between(0.0, TAU)]
+        };
+        Self([axis(random), axis(random)])
+    }
+
+    /// An offset at a time after the release, s.
+    fn off(&self, [x, z]: [f64; 2], time: f64) -> [f64; 2] {
+        let [dx, dz] = self.0.map(|[size, frequency, phase]| size * (frequency * time + phase).sin());
+        [x + dx, z + dz]
+    }
+}
+
 /// What the cameras see without noise.
 struct View<'a> {
-    plan: &'a Plan,
+    hidden: &'a [Hidden],
     recording: &'a Recording,
     specimen: &'a Specimen,
 }
@@ -305,7 +368,7 @@ impl View<'_> {
         let [place, gradient] = beam.axis(q, share).map(|x| turned(x, beam.incline));
         let length = gradient[0].hypot(gradient[1]);
         let tangent = (at == Point::Tip).then(|| gradient.map(|x| x / length));
-        let seen = self.plan.hidden.iter().fold(place, |place, effect| effect.see(place, tangent));
+        let seen = self.hidden.iter().fold(place, |place, effect| effect.see(place, tangent));
         let [x, z] = turned(seen, self.recording.tilt);
         [x + offset[0], z + offset[1]]
     }

@@ -164,6 +164,17 @@ impl Hidden {
         all(x).into_iter().find(|(known, _)| *known == name).map(|(_, hidden)| hidden)
     }
 
+    /// The same so many times as large; of the sizes that [`Self::named`] has.
+    pub fn times(&self, factor: f64) -> Self {
+        if factor == 1.0 {
+            return *self;
+        }
+        let of = |x: f64| Self::named(self.name(), x).expect("it has a name");
+        let typical = of(1.0).strength();
+        // A clock's strength is no multiple of its size, to a part in a thousand.
+        of(factor * self.strength() / typical)
+    }
+
     /// What the catalogue calls [its](Self::parameter) strength.
     #[rustfmt::skip]
     pub fn strength(&self) -> f64 {

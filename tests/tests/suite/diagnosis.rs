@@ -5,8 +5,8 @@
 //! Expected: the hidden effect first or in the class; gaps at the noise. `blind_bench` counts how often.
 
 use models::effects::CATALOGUE;
-use sim::calibrate::Scope;
 use sim::calibrate::repeats::Source;
+use sim::calibrate::{Prior, Scope};
 use sim::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
 use tests::blind::{all_fitted, problem};
 use tests::twin::drawn::{Drawn, Plan, Priors};
@@ -15,6 +15,13 @@ use tests::twin::hidden::Hidden;
 fn diagnosed(hidden: &[Hidden], seed: u64, settings: &Settings) -> Outcome {
     let drawn = Plan { duration: 6.0, ..Plan::of_two_angles(hidden) }.draw(seed);
     diagnose(&problem(&drawn), settings, &|_: &str| ()).expect("it can be diagnosed")
+}
+
+/// Settings that ask some effects of the catalogue alone.
+fn only(asked: &[&str]) -> Settings {
+    let names = CATALOGUE.iter().map(|effect| effect.about().name);
+    let excluded = names.filter(|name| !asked.contains(name)).map(str::to_owned).collect();
+    Settings { excluded, ..Settings::default() }
 }
 
 /// What is said without a catalogue: that something unknown is missing.
@@ -85,16 +92,37 @@ fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
         let load = [("force_z", -9.81 * MASS)];
         trial.model = trial.model.with_effect("tip_load", &load).expect("an effect of the catalogue");
     }
-    let asked = ["tip_mass", "added_mass", "viscoelastic", "air_drag"];
-    let names = CATALOGUE.iter().map(|effect| effect.about().name);
-    let excluded = names.filter(|name| !asked.contains(name)).map(str::to_owned).collect();
-    let settings = Settings { excluded, ..Settings::default() };
+    let settings = only(&["tip_mass", "added_mass", "viscoelastic", "air_drag"]);
     let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
     let first = &found.effects[0];
     assert_eq!(first.effect, "tip_mass", "{}", found.summary);
     let value = |name: &str| first.parameters.iter().find(|own| own.name == name).expect("it has one").value;
     assert_eq!(value("weight"), 0.0, "{}", found.summary);
     assert!((value("mass") / MASS - 1.0).abs() < 0.15, "{}", found.summary);
+}
+
+/// A rod whose EI is stated a quarter too large, as exactly as if it had been measured, and nothing is missing: no effect
+/// takes the blame.
+#[test]
+fn a_wrong_statement_is_named_instead_of_an_effect() {
+    let plan = Plan { pressures: vec![40.0], angles: vec![0.0, -0.4], duration: 4.0, ..Plan::usual(&[]) };
+    let drawn = plan.draw(913);
+    let mut problem = all_fitted(&drawn);
+    let truth = drawn.releases[0].bending_stiffness;
+    let own = problem.parameters.iter_mut().find(|own| own.path == "rod.bending_stiffness");
+    own.expect("it is fitted").prior = Some(Prior { mean: 1.25 * truth, deviation: 0.01 * truth });
+    let found =
+        diagnose(&problem, &only(&["tip_mass", "air_drag"]), &|_: &str| ()).expect("it can be diagnosed");
+    let found = found.diagnosis;
+    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
+    let first = found.contradictions.first().expect("EI is not as stated");
+    assert_eq!(first.parameter, "rod.bending_stiffness", "{}", found.summary);
+    assert!((first.value / truth - 1.0).abs() < 0.02, "{} of {truth}", first.value);
+    assert!(
+        found.summary.contains("or what is stated is not so: rod.bending_stiffness"),
+        "{}",
+        found.summary
+    );
 }
 
 /// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.

@@ -14,6 +14,7 @@ use std::fs;
 use std::path::Path;
 
 use sim::cleaning::clean;
+use sim::diagnose::Settings;
 use sim::experiment::Experiment;
 use sim::scenario::Scenario;
 use sim::sweep::asked::Asked;
@@ -43,6 +44,7 @@ fn their_toml_is_read() {
                 (None, _) => scenario(block.text),
                 (Some("experiment"), _) => experiment(block.text),
                 (Some("calibrate"), _) => calibrate(block.text),
+                (Some("diagnose"), _) => diagnose(block.text),
                 (Some("sweep"), _) => sweep(block.text, read),
                 // Saved and used by the tutorial's own test.
                 (Some(_), true) => continue,
@@ -62,6 +64,17 @@ fn scenario(text: &str) -> Option<String> {
 
 fn experiment(text: &str) -> Option<String> {
     Experiment::parse(&root().join("page.toml"), text, &[]).err().map(|error| error.to_string())
+}
+
+/// What is said of a diagnosis, at the end of a worked example.
+fn diagnose(text: &str) -> Option<String> {
+    let path = root().join("scenarios/diagnosis/nothing/experiment.toml");
+    let whole = fs::read_to_string(&path).expect("a worked example");
+    let experiment = match Experiment::parse(&path, &format!("{whole}\n{text}"), &[]) {
+        Err(error) => return Some(error.to_string()),
+        Ok(experiment) => experiment,
+    };
+    Settings::default().stated(&experiment).err().map(|error| error.to_string())
 }
 
 /// What is to be calibrated, at the end of a worked example in place of its own.
@@ -133,19 +146,19 @@ fn their_links_lead_somewhere() {
 }
 
 #[test]
-fn the_book_lists_its_pages_and_the_map_its_decisions() {
+fn each_page_of_the_book_and_each_decision_is_listed() {
     let all = pages();
     let linked = |name: &str| -> BTreeSet<String> {
         let text = &all.iter().find(|page| page.name == name).expect("a page").text;
         links(text).map(|link| link.split('#').next().unwrap_or_default().to_owned()).collect()
     };
-    let (summary, map) = (linked("docs/src/SUMMARY.md"), linked("ARCHITECTURE.md"));
+    let (summary, map) = (linked("docs/src/SUMMARY.md"), linked("docs/decisions/README.md"));
     for page in &all {
         if let Some(own) = page.name.strip_prefix("docs/src/").filter(|own| *own != "SUMMARY.md") {
             assert!(summary.contains(own), "docs/src/SUMMARY.md does not list {own}");
         }
-        if page.name.starts_with("docs/decisions/") {
-            assert!(map.contains(&page.name), "ARCHITECTURE.md does not link {}", page.name);
+        if let Some(own) = page.name.strip_prefix("docs/decisions/").filter(|own| *own != "README.md") {
+            assert!(map.contains(own), "docs/decisions/README.md does not list {own}");
             let date = page.text.lines().nth(2).unwrap_or_default();
             assert!(date.starts_with("20") && date.contains("commit"), "{}: its date is missing", page.name);
         }

@@ -66,7 +66,6 @@ const SIM: [(&str, &[&str]); 22] = [
     (
         "sweep",
         &[
-            "calibrate",
             "cleaning",
             "diagnose",
             "escape",

@@ -1,0 +1,84 @@
+//! What is stated of the rod and of the setup competes with the effects.
+//!
+//! In a search no belief gives way by more than [`FARTHEST`] deviations. Without that limit a model that lacks an effect
+//! takes an impossible setup instead, and from there a fit with the effect finds no way back. Where the baseline or the
+//! answer needs a belief at its limit, that belief alone is lifted in the model without any effect. If that does as well
+//! for its unknowns, what is stated is wrong, or nobody can tell.
+
+use super::Course;
+use super::section::FARTHEST;
+use super::verdict::Contradiction;
+use super::warnings::{contradictions, deviations_off};
+use crate::calibrate::joint::{Joint, Known};
+use crate::calibrate::unknowns::Kind;
+use crate::calibrate::{CalibrateError, Problem};
+
+/// How much less is believed of a marker's place or of an angle that is lifted.
+const LIFTED: f64 = 25.0;
+
+/// Keeps every belief of a parameter within its limit, where no bounds are given.
+pub(super) fn limit_beliefs(problem: &mut Problem) {
+    let Some(trial) = problem.trials.first() else { return };
+    let range = |path: &str| {
+        trial
+            .model
+            .index(path)
+            .map_or((f64::NEG_INFINITY, f64::INFINITY), |k| trial.model.parameters[k].range)
+    };
+    for own in problem.parameters.iter_mut().filter(|own| own.bounds.is_none()) {
+        let Some(prior) = own.prior else { continue };
+        let (least, most) = range(&own.path);
+        let room = FARTHEST * prior.deviation;
+        own.bounds = Some(((prior.mean - room).max(least), (prior.mean + room).min(most)));
+    }
+}
+
+/// The problem with one of its beliefs lifted.
+fn lifted(problem: &Problem, known: &Known) -> Problem {
+    let mut problem = problem.clone();
+    match known.unknown.kind {
+        Kind::HoldAngle => problem.nuisances.hold_angle.iter_mut().for_each(|own| *own *= LIFTED),
+        Kind::Offset { .. } => problem.nuisances.offset.iter_mut().for_each(|own| *own *= LIFTED),
+        _ => {
+            for own in problem.parameters.iter_mut().filter(|own| own.path == known.unknown.name) {
+                (own.prior, own.bounds) = (None, None);
+            }
+        }
+    }
+    problem
+}
+
+impl Course<'_> {
+    /// What alone would have to be otherwise than stated, if that does as well as what was added; empty where nothing does.
+    pub(super) fn misstated(&self) -> Result<Vec<Contradiction>, CalibrateError> {
+        if self.added.is_empty() {
+            return Ok(Vec::new());
+        }
+        // What stood at its limit before an effect gave way may be what the effect stands in for.
+        let known = self.model.fit()?.known();
+        let all = self.before.known.iter().chain(&known);
+        let mut at_limit: Vec<&Known> = all.filter(|own| deviations_off(own, own).is_some()).collect();
+        at_limit.sort_by(|a, b| a.unknown.name.cmp(&b.unknown.name));
+        at_limit.dedup_by_key(|own| &own.unknown.name);
+        let widening = self.added.iter().map(|best| best.widening).fold(1.0, f64::max);
+        let price: f64 = self.added.iter().map(|best| best.price).sum();
+        let mut least = self.cost + 0.5 * widening * price;
+        let mut misstated = Vec::new();
+        for own in at_limit {
+            self.listener.doing(&format!("whether {} is as stated", own.unknown.name));
+            let problem = lifted(&self.problem, own);
+            // From the start, since a belief at its limit may have lost the phase of the swing.
+            let fit = match Joint::search(&problem, &|_| ()) {
+                Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => continue,
+                fit => fit?,
+            };
+            if fit.cost() < least {
+                least = fit.cost();
+                let found = fit.known();
+                let of_it = found.iter().filter(|other| other.unknown.name == own.unknown.name);
+                misstated = contradictions(of_it.map(|other| (other, own)));
+            }
+        }
+        Ok(misstated)
+    }
+}

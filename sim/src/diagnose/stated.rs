@@ -1,0 +1,87 @@
+//! What an experiment file says of its diagnosis.
+//!
+//! ```toml
+//! [diagnose]                          # all may be left out
+//! without = ["hose"]                  # effects that cannot be there
+//! [[diagnose.parameter]]
+//! path = "effects.tip_mass.mass"      # of any candidate
+//! bounds = ["0 g", "100 g"]           # instead of the range that follows from the rod
+//! ```
+
+use models::effects::{CATALOGUE, Parameter, by_name};
+use models::nearest::nearest;
+
+use super::Settings;
+use crate::calibrate::{SectionError, repeatability};
+use crate::experiment::{Experiment, ExperimentError};
+use crate::scenario::document::Keys;
+use crate::scenario::{Problem, ScenarioError};
+
+impl Settings {
+    /// These, with what the experiment says.
+    /// # Errors
+    /// [`SectionError`], with the place in the file.
+    pub fn stated(mut self, experiment: &Experiment) -> Result<Self, SectionError> {
+        let section = experiment.section("diagnose")?;
+        let read = || -> Result<_, ScenarioError> {
+            section.only(&["without", "parameter"])?;
+            let ranges = section.tables("parameter")?.iter().map(range).collect::<Result<_, _>>()?;
+            Ok((without(&section)?, ranges))
+        };
+        let (without, ranges) = read().map_err(ExperimentError::from)?;
+        self.excluded.extend(without);
+        self.ranges = ranges;
+        self.repeatability = repeatability(experiment)?;
+        Ok(self)
+    }
+}
+
+/// Effects that a table leaves out of the catalogue.
+/// # Errors
+/// [`ScenarioError`] at a name that is none.
+pub(crate) fn without(table: &Keys) -> Result<Vec<String>, ScenarioError> {
+    let names = table.texts("without")?.unwrap_or_default();
+    if let Some(name) = names.iter().find(|name| by_name(name).is_none()) {
+        let all = || CATALOGUE.iter().map(|effect| effect.about().name);
+        let near = nearest(name, all()).map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        let message = format!("there is no effect `{name}`{near}; `efam effects` lists all");
+        return Err(table.wrong("without", Problem::Other { message }));
+    }
+    Ok(names.into_iter().map(str::to_owned).collect())
+}
+
+fn range(table: &Keys) -> Result<(String, (f64, f64)), ScenarioError> {
+    table.only(&["path", "bounds"])?;
+    let Some((path, _)) = table.text("path")? else {
+        return Err(table.missing("path", "path = \"effects.tip_mass.mass\""));
+    };
+    let Some(of) = parameter(path) else {
+        let of_effect = |effect: &&'static dyn models::effects::Effect| {
+            let about = effect.about();
+            about.parameters.iter().map(|own| format!("effects.{}.{}", about.name, own.name))
+        };
+        let known: Vec<String> = CATALOGUE.iter().flat_map(of_effect).collect();
+        let near = nearest(path, known.iter().map(String::as_str));
+        let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        let message =
+            format!("no effect has a parameter `{path}`{near}; `efam effects NAME` lists those of one");
+        return Err(table.wrong("path", Problem::Other { message }));
+    };
+    let (least, most) = of.range;
+    match table.quantities("bounds", of.unit)?.as_deref() {
+        None => Err(table.missing("bounds", "bounds = two values, the lower one first")),
+        Some([low, high]) if low < high && least <= *low && *high <= most => {
+            Ok((path.to_owned(), (*low, *high)))
+        }
+        Some(_) => {
+            let must = "be two values that the effect admits, the lower one first";
+            Err(table.wrong("bounds", Problem::Must { must }))
+        }
+    }
+}
+
+/// The parameter of an effect by its path.
+fn parameter(path: &str) -> Option<&'static Parameter> {
+    let (effect, name) = path.strip_prefix("effects.")?.split_once('.')?;
+    by_name(effect)?.about().parameters.iter().find(|own| own.name == name)
+}
