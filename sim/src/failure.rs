@@ -111,7 +111,9 @@ impl From<SweepError> for Failure {
         match error {
             SweepError::Scenario(error) => error.into(),
             SweepError::Results(error) => error.into(),
-            SweepError::NoShard { .. } | SweepError::Foreign { .. } => Failure::Usage(error.to_string()),
+            SweepError::NoShard { .. } | SweepError::Foreign { .. } | SweepError::OtherPlan { .. } => {
+                Failure::Usage(error.to_string())
+            }
             SweepError::Unwritten { .. } => Failure::Output(error.to_string()),
             error => Failure::Data(error.to_string()),
         }

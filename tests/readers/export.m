@@ -13,4 +13,8 @@ assert(run.trajectory.z_m(:, 32), column("z_31_m"), 1e-14);
 assert(char(run.unit.trajectory.tip_vx_m_s(:)'), "m/s");
 summary = jsondecode(char(run.about.summary_json(:)'));
 assert(summary.samples, rows(end, 1) * 100 + 1);
+older = load("run5.mat");
+assert(older.trajectory.z_m, run.trajectory.z_m);
+assert(older.unit.trajectory.tip_vx_m_s, "m/s");
+assert(jsondecode(older.about.summary_json).samples, summary.samples);
 printf("Octave %s: %d samples of %d nodes\n", version(), size(run.trajectory.z_m));

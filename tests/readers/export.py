@@ -1,10 +1,12 @@
-"""Reads RUN.mat by h5py and RUN.mcap by the reader of MCAP, and holds both against the run's own CSV."""
+"""Reads RUN.mat by h5py, RUN5.mat by scipy and RUN.mcap by the reader of MCAP, and holds all against the run's own CSV."""
 
 import csv
 import json
 import sys
 
 import h5py
+import scipy
+import scipy.io
 from mcap.reader import make_reader
 
 run = sys.argv[1]
@@ -23,6 +25,15 @@ with h5py.File(f"{run}.mat") as mat:
     assert text("unit/trajectory/tip_vx_m_s") == "m/s"
     assert json.loads(text("about/summary_json"))["samples"] == len(rows)
     print(f"h5py {h5py.__version__}: {len(trajectory)} columns of {len(rows)} samples")
+
+mat = scipy.io.loadmat(f"{run}5.mat", simplify_cells=True)
+for name in ["time_s", "tip_x_m", "tip_z_m", "total_J"]:
+    assert list(mat["trajectory"][name]) == [row[name] for row in rows], name
+assert mat["trajectory"]["z_m"].shape == (len(rows), nodes)
+assert list(mat["trajectory"]["z_m"][:, nodes - 1]) == [row[f"z_{nodes - 1}_m"] for row in rows]
+assert mat["unit"]["trajectory"]["tip_vx_m_s"] == "m/s"
+assert json.loads(mat["about"]["summary_json"])["samples"] == len(rows)
+print(f"scipy {scipy.__version__}: {len(mat['trajectory'])} columns of {len(rows)} samples")
 
 with open(f"{run}.mcap", "rb") as file:
     reader = make_reader(file, validate_crcs=True)

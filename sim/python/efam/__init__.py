@@ -5,36 +5,43 @@
 >>> print(run)
 """
 
-from ._answers import Answer, calibrate, diagnose, predict
+from ._answers import Answer, Residuals, Sweep, analyse, calibrate, check, diagnose, predict, sweep
 from ._efam import (
     DataError,
     EfamError,
     Model,
     OutputError,
-    Residuals,
     ScenarioError,
     SimulationError,
     Swing,
     __version__,
 )
+from ._experiment import Experiment
+from ._recording import Recording
 from ._run import Many, Run, simulate, simulate_many
 
 __all__ = [
     "Answer",
     "DataError",
     "EfamError",
+    "Experiment",
     "Many",
     "Model",
     "OutputError",
+    "Recording",
     "Residuals",
     "Run",
     "ScenarioError",
     "SimulationError",
+    "Sweep",
     "Swing",
     "__version__",
+    "analyse",
     "calibrate",
+    "check",
     "diagnose",
     "predict",
     "simulate",
     "simulate_many",
+    "sweep",
 ]

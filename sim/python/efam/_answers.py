@@ -1,68 +1,269 @@
-"""Calibration, diagnosis and prediction, with the options and the words of the program."""
+"""Analysis, calibration, diagnosis, prediction and sweeps, with the options and the words of the program."""
 
+import html
 import json
 import os
-from collections.abc import Mapping, Sequence
-from typing import Any, Union
+import shutil
+import tempfile
+import webbrowser
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path as FilePath
+from typing import Any, Optional, Union
+
+import numpy as np
+from numpy.typing import NDArray
 
 from . import _efam
+from ._efam import AnswerData, ResidualsData
+from ._experiment import Source, data_of
+from ._progress import bar
 
 Path = Union[str, "os.PathLike[str]"]
+Floats = NDArray[np.float64]
+
+_REPORT = "report.html"
 
 
 class Answer(Mapping[str, Any]):
     """What a command prints with --json, as a mapping; as text, the table that it prints."""
 
-    def __init__(self, answer: tuple[str, str]) -> None:
-        self._entries: dict[str, Any] = json.loads(answer[0])
-        self._table = answer[1]
+    def __init__(self, data: AnswerData) -> None:
+        self._data = data
+
+    @cached_property
+    def _entries(self) -> dict[str, Any]:
+        entries: dict[str, Any] = json.loads(self._data.json)
+        return entries
 
     def __getitem__(self, key: str) -> Any:
         return self._entries[key]
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[str]:
         return iter(self._entries)
 
     def __len__(self) -> int:
         return len(self._entries)
 
+    @property
+    def warnings(self) -> list[str]:
+        """What to know before it is used."""
+        return list(self._entries.get("warnings", []))
+
+    @property
+    def models(self) -> dict[str, str]:
+        """Of a calibration: texts of the files with the calibrated model, by their names; `predict` takes them."""
+        return dict(self._data.models)
+
+    def to_pandas(self, key: str) -> Any:
+        """A list of the answer, such as "parameters", as a pandas.DataFrame."""
+        import pandas
+
+        return pandas.json_normalize(self[key])
+
+    def write(self, out: Optional[Path] = None, *, overwrite: bool = False) -> FilePath:
+        """Writes the folder that the program writes: `out`, or a new one in outputs/. Returns where it is."""
+        return FilePath(self._data.write(out, overwrite))
+
+    def page(self) -> str:
+        """The page, as the program writes it."""
+        with tempfile.TemporaryDirectory(prefix="efam-") as folder:
+            return (self.write(FilePath(folder) / "answer") / _REPORT).read_text(encoding="utf-8")
+
+    def report(self) -> FilePath:
+        """Writes the page to a new folder for temporary files and opens it in a browser."""
+        path = FilePath(tempfile.mkdtemp(prefix="efam-")) / _REPORT
+        path.write_text(self.page(), encoding="utf-8")
+        webbrowser.open(path.as_uri())
+        return path
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.page(), quote=True)
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+
+    def __str__(self) -> str:
+        return self._data.table
+
+    def __repr__(self) -> str:
+        return f"<efam.{type(self).__name__}: {', '.join(self._entries)}>"
+
+
+class Sweep(Answer):
+    """A sweep: how each number is spread, and the table of all points."""
+
+    def __init__(self, entries: str, table: str, folder: FilePath, columns: dict[str, Any], keep: Any) -> None:
+        self._json, self._table = entries, table
+        self.columns: dict[str, Any] = columns
+        """All columns of the table by their names: arrays of numbers, lists of texts."""
+        self.folder = folder
+        """Where it is; a folder for temporary files goes with this object."""
+        self._keep = keep
+
+    @cached_property
+    def _entries(self) -> dict[str, Any]:
+        entries: dict[str, Any] = json.loads(self._json)
+        return entries
+
+    @property
+    def models(self) -> dict[str, str]:
+        """None."""
+        return {}
+
+    def to_pandas(self, key: Optional[str] = None) -> Any:
+        """The table of all points as a pandas.DataFrame, or a list of the answer, such as "numbers"."""
+        import pandas
+
+        return pandas.DataFrame(self.columns) if key is None else super().to_pandas(key)
+
+    def write(self, out: Optional[Path] = None, *, overwrite: bool = False) -> FilePath:
+        """Copies its folder, which is whole: it can be merged again, and shown by `efam report`."""
+        if out is None:
+            raise TypeError("write: name a folder, or give out= to efam.sweep")
+        if overwrite:
+            raise TypeError("write: a folder that is there is not replaced; choose another")
+        return FilePath(shutil.copytree(self.folder, out))
+
+    def page(self) -> str:
+        """The page, as the program writes it."""
+        return (self.folder / _REPORT).read_text(encoding="utf-8")
+
     def __str__(self) -> str:
         return self._table
 
-    def __repr__(self) -> str:
-        return f"<efam.Answer: {', '.join(self._entries)}>"
+
+class Residuals:
+    """Residuals of an experiment at any values of its unknowns, and their Jacobian, for solvers of Python."""
+
+    def __init__(self, experiment: Source, /, **options: Any) -> None:
+        self._data = ResidualsData(data_of(experiment, options))
+
+    @property
+    def names(self) -> list[str]:
+        """Name of each unknown."""
+        return self._data.names
+
+    @property
+    def units(self) -> list[str]:
+        """SI unit of each unknown."""
+        return self._data.units
+
+    @property
+    def start(self) -> Floats:
+        """Where a search starts, SI."""
+        return self._data.start
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lowest and highest value of each unknown, as scipy takes them."""
+        return self._data.bounds
+
+    def residuals_and_jacobian(
+        self, theta: Union[Sequence[float], Floats], *, exact: bool = False
+    ) -> tuple[Floats, Floats]:
+        """Residuals over the noise, and their derivatives, shape [residuals, unknowns].
+
+        The derivatives are some per cent off, or exact by a run more for each unknown.
+        """
+        return self._data.residuals_and_jacobian(theta, exact=exact)
 
 
-def _set(options: Mapping[str, Any]) -> list[str]:
-    """As --set takes them: what JSON writes, TOML reads."""
-    return [f"{path}={json.dumps(value)}" for path, value in options.items()]
+def check(experiment: Source, /, **options: Any) -> Answer:
+    """Cuts the releases out of the recordings of an experiment, as `efam experiment check` does."""
+    return Answer(_efam.analyse(data_of(experiment, options), None))
 
 
-def calibrate(experiment: Path, /, *, profile: bool = False, **options: Any) -> Answer:
+def analyse(experiment: Source, /, *, nodes: Optional[Sequence[int]] = None, **options: Any) -> Answer:
+    """Finds frequency, damping and stiffness of each release of an experiment, as `efam analyse` does."""
+    own = list(nodes) if nodes is not None else _efam.analysis_nodes()
+    return Answer(_efam.analyse(data_of(experiment, options), own))
+
+
+def calibrate(
+    experiment: Source, /, *, profile: bool = False, progress: Optional[bool] = None, **options: Any
+) -> Answer:
     """Finds parameters of a model from the releases of an experiment, as `efam calibrate` does.
 
     Options set keys of the experiment by their paths: **{"calibrate.mesh": "kept"}.
     """
-    return Answer(_efam.calibrate(experiment, _set(options), profile))
+    data = data_of(experiment, options)
+    with bar("calibrate", " stages", progress) as tell:
+        return Answer(_efam.calibrate(data, profile, tell))
 
 
 def diagnose(
-    experiment: Path,
+    experiment: Source,
     /,
     *,
     false_alarm: float = 0.01,
     most: int = 3,
     without: Sequence[str] = (),
+    progress: Optional[bool] = None,
     **options: Any,
 ) -> Answer:
     """Finds which effect the model of an experiment lacks, as `efam diagnose` does, without a limit of time."""
-    return Answer(_efam.diagnose(experiment, _set(options), false_alarm, most, list(without)))
+    data = data_of(experiment, options)
+    with bar("diagnose", " stages", progress) as tell:
+        return Answer(_efam.diagnose(data, false_alarm, most, list(without), tell))
 
 
-def predict(of: Path, /, *, draws: int = 200, seed: int = 1, **options: Any) -> Answer:
+def predict(
+    of: Union[Path, Answer, None] = None,
+    /,
+    *,
+    check: Source = None,
+    draws: int = 200,
+    seed: int = 1,
+    progress: Optional[bool] = None,
+    **options: Any,
+) -> Answer:
     """Predicts how a calibrated rod or muscle responds, with intervals, as `efam predict` does of one case.
 
-    `of` is a scenario, such as the rod.toml of a calibration, its muscle.toml, or the name of a built-in muscle. Options
-    are those of `simulate`.
+    `of` is a calibration, a scenario or its text, such as the rod.toml of a calibration, its muscle.toml, or the name of
+    a built-in muscle. Options are those of `simulate`. With `check`, an experiment, the releases of that are predicted
+    and compared with it, and options set its keys.
     """
-    return Answer(_efam.predict(os.fspath(of), draws, seed, **options))
+    with tempfile.TemporaryDirectory(prefix="efam-") as folder:
+        rod = _rod(of, FilePath(folder))
+        if check is not None:
+            return Answer(_efam.compare(data_of(check, options), rod, draws, seed))
+        if rod is None:
+            raise TypeError("predict: a calibration, a scenario, a muscle.toml or a built-in muscle is due")
+        with bar("predict", " draws", progress) as tell:
+            return Answer(_efam.predict(rod, draws, seed, tell, **options))
+
+
+def _rod(of: Union[Path, Answer, None], folder: FilePath) -> Optional[str]:
+    """What `predict` is about, as the program takes it."""
+    if not isinstance(of, Answer):
+        return None if of is None else os.fspath(of)
+    if len(of.models) != 1:
+        names = ", ".join(of.models) or "none"
+        raise TypeError(f"predict: the answer has {len(of.models)} models ({names}); give one of answer.models")
+    ((name, text),) = of.models.items()
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return os.fspath(file)
+
+
+def sweep(
+    of: Union[Path, Mapping[str, Any]],
+    /,
+    *,
+    out: Optional[Path] = None,
+    overwrite: bool = False,
+    csv: bool = False,
+    points_per_shard: Optional[int] = None,
+    progress: Optional[bool] = None,
+    **options: Any,
+) -> Sweep:
+    """Simulates every point of a design, or diagnoses many experiments, as `efam sweep` does.
+
+    `of` is the file of a sweep, its text, or tables with its keys. With `out` it goes on where it was interrupted;
+    without, it uses a folder for temporary files.
+    """
+    keep = None if out is not None else tempfile.TemporaryDirectory(prefix="efam-")
+    folder = FilePath(keep.name) / "sweep" if keep is not None else FilePath(os.fspath(out or "."))
+    own: Any = dict(of) if isinstance(of, Mapping) else of
+    with bar("sweep", " points", progress) as tell:
+        found = _efam.sweep(own, folder, overwrite, csv, points_per_shard, tell, options)
+    return Sweep(found[0], found[1], FilePath(found[2]), found[3], keep)

@@ -1,5 +1,5 @@
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Union, final
 
 import numpy as np
@@ -8,22 +8,32 @@ from numpy.typing import NDArray
 _Path = Union[str, os.PathLike[str]]
 _Floats = NDArray[np.float64]
 _State = tuple[float, list[float], list[float], list[float]]
+_Tell = Callable[[int, int, str], None]
+_Held = tuple[str, RecordingData]
 
 __all__ = [
+    "AnswerData",
     "DataError",
     "EfamError",
+    "ExperimentData",
     "Model",
     "OutputError",
-    "Residuals",
+    "RecordingData",
+    "ResidualsData",
     "RunData",
     "ScenarioError",
     "SimulationError",
     "Swing",
     "__version__",
+    "analyse",
+    "analysis_nodes",
     "calibrate",
+    "compare",
     "diagnose",
+    "first_experiment",
     "main",
     "predict",
+    "sweep",
     "tips_of_many",
 ]
 
@@ -94,8 +104,8 @@ class Swing:
     def __getitem__(self, path: str, /) -> float: ...
 
 @final
-class Residuals:
-    def __new__(cls, experiment: _Path, /, set: Sequence[str] = ...) -> Residuals: ...
+class ResidualsData:
+    def __new__(cls, experiment: ExperimentData) -> ResidualsData: ...
     @property
     def names(self) -> list[str]: ...
     @property
@@ -108,12 +118,76 @@ class Residuals:
         self, theta: Union[Sequence[float], _Floats], *, exact: bool = False
     ) -> tuple[_Floats, _Floats]: ...
 
+@final
+class RecordingData:
+    @staticmethod
+    def read(path: _Path, unit: str | None, rate: float | None) -> RecordingData: ...
+    @staticmethod
+    def table(
+        name: str,
+        names: Sequence[str],
+        columns: Sequence[Union[_Floats, str]],
+        unit: str | None,
+        rate: float | None,
+    ) -> RecordingData: ...
+    @property
+    def source(self) -> _Path: ...
+    @property
+    def format(self) -> str: ...
+    @property
+    def rate(self) -> float: ...
+    @property
+    def times(self) -> _Floats: ...
+    @property
+    def markers(self) -> list[str]: ...
+    @property
+    def findings(self) -> list[str]: ...
+    def positions(self) -> _Floats: ...
+
+@final
+class ExperimentData:
+    def __new__(cls, of: Any, options: Mapping[str, Any], held: Sequence[_Held]) -> ExperimentData: ...
+    def replace(self, options: Mapping[str, Any], held: Sequence[_Held]) -> ExperimentData: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def settings(self) -> list[str]: ...
+    @property
+    def recordings(self) -> list[str]: ...
+    @property
+    def has_model(self) -> bool: ...
+
+@final
+class AnswerData:
+    @property
+    def json(self) -> str: ...
+    @property
+    def table(self) -> str: ...
+    @property
+    def models(self) -> list[tuple[str, str]]: ...
+    def write(self, out: _Path | None, overwrite: bool) -> _Path: ...
+
+def first_experiment(name: str, recordings: Sequence[_Held]) -> str: ...
 def tips_of_many(
-    models: Sequence[Model], rate: float
+    models: Sequence[Model], rate: float, tell: _Tell | None
 ) -> tuple[_Floats, _Floats, list[tuple[int, str]]]: ...
-def calibrate(experiment: _Path, set: Sequence[str], profile: bool) -> tuple[str, str]: ...
+def analyse(experiment: ExperimentData, nodes: Sequence[int] | None) -> AnswerData: ...
+def analysis_nodes() -> list[int]: ...
+def calibrate(experiment: ExperimentData, profile: bool, tell: _Tell | None) -> AnswerData: ...
 def diagnose(
-    experiment: _Path, set: Sequence[str], false_alarm: float, most: int, without: Sequence[str]
-) -> tuple[str, str]: ...
-def predict(of: str, draws: int, seed: int, **options: Any) -> tuple[str, str]: ...
+    experiment: ExperimentData, false_alarm: float, most: int, without: Sequence[str], tell: _Tell | None
+) -> AnswerData: ...
+def predict(of: str, draws: int, seed: int, tell: _Tell | None, **options: Any) -> AnswerData: ...
+def compare(experiment: ExperimentData, of: str | None, draws: int, seed: int) -> AnswerData: ...
+def sweep(
+    of: Any,
+    out: _Path,
+    overwrite: bool,
+    csv: bool,
+    points_per_shard: int | None,
+    tell: _Tell | None,
+    options: Mapping[str, Any],
+) -> tuple[str, str, _Path, dict[str, Any]]: ...
 def main(arguments: Sequence[str]) -> int: ...

@@ -9,12 +9,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._efam import Model, RunData, tips_of_many
+from ._progress import bar
 
 Source = Union[Model, str, "os.PathLike[str]", Mapping[str, Any]]
 Floats = NDArray[np.float64]
@@ -195,8 +196,11 @@ def simulate(
     return Run(model.run(error_estimate=error_estimate, sensitivities=list(sensitivities)))
 
 
-def simulate_many(models: Iterable[Source], *, rate: float = 100.0) -> Many:
+def simulate_many(
+    models: Iterable[Source], *, rate: float = 100.0, progress: Optional[bool] = None
+) -> Many:
     """Simulates many models on all cores, without estimates of errors, with their tips sampled `rate` times a second."""
     own = [model_of(model) for model in models]
-    t, tip, failures = tips_of_many(own, rate)
+    with bar("simulate", " runs", progress) as tell:
+        t, tip, failures = tips_of_many(own, rate, tell)
     return Many(t, tip.reshape(len(own), len(t), 2), dict(failures))

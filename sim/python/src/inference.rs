@@ -1,121 +1,255 @@
-//! Calibration, diagnosis and prediction, as the program's commands do them: the JSON that they print, and their table.
+//! Analysis, calibration, diagnosis and prediction, as the program's commands do them.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use models::muscle::BUILT_IN;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::to_string;
+use serde_json::json;
+use sim::analysis::static_stiffness::NODES;
 use sim::calibrate as calibration;
-use sim::cleaning::clean;
 use sim::diagnose as diagnosis;
-use sim::experiment::Experiment;
+use sim::experiment::analyse as analysis;
 use sim::failure::Failure;
 use sim::forward::Cancel;
-use sim::predict as prediction;
 use sim::predict::asked::Asked;
-use sim::results::calibrated::table;
-use sim::results::diagnosed::diagnosis_table;
-use sim::results::predicted::prediction_table;
+use sim::predict::check::{check, fitted_files};
+use sim::predict::{self as prediction, Settings};
+use sim::results::Request;
+use sim::results::calibrated::{models, table, write_calibration};
+use sim::results::checked::{check_table, write_check};
+use sim::results::diagnosed::{diagnosis_table, write_diagnosis};
+use sim::results::experiment::{self as releases, Row};
+use sim::results::predicted::{prediction_table, write_prediction};
 
+use crate::answer::{AnswerData, request_of};
+use crate::experiment::ExperimentData;
 use crate::failure::exception;
 use crate::overrides::overrides;
-use crate::watch::watched;
+use crate::watch::{Progress, followed};
 
-/// JSON and table.
-type Answer = (String, String);
+/// Says on the thread of the call what a search does, and can end it.
+struct Listener<'a>(Cancel, &'a Progress);
 
-/// Nobody listens, but the search can be ended.
-struct Silent(Cancel);
-
-impl calibration::Listener for Silent {
-    fn doing(&self, _what: &str) {}
+impl calibration::Listener for Listener<'_> {
+    fn doing(&self, what: &str) {
+        self.1.step();
+        self.1.say(what);
+    }
 }
 
-impl diagnosis::Listener for Silent {
-    fn doing(&self, _what: &str) {}
+impl diagnosis::Listener for Listener<'_> {
+    fn doing(&self, what: &str) {
+        self.1.step();
+        self.1.say(what);
+    }
 
     fn stop(&self) -> Cancel {
         self.0.clone()
     }
 }
 
-fn json(value: &impl serde::Serialize) -> String {
-    to_string(value).expect("an answer has nothing that JSON has not")
+/// Releases of an experiment with what was decided, and with their analysis if there are nodes for that.
+#[pyfunction]
+pub fn analyse(
+    py: Python<'_>,
+    experiment: Py<ExperimentData>,
+    nodes: Option<Vec<usize>>,
+) -> PyResult<AnswerData> {
+    let own = experiment.get();
+    if let Some(wrong) = nodes.iter().flatten().find(|nodes| !(4..=2000).contains(*nodes)) {
+        return Err(exception(Failure::Usage(format!("nodes = {wrong}: must lie in 4..=2000"))));
+    }
+    let work = |_: Cancel, _: &Progress| -> Result<AnswerData, Failure> {
+        let begin = Instant::now();
+        let cleaned = own.cleaned()?;
+        let analysed =
+            nodes.as_ref().map(|nodes| analysis::analyse(&own.own, &cleaned, nodes)).transpose()?;
+        let mut printed = json!({
+            "releases": cleaned.releases.iter().map(Row::of).collect::<Vec<_>>(),
+            "decisions": cleaned.decisions,
+        });
+        let mut text = Vec::new();
+        releases::table(&mut text, &cleaned)?;
+        if let Some(analysed) = &analysed {
+            printed["analysis"] = json!(analysed.iter().map(analysis::Analysed::said).collect::<Vec<_>>());
+            for one in analysed {
+                releases::analysed_table(&mut text, one)?;
+            }
+        }
+        let request = request_of(own, &[], begin.elapsed().as_secs_f64());
+        drop(analysed);
+        let (experiment, nodes) = (own.own.clone(), nodes.clone());
+        let write = move |folder: &_, request: &Request| {
+            // It was analysed above, with the same numbers.
+            let again = |nodes| analysis::analyse(&experiment, &cleaned, nodes).ok();
+            let analysed = nodes.as_deref().and_then(again);
+            releases::write(folder, request, &experiment, &cleaned, analysed.as_deref())
+        };
+        Ok(AnswerData::of(&printed, String::from_utf8_lossy(&text).into_owned(), request, write))
+    };
+    followed(py, None, work)?.map_err(exception)
+}
+
+/// Nodes of the static fits of an analysis.
+#[pyfunction]
+pub fn analysis_nodes() -> Vec<usize> {
+    NODES.to_vec()
 }
 
 /// Parameters of an experiment's model.
 #[pyfunction]
-pub fn calibrate(py: Python<'_>, experiment: PathBuf, set: Vec<String>, profile: bool) -> PyResult<Answer> {
-    let work = |cancel: Cancel| -> Result<Answer, Failure> {
-        let experiment = Experiment::load(&experiment, &set)?;
-        let (mut problem, settings) = calibration::problem(&experiment, &clean(&experiment)?)?;
+pub fn calibrate(
+    py: Python<'_>,
+    experiment: Py<ExperimentData>,
+    profile: bool,
+    tell: Option<Py<PyAny>>,
+) -> PyResult<AnswerData> {
+    let own = experiment.get();
+    let work = |cancel: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
+        let begin = Instant::now();
+        progress.say("reading and cleaning the recordings");
+        let (mut problem, settings) = calibration::problem(&own.own, &own.cleaned()?)?;
         problem.trials.iter_mut().for_each(|trial| trial.run.cancel = cancel.clone());
         let settings = calibration::Settings { profile, ..settings };
-        let outcome = calibration::calibrate(&problem, &settings, &Silent(cancel))?;
-        Ok((json(&outcome.calibration), table(&outcome.calibration)))
+        let outcome = calibration::calibrate(&problem, &settings, &Listener(cancel, progress))?;
+        let found = &outcome.calibration;
+        let files = models(&own.own, &problem, &settings, found);
+        let files = files.map_err(|error| Failure::Usage(error.to_string()))?;
+        let request = request_of(own, &found.warnings, begin.elapsed().as_secs_f64());
+        let named = files.iter().map(|file| (file.name.clone(), file.text.clone())).collect();
+        let (answer, text) = (json!(found), table(found));
+        let write = move |folder: &_, request: &Request| {
+            write_calibration(folder, request, &problem, &outcome, &files)
+        };
+        Ok(AnswerData::of(&answer, text, request, write).with_models(named))
     };
-    watched(py, work)?.map_err(exception)
+    followed(py, tell, work)?.map_err(exception)
 }
 
 /// Which effect the model of an experiment lacks.
 #[pyfunction]
 pub fn diagnose(
     py: Python<'_>,
-    experiment: PathBuf,
-    set: Vec<String>,
+    experiment: Py<ExperimentData>,
     false_alarm: f64,
     most: usize,
     without: Vec<String>,
-) -> PyResult<Answer> {
-    let work = |cancel: Cancel| -> Result<Answer, Failure> {
-        let experiment = Experiment::load(&experiment, &set)?;
+    tell: Option<Py<PyAny>>,
+) -> PyResult<AnswerData> {
+    let own = experiment.get();
+    let usage = |message: String| exception(Failure::Usage(message));
+    if !(false_alarm > 0.0 && false_alarm < 1.0) {
+        return Err(usage(format!("false_alarm = {false_alarm}: it must lie between 0 and 1, such as 0.01")));
+    }
+    diagnosis::known_effects(&without).map_err(|wrong| usage(format!("without: {wrong}")))?;
+    let work = |cancel: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
+        let begin = Instant::now();
+        progress.say("reading and cleaning the recordings");
         let settings = diagnosis::Settings {
             false_alarm,
             most_effects: most,
             excluded: without,
             ..diagnosis::Settings::default()
         }
-        .stated(&experiment)?;
-        let problem = diagnosis::problem(&experiment, &clean(&experiment)?)?;
-        let outcome = diagnosis::diagnose(&problem, &settings, &Silent(cancel))?;
-        Ok((json(&outcome.diagnosis), diagnosis_table(&outcome.diagnosis)))
+        .stated(&own.own)?;
+        let problem = diagnosis::problem(&own.own, &own.cleaned()?)?;
+        let outcome = diagnosis::diagnose(&problem, &settings, &Listener(cancel, progress))?;
+        let found = &outcome.diagnosis;
+        let request = request_of(own, &found.warnings, begin.elapsed().as_secs_f64());
+        let (answer, text) = (json!(found), diagnosis_table(found));
+        let write = move |folder: &_, request: &Request| write_diagnosis(folder, request, &outcome);
+        Ok(AnswerData::of(&answer, text, request, write))
     };
-    watched(py, work)?.map_err(exception)
+    followed(py, tell, work)?.map_err(exception)
+}
+
+/// The rod that is asked about: a scenario by its text or path, or a muscle.
+fn asked(of: &str) -> Result<Asked, Failure> {
+    let is_built_in = BUILT_IN.iter().any(|(name, _)| *name == of);
+    if is_built_in || Path::new(of).file_name().is_some_and(|name| name == "muscle.toml") {
+        return Ok(Asked::muscle(of));
+    }
+    if of.contains('\n') {
+        return Ok(Asked::scenario(Path::new("rod.toml"), of.to_owned()));
+    }
+    let text = sim::input::text(Path::new(of)).map_err(|error| {
+        Failure::Data(format!(
+            "{of}: cannot be read ({error}); give a scenario, such as the rod.toml of a calibration, or the \
+             muscle.toml of one"
+        ))
+    })?;
+    Ok(Asked::scenario(Path::new(of), text))
 }
 
 /// What a calibrated rod will do: of a scenario or a muscle, with draws from the errors of its calibration.
 #[pyfunction]
-#[pyo3(signature = (of, draws, seed, **options))]
+#[pyo3(signature = (of, draws, seed, tell, **options))]
 pub fn predict(
     py: Python<'_>,
     of: String,
     draws: usize,
     seed: u64,
+    tell: Option<Py<PyAny>>,
     options: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Answer> {
+) -> PyResult<AnswerData> {
     let set = overrides(options)?;
-    let work = |_| -> Result<Answer, Failure> {
-        let is_muscle = BUILT_IN.iter().any(|(name, _)| *name == of)
-            || Path::new(&of).file_name().is_some_and(|name| name == "muscle.toml");
-        let mut asked = match is_muscle {
-            true => Asked::muscle(&of),
-            false => {
-                let text = sim::input::text(Path::new(&of)).map_err(|error| {
-                    Failure::Data(format!(
-                        "{of}: cannot be read ({error}); give a scenario, such as the \
-                                           rod.toml of a calibration, or the muscle.toml of one"
-                    ))
-                })?;
-                Asked::scenario(Path::new(&of), text)
-            }
-        };
+    let work = |_: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
+        let begin = Instant::now();
+        let mut asked = asked(&of)?;
         asked.set = set;
         let (case, known) = asked.case(None, None)?;
-        let settings = prediction::Settings { draws, seed };
-        let outcome = prediction::predict(&case, known.as_ref(), &settings, &|| ());
+        let settings = Settings { draws, seed };
+        progress.expect(known.as_ref().map_or(0, |_| draws));
+        let outcome = prediction::predict(&case, known.as_ref(), &settings, &|| progress.step());
         let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
-        Ok((json(&outcome.prediction), prediction_table(&outcome.prediction)))
+        let found = &outcome.prediction;
+        let request = Request {
+            name: case.name.replace([',', ':', '/'], " "),
+            resolved_scenario: case.resolved(),
+            warnings: found.warnings.clone(),
+            wall_time_s: begin.elapsed().as_secs_f64(),
+            ..Request::default()
+        };
+        let (answer, text) = (json!(found), prediction_table(found));
+        let write = move |folder: &_, request: &Request| write_prediction(folder, request, &outcome);
+        Ok(AnswerData::of(&answer, text, request, write))
     };
-    watched(py, work)?.map_err(exception)
+    followed(py, tell, work)?.map_err(exception)
+}
+
+/// Predictions beside the releases of an experiment, by the rod that is asked about, or else by its own.
+#[pyfunction]
+pub fn compare(
+    py: Python<'_>,
+    experiment: Py<ExperimentData>,
+    of: Option<String>,
+    draws: usize,
+    seed: u64,
+) -> PyResult<AnswerData> {
+    let own = experiment.get();
+    let work = |_: Cancel, _: &Progress| -> Result<AnswerData, Failure> {
+        let begin = Instant::now();
+        let (experiment, known) = match &of {
+            None => (own.own.clone(), own.own.known().cloned()),
+            Some(of) => {
+                let mut asked = asked(of)?;
+                asked.set = own.overrides().to_vec();
+                asked.in_experiment(&own.own)?
+            }
+        };
+        let rod = of.as_ref().filter(|of| !of.contains('\n')).map(PathBuf::from);
+        let fitted = rod.as_deref().map(fitted_files).unwrap_or_default();
+        let cleaned = sim::cleaning::clean(&experiment)?;
+        let settings = Settings { draws, seed };
+        let found = check(&experiment, &cleaned, known.as_ref(), &fitted, &settings)?;
+        let request = request_of(own, &found.warnings, begin.elapsed().as_secs_f64());
+        let request = Request { name: format!("{} predicted", request.name), ..request };
+        let (answer, text) = (json!(found), check_table(&found));
+        Ok(AnswerData::of(&answer, text, request, move |folder, request| {
+            write_check(folder, request, &found)
+        }))
+    };
+    followed(py, None, work)?.map_err(exception)
 }

@@ -1,12 +1,16 @@
 //! The Python package `efam`: classes and functions over the same library that the program calls.
 
+mod answer;
+mod experiment;
 mod failure;
 mod inference;
 mod model;
 mod overrides;
 mod program;
+mod recording;
 mod residuals;
 mod run;
+mod sweep;
 mod swing;
 mod watch;
 
@@ -20,11 +24,19 @@ fn _efam(py: Python<'_>, module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Model>()?;
     module.add_class::<run::RunData>()?;
     module.add_class::<swing::Swing>()?;
-    module.add_class::<residuals::Residuals>()?;
+    module.add_class::<residuals::ResidualsData>()?;
+    module.add_class::<recording::RecordingData>()?;
+    module.add_class::<experiment::ExperimentData>()?;
+    module.add_class::<answer::AnswerData>()?;
+    module.add_function(wrap_pyfunction!(experiment::first_experiment, module)?)?;
     module.add_function(wrap_pyfunction!(run::tips_of_many, module)?)?;
+    module.add_function(wrap_pyfunction!(inference::analyse, module)?)?;
+    module.add_function(wrap_pyfunction!(inference::analysis_nodes, module)?)?;
     module.add_function(wrap_pyfunction!(inference::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(inference::compare, module)?)?;
     module.add_function(wrap_pyfunction!(inference::diagnose, module)?)?;
     module.add_function(wrap_pyfunction!(inference::predict, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(program::main, module)?)?;
     Ok(())
 }

@@ -44,17 +44,17 @@ impl Model {
     }
 }
 
-/// Text of a scenario or an experiment, and the path that its files are relative to.
-pub fn source(given: &Bound<'_, PyAny>) -> PyResult<(PathBuf, String)> {
+/// Text of a scenario or an experiment, and the path that its files are relative to; `name` stands for that of a text.
+pub fn source(given: &Bound<'_, PyAny>, name: &str) -> PyResult<(PathBuf, String)> {
     let is_text = given.cast::<PyString>().is_ok_and(|text| {
         let text = text.to_string_lossy();
         text.contains(['\n', '=']) || text.trim().is_empty()
     });
     if is_text {
-        return Ok((PathBuf::from("scenario"), given.extract()?));
+        return Ok((PathBuf::from(name), given.extract()?));
     }
     let path: PathBuf = given.extract().map_err(|_| {
-        PyTypeError::new_err("a path, the text of a scenario, a dict or an efam.Model is due")
+        PyTypeError::new_err(format!("{name}: a path, a text, a dict or an object of efam is due"))
     })?;
     let text = input::text(&path).map_err(|error| {
         let path = path.display();
@@ -75,7 +75,7 @@ impl Model {
         if let Ok(dict) = source.cast::<PyDict>() {
             return Self::of(PathBuf::from("scenario"), String::new(), [tables(dict)?, set].concat());
         }
-        let (path, text) = self::source(source)?;
+        let (path, text) = self::source(source, "scenario")?;
         Self::of(path, text, set)
     }
 

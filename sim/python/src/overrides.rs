@@ -80,6 +80,10 @@ fn flatten(path: &str, value: &Bound<'_, PyAny>, deepest: usize, set: &mut Vec<S
 
 /// A value as TOML has it.
 fn written(path: &str, value: &Bound<'_, PyAny>, deepest: usize) -> PyResult<String> {
+    // Arrays and numbers of numpy.
+    if value.hasattr("tolist")? {
+        return written(path, &value.call_method0("tolist")?, deepest.saturating_sub(1));
+    }
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(flag.is_true().to_string());
     }
@@ -109,6 +113,18 @@ fn written(path: &str, value: &Bound<'_, PyAny>, deepest: usize) -> PyResult<Str
             items.push(written(own, &item, deepest - 1)?);
         }
         return Ok(format!("[{}]", items.join(", ")));
+    }
+    if let Ok(table) = value.cast::<PyDict>() {
+        if deepest == 0 {
+            return Err(PyTypeError::new_err(format!("{path}: tables within one another, too deep")));
+        }
+        let mut entries = Vec::new();
+        for (key, value) in table.iter() {
+            let key: String = key.extract()?;
+            let value = written(&format!("{path}.{key}"), &value, deepest - 1)?;
+            entries.push(format!("{} = {value}", toml_string(&key)));
+        }
+        return Ok(format!("{{ {} }}", entries.join(", ")));
     }
     match unit_of(path) {
         None if value.is_instance_of::<PyInt>() => Ok(value.str()?.to_string_lossy().into_owned()),

@@ -1,15 +1,12 @@
 //! Residuals of an experiment and their Jacobian, for solvers of Python.
 
-use std::path::PathBuf;
-
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use sim::calibrate::problem;
 use sim::calibrate::residuals::{Evaluation, Residuals as Own};
-use sim::cleaning::clean;
-use sim::experiment::Experiment;
 use sim::failure::Failure;
 
+use crate::experiment::ExperimentData;
 use crate::failure::exception;
 use crate::watch::watched;
 
@@ -18,18 +15,17 @@ type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// Residuals of an experiment at any values of its unknowns.
 #[pyclass(frozen, module = "efam._efam")]
-pub struct Residuals {
+pub struct ResidualsData {
     own: Own,
 }
 
 #[pymethods]
-impl Residuals {
+impl ResidualsData {
     #[new]
-    #[pyo3(signature = (experiment, /, set = Vec::new()))]
-    fn new(py: Python<'_>, experiment: PathBuf, set: Vec<String>) -> PyResult<Self> {
+    fn new(py: Python<'_>, experiment: Py<ExperimentData>) -> PyResult<Self> {
+        let own = experiment.get();
         let read = || -> Result<Own, Failure> {
-            let experiment = Experiment::load(&experiment, &set)?;
-            let (problem, _) = problem(&experiment, &clean(&experiment)?)?;
+            let (problem, _) = problem(&own.own, &own.cleaned()?)?;
             Ok(Own::of(problem)?)
         };
         Ok(Self { own: watched(py, |_| read())?.map_err(exception)? })

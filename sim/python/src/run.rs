@@ -20,7 +20,7 @@ use sim::trajectory::Status;
 
 use crate::failure::exception;
 use crate::model::Model;
-use crate::watch::watched;
+use crate::watch::{followed, watched};
 
 /// A run with its numbers.
 #[pyclass(frozen, module = "efam._efam")]
@@ -149,7 +149,12 @@ type Tips<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<(usi
 
 /// The tips of many models, on all cores, sampled `rate` times a second. What a run has not is not a number.
 #[pyfunction]
-pub fn tips_of_many<'py>(py: Python<'py>, models: Vec<Py<Model>>, rate: f64) -> PyResult<Tips<'py>> {
+pub fn tips_of_many<'py>(
+    py: Python<'py>,
+    models: Vec<Py<Model>>,
+    rate: f64,
+    tell: Option<Py<PyAny>>,
+) -> PyResult<Tips<'py>> {
     if !(rate > 0.0 && rate.is_finite()) {
         return Err(exception(Failure::Usage(format!("rate = {rate} Hz: must be positive"))));
     }
@@ -161,7 +166,8 @@ pub fn tips_of_many<'py>(py: Python<'py>, models: Vec<Py<Model>>, rate: f64) -> 
         return Err(exception(Failure::Usage(message)));
     }
     let times = uniform(longest, rate);
-    let (tips, failures) = watched(py, |cancel| {
+    let (tips, failures) = followed(py, tell, |cancel, progress| {
+        progress.expect(cases.len());
         let mut tips = vec![f64::NAN; 2 * times.len() * cases.len()];
         let width = 2 * times.len();
         let one = |(place, (row, case)): (usize, (&mut [f64], &&Case))| {
@@ -172,6 +178,7 @@ pub fn tips_of_many<'py>(py: Python<'py>, models: Vec<Py<Model>>, rate: f64) -> 
             let run = Run { samples, energy: false, trace_step: None, ..case.run.clone() };
             let case = case.run_as(&case.model, &run);
             let done = simulate::simulate(&case, false, cancel.clone(), &mut |_| ControlFlow::Continue(()));
+            progress.step();
             match done {
                 Err(failure) => Some((place, failure.to_string())),
                 Ok(done) => {

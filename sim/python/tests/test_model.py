@@ -110,6 +110,20 @@ def test_pressure_and_payload_change_while_it_swings(scenario):
         swing.state = (0.0, [1.0], [1.0], [])
 
 
+def test_pressure_damps_a_swing(scenario):
+    """The controller of the guide: at a higher pressure the tip rests lower, so pressure rises with the tip."""
+
+    def swing_left(gain):
+        swing, heights = efam.Model(scenario).start(), []
+        for _ in range(500):
+            swing.set(pressure=103e3 + 40e3 * max(-1, min(1, gain * swing.tip[1][1])))
+            swing.step("10 ms")
+            heights.append(swing.tip[0][1])
+        return np.ptp(heights[-100:])
+
+    assert swing_left(0.5) < 0.3 * swing_left(0) < 0.3 * swing_left(-0.1)
+
+
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [

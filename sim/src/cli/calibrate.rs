@@ -1,6 +1,5 @@
 //! `efam calibrate`: parameters of a model from the releases of an experiment.
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -11,9 +10,8 @@ use clap::Args;
 use serde::Serialize;
 use sim::calibrate::{Calibration, Outcome, Problem, Settings, calibrate, problem};
 use sim::escape::shell_word;
-use sim::experiment::{Entry, Experiment};
-use sim::input;
-use sim::results::calibrated::{muscle_file, rod_files, table, write_calibration};
+use sim::results::calibrated::{models, table, write_calibration};
+use sim::results::experiment::input_hashes;
 use sim::results::{self, Request};
 use sim::schema::JsonSchema;
 
@@ -79,21 +77,8 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     stages.tell("writing");
 
     let calibration = &outcome.calibration;
-    let source = format!(
-        "calibrated by efam {} from {} releases of {}",
-        env!("CARGO_PKG_VERSION"),
-        calibration.releases.iter().filter(|release| !release.held_out).count(),
-        experiment.path.display()
-    );
-    let kept = problem.trials.first().filter(|_| !settings.remove_mesh);
-    let nodes = kept.map(|trial| trial.model.edges + 1);
-    let models = match experiment.muscle().zip(experiment.stiffness()) {
-        Some((muscle, stiffness)) => muscle_file(muscle, calibration, nodes, stiffness, &source)
-            .map_err(|error| Failure::Usage(error.to_string()))?
-            .into_iter()
-            .collect(),
-        None => rod_files(&problem, calibration, nodes, &source),
-    };
+    let models = models(&experiment, &problem, &settings, calibration)
+        .map_err(|error| Failure::Usage(error.to_string()))?;
     let request = Request {
         name: experiment.name.clone(),
         resolved_scenario: experiment.text().to_owned(),
@@ -127,12 +112,4 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     }
     Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// SHA-256 of the experiment and of its recordings, by file.
-pub fn input_hashes(experiment: &Experiment) -> BTreeMap<String, String> {
-    let hash = |file: &Path, hash: String| (file.display().to_string(), hash);
-    let own = hash(&experiment.path, results::sha256(experiment.text().as_bytes()));
-    let read = |entry: &Entry| Some(hash(&entry.file, input::sha256(&entry.file).ok()?));
-    experiment.recordings.iter().filter_map(read).chain([own]).collect()
 }

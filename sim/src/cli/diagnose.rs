@@ -7,19 +7,17 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use models::effects::{CATALOGUE, by_name};
-use models::nearest::nearest;
 use models::quantity::Quantity;
 use serde::Serialize;
 use sim::diagnose::plan::Prospect;
-use sim::diagnose::{Diagnosis, Outcome, Settings, diagnose, plan, problem};
+use sim::diagnose::{Diagnosis, Outcome, Settings, diagnose, known_effects, plan, problem};
 use sim::results::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
+use sim::results::experiment::input_hashes;
 use sim::results::{self, Request};
 use sim::scenario::Scenario;
 use sim::schema::JsonSchema;
 
 use super::arguments::{OfExperiment, argv};
-use super::calibrate::input_hashes;
 use super::experiment::{open, read};
 use super::failure::Failure;
 use super::interrupt::{self, Ending};
@@ -124,13 +122,7 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         return planned(args, voice);
     }
     let begin = Instant::now();
-    if let Some(name) = args.without.iter().find(|name| by_name(name).is_none()) {
-        let near = nearest(name, CATALOGUE.iter().map(|effect| effect.about().name));
-        let near = near.map_or(String::new(), |near| format!("; did you mean {near}"));
-        return Err(Failure::Usage(format!(
-            "--without {name}: there is no such effect{near}; efam effects lists all"
-        )));
-    }
+    known_effects(&args.without).map_err(|wrong| Failure::Usage(format!("--without {wrong}")))?;
     // What stands in the way is said before a long search.
     let (experiment, folder) = open(&args.of, voice)?;
     let input_hashes = input_hashes(&experiment);

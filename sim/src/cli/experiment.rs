@@ -1,25 +1,23 @@
 //! `efam experiment init` and `check`: from recordings to releases.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use models::quantity::format_si;
 use serde::Serialize;
 use sim::cleaning::{Cleaned, Decision, clean};
 use sim::escape::shell_word;
 use sim::experiment::{Experiment, init};
 use sim::recording::{self, ReadOptions};
 use sim::results::atomic::{write_new, write_whole};
-use sim::results::experiment::{Row, write};
+use sim::results::experiment::{Row, decisions, input_hashes, table, write};
 use sim::results::{self, Folder, Request, ResultsError};
 use sim::schema::JsonSchema;
 
 use super::arguments::{Cleaning, Form, OfExperiment, argv};
-use super::calibrate::input_hashes;
 use super::failure::Failure;
 use super::interrupt;
 use super::terminal::stdout;
@@ -232,53 +230,4 @@ pub fn read(experiment: &Experiment, stages: &Stages) -> Result<Cleaned, Failure
         stages.tell(&format!("{}: {samples} samples at {rate:.1} Hz; releases: {releases}", of.name));
     }
     Ok(cleaned)
-}
-
-/// A line for each release.
-pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
-    let wide = cleaned.releases.iter().map(|of| of.release.name.chars().count()).max().unwrap_or(0).max(8);
-    writeln!(
-        out,
-        "{:wide$}{:>12}{:>20}{:>9}{:>9}{:>9}{:>10}{:>14}{:>10}  ",
-        "release",
-        "pressure",
-        "instant s",
-        "hold deg",
-        "drop mm",
-        "samples",
-        "masked %",
-        "out mm (%)",
-        "noise mm"
-    )?;
-    for of in &cleaned.releases {
-        let s = &of.statistics;
-        let pressure = of.release.pressure.map_or("-".to_owned(), |p| format_si(p, "Pa"));
-        let instant = format!("{:.4} ± {:.4}", of.instant, of.release.release_uncertainty);
-        let out_of_plane = format!("{:.2} ({:.1})", 1e3 * s.out_of_plane, 1e2 * s.out_of_plane_share);
-        let kept = match (&of.dropped, of.release.held_out, of.representative) {
-            (Some(why), _, _) => format!("dropped: {why}"),
-            (None, true, _) => "held out".to_owned(),
-            (None, false, true) if cleaned.releases.len() > 1 => "kept, representative".to_owned(),
-            (None, false, _) => "kept".to_owned(),
-        };
-        writeln!(
-            out,
-            "{:wide$}{pressure:>12}{instant:>20}{:>9.1}{:>9.2}{:>9}{:>10.2}{out_of_plane:>14}{:>10.4}  {kept}",
-            of.release.name,
-            s.hold_angle.to_degrees(),
-            1e3 * s.static_drop,
-            s.samples,
-            1e2 * s.masked_share,
-            1e3 * s.noise
-        )?;
-    }
-    Ok(())
-}
-
-/// Every decision with the key that decides otherwise.
-pub fn decisions(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
-    for decision in &cleaned.decisions {
-        writeln!(out, "{}: {} [{}]", decision.about, decision.what, decision.key)?;
-    }
-    Ok(())
 }

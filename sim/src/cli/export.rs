@@ -17,6 +17,7 @@ use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam export outputs/beam --to mat
+  efam export outputs/beam --to mat5 --out beam5.mat
   efam export outputs/beam --to mcap --out beam.mcap --overwrite
 
 In MATLAB:
@@ -48,6 +49,8 @@ pub struct Export {
 enum To {
     /// MAT of version 7.3, which is HDF5: for MATLAB, Octave, h5py.
     Mat,
+    /// MAT of version 5: for scipy.io.loadmat, MATLAB, Octave.
+    Mat5,
     /// MCAP with messages in JSON: for Foxglove, ROS 2, Rerun.
     Mcap,
 }
@@ -77,6 +80,7 @@ struct Row<'a> {
 pub fn run(args: &Export, voice: &Voice) -> Result<ExitCode, Failure> {
     let format = match args.to {
         To::Mat => Format::Mat,
+        To::Mat5 => Format::Mat5,
         To::Mcap => Format::Mcap,
     };
     let stored = read(&args.run).map_err(ExportError::from)?;

@@ -50,7 +50,7 @@ use crate::calibrate::repeats::Repeats;
 use crate::calibrate::{CalibrateError, Problem};
 use crate::forward::Cancel;
 pub use curve::Curve;
-pub use section::{admit_tilt, problem};
+pub use section::{admit_tilt, known_effects, problem};
 pub(crate) use stated::without;
 pub use verdict::{Diagnosis, Verdict};
 

@@ -72,6 +72,8 @@ pub struct Experiment {
     pub recordings: Vec<Entry>,
     document: Document,
     plan: Option<Plan>,
+    /// Recordings that are in memory, by the end of the path that the experiment has for them.
+    held: Vec<(PathBuf, Arc<Recording>)>,
 }
 
 impl Experiment {
@@ -104,7 +106,18 @@ impl Experiment {
             .map(|table| Entry::read(&document, table, has_muscle))
             .collect::<Result<Vec<_>, _>>()?;
         let name = plan::name(&document, path, "experiment")?;
-        Ok(Experiment { name, path: path.to_owned(), recordings, document, plan })
+        Ok(Experiment { name, path: path.to_owned(), recordings, document, plan, held: Vec::new() })
+    }
+
+    /// The same with recordings that are in memory: each stands for the files whose paths end with its own.
+    pub fn holding(mut self, held: Vec<(PathBuf, Arc<Recording>)>) -> Experiment {
+        self.held = held;
+        self
+    }
+
+    /// The recordings that are in memory.
+    pub fn held(&self) -> &[(PathBuf, Arc<Recording>)] {
+        &self.held
     }
 
     /// The text of its file, without what is set over it.
@@ -176,11 +189,21 @@ impl Experiment {
         Ok(Some(case))
     }
 
-    /// Reads the file of a recording, counted from 0.
+    /// A recording, counted from 0: from memory, or else from its file.
     /// # Errors
     /// [`ExperimentError::Recording`], [`ExperimentError::Document`] for a file that is not there.
     pub fn read(&self, recording: usize) -> Result<Recording, ExperimentError> {
         let entry = &self.recordings[recording];
+        if let Some((_, held)) = self.held.iter().find(|(end, _)| entry.file.ends_with(end)) {
+            let given = entry.unit.map(|_| "unit").or(entry.rate.map(|_| "rate"));
+            return match given {
+                None => Ok(Recording::clone(held)),
+                Some(key) => {
+                    let message = format!("{key} is of a file, and this recording is in memory: make it so");
+                    Err(self.wrong(&format!("{}.{key}", entry.key), Problem::Other { message }))
+                }
+            };
+        }
         if let Err(error) = fs::metadata(&entry.file) {
             let file = entry.file.display().to_string();
             let problem = Problem::Unreadable { file, reason: error.to_string() };

@@ -72,6 +72,7 @@ impl Asked {
         let mut set = self.set.clone();
         let parse =
             |tables: &Table, set: &[String]| Experiment::parse(&experiment.path, &tables.to_string(), set);
+        let held = experiment.held().to_vec();
         let known = match own_known {
             None => parse(&tables, &set)?.known().cloned(),
             known => known,
@@ -84,7 +85,7 @@ impl Asked {
         if let Some(nodes) = of_mesh(known.as_ref()) {
             set.insert(0, nodes);
         }
-        Ok((parse(&tables, &set)?, known))
+        Ok((parse(&tables, &set)?.holding(held), known))
     }
 
     /// The case at a pressure, Pa, and with a payload, kg, where they are not the scenario's own, and what a

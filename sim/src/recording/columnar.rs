@@ -12,7 +12,7 @@ use parquet::file::metadata::ParquetMetaData;
 use super::draft::Draft;
 use super::error::Problem;
 use super::format::Format;
-use super::layout::{Columns, Layout, unit_quaternion};
+use super::layout::{Columns, Layout};
 use super::tidy;
 use crate::footer::look_through;
 
@@ -126,37 +126,7 @@ fn check(schema: &Schema, wanted: &BTreeSet<usize>) -> Result<(), Problem> {
 fn add(layout: &Layout, batch: &RecordBatch, draft: &mut Draft) -> Result<(), Problem> {
     let columns: Vec<Vec<Option<f64>>> = batch.columns().iter().map(|column| numbers(column)).collect();
     let schema = batch.schema();
-    for row in 0..batch.num_rows() {
-        let place = draft.places.len() as u64 + 1;
-        draft.places.push(place);
-        let clock = |column: usize| {
-            let wrong = || Problem::NotANumber {
-                line: place,
-                column: column + 1,
-                name: schema.field(column).name().clone(),
-                value: "null".to_owned(),
-            };
-            columns[column][row].ok_or_else(wrong)
-        };
-        if let Some(column) = layout.frame {
-            draft.frames.push(clock(column)?);
-        }
-        if let Some((column, second)) = layout.time {
-            draft.times.push(second * clock(column)?);
-        }
-        for (point, marker) in layout.points.iter().zip(&mut draft.markers) {
-            // Without a column the coordinate is 0.
-            let at = |column: Option<usize>| column.map_or(Some(0.0), |column| columns[column][row]);
-            let [x, y, z] = point.position;
-            let position = (|| Some([at(x)?, at(y)?, at(z)?]))();
-            marker.position.push(position);
-            if let (Some([w, x, y, z]), Some(orientation)) = (point.orientation, &mut marker.orientation) {
-                let q = (|| Some([columns[w][row]?, columns[x][row]?, columns[y][row]?, columns[z][row]?]))();
-                orientation.push(q.and_then(unit_quaternion));
-            }
-        }
-    }
-    Ok(())
+    layout.rows(&|column| schema.field(column).name().clone(), &columns, draft)
 }
 
 /// The numbers of a column; nothing where one is null or not finite.

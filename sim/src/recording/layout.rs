@@ -86,6 +86,48 @@ impl Layout {
         Ok(draft)
     }
 
+    /// Takes rows from columns of numbers, as this layout counts them; nothing where a number is missing.
+    pub(super) fn rows(
+        &self,
+        name: &dyn Fn(usize) -> String,
+        columns: &[Vec<Option<f64>>],
+        draft: &mut Draft,
+    ) -> Result<(), Problem> {
+        for row in 0..columns.first().map_or(0, Vec::len) {
+            let place = draft.places.len() as u64 + 1;
+            draft.places.push(place);
+            let clock = |column: usize| {
+                let wrong = || Problem::NotANumber {
+                    line: place,
+                    column: column + 1,
+                    name: name(column),
+                    value: "null".to_owned(),
+                };
+                columns[column][row].ok_or_else(wrong)
+            };
+            if let Some(column) = self.frame {
+                draft.frames.push(clock(column)?);
+            }
+            if let Some((column, second)) = self.time {
+                draft.times.push(second * clock(column)?);
+            }
+            for (point, marker) in self.points.iter().zip(&mut draft.markers) {
+                // Without a column the coordinate is 0.
+                let at = |column: Option<usize>| column.map_or(Some(0.0), |column| columns[column][row]);
+                let [x, y, z] = point.position;
+                let position = (|| Some([at(x)?, at(y)?, at(z)?]))();
+                marker.position.push(position);
+                if let (Some([w, x, y, z]), Some(orientation)) = (point.orientation, &mut marker.orientation)
+                {
+                    let q =
+                        (|| Some([columns[w][row]?, columns[x][row]?, columns[y][row]?, columns[z][row]?]))();
+                    orientation.push(q.and_then(unit_quaternion));
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn row(
         &self,
         rows: &Rows,

@@ -34,6 +34,7 @@ pub use format::Format;
 pub use length::Length;
 pub use quality::Quality;
 pub use read::{ReadOptions, parse, read};
+pub use tidy::table;
 
 /// A recording as it was read: nothing is filtered, filled in or cut.
 #[derive(Clone, Debug, PartialEq)]

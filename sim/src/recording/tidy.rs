@@ -4,14 +4,17 @@
 //! `<body>_qw` to `<body>_qz`; time is `t_s`, `time_s`, `t_ms`, …. The columns `x_07_m`, `z_07_m` of a
 //! run's own trajectory are the marker `node_07`. Other columns are passed over.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
 
+use super::Recording;
 use super::cells::Rows;
 use super::draft::{Draft, Unit};
-use super::error::Problem;
+use super::error::{Problem, RecordingError};
 use super::format::Format;
 use super::layout::{Columns, Layout, one_unit, some};
 use super::length::Length;
+use super::read::ReadOptions;
 
 /// What a column holds.
 #[derive(Debug, PartialEq)]
@@ -40,6 +43,43 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
         }
     }
     Err(Problem::Empty)
+}
+
+/// Columns that a program has in memory, all of one length, by the names that such a table has: numbers, or the type of
+/// something else. What is not finite is lost.
+/// # Errors
+/// As for a file: names without a marker or a unit, times that do not ascend.
+/// # Panics
+/// If there is not a column for each name, or one has another length.
+pub fn table(
+    names: &[String],
+    columns: &[Result<Vec<f64>, String>],
+    source: &Path,
+    options: &ReadOptions,
+) -> Result<Recording, RecordingError> {
+    assert_eq!(names.len(), columns.len(), "a column for each name");
+    let mut lengths = columns.iter().flatten().map(Vec::len);
+    let first = lengths.next().unwrap_or_default();
+    assert!(lengths.all(|length| length == first), "columns of one length");
+    let read = || {
+        let layout = layout(names, Format::Made)?;
+        let mut draft = Draft::new(Format::Made, layout.unit.clone(), "row");
+        draft.findings = layout.findings.clone();
+        draft.markers = layout.points.iter().map(Columns::marker).collect();
+        let wanted: BTreeSet<usize> = layout.columns().collect();
+        let finite = |value: &f64| Some(*value).filter(|value| value.is_finite());
+        let numbers = |(k, column): (usize, &Result<Vec<f64>, String>)| match column {
+            Ok(numbers) => Ok(numbers.iter().map(finite).collect()),
+            Err(kind) if wanted.contains(&k) => {
+                Err(Problem::ColumnType { column: names[k].clone(), kind: kind.clone() })
+            }
+            Err(_) => Ok(vec![None; first]),
+        };
+        let columns = columns.iter().enumerate().map(numbers).collect::<Result<Vec<Vec<_>>, _>>()?;
+        layout.rows(&|column| names[column].clone(), &columns, &mut draft)?;
+        draft.finish(source, options)
+    };
+    read().map_err(|problem| RecordingError { file: source.to_owned(), problem })
 }
 
 /// Whether a row names columns of such a table.
@@ -239,5 +279,22 @@ mod tests {
         ] {
             assert_eq!(column(name), expected, "{name}");
         }
+    }
+
+    #[test]
+    fn columns_in_memory_are_read_as_a_file_is() {
+        let names = ["t_ms", "tip_x_mm", "tip_z_mm", "note"].map(str::to_owned);
+        let columns = [vec![0.0, 10.0, 20.0], vec![1.0, 2.0, f64::NAN], vec![4.0, 5.0, 6.0], vec![0.0; 3]];
+        let read = |options: &ReadOptions| table(&names, &columns, Path::new("made"), options);
+        let made = read(&ReadOptions::default()).unwrap();
+        assert_eq!(made.time, [0.0, 0.01, 0.02]);
+        assert_eq!(made.markers[0].position, [Some([0.001, 0.0, 0.004]), Some([0.002, 0.0, 0.005]), None]);
+        assert!(made.findings.iter().any(|finding| finding.contains("passed over: `note`")), "{made:?}");
+        let rows = "t_ms,tip_x_mm,tip_z_mm,note\n0,1,4,0\n10,2,5,0\n20,,6,0\n";
+        let file = super::super::parse(rows.into(), Path::new("a.csv"), &ReadOptions::default()).unwrap();
+        assert_eq!((file.time, file.rate_hz), (made.time, made.rate_hz));
+        assert_eq!(file.markers[0].position, made.markers[0].position);
+        let metres = ReadOptions { unit: Some(Length::Metre), rate_hz: None };
+        assert_eq!(read(&metres).unwrap().markers[0].position[0], Some([1.0, 0.0, 4.0]));
     }
 }

@@ -32,7 +32,7 @@ use crate::calibrate::repeats::{Repeats, Source};
 use crate::calibrate::{Calibration, Outcome, Problem};
 use crate::escape::cell;
 
-pub use model::{ModelFile, muscle_file, rod_files};
+pub use model::{ModelFile, models, muscle_file, rod_files};
 
 /// File names of a calibration's folder.
 pub const CALIBRATION: &str = "calibration.json";

@@ -11,9 +11,11 @@
 //! ```
 
 mod page;
+mod text;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
+use std::path::Path;
 use std::time::SystemTime;
 
 use serde::Serialize;
@@ -22,13 +24,24 @@ use serde_json::json;
 use super::calibrated::EXPERIMENT;
 use super::folder::{Folder, plain_name};
 use super::page::REPORT;
-use super::{Request, ResultsError, picture, write_mark};
+use super::{Request, ResultsError, picture, sha256, write_mark};
 use crate::cleaning::{CleanRelease, Cleaned, Statistics};
 use crate::escape::cell;
-use crate::experiment::Experiment;
 use crate::experiment::analyse::Analysed;
 use crate::experiment::release::Release;
+use crate::experiment::{Entry, Experiment};
+use crate::input;
 use crate::schema::JsonSchema;
+
+pub use text::{analysed_table, decisions, table};
+
+/// SHA-256 of an experiment and of its recordings, by file.
+pub fn input_hashes(experiment: &Experiment) -> BTreeMap<String, String> {
+    let hash = |file: &Path, hash: String| (file.display().to_string(), hash);
+    let own = hash(&experiment.path, sha256(experiment.text().as_bytes()));
+    let read = |entry: &Entry| Some(hash(&entry.file, input::sha256(&entry.file).ok()?));
+    experiment.recordings.iter().filter_map(read).chain([own]).collect()
+}
 
 /// Writes recordings, releases, decisions and, if it was asked for, the analysis into an open folder.
 /// # Errors

@@ -12,6 +12,7 @@
 
 mod diagnosed;
 mod page;
+mod planned;
 
 use std::fmt::Write;
 use std::time::SystemTime;
@@ -27,6 +28,8 @@ use crate::sweep::asked::Design;
 use crate::sweep::merge::{Kept, Merged, Spread};
 use crate::sweep::plan::Plan;
 use crate::sweep::work::Work;
+
+pub use planned::{again, request_of, write_plan};
 
 /// The numbers.
 pub const NUMBERS: &str = "sweep.json";

@@ -18,10 +18,39 @@ const KEYS: [(&str, &str); 10] = [
     ("integrator.fixed_step", "s"),
 ];
 
+/// The same of a recording of an experiment.
+const RECORDING: [(&str, &str); 14] = [
+    ("pressure", "Pa"),
+    ("payload", "kg"),
+    ("payload.mass", "kg"),
+    ("payload.center_of_mass", "m"),
+    ("payload.offset", "m"),
+    ("payload.rotary_inertia", "kg m^2"),
+    ("rate", "Hz"),
+    ("clamp", "m"),
+    ("base_angle", "rad"),
+    ("angle", "rad"),
+    ("offset", "m"),
+    ("instants", "s"),
+    ("instant_error", "s"),
+    ("mask", "s"),
+];
+/// Of one of its releases, and of what is left.
+const RELEASE: [(&str, &str); 3] = [("release.angle", "rad"), ("release.instant", "s"), ("noise", "m")];
+
 /// The SI unit of a key, such as `kg` of `effects.payload.mass`; none for a key that takes words, counts or bare numbers.
 pub fn unit_of(path: &str) -> Option<&'static str> {
     if let Some((_, unit)) = KEYS.iter().find(|(key, _)| *key == path) {
         return Some(unit);
+    }
+    if let Some(own) = path.strip_prefix("recording") {
+        // One of them, as recording[1].pressure, or any.
+        let (_, own) = own.split_once('.')?;
+        let own = own
+            .split_once("].")
+            .filter(|_| own.starts_with("release["))
+            .map_or(own.to_owned(), |(_, key)| format!("release.{key}"));
+        return RECORDING.iter().chain(&RELEASE).find(|(key, _)| *key == own).map(|(_, unit)| *unit);
     }
     let path = path.strip_prefix("release.hold.").unwrap_or(path);
     let unit = match path.strip_prefix("rod.") {
@@ -44,5 +73,15 @@ mod tests {
             ["effects.payload.mass", "release.hold.rod.length", "run.rate", "rod.nodes", "effects.no.mass"]
                 .map(unit_of);
         assert_eq!(units, [Some("kg"), Some("m"), Some("Hz"), None, None]);
+        let of_recordings = [
+            "recording[2].pressure",
+            "recording.payload.mass",
+            "recording[1].release[1].angle",
+            "recording.release.instant",
+            "recording[1].keep",
+            "recording",
+        ]
+        .map(unit_of);
+        assert_eq!(of_recordings, [Some("Pa"), Some("kg"), Some("rad"), Some("s"), None, None]);
     }
 }

@@ -139,7 +139,17 @@ impl Asked {
     /// # Errors
     /// [`ScenarioError`], of the sweep, of its scenario, or where no experiment can be diagnosed.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Asked, ScenarioError> {
-        let document = Document::load(path, overrides)?;
+        Asked::of(path, Document::load(path, overrides)?)
+    }
+
+    /// The sweep that a text describes; files in it are relative to `path`.
+    /// # Errors
+    /// As [`Asked::load`].
+    pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Asked, ScenarioError> {
+        Asked::of(path, Document::parse(path, text, overrides)?)
+    }
+
+    fn of(path: &Path, document: Document) -> Result<Asked, ScenarioError> {
         let keys = document.keys();
         keys.only(&["name", "sweep"])?;
         let sweep = keys.table("sweep")?;

@@ -69,6 +69,14 @@ pub enum SweepError {
         /// Hash of its plan.
         hash: String,
     },
+    /// The folder has the plan of something else.
+    #[error(
+        "{}: holds the sweep of another plan; choose another --out, or replace it with --overwrite", folder.display()
+    )]
+    OtherPlan {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// Shards are missing.
     #[error("{missing} of {shards} shards are missing: --array={array}; run them first: {how}")]
     Incomplete {

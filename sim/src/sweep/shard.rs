@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::SweepError;
 use super::plan::Plan;
 use super::work::{Point, Row, Work};
+use crate::forward::Cancel;
 use crate::input;
 use crate::results::atomic::write_whole;
 use crate::results::columns::{ParquetFile, about};
@@ -95,19 +96,27 @@ pub enum Told {
 }
 
 /// Runs shards, the first one first, and writes each when it is done; returns how many of their points have no answer.
-/// `tell` hears how it goes on, from any thread.
+/// `tell` hears how it goes on, from any thread. After `stop` no further shard is begun.
 ///
 /// As many shards run at a time as there are threads, each on threads of its own. So none waits for the longest, what
 /// is interrupted loses little, and each diagnosis says truly how long it took.
 /// # Errors
 /// [`SweepError::Results`]; then that shard is not written.
-pub fn run_all(plan: &Plan, due: &[usize], tell: &(dyn Fn(Told) + Sync)) -> Result<usize, SweepError> {
+pub fn run_all(
+    plan: &Plan,
+    due: &[usize],
+    stop: &Cancel,
+    tell: &(dyn Fn(Told) + Sync),
+) -> Result<usize, SweepError> {
     let threads = rayon::current_num_threads();
     let lanes = threads.min(due.len());
     let rest = Mutex::new((plan.points()?, due.iter()));
     let next = || -> Option<Result<(usize, Vec<Point>), SweepError>> {
         let mut rest = rest.lock().unwrap_or_else(PoisonError::into_inner);
         let (points, due) = &mut *rest;
+        if stop.is_asked() {
+            return None;
+        }
         due.next().map(|shard| points.of(*shard).map(|points| (*shard, points)))
     };
     let lane = || {

@@ -10,11 +10,11 @@ use sim::experiment::Experiment;
 use sim::predict::Settings;
 use sim::predict::check::{Check, check, fitted_files};
 use sim::results::checked::{check_table, write_check};
+use sim::results::experiment::input_hashes;
 use sim::results::{self, Request};
 use sim::schema::JsonSchema;
 
 use super::super::arguments::argv;
-use super::super::calibrate::input_hashes;
 use super::super::experiment::read;
 use super::super::failure::Failure;
 use super::super::interrupt;

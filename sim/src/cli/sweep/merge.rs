@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 use sim::escape::shell_word;
 use sim::results::Request;
-use sim::results::swept::write_swept;
+use sim::results::swept::{request_of, write_swept};
 use sim::sweep::merge::{Merged, merge};
 use sim::sweep::plan::Plan;
 
@@ -14,7 +14,7 @@ use super::super::failure::Failure;
 use super::super::interrupt;
 use super::super::terminal::say;
 use super::super::voice::Voice;
-use super::{OfPlan, plan, tell};
+use super::{OfPlan, tell};
 
 const HELP: &str = "Examples:
   efam sweep merge --plan outputs/map
@@ -52,15 +52,8 @@ pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<Mer
     let ((), done) = interrupt::during_or((), &stages, work, last_words);
     stages.clear();
     let (merged, kept) = done?;
-    let head = &plan.head;
-    let request = Request {
-        name: head.name.clone(),
-        input_hashes: plan::hashes(head.texts()),
-        warnings: merged.warnings.clone(),
-        argv: argv(),
-        wall_time_s: seconds,
-        ..Request::default()
-    };
+    let request =
+        Request { warnings: merged.warnings.clone(), argv: argv(), wall_time_s: seconds, ..request_of(plan) };
     write_swept(plan, &request, &merged, &kept)?;
     Ok(merged)
 }

@@ -1,7 +1,6 @@
 //! `efam sweep plan`: every point, frozen.
 
-use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -9,13 +8,12 @@ use std::time::Duration;
 use clap::Args;
 use serde::Serialize;
 use sim::escape::shell_word;
-use sim::results::swept::{LATER, swept_mark};
-use sim::results::{self, MARK, Request};
+use sim::results;
+use sim::results::swept::{again, write_plan};
 use sim::schema::JsonSchema;
-use sim::sweep::SweepError;
 use sim::sweep::asked::Asked;
-use sim::sweep::estimate::{points_for_a_cluster, points_per_shard, time_of_a_point};
-use sim::sweep::plan::{self, Head, Plan, freeze, head_text};
+use sim::sweep::estimate::{points_for_a_cluster, time_of_a_point};
+use sim::sweep::plan::{self, Head, Plan};
 
 use super::super::arguments::{Output, argv};
 use super::super::failure::Failure;
@@ -108,24 +106,13 @@ pub fn planned(
     let given = own.points_per_shard.map(|count| count as usize);
     let there = output.out.as_deref().filter(|out| out.join(plan::PLAN).is_file() && !output.overwrite);
     match there {
-        Some(folder) => Ok((again(&asked, given, folder, voice)?, None)),
+        Some(folder) => {
+            let plan = again(&asked, given, folder)?;
+            voice.detail(format!("{}: goes on", plan.folder.display()));
+            Ok((plan, None))
+        }
         None => new(&asked, given, output, is_timed, voice),
     }
-}
-
-/// The plan in a folder, if it is the one that is asked for.
-fn again(asked: &Asked, given: Option<usize>, folder: &Path, voice: &Voice) -> Result<Plan, Failure> {
-    let there = Plan::open(folder)?;
-    let own = given.unwrap_or(there.head.points_per_shard);
-    let asked = freeze(asked, own, &mut io::sink())?;
-    if asked.sha256 != there.head.sha256 {
-        let folder = folder.display();
-        return Err(Failure::Usage(format!(
-            "{folder}: holds the sweep of another plan; choose another --out, or replace it with --overwrite"
-        )));
-    }
-    voice.detail(format!("{}: goes on", folder.display()));
-    Ok(there)
 }
 
 fn new(
@@ -135,15 +122,7 @@ fn new(
     is_timed: bool,
     voice: &Voice,
 ) -> Result<(Plan, Option<Duration>), Failure> {
-    let request = Request {
-        name: asked.name.clone(),
-        input_hashes: hashes(asked.texts()),
-        warnings: asked.warnings.clone(),
-        argv: argv(),
-        ..Request::default()
-    };
     let mut folder = results::open(output.out.as_deref(), output.overwrite, &asked.name, &asked.text)?;
-    folder.later(&LATER);
     let stages = voice.stages();
     let mut time = None;
     if is_timed {
@@ -153,29 +132,8 @@ fn new(
         time = tried?;
     }
     stages.tell(&format!("freezing {} points", asked.points()));
-    let own = given.unwrap_or_else(|| points_per_shard(asked.points()));
-    let mut head = None;
-    let written = folder.write_with(plan::POINTS, |file| {
-        let mut to = io::BufWriter::new(file);
-        let frozen = freeze(asked, own, &mut to);
-        let is_frozen = frozen.is_ok();
-        head = Some(frozen);
-        if is_frozen { to.flush() } else { Err(io::Error::other("no plan")) }
-    });
+    let head = write_plan(&mut folder, asked, given, argv())?;
     stages.clear();
-    let head = match head {
-        Some(Err(error)) if !matches!(error, SweepError::Unwritten { .. }) => return Err(error.into()),
-        Some(Ok(head)) => written.map(|()| head)?,
-        _ => return Err(written.err().map_or(Failure::Interrupted, Failure::from)),
-    };
-    folder.write(plan::PLAN, head_text(&head).as_bytes())?;
-    folder.write(MARK, swept_mark(&request).as_bytes())?;
     interrupt::check()?;
     Ok((Plan { folder: folder.finish()?, head }, time))
-}
-
-/// What was read, by name.
-pub fn hashes(texts: Vec<(&Path, &str)>) -> BTreeMap<String, String> {
-    let hash = |(path, text): (&Path, &str)| (path.display().to_string(), results::sha256(text.as_bytes()));
-    texts.into_iter().map(hash).collect()
 }

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 use sim::escape::shell_word;
+use sim::forward::Cancel;
 use sim::schema::JsonSchema;
 use sim::sweep::cluster::asked;
 use sim::sweep::plan::Plan;
@@ -117,7 +118,7 @@ pub fn shards(
         Told::Point => stages.step(),
         Told::Shard(shard) => stages.told(&format!("shard {shard} is written")),
     };
-    let work = || run_all(plan, &due, &tell);
+    let work = || run_all(plan, &due, &Cancel::default(), &tell);
     let last_words = || {
         let (done, all) = (status::status(plan).shards_done, head.shards());
         let plan = shell_word(&plan.folder);

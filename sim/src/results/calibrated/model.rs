@@ -5,7 +5,8 @@ use models::muscle::{CalibratedColumn, Found, Knob, Known, Misfit, Muscle, Muscl
 
 use crate::calibrate::calibration::{Calibrated, Correlations, ReleaseFit};
 use crate::calibrate::problem::is_of_pressure;
-use crate::calibrate::{Calibration, Problem};
+use crate::calibrate::{Calibration, Problem, Settings};
+use crate::experiment::Experiment;
 use crate::scenario::resolved::plain;
 
 /// A file with a calibrated model.
@@ -28,6 +29,31 @@ const STIFFNESS: &str = "rod.bending_stiffness";
 /// Parameters for which it has a constant.
 const ROD_MASS: &str = "rod.mass";
 const END_FITTING_MASS: &str = "effects.end_fitting.mass";
+
+/// The files that a calibration of an experiment writes, to simulate and predict with: of its muscle, or of its rods.
+/// # Errors
+/// As for [`muscle_file`].
+pub fn models(
+    experiment: &Experiment,
+    problem: &Problem,
+    settings: &Settings,
+    calibration: &Calibration,
+) -> Result<Vec<ModelFile>, MuscleError> {
+    let source = format!(
+        "calibrated by efam {} from {} releases of {}",
+        env!("CARGO_PKG_VERSION"),
+        calibration.releases.iter().filter(|release| !release.held_out).count(),
+        experiment.path.display()
+    );
+    let kept = problem.trials.first().filter(|_| !settings.remove_mesh);
+    let nodes = kept.map(|trial| trial.model.edges + 1);
+    match experiment.muscle().zip(experiment.stiffness()) {
+        Some((muscle, stiffness)) => {
+            Ok(muscle_file(muscle, calibration, nodes, stiffness, &source)?.into_iter().collect())
+        }
+        None => Ok(rod_files(problem, calibration, nodes, &source)),
+    }
+}
 
 /// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value
 /// for each release. `stiffness` is the muscle's estimate of bending stiffness whose shape over pressure is kept

@@ -12,7 +12,7 @@ use hdf5_pure::mat::{InvalidNamePolicy, MatBuilder, MatError, Options, StructWri
 use super::stored::{Cells, Series, Stored, Table};
 
 /// Letters of a name that every MATLAB admits.
-const MOST_LETTERS: usize = 63;
+pub(super) const MOST_LETTERS: usize = 63;
 
 /// Writes the file.
 /// # Errors
@@ -37,7 +37,7 @@ fn filled(file: &mut MatBuilder, run: &Stored) -> Result<(), MatError> {
     })?;
     if run.tables.iter().any(|table| has_words(&table)) {
         file.struct_("words", |into| {
-            run.tables.iter().filter(has_words).try_for_each(|table| within(table, into, &words))
+            run.tables.iter().filter(has_words).try_for_each(|table| within(table, into, &words_of))
         })?;
     }
     file.struct_("about", |into| {
@@ -61,9 +61,16 @@ fn text(into: &mut StructWriter, name: &str, text: &str) -> Result<(), MatError>
     into.write_char(&variable(name), text).map(drop)
 }
 
-/// A matrix with a row for each row of the table; MATLAB stores it column by column.
+/// A matrix with a row for each row of the table.
 fn numbers(series: &Series, into: &mut StructWriter) -> Result<(), MatError> {
-    let (width, values) = match &series.cells {
+    let (width, values) = columns(series);
+    into.write_f64(&variable(&series.name), &[values.len() / width, width], &values).map(drop)
+}
+
+/// How many columns a series has, and its numbers column by column, as MATLAB stores them; places among its words
+/// instead, from one.
+pub(super) fn columns(series: &Series) -> (usize, Vec<f64>) {
+    match &series.cells {
         Cells::Numbers { width, values } => {
             let column = |k: usize| values.iter().skip(k).step_by(*width);
             (*width, (0..*width).flat_map(column).copied().collect())
@@ -71,20 +78,24 @@ fn numbers(series: &Series, into: &mut StructWriter) -> Result<(), MatError> {
         Cells::Words(all) => {
             let distinct = distinct(all);
             let place: HashMap<&str, usize> = distinct.into_iter().zip(1..).collect();
-            (1, all.iter().map(|word| place[word.as_str()] as f64).collect::<Vec<f64>>())
+            (1, all.iter().map(|word| place[word.as_str()] as f64).collect())
         }
-    };
-    into.write_f64(&variable(&series.name), &[values.len() / width, width], &values).map(drop)
+    }
 }
 
-fn words(series: &Series, into: &mut StructWriter) -> Result<(), MatError> {
+fn words_of(series: &Series, into: &mut StructWriter) -> Result<(), MatError> {
+    words(series).map_or(Ok(()), |words| text(into, &series.name, &words))
+}
+
+/// The words of a series, one a line; none of numbers.
+pub(super) fn words(series: &Series) -> Option<String> {
     match &series.cells {
         Cells::Words(all) => {
             let lines: Vec<String> =
                 distinct(all).iter().map(|word| word.replace(['\n', '\r'], " ")).collect();
-            text(into, &series.name, &lines.join("\n"))
+            Some(lines.join("\n"))
         }
-        Cells::Numbers { .. } => Ok(()),
+        Cells::Numbers { .. } => None,
     }
 }
 

@@ -4,6 +4,7 @@
 //! names, units and numbers. The run itself stays as it is.
 
 mod mat;
+mod mat5;
 mod mcap;
 mod stored;
 
@@ -26,6 +27,8 @@ pub use stored::{Cells, Series, Stored, Table, read};
 pub enum Format {
     /// MAT of version 7.3, which is HDF5: MATLAB, Octave, h5py.
     Mat,
+    /// MAT of version 5: scipy, MATLAB, Octave.
+    Mat5,
     /// MCAP with JSON messages: Foxglove, ROS 2, Rerun.
     Mcap,
 }
@@ -34,7 +37,7 @@ impl Format {
     /// Ending of its files.
     pub fn ending(self) -> &'static str {
         match self {
-            Format::Mat => "mat",
+            Format::Mat | Format::Mat5 => "mat",
             Format::Mcap => "mcap",
         }
     }
@@ -99,6 +102,7 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
         let mut buffer = BufWriter::new(file);
         match format {
             Format::Mat => mat::write(run, &mut buffer)?,
+            Format::Mat5 => mat5::write(run, &mut buffer)?,
             Format::Mcap => mcap::write(run, &mut buffer)?,
         }
         buffer.flush()

@@ -12,6 +12,7 @@ use sim::cleaning::clean;
 use sim::diagnose::verdict::Value;
 use sim::diagnose::{self, Settings};
 use sim::experiment::Experiment;
+use sim::forward::Cancel;
 use sim::sweep::answers::Answers;
 use sim::sweep::asked::Asked;
 use sim::sweep::merge::merge;
@@ -173,7 +174,7 @@ fn swept(bench: &Path) -> Answers {
     fs::write(out.join(POINTS), points).expect("written");
     let plan = SweepPlan::open(&out).expect("the plan");
     let due: Vec<usize> = (0..plan.head.shards()).collect();
-    assert_eq!(run_all(&plan, &due, &|_| ()).expect("it runs"), 0);
+    assert_eq!(run_all(&plan, &due, &Cancel::default(), &|_| ()).expect("it runs"), 0);
     let (merged, _) = merge(&plan, false, &|| ()).expect("merged");
     let read = Answers::read(&plan).expect("a table");
     assert_eq!(merged.diagnosed.as_ref(), Some(&read));

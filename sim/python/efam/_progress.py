@@ -1,0 +1,46 @@
+"""How far long work has come, by tqdm where it is installed."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from typing import Any, Optional
+
+Tell = Callable[[int, int, str], None]
+
+
+def _is_watched() -> bool:
+    """Whether somebody looks on: a terminal or a notebook."""
+    return sys.stderr.isatty() or "ipykernel" in sys.modules
+
+
+@contextmanager
+def bar(name: str, unit: str, progress: Optional[bool]) -> Iterator[Optional[Tell]]:
+    """What the work calls with how much is done, of how much, and what it does.
+
+    Without `progress` said, a bar is shown where tqdm is installed and somebody looks on.
+    """
+    if progress is False or (progress is None and not _is_watched()):
+        yield None
+        return
+    try:
+        # In a notebook tqdm.auto warns where ipywidgets are not there.
+        if "ipykernel" in sys.modules and find_spec("ipywidgets"):
+            from tqdm.auto import tqdm
+        else:
+            from tqdm import tqdm
+    except ImportError:
+        if progress:
+            raise ImportError("progress=True needs tqdm: pip install tqdm") from None
+        yield None
+        return
+    shown: Any = tqdm(desc=name, unit=unit, leave=False)
+
+    def tell(done: int, total: int, doing: str) -> None:
+        shown.total = total or None
+        shown.set_postfix_str(doing, refresh=False)
+        shown.n = done
+        shown.refresh()
+
+    with shown:
+        yield tell

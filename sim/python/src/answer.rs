@@ -1,0 +1,88 @@
+//! Answers: what the program's commands print and write.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use serde::Serialize;
+use sim::failure::Failure;
+use sim::results::experiment::input_hashes;
+use sim::results::{self, Folder, Request, ResultsError};
+
+use crate::experiment::ExperimentData;
+use crate::failure::exception;
+
+/// Writes the files of an answer into an open folder.
+type Write = dyn Fn(&Folder, &Request) -> Result<(), ResultsError> + Send + Sync;
+
+/// What a command says: its JSON, its table, its folder.
+#[pyclass(frozen, module = "efam._efam")]
+pub struct AnswerData {
+    json: String,
+    table: String,
+    /// Files with a calibrated model, by name.
+    models: Vec<(String, String)>,
+    request: Request,
+    write: Box<Write>,
+}
+
+impl AnswerData {
+    /// By what is printed as JSON and for people, and by what writes the folder.
+    pub fn of(
+        answer: &impl Serialize,
+        table: String,
+        request: Request,
+        write: impl Fn(&Folder, &Request) -> Result<(), ResultsError> + Send + Sync + 'static,
+    ) -> Self {
+        let json = serde_json::to_string(answer).expect("an answer has nothing that JSON has not");
+        Self { json, table, models: Vec::new(), request, write: Box::new(write) }
+    }
+
+    /// The same with files of a calibrated model.
+    pub fn with_models(self, models: Vec<(String, String)>) -> Self {
+        Self { models, ..self }
+    }
+}
+
+/// What the folder of an experiment's answer says of its making.
+pub fn request_of(experiment: &ExperimentData, warnings: &[String], wall_time_s: f64) -> Request {
+    Request {
+        name: experiment.own.name.clone(),
+        resolved_scenario: experiment.own.text().to_owned(),
+        warnings: warnings.to_vec(),
+        input_hashes: input_hashes(&experiment.own),
+        wall_time_s,
+        ..Request::default()
+    }
+}
+
+#[pymethods]
+impl AnswerData {
+    /// What is printed with `--json`, without the folder.
+    #[getter]
+    fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// What is printed for people.
+    #[getter]
+    fn table(&self) -> &str {
+        &self.table
+    }
+
+    /// Files with a calibrated model: name and text.
+    #[getter]
+    fn models(&self) -> Vec<(String, String)> {
+        self.models.clone()
+    }
+
+    /// Writes the folder that the program writes; returns where it is.
+    fn write(&self, py: Python<'_>, out: Option<PathBuf>, overwrite: bool) -> PyResult<PathBuf> {
+        let request = Request { out, overwrite, ..self.request.clone() };
+        let written = || -> Result<PathBuf, Failure> {
+            let folder = results::begin(&request)?;
+            (self.write)(&folder, &request)?;
+            Ok(folder.finish()?)
+        };
+        py.detach(written).map_err(exception)
+    }
+}

@@ -1,0 +1,99 @@
+//! Sweeps: many simulations of one design, or many diagnoses, in one table.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::to_string;
+use sim::failure::Failure;
+use sim::forward::Cancel;
+use sim::results::columns::{Cells, Found, table};
+use sim::results::swept::{again, request_of, swept_table, write_plan, write_swept};
+use sim::results::{self, Request};
+use sim::sweep::asked::Asked;
+use sim::sweep::merge::{SWEEP, merge};
+use sim::sweep::plan::{PLAN, Plan};
+use sim::sweep::shard::{Told, is_due, run_all};
+
+use crate::failure::exception;
+use crate::model::source;
+use crate::overrides::tables;
+use crate::watch::{Progress, followed};
+
+/// What is printed as JSON and for people, where it is, and all columns.
+type Swept<'py> = (String, String, PathBuf, Bound<'py, PyDict>);
+
+/// Runs a sweep into a folder, or goes on with it; returns all of its columns.
+#[pyfunction]
+#[pyo3(signature = (of, out, overwrite, csv, points_per_shard, tell, options))]
+#[allow(clippy::too_many_arguments)]
+pub fn sweep<'py>(
+    py: Python<'py>,
+    of: &Bound<'_, PyAny>,
+    out: PathBuf,
+    overwrite: bool,
+    csv: bool,
+    points_per_shard: Option<usize>,
+    tell: Option<Py<PyAny>>,
+    options: &Bound<'_, PyDict>,
+) -> PyResult<Swept<'py>> {
+    if points_per_shard == Some(0) {
+        return Err(exception(Failure::Usage("points_per_shard = 0: must be 1 at least".to_owned())));
+    }
+    let (path, text) = match of.cast::<PyDict>() {
+        // Tables are what is set over nothing.
+        Ok(_) => (PathBuf::from("sweep"), String::new()),
+        Err(_) => source(of, "sweep")?,
+    };
+    let of_tables = of.cast::<PyDict>().map(tables).unwrap_or_else(|_| Ok(Vec::new()))?;
+    let set = [of_tables, tables(options)?].concat();
+    let work =
+        |cancel: Cancel, progress: &Progress| -> Result<(String, String, PathBuf, Vec<Found>), Failure> {
+            let begin = Instant::now();
+            let asked = Asked::parse(&path, &text, &set)?;
+            let plan = if out.join(PLAN).is_file() && !overwrite {
+                again(&asked, points_per_shard, &out)?
+            } else {
+                let mut folder = results::open(Some(&out), overwrite, &asked.name, &asked.text)?;
+                let head = write_plan(&mut folder, &asked, points_per_shard, Vec::new())?;
+                Plan { folder: folder.finish()?, head }
+            };
+            let mut due = Vec::new();
+            for shard in 0..plan.head.shards() {
+                if is_due(&plan, shard, overwrite)? {
+                    due.push(shard);
+                }
+            }
+            progress.expect(due.iter().map(|shard| plan.head.points_of(*shard).len()).sum());
+            let told = |told| {
+                if told == Told::Point {
+                    progress.step();
+                }
+            };
+            run_all(&plan, &due, &cancel, &told)?;
+            if cancel.is_asked() {
+                return Err(Failure::Interrupted);
+            }
+            let (merged, kept) = merge(&plan, csv, &|| ())?;
+            let wall_time_s = begin.elapsed().as_secs_f64();
+            let request = Request { warnings: merged.warnings.clone(), wall_time_s, ..request_of(&plan) };
+            write_swept(&plan, &request, &merged, &kept)?;
+            let file = plan.folder.join(SWEEP);
+            let columns = table(&file)
+                .map_err(|error| Failure::Output(format!("{}: cannot be read ({error})", file.display())))?;
+            let json = to_string(&merged).expect("a sweep has nothing that JSON has not");
+            Ok((json, swept_table(&merged), plan.folder, columns))
+        };
+    let (json, text, folder, columns) = followed(py, tell, work)?.map_err(exception)?;
+    let all = PyDict::new(py);
+    for Found { name, cells, .. } in columns {
+        match cells {
+            Cells::Numbers(numbers) => all.set_item(name, PyArray1::from_vec(py, numbers))?,
+            Cells::Counts(counts) => all.set_item(name, PyArray1::from_vec(py, counts))?,
+            Cells::Texts(texts) => all.set_item(name, texts)?,
+        }
+    }
+    Ok((json, text, folder, all))
+}
