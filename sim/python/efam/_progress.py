@@ -24,17 +24,19 @@ def bar(name: str, unit: str, progress: Optional[bool]) -> Iterator[Optional[Tel
         yield None
         return
     try:
-        # In a notebook tqdm.auto warns where ipywidgets are not there.
-        if "ipykernel" in sys.modules and find_spec("ipywidgets"):
-            from tqdm.auto import tqdm
-        else:
-            from tqdm import tqdm
+        import tqdm
     except ImportError:
         if progress:
             raise ImportError("progress=True needs tqdm: pip install tqdm") from None
         yield None
         return
-    shown: Any = tqdm(desc=name, unit=unit, leave=False)
+    kind: Any = tqdm.tqdm
+    # In a notebook tqdm.auto warns where ipywidgets are not there.
+    if "ipykernel" in sys.modules and find_spec("ipywidgets"):
+        from tqdm.auto import tqdm as in_notebook
+
+        kind = in_notebook
+    shown = kind(desc=name, unit=unit, leave=False)
 
     def tell(done: int, total: int, doing: str) -> None:
         shown.total = total or None
