@@ -192,15 +192,6 @@ impl Asked {
             Subject::Experiments(own) => own.all.len(),
         }
     }
-
-    /// Files that are read here, and need not be there later, with their texts.
-    pub fn texts(&self) -> Vec<(&Path, &str)> {
-        let scenario = match &self.subject {
-            Subject::Scenario(own) => Some((own.scenario.as_path(), own.scenario_text.as_str())),
-            Subject::Experiments(_) => None,
-        };
-        [(self.path.as_path(), self.text.as_str())].into_iter().chain(scenario).collect()
-    }
 }
 
 /// Keys of a sweep over a scenario.

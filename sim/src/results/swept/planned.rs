@@ -8,7 +8,7 @@ use super::{LATER, swept_mark};
 use crate::results::folder::Folder;
 use crate::results::{self, MARK, Request, ResultsError};
 use crate::sweep::SweepError;
-use crate::sweep::asked::Asked;
+use crate::sweep::asked::{Asked, Subject};
 use crate::sweep::estimate::points_per_shard;
 use crate::sweep::plan::{self, Head, Plan, freeze, head_text};
 
@@ -24,7 +24,7 @@ pub fn write_plan(
 ) -> Result<Head, SweepError> {
     let request = Request {
         name: asked.name.clone(),
-        input_hashes: hashes(asked.texts()),
+        input_hashes: hashes(texts(asked)),
         warnings: asked.warnings.clone(),
         argv,
         ..Request::default()
@@ -67,6 +67,15 @@ pub fn again(asked: &Asked, in_shard: Option<usize>, folder: &Path) -> Result<Pl
 pub fn request_of(plan: &Plan) -> Request {
     let head = &plan.head;
     Request { name: head.name.clone(), input_hashes: hashes(head.texts()), ..Request::default() }
+}
+
+/// Files that are read at planning, and need not be there later, with their texts.
+fn texts(asked: &Asked) -> Vec<(&Path, &str)> {
+    let scenario = match &asked.subject {
+        Subject::Scenario(own) => Some((own.scenario.as_path(), own.scenario_text.as_str())),
+        Subject::Experiments(_) => None,
+    };
+    [(asked.path.as_path(), asked.text.as_str())].into_iter().chain(scenario).collect()
 }
 
 /// What was read, by name.
