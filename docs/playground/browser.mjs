@@ -69,6 +69,22 @@ async function page(send, listeners, { width, height, dark = false }) {
         await own('Input.dispatchKeyEvent', { type, key, code, windowsVirtualKeyCode: number, ...(type === 'keyDown' && key.length === 1 ? { text: key } : {}) });
       }
     },
+    /** From one place to the next with the button down, or only moved to the one. */
+    mouse: async (...places) => {
+      const send = (type, [x, y], more = {}) => own('Input.dispatchMouseEvent', { type, x, y, ...more });
+      const pressed = { button: 'left', buttons: 1, clickCount: 1 };
+      await send('mouseMoved', places[0]);
+      if (places.length === 1) return;
+      await send('mousePressed', places[0], pressed);
+      for (const place of places.slice(1)) await send('mouseMoved', place, pressed);
+      await send('mouseReleased', places.at(-1), { button: 'left', clickCount: 1 });
+    },
+    media: media => own('Emulation.setEmulatedMedia', { media }),
+    twice: async ([x, y]) => {
+      for (const clickCount of [1, 2]) for (const type of ['mousePressed', 'mouseReleased']) {
+        await own('Input.dispatchMouseEvent', { type, x, y, button: 'left', buttons: 1, clickCount });
+      }
+    },
     files: async (selector, files) => {
       const { root } = await own('DOM.getDocument');
       const { nodeId } = await own('DOM.querySelector', { nodeId: root.nodeId, selector });

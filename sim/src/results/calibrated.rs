@@ -63,10 +63,10 @@ pub fn write_calibration(
     }
     folder.write(RESIDUALS, residuals(outcome).as_bytes())?;
     for (k, curve) in outcome.curves.iter().enumerate() {
-        folder.write(&format!("fit-{:02}.svg", k + 1), calibrated(curve).as_bytes())?;
+        folder.write(&format!("fit-{:02}.svg", k + 1), calibrated(curve).svg.as_bytes())?;
     }
     if let Some(picture) = over_pressure(&request.name, calibration) {
-        folder.write(PARAMETERS, picture.as_bytes())?;
+        folder.write(PARAMETERS, picture.svg.as_bytes())?;
     }
     let short = |found: &Calibrated| {
         json!({ "name": found.label(), "value": found.value, "unit": found.unit,
@@ -76,7 +76,7 @@ pub fn write_calibration(
     let (mut pictures, written) = (fitted(calibration, &outcome.curves), SystemTime::now());
     pictures.extend(against_markers(problem, outcome));
     for picture in &pictures {
-        folder.write(&picture.file(), picture.svg.as_bytes())?;
+        folder.write(&picture.file(), picture.svg().as_bytes())?;
     }
     let html = page::page(request, problem, outcome, &pictures, written);
     folder.write(REPORT, html.as_bytes())?;

@@ -151,7 +151,7 @@ pub fn write_comparison(
     folder.write(COMPARISON, text.as_bytes())?;
     let pictures = pictures(runs, comparison);
     for picture in &pictures {
-        folder.write(&picture.file(), picture.svg.as_bytes())?;
+        folder.write(&picture.file(), picture.svg().as_bytes())?;
     }
     let written = SystemTime::now();
     let html = page::page(request, runs, comparison, &pictures, written);

@@ -53,7 +53,7 @@ pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) ->
     }
     let (pictures, written) = (diagnosed(diagnosis, &outcome.curves), SystemTime::now());
     for picture in &pictures {
-        folder.write(&format!("{}.svg", picture.name), picture.svg.as_bytes())?;
+        folder.write(&format!("{}.svg", picture.name), picture.svg().as_bytes())?;
     }
     folder.write(REPORT, page::page(request, outcome, &pictures, written).as_bytes())?;
     let own = json!({

@@ -59,7 +59,7 @@ pub fn write(
     for (k, recording) in cleaned.recordings.iter().enumerate() {
         let releases: Vec<_> = cleaned.releases.iter().filter(|release| release.recording == k).collect();
         let name = unique(&plain_name(&recording.name), &mut names);
-        folder.write(&format!("{name}.svg"), pictures[k].svg.as_bytes())?;
+        folder.write(&format!("{name}.svg"), pictures[k].svg().as_bytes())?;
         for release in releases {
             let text = csv(&release.release);
             folder.write(&format!("{name}-{}.csv", release.number), text.as_bytes())?;
@@ -67,13 +67,13 @@ pub fn write(
         for one in analysed.into_iter().flatten().filter(|one| one.of.recording == k) {
             if let Ok(measured) = &one.measured {
                 let picture = picture::measured(&one.of.release.name, measured);
-                folder.write(&format!("{name}-{}.svg", one.of.number), picture.as_bytes())?;
+                folder.write(&format!("{name}-{}.svg", one.of.number), picture.svg.as_bytes())?;
             }
         }
     }
     let written = SystemTime::now();
     for picture in &pictures[cleaned.recordings.len()..] {
-        folder.write(&picture.file(), picture.svg.as_bytes())?;
+        folder.write(&picture.file(), picture.svg().as_bytes())?;
     }
     let html = page::page(request, experiment, cleaned, analysed, &pictures, written);
     folder.write(REPORT, html.as_bytes())?;

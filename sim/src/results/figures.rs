@@ -45,7 +45,7 @@ pub fn write_figures(
 ) -> Result<(), ResultsError> {
     let pictures = paper(all);
     for picture in &pictures {
-        folder.write(&format!("{}.svg", picture.name), picture.svg.as_bytes())?;
+        folder.write(&format!("{}.svg", picture.name), picture.svg().as_bytes())?;
     }
     for (name, text) in tables(all) {
         folder.write(&name, text.as_bytes())?;

@@ -54,7 +54,7 @@ pub fn write_grid(folder: &Folder, request: &Request, grid: &Grid) -> Result<(),
     })?;
     let (pictures, written) = (grid_pictures(grid), SystemTime::now());
     for picture in &pictures {
-        folder.write(&format!("{}.svg", picture.name), picture.svg.as_bytes())?;
+        folder.write(&format!("{}.svg", picture.name), picture.svg().as_bytes())?;
     }
     folder.write(REPORT, of_several(request, grid, &pictures, written).as_bytes())?;
     folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;

@@ -47,6 +47,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use models::model::Model;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -218,14 +220,15 @@ pub fn write_run(
         folder.write_with(&place(CSV), |file| table.write_csv(file))?;
     }
     let shown = told.shown(model, run, trajectory);
-    folder.write(&place(PICTURE), picture::release(&shown).as_bytes())?;
+    folder.write(&place(PICTURE), picture::release(&shown).svg.as_bytes())?;
     // Many runs have one page, which is that of the folder.
     if within.is_empty() {
         let pictures = picture::released(&shown);
         for picture in &pictures {
-            folder.write(&picture.file(), picture.svg.as_bytes())?;
+            folder.write(&picture.file(), picture.svg().as_bytes())?;
         }
-        let html = simulated::page(request, summary, &pictures, SystemTime::now());
+        let html =
+            simulated::page(request, summary, &pictures, picture::in_motion(&shown), SystemTime::now());
         folder.write(page::REPORT, html.as_bytes())?;
     }
     let json = serde_json::to_string_pretty(summary).expect("a summary has nothing that JSON has not");
@@ -236,6 +239,11 @@ pub fn write_run(
 /// SHA-256 in hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
     Sha(Sha256::new_with_prefix(bytes)).hexadecimal()
+}
+
+/// SHA-256 of a script as a page's policy admits it.
+fn sha256_in_base64(text: &str) -> String {
+    BASE64_STANDARD.encode(Sha256::digest(text.as_bytes()))
 }
 
 /// SHA-256 of what is written to it, piece by piece.

@@ -1,11 +1,15 @@
-//! One page for people: HTML that needs nothing beside it, no network and no script. All text is escaped
-//! here; only pictures go in as they are.
+//! One page for people: HTML that needs nothing beside it and no network, and says all without a script. All text is
+//! escaped here; only pictures go in as they are.
 
 mod around;
+mod script;
 
 use std::fmt::Write;
 
-use super::picture::Picture;
+use super::picture::{Picture, Rods};
+
+#[cfg(test)]
+pub(crate) use script::stripped;
 
 pub use around::{BeforeUse, Masked, extrapolated};
 
@@ -14,8 +18,6 @@ pub const REPORT: &str = "report.html";
 
 /// How it looks, light and dark, wide and narrow.
 const STYLE: &str = include_str!("page.css");
-/// What a browser may load for it: nothing.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
 
 /// A page in the making.
 #[derive(Debug)]
@@ -26,6 +28,8 @@ pub struct Page {
     caveats: Option<(String, usize)>,
     lead: String,
     body: String,
+    /// Whether charts or rods need the scripts.
+    is_live: bool,
 }
 
 /// A table: what it holds, the heads of its columns, its rows, each led by what it is about.
@@ -43,7 +47,14 @@ impl Page {
     pub fn new(title: &str, word: &str, lead: &str) -> Self {
         let (word, lead) = (escaped(word), escaped(lead));
         let lead = format!("<p class=\"lead\"><strong>{word}</strong> {lead}</p>\n");
-        Self { title: title.to_owned(), sections: Vec::new(), caveats: None, lead, body: String::new() }
+        Self {
+            title: title.to_owned(),
+            sections: Vec::new(),
+            caveats: None,
+            lead,
+            body: String::new(),
+            is_live: false,
+        }
     }
 
     /// Begins a section.
@@ -138,10 +149,24 @@ impl Page {
     pub fn figure(&mut self, picture: &Picture) {
         let (title, caption) = (escaped(&picture.title), escaped(&picture.caption));
         let svg =
-            picture.svg.trim().replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{title}\" "), 1);
+            picture.svg().trim().replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{title}\" "), 1);
+        let (data, choice) = script::charts(&picture.drawing.charts);
+        self.is_live |= !data.is_empty();
+        let choice = if choice { " data-choice" } else { "" };
         let _ = writeln!(
             self.body,
-            "<figure>\n<figcaption><strong>{title}</strong> {caption}</figcaption>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Picture: {title}\">{svg}</div>\n</figure>"
+            "<figure{choice}>\n<figcaption><strong>{title}</strong> {caption}</figcaption>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Picture: {title}\">{svg}</div>\n{data}</figure>"
+        );
+    }
+
+    /// Rods in motion, which only a script can show.
+    pub fn rods(&mut self, rods: &Rods) {
+        self.is_live = true;
+        let (title, caption) = (escaped(&rods.title), escaped(&rods.caption));
+        let data = script::rods(rods);
+        let _ = writeln!(
+            self.body,
+            "<figure class=\"motion\" hidden>\n<figcaption><strong>{title}</strong> {caption}</figcaption>\n{data}</figure>"
         );
     }
 
@@ -158,14 +183,16 @@ impl Page {
         let caveats = self.caveats.map_or(String::new(), |(words, section)| {
             format!("<p>Before you use this: <a href=\"#s{section}\">{}</a>.</p>\n", escaped(&words))
         });
+        let (policy, scripts) = (script::policy(self.is_live), script::scripts(self.is_live));
+        let style = if self.is_live { [script::STYLE, STYLE].concat() } else { STYLE.to_owned() };
         let contents: String = self.sections.iter().enumerate().map(entry).collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-             <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
+             <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n<style>\n{style}</style>\n</head>\n\
              <body>\n<header>\n<h1>{title}</h1>\n</header>\n\
-             <nav aria-label=\"Sections\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{}{caveats}{}</main>\n</body>\n</html>\n",
+             <nav aria-label=\"Sections\">\n<ul>\n{contents}</ul>\n</nav>\n<main>\n{}{caveats}{}</main>\n{scripts}</body>\n</html>\n",
             self.lead, self.body
         )
     }
@@ -190,6 +217,27 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::picture::{self, Drawing};
+
+    /// Titles, labels, keys and words of a chart are data, and data begins no tag.
+    #[test]
+    fn no_name_ends_the_data_of_a_chart() {
+        let page = |text: &str| {
+            let drawing = picture::tests::chart(text);
+            let picture =
+                Picture { name: String::new(), title: String::new(), caption: String::new(), drawing };
+            let mut page = Page::new("a", "b", "c");
+            page.figure(&picture);
+            page.finish()
+        };
+        let (evil, plain) = (page("</script><script>alert('&')</script>"), page("plain"));
+        for sign in ["<", ">", "<script"] {
+            assert_eq!(evil.matches(sign).count(), plain.matches(sign).count(), "{sign}");
+        }
+        assert!(plain.matches("<script").count() == 3 && plain.contains("script-src 'sha256-"));
+        let without = Page::new("a", "b", "c").finish();
+        assert!(!without.contains("<script") && !without.contains("script-src"));
+    }
 
     /// Whatever a name holds, it adds no tag to the page.
     #[test]
@@ -207,7 +255,12 @@ mod tests {
             page.table(&Table { caption: text, heads: &[text], rows: rows() });
             page.folded(text, &Table { caption: text, heads: &[text], rows: rows() });
             let (title, caption) = (text.to_owned(), text.to_owned());
-            page.figures(&[Picture { name: String::new(), title, caption, svg: "<svg ></svg>".to_owned() }]);
+            page.figures(&[Picture {
+                name: String::new(),
+                title,
+                caption,
+                drawing: Drawing { svg: "<svg ></svg>".to_owned(), charts: Vec::new() },
+            }]);
             page.finish()
         };
         let (evil, plain) = (page(evil), page("plain"));

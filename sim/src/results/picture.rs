@@ -3,8 +3,11 @@
 mod against_markers;
 mod analysed;
 mod calibrated;
+pub mod chart;
+mod compact;
 mod diagnosed;
 mod diagnosed_residual;
+mod drawing;
 mod fitted;
 mod grid;
 mod lines;
@@ -16,6 +19,7 @@ mod predicted;
 mod pressures;
 mod recording;
 mod released;
+mod rods;
 mod spectrum;
 mod swept;
 mod tips;
@@ -24,19 +28,20 @@ mod words;
 use models::model::Model;
 use models::snapshot::Energy;
 use models::system::System;
-use plotters::coord::Shift;
-use plotters::prelude::{DrawingArea, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::prelude::RGBColor;
 
 use super::report::significant;
 use super::rest::Rest;
 use super::summary::{Summary, Swing};
 use crate::trajectory::{Status, Trajectory};
-use panel::{Axis, Drawn, Key, Panel, SCALE, Stroke, equal_scale, heading, padded, plot_size, px, tick};
+use drawing::{Sheet as Area, drawn};
+use panel::{Axis, Drawn, Key, Panel, Stroke, equal_scale, heading, padded, plot_size, px, tick};
 
 pub use against_markers::against_markers;
 pub use analysed::{analysed, recordings};
 pub use calibrated::{calibrated, over_pressure};
 pub use diagnosed::diagnosed;
+pub use drawing::Drawing;
 pub use fitted::fitted;
 pub use grid::grid_pictures;
 pub use lines::Named;
@@ -45,7 +50,8 @@ pub use paper::{are_recorded, every_other, example, in_psi, model as model_name,
 pub use predicted::predicted;
 pub use pressures::{PASCAL_PER_PSI, PressureRow, pressures};
 pub use recording::recording;
-pub use released::released;
+pub use released::{in_motion, released};
+pub use rods::{Rods, of_calibration, of_diagnosis};
 pub use swept::swept_pictures;
 pub use tips::{Tip, over_pressure_and_amplitude, over_pressures, tips, tips_of_runs};
 
@@ -76,11 +82,16 @@ pub struct Picture {
     pub title: String,
     /// How to read it.
     pub caption: String,
-    /// As SVG.
-    pub svg: String,
+    /// As drawn, and its charts.
+    pub drawing: Drawing,
 }
 
 impl Picture {
+    /// As SVG.
+    pub fn svg(&self) -> &str {
+        &self.drawing.svg
+    }
+
     /// Its place among the pictures of a folder.
     pub fn file(&self) -> String {
         format!("{PICTURES}/{}.svg", self.name)
@@ -105,30 +116,15 @@ pub struct Release<'a> {
 }
 
 /// Four panels of one run: shapes, height of the tip, energies, spectrum.
-pub fn release(of: &Release) -> String {
+pub fn release(of: &Release) -> Drawing {
     drawn((1200, 820), |page| {
         heading(page, &title(of.summary))?;
-        let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((2, 2));
+        let panels = page.below(px(34.0)).split_evenly((2, 2));
         shapes(of, &panels[0])?;
         height(of, &panels[1])?;
         energies(of, &panels[2])?;
         spectrum(of, &panels[3])
     })
-}
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-/// Draws on a page of that size.
-fn drawn(size: (u32, u32), draw: impl FnOnce(&Area) -> Drawn) -> String {
-    let mut text = String::new();
-    let fine = (size.0 * SCALE as u32, size.1 * SCALE as u32);
-    let page = SVGBackend::with_string(&mut text, fine).into_drawing_area();
-    let done = page.fill(&plotters::style::WHITE).and_then(|()| draw(&page)).and_then(|()| page.present());
-    done.expect("writing to memory does not fail");
-    drop(page);
-    // Plotters places in whole pixels: it draws on a finer page, shown at the size that was asked for.
-    let shown = |(width, height): (u32, u32)| format!("width=\"{width}\" height=\"{height}\" viewBox");
-    text.replacen(&shown(fine), &shown(size), 1)
 }
 
 fn title(summary: &Summary) -> String {
@@ -212,11 +208,14 @@ fn in_milli(point: &[f64; 2]) -> (f64, f64) {
     (MILLI * point[0], MILLI * point[1])
 }
 
+/// Direction of the clamp, rad.
+fn base_angle(model: &Model) -> f64 {
+    model.parameters.iter().position(|p| p.path == "rod.base_angle").map_or(0.0, |k| model.theta[k])
+}
+
 /// A hatched wall behind the root, normal to the direction of the clamp.
 fn clamp(panel: &mut Panel, model: &Model, length: f64) -> Drawn {
-    let angle =
-        model.parameters.iter().position(|p| p.path == "rod.base_angle").map_or(0.0, |k| model.theta[k]);
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = base_angle(model).sin_cos();
     let at = |along: f64, across: f64| {
         (MILLI * length * (along * cos - across * sin), MILLI * length * (along * sin + across * cos))
     };
@@ -335,13 +334,26 @@ fn spectrum(of: &Release, area: &Area) -> Drawn {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::rest::rest;
     use crate::results::summary::{MODES, summarise};
     use crate::results::tests::{muscle_at_15_psi, released};
 
-    fn picture(duration: f64) -> String {
+    /// A chart whose words are all that text.
+    pub fn chart(text: &str) -> Drawing {
+        let (line, dot) = (Stroke::dashed(BLUE, 1.0, 3.0, 2.0), Stroke::new(VERMILION, 1.0));
+        drawn((400, 300), |page| {
+            let keys = [Key::line(line, text), Key::dot(dot, text)];
+            let axes = (Axis(0.0..2.0, text), Axis(-1.0..1.0, text));
+            let mut panel = Panel::new(page, text, &axes.0, &axes.1, &keys)?;
+            panel.line([(0.0, -0.5), (0.7, 0.25), (2.0, 1.0)].into_iter(), &line)?;
+            panel.dots([(0.1, 0.9)], &dot, 2.0)?;
+            panel.text((1.0, 0.5), text)
+        })
+    }
+
+    fn picture(duration: f64) -> Drawing {
         let model = muscle_at_15_psi();
         let (run, trajectory) = released(&model, duration);
         let rest = rest(&model, duration, MODES);
@@ -360,7 +372,7 @@ mod tests {
     /// How a picture looks no test sees; what it must say, this one does.
     #[test]
     fn the_picture_names_its_quantities_with_units_and_has_no_negative_zero() {
-        let svg = picture(20.0);
+        let Drawing { svg, .. } = picture(20.0);
         if let Ok(folder) = std::env::var("EFAM_LOOK") {
             std::fs::write(format!("{folder}/release.svg"), &svg).unwrap();
         }
@@ -390,7 +402,7 @@ mod tests {
     #[test]
     fn a_short_run_says_what_it_cannot_draw() {
         for duration in [0.0, 0.01, 0.3] {
-            let svg = picture(duration);
+            let Drawing { svg, .. } = picture(duration);
             if let Ok(folder) = std::env::var("EFAM_LOOK") {
                 std::fs::write(format!("{folder}/short-{duration}.svg"), &svg).unwrap();
             }

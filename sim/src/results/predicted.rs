@@ -37,7 +37,7 @@ pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -
     let text = serde_json::to_string_pretty(prediction).expect("a prediction has nothing that JSON has not");
     folder.write(PREDICTION, text.as_bytes())?;
     let (picture, written) = (predicted(outcome), SystemTime::now());
-    folder.write(PICTURE, picture.svg.as_bytes())?;
+    folder.write(PICTURE, picture.svg().as_bytes())?;
     folder.write(REPORT, page::of_one(request, prediction, &[picture], written).as_bytes())?;
     folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;
     write_mark(folder, request, "prediction", written, json!({}))

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::folder::Folder;
 use super::page::{BeforeUse, Page, REPORT, Table, extrapolated};
 use super::picture::{
-    PASCAL_PER_PSI, Picture, PressureRow, Tip, over_pressure_and_amplitude, pressures, tips,
+    PASCAL_PER_PSI, Picture, PressureRow, Rods, Tip, over_pressure_and_amplitude, pressures, tips,
 };
 use super::quantities::quantities;
 use super::report::{short, significant};
@@ -64,12 +64,12 @@ pub fn write_set(
     let row = |member: &Member| member.pressure.map(|pressure| PressureRow::new(pressure, &member.summary));
     let rows: Vec<PressureRow> = members.iter().filter_map(row).collect();
     let over = pressures(&request.name, "simulated", &rows);
-    folder.write(PRESSURES, over.as_bytes())?;
+    folder.write(PRESSURES, over.svg.as_bytes())?;
     let mut pictures = vec![Picture {
         name: "pressures".to_owned(),
         title: "Frequency and damping over pressure".to_owned(),
         caption: "By the paper's method from each swing, and of the first mode. Of the paper's own curves only what its text says is written in.".to_owned(),
-        svg: over,
+        drawing: over,
     }];
     let paths: Vec<Tip> = members.iter().map(Member::path).collect();
     pictures.extend(tips(&paths));
@@ -79,7 +79,7 @@ pub fn write_set(
         .collect();
     pictures.extend(over_pressure_and_amplitude(&cycles));
     for picture in &pictures[1..] {
-        folder.write(&picture.file(), picture.svg.as_bytes())?;
+        folder.write(&picture.file(), picture.svg().as_bytes())?;
     }
     let written = SystemTime::now();
     let html = set_page(request, members, &pictures, remarks, written);
@@ -209,6 +209,7 @@ pub(super) fn page(
     request: &Request,
     summary: &Summary,
     pictures: &[Picture],
+    rods: Option<Rods>,
     written: SystemTime,
 ) -> String {
     let word = match &summary.status {
@@ -222,6 +223,9 @@ pub(super) fn page(
         pictures.iter().filter(|picture| names.contains(&picture.name.as_str())).collect()
     };
     page.section("The swing");
+    if let Some(rods) = &rods {
+        page.rods(rods);
+    }
     page.figures(of(&["height", "spectrum", "trajectory", "postures"]));
     page.section("Energy and phase");
     page.figures(of(&["energy", "phase"]));

@@ -69,7 +69,7 @@ pub fn write_swept(plan: &Plan, request: &Request, merged: &Merged, kept: &Kept)
     let is_grid = matches!(&plan.head.work, Work::Simulate(own) if own.design == Design::Grid);
     let pictures = swept_pictures(merged, kept, is_grid);
     for picture in &pictures {
-        put(&format!("{}.svg", picture.name), &picture.svg)?;
+        put(&format!("{}.svg", picture.name), picture.svg())?;
     }
     put(REPORT, &page::page(request, (&plan.head, merged), &pictures, SystemTime::now()))?;
     put(MARK, &swept_mark(request))

@@ -43,8 +43,9 @@ pub fn told(request: &Request, model: &Model, run: &Run, trajectory: &Trajectory
 impl Told {
     /// The page of the run.
     pub fn page(&self, request: &Request, model: &Model, run: &Run, trajectory: &Trajectory) -> String {
-        let pictures = picture::released(&self.shown(model, run, trajectory));
-        simulated::page(request, &self.summary, &pictures, SystemTime::now())
+        let shown = self.shown(model, run, trajectory);
+        let (pictures, rods) = (picture::released(&shown), picture::in_motion(&shown));
+        simulated::page(request, &self.summary, &pictures, rods, SystemTime::now())
     }
 
     pub(super) fn shown<'a>(

@@ -12,6 +12,27 @@ pub fn program() -> PathBuf {
     std::env::var_os("EFAM_PROGRAM").map_or_else(|| env!("CARGO_BIN_EXE_efam").into(), PathBuf::from)
 }
 
+/// A page without what efam writes as scripts and as their data: nothing else may begin so. At most two are run.
+pub fn without_scripts(page: &str) -> String {
+    let (mut rest, mut out, mut run) = (page, String::new(), 0);
+    while let Some((before, after)) = rest.split_once("<script") {
+        let (tag, after) = after.split_once('>').expect("a tag ends");
+        let (inside, after) = after.split_once("</script>").expect("a script ends");
+        match tag {
+            "" => run += 1,
+            " type=\"application/json\" class=\"charts\"" | " type=\"application/json\" class=\"rods\"" => {
+                assert!(!inside.contains(['<', '>', '&']), "{}", &inside[..200]);
+                serde_json::from_str::<Value>(inside).expect("data is JSON");
+            }
+            other => panic!("<script{other}>"),
+        }
+        out += before;
+        rest = after;
+    }
+    assert!(run == 0 || run == 2, "{run} scripts");
+    out + rest
+}
+
 /// A folder of its own for each test.
 pub struct Bench(pub PathBuf);
 

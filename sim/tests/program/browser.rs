@@ -4,7 +4,7 @@
 //! that leaves the machine, no text over other text, nothing wider than the window, and enough contrast.
 //! Setup: small runs of each command; headless Chromium behind a proxy that is not there, so that nothing leaves,
 //! with a log of what is asked for. One frame asks for something, to show that it would be noted. The pages as they
-//! are forbid all scripts, so texts are measured in copies without that policy, in frames of the widths. Where no Chromium is there the test says so and passes;
+//! are forbid all scripts but their own, so texts are measured in copies without that policy, in frames of the widths. Where no Chromium is there the test says so and passes;
 //! `EFAM_BROWSER` names another.
 
 use std::collections::BTreeSet;
@@ -157,6 +157,19 @@ fn looked(browser: &Path, bench: &Bench, scheme: u8) -> (Vec<Value>, Vec<String>
     (values, console, asked(&log))
 }
 
+/// As a person uses them, with their policy: see `interactive.mjs`.
+fn used(browser: &Path, bench: &Bench) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/interactive.mjs");
+    match Command::new("node").arg(script).arg(browser).arg(&bench.0).output() {
+        Err(_) => println!("skipped: Node is not there, which drives Chromium: nobody used the pages"),
+        Ok(output) => {
+            let said =
+                [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+            assert!(output.status.success(), "{}\n{}", said[0], said[1]);
+        }
+    }
+}
+
 #[test]
 fn every_page_can_be_read_and_keeps_to_itself() {
     let Some(browser) = browser() else { return };
@@ -185,5 +198,6 @@ fn every_page_can_be_read_and_keeps_to_itself() {
         papers.push(found[0]["paper"].clone());
     }
     assert_ne!(papers[0], papers[1], "light and dark differ");
+    used(&browser, &bench);
     let _ = fs::remove_dir_all(&bench.0);
 }

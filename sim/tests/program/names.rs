@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use sim::results::columns::{Cells, Column, Holds, ParquetFile};
 
-use crate::bench::Bench;
+use crate::bench::{Bench, without_scripts};
 use crate::calibrate::{EXPERIMENT, recording, scenario, simulated};
 use crate::export::messages;
 
@@ -44,7 +44,13 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 /// No tag of ours begins so.
 fn no_markup(bench: &Bench, folder: &str) {
     for (path, bytes) in files(&bench.0.join(folder)) {
-        let text = String::from_utf8_lossy(&bytes).to_lowercase();
+        let text = String::from_utf8_lossy(&bytes);
+        let text = if path.extension().is_some_and(|end| end == "html") {
+            without_scripts(&text)
+        } else {
+            text.into()
+        };
+        let text = text.to_lowercase();
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         assert!(name.bytes().all(|c| c.is_ascii_alphanumeric() || b"._-".contains(&c)), "{name}");
         assert!(!name.starts_with(['-', '.']) && !name.to_lowercase().starts_with("con."), "{name}");

@@ -3,7 +3,7 @@
 use std::time::SystemTime;
 
 use super::super::page::{BeforeUse, Masked, Page, Table};
-use super::super::picture::Picture;
+use super::super::picture::{Picture, of_calibration};
 use super::super::report::significant;
 use super::super::{Request, assumed};
 use crate::calibrate::calibration::{Calibrated, Calibration, ReleaseFit, SearchReport};
@@ -27,6 +27,7 @@ pub(super) fn page(
     page.section("Parameters");
     parameters(&mut page, calibration);
     page.section("How well each release is met");
+    of_calibration(problem, outcome).iter().for_each(|rods| page.rods(rods));
     page.figures(of("fit-"));
     fits(&mut page, calibration);
     misfits(&mut page, calibration);

@@ -3,7 +3,7 @@
 use models::effects::by_name;
 
 use super::super::page::{BeforeUse, Masked, Page, Table};
-use super::super::picture::Picture;
+use super::super::picture::{Picture, of_diagnosis};
 use super::super::report::{short, significant};
 use super::super::{Request, assumed};
 use crate::diagnose::verdict::{Added, Value};
@@ -30,6 +30,7 @@ pub(super) fn page(
     gaps(&mut page, diagnosis);
     if !over_time.is_empty() {
         page.section("What is left over time");
+        of_diagnosis(outcome).iter().for_each(|rods| page.rods(rods));
         page.figures(over_time);
     }
     page.section("What is left over the swing");
@@ -200,6 +201,7 @@ mod tests {
     use crate::diagnose::curve::Sample;
     use crate::diagnose::localise::Shape;
     use crate::diagnose::verdict::{Added, Evidence, Gap, Member, Separation};
+    use crate::results::page::stripped;
     use crate::results::picture::diagnosed;
 
     /// A marker that swings 10 mm about a point 300 mm from the clamp, and is predicted 1 mm off before.
@@ -355,21 +357,22 @@ mod tests {
             ] {
                 assert!(html.contains(text), "{kind:?}: {text}");
             }
-            assert!(!html.contains("NaN") && !html.contains("<script"), "{kind:?}");
+            let rest = stripped(&html);
+            assert!(!rest.contains("NaN") && !rest.contains("<script"), "{kind:?}");
         }
     }
 
     #[test]
     fn a_name_cannot_write_into_the_page() {
         let html = page_of(Verdict::Named, "<script>alert(1)</script>");
-        assert!(!html.contains("<script"));
+        assert!(!stripped(&html).contains("<script"));
         assert!(html.contains("Diagnosis of &lt;script&gt;alert(1)&lt;/script&gt;"));
     }
 
     /// A page loads nothing: no address in it leads anywhere but into itself.
     #[test]
     fn a_page_needs_no_network() {
-        let html = page_of(Verdict::Named, "15 psi");
+        let html = stripped(&page_of(Verdict::Named, "15 psi"));
         let addresses = html.match_indices("http").map(|(at, _)| &html[at..(at + 40).min(html.len())]);
         let foreign: Vec<_> = addresses
             .filter(|text| !text.starts_with("http-equiv") && !text.starts_with("http://www.w3.org/2000/svg"))

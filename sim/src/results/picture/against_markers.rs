@@ -32,7 +32,7 @@ pub fn against_markers(problem: &Problem, outcome: &Outcome) -> Vec<Picture> {
                 "The fitted rod at {} instants of its first swing, and the markers then.",
                 rods.len()
             ),
-            svg: drawn((760, 640), |page| draw(page, &rods, &markers)),
+            drawing: drawn((760, 640), |page| draw(page, &rods, &markers)),
         })
     };
     held.trials.iter().enumerate().filter_map(picture).collect()

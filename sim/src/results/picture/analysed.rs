@@ -25,7 +25,7 @@ pub fn recordings(cleaned: &Cleaned) -> Vec<Picture> {
             name: format!("recording-{:02}", k + 1),
             title: format!("Recording {}", of.name),
             caption: "Above: the tip over time, what is masked, where releases are cut. Below: its path in the plane of the swing, and its way out of it.".to_owned(),
-            svg: recording(of, &releases),
+            drawing: recording(of, &releases),
         }
     };
     cleaned.recordings.iter().enumerate().map(picture).collect()
@@ -42,7 +42,7 @@ pub fn analysed(all: &[Analysed]) -> Vec<Picture> {
             name: format!("release-{:02}-swing", k + 1),
             title: format!("Swing and spectrum: {name}"),
             caption: "Above: the coordinate that was analysed, its upper peaks, and eq. 6 fitted to them. Below: its amplitude spectrum.".to_owned(),
-            svg: drawn((760, 760), |page| {
+            drawing: drawn((760, 760), |page| {
                 let (above, below) = page.split_vertically(page.dim_in_pixel().1 / 2);
                 swing(measured, &above)?;
                 frequencies(measured, &below)
@@ -52,7 +52,7 @@ pub fn analysed(all: &[Analysed]) -> Vec<Picture> {
             name: format!("release-{:02}-damping", k + 1),
             title: format!("Damping over amplitude: {name}"),
             caption: "From each upper peak to the next. A linear loss would be level.".to_owned(),
-            svg: drawn(SIZE, |page| damping(measured, page)),
+            drawing: drawn(SIZE, |page| damping(measured, page)),
         });
     }
     pictures
@@ -88,7 +88,7 @@ fn over_pressure(all: &[Analysed]) -> Vec<Picture> {
             name: name.to_owned(),
             title: title.to_owned(),
             caption: caption.to_owned(),
-            svg: drawn(SIZE, |page| of.draw(page, &lines)),
+            drawing: drawn(SIZE, |page| of.draw(page, &lines)),
         }
     };
     let decay = |of: fn(&crate::analysis::decay::Decay) -> f64| {
@@ -173,6 +173,6 @@ fn over_nodes(all: &[Analysed]) -> Option<Picture> {
         name: "tip-error".to_owned(),
         title: of.title.to_owned(),
         caption: "Distance of the measured tip at rest from that of the discrete rod with the EI that comes nearest.".to_owned(),
-        svg: drawn(SIZE, |page| of.draw(page, &spread(&lines, MOST_LINES))),
+        drawing: drawn(SIZE, |page| of.draw(page, &spread(&lines, MOST_LINES))),
     })
 }

@@ -2,7 +2,7 @@
 //! pressure.
 
 use super::panel::{Axis, Key, Panel, Stroke, heading, padded, px};
-use super::{Area, BLACK, BLUE, Drawn, GREEN, GREY, MILLI, VERMILION, drawn};
+use super::{Area, BLACK, BLUE, Drawing, Drawn, GREEN, GREY, MILLI, VERMILION, drawn};
 use crate::analysis::measured::Measured;
 use crate::calibrate::calibration::{Calibrated, Calibration};
 use crate::calibrate::misfit::swing_of;
@@ -12,10 +12,10 @@ use crate::calibrate::{Curve, Scale};
 const DECADES: f64 = 2.5;
 
 /// Four panels of one track; as SVG.
-pub fn calibrated(curve: &Curve) -> String {
+pub fn calibrated(curve: &Curve) -> Drawing {
     drawn((1200, 820), |page| {
         heading(page, &format!("{}, {}: fit and measurement", curve.release, curve.marker))?;
-        let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((2, 2));
+        let panels = page.below(px(34.0)).split_evenly((2, 2));
         overlay(curve, &panels[0])?;
         residuals(curve, &panels[1])?;
         let both = [swing_of(curve, &curve.measured), swing_of(curve, &curve.predicted)];
@@ -144,7 +144,7 @@ pub(super) fn paths_over_pressure(calibration: &Calibration) -> Vec<String> {
 }
 
 /// Parameters over pressure with their intervals; as SVG. Nothing where none is one for each pressure.
-pub fn over_pressure(name: &str, calibration: &Calibration) -> Option<String> {
+pub fn over_pressure(name: &str, calibration: &Calibration) -> Option<Drawing> {
     let mut paths = paths_over_pressure(calibration);
     paths.truncate(MOST_PANELS);
     let columns = if paths.len() > 2 { 2 } else { paths.len() };
@@ -154,7 +154,7 @@ pub fn over_pressure(name: &str, calibration: &Calibration) -> Option<String> {
     let rows = paths.len().div_ceil(columns);
     Some(drawn((600 * columns as u32, 60 + 390 * rows as u32), |page| {
         heading(page, &format!("{name}: calibrated parameters over pressure"))?;
-        let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((rows, columns));
+        let panels = page.below(px(34.0)).split_evenly((rows, columns));
         for (path, area) in paths.iter().zip(&panels) {
             one_parameter(path, &calibration.of(path), area)?;
         }

@@ -69,7 +69,7 @@ fn gap(gaps: &[Gap]) -> Picture {
     let join = Stroke::new(GREY, 1.2);
     let noise = Stroke::dashed(BLACK, 1.4, 6.0, 4.0);
     let keys = [Key::ring(before(), "before"), Key::dot(after(), "after"), Key::line(noise, "noise alone")];
-    let svg = drawn((WIDTH, height(rows.len())), |page| {
+    let drawing = drawn((WIDTH, height(rows.len())), |page| {
         let x = Axis(0.0..1.06 * most, "gap over the noise");
         let mut panel = Panel::rows(page, "Gap between simulation and recordings", &x, &rows, NAMES, &keys)?;
         let end = 0.5 - rows.len() as f64;
@@ -91,7 +91,7 @@ fn gap(gaps: &[Gap]) -> Picture {
         name: "gap".to_owned(),
         title: "Gap between simulation and recordings".to_owned(),
         caption: "Root mean square distance of each release over its noise: 1 is noise alone. Below the line: releases that were locked away, which took no part and judge what was found. Samples that are held back do not count.".to_owned(),
-        svg,
+        drawing,
     }
 }
 
@@ -113,7 +113,7 @@ fn shapes(shapes: &[Shape]) -> Picture {
     if last > 1 {
         keys.insert(0, Key::ring(before(), "before"));
     }
-    let svg = drawn((WIDTH + 120, height(rows.len())), |page| {
+    let drawing = drawn((WIDTH + 120, height(rows.len())), |page| {
         let x = Axis(0.0..1.06 * most, "score over its threshold");
         let title = "What the residual looks like, whatever its cause";
         let mut panel = Panel::rows(page, title, &x, &rows, NAMES + 120.0, &keys)?;
@@ -132,7 +132,7 @@ fn shapes(shapes: &[Shape]) -> Picture {
         name: "shapes".to_owned(),
         title: "What the residual looks like, whatever its cause".to_owned(),
         caption: "Waves of the swing's phase under hats over its amplitude, scored as effects are. What lies right of the line stands out of the noise. No name of an effect goes into them.".to_owned(),
-        svg,
+        drawing,
     }
 }
 
@@ -147,9 +147,9 @@ fn ranking(round: usize, evidence: &[&Evidence], threshold: f64) -> Picture {
     let (chosen, other) = (Stroke::new(BLUE, 1.4), Stroke::new(GREY, 1.6));
     let line = Stroke::dashed(BLACK, 1.4, 6.0, 4.0);
     let title = format!("Candidates of round {round}");
-    let svg = drawn((1160, height(rows.len()) + 30), |page| {
+    let drawing = drawn((1160, height(rows.len()) + 30), |page| {
         heading(page, &title)?;
-        let (left, right) = page.margin(px(30.0), 0, 0, 0).split_horizontally(px(750.0));
+        let (left, right) = page.below(px(30.0)).split_horizontally(px(750.0));
         scores(&left, &rows, evidence, threshold, [&chosen, &other, &line])?;
         decreases(&right, &rows, evidence)
     });
@@ -167,7 +167,7 @@ fn ranking(round: usize, evidence: &[&Evidence], threshold: f64) -> Picture {
         caption: format!(
             "Left: {left}. Right: by how much χ² was promised to fall, and by how much it fell when the effect was fitted. Below each name: why it is not the answer."
         ),
-        svg,
+        drawing,
     }
 }
 

@@ -38,9 +38,9 @@ pub(super) fn over_time(number: usize, curve: &Curve) -> Picture {
         sizes.get((0.995 * sizes.len() as f64) as usize).copied().unwrap_or(0.0)
     });
     let most = (1.3 * sizes[0].max(sizes[1])).max(1.5 * SHADED * MILLI * curve.noise);
-    let svg = drawn((760, 560), |page| {
+    let drawing = drawn((760, 560), |page| {
         heading(page, &title)?;
-        let panels = page.margin(px(30.0), 0, 0, 0).split_evenly((2, 1));
+        let panels = page.below(px(30.0)).split_evenly((2, 1));
         for (((name, of), stroke), area) in PREDICTIONS.iter().zip([before(), after()]).zip(&panels) {
             one_over_time(area, name, curve, *of, &Stroke { width: 1.2, ..stroke }, most)?;
         }
@@ -53,7 +53,7 @@ pub(super) fn over_time(number: usize, curve: &Curve) -> Picture {
             curve.marker
         ),
         title,
-        svg,
+        drawing,
     }
 }
 
@@ -115,9 +115,9 @@ pub(super) fn over_swing(curves: &[&Curve]) -> Option<Picture> {
     all().next()?;
     let most = all().map(|cell| cell.mean.abs()).fold(0.0, f64::max);
     let title = "Residual over the swing's phase and amplitude";
-    let svg = drawn((760, 860), |page| {
+    let drawing = drawn((760, 860), |page| {
         heading(page, title)?;
-        let panels = page.margin(px(30.0), 0, 0, 0).split_evenly((2, 1));
+        let panels = page.below(px(30.0)).split_evenly((2, 1));
         for (((name, _), cells), area) in PREDICTIONS.iter().zip(&cells).zip(&panels) {
             one_over_swing(area, name, cells, most)?;
         }
@@ -129,7 +129,7 @@ pub(super) fn over_swing(curves: &[&Curve]) -> Option<Picture> {
         caption: format!(
             "Mean residual of the fitted releases in parts of the swing; phase 0 is the upper turn, 0.5 the lower. The largest mark is {most:.1} times the noise of a sample; means within two of their standard errors are left out. Filled: what was measured lies above what is predicted, hollow: below."
         ),
-        svg,
+        drawing,
     })
 }
 

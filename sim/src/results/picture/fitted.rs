@@ -17,7 +17,7 @@ pub fn fitted(calibration: &Calibration, curves: &[Curve]) -> Vec<Picture> {
             caption:
                 "Its value at each pressure, with the interval that holds the truth in 95 % of experiments."
                     .to_owned(),
-            svg: drawn((760, 480), |page| one_parameter(&path, &calibration.of(&path), page)),
+            drawing: drawn((760, 480), |page| one_parameter(&path, &calibration.of(&path), page)),
         });
     }
     let groups = calibration.correlations.iter().enumerate();
@@ -28,7 +28,7 @@ pub fn fitted(calibration: &Calibration, curves: &[Curve]) -> Vec<Picture> {
             name: format!("fit-{:02}-path", k + 1),
             title: format!("Fit and residual: {of}"),
             caption: "Height as measured and as fitted; below, what is left of both coordinates.".to_owned(),
-            svg: drawn((760, 760), |page| {
+            drawing: drawn((760, 760), |page| {
                 let (above, below) = page.split_vertically(page.dim_in_pixel().1 / 2);
                 overlay(curve, &above)?;
                 residuals(curve, &below)
@@ -40,7 +40,7 @@ pub fn fitted(calibration: &Calibration, curves: &[Curve]) -> Vec<Picture> {
             title: format!("Decay and damping: {of}"),
             caption: "Upper peaks over time, and the damping ratio from each to the next over its amplitude."
                 .to_owned(),
-            svg: drawn((760, 760), |page| {
+            drawing: drawn((760, 760), |page| {
                 let (above, below) = page.split_vertically(page.dim_in_pixel().1 / 2);
                 decay(&both, &above)?;
                 damping(&both, &below)

@@ -7,7 +7,7 @@ use plotters::prelude::RGBColor;
 use models::digits::significant;
 
 use super::panel::{Axis, Drawn, Key, Panel, Stroke, heading, padded, px};
-use super::{Area, BLACK, BLUE, GREEN, GREY, MILLI, ORANGE, Picture, VERMILION, drawn};
+use super::{Area, BLACK, BLUE, Drawing, GREEN, GREY, MILLI, ORANGE, Picture, VERMILION, drawn};
 use crate::predict::grid::{Cell, Grid, PastStraightDown};
 
 /// Numbers that are drawn: name, title, label of its axis, factor to its unit.
@@ -23,6 +23,8 @@ const NUMBERS: [Number; 6] = [
 const LEGIBLE: usize = 12;
 /// Share of the range from which on a cell is so dark that white is read better on it.
 const DARK: f64 = 0.68;
+/// Steps of the colour bar.
+const SHADES: usize = 5;
 /// Lines in one panel at most.
 const LINES: usize = 5;
 
@@ -35,7 +37,7 @@ pub fn grid_pictures(grid: &Grid) -> Vec<Picture> {
             name: "maps".to_owned(),
             title: "Over pressure and payload".to_owned(),
             caption: "Darker is more; the numbers stand in the cells where there is room.".to_owned(),
-            svg: six_panels(grid, &|area, number| map(area, grid, number)),
+            drawing: six_panels(grid, &|area, number| map(area, grid, number)),
         });
     }
     if pressures > 1 {
@@ -67,7 +69,7 @@ pub fn grid_pictures(grid: &Grid) -> Vec<Picture> {
             name: "past-straight-down".to_owned(),
             title: "Payload that takes the tip past straight down".to_owned(),
             caption: "In a release; bars hold 95 % of what the errors of the calibration admit.".to_owned(),
-            svg: drawn((760, 420), |page| past_straight_down(page, &answered)),
+            drawing: drawn((760, 420), |page| past_straight_down(page, &answered)),
         });
     }
     pictures
@@ -75,15 +77,15 @@ pub fn grid_pictures(grid: &Grid) -> Vec<Picture> {
 
 pub(super) type Number = (&'static str, &'static str, &'static str, f64);
 
-fn six_panels(grid: &Grid, panel: &dyn Fn(&Area, &Number) -> Drawn) -> String {
+fn six_panels(grid: &Grid, panel: &dyn Fn(&Area, &Number) -> Drawn) -> Drawing {
     panels_of_numbers(&format!("Prediction: {}", grid.name), panel)
 }
 
 /// A panel for each of [`NUMBERS`].
-pub(super) fn panels_of_numbers(title: &str, panel: &dyn Fn(&Area, &Number) -> Drawn) -> String {
+pub(super) fn panels_of_numbers(title: &str, panel: &dyn Fn(&Area, &Number) -> Drawn) -> Drawing {
     drawn((1200, 1230), |page| {
         heading(page, title)?;
-        let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((3, 2));
+        let panels = page.below(px(34.0)).split_evenly((3, 2));
         panels.iter().zip(&NUMBERS).try_for_each(|(area, number)| panel(area, number))
     })
 }
@@ -117,12 +119,20 @@ pub(super) fn painted(
     }
     let range = padded(values.into_iter(), 0.0);
     let whole = |edges: &[f64]| edges[0]..edges[edges.len() - 1];
-    let mut panel = Panel::new(area, &title, &Axis(whole(&x), x_label), &Axis(whole(&y), y_label), &[])?;
+    // The colour bar, in steps.
+    let step = |k: usize| {
+        let share = k as f64 / (SHADES - 1) as f64;
+        let value = range.start + share * (range.end - range.start);
+        Key::band(Stroke::new(shade(share), 1.0), significant(value, 3).replace('-', "\u{2212}"))
+    };
+    let keys: Vec<Key> = (0..SHADES).map(step).collect();
+    let (x_axis, y_axis) = (Axis(whole(&x), x_label), Axis(whole(&y), y_label));
+    let mut panel = Panel::new(area, &title, &x_axis, &y_axis, &keys)?;
     let is_legible = columns <= LEGIBLE && rows <= LEGIBLE;
     for (i, j) in all() {
         let Some(value) = value(i, j) else { continue };
         let share = (value - range.start) / (range.end - range.start);
-        panel.cell(x[i]..x[i + 1], y[j]..y[j + 1], shade(share))?;
+        panel.cell(x[i]..x[i + 1], y[j]..y[j + 1], shade(share), value)?;
         if is_legible {
             let middle = (0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1]));
             let ink = if share > DARK { RGBColor(255, 255, 255) } else { BLACK };
@@ -212,7 +222,7 @@ fn curves(
         name: name.to_owned(),
         title: format!("Over {}", label.split(',').next().unwrap_or(label)),
         caption: "Bars hold 95 % of what the errors of the calibration admit.".to_owned(),
-        svg: six_panels(grid, &panel),
+        drawing: six_panels(grid, &panel),
     }
 }
 

@@ -26,7 +26,7 @@ pub(super) fn correlations(number: usize, of: &Correlations) -> Option<Picture> 
     }
     let (width, height) = (NAMES + CELL * count as f64 + 24.0, TOP + CELL * count as f64 + 20.0);
     let title = "Correlations of what was found together";
-    let svg = drawn((width as u32, height as u32), |page| {
+    let drawing = drawn((width as u32, height as u32), |page| {
         heading(page, title)?;
         for (row, name) in of.names.iter().enumerate() {
             let y = TOP + CELL * (row as f64 + 0.5);
@@ -44,7 +44,7 @@ pub(super) fn correlations(number: usize, of: &Correlations) -> Option<Picture> 
         name: format!("correlations-{number}"),
         title: title.to_owned(),
         caption: "The larger the disc, the less can the data tell the two apart; filled: positive, a ring: negative. Beyond 0.95 only their combination is known.".to_owned(),
-        svg,
+        drawing,
     })
 }
 
@@ -81,7 +81,7 @@ mod tests {
         let names = vec!["a".to_owned(), "b".to_owned()];
         let svg = |r: f64| {
             let of = Correlations { names: names.clone(), matrix: vec![vec![1.0, r], vec![r, 1.0]] };
-            correlations(1, &of).unwrap().svg
+            correlations(1, &of).unwrap().drawing.svg
         };
         assert!(svg(-0.98).contains("−0.98") && svg(0.5).contains("+0.50"));
         assert_eq!(svg(0.5).matches("<circle").count(), 2);

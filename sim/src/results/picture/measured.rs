@@ -4,14 +4,14 @@ use std::f64::consts::TAU;
 
 use super::panel::{Axis, Key, Panel, Stroke, heading, padded, px};
 use super::spectrum::spectrum;
-use super::{Area, BLACK, BLUE, Drawn, GREEN, MILLI, VERMILION, drawn};
+use super::{Area, BLACK, BLUE, Drawing, Drawn, GREEN, MILLI, VERMILION, drawn};
 use crate::analysis::measured::Measured;
 
 /// Three panels of one measured release; as SVG.
-pub fn measured(name: &str, of: &Measured) -> String {
+pub fn measured(name: &str, of: &Measured) -> Drawing {
     drawn((1200, 820), |page| {
         heading(page, &title(name, of))?;
-        let rows = page.margin(px(34.0), 0, 0, 0).split_evenly((2, 1));
+        let rows = page.below(px(34.0)).split_evenly((2, 1));
         let below = rows[1].split_evenly((1, 2));
         swing(of, &rows[0])?;
         frequencies(of, &below[0])?;

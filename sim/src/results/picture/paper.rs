@@ -4,7 +4,7 @@ use super::lines::{Lines, Named, looks};
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, plot_size};
 use super::tips::trajectories;
 use super::{
-    Area, BLACK, Drawn, MILLI, PASCAL_PER_PSI, Picture, PressureRow, Release, Tip, drawn, pressures,
+    Area, BLACK, Drawing, Drawn, MILLI, PASCAL_PER_PSI, Picture, PressureRow, Release, Tip, drawn, pressures,
 };
 use crate::analysis::measured::Coordinate;
 use crate::analysis::static_stiffness::NODES;
@@ -47,12 +47,12 @@ pub fn paper(all: &[Pressure]) -> Vec<Picture> {
     vec![figure_4(all), figure_5(all), figure_6(all), figure_7(all), figure_8(all), figure_9(all)]
 }
 
-fn picture(number: usize, title: &str, caption: &str, svg: String) -> Picture {
+fn picture(number: usize, title: &str, caption: &str, drawing: Drawing) -> Picture {
     Picture {
         name: format!("figure-{number}"),
         title: format!("Figure {number}. {title}"),
         caption: caption.to_owned(),
-        svg,
+        drawing,
     }
 }
 
@@ -68,13 +68,13 @@ fn either(all: &[Pressure], recorded: &'static str, simulated: &'static str) -> 
 fn figure_4(all: &[Pressure]) -> Picture {
     let tips: Vec<Tip> = every_other(all).into_iter().map(tip).collect();
     let title = either(all, "Paths of the tip, recorded", "Paths of the tip, simulated");
-    let svg = drawn((900, 760), |page| trajectories(page, title, &tips.iter().collect::<Vec<_>>()));
+    let drawing = drawn((900, 760), |page| trajectories(page, title, &tips.iter().collect::<Vec<_>>()));
     let caption = either(
         all,
         "Recorded paths of the tip and its rests. Paths begin where they are named; masked samples are left out.",
         "Simulated paths of the tip and its rests, in steps of 10 psi from 5 psi on. Paths begin where they are named.",
     );
-    picture(4, "Paths of the tip and its rest", caption, svg)
+    picture(4, "Paths of the tip and its rest", caption, drawing)
 }
 
 /// Something of each pressure over psi.
@@ -139,7 +139,7 @@ fn figure_6(all: &[Pressure]) -> Picture {
         why: "no tip at rest",
     };
     let second = Lines { title: "B: over the number of nodes", x: "nodes of the discrete rod", ..first };
-    let svg = drawn((1200, 560), |page| {
+    let drawing = drawn((1200, 560), |page| {
         let panels = page.split_evenly((1, 2));
         first.draw(&panels[0], &over)?;
         second.draw(&panels[1], &by_nodes)
@@ -149,13 +149,13 @@ fn figure_6(all: &[Pressure]) -> Picture {
         "Distance of each model's tip from the recorded one at rest, with the EI that comes nearest.",
         "Distance of each model's tip from the simulated one, with the EI that comes nearest. The rod of 32 nodes made the tip and is left out.",
     );
-    picture(6, "Tip error over pressure and nodes", caption, svg)
+    picture(6, "Tip error over pressure and nodes", caption, drawing)
 }
 
 fn figure_7(all: &[Pressure]) -> Picture {
     let rows = if all.len() > MOST_PATHS { 2 } else { 1 };
     let half = all.len().div_ceil(rows).max(1);
-    let svg = drawn((1200, 620 * rows as u32), |page| {
+    let drawing = drawn((1200, 620 * rows as u32), |page| {
         let panels = page.split_evenly((rows, 1));
         for ((own, name), area) in all.chunks(half).zip(["A", "B"]).zip(&panels) {
             shapes(area, name, own)?;
@@ -167,7 +167,7 @@ fn figure_7(all: &[Pressure]) -> Picture {
         "Shapes at rest, models below one another, pressures beside one another. Rings: the markers of the recordings.",
         "Shapes at rest, models below one another, pressures beside one another. Rings: our simulated rod, in place of the paper's markers, whose positions are not published.",
     );
-    picture(7, "Shapes at rest", caption, svg)
+    picture(7, "Shapes at rest", caption, drawing)
 }
 
 fn shapes(area: &Area, name: &str, all: &[Pressure]) -> Drawn {
@@ -219,7 +219,7 @@ fn one_shape(
 }
 
 fn figure_8(all: &[Pressure]) -> Picture {
-    let svg = drawn((1200, 520), |page| {
+    let drawing = drawn((1200, 520), |page| {
         let panels = page.split_evenly((1, 2));
         let Some(of) = example(all) else {
             return Panel::without_data(page, "One release", "there is none");
@@ -255,7 +255,7 @@ fn figure_8(all: &[Pressure]) -> Picture {
             "The simulated release at {pressure}: z(t) with eq. 6 fitted to its upper peaks, and its amplitude spectrum."
         )
     };
-    picture(8, &format!("Decay and spectrum at {pressure}"), &caption, svg)
+    picture(8, &format!("Decay and spectrum at {pressure}"), &caption, drawing)
 }
 
 fn figure_9(all: &[Pressure]) -> Picture {
@@ -272,6 +272,6 @@ fn figure_9(all: &[Pressure]) -> Picture {
         "Recorded, by the paper's method; the first mode is that of the rod of 32 nodes with the EI of the tip at rest. Words and the shaded strip: what the paper's text says of its own curves.",
         "Simulated, by the paper's method. Words and the shaded strip: what the paper's text says of its own curves; no point of them is published.",
     );
-    let svg = pressures("Figure 9", origin, &rows);
-    picture(9, "Natural frequency and damping ratio over pressure", caption, svg)
+    let drawing = pressures("Figure 9", origin, &rows);
+    picture(9, "Natural frequency and damping ratio over pressure", caption, drawing)
 }

@@ -2,15 +2,15 @@
 //! rod.
 
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, heading, padded, plot_size, px};
-use super::{Area, BLACK, BLUE, Drawn, GREY, MILLI, Picture, VERMILION, drawn};
+use super::{Area, BLACK, BLUE, Drawn, GREY, MILLI, ORANGE, Picture, VERMILION, drawn};
 use crate::predict::{Band, Cycle, Outcome};
 
 /// Four panels.
 pub fn predicted(outcome: &Outcome) -> Picture {
     let prediction = &outcome.prediction;
-    let svg = drawn((1200, 840), |page| {
+    let drawing = drawn((1200, 840), |page| {
         heading(page, &format!("Prediction: {}", prediction.name))?;
-        let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((2, 2));
+        let panels = page.below(px(34.0)).split_evenly((2, 2));
         height(&panels[0], &outcome.band)?;
         rod(&panels[1], outcome)?;
         let cycles = &prediction.cycles;
@@ -22,16 +22,16 @@ pub fn predicted(outcome: &Outcome) -> Picture {
     Picture {
         name: "prediction".to_owned(),
         title: "The release as foretold".to_owned(),
-        caption: "Dashes and bars hold 95 % of what the errors of the calibration admit.".to_owned(),
-        svg,
+        caption: "The band and bars hold 95 % of what the errors of the calibration admit.".to_owned(),
+        drawing,
     }
 }
 
 fn height(area: &Area, band: &Band) -> Drawn {
-    let (line, ends) = (Stroke::new(BLUE, 1.8), Stroke::dashed(VERMILION, 1.0, 4.0, 3.0));
+    let (line, interval) = (Stroke::new(BLUE, 1.8), Stroke { alpha: 0.4, ..Stroke::new(ORANGE, 1.0) });
     let mut keys = vec![Key::line(line, "tip")];
     if !band.interval_95.is_empty() {
-        keys.push(Key::line(ends, "95 % interval at each time"));
+        keys.push(Key::band(interval, "95 % interval at each time"));
     }
     let last = band.time.last().copied().unwrap_or(1.0);
     let ends_of = |side: usize| band.interval_95.iter().map(move |interval| interval[side]);
@@ -39,9 +39,8 @@ fn height(area: &Area, band: &Band) -> Drawn {
     let y = Axis(padded(all, 0.05), "height of the tip, mm");
     let mut panel =
         Panel::new(area, "Height of the tip", &Axis(0.0..last, "time since release, s"), &y, &keys)?;
-    for side in [0, 1] {
-        panel.line(band.time.iter().copied().zip(ends_of(side).map(|z| MILLI * z)), &ends)?;
-    }
+    let ends = band.interval_95.iter().map(|ends| ends.map(|z| MILLI * z));
+    panel.band(band.time.iter().copied().zip(ends), &interval)?;
     panel.line(band.time.iter().copied().zip(band.height.iter().map(|z| MILLI * z)), &line)
 }
 

@@ -6,7 +6,7 @@
 //! Source: Bending Properties of an Extensile Fluidic Artificial Muscle, Results, on Figure 9.
 
 use super::panel::{Axis, Key, Panel, Stroke, heading, padded, px};
-use super::{Area, BLACK, BLUE, Drawn, Summary, VERMILION, drawn};
+use super::{Area, BLACK, BLUE, Drawing, Drawn, Summary, VERMILION, drawn};
 
 /// One pressure's run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,10 +39,10 @@ pub const PASCAL_PER_PSI: f64 = 6_894.757_293_168;
 
 /// Two panels over pressure, psi: natural frequency and damping ratio; as SVG. `origin` is where the rows come from:
 /// simulated or recorded.
-pub fn pressures(name: &str, origin: &str, rows: &[PressureRow]) -> String {
+pub fn pressures(name: &str, origin: &str, rows: &[PressureRow]) -> Drawing {
     drawn((1200, 520), |page| {
         heading(page, &format!("{name}: {origin}, beside the trends that the paper's text gives"))?;
-        let panels = page.margin(px(34.0), 0, 0, 0).split_evenly((1, 2));
+        let panels = page.below(px(34.0)).split_evenly((1, 2));
         frequency(rows, &panels[0])?;
         damping(rows, &panels[1])
     })
@@ -153,7 +153,7 @@ mod tests {
     fn the_picture_states_our_spread_and_the_papers_words() {
         let rows: Vec<_> =
             (1..=20).map(|k| row(5.0 * f64::from(k), 1.1 + 0.6 * (-0.25 * f64::from(k - 1)).exp())).collect();
-        let svg = pressures("all rows", "simulated", &rows);
+        let Drawing { svg, .. } = pressures("all rows", "simulated", &rows);
         if let Ok(folder) = std::env::var("EFAM_LOOK") {
             std::fs::write(format!("{folder}/pressures.svg"), &svg).unwrap();
         }
@@ -173,8 +173,8 @@ mod tests {
             damping_ratio: None,
             ..row(5.0, 1.0)
         };
-        let svg = pressures("one row", "simulated", &[nothing, row(10.0, 1.2)]);
+        let Drawing { svg, .. } = pressures("one row", "simulated", &[nothing, row(10.0, 1.2)]);
         assert_eq!(svg.matches("<circle").count(), 5);
-        assert!(pressures("no rows", "simulated", &[nothing]).contains("no run has it"));
+        assert!(pressures("no rows", "simulated", &[nothing]).svg.contains("no run has it"));
     }
 }

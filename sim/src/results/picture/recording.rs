@@ -1,7 +1,7 @@
 //! What was cut and masked in a recording: the tip over time, its path in the plane, its way out of it.
 
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, heading, padded, plot_size, px};
-use super::{Area, BLACK, BLUE, Drawn, GREEN, GREY, MILLI, VERMILION, drawn};
+use super::{Area, BLACK, BLUE, Drawing, Drawn, GREEN, GREY, MILLI, VERMILION, drawn};
 use crate::cleaning::{CleanRecording, CleanRelease};
 
 /// Points that a line has at most.
@@ -11,7 +11,7 @@ const MOST_POINTS: usize = 4000;
 const LEAST_RANGE: f64 = 1e-3;
 
 /// Three panels of one recording and its releases; as SVG.
-pub fn recording(of: &CleanRecording, releases: &[&CleanRelease]) -> String {
+pub fn recording(of: &CleanRecording, releases: &[&CleanRelease]) -> Drawing {
     drawn((1200, 820), |page| {
         let masked = of.masked.iter().filter(|masked| **masked).count();
         let lost = of.tip.iter().filter(|at| at.is_none()).count();
@@ -24,7 +24,7 @@ pub fn recording(of: &CleanRecording, releases: &[&CleanRelease]) -> String {
                 if count == 1 { "" } else { "s" }
             ),
         )?;
-        let rows = page.margin(px(34.0), 0, 0, 0).split_evenly((2, 1));
+        let rows = page.below(px(34.0)).split_evenly((2, 1));
         let below = rows[1].split_evenly((1, 2));
         height(of, releases, &rows[0])?;
         plane(of, releases, &below[0])?;

@@ -2,9 +2,13 @@
 //! portrait, damping and frequency over the amplitude.
 
 use models::digits::significant;
+use models::system::System;
 
 use super::panel::{Axis, Key, Panel, Stroke, equal_scale, padded, plot_size};
-use super::{Area, BLACK, BLUE, Drawn, GREEN, MILLI, Picture, Release, VERMILION, clamp, drawn, in_milli};
+use super::rods::{Frame, Rod, Rods};
+use super::{
+    Area, BLACK, BLUE, Drawn, GREEN, MILLI, Picture, Release, VERMILION, base_angle, clamp, drawn, in_milli,
+};
 use crate::results::summary::Cycle;
 
 /// Width and height, pixels.
@@ -18,7 +22,7 @@ pub fn released(of: &Release) -> Vec<Picture> {
         name: name.to_owned(),
         title: title.to_owned(),
         caption: caption.to_owned(),
-        svg: drawn(SIZE, draw),
+        drawing: drawn(SIZE, draw),
     };
     let mut pictures = vec![
         picture(
@@ -107,6 +111,33 @@ pub(super) fn stride(samples: usize) -> usize {
     samples.div_ceil(MOST_POINTS).max(1)
 }
 
+/// The rod in motion until it settles; nothing of a run without samples.
+pub fn in_motion(of: &Release) -> Option<Rods> {
+    let trajectory = of.trajectory;
+    let settled = of.summary.settling_2_percent_s.map_or(f64::INFINITY, |time| super::SETTLED_TIMES * time);
+    let mut system = System::new(of.model);
+    let count = trajectory.times.iter().take_while(|time| **time <= settled).count();
+    let frames: Vec<Frame> = (0..count)
+        .map(|sample| {
+            let state = trajectory.state(sample);
+            let mut nodes = system.assembly.posture(&state.q, &state.v).nodes;
+            nodes.push(trajectory.tip[sample]);
+            (trajectory.times[sample], nodes)
+        })
+        .collect();
+    let rest = of.rest.map(|rest| [&rest.nodes[..], &[rest.tip]].concat());
+    let rod = Rod::new("simulated", Stroke::new(BLUE, 2.2), frames)?;
+    Some(Rods {
+        title: "The rod in motion".to_owned(),
+        caption: "Play it, or move its time; the charts below show the same instant.".to_owned(),
+        clock: "time, s",
+        angle: base_angle(of.model),
+        rest,
+        rods: vec![rod],
+        markers: Vec::new(),
+    })
+}
+
 fn path(of: &Release, area: &Area) -> Drawn {
     let (trajectory, title) = (of.trajectory, "Path of the tip");
     if trajectory.times.len() < 2 {
@@ -124,7 +155,8 @@ fn path(of: &Release, area: &Area) -> Drawn {
     let mut panel = Panel::new(area, title, &Axis(x, "x, mm"), &Axis(z, "z, mm"), &keys)?;
     clamp(&mut panel, of.model, length)?;
     let every = stride(trajectory.tip.len());
-    panel.line(trajectory.tip.iter().step_by(every).map(in_milli), &line)?;
+    let tip = trajectory.times.iter().copied().zip(trajectory.tip.iter().map(in_milli));
+    panel.path(tip.step_by(every), &line)?;
     panel.dots([in_milli(&trajectory.tip[0])], &start, 4.0)?;
     panel.rings(of.rest.map(|rest| in_milli(&rest.tip)), &at_rest, 6.0)
 }
@@ -144,7 +176,8 @@ fn phase(of: &Release, area: &Area) -> Drawn {
     let x = padded(all().chain(rest).map(|point| point.0), 0.05);
     let y = padded(all().chain(rest).map(|point| point.1), 0.05);
     let mut panel = Panel::new(area, title, &Axis(x, "z, mm"), &Axis(y, "dz/dt, m/s"), &keys)?;
-    panel.line(all().step_by(stride(trajectory.tip.len())), &line)?;
+    let every = stride(trajectory.tip.len());
+    panel.path(trajectory.times.iter().copied().zip(all()).step_by(every), &line)?;
     panel.dots(all().take(1), &start, 4.0)?;
     panel.rings(rest, &at_rest, 6.0)
 }

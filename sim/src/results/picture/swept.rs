@@ -26,7 +26,7 @@ pub fn swept_pictures(merged: &Merged, kept: &Kept, is_grid: bool) -> Vec<Pictur
             name: format!("over-{}", parameter.column),
             title: format!("Over {}", parameter.name),
             caption: "A dot each point; those that could not be simulated are left out.".to_owned(),
-            svg: panels_of_numbers(&format!("Sweep: {}", merged.name), &|area, number| {
+            drawing: panels_of_numbers(&format!("Sweep: {}", merged.name), &|area, number| {
                 dots(area, kept, &along, &label, number)
             }),
         });
@@ -72,7 +72,7 @@ fn maps(merged: &Merged, kept: &Kept, x: &Spread, y: &Spread) -> Option<Picture>
         points[i * ys.len() + j] = Some(k);
     }
     let (x_label, y_label) = (label(x), label(y));
-    let svg = panels_of_numbers(&format!("Sweep: {}", merged.name), &|area, number| {
+    let drawing = panels_of_numbers(&format!("Sweep: {}", merged.name), &|area, number| {
         let values = kept.numbers(number.0).unwrap_or_default();
         let value = |i: usize, j: usize| {
             let value = number.3 * values.get(points[i * ys.len() + j]?)?;
@@ -85,6 +85,6 @@ fn maps(merged: &Merged, kept: &Kept, x: &Spread, y: &Spread) -> Option<Picture>
         name: "maps".to_owned(),
         title: format!("Over {} and {}", x.name, y.name),
         caption: "Darker is more; the numbers stand in the cells where there is room.".to_owned(),
-        svg,
+        drawing,
     })
 }

@@ -38,13 +38,13 @@ pub fn tips(all: &[Tip]) -> Vec<Picture> {
             name: "trajectories".to_owned(),
             title: "Paths of the tip".to_owned(),
             caption: "The tip in the plane of the swing, and where it comes to rest; of many runs every other one. Each path begins at its name or between those of its neighbours.".to_owned(),
-            svg: drawn((760, 680), |page| trajectories(page, "Paths of the tip and its rest", &paths)),
+            drawing: drawn((760, 680), |page| trajectories(page, "Paths of the tip and its rest", &paths)),
         },
         Picture {
             name: "heights".to_owned(),
             title: "Heights of the tip".to_owned(),
             caption: "z(t) of the runs that are named; the others lie between them.".to_owned(),
-            svg: drawn(SIZE, |page| heights(page, &spread(&all, 4))),
+            drawing: drawn(SIZE, |page| heights(page, &spread(&all, 4))),
         },
     ]
 }
@@ -65,13 +65,13 @@ pub fn tips_of_runs(all: &[Tip]) -> Vec<Picture> {
             name: "heights".to_owned(),
             title: "Heights of the tip".to_owned(),
             caption: caption.clone(),
-            svg: drawn(SIZE, |page| heights(page, &some)),
+            drawing: drawn(SIZE, |page| heights(page, &some)),
         },
         Picture {
             name: "paths".to_owned(),
             title: "Paths of the tip".to_owned(),
             caption,
-            svg: drawn((760, 680), |page| paths(page, &some)),
+            drawing: drawn((760, 680), |page| paths(page, &some)),
         },
     ]
 }
@@ -92,7 +92,7 @@ pub fn over_pressures(label: &str, lines: &[Named]) -> Picture {
         name: format!("{}-over-pressure", word.replace(' ', "-")),
         title: title.clone(),
         caption: "By the paper's method from each swing.".to_owned(),
-        svg: drawn(SIZE, |page| of.draw(page, lines)),
+        drawing: drawn(SIZE, |page| of.draw(page, lines)),
     }
 }
 
@@ -182,7 +182,7 @@ pub fn over_pressure_and_amplitude(all: &[(String, &[Cycle])]) -> Vec<Picture> {
         name: name.to_owned(),
         title: title.to_owned(),
         caption: "From each upper peak to the next, of the runs that are named.".to_owned(),
-        svg: drawn(SIZE, |page| cycles(page, title, label, &some, of)),
+        drawing: drawn(SIZE, |page| cycles(page, title, label, &some, of)),
     };
     vec![
         picture(
