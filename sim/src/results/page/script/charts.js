@@ -138,13 +138,14 @@ class Chart {
       clock(name).all.add(time => this.timed(time));
       this.clock = name;
     }
-    this.watch = new ResizeObserver(() => {
+    // In the next frame: a size that changes while sizes are told would be told again.
+    this.watch = new ResizeObserver(() => requestAnimationFrame(() => {
       const size = this.size();
       if (size.width > 0 && (size.width !== this.plot.width || size.height !== this.plot.height)) {
         this.plot.setSize(size);
         this.zoom(this.now, false);
       }
-    });
+    }));
     this.watch.observe(this.place);
     globalThis.efam.charts.push(this);
   }

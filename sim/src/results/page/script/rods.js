@@ -18,7 +18,7 @@ class Rods {
     this.time = this.first;
     this.build();
     clock(of.clock).all.add(time => this.at(time));
-    new ResizeObserver(() => this.draw()).observe(this.canvas);
+    new ResizeObserver(() => requestAnimationFrame(() => this.draw())).observe(this.canvas);
     globalThis.efam.rods.push(this);
   }
 
