@@ -1,10 +1,12 @@
 //! What the world does: a planar discrete elastic rod, clamped at one end, with a rigid body at the other.
 pub mod analytical;
 pub mod banded;
+pub mod check;
 pub mod coupled;
 pub mod digits;
 pub mod effects;
 pub mod error;
+pub mod formula;
 pub mod history;
 pub mod interpolate;
 pub mod kinematics;
@@ -22,3 +24,4 @@ pub mod statics;
 pub mod stencil;
 pub mod system;
 mod tangent;
+pub mod written;

@@ -5,7 +5,7 @@ mod spec;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::effects::{self, Effect, EffectFor, Flow, Kind, Place, Rod};
+use crate::effects::{Catalogue, Effect, EffectFor, Flow, Kind, Place, Rod};
 use crate::error::ModelError;
 
 pub use spec::ModelSpec;
@@ -139,6 +139,8 @@ pub struct Model {
     pub theta: Vec<f64>,
     /// The effects.
     pub effects: Vec<Active>,
+    /// The effects that it may have.
+    pub catalogue: Catalogue,
     /// A pressure that changes.
     pub schedule: Option<Arc<dyn Schedule>>,
     memory: usize,
@@ -170,6 +172,7 @@ impl Model {
                 spec.release_rate,
             ],
             effects: Vec::new(),
+            catalogue: spec.catalogue.clone(),
             schedule: spec.schedule.clone(),
             memory: 0,
         };
@@ -201,7 +204,7 @@ impl Model {
 
     /// Adds an effect with its defaults, unless the model has it.
     fn switch_on(&mut self, name: &str) -> Result<(), ModelError> {
-        let Some(effect) = effects::by_name(name) else {
+        let Some(effect) = self.catalogue.by_name(name) else {
             return Err(ModelError::UnknownEffect { name: name.to_owned() });
         };
         if self.effect(name).is_some() {
@@ -305,7 +308,9 @@ impl Model {
         let at = Flow { tangential_velocity: 1.0, normal_velocity: 1.0, position: 0.5, time: 0.0, rod: &rod };
         for active in &self.effects {
             let theta = &self.theta[active.theta.clone()];
-            if EffectFor::<f64>::flow(active.effect, &at, theta).iter().any(|force| force.is_nan()) {
+            let is_lost =
+                EffectFor::<f64>::flow(active.effect, &at, theta).iter().any(|force| force.is_nan());
+            if is_lost || (active.effect.needs_diameter() && !self.is_off(active)) {
                 return Err(ModelError::DiameterMissing { effect: active.effect.about().name });
             }
         }

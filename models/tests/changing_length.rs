@@ -47,6 +47,7 @@ fn model(effects: &[(&str, &[(&str, f64)])]) -> Model {
         scheme: Scheme::Consistent,
         tip_distance: 0.0,
         effects: effects.iter().map(|(name, values)| ((*name).to_owned(), owned(values))).collect(),
+        catalogue: Default::default(),
         schedule: Some(Arc::new(Growing)),
     })
     .unwrap()

@@ -113,6 +113,7 @@ impl Case {
             scheme: self.scheme,
             tip_distance: self.fitting[1],
             effects,
+            catalogue: Default::default(),
             schedule: None,
         })
         .unwrap()

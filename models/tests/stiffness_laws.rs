@@ -36,6 +36,7 @@ fn model(effects: &[(&str, &str, f64)]) -> Model {
         scheme: Scheme::Consistent,
         tip_distance: 0.0,
         effects: all,
+        catalogue: Default::default(),
         schedule: None,
     })
     .expect("valid")

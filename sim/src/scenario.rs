@@ -27,6 +27,10 @@
 //! tolerance = 1e-6            # chosen for the accuracy unless it is given
 //! [effects.payload]           # any effect of `efam effects`, with any of its parameters
 //! mass = "80 g"
+//! [laws.my_drag]              # an effect of your own, as text; then [effects.my_drag] switches it on
+//! place = "flow"
+//! force = "-c * v_n * abs(v_n) * diameter"
+//! parameters.c = { unit = "kg/m^3", default = 0.6, range = [0, 10] }
 //! [calibration]               # how well a calibration knows these numbers: written by efam, for predictions
 //! ```
 //!
@@ -35,6 +39,7 @@
 pub(crate) mod case;
 pub(crate) mod document;
 mod error;
+mod laws;
 pub(crate) mod plan;
 mod posture;
 mod release;
@@ -55,6 +60,8 @@ use crate::pace::Pace;
 use crate::rest::rest;
 use document::Document;
 pub use error::{At, Problem, ScenarioError};
+pub(crate) use laws::LAWS;
+pub use laws::{parse_laws, read_laws};
 use plan::Plan;
 pub use release::ReleaseOptions;
 pub use units::unit_of;

@@ -54,6 +54,7 @@ pub fn paper_spec(psi: f64, nodes: usize, parameters: &[(&str, f64)]) -> ModelSp
         scheme: Scheme::Consistent,
         tip_distance: fitting.center_of_mass,
         effects,
+        catalogue: Default::default(),
         schedule: None,
     }
 }

@@ -26,23 +26,10 @@
 
 use super::memory::{CREEP_RATE, FRICTION_MOMENT, friction_energy};
 use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator};
+use crate::formula::power;
 
 /// Friction of Dahl, and of Bouc and Wen, in every cross-section.
 pub struct Dahl;
-
-/// `|z|ᵖ`, with its first derivatives by both; 0 at `z = 0`, but 1 for `p = 0`.
-fn power<T: Real>(z: T, p: T) -> T {
-    let size = z.abs();
-    if p.re() == 0.0 {
-        // A plain number carries no derivative, and is spared the logarithm.
-        if const { size_of::<T>() == size_of::<f64>() } {
-            return T::from(1.0);
-        }
-        // The derivative by p, which friction multiplies by z, has a limit at 0.
-        return p * size.re().max(f64::MIN_POSITIVE).ln() + 1.0;
-    }
-    if size.re() > 0.0 { size.powd(p) } else { T::from(0.0) }
-}
 
 impl Law for Dahl {
     const ABOUT: About = About {
@@ -97,7 +84,7 @@ impl Law for Dahl {
             [theta[0], theta[1], theta[2], theta[3], theta[4]];
         let (z, kappa_rate) = (at.memory, at.kappa_rate);
         let pace = (kappa_rate * kappa_rate + creep_rate * creep_rate).sqrt();
-        let slope = power(z, exponent - 1.0);
+        let slope = power(z.abs(), exponent - 1.0);
         let used = slope * (shape * z * pace - (shape - 1.0) * z.abs() * kappa_rate);
         Moment { moment: sliding * z, memory_rate: (kappa_rate - used) / yielding }
     }

@@ -88,6 +88,10 @@ pub trait Effect: EffectFor<f64> + EffectFor<Dual64> + EffectFor<Lanes> {
     fn about(&self) -> &'static About;
     /// Its page: law, symbols, assumptions, source.
     fn page(&self) -> String;
+    /// The table `[laws.NAME]` that it was read from; none of an effect of the catalogue.
+    fn text(&self) -> Option<&str>;
+    /// Whether it needs the diameter elsewhere than in the flow, where it shows by itself.
+    fn needs_diameter(&self) -> bool;
     /// Adds the effect's moment and its tangents by curvature and rate, all of integrated
     /// curvature; for an effect with memories, writes their tangents and rates, shape `[memories, N+1]`.
     #[expect(clippy::too_many_arguments, reason = "what goes in, and four lists that come out")]

@@ -4,14 +4,18 @@
 //! shared stencil turns that into generalised forces, tangents and sensitivities; the catalogue,
 //! scenario keys, pages and tests follow from [`About`].
 
+mod catalogue;
 mod erased;
+mod instance;
 mod law;
 mod memory;
 mod registered;
 
 use num_dual::DualNum;
 
+pub use catalogue::{Catalogue, NameTaken};
 pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Scalar};
+pub use instance::{Fixed, Instance};
 pub use law::{
     BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Moment, Release, Rod, Sight, Tip,
     TipLoad,
@@ -26,7 +30,7 @@ macro_rules! catalogue {
         /// Every effect that a model can have, in the order in which pages list them, and in which those
         /// on what is observed follow one another.
         pub static CATALOGUE: &[&dyn Effect] =
-            &[$(&Registered::<$file::$law>::new(include_str!(concat!(stringify!($file), ".rs"))),)*];
+            &[$(&Registered::new(Fixed::<$file::$law>::new(include_str!(concat!(stringify!($file), ".rs")))),)*];
     };
 }
 
@@ -80,7 +84,7 @@ catalogue! {
     clock::Clock,
 }
 
-/// The effect of that name.
+/// The effect of the catalogue of that name; laws that were read from text are in a [`Catalogue`].
 pub fn by_name(name: &str) -> Option<&'static dyn Effect> {
     CATALOGUE.iter().copied().find(|effect| effect.about().name == name)
 }
@@ -330,6 +334,7 @@ pub(crate) mod tests {
             scheme: Scheme::Consistent,
             tip_distance: 0.01,
             effects: effects.collect(),
+            catalogue: Default::default(),
             schedule: None,
         })
         .unwrap()

@@ -1,46 +1,44 @@
-//! From an author's generic [`Law`] to an [`Effect`]: each method is one loop over the rod, compiled for
-//! one law and one scalar.
-
-use std::marker::PhantomData;
+//! From laws over a generic scalar to an [`Effect`]: each method is one loop over the rod, compiled for
+//! one [`Instance`] and one scalar.
 
 use nalgebra::SVector;
 use num_dual::{Derivative, Dual64, DualSVec64};
 
 use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
-use super::law::{Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
+use super::instance::Instance;
+use super::law::{Bend, Body, Edge, Flow, LineMass, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
 use super::{About, Place, Real};
 use crate::kinematics::Fields;
 use crate::system::Context;
 
-/// A law with its source text, as the catalogue holds it.
+/// An effect by its laws.
 pub struct Registered<L> {
-    source: &'static str,
-    law: PhantomData<fn() -> L>,
+    law: L,
 }
 
-impl<L: Law> Registered<L> {
-    /// Registers a law with the text of its file, whose `//!` lines are its page.
-    pub const fn new(source: &'static str) -> Self {
-        Self { source, law: PhantomData }
+impl<L: Instance> Registered<L> {
+    /// Registers the laws of an effect.
+    pub const fn new(law: L) -> Self {
+        Self { law }
+    }
+
+    /// Memories of the laws at every bend, counted as one where there is none: loops run once for each.
+    fn branches(&self) -> usize {
+        self.law.about().memory.max(1)
     }
 }
 
-/// Whether a law acts at a place. Asked of constants, so that no loop is compiled for a place where a law
-/// does not act: with forty laws and five scalars that is most of them.
-const fn acts<L: Law>(place: Place) -> bool {
+/// Whether laws can act at a place. Asked of constants, so that no loop is compiled for a place where they
+/// cannot: with forty laws and five scalars that is most of them.
+const fn acts<L: Instance>(place: Place) -> bool {
     let mut k = 0;
-    while k < L::ABOUT.places.len() {
-        if L::ABOUT.places[k] as u8 == place as u8 {
+    while k < L::PLACES.len() {
+        if L::PLACES[k] as u8 == place as u8 {
             return true;
         }
         k += 1;
     }
     false
-}
-
-/// Memories of a law at every bend, counted as one where it has none: its loops run once for each.
-const fn branches<L: Law>() -> usize {
-    if L::ABOUT.memory == 0 { 1 } else { L::ABOUT.memory }
 }
 
 /// Bend `i` as a law sees it, with one of its memories `z`, shape `[memories, N+1]`.
@@ -80,14 +78,14 @@ fn flow_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Flow<'a, 
     }
 }
 
-impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
+impl<L: Instance, T: Real> EffectFor<T> for Registered<L> {
     fn add_moments(&self, c: &Context<T>, theta: &[T], f: &mut Fields<T>, z: &[T], z_rate: &mut [T]) {
         if const { !acts::<L>(Place::Bend) } {
             return;
         }
-        for branch in 0..branches::<L>() {
+        for branch in 0..self.branches() {
             for i in 0..=c.edges {
-                let law = L::bend(&bend_at(c, f, i, branch, z), theta);
+                let law = self.law.bend(&bend_at(c, f, i, branch, z), theta);
                 f.moment[i] += law.moment;
                 if let Some(rate) = z_rate.get_mut(branch * (c.edges + 1) + i) {
                     *rate = law.memory_rate;
@@ -101,7 +99,7 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
             return;
         }
         for j in 0..c.edges {
-            let tension = L::edge(&edge_at(c, f, j), theta);
+            let tension = self.law.edge(&edge_at(c, f, j), theta);
             f.tension[j] += tension;
         }
     }
@@ -111,63 +109,63 @@ impl<L: Law, T: Real> EffectFor<T> for Registered<L> {
             return;
         }
         for j in 0..c.edges {
-            let [along, across] = L::flow(&flow_at(c, f, j), theta);
+            let [along, across] = self.law.flow(&flow_at(c, f, j), theta);
             f.add_outer_force(j, along * c.rest_length, across * c.rest_length);
         }
     }
 
     fn flow(&self, at: &Flow<T>, theta: &[T]) -> [T; 2] {
-        L::flow(at, theta)
+        self.law.flow(at, theta)
     }
 
     fn mass(&self, at: &Mass<T>, theta: &[T]) -> MassLoad<T> {
-        L::mass(at, theta)
+        self.law.mass(at, theta)
     }
 
     fn tip(&self, at: &Tip<T>, theta: &[T]) -> TipLoad<T> {
-        L::tip(at, theta)
+        self.law.tip(at, theta)
     }
 
     fn body(&self, theta: &[T]) -> Body<T> {
-        L::body(theta)
+        self.law.body(theta)
     }
 
     fn shift(&self, theta: &[T]) -> T {
-        L::shift(theta)
+        self.law.shift(theta)
     }
 
     fn inertia(&self, at_release: &Rod<T>, theta: &[T]) -> LineMass<T> {
-        L::inertia(at_release, theta)
+        self.law.inertia(at_release, theta)
     }
 
     fn clamp(&self, theta: &[T]) -> T {
-        L::clamp(theta)
+        self.law.clamp(theta)
     }
 
     fn sensor(&self, at: &Sight<T>, theta: &[T]) -> [T; 2] {
-        L::sensor(at, theta)
+        self.law.sensor(at, theta)
     }
 
     fn clock(&self, recorded: T, theta: &[T]) -> T {
-        L::clock(recorded, theta)
+        self.law.clock(recorded, theta)
     }
 
     fn release(&self, theta: &[T]) -> Release<T> {
-        L::release(theta)
+        self.law.release(theta)
     }
 
     fn energy(&self, c: &Context<T>, theta: &[T], f: &Fields<T>, z: &[T], tip: &Tip<T>) -> T {
-        let mut energy = L::tip_energy(tip, theta);
+        let mut energy = self.law.tip_energy(tip, theta);
         if const { acts::<L>(Place::Bend) } {
-            for branch in 0..branches::<L>() {
+            for branch in 0..self.branches() {
                 for i in 0..=c.edges {
-                    energy += L::bend_energy(&bend_at(c, f, i, branch, z), theta) / c.per_voronoi[i];
+                    energy += self.law.bend_energy(&bend_at(c, f, i, branch, z), theta) / c.per_voronoi[i];
                 }
             }
         }
         if const { acts::<L>(Place::Edge) } {
             for j in 0..c.edges {
-                energy += L::edge_energy(&edge_at(c, f, j), theta) * c.rest_length;
+                energy += self.law.edge_energy(&edge_at(c, f, j), theta) * c.rest_length;
             }
         }
         energy
@@ -194,15 +192,21 @@ fn derivative<const N: usize>(x: &DualSVec64<N>) -> [f64; N] {
     x.eps.0.map_or([0.0; N], |eps| eps.data.0[0])
 }
 
-impl<L: Law> Effect for Registered<L> {
+impl<L: Instance> Effect for Registered<L> {
     fn about(&self) -> &'static About {
-        &L::ABOUT
+        self.law.about()
     }
 
     fn page(&self) -> String {
-        let lines = self.source.lines().map_while(|line| line.strip_prefix("//!"));
-        let text: Vec<_> = lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
-        text.join("\n")
+        self.law.page()
+    }
+
+    fn text(&self) -> Option<&str> {
+        self.law.text()
+    }
+
+    fn needs_diameter(&self) -> bool {
+        self.law.needs_diameter()
     }
 
     fn linearise_moments(
@@ -221,11 +225,11 @@ impl<L: Law> Effect for Registered<L> {
         }
         let rod = c.rod.map(DualSVec64::<3>::from);
         let theta = lifted(theta);
-        let theta = &theta[..L::ABOUT.parameters.len()];
-        for branch in 0..branches::<L>() {
+        let theta = &theta[..self.law.about().parameters.len()];
+        for branch in 0..self.branches() {
             for i in 0..=c.edges {
                 let here = bend_at(c, f, i, branch, z);
-                let law = L::bend(
+                let law = self.law.bend(
                     &Bend {
                         kappa: variable(here.kappa, 0),
                         kappa_rate: strain_rate(here.kappa_rate, -c.rest_rate),
@@ -269,11 +273,11 @@ impl<L: Law> Effect for Registered<L> {
         }
         let rod = c.rod.map(Dual64::from);
         let theta = lifted(theta);
-        let theta = &theta[..L::ABOUT.parameters.len()];
-        let bends = (0..branches::<L>()).flat_map(|branch| (0..=c.edges).map(move |i| (branch, i)));
+        let theta = &theta[..self.law.about().parameters.len()];
+        let bends = (0..self.branches()).flat_map(|branch| (0..=c.edges).map(move |i| (branch, i)));
         for (branch, i) in bends {
             let here = bend_at(c, f, i, branch, z);
-            let law = L::bend(
+            let law = self.law.bend(
                 &Bend {
                     kappa: here.kappa.into(),
                     kappa_rate: here.kappa_rate.into(),
@@ -289,7 +293,7 @@ impl<L: Law> Effect for Registered<L> {
             assert!(
                 law.memory_rate.eps == 0.0,
                 "{}: the rate of a memory depends on the whole rod",
-                L::ABOUT.name
+                self.law.about().name
             );
             by_mean[i] += law.moment.eps;
         }
@@ -308,10 +312,10 @@ impl<L: Law> Effect for Registered<L> {
         }
         let rod = c.rod.map(DualSVec64::<2>::from);
         let theta = lifted(theta);
-        let theta = &theta[..L::ABOUT.parameters.len()];
+        let theta = &theta[..self.law.about().parameters.len()];
         for j in 0..c.edges {
             let here = edge_at(c, f, j);
-            let tension = L::edge(
+            let tension = self.law.edge(
                 &Edge {
                     stretch: variable(here.stretch, 0),
                     stretch_rate: strain_rate(here.stretch_rate, -c.rest_rate),
@@ -340,10 +344,10 @@ impl<L: Law> Effect for Registered<L> {
         }
         let rod = c.rod.map(DualSVec64::<2>::from);
         let theta = lifted(theta);
-        let theta = &theta[..L::ABOUT.parameters.len()];
+        let theta = &theta[..self.law.about().parameters.len()];
         for j in 0..c.edges {
             let here = flow_at(c, f, j);
-            let force = L::flow(
+            let force = self.law.flow(
                 &Flow {
                     tangential_velocity: variable(here.tangential_velocity, 0),
                     normal_velocity: variable(here.normal_velocity, 1),
@@ -368,7 +372,7 @@ impl<L: Law> Effect for Registered<L> {
         }
         let rod = at.rod.map(DualSVec64::<6>::from);
         let theta = lifted(theta);
-        let load = L::tip(
+        let load = self.law.tip(
             &Tip {
                 position: [variable(at.position[0], 0), variable(at.position[1], 1)],
                 angle: variable(at.angle, 2),
@@ -378,7 +382,7 @@ impl<L: Law> Effect for Registered<L> {
                 time: at.time.into(),
                 rod: &rod,
             },
-            &theta[..L::ABOUT.parameters.len()],
+            &theta[..self.law.about().parameters.len()],
         );
         [&load.force[0], &load.force[1], &load.moment].map(derivative)
     }

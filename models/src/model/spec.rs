@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Schedule, Scheme};
-use crate::effects::Rod;
+use crate::effects::{Catalogue, Rod};
 
 /// What a model is built from.
 #[derive(Clone)]
@@ -24,6 +24,8 @@ pub struct ModelSpec {
     pub tip_distance: f64,
     /// Effects beside the baseline, and parameters of any effect that differ from its defaults.
     pub effects: Vec<(String, Vec<(String, f64)>)>,
+    /// The effects that there are.
+    pub catalogue: Catalogue,
     /// A pressure that changes.
     pub schedule: Option<Arc<dyn Schedule>>,
 }
@@ -41,6 +43,7 @@ impl ModelSpec {
             scheme: Scheme::Consistent,
             tip_distance: 0.0,
             effects: Vec::new(),
+            catalogue: Catalogue::default(),
             schedule: None,
         }
     }

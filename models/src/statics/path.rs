@@ -222,6 +222,7 @@ mod tests {
                 effect("payload", &[("mass", 0.02), ("center_of_mass", 0.03), ("offset", 0.04)]),
                 effect("tip_load", &[("force_x", 0.4), ("force_z", -0.3), ("moment", 0.02)]),
             ],
+            catalogue: Default::default(),
             schedule: None,
         })
         .unwrap();

@@ -37,6 +37,7 @@ fn muscle(effects: &[(&str, &[(&str, f64)])]) -> ModelSpec {
         scheme: Scheme::Consistent,
         tip_distance: 0.0168,
         effects: all.into_iter().map(named).collect(),
+        catalogue: Default::default(),
         schedule: None,
     }
 }

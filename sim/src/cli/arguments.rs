@@ -158,6 +158,9 @@ pub struct OfExperiment {
     /// Set a value over the experiment's, such as `recording[1].up="+z"`; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
+    /// A file of laws as text, beside those of the experiment; may be repeated.
+    #[arg(long, value_name = "FILE")]
+    pub law: Vec<PathBuf>,
     #[command(flatten)]
     pub output: Output,
 }

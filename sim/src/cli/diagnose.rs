@@ -28,6 +28,7 @@ use super::voice::{Voice, print};
 const HELP: &str = "Examples:
   efam diagnose scenarios/diagnosis/air-drag/experiment.toml
   efam diagnose beam.toml --most 1 --without tip_drag --out outputs/beam -v
+  efam diagnose beam.toml --law my_law.toml
   efam diagnose beam.toml --rerun save --json
   efam diagnose --plan scenarios/release-15psi.toml --noise \"0.1 mm\"
 
@@ -122,9 +123,10 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         return planned(args, voice);
     }
     let begin = Instant::now();
-    known_effects(&args.without).map_err(|wrong| Failure::Usage(format!("--without {wrong}")))?;
     // What stands in the way is said before a long search.
     let (experiment, folder) = open(&args.of, voice)?;
+    known_effects(&args.without, &experiment.catalogue())
+        .map_err(|wrong| Failure::Usage(format!("--without {wrong}")))?;
     let input_hashes = input_hashes(&experiment);
     let stages = voice.stages();
     let settings = Settings {

@@ -1,14 +1,18 @@
 //! `efam effects`: the catalogue as a table, and the page of an effect.
 
 use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
+use models::check::{TESTS, is_mirrored};
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::nearest;
 use models::quantity::format_si;
+use models::written::Definition;
 use serde::Serialize;
+use sim::scenario::read_laws;
 use sim::schema::JsonSchema;
 
 use super::arguments::Form;
@@ -19,13 +23,23 @@ use super::voice::{Voice, print};
 const HELP: &str = "Examples:
   efam effects
   efam effects viscoelastic
-  efam effects --json";
+  efam effects --json
+  efam effects --check my_law.toml
+  efam effects --rust my_law.toml
+
+Exit codes: 1 if a law fails a test, 2 for a file that has no such law.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Effects {
     /// An effect.
     name: Option<String>,
+    /// Run the catalogue's tests on the laws of a file, [laws.NAME], and show their pages.
+    #[arg(long, value_name = "FILE", conflicts_with = "name")]
+    check: Option<PathBuf>,
+    /// Print the laws of a file as the Rust files that the catalogue takes.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["name", "check", "json"])]
+    rust: Option<PathBuf>,
     #[command(flatten)]
     form: Form,
 }
@@ -47,6 +61,34 @@ pub enum Printed {
         /// Its page.
         page: String,
     },
+    /// With `--check`.
+    Checked {
+        /// Each law of the file.
+        laws: Vec<Checked>,
+    },
+}
+
+/// A law as text that was tested.
+#[derive(Serialize, JsonSchema)]
+pub struct Checked {
+    /// The law.
+    #[serde(flatten)]
+    effect: Effect,
+    /// Its page.
+    page: String,
+    /// Whether it is the same bent up and bent down.
+    mirrored: bool,
+    /// The tests of the catalogue.
+    tests: Vec<Tested>,
+}
+
+/// A test of a law.
+#[derive(Serialize, JsonSchema)]
+struct Tested {
+    /// What it makes sure of.
+    test: &'static str,
+    /// What is wrong; none if it holds.
+    error: Option<String>,
 }
 
 /// A physical effect.
@@ -84,6 +126,12 @@ struct OfEffect {
 }
 
 pub fn run(args: &Effects, voice: &Voice) -> Result<ExitCode, Failure> {
+    if let Some(file) = &args.rust {
+        return rust(file);
+    }
+    if let Some(file) = &args.check {
+        return check(file, args.form.json, voice);
+    }
     match &args.name {
         Some(name) => page(name, args.form.json, voice),
         None => list(args.form.json, voice),
@@ -149,6 +197,58 @@ fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
         print(&Printed::Page { effect: of_about(effect.about()), page: effect.page() })?;
     } else if !voice.quiet {
         writeln!(stdout(), "{}", effect.page())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The effects of a file of laws; all of them are sound.
+fn laws(file: &Path) -> Result<Vec<Definition>, Failure> {
+    Ok(read_laws(file)?)
+}
+
+/// Tests the laws of a file.
+fn check(file: &Path, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
+    let mut checked = Vec::new();
+    for law in laws(file)? {
+        let effect = law.effect().map_err(|error| Failure::Usage(format!("laws.{}: {error}", law.name)))?;
+        let tests = TESTS.map(|(test, run)| Tested { test, error: run(effect).err() });
+        checked.push(Checked {
+            effect: of_about(effect.about()),
+            page: effect.page(),
+            mirrored: is_mirrored(effect).map_err(Failure::Usage)?,
+            tests: tests.into(),
+        });
+    }
+    let fails = checked.iter().flat_map(|law| &law.tests).any(|test| test.error.is_some());
+    if json {
+        print(&Printed::Checked { laws: checked })?;
+    } else if !voice.quiet || fails {
+        let mut out = stdout();
+        for law in &checked {
+            writeln!(out, "{}\n", law.page)?;
+            for Tested { test, error } in &law.tests {
+                match error {
+                    None => writeln!(out, "  holds  {test}")?,
+                    Some(error) => writeln!(out, "  FAILS  {test}: laws.{}: {error}", law.effect.name)?,
+                }
+            }
+            let words = if law.mirrored {
+                "the same bent up and bent down"
+            } else {
+                "not the same bent up and bent down"
+            };
+            writeln!(out, "  note   {}, {words}\n", law.effect.kind)?;
+        }
+    }
+    Ok(if fails { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// Prints the laws of a file as Rust.
+fn rust(file: &Path) -> Result<ExitCode, Failure> {
+    let mut out = stdout();
+    for law in laws(file)? {
+        let text = law.rust().map_err(|error| Failure::Usage(format!("laws.{}: {error}", law.name)))?;
+        write!(out, "{text}")?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -210,7 +210,7 @@ pub fn request(experiment: &Experiment, begin: Instant) -> Request {
 /// Reads the experiment and opens the folder before the work, so that what stands in the way is said first.
 /// From here on Ctrl-C is listened to.
 pub fn open(args: &OfExperiment, voice: &Voice) -> Result<(Experiment, Folder), Failure> {
-    let experiment = Experiment::load(&args.experiment, &args.set)?;
+    let experiment = Experiment::load_with(&args.experiment, &args.set, &args.law)?;
     let (recordings, threads) = (experiment.recordings.len(), rayon::current_num_threads());
     let path = experiment.path.display();
     voice.detail(format!("{path}: {recordings} recordings, on {threads} threads"));

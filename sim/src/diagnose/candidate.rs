@@ -1,6 +1,6 @@
 //! What may be missing: the effects of the catalogue, each as a way to move the prediction.
 
-use models::effects::{About, CATALOGUE, Effect, Kind, Parameter as EffectParameter, Place, Reach, Rod};
+use models::effects::{About, Effect, Kind, Parameter as EffectParameter, Place, Reach, Rod};
 use models::error::ModelError;
 use models::muscle::Known;
 
@@ -223,14 +223,15 @@ fn strengths(about: &About, is_pressure_varied: bool) -> Vec<(&'static EffectPar
     if parts.is_empty() { switches.take(1).collect() } else { parts }
 }
 
-/// The candidates for a problem: every cause in the catalogue that its models do not have already, but for
-/// those that the settings exclude.
+/// The candidates for a problem: every cause in the catalogue of its models, laws as text included, that they do not have
+/// already, but for those that the settings exclude.
 pub(super) fn candidates(problem: &Problem, settings: &Settings) -> Vec<Candidate> {
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     let mut all = Vec::new();
-    let Some(rod) = problem.trials.first().map(|trial| trial.model.rod()) else { return all };
+    let Some(model) = problem.trials.first().map(|trial| &trial.model) else { return all };
+    let rod = model.rod();
     let is_pressure_varied = has_several_pressures(problem);
-    for &effect in CATALOGUE {
+    for effect in model.catalogue.iter() {
         let about = effect.about();
         let is_excluded = settings.excluded.iter().any(|name| name == about.name);
         if has(about.name) || is_excluded || about.kind == Kind::Description {

@@ -1,7 +1,7 @@
 //! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all
 //! pressures share, and something locked away.
 
-use models::effects::{CATALOGUE, by_name};
+use models::effects::Catalogue;
 use models::error::ModelError;
 use models::nearest::nearest;
 use models::statics::{equilibrium, modes};
@@ -150,9 +150,9 @@ fn lock_away(problem: &mut Problem) {
 /// Whether all effects that are to be left out are in the catalogue.
 /// # Errors
 /// The first that is not, and the name that may be meant.
-pub fn known_effects(names: &[String]) -> Result<(), String> {
-    let Some(name) = names.iter().find(|name| by_name(name).is_none()) else { return Ok(()) };
-    let near = nearest(name, CATALOGUE.iter().map(|effect| effect.about().name));
+pub fn known_effects(names: &[String], catalogue: &Catalogue) -> Result<(), String> {
+    let Some(name) = names.iter().find(|name| catalogue.by_name(name).is_none()) else { return Ok(()) };
+    let near = nearest(name, catalogue.iter().map(|effect| effect.about().name));
     let near = near.map_or(String::new(), |near| format!("; did you mean {near}"));
     Err(format!("{name}: there is no such effect{near}; efam effects lists all"))
 }

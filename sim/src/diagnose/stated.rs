@@ -8,10 +8,10 @@
 //! bounds = ["0 g", "100 g"]           # instead of the range that follows from the rod
 //! ```
 
-use models::effects::{CATALOGUE, Parameter, by_name};
+use models::effects::{Catalogue, Effect, Parameter};
 use models::nearest::nearest;
 
-use super::Settings;
+use super::{Settings, known_effects};
 use crate::calibrate::{SectionError, repeatability};
 use crate::experiment::{Experiment, ExperimentError};
 use crate::scenario::document::Keys;
@@ -23,10 +23,12 @@ impl Settings {
     /// [`SectionError`], with the place in the file.
     pub fn stated(mut self, experiment: &Experiment) -> Result<Self, SectionError> {
         let section = experiment.section("diagnose")?;
+        let catalogue = experiment.catalogue();
         let read = || -> Result<_, ScenarioError> {
             section.only(&["without", "parameter"])?;
-            let ranges = section.tables("parameter")?.iter().map(range).collect::<Result<_, _>>()?;
-            Ok((without(&section)?, ranges))
+            let ranges = section.tables("parameter")?;
+            let ranges = ranges.iter().map(|own| range(own, &catalogue)).collect::<Result<_, _>>()?;
+            Ok((without(&section, &catalogue)?, ranges))
         };
         let (without, ranges) = read().map_err(ExperimentError::from)?;
         self.excluded.extend(without);
@@ -39,28 +41,24 @@ impl Settings {
 /// Effects that a table leaves out of the catalogue.
 /// # Errors
 /// [`ScenarioError`] at a name that is none.
-pub(crate) fn without(table: &Keys) -> Result<Vec<String>, ScenarioError> {
+pub(crate) fn without(table: &Keys, catalogue: &Catalogue) -> Result<Vec<String>, ScenarioError> {
     let names = table.texts("without")?.unwrap_or_default();
-    if let Some(name) = names.iter().find(|name| by_name(name).is_none()) {
-        let all = || CATALOGUE.iter().map(|effect| effect.about().name);
-        let near = nearest(name, all()).map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-        let message = format!("there is no effect `{name}`{near}; `efam effects` lists all");
-        return Err(table.wrong("without", Problem::Other { message }));
-    }
-    Ok(names.into_iter().map(str::to_owned).collect())
+    let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
+    known_effects(&names, catalogue).map_err(|message| table.wrong("without", Problem::Other { message }))?;
+    Ok(names)
 }
 
-fn range(table: &Keys) -> Result<(String, (f64, f64)), ScenarioError> {
+fn range(table: &Keys, catalogue: &Catalogue) -> Result<(String, (f64, f64)), ScenarioError> {
     table.only(&["path", "bounds"])?;
     let Some((path, _)) = table.text("path")? else {
         return Err(table.missing("path", "path = \"effects.tip_mass.mass\""));
     };
-    let Some(of) = parameter(path) else {
-        let of_effect = |effect: &&'static dyn models::effects::Effect| {
+    let Some(of) = parameter(path, catalogue) else {
+        let of_effect = |effect: &'static dyn Effect| {
             let about = effect.about();
             about.parameters.iter().map(|own| format!("effects.{}.{}", about.name, own.name))
         };
-        let known: Vec<String> = CATALOGUE.iter().flat_map(of_effect).collect();
+        let known: Vec<String> = catalogue.iter().flat_map(of_effect).collect();
         let near = nearest(path, known.iter().map(String::as_str));
         let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
         let message =
@@ -81,7 +79,7 @@ fn range(table: &Keys) -> Result<(String, (f64, f64)), ScenarioError> {
 }
 
 /// The parameter of an effect by its path.
-fn parameter(path: &str) -> Option<&'static Parameter> {
+fn parameter(path: &str, catalogue: &Catalogue) -> Option<&'static Parameter> {
     let (effect, name) = path.strip_prefix("effects.")?.split_once('.')?;
-    by_name(effect)?.about().parameters.iter().find(|own| own.name == name)
+    catalogue.by_name(effect)?.about().parameters.iter().find(|own| own.name == name)
 }

@@ -1,6 +1,6 @@
 //! What should be known before an answer is used: what the experiment cannot tell, and what the fit had to assume.
 
-use models::effects::{CATALOGUE, Kind};
+use models::effects::Kind;
 
 use super::gate;
 use super::refit::prefix;
@@ -92,8 +92,8 @@ const STANDING: [&str; 4] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", T
 
 /// Candidates that are none because the experiment's model has them.
 fn had(problem: &Problem) -> Vec<&'static str> {
-    let causes =
-        CATALOGUE.iter().map(|effect| effect.about()).filter(|about| about.kind != Kind::Description);
+    let all = problem.trials.first().map(|trial| trial.model.catalogue.clone()).unwrap_or_default();
+    let causes = all.iter().map(|effect| effect.about()).filter(|about| about.kind != Kind::Description);
     let could = causes.filter(|about| about.parameters.iter().any(|parameter| parameter.off.is_some()));
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     could.map(|about| about.name).filter(|name| !STANDING.contains(name) && has(name)).collect()

@@ -49,13 +49,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use models::effects::Catalogue;
 use models::muscle::Known;
 
 use crate::recording::{self, ReadOptions, Recording};
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::plan::{self, Plan};
 use crate::scenario::start::From;
-use crate::scenario::{Case, Problem, case};
+use crate::scenario::{Case, LAWS, Problem, case, read_laws};
 
 pub use direction::Direction;
 pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Payload, Start};
@@ -71,6 +72,8 @@ pub struct Experiment {
     /// The recordings, in the order of the file.
     pub recordings: Vec<Entry>,
     document: Document,
+    /// Its text, with laws from files of their own behind it.
+    text: String,
     plan: Option<Plan>,
     /// Recordings that are in memory, by the end of the path that the experiment has for them.
     held: Vec<(PathBuf, Arc<Recording>)>,
@@ -84,6 +87,26 @@ impl Experiment {
         Experiment::of(path, Document::load(path, overrides)?)
     }
 
+    /// The same with the laws as text of other files.
+    /// # Errors
+    /// As [`Experiment::load`], for those files as well.
+    pub fn load_with(
+        path: &Path,
+        overrides: &[String],
+        laws: &[PathBuf],
+    ) -> Result<Experiment, ExperimentError> {
+        let mut document = Document::load(path, overrides)?;
+        for file in laws {
+            document.include(file, LAWS)?;
+        }
+        let mut experiment = Experiment::of(path, document)?;
+        for definition in laws.iter().map(|file| read_laws(file)).collect::<Result<Vec<_>, _>>()?.concat() {
+            experiment.text += "\n";
+            experiment.text += &definition.text();
+        }
+        Ok(experiment)
+    }
+
     /// The experiment that a text describes; files in it are relative to `path`.
     /// # Errors
     /// As [`Experiment::load`].
@@ -93,7 +116,17 @@ impl Experiment {
 
     fn of(path: &Path, document: Document) -> Result<Experiment, ExperimentError> {
         let keys = document.keys();
-        keys.only(&["name", "muscle", "rod", "effects", "integrator", "recording", "calibrate", "diagnose"])?;
+        keys.only(&[
+            "name",
+            "muscle",
+            "rod",
+            "effects",
+            "laws",
+            "integrator",
+            "recording",
+            "calibrate",
+            "diagnose",
+        ])?;
         let plan = Plan::of_experiment(&document)?;
         let has_muscle = plan.as_ref().is_some_and(|plan| plan.muscle.is_some());
         let tables = keys.tables("recording")?;
@@ -106,7 +139,8 @@ impl Experiment {
             .map(|table| Entry::read(&document, table, has_muscle))
             .collect::<Result<Vec<_>, _>>()?;
         let name = plan::name(&document, path, "experiment")?;
-        Ok(Experiment { name, path: path.to_owned(), recordings, document, plan, held: Vec::new() })
+        let text = document.text().to_owned();
+        Ok(Experiment { name, path: path.to_owned(), recordings, document, text, plan, held: Vec::new() })
     }
 
     /// The same with recordings that are in memory: each stands for the files whose paths end with its own.
@@ -120,9 +154,14 @@ impl Experiment {
         &self.held
     }
 
-    /// The text of its file, without what is set over it.
+    /// The text of its file, with laws of other files, without what is set over it.
     pub fn text(&self) -> &str {
-        self.document.text()
+        &self.text
+    }
+
+    /// The effects that its model may have.
+    pub fn catalogue(&self) -> Catalogue {
+        self.plan.as_ref().map(|plan| plan.catalogue.clone()).unwrap_or_default()
     }
 
     /// Whether it says what was recorded, so that a model can be compared with it.

@@ -64,7 +64,7 @@ impl Asked {
         }
         let clamp = tables.get("rod").and_then(|rod| rod.get("base_angle")).cloned();
         let kept: Vec<&str> = ["rod", "effects"].into_iter().filter(|key| !own.contains_key(*key)).collect();
-        let replaced = ["muscle", "rod", "effects", "integrator"].map(|key| own.remove_entry(key));
+        let replaced = ["muscle", "rod", "effects", "laws", "integrator"].map(|key| own.remove_entry(key));
         tables.extend(replaced.into_iter().flatten());
         if let (Some(rod), Some(clamp)) = (tables.get_mut("rod").and_then(Value::as_table_mut), clamp) {
             rod.insert("base_angle".to_owned(), clamp);

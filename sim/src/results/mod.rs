@@ -314,6 +314,7 @@ pub(crate) mod tests {
                 ("end_fitting".to_owned(), end_fitting),
                 ("rayleigh_mass".to_owned(), vec![("alpha".to_owned(), 1.0)]),
             ],
+            catalogue: Default::default(),
             schedule: None,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use models::effects::{CATALOGUE, Rod, by_name};
+use models::effects::Rod;
 use models::error::ModelError;
 use models::model::{Model, ModelSpec, Scheme};
 use models::muscle::AtPressure;
@@ -112,7 +112,7 @@ impl Builder<'_> {
             effects.push(("tip_load".to_owned(), Vec::new()));
         }
         // The order of `theta` is that of the catalogue, however a scenario comes by its effects.
-        effects.sort_by_key(|(name, _)| CATALOGUE.iter().position(|effect| effect.about().name == name));
+        effects.sort_by_key(|(name, _)| plan.catalogue.position(name));
         let spec = ModelSpec {
             nodes: plan.nodes.unwrap_or(usual_nodes(plan.scheme)),
             rod,
@@ -122,6 +122,7 @@ impl Builder<'_> {
             scheme: plan.scheme,
             tip_distance: 0.0,
             effects,
+            catalogue: plan.catalogue.clone(),
             schedule: schedule.map(|schedule| schedule as _),
         };
         let mut model = Model::new(&spec).map_err(|error| self.of_model("", error))?;
@@ -211,7 +212,8 @@ impl Builder<'_> {
             if models::model::BASELINE.contains(name) || effects.iter().any(|(known, _)| known == name) {
                 continue;
             }
-            let parameters = by_name(name).map_or(&[][..], |effect| effect.about().parameters);
+            let parameters =
+                self.plan.catalogue.by_name(name).map_or(&[][..], |effect| effect.about().parameters);
             let off: Vec<_> =
                 (parameters.iter()).filter_map(|p| p.off.map(|off| (p.name.to_owned(), off))).collect();
             let is_zero = parameters.iter().all(|p| p.default == 0.0);

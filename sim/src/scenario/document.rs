@@ -3,6 +3,7 @@
 mod lists;
 mod value;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -72,6 +73,36 @@ impl Document {
                 Err(document.error(&place, "", Problem::Toml { message: error.message().to_owned() }))
             }
         }
+    }
+
+    /// Takes in the tables of another file that stand under `key`; it has nothing else. Two of one name are refused.
+    pub fn include(&mut self, path: &Path, key: &str) -> Result<(), ScenarioError> {
+        let other = Document::load(path, &[])?;
+        other.keys().only(&[key])?;
+        other.keys().table(key)?;
+        let source = self.sources.len();
+        self.sources.extend(other.sources);
+        let Some(tables) = within(other.root, key).map(|item| item.moved(source)) else { return Ok(()) };
+        let Value::Table(own) = &mut self.root.value else { return Ok(()) };
+        let known = own.iter().position(|entry| entry.key == key);
+        let index = known.unwrap_or_else(|| {
+            let (place, value) = (tables.place.clone(), Value::Table(Vec::new()));
+            let (key, key_place) = (key.to_owned(), tables.place.clone());
+            own.push(Entry { key, key_place, item: Item { place, value } });
+            own.len() - 1
+        });
+        let (Value::Table(own), Value::Table(more)) = (&mut own[index].item.value, tables.value) else {
+            return Ok(());
+        };
+        for entry in more {
+            if own.iter().any(|known| known.key == entry.key) {
+                let message = "another file has one of this name; keep one of them, or rename it".to_owned();
+                let path = format!("{key}.{}", entry.key);
+                return Err(self.error(&entry.key_place, &path, Problem::Other { message }));
+            }
+            own.push(entry);
+        }
+        Ok(())
     }
 
     /// Sets `path=value`, as an argument `--set` gives it; file names in it are relative to the
@@ -174,6 +205,29 @@ impl Document {
                 problem: problem.into(),
             },
         }
+    }
+
+    /// The error that a part of the text of `path` is wrong; `text` is that text without its quotes.
+    pub fn error_within(
+        &self,
+        path: &str,
+        text: &str,
+        part: Range<usize>,
+        problem: Problem,
+    ) -> ScenarioError {
+        let mut error = self.error_of(path, problem);
+        if let Some(at) = error.at.as_mut()
+            // A text with escapes is not in the source as it is.
+            && let Some(start) = at.text.get(at.span.clone()).and_then(|source| source.find(text))
+        {
+            at.span = at.span.start + start + part.start..at.span.start + start + part.end;
+        }
+        error
+    }
+
+    /// Whether there is something at a path.
+    pub fn has(&self, path: &str) -> bool {
+        self.find(path).is_some()
     }
 
     /// The item at a path such as `recording[2].tip`; members of a list count from one.
@@ -367,6 +421,14 @@ impl<'a> Keys<'a> {
             }
         };
         rows.iter().map(row).collect::<Result<_, _>>().map(Some)
+    }
+}
+
+/// The value of a key of a table.
+fn within(table: Item, key: &str) -> Option<Item> {
+    match table.value {
+        Value::Table(entries) => entries.into_iter().find(|entry| entry.key == key).map(|entry| entry.item),
+        _ => None,
     }
 }
 

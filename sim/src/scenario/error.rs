@@ -7,6 +7,7 @@ use std::sync::Arc;
 use models::error::ModelError;
 use models::muscle::MuscleError;
 use models::quantity::QuantityError;
+use models::written::LawProblem;
 use thiserror::Error;
 
 /// A scenario that cannot be used.
@@ -117,6 +118,9 @@ pub enum Problem {
         /// What is wrong.
         message: String,
     },
+    /// A law as text that cannot be used.
+    #[error(transparent)]
+    Law(LawProblem),
     /// What the model says of what it is built from.
     #[error(transparent)]
     Model(ModelError),
@@ -143,6 +147,7 @@ impl ScenarioError {
             Problem::UnknownKey { .. }
             | Problem::Missing { .. }
             | Problem::Quantity(_)
+            | Problem::Law(_)
             | Problem::Unreadable { .. }
             | Problem::MuscleFile { .. }
             | Problem::PostureFile { .. } => format!("{key}: {problem}"),

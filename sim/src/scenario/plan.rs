@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use models::effects::{self, CATALOGUE, Parameter};
+use models::effects::{Catalogue, Parameter};
 use models::history::History;
 use models::model::Scheme;
 use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
 
 use super::document::{Document, Keys};
 use super::error::{Problem, ScenarioError};
+use super::laws::{self, LAWS};
 use super::start::{From, is_kinked, read_from};
 use crate::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
 use crate::input;
@@ -38,6 +39,8 @@ pub(crate) struct Plan {
     /// Everything but where it starts and when it is sampled.
     pub run: Run,
     pub effects: Vec<EffectPlan>,
+    /// The effects that there are: those of the catalogue, and laws as text.
+    pub catalogue: Catalogue,
     /// How well a calibration knows the model.
     pub known: Option<Known>,
 }
@@ -99,7 +102,7 @@ const MOST_SAMPLES: f64 = 1e7;
 impl Plan {
     pub fn read(document: &Document) -> Result<Plan, ScenarioError> {
         let keys = document.keys();
-        keys.only(&["name", "muscle", "rod", "release", "run", "integrator", "effects", CALIBRATION])?;
+        keys.only(&["name", "muscle", "rod", "release", "run", "integrator", "effects", LAWS, CALIBRATION])?;
         let mut plan = Plan::of(document, true)?;
         if keys.has(CALIBRATION) {
             let known = Known::read(document.text());
@@ -114,17 +117,18 @@ impl Plan {
         if ["muscle", "rod"].into_iter().any(|key| keys.has(key)) {
             return Plan::of(document, false).map(Some);
         }
-        match ["effects", "integrator"].into_iter().any(|key| keys.has(key)) {
+        match ["effects", "integrator", LAWS].into_iter().any(|key| keys.has(key)) {
             false => Ok(None),
-            true => {
-                Err(keys
-                    .missing("rod", "[rod] or [muscle], for [effects] and [integrator] belong to a model"))
-            }
+            true => Err(keys.missing(
+                "rod",
+                "[rod] or [muscle], for [effects], [laws] and [integrator] belong to a model",
+            )),
         }
     }
 
     fn of(document: &Document, has_pressure: bool) -> Result<Plan, ScenarioError> {
         let keys = document.keys();
+        let catalogue = laws::catalogue(document)?;
         let rod = keys.table("rod")?;
         rod.only(
             &[&["nodes", "scheme", "root", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat(),
@@ -157,12 +161,14 @@ impl Plan {
                 &release,
                 muscle.is_some(),
                 is_clamped && is_kinked(base_angle, angle),
+                &catalogue,
             )?,
             rate,
             accuracy,
             chooses_tolerance,
             run,
-            effects: read_effects(&keys.table("effects")?)?,
+            effects: read_effects(&keys.table("effects")?, &catalogue)?,
+            catalogue,
             known: muscle.as_ref().and_then(|muscle| muscle.muscle.known.clone()),
             muscle,
         })
@@ -345,10 +351,10 @@ fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
 }
 
 /// Effects in the order of the catalogue, whatever that of the file.
-pub(super) fn read_effects(keys: &Keys) -> Result<Vec<EffectPlan>, ScenarioError> {
-    keys.only(&CATALOGUE.iter().map(|effect| effect.about().name).collect::<Vec<_>>())?;
+pub(super) fn read_effects(keys: &Keys, catalogue: &Catalogue) -> Result<Vec<EffectPlan>, ScenarioError> {
+    keys.only(&catalogue.iter().map(|effect| effect.about().name).collect::<Vec<_>>())?;
     let mut plans = Vec::new();
-    for about in CATALOGUE.iter().map(|effect| effect.about()).filter(|about| keys.has(about.name)) {
+    for about in catalogue.iter().map(|effect| effect.about()).filter(|about| keys.has(about.name)) {
         let effect = keys.table(about.name)?;
         effect.only(&about.parameters.iter().map(|p| p.name).collect::<Vec<_>>())?;
         let mut values = Vec::new();
@@ -357,7 +363,6 @@ pub(super) fn read_effects(keys: &Keys) -> Result<Vec<EffectPlan>, ScenarioError
                 values.push((parameter, value));
             }
         }
-        debug_assert!(effects::by_name(about.name).is_some());
         plans.push((about.name, values));
     }
     Ok(plans)

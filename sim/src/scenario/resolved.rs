@@ -91,6 +91,10 @@ fn rod(out: &mut String, model: &Model, has: &dyn Fn(usize) -> bool) {
 fn effects(out: &mut String, model: &Model) {
     let all: Vec<_> = model.effects.iter().flat_map(|active| active.theta.clone()).collect();
     parameters(out, "", model, &all);
+    for text in model.effects.iter().filter_map(|active| active.effect.text()) {
+        *out += "\n";
+        *out += text;
+    }
 }
 
 /// With a pressure that changes the model needs the muscle itself.

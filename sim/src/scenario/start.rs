@@ -1,5 +1,7 @@
 //! Where a rod starts: what `[release]` says of it.
 
+use models::effects::Catalogue;
+
 use super::document::{Document, Keys};
 use super::error::{Problem, ScenarioError};
 use super::plan::{EffectPlan, ROD, read_effects, read_file, read_rod};
@@ -54,6 +56,7 @@ pub(super) fn read_from(
     release: &Keys,
     has_muscle: bool,
     is_kinked: bool,
+    catalogue: &Catalogue,
 ) -> Result<From, ScenarioError> {
     let hold = release.table("hold")?;
     let starts = [("straight", Start::Straight), ("held", Start::Held), ("equilibrium", Start::Equilibrium)];
@@ -115,6 +118,6 @@ pub(super) fn read_from(
     Ok(From::Equilibrium(Hold {
         pressure: hold.quantity("pressure", "Pa")?,
         rod: read_rod(&rod)?,
-        effects: read_effects(&hold.table("effects")?)?,
+        effects: read_effects(&hold.table("effects")?, catalogue)?,
     }))
 }

@@ -13,6 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use models::effects::Catalogue;
 use rayon::prelude::*;
 
 use super::asked::Value;
@@ -52,7 +53,8 @@ impl OfExperiments {
             .unwrap_or(usual.false_alarm);
         // Wherever it is run from, by whatever scheduler.
         let folder = std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.to_owned());
-        let without: BTreeSet<String> = diagnose::without(&diagnosed)?.into_iter().collect();
+        let catalogue = Catalogue::default();
+        let without: BTreeSet<String> = diagnose::without(&diagnosed, &catalogue)?.into_iter().collect();
         let mut files: BTreeMap<String, BTreeSet<String>> = matching(sweep, "experiments", &folder)?
             .into_iter()
             .map(|file| (file, without.clone()))
@@ -62,7 +64,7 @@ impl OfExperiments {
             if !table.has("file") {
                 return Err(table.missing("file", "file = \"bench/0007/experiment.toml\""));
             }
-            let own: BTreeSet<String> = without.iter().cloned().chain(diagnose::without(&table)?).collect();
+            let own: BTreeSet<String> = without.iter().cloned().chain(diagnose::without(&table, &catalogue)?).collect();
             files.extend(matching(&table, "file", &folder)?.into_iter().map(|file| (file, own.clone())));
         }
         let looked: Vec<_> = files

@@ -23,6 +23,7 @@ mod inspect;
 mod interrupted;
 #[cfg(unix)]
 mod killed;
+mod laws;
 mod limits;
 #[cfg(target_os = "linux")]
 mod listening;

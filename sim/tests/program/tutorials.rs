@@ -138,6 +138,13 @@ fn a_diagnosis() {
     follow("diagnosis");
 }
 
+/// The page of the guide about laws as text.
+#[test]
+fn laws_as_text() {
+    let page = fs::read_to_string(root().join("docs/src/guide/laws.md")).expect("it is there");
+    assert_eq!(follow_page("laws", &page), 3);
+}
+
 #[test]
 fn all_are_followed_and_name_one_another_rightly() {
     let folder = root().join("docs/src/tutorials");

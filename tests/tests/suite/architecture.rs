@@ -295,7 +295,7 @@ fn text_and_arguments_have_one_door() {
 
 #[test]
 fn every_effect_is_registered() {
-    let of_the_contract = ["erased", "law", "memory", "mod", "registered"];
+    let of_the_contract = ["catalogue", "erased", "instance", "law", "memory", "mod", "registered"];
     for (file, _) in files("models/src/effects", ".rs") {
         let name = file.rsplit('/').next().and_then(|name| name.strip_suffix(".rs")).expect("a file name");
         let is_registered = CATALOGUE.iter().any(|effect| effect.about().name == name);

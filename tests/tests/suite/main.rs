@@ -4,6 +4,7 @@ mod accuracy;
 mod architecture;
 mod diagnosis;
 mod documents;
+mod generated;
 mod hostile;
 mod dynamics {
     mod accuracy;
@@ -33,6 +34,9 @@ mod order {
     mod edge_length;
     mod step;
 }
+// Where generated laws look for them.
+use models::{formula, written};
+
 /// How property tests draw: the same cases each time, so many; `PROPTEST_RNG_SEED` draws others, `PROPTEST_CASES` more.
 /// `.ci/thorough` does both, and prints the seed.
 fn drawn(cases: u32) -> proptest::test_runner::Config {
@@ -51,6 +55,7 @@ mod properties {
     mod catalogue;
     mod effort;
     mod energy;
+    mod laws;
     mod round_trips;
     mod seen;
     mod sensitivities;

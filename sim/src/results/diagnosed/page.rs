@@ -1,6 +1,6 @@
 //! A diagnosis as a page.
 
-use models::effects::by_name;
+use models::effects::Catalogue;
 
 use super::super::page::{BeforeUse, Masked, Page, Table};
 use super::super::picture::{Picture, of_diagnosis};
@@ -19,7 +19,8 @@ pub(super) fn page(
     let diagnosis = &outcome.diagnosis;
     let title = format!("Diagnosis of {}", request.name);
     let mut page = Page::new(&title, verdict(diagnosis.verdict), &diagnosis.summary);
-    effects(&mut page, diagnosis);
+    let catalogue = outcome.repaired.trials.first().map(|trial| trial.model.catalogue.clone());
+    effects(&mut page, diagnosis, &catalogue.unwrap_or_default());
     let of = |names: &[&str]| {
         pictures.iter().filter(|picture| names.iter().any(|name| picture.name.starts_with(name))).collect()
     };
@@ -79,7 +80,7 @@ fn lost(curve: &Curve) -> Option<Vec<String>> {
     (heard < all).then(|| names.into_iter().chain(counts).collect())
 }
 
-fn effects(page: &mut Page, diagnosis: &Diagnosis) {
+fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
     page.section("What is missing");
     if diagnosis.effects.is_empty() {
         page.text("No effect was added to the model.");
@@ -99,7 +100,7 @@ fn effects(page: &mut Page, diagnosis: &Diagnosis) {
     let of_added =
         |added: &Added| added.parameters.iter().map(|own| row(&added.effect, own)).collect::<Vec<_>>();
     let rows = diagnosis.effects.iter().flat_map(of_added).collect();
-    let meaning = |effect: &str| Some(format!("{effect}: {}", by_name(effect)?.about().meaning));
+    let meaning = |effect: &str| Some(format!("{effect}: {}", catalogue.by_name(effect)?.about().meaning));
     page.list(&diagnosis.effects.iter().filter_map(|added| meaning(&added.effect)).collect::<Vec<_>>());
     let heads = ["parameter", "of", "value", "from", "to", "unit"];
     page.table(&Table { caption: "Values with their 95 % intervals", heads: &heads, rows });

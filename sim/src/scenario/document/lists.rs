@@ -1,5 +1,7 @@
 //! What an experiment has beside a scenario's keys: lists, tables in lists, and yes or no.
 
+use models::nearest::nearest;
+
 use super::{Entry, Item, Keys, Value};
 use crate::scenario::{Problem, ScenarioError};
 
@@ -40,6 +42,30 @@ impl<'a> Keys<'a> {
             }
             Some(_) => Err(self.wrong(key, due)),
         }
+    }
+
+    /// One of a few words, or a list of them.
+    pub fn words<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<Vec<T>>, ScenarioError> {
+        let Some(texts) = self.texts(key)? else { return Ok(None) };
+        let meaning = |text: &str| match words.iter().find(|(word, _)| *word == text) {
+            Some((_, meaning)) => Ok(*meaning),
+            None => Err(self.wrong(
+                key,
+                Problem::UnknownWord {
+                    nearest: nearest(text, words.iter().map(|(word, _)| *word)).map(str::to_owned),
+                    known: words.iter().map(|(word, _)| (*word).to_owned()).collect(),
+                },
+            )),
+        };
+        texts.into_iter().map(meaning).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// The keys of the table, in the order of the text.
+    pub fn children(&self) -> Vec<String> {
+        let Some(Value::Table(entries)) = self.item.map(|item| &item.value) else { return Vec::new() };
+        let mut keys: Vec<_> = entries.iter().map(|entry| (&entry.key_place, &entry.key)).collect();
+        keys.sort_by_key(|(place, _)| (place.source, place.span.start));
+        keys.into_iter().map(|(_, key)| key.clone()).collect()
     }
 
     /// A list of quantities in `unit`.

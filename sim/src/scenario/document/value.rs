@@ -41,6 +41,27 @@ pub(crate) struct Entry {
     pub item: Item,
 }
 
+impl Item {
+    /// The same in a document that has its source at another number.
+    pub fn moved(self, source: usize) -> Item {
+        let place = |place: Place| Place { source, ..place };
+        let value = match self.value {
+            Value::Array(items) => Value::Array(items.into_iter().map(|item| item.moved(source)).collect()),
+            Value::Table(entries) => Value::Table(
+                (entries.into_iter())
+                    .map(|Entry { key, key_place, item }| Entry {
+                        key,
+                        key_place: place(key_place),
+                        item: item.moved(source),
+                    })
+                    .collect(),
+            ),
+            value => value,
+        };
+        Item { place: place(self.place), value }
+    }
+}
+
 /// The keys of a table that was parsed; `place` tells where its bytes stand.
 pub(super) fn entries(table: &DeTable, place: &dyn Fn(Range<usize>) -> Place) -> Vec<Entry> {
     let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<DeValue>)| {

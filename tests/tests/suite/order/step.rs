@@ -36,6 +36,7 @@ fn soft(lossy: bool) -> Model {
         scheme: Scheme::Consistent,
         tip_distance: 0.0,
         effects,
+        catalogue: Default::default(),
         schedule: None,
     })
     .expect("valid")

@@ -318,6 +318,7 @@ mod tests {
             scheme: Scheme::Consistent,
             tip_distance: 0.0,
             effects: effects.into_iter().map(owned).collect(),
+            catalogue: Default::default(),
             schedule: None,
         })
         .unwrap();
