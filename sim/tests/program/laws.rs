@@ -53,14 +53,14 @@ fn what_is_wrong_with_a_file_of_laws_is_said_at_its_place() {
     let bench = Bench::new("laws-wrong");
     bench.file("15psi.csv", "t_s,Tip_x_m,Tip_y_m,Tip_z_m\n");
     bench.file("e.toml", EXPERIMENT);
-    bench.file("law.toml", &LAW.replace("abs(v_n)", "abs(v_m"));
+    bench.file("law.toml", &LAW.replace("abs(v_n)", "abs(v_m)"));
     bench.file("twice.toml", LAW);
     for (arguments, message) in [
-        (&["calibrate", "e.toml", "--law", "law.toml"][..], "law.toml:3:33"),
+        (&["calibrate", "e.toml", "--law", "law.toml"][..], "law.toml:3:25"),
         (&["diagnose", "e.toml", "--law", "none.toml"][..], "none.toml: cannot be read"),
         (&["diagnose", "e.toml", "--law", "twice.toml", "--law", "twice.toml"][..], "laws.my_drag"),
         (&["effects", "--check", "e.toml"][..], "muscle: unknown key"),
-        (&["effects", "--rust", "law.toml"][..], "law.toml:3:33"),
+        (&["effects", "--rust", "law.toml"][..], "law.toml:3:25"),
     ] {
         let (code, _, said) = bench.run(arguments);
         assert_eq!(code, 2, "{arguments:?}: {said}");
