@@ -284,7 +284,8 @@ mod tests {
     #[test]
     fn columns_in_memory_are_read_as_a_file_is() {
         let names = ["t_ms", "tip_x_mm", "tip_z_mm", "note"].map(str::to_owned);
-        let columns = [vec![0.0, 10.0, 20.0], vec![1.0, 2.0, f64::NAN], vec![4.0, 5.0, 6.0], vec![0.0; 3]];
+        let columns =
+            [vec![0.0, 10.0, 20.0], vec![1.0, 2.0, f64::NAN], vec![4.0, 5.0, 6.0], vec![0.0; 3]].map(Ok);
         let read = |options: &ReadOptions| table(&names, &columns, Path::new("made"), options);
         let made = read(&ReadOptions::default()).unwrap();
         assert_eq!(made.time, [0.0, 0.01, 0.02]);

@@ -64,7 +64,8 @@ impl OfExperiments {
             if !table.has("file") {
                 return Err(table.missing("file", "file = \"bench/0007/experiment.toml\""));
             }
-            let own: BTreeSet<String> = without.iter().cloned().chain(diagnose::without(&table, &catalogue)?).collect();
+            let own: BTreeSet<String> =
+                without.iter().cloned().chain(diagnose::without(&table, &catalogue)?).collect();
             files.extend(matching(&table, "file", &folder)?.into_iter().map(|file| (file, own.clone())));
         }
         let looked: Vec<_> = files

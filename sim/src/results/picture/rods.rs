@@ -76,7 +76,7 @@ impl Rod {
     pub fn new(name: &str, stroke: Stroke, frames: Vec<Frame>) -> Option<Self> {
         let nodes = frames.first()?.1.len();
         let every = (nodes - 1).div_ceil(NODES).max(1);
-        let is_kept = |k: usize| k % every == 0 || k + 2 >= nodes;
+        let is_kept = |k: usize| k.is_multiple_of(every) || k + 2 >= nodes;
         let kept = |(time, nodes): Frame| {
             let own = nodes.into_iter().enumerate().filter(|(k, _)| is_kept(*k)).map(|(_, at)| at);
             (time, own.collect())
