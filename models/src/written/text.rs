@@ -59,7 +59,7 @@ impl Definition {
             }
         }
         for own in &self.parameters {
-            let _ = write!(out, "parameters.{} = {{ {} }}\n", own.name, fields(own));
+            let _ = writeln!(out, "parameters.{} = {{ {} }}", own.name, fields(own));
         }
         out
     }

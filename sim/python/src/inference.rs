@@ -143,7 +143,8 @@ pub fn diagnose(
     if !(false_alarm > 0.0 && false_alarm < 1.0) {
         return Err(usage(format!("false_alarm = {false_alarm}: it must lie between 0 and 1, such as 0.01")));
     }
-    diagnosis::known_effects(&without).map_err(|wrong| usage(format!("without: {wrong}")))?;
+    diagnosis::known_effects(&without, &own.own.catalogue())
+        .map_err(|wrong| usage(format!("without: {wrong}")))?;
     let work = |cancel: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
         let begin = Instant::now();
         progress.say("reading and cleaning the recordings");
