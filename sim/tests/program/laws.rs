@@ -59,7 +59,7 @@ fn what_is_wrong_with_a_file_of_laws_is_said_at_its_place() {
         (&["calibrate", "e.toml", "--law", "law.toml"][..], "law.toml:3:25"),
         (&["diagnose", "e.toml", "--law", "none.toml"][..], "none.toml: cannot be read"),
         (&["diagnose", "e.toml", "--law", "twice.toml", "--law", "twice.toml"][..], "laws.my_drag"),
-        (&["effects", "--check", "e.toml"][..], "muscle: unknown key"),
+        (&["effects", "--check", "e.toml"][..], "unknown key; known here is laws"),
         (&["effects", "--rust", "law.toml"][..], "law.toml:3:25"),
     ] {
         let (code, _, said) = bench.run(arguments);
