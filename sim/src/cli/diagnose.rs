@@ -126,7 +126,7 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     // What stands in the way is said before a long search.
     let (experiment, folder) = open(&args.of, voice)?;
     known_effects(&args.without, &experiment.catalogue())
-        .map_err(|wrong| Failure::Usage(format!("--without {wrong}")))?;
+        .map_err(|wrong| Failure::Usage(format!("--without: {wrong}")))?;
     let input_hashes = input_hashes(&experiment);
     let stages = voice.stages();
     let settings = Settings {

@@ -153,6 +153,6 @@ fn lock_away(problem: &mut Problem) {
 pub fn known_effects(names: &[String], catalogue: &Catalogue) -> Result<(), String> {
     let Some(name) = names.iter().find(|name| catalogue.by_name(name).is_none()) else { return Ok(()) };
     let near = nearest(name, catalogue.iter().map(|effect| effect.about().name));
-    let near = near.map_or(String::new(), |near| format!("; did you mean {near}"));
-    Err(format!("{name}: there is no such effect{near}; efam effects lists all"))
+    let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    Err(format!("there is no effect `{name}`{near}; `efam effects` lists all"))
 }

@@ -131,19 +131,19 @@ fn what_cannot_be_diagnosed_is_said_before_the_search() {
     says(
         2,
         &["without.toml"],
-        "without.toml:17:11: diagnose.without = [\"air_drg\"]: there is no effect `air_drg`; did you mean `air_drag`?",
+        "without.toml:18:11: diagnose.without = [\"air_drg\"]: there is no effect `air_drg`; did you mean `air_drag`?",
     );
     says(
         2,
         &["path.toml"],
-        "path.toml:17:8: diagnose.parameter[1].path = \"effects.air_drag.coefficient\": no effect has a parameter",
+        "path.toml:18:8: diagnose.parameter[1].path = \"effects.air_drag.coefficient\": no effect has a parameter",
     );
-    says(2, &["bounds.toml"], "bounds.toml:18:10: diagnose.parameter[1].bounds");
-    says(2, &["unit.toml"], "unit.toml:18:11: diagnose.parameter[1].bounds");
+    says(2, &["bounds.toml"], "bounds.toml:19:10: diagnose.parameter[1].bounds");
+    says(2, &["unit.toml"], "unit.toml:19:11: diagnose.parameter[1].bounds");
     says(
         2,
         &["e.toml", "--without", "air_drg"],
-        "--without air_drg: there is no such effect; did you mean air_drag; efam effects lists all",
+        "--without: there is no effect `air_drg`; did you mean `air_drag`?; `efam effects` lists all",
     );
     says(
         2,

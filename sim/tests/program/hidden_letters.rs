@@ -93,6 +93,7 @@ fn an_argument_that_is_no_text_never_panics() {
 fn what_is_typed_is_shown_and_not_obeyed() {
     let bench = Bench::new("hidden-arguments");
     bench.file("s.toml", "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n");
+    bench.file("e.toml", "[[recording]]\nfile = \"a.csv\"\ntip = \"Tip\"\n");
     for evil in EVIL {
         for arguments in [
             &[evil][..],
@@ -130,7 +131,7 @@ fn what_is_typed_is_shown_and_not_obeyed() {
             assert!(stderr.contains("\\u{"), "{arguments:?}: {stderr}");
         }
     }
-    assert_eq!(bench.left(), ["s.toml"]);
+    assert_eq!(bench.left(), ["e.toml", "s.toml"]);
 }
 
 #[test]
