@@ -84,7 +84,9 @@ impl Law for Dahl {
             [theta[0], theta[1], theta[2], theta[3], theta[4]];
         let (z, kappa_rate) = (at.memory, at.kappa_rate);
         let pace = (kappa_rate * kappa_rate + creep_rate * creep_rate).sqrt();
-        let slope = power(z.abs(), exponent - 1.0);
+        // `|z|ᵖ⁻¹ z` has the limit 0.
+        let is_limit = z.re() == 0.0 && exponent.re() < 1.0;
+        let slope = if is_limit { T::from(0.0) } else { power(z.abs(), exponent - 1.0) };
         let used = slope * (shape * z * pace - (shape - 1.0) * z.abs() * kappa_rate);
         Moment { moment: sliding * z, memory_rate: (kappa_rate - used) / yielding }
     }

@@ -18,7 +18,7 @@ use sim::scenario::Scenario;
 use sim::schema::JsonSchema;
 
 use super::arguments::{OfExperiment, argv};
-use super::experiment::{open, read};
+use super::experiment::{claim, load, read};
 use super::failure::Failure;
 use super::interrupt::{self, Ending};
 use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
@@ -123,12 +123,10 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         return planned(args, voice);
     }
     let begin = Instant::now();
-    // What stands in the way is said before a long search.
-    let (experiment, folder) = open(&args.of, voice)?;
+    // What stands in the way is said before a long search, and before a folder is made.
+    let experiment = load(&args.of)?;
     known_effects(&args.without, &experiment.catalogue())
         .map_err(|wrong| Failure::Usage(format!("--without: {wrong}")))?;
-    let input_hashes = input_hashes(&experiment);
-    let stages = voice.stages();
     let settings = Settings {
         false_alarm: args.false_alarm,
         most_effects: args.most,
@@ -136,6 +134,9 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         ..Settings::default()
     }
     .stated(&experiment)?;
+    let folder = claim(&experiment, &args.of, voice)?;
+    let input_hashes = input_hashes(&experiment);
+    let stages = voice.stages();
     let open = |how| {
         let id = results::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
         LiveSearch::search(how, &experiment.name, &id, folder.path())

@@ -210,14 +210,24 @@ pub fn request(experiment: &Experiment, begin: Instant) -> Request {
 /// Reads the experiment and opens the folder before the work, so that what stands in the way is said first.
 /// From here on Ctrl-C is listened to.
 pub fn open(args: &OfExperiment, voice: &Voice) -> Result<(Experiment, Folder), Failure> {
-    let experiment = Experiment::load_with(&args.experiment, &args.set, &args.law)?;
+    let experiment = load(args)?;
+    let folder = claim(&experiment, args, voice)?;
+    Ok((experiment, folder))
+}
+
+/// Reads the experiment.
+pub fn load(args: &OfExperiment) -> Result<Experiment, Failure> {
+    Ok(Experiment::load_with(&args.experiment, &args.set, &args.law)?)
+}
+
+/// Opens the folder of an experiment that was read.
+pub fn claim(experiment: &Experiment, args: &OfExperiment, voice: &Voice) -> Result<Folder, Failure> {
     let (recordings, threads) = (experiment.recordings.len(), rayon::current_num_threads());
     let path = experiment.path.display();
     voice.detail(format!("{path}: {recordings} recordings, on {threads} threads"));
     interrupt::listen();
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
-    let folder = results::open(out, overwrite, &experiment.name, experiment.text())?;
-    Ok((experiment, folder))
+    Ok(results::open(out, overwrite, &experiment.name, experiment.text())?)
 }
 
 /// Reads and cleans the recordings, and says what is kept of each.
