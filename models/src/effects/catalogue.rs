@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::{CATALOGUE, Effect, by_name};
+use super::{CATALOGUE, Effect, Parameter, by_name};
 
 /// The effects that a model may have: those of [`CATALOGUE`], and behind them laws that were read from text.
 ///
@@ -51,6 +51,12 @@ impl Catalogue {
     /// The effect of that name.
     pub fn by_name(&self, name: &str) -> Option<&'static dyn Effect> {
         by_name(name).or_else(|| self.written.iter().copied().find(|effect| effect.about().name == name))
+    }
+
+    /// A parameter by its path, such as `effects.payload.mass`.
+    pub fn parameter(&self, path: &str) -> Option<&'static Parameter> {
+        let (effect, name) = path.strip_prefix("effects.")?.split_once('.')?;
+        self.by_name(effect)?.about().parameters.iter().find(|own| own.name == name)
     }
 
     /// Place of an effect in the order of the catalogue.

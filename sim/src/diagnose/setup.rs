@@ -7,6 +7,7 @@
 
 use super::Course;
 use super::section::FARTHEST;
+use super::stop::ending_by;
 use super::verdict::Contradiction;
 use super::warnings::{contradictions, deviations_off};
 use crate::calibrate::joint::{Joint, Known};
@@ -51,7 +52,7 @@ fn lifted(problem: &Problem, known: &Known) -> Problem {
 impl Course<'_> {
     /// What alone would have to be otherwise than stated, if that does as well as what was added; empty where nothing does.
     pub(super) fn misstated(&self) -> Result<Vec<Contradiction>, CalibrateError> {
-        if self.added.is_empty() {
+        if self.added.is_empty() || self.is_stopped() {
             return Ok(Vec::new());
         }
         // What stood at its limit before an effect gave way may be what the effect stands in for.
@@ -66,7 +67,7 @@ impl Course<'_> {
         let mut misstated = Vec::new();
         for own in at_limit {
             self.listener.doing(&format!("whether {} is as stated", own.unknown.name));
-            let problem = lifted(&self.problem, own);
+            let problem = ending_by(&lifted(&self.problem, own), &self.listener.stop());
             // From the start, since a belief at its limit may have lost the phase of the swing.
             let fit = match Joint::search(&problem, &|_| ()) {
                 Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => continue,

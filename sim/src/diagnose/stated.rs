@@ -8,7 +8,7 @@
 //! bounds = ["0 g", "100 g"]           # instead of the range that follows from the rod
 //! ```
 
-use models::effects::{Catalogue, Effect, Parameter};
+use models::effects::{Catalogue, Effect};
 use models::nearest::nearest;
 
 use super::{Settings, known_effects};
@@ -53,7 +53,7 @@ fn range(table: &Keys, catalogue: &Catalogue) -> Result<(String, (f64, f64)), Sc
     let Some((path, _)) = table.text("path")? else {
         return Err(table.missing("path", "path = \"effects.tip_mass.mass\""));
     };
-    let Some(of) = parameter(path, catalogue) else {
+    let Some(of) = catalogue.parameter(path) else {
         let of_effect = |effect: &'static dyn Effect| {
             let about = effect.about();
             about.parameters.iter().map(|own| format!("effects.{}.{}", about.name, own.name))
@@ -76,10 +76,4 @@ fn range(table: &Keys, catalogue: &Catalogue) -> Result<(String, (f64, f64)), Sc
             Err(table.wrong("bounds", Problem::Must { must }))
         }
     }
-}
-
-/// The parameter of an effect by its path.
-fn parameter(path: &str, catalogue: &Catalogue) -> Option<&'static Parameter> {
-    let (effect, name) = path.strip_prefix("effects.")?.split_once('.')?;
-    catalogue.by_name(effect)?.about().parameters.iter().find(|own| own.name == name)
 }

@@ -122,14 +122,15 @@ pub fn grid(
     };
     let asked = columns.iter().flat_map(|pressure| payloads.iter().map(|payload| (*pressure, *payload)));
     let cases = asked.map(|(pressure, payload)| make(pressure, payload)).collect::<Result<Vec<_>, _>>()?;
-    let foretold: Vec<(Cell, f64)> = cases
+    let (foretold, errors): (Vec<(Cell, f64)>, Vec<Option<Errors>>) = cases
         .par_iter()
         .map(|case| {
-            let done = foretell(case, known);
+            let errors = known.map(|known| Errors::new(known, case));
+            let done = foretell(case, known, errors.as_ref());
             tell();
-            done
+            (done, errors)
         })
-        .collect();
+        .unzip();
     let mut grid = Grid {
         name: name.to_owned(),
         pressures_pa: pressures.to_vec(),
@@ -156,8 +157,7 @@ pub fn grid(
         grid.slowest = all.into_iter().flatten().collect();
     }
     let extent = Extent { pressures, payloads, excursion };
-    let errors: Vec<Errors> =
-        known.iter().flat_map(|known| cases.iter().map(|case| Errors::new(known, case))).collect();
+    let errors: Vec<Errors> = errors.into_iter().flatten().collect();
     let mut words: Vec<String> = cases.iter().flat_map(|case| case.warnings.clone()).collect();
     words.sort();
     words.dedup();
@@ -171,16 +171,15 @@ pub fn grid(
     Ok(grid)
 }
 
-/// A case, and the largest distance of its tip from the rest, m.
-fn foretell(case: &Case, known: Option<&Known>) -> (Cell, f64) {
+/// A case with the errors of what is known, and the largest distance of its tip from the rest, m.
+fn foretell(case: &Case, known: Option<&Known>, errors: Option<&Errors>) -> (Cell, f64) {
     let run = Run { energy: false, ..case.run.clone() };
     let mut cell = Cell {
         pressure_pa: case.pressure,
         payload_kg: value(&case.model, "effects.payload.mass"),
         ..Cell::default()
     };
-    let errors = known.map(|known| Errors::new(known, case));
-    let model = errors.as_ref().map_or(&case.model, |errors| &errors.model);
+    let model = errors.map_or(&case.model, |errors| &errors.model);
     let mut own = match simulate(model, &run) {
         Ok(own) => own,
         Err(why) => {

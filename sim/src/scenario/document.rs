@@ -388,16 +388,18 @@ impl<'a> Keys<'a> {
     /// One of a few words.
     pub fn word<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, ScenarioError> {
         let Some((text, _)) = self.text(key)? else { return Ok(None) };
-        match words.iter().find(|(word, _)| *word == text) {
-            Some((_, meaning)) => Ok(Some(*meaning)),
-            None => Err(self.wrong(
-                key,
-                Problem::UnknownWord {
-                    nearest: nearest(text, words.iter().map(|(word, _)| *word)).map(str::to_owned),
-                    known: words.iter().map(|(word, _)| (*word).to_owned()).collect(),
-                },
-            )),
-        }
+        self.meaning(key, text, words).map(Some)
+    }
+
+    fn meaning<T: Copy>(&self, key: &str, text: &str, words: &[(&str, T)]) -> Result<T, ScenarioError> {
+        let found = words.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
+        found.ok_or_else(|| {
+            let unknown = Problem::UnknownWord {
+                nearest: nearest(text, words.iter().map(|(word, _)| *word)).map(str::to_owned),
+                known: words.iter().map(|(word, _)| (*word).to_owned()).collect(),
+            };
+            self.wrong(key, unknown)
+        })
     }
 
     /// Rows of quantities in `units`, if the key has an array; a row may be shorter by whole `units`

@@ -1,6 +1,6 @@
 //! Units of the keys of a scenario, for those who give numbers in SI.
 
-use models::effects::by_name;
+use models::effects::Catalogue;
 
 use super::plan::ROD;
 
@@ -55,10 +55,7 @@ pub fn unit_of(path: &str) -> Option<&'static str> {
     let path = path.strip_prefix("release.hold.").unwrap_or(path);
     let unit = match path.strip_prefix("rod.") {
         Some(own) => ROD.iter().find(|(key, _)| *key == own)?.1,
-        None => {
-            let (effect, parameter) = path.strip_prefix("effects.")?.split_once('.')?;
-            by_name(effect)?.about().parameters.iter().find(|own| own.name == parameter)?.unit
-        }
+        None => Catalogue::default().parameter(path)?.unit,
     };
     (!unit.is_empty()).then_some(unit)
 }

@@ -1,7 +1,5 @@
 //! What an experiment has beside a scenario's keys: lists, tables in lists, and yes or no.
 
-use models::nearest::nearest;
-
 use super::{Entry, Item, Keys, Value};
 use crate::scenario::{Problem, ScenarioError};
 
@@ -47,17 +45,7 @@ impl<'a> Keys<'a> {
     /// One of a few words, or a list of them.
     pub fn words<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<Vec<T>>, ScenarioError> {
         let Some(texts) = self.texts(key)? else { return Ok(None) };
-        let meaning = |text: &str| match words.iter().find(|(word, _)| *word == text) {
-            Some((_, meaning)) => Ok(*meaning),
-            None => Err(self.wrong(
-                key,
-                Problem::UnknownWord {
-                    nearest: nearest(text, words.iter().map(|(word, _)| *word)).map(str::to_owned),
-                    known: words.iter().map(|(word, _)| (*word).to_owned()).collect(),
-                },
-            )),
-        };
-        texts.into_iter().map(meaning).collect::<Result<_, _>>().map(Some)
+        texts.into_iter().map(|text| self.meaning(key, text, words)).collect::<Result<_, _>>().map(Some)
     }
 
     /// The keys of the table, in the order of the text.

@@ -19,6 +19,25 @@ const element = (name, properties = {}, ...children) => {
   own.append(...children);
   return own;
 };
+/** A button that shows and hides what `name` stands for. */
+const toggles = (button, hidden, name, redraw) => {
+  button.setAttribute('aria-pressed', 'true');
+  button.onclick = () => {
+    const isHidden = !hidden.has(name);
+    isHidden ? hidden.add(name) : hidden.delete(name);
+    button.setAttribute('aria-pressed', String(!isHidden));
+    redraw();
+  };
+};
+/** An empty canvas as sharp as the screen, to be drawn on in pixels of the page. */
+const cleared = (canvas, width, height) => {
+  const ratio = devicePixelRatio, size = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
+  const on = canvas.getContext('2d');
+  on.setTransform(ratio, 0, 0, ratio, 0, 0);
+  on.clearRect(0, 0, width, height);
+  return on;
+};
 /** Last index whose value is not above x. */
 const before = (values, x) => {
   let [low, high] = [0, values.length - 1];
@@ -95,15 +114,11 @@ class Chart {
     const value = element('span', { className: 'value' });
     const button = element('button', { type: 'button' }, sample(key), element('span', { textContent: key.name }), value);
     const marks = this.marks.filter(mark => mark.key === k);
-    button.setAttribute('aria-pressed', 'true');
     button.disabled = marks.length === 0;
-    button.onclick = () => {
-      const isHidden = !this.hidden.has(k);
-      isHidden ? this.hidden.add(k) : this.hidden.delete(k);
-      button.setAttribute('aria-pressed', String(!isHidden));
+    toggles(button, this.hidden, k, () => {
       this.plot.redraw(false);
       this.point();
-    };
+    });
     return { button, value, marks, last: '' };
   }
 
@@ -312,12 +327,9 @@ class Chart {
 
   /** The line of the cursor, dots on what is read off, and where a path is at the time of the page. */
   mark(found, x) {
-    const { over, plot } = this, ratio = devicePixelRatio;
+    const { over, plot } = this;
     const { clientWidth: width, clientHeight: height } = plot.over;
-    if (over.width !== Math.round(width * ratio) || over.height !== Math.round(height * ratio)) [over.width, over.height] = [Math.round(width * ratio), Math.round(height * ratio)];
-    const on = over.getContext('2d');
-    on.setTransform(ratio, 0, 0, ratio, 0, 0);
-    on.clearRect(0, 0, width, height);
+    const on = cleared(over, width, height);
     const dot = (x, y, color, size = 4.5) => {
       const [left, top] = [plot.valToPos(x, 'x'), plot.valToPos(y, 'y')];
       if (!(left >= -1 && left <= width + 1 && top >= -1 && top <= height + 1)) return;

@@ -40,13 +40,7 @@ class Rods {
     const buttons = keys.map(own => {
       const button = element('button', { type: 'button' }, sample({ shape: own.shape ?? 'line', look: own.look }), element('span', { textContent: own.name }));
       const name = own.isRest ? 'rest' : own;
-      button.setAttribute('aria-pressed', 'true');
-      button.onclick = () => {
-        const isHidden = !this.hidden.has(name);
-        isHidden ? this.hidden.add(name) : this.hidden.delete(name);
-        button.setAttribute('aria-pressed', String(!isHidden));
-        this.draw();
-      };
+      toggles(button, this.hidden, name, () => this.draw());
       return button;
     });
     const controls = element('div', { className: 'controls' }, this.button, this.slider, this.said, speeds);
@@ -88,18 +82,15 @@ class Rods {
   }
 
   draw() {
-    const { canvas, of } = this, ratio = devicePixelRatio, width = canvas.clientWidth;
+    const { canvas, of } = this, width = canvas.clientWidth;
     if (width === 0) return;
     const [x, z] = [of.x, of.z];
     const height = Math.min(width * (z[1] - z[0]) / (x[1] - x[0]), 460);
     canvas.style.height = `${height}px`;
-    if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
     const scale = Math.min(width / (x[1] - x[0]), height / (z[1] - z[0]));
     const spare = (width - scale * (x[1] - x[0])) / 2;
     const at = this.place = ([a, b]) => [spare + (a - x[0]) * scale, (z[1] - b) * scale];
-    const on = canvas.getContext('2d');
-    on.setTransform(ratio, 0, 0, ratio, 0, 0);
-    on.clearRect(0, 0, width, height);
+    const on = cleared(canvas, width, height);
     Object.assign(on, { lineCap: 'round', lineJoin: 'round' });
     const line = (points, { color, width: thick, dash = [], alpha = 1 }) => {
       Object.assign(on, { strokeStyle: color, lineWidth: thick, globalAlpha: alpha });
