@@ -9,8 +9,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use sim::forward::{Run, forward};
-use sim::scenario::Scenario;
+use efam_core::forward::{Run, forward};
+use efam_experiments::scenario::Scenario;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();

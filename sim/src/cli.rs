@@ -31,10 +31,10 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
+use efam_store::escape::{escaped, is_hidden};
 
 use arguments::Manner;
 use failure::{Failure, report};
-use sim::escape::{escaped, is_hidden};
 use voice::Voice;
 
 /// Exit codes, as the help prints them.

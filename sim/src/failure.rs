@@ -3,16 +3,15 @@
 use std::fmt::{self, Display};
 use std::io;
 
+use efam_core::forward::ForwardError;
+use efam_experiments::experiment::ExperimentError;
+use efam_experiments::scenario::ScenarioError;
+use efam_inference::calibrate::{CalibrateError, SectionError};
+use efam_inference::predict::check::CheckError;
+use efam_recordings::RecordingError;
+use efam_store::StoreError;
+use efam_sweeps::SweepError;
 use models::error::ModelError;
-
-use crate::calibrate::{CalibrateError, SectionError};
-use crate::experiment::ExperimentError;
-use crate::forward::ForwardError;
-use crate::predict::check::CheckError;
-use crate::recording::RecordingError;
-use crate::results::ResultsError;
-use crate::scenario::ScenarioError;
-use crate::sweep::SweepError;
 
 /// Why a command ended before its time.
 #[derive(Debug)]
@@ -94,13 +93,13 @@ impl From<RecordingError> for Failure {
     }
 }
 
-impl From<ResultsError> for Failure {
-    fn from(error: ResultsError) -> Self {
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
         match error {
-            ResultsError::Write { .. }
-            | ResultsError::FileName { .. }
-            | ResultsError::Kept { .. }
-            | ResultsError::Late { .. } => Failure::Output(error.to_string()),
+            StoreError::Write { .. }
+            | StoreError::FileName { .. }
+            | StoreError::Kept { .. }
+            | StoreError::Late { .. } => Failure::Output(error.to_string()),
             _ => Failure::Usage(error.to_string()),
         }
     }

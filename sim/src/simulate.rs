@@ -2,14 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use crate::accuracy::{Settled, first, settle};
+use efam_core::accuracy::{Settled, first, settle};
+use efam_core::forward::{Cancel, ForwardError, Run, Sample, forward};
+use efam_core::limits;
+use efam_core::rest::rest;
+use efam_core::trajectory::Trajectory;
+use efam_experiments::scenario::Case;
+use efam_experiments::summary::MODES;
+
 use crate::failure::Failure;
-use crate::forward::{Cancel, ForwardError, Run, Sample, forward};
-use crate::limits;
-use crate::rest::rest;
-use crate::results::summary::MODES;
-use crate::scenario::Case;
-use crate::trajectory::Trajectory;
 
 /// Simulates a case until its end, until it is cancelled, or to where it fails; what was integrated is kept.
 ///

@@ -2,11 +2,11 @@
 //! recordings come from a mesh and steps so fine that the fit has nothing to see but noise.
 
 use divan::Bencher;
+use efam_core::forward::Run;
+use efam_core::trajectory::Trajectory;
+use efam_experiments::release::{Point, Release, Track};
+use efam_inference::calibrate::{Nuisances, Parameter, Problem, Scope, Settings, Trial, calibrate};
 use models::model::Model;
-use sim::calibrate::{Nuisances, Parameter, Problem, Scope, Settings, Trial, calibrate};
-use sim::experiment::release::{Point, Release, Track};
-use sim::forward::Run;
-use sim::trajectory::Trajectory;
 use tests::{PSI, paper, simulate};
 
 fn main() {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use divan::Bencher;
-use sim::recording::{ReadOptions, parse};
+use efam_recordings::{ReadOptions, parse};
 use tests::recordings::C3d;
 
 fn main() {

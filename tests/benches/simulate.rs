@@ -1,8 +1,8 @@
 //! Cost of a release, side by side: 20 s of the 15 psi row, unless said otherwise.
 
 use divan::Bencher;
-use sim::forward::{FAST_TOLERANCE, Run};
-use sim::integrate::{Method, Steps};
+use efam_core::forward::{FAST_TOLERANCE, Run};
+use efam_core::integrate::{Method, Steps};
 use tests::{paper, simulate};
 
 fn main() {

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use sim::accuracy::{Errors, Goal, Settled, settle};
-use sim::forward::{Run, Sample, forward};
+use efam_core::accuracy::{Errors, Goal, Settled, settle};
+use efam_core::forward::{Run, Sample, forward};
 
 use crate::drawn_scenarios::drawn;
 

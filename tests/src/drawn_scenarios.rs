@@ -1,7 +1,7 @@
 //! Scenarios drawn at random: the paper's muscle at any pressure, from any angle, with payloads, losses and effects.
 
+use efam_core::forward::Run;
 use models::model::Model;
-use sim::forward::Run;
 
 use crate::paper_spec;
 use crate::twin::random::Random;

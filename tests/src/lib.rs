@@ -9,11 +9,11 @@ pub mod twin;
 
 use std::ops::ControlFlow;
 
+use efam_core::forward::{Run, forward};
+use efam_core::trajectory::Trajectory;
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Scheme};
 use models::muscle::{Extrapolation, Muscle};
-use sim::forward::{Run, forward};
-use sim::trajectory::Trajectory;
 
 /// One pound-force per square inch, Pa.
 pub const PSI: f64 = 6_894.757_293_168_361;

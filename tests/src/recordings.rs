@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use sim::forward::Run;
-use sim::recording::Recording;
-use sim::results::table::Table;
+use efam_core::forward::Run;
+use efam_recordings::Recording;
+use efam_report::table::Table;
 
 use crate::{paper, simulate};
 

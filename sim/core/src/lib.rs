@@ -46,6 +46,7 @@
 pub use models;
 
 pub mod accuracy;
+pub mod example;
 pub mod forward;
 pub mod initial;
 pub mod integrate;
@@ -54,6 +55,7 @@ pub mod limits;
 mod observed;
 pub mod pace;
 pub mod point;
+pub mod quantile;
 pub mod rest;
 pub mod run;
 pub mod stepper;

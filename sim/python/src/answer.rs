@@ -2,17 +2,18 @@
 
 use std::path::PathBuf;
 
+use efam_report::Request;
+use efam_report::experiment::input_hashes;
+use efam_store::{Folder, StoreError};
 use pyo3::prelude::*;
 use serde::Serialize;
 use sim::failure::Failure;
-use sim::results::experiment::input_hashes;
-use sim::results::{self, Folder, Request, ResultsError};
 
 use crate::experiment::ExperimentData;
 use crate::failure::exception;
 
 /// Writes the files of an answer into an open folder.
-type Write = dyn Fn(&Folder, &Request) -> Result<(), ResultsError> + Send + Sync;
+type Write = dyn Fn(&Folder, &Request) -> Result<(), StoreError> + Send + Sync;
 
 /// What a command says: its JSON, its table, its folder.
 #[pyclass(frozen, module = "efam._efam")]
@@ -31,7 +32,7 @@ impl AnswerData {
         answer: &impl Serialize,
         table: String,
         request: Request,
-        write: impl Fn(&Folder, &Request) -> Result<(), ResultsError> + Send + Sync + 'static,
+        write: impl Fn(&Folder, &Request) -> Result<(), StoreError> + Send + Sync + 'static,
     ) -> Self {
         let json = serde_json::to_string(answer).expect("an answer has nothing that JSON has not");
         Self { json, table, models: Vec::new(), request, write: Box::new(write) }
@@ -79,7 +80,7 @@ impl AnswerData {
     fn write(&self, py: Python<'_>, out: Option<PathBuf>, overwrite: bool) -> PyResult<PathBuf> {
         let request = Request { out, overwrite, ..self.request.clone() };
         let written = || -> Result<PathBuf, Failure> {
-            let folder = results::begin(&request)?;
+            let folder = efam_report::begin(&request)?;
             (self.write)(&folder, &request)?;
             Ok(folder.finish()?)
         };

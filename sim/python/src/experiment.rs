@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use efam_experiments::cleaning::{Cleaned, clean};
+use efam_experiments::experiment::Experiment;
+use efam_experiments::init;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sim::cleaning::{Cleaned, clean};
-use sim::experiment::{Experiment, init};
 use sim::failure::Failure;
 
 use crate::failure::exception;
@@ -35,7 +36,7 @@ impl ExperimentData {
         path: PathBuf,
         text: String,
         overrides: Vec<String>,
-        held: Vec<(PathBuf, std::sync::Arc<sim::recording::Recording>)>,
+        held: Vec<(PathBuf, std::sync::Arc<efam_recordings::Recording>)>,
     ) -> PyResult<Self> {
         let own = Experiment::parse(&path, &text, &overrides).map_err(exception)?.holding(held);
         Ok(Self { path, text, overrides, own })
@@ -52,7 +53,7 @@ impl ExperimentData {
     }
 }
 
-fn shared(held: Vec<Held>) -> Vec<(PathBuf, std::sync::Arc<sim::recording::Recording>)> {
+fn shared(held: Vec<Held>) -> Vec<(PathBuf, std::sync::Arc<efam_recordings::Recording>)> {
     held.into_iter().map(|(end, data)| (PathBuf::from(end), data.get().own.clone())).collect()
 }
 
@@ -68,7 +69,7 @@ fn written(of: &Bound<'_, PyDict>) -> PyResult<String> {
     match lines.iter().find(|line| !is_key(line)) {
         None => Ok(lines.iter().map(|line| format!("{line}\n")).collect()),
         Some(line) => {
-            let key = sim::escape::escaped(line.split('=').next().unwrap_or_default()).into_owned();
+            let key = efam_store::escape::escaped(line.split('=').next().unwrap_or_default()).into_owned();
             let message = format!("{NAME}: {key}: no key; keys have letters, digits, _ and -");
             Err(exception(Failure::Usage(message)))
         }

@@ -3,25 +3,27 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use efam_core::forward::Cancel;
+use efam_experiments::analyse as analysis;
+use efam_experiments::analysis::static_stiffness::NODES;
+use efam_inference::calibrate as calibration;
+use efam_inference::diagnose as diagnosis;
+use efam_inference::predict as prediction;
+use efam_inference::predict::Settings;
+use efam_inference::predict::asked::Asked;
+use efam_inference::predict::check::{check, fitted_files};
+use efam_report::Request;
+use efam_report::calibrated::{models, table, write_calibration};
+use efam_report::checked::{check_table, write_check};
+use efam_report::diagnosed::{diagnosis_table, write_diagnosis};
+use efam_report::experiment as releases;
+use efam_report::experiment::Row;
+use efam_report::predicted::{prediction_table, write_prediction};
 use models::muscle::BUILT_IN;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use sim::analysis::static_stiffness::NODES;
-use sim::calibrate as calibration;
-use sim::diagnose as diagnosis;
-use sim::experiment::analyse as analysis;
 use sim::failure::Failure;
-use sim::forward::Cancel;
-use sim::predict::asked::Asked;
-use sim::predict::check::{check, fitted_files};
-use sim::predict::{self as prediction, Settings};
-use sim::results::Request;
-use sim::results::calibrated::{models, table, write_calibration};
-use sim::results::checked::{check_table, write_check};
-use sim::results::diagnosed::{diagnosis_table, write_diagnosis};
-use sim::results::experiment::{self as releases, Row};
-use sim::results::predicted::{prediction_table, write_prediction};
 
 use crate::answer::{AnswerData, request_of};
 use crate::experiment::ExperimentData;
@@ -175,7 +177,7 @@ fn asked(of: &str) -> Result<Asked, Failure> {
     if of.contains('\n') {
         return Ok(Asked::scenario(Path::new("rod.toml"), of.to_owned()));
     }
-    let text = sim::input::text(Path::new(of)).map_err(|error| {
+    let text = efam_store::input::text(Path::new(of)).map_err(|error| {
         Failure::Data(format!(
             "{of}: cannot be read ({error}); give a scenario, such as the rod.toml of a calibration, or the \
              muscle.toml of one"
@@ -242,7 +244,7 @@ pub fn compare(
         };
         let rod = of.as_ref().filter(|of| !of.contains('\n')).map(PathBuf::from);
         let fitted = rod.as_deref().map(fitted_files).unwrap_or_default();
-        let cleaned = sim::cleaning::clean(&experiment)?;
+        let cleaned = efam_experiments::cleaning::clean(&experiment)?;
         let settings = Settings { draws, seed };
         let found = check(&experiment, &cleaned, known.as_ref(), &fitted, &settings)?;
         let request = request_of(own, &found.warnings, begin.elapsed().as_secs_f64());

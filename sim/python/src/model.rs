@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use efam_experiments::scenario::{Case, Scenario};
+use efam_store::input;
 use numpy::PyArray1;
 use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use sim::failure::Failure;
-use sim::input;
-use sim::scenario::{Case, Scenario};
 
 use crate::failure::exception;
 use crate::overrides::{overrides, tables};

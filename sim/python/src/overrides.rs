@@ -1,12 +1,12 @@
 //! Keyword arguments as what `--set` and the options of the program say: texts with units, or numbers in SI.
 
+use efam_experiments::scenario::{ReleaseOptions, unit_of};
+use efam_store::escape::toml_string;
 use models::quantity::Quantity;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
-use sim::escape::toml_string;
 use sim::failure::Failure;
-use sim::scenario::{ReleaseOptions, unit_of};
 
 use crate::failure::exception;
 

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use efam_recordings as recording;
+use efam_recordings::{Length, ReadOptions, Recording};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use sim::failure::Failure;
-use sim::recording::{self, Length, ReadOptions, Recording};
 
 use crate::failure::exception;
 use crate::watch::watched;

@@ -1,9 +1,9 @@
 //! Residuals of an experiment and their Jacobian, for solvers of Python.
 
+use efam_inference::calibrate::problem;
+use efam_inference::calibrate::residuals::{Evaluation, Residuals as Own};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use sim::calibrate::problem;
-use sim::calibrate::residuals::{Evaluation, Residuals as Own};
 use sim::failure::Failure;
 
 use crate::experiment::ExperimentData;

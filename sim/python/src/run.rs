@@ -4,19 +4,19 @@ use std::ops::ControlFlow;
 use std::sync::OnceLock;
 use std::time::Instant;
 
+use efam_core::accuracy::Settled;
+use efam_core::forward::{Cancel, Run, uniform};
+use efam_core::trajectory::Status;
+use efam_experiments::scenario::Case;
+use efam_report::Request;
+use efam_report::report::report;
+use efam_report::table::Table;
+use efam_report::told::{Told, told};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use sim::accuracy::Settled;
 use sim::failure::Failure;
-use sim::forward::{Cancel, Run, uniform};
-use sim::results::Request;
-use sim::results::report::report;
-use sim::results::table::Table;
-use sim::results::told::{Told, told};
-use sim::scenario::Case;
 use sim::simulate;
-use sim::trajectory::Status;
 
 use crate::failure::exception;
 use crate::model::Model;

@@ -3,19 +3,19 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use efam_core::forward::Cancel;
+use efam_report::Request;
+use efam_report::swept::{again, request_of, swept_table, write_plan, write_swept};
+use efam_store::columns::{Cells, Found, table};
+use efam_sweeps::asked::Asked;
+use efam_sweeps::merge::{SWEEP, merge};
+use efam_sweeps::plan::{PLAN, Plan};
+use efam_sweeps::shard::{Told, is_due, run_all};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::to_string;
 use sim::failure::Failure;
-use sim::forward::Cancel;
-use sim::results::columns::{Cells, Found, table};
-use sim::results::swept::{again, request_of, swept_table, write_plan, write_swept};
-use sim::results::{self, Request};
-use sim::sweep::asked::Asked;
-use sim::sweep::merge::{SWEEP, merge};
-use sim::sweep::plan::{PLAN, Plan};
-use sim::sweep::shard::{Told, is_due, run_all};
 
 use crate::failure::exception;
 use crate::model::source;
@@ -56,7 +56,7 @@ pub fn sweep<'py>(
             let plan = if out.join(PLAN).is_file() && !overwrite {
                 again(&asked, points_per_shard, &out)?
             } else {
-                let mut folder = results::open(Some(&out), overwrite, &asked.name, &asked.text)?;
+                let mut folder = efam_store::folder::open(Some(&out), overwrite, &asked.name, &asked.text)?;
                 let head = write_plan(&mut folder, &asked, points_per_shard, Vec::new())?;
                 Plan { folder: folder.finish()?, head }
             };

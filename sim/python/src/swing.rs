@@ -2,12 +2,12 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use efam_core::integrate::State;
+use efam_core::stepper::Stepper;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sim::failure::Failure;
-use sim::integrate::State;
-use sim::stepper::Stepper;
 
 use crate::failure::exception;
 use crate::model::Model;
@@ -35,7 +35,7 @@ impl Swing {
         let case = model.case.clone().begun();
         let wrong = |error: &dyn std::fmt::Display| exception(Failure::Diverged(error.to_string()));
         let state = case.run.initial.state(&case.model).map_err(|error| wrong(&error))?;
-        let control = sim::integrate::Control {
+        let control = efam_core::integrate::Control {
             tolerance: case.run.tolerance,
             steps: case.run.steps.clone(),
             most_steps: case.run.most_steps,

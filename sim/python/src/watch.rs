@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, Builder};
 use std::time::Duration;
 
+use efam_core::forward::Cancel;
 use pyo3::prelude::*;
-use sim::forward::Cancel;
 
 use crate::failure::EfamError;
 

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use efam_experiments::analyse::{Analysed, Said, analyse};
+use efam_experiments::analysis::static_stiffness;
+use efam_report::experiment::{analysed_table, decisions, table, write};
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::analysis::static_stiffness;
-use sim::experiment::analyse::{Analysed, Said, analyse};
-use sim::results::experiment::{analysed_table, decisions, table, write};
-use sim::schema::JsonSchema;
 
 use super::arguments::Cleaning;
 use super::experiment::{CheckPrinted, open, read, request};

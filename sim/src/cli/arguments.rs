@@ -4,9 +4,9 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, ColorChoice};
+use efam_experiments::scenario::ReleaseOptions;
+use efam_store::escape::toml_string;
 use models::quantity::Quantity;
-use sim::escape::toml_string;
-use sim::scenario::ReleaseOptions;
 
 use super::failure::Failure;
 

@@ -7,13 +7,13 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use clap::Args;
+use efam_inference::calibrate::{Calibration, Outcome, Problem, Settings, calibrate, problem};
+use efam_report::Request;
+use efam_report::calibrated::{models, table, write_calibration};
+use efam_report::experiment::input_hashes;
+use efam_store::escape::shell_word;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::calibrate::{Calibration, Outcome, Problem, Settings, calibrate, problem};
-use sim::escape::shell_word;
-use sim::results::calibrated::{models, table, write_calibration};
-use sim::results::experiment::input_hashes;
-use sim::results::{self, Request};
-use sim::schema::JsonSchema;
 
 use super::arguments::{OfExperiment, argv};
 use super::experiment::{open, read};
@@ -60,7 +60,7 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     let input_hashes = input_hashes(&experiment);
     let stages = voice.stages();
     let open = |how| {
-        let id = results::sha256(format!("{input_hashes:?}{}", args.profile).as_bytes());
+        let id = efam_store::sha::sha256(format!("{input_hashes:?}{}", args.profile).as_bytes());
         LiveFit::fit(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);

@@ -7,15 +7,15 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use efam_experiments::scenario::Scenario;
+use efam_inference::diagnose::plan::Prospect;
+use efam_inference::diagnose::{Diagnosis, Outcome, Settings, diagnose, known_effects, plan, problem};
+use efam_report::Request;
+use efam_report::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
+use efam_report::experiment::input_hashes;
 use models::quantity::Quantity;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::diagnose::plan::Prospect;
-use sim::diagnose::{Diagnosis, Outcome, Settings, diagnose, known_effects, plan, problem};
-use sim::results::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
-use sim::results::experiment::input_hashes;
-use sim::results::{self, Request};
-use sim::scenario::Scenario;
-use sim::schema::JsonSchema;
 
 use super::arguments::{OfExperiment, argv};
 use super::experiment::{claim, load, read};
@@ -138,7 +138,7 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     let input_hashes = input_hashes(&experiment);
     let stages = voice.stages();
     let open = |how| {
-        let id = results::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
+        let id = efam_store::sha::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
         LiveSearch::search(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);

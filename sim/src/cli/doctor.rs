@@ -7,18 +7,19 @@ use std::process::{Command, ExitCode};
 use std::thread;
 
 use clap::Args;
+use efam_experiments::summary::Versions;
+use efam_store::StoreError;
+use efam_store::folder::OUTPUTS;
 use models::effects::CATALOGUE;
 use models::muscle::BUILT_IN;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::observe::VIEWER;
-use sim::results::folder::OUTPUTS;
-use sim::results::{self, ResultsError};
-use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;
 use super::terminal::{say, stdout};
 use super::voice::{Voice, print};
+use crate::observe::VIEWER;
 
 const HELP: &str = "Examples:
   efam doctor
@@ -95,10 +96,11 @@ struct Outputs {
 pub fn run(args: &Doctor, voice: &Voice) -> Result<ExitCode, Failure> {
     let written = try_outputs();
     let found = looked_for();
+    let Versions { efam, rustc, target } = Versions::here();
     let printed = Printed {
-        efam: env!("CARGO_PKG_VERSION").to_owned(),
-        rustc: env!("EFAM_RUSTC").to_owned(),
-        target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+        efam,
+        rustc,
+        target,
         features: features(),
         threads: rayon::current_num_threads(),
         processors: thread::available_parallelism().ok().map(usize::from),
@@ -154,9 +156,10 @@ fn features() -> Vec<Feature> {
 }
 
 /// Begins a run where runs go by default, and leaves no trace of it.
-fn try_outputs() -> Result<(), ResultsError> {
+fn try_outputs() -> Result<(), StoreError> {
     let was_there = Path::new(OUTPUTS).exists();
-    let tried = results::open(None, false, "doctor", "").and_then(|folder| folder.write("tried", b"well"));
+    let tried =
+        efam_store::folder::open(None, false, "doctor", "").and_then(|folder| folder.write("tried", b"well"));
     if !was_there {
         // Only if it is empty, as we would leave it.
         let _ = fs::remove_dir(OUTPUTS);

@@ -6,14 +6,14 @@ use std::process::ExitCode;
 
 use clap::Args;
 use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
+use efam_experiments::scenario::read_laws;
 use models::check::{TESTS, is_mirrored};
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::nearest;
 use models::quantity::format_si;
 use models::written::Definition;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::scenario::read_laws;
-use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;

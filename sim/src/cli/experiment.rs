@@ -7,15 +7,18 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use efam_experiments::cleaning::{Cleaned, Decision, clean};
+use efam_experiments::experiment::Experiment;
+use efam_experiments::init;
+use efam_recordings as recording;
+use efam_recordings::ReadOptions;
+use efam_report::Request;
+use efam_report::experiment::{Row, decisions, input_hashes, table, write};
+use efam_store::atomic::{write_new, write_whole};
+use efam_store::escape::shell_word;
+use efam_store::{Folder, StoreError};
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::cleaning::{Cleaned, Decision, clean};
-use sim::escape::shell_word;
-use sim::experiment::{Experiment, init};
-use sim::recording::{self, ReadOptions};
-use sim::results::atomic::{write_new, write_whole};
-use sim::results::experiment::{Row, decisions, input_hashes, table, write};
-use sim::results::{self, Folder, Request, ResultsError};
-use sim::schema::JsonSchema;
 
 use super::arguments::{Cleaning, Form, OfExperiment, argv};
 use super::failure::Failure;
@@ -96,7 +99,7 @@ pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     let out = &args.out;
     // Said before anything is read; what comes meanwhile is not replaced either.
     if out.exists() && !args.overwrite {
-        return Err(ResultsError::Exists { folder: out.clone() }.into());
+        return Err(StoreError::Exists { folder: out.clone() }.into());
     }
     let mut recordings = Vec::new();
     for file in &args.files {
@@ -227,7 +230,7 @@ pub fn claim(experiment: &Experiment, args: &OfExperiment, voice: &Voice) -> Res
     voice.detail(format!("{path}: {recordings} recordings, on {threads} threads"));
     interrupt::listen();
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
-    Ok(results::open(out, overwrite, &experiment.name, experiment.text())?)
+    Ok(efam_store::folder::open(out, overwrite, &experiment.name, experiment.text())?)
 }
 
 /// Reads and cleans the recordings, and says what is kept of each.

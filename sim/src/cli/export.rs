@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use efam_report::export::{ExportError, Format, Stored, export, read};
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::results::export::{ExportError, Format, Stored, export, read};
-use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;

@@ -2,14 +2,14 @@
 
 use std::process::ExitCode;
 
+use efam_experiments::scenario::ScenarioError;
+use efam_store::escape::{escaped, escaped_lines};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
-use sim::escape::{escaped, escaped_lines};
-use sim::scenario::ScenarioError;
 
 use super::interrupt;
 use super::terminal::{is_watched, say_coloured};
 
-pub use sim::failure::Failure;
+pub use crate::failure::Failure;
 
 /// The exit code of a failure.
 fn code(failure: &Failure) -> u8 {

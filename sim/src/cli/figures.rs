@@ -7,17 +7,20 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use efam_core::trajectory::Status;
+use efam_experiments::analyse::{Analysed, analyse};
+use efam_experiments::analysis::static_stiffness::NODES;
+use efam_experiments::experiment::Experiment;
+use efam_experiments::scenario::{Case, Scenario};
+use efam_report::Request;
+use efam_report::figures::{Words, words, write_figures};
+use efam_report::paper::{
+    FiguresError, MUSCLE, Pressure, SCENARIO, admit as admit_experiment, of_experiment,
+};
+use efam_store::Folder;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::analysis::static_stiffness::NODES;
-use sim::experiment::Experiment;
-use sim::experiment::analyse::{Analysed, analyse};
-use sim::figures::{FiguresError, MUSCLE, Pressure, SCENARIO, admit as admit_experiment, of_experiment};
-use sim::results::figures::{Words, words, write_figures};
-use sim::results::{self, Folder, Request};
-use sim::scenario::{Case, Scenario};
-use sim::schema::JsonSchema;
-use sim::trajectory::Status;
 
 use super::arguments::{Output, argv};
 use super::experiment::{read, request};
@@ -73,7 +76,7 @@ fn recorded(args: &Figures, file: &Path, voice: &Voice) -> Result<ExitCode, Fail
     interrupt::listen();
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
     let name = format!("{} figures", experiment.name);
-    let folder = results::open(out, overwrite, &name, experiment.text())?;
+    let folder = efam_store::folder::open(out, overwrite, &name, experiment.text())?;
     let stages = voice.stages();
     let work = || {
         let cleaned = read(&experiment, &stages)?;
@@ -115,9 +118,9 @@ fn simulated(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut warnings: Vec<String> = cases.iter().flat_map(|case| case.warnings.clone()).collect();
     warnings.dedup();
     voice.warn(&warnings);
-    let hash = |text: &str| results::sha256(text.as_bytes());
+    let hash = |text: &str| efam_store::sha::sha256(text.as_bytes());
     let set: Vec<String> = args.set.iter().map(|set| format!("--set {set}")).collect();
-    let mut input_hashes = BTreeMap::from([(results::figures::SCENARIO.to_owned(), hash(SCENARIO))]);
+    let mut input_hashes = BTreeMap::from([(efam_report::figures::SCENARIO.to_owned(), hash(SCENARIO))]);
     input_hashes.extend(set.iter().map(|set| (set.clone(), hash(set))));
     let request = Request {
         name: scenario.name.clone(),
@@ -129,7 +132,7 @@ fn simulated(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
         argv: argv(),
         ..Request::default()
     };
-    let folder = results::begin(&request)?;
+    let folder = efam_report::begin(&request)?;
     interrupt::listen();
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
     let progress = voice.bar(samples);

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use efam_recordings::{Length, Marker, ReadOptions, Recording, read};
+use efam_store::escape::escaped;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::escape::escaped;
-use sim::recording::{Length, Marker, ReadOptions, Recording, read};
-use sim::schema::JsonSchema;
 
 use super::arguments::Form;
 use super::failure::Failure;

@@ -10,9 +10,9 @@ use std::sync::{Arc, LazyLock, Mutex, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use efam_core::forward::Cancel;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
-use sim::forward::Cancel;
 
 use super::failure::{Failure, report};
 use super::threads;

@@ -4,13 +4,13 @@
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use efam_core::forward::Cancel;
+use efam_experiments::scenario::Case;
+use efam_inference::calibrate::{self, Problem, Progress};
+use efam_inference::diagnose;
+use efam_inference::diagnose::verdict::Evidence;
+use efam_inference::predict::family::Member;
 use models::snapshot::Snapshot;
-use sim::calibrate::{self, Problem, Progress};
-use sim::diagnose;
-use sim::diagnose::verdict::Evidence;
-use sim::forward::Cancel;
-use sim::predict::family::Member;
-use sim::scenario::Case;
 
 use super::failure::Failure;
 use super::interrupt::Ending;
@@ -125,11 +125,10 @@ impl calibrate::Listener for Watcher<'_, LiveFit> {
 
 #[cfg(feature = "rerun")]
 mod with_rerun {
-    use sim::observe::rerun::{FamilyStream, FitStream, RerunError, Scene, SearchStream, Sink, Stream};
-
     use super::super::interrupt;
     use super::super::terminal::say;
     use super::*;
+    use crate::observe::rerun::{FamilyStream, FitStream, RerunError, Scene, SearchStream, Sink, Stream};
 
     /// A recording in progress: of a run, unless it says otherwise.
     pub struct Live<S = Stream>(S);
@@ -240,7 +239,7 @@ mod with_rerun {
         let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
         Scene {
             run_name: case.name.clone(),
-            recording_id: sim::results::sha256(case.resolved().as_bytes()),
+            recording_id: efam_store::sha::sha256(case.resolved().as_bytes()),
             duration_s: case.run.duration,
             rod_length_m: model.rod().length,
             body_length_m: model.tip_distance,

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 
 use clap::{Args, Command};
 use clap_mangen::Man;
-use sim::results::ResultsError;
-use sim::results::atomic::{write_new, write_whole};
+use efam_store::StoreError;
+use efam_store::atomic::{write_new, write_whole};
 
 use super::failure::Failure;
 use super::schema::lacking;
@@ -74,7 +74,7 @@ fn collect(command: &Command, pages: &mut Vec<(String, Vec<u8>)>) -> io::Result<
 fn write(folder: &Path, overwrite: bool, pages: &[(String, Vec<u8>)], voice: &Voice) -> Result<(), Failure> {
     let taken = pages.iter().map(|(name, _)| folder.join(name)).find(|path| path.exists());
     if let (Some(path), false) = (taken, overwrite) {
-        return Err(ResultsError::Exists { folder: path }.into());
+        return Err(StoreError::Exists { folder: path }.into());
     }
     for (name, page) in pages {
         let path = folder.join(name);

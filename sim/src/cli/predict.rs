@@ -9,19 +9,20 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use efam_inference::predict::asked::Asked;
+use efam_inference::predict::family::{Member, family};
+use efam_inference::predict::grid::{Cell, Grid, grid, runs};
+use efam_inference::predict::span::values;
+use efam_inference::predict::{Prediction, Settings, predict};
+use efam_report::Request;
+use efam_report::grid::{grid_table, write_grid};
+use efam_report::predicted::{prediction_table, write_prediction};
+use efam_store::Folder;
+use efam_store::input;
 use models::muscle::BUILT_IN;
 use models::quantity::format_si;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::input;
-use sim::predict::asked::Asked;
-use sim::predict::family::{Member, family};
-use sim::predict::grid::{Cell, Grid, grid, runs};
-use sim::predict::span::values;
-use sim::predict::{Prediction, Settings, predict};
-use sim::results::grid::{grid_table, write_grid};
-use sim::results::predicted::{prediction_table, write_prediction};
-use sim::results::{self, Folder, Request};
-use sim::schema::JsonSchema;
 
 use super::arguments::{Output, Release, argv};
 use super::failure::Failure;
@@ -78,10 +79,10 @@ pub struct Predict {
     #[arg(long, value_name = "EXPERIMENT", conflicts_with_all = CASE)]
     check: Option<PathBuf>,
     /// Draws from the errors of the calibration, of one case.
-    #[arg(long, value_name = "COUNT", default_value_t = sim::predict::Settings::default().draws)]
+    #[arg(long, value_name = "COUNT", default_value_t = efam_inference::predict::Settings::default().draws)]
     draws: usize,
     /// Of the random numbers.
-    #[arg(long, default_value_t = sim::predict::Settings::default().seed)]
+    #[arg(long, default_value_t = efam_inference::predict::Settings::default().seed)]
     seed: u64,
     /// Show the family of rods in Rerun: save, spawn, connect, connect=URL or serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
@@ -155,7 +156,7 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     };
     // What stands in the way is said before the simulations.
     interrupt::listen();
-    let folder = results::begin(&request)?;
+    let folder = efam_report::begin(&request)?;
     voice.detail(format!("{name}: on {} threads", rayon::current_num_threads()));
     let done = |warnings: &[String]| Request {
         warnings: warnings.to_vec(),
@@ -211,7 +212,7 @@ fn finish(
     members: &dyn Fn() -> Result<Vec<Member>, Failure>,
 ) -> Result<(PathBuf, Option<LiveFamily>), Failure> {
     let open = |how| {
-        let id = results::sha256(format!("{}{}", request.name, request.resolved_scenario).as_bytes());
+        let id = efam_store::sha::sha256(format!("{}{}", request.name, request.resolved_scenario).as_bytes());
         LiveFamily::family(how, &request.name, &id, folder.path(), &members()?)
     };
     let live = args.rerun.as_ref().map(open).transpose()?;
@@ -260,7 +261,7 @@ fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
         let text = input::text(file).map_err(|error| {
             Failure::Data(format!("{}: cannot be read ({error}); give {what}", file.display()))
         })?;
-        hashes.insert(file.display().to_string(), results::sha256(text.as_bytes()));
+        hashes.insert(file.display().to_string(), efam_store::sha::sha256(text.as_bytes()));
         Ok::<_, Failure>(text)
     };
     let mut asked = match (&args.scenario, &args.muscle) {

@@ -6,14 +6,14 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use efam_report::Request;
+use efam_report::compared::{Comparison, compare, write_comparison};
+use efam_report::reread::{Reread, RereadError, reread};
+use efam_store::folder::MARK;
+use efam_store::input;
 use models::digits::significant;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::input;
-use sim::results::compared::{Comparison, compare, write_comparison};
-use sim::results::folder::MARK;
-use sim::results::reread::{Reread, RereadError, reread};
-use sim::results::{self, Request};
-use sim::schema::JsonSchema;
 
 use super::arguments::{Output, argv};
 use super::failure::Failure;
@@ -63,7 +63,7 @@ pub fn run(args: &Report, voice: &Voice) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     let asks = format!("{:?}", request.input_hashes);
-    let folder = results::open(
+    let folder = efam_store::folder::open(
         args.output.out.as_deref(),
         args.output.overwrite,
         &format!("report {}", request.name),

@@ -4,13 +4,13 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
+use efam_core::rest::{rest, root_moment, slipping_modes};
+use efam_experiments::scenario::{Case, Scenario};
 use models::quantity::format_si;
 use models::statics::equilibrium;
 use models::system::System;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::rest::{rest, root_moment, slipping_modes};
-use sim::scenario::{Case, Scenario};
-use sim::schema::JsonSchema;
 
 use super::arguments::{Form, Source};
 use super::failure::Failure;

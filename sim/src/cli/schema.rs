@@ -4,8 +4,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 use models::nearest::nearest;
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
-use sim::schema::of;
 
 use super::failure::Failure;
 use super::voice::print;
@@ -83,4 +84,10 @@ pub fn lacking(what: &str, name: &str, names: impl Iterator<Item = String>) -> F
     let meant = nearest(name, names.iter().map(String::as_str));
     let meant = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
     Failure::Usage(format!("no {what} `{name}`{meant}; there are {}", names.join(", ")))
+}
+
+/// The schema of a type as it is written, JSON Schema 2020-12; descriptions are the doc comments.
+fn of<T: JsonSchema>() -> Value {
+    let settings = SchemaSettings::draft2020_12().for_serialize();
+    settings.into_generator().into_root_schema_for::<T>().to_value()
 }

@@ -10,20 +10,20 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use efam_core::accuracy::Settled;
+use efam_core::forward::{Run, Sample, forward};
+use efam_core::trajectory::{Status, Trajectory};
+use efam_experiments::scenario::{Case, Scenario};
+use efam_experiments::summary::Summary;
+use efam_report::Request;
+use efam_report::beside_the_paper::beside_the_paper;
+use efam_report::report::report;
+use efam_report::simulated::{Member, write_set};
+use efam_store::memory;
 use models::quantity::format_si;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::accuracy::Settled;
-use sim::forward::{Run, Sample, forward};
-use sim::memory;
-use sim::results::beside_the_paper::beside_the_paper;
-use sim::results::report::report;
-use sim::results::simulated::{Member, write_set};
-use sim::results::{self, Request, Summary};
-use sim::scenario::{Case, Scenario};
-use sim::schema::JsonSchema;
-use sim::simulate;
-use sim::trajectory::{Status, Trajectory};
 
 use super::arguments::{Output, Release, Source, argv};
 use super::failure::Failure;
@@ -32,6 +32,7 @@ use super::live::Rerun;
 use super::progress::{Cost, ProgressBar};
 use super::terminal::{say, stdout};
 use super::voice::{Voice, print};
+use crate::simulate;
 
 const HELP: &str = "Examples:
   efam simulate scenarios/release-15psi.toml
@@ -104,7 +105,7 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let (runs, threads) = (cases.len(), rayon::current_num_threads());
     voice.detail(format!("{}: {runs} to simulate, on {threads} threads", scenario.path.display()));
     let request = request(args, &scenario, &cases[0]);
-    let folder = results::begin(&request)?;
+    let folder = efam_report::begin(&request)?;
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
     let progress = voice.bar(samples);
     let begin = Instant::now();
@@ -138,7 +139,7 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
         };
         let within = is_sweep.then_some(case.name.as_str());
         let run = run.trajectory;
-        let summary = results::write_run(&folder, within, &own, &case.model, &case.run, &run)?;
+        let summary = efam_report::write_run(&folder, within, &own, &case.model, &case.run, &run)?;
         voice.detail(integrated(&summary));
         done.push(Member::new(summary, case.pressure, run));
     }
@@ -154,7 +155,7 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
 }
 
 fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
-    let hash = results::sha256(scenario.text().as_bytes());
+    let hash = efam_store::sha::sha256(scenario.text().as_bytes());
     Request {
         name: scenario.name.clone(),
         out: args.output.out.clone(),

@@ -12,10 +12,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Args, Subcommand};
+use efam_report::swept::swept_table;
+use efam_sweeps::merge::Merged;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::results::swept::swept_table;
-use sim::schema::JsonSchema;
-use sim::sweep::merge::Merged;
 
 use super::arguments::Output;
 use super::failure::Failure;

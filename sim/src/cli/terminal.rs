@@ -6,7 +6,7 @@
 use std::fmt::Arguments;
 use std::io::{self, IsTerminal, Stdout, Write};
 
-use sim::escape::{escaped, escaped_json, escaped_lines};
+use efam_store::escape::{escaped, escaped_json, escaped_lines};
 
 /// Text that goes to stdout; what is not on the screen or in the file when it ends is an error.
 pub struct Output(Stdout);

@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 use clap::Args;
-use sim::escape::shell_word;
-use sim::observe::VIEWER as VERSION;
-use sim::results::{MARK, SCENARIO};
+use efam_report::SCENARIO;
+use efam_store::MARK;
+use efam_store::escape::shell_word;
 
 use super::failure::Failure;
 use super::live::RECORDING;
+use crate::observe::VIEWER as VERSION;
 
 /// The viewer, of the version that can read what we write.
 const VIEWER: &str = "rerun";

@@ -4,9 +4,8 @@ use std::fmt::Display;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use efam_store::escape::escaped;
 use serde::Serialize;
-
-use sim::escape::escaped;
 
 use super::failure::Failure;
 use super::progress::{self, ProgressBar};

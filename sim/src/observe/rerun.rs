@@ -13,12 +13,11 @@ use std::thread;
 use std::time::Duration;
 
 use ::rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError, RecordingStreamResult};
+use efam_inference::calibrate::{self, Problem, Progress};
+use efam_inference::diagnose::Outcome;
+use efam_inference::diagnose::verdict::Evidence;
+use efam_inference::predict::family::Member;
 use models::snapshot::Snapshot;
-
-use crate::calibrate::{self, Problem, Progress};
-use crate::diagnose::Outcome;
-use crate::diagnose::verdict::Evidence;
-use crate::predict::family::Member;
 
 mod blueprint;
 mod compared;

@@ -37,7 +37,7 @@ fn a_diagnosis_leaves_a_page_that_agrees_with_its_files() {
     warnings.iter().for_each(|warning| holds(warning.as_str().expect("words")));
     holds("rod.bending_stiffness is fitted: one value for each pressure");
     holds("--without gravity");
-    holds(&sim::results::sha256(bench.text(RECORDING).as_bytes()));
+    holds(&efam_store::sha::sha256(bench.text(RECORDING).as_bytes()));
     for picture in ["gap", "residual-01", "swing", "shapes", "candidates-1"] {
         let svg = bench.text(&format!("out/{picture}.svg"));
         // The page has it with a label for those who do not see it.

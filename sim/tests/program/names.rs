@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sim::results::columns::{Cells, Column, Holds, ParquetFile};
+use efam_store::columns::{Cells, Column, Holds, ParquetFile};
 
 use crate::bench::{Bench, without_scripts};
 use crate::calibrate::{EXPERIMENT, recording, scenario, simulated};

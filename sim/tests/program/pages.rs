@@ -82,7 +82,7 @@ fn a_calibration_and_an_analysis_leave_pages_that_agree_with_their_files() {
 
     let value = bench.json(&["analyse", "e.toml", "--json", "--out", "analysis"]);
     let page = bench.text("analysis/report.html");
-    let hertz = sim::results::report::significant(number(&value["analysis"][0]["damped_frequency_hz"]), 4);
+    let hertz = efam_report::report::significant(number(&value["analysis"][0]["damped_frequency_hz"]), 4);
     assert!(page.contains(&format!(">{hertz}<")), "{hertz}");
     assert!(
         page.contains("Tip error over the number of nodes") && page.contains("Picture: Recording 15psi.csv")

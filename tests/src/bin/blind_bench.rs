@@ -8,10 +8,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use sim::calibrate::Problem;
-use sim::diagnose::{Settings, diagnose};
-use sim::sweep::answers::Answers;
-use sim::sweep::plan::Plan as SweepPlan;
+use efam_inference::calibrate::Problem;
+use efam_inference::diagnose::{Settings, diagnose};
+use efam_sweeps::answers::Answers;
+use efam_sweeps::plan::Plan as SweepPlan;
 use tests::blind::answer::Answer;
 use tests::blind::case::{Case, Limits, kinds, limits, strangers};
 use tests::blind::files::with_hold;

@@ -6,7 +6,7 @@
 
 use std::process::ExitCode;
 
-use sim::forward::uniform;
+use efam_core::forward::uniform;
 use tests::twin::motion::Motion;
 use tests::twin::muscle;
 

@@ -1,8 +1,8 @@
 //! An answer to a case, and what it is worth.
 
-use sim::diagnose::verdict::{Member, Separation};
-use sim::diagnose::{Curve, Diagnosis, Outcome, Verdict};
-use sim::sweep::diagnosed;
+use efam_inference::diagnose::verdict::{Member, Separation};
+use efam_inference::diagnose::{Curve, Diagnosis, Outcome, Verdict};
+use efam_sweeps::diagnosed;
 
 use super::case::Case;
 use super::truth::Truth;

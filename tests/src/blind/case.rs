@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
+use efam_inference::calibrate::{CalibrateError, Problem};
+use efam_inference::diagnose::plan::{Prospect, plan};
 use models::effects::by_name;
-use sim::calibrate::{CalibrateError, Problem};
-use sim::diagnose::plan::{Prospect, plan};
 
 use crate::twin::drawn::Plan;
 use crate::twin::hidden::{self, Hidden, IN_CATALOGUE};

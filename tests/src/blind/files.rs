@@ -6,8 +6,8 @@
 
 use std::fmt::Write;
 
-use sim::calibrate::{Parameter, Problem, Scale, Scope};
-use sim::experiment::release::{Point, Release};
+use efam_experiments::release::{Point, Release};
+use efam_inference::calibrate::{Parameter, Problem, Scale, Scope};
 
 use super::truth::Truth;
 use crate::twin::AS_DRAWN;

@@ -7,10 +7,10 @@ pub mod files;
 pub mod tally;
 pub mod truth;
 
+use efam_core::forward::Run;
+use efam_inference::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
+use efam_inference::diagnose::admit_tilt;
 use models::model::Model;
-use sim::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
-use sim::diagnose::admit_tilt;
-use sim::forward::Run;
 
 use crate::twin::drawn::{Drawn, DrawnRelease};
 

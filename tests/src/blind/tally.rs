@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use sim::diagnose::Verdict;
+use efam_inference::diagnose::Verdict;
 
 use super::answer::{Answer, TOLD_APART};
 

@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use sim::results::columns::{Cells, Column, Found as FoundColumn, Holds, about, read, table};
-use sim::results::export::{Format, export, read as stored};
-use sim::results::folder::{Folder, Target};
-use sim::results::reread::reread;
-use sim::results::{Request, compared, sha256};
-use sim::sweep::asked::Asked;
-use sim::sweep::plan::{Head, PLAN, POINTS, Plan, freeze, head_text};
-use sim::sweep::shard::{Found, is_due, look};
-use sim::sweep::work::Work;
+use efam_report::export::{Format, export, read as stored};
+use efam_report::reread::reread;
+use efam_report::{Request, compared};
+use efam_store::columns::{Cells, Column, Found as FoundColumn, Holds, about, read, table};
+use efam_store::folder::{Folder, Target};
+use efam_store::sha::sha256;
+use efam_sweeps::asked::Asked;
+use efam_sweeps::plan::{Head, PLAN, POINTS, Plan, freeze, head_text};
+use efam_sweeps::shard::{Found, is_due, look};
+use efam_sweeps::work::Work;
 
 use super::{is_message, scratch};
 
@@ -82,7 +83,7 @@ pub fn shard(bytes: &[u8]) {
     let head = Head { points: 2, points_per_shard: 2, ..empty() };
     scratch::with(&[], |folder| {
         let plan = Plan { folder: folder.to_owned(), head };
-        let file = sim::sweep::shard::file(folder, 0);
+        let file = efam_sweeps::shard::file(folder, 0);
         fs::create_dir_all(file.parent().expect("a folder")).expect("a folder for a shard");
         fs::write(&file, bytes).expect("a shard");
         let said = about(&file);

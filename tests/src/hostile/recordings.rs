@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sim::recording::{Length, ReadOptions, parse};
+use efam_recordings::{Length, ReadOptions, parse};
 
 use super::is_message;
 

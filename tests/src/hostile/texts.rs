@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use efam_experiments::cleaning::{CleanRelease, Cleaned, Statistics};
+use efam_experiments::experiment::Experiment;
+use efam_experiments::release::{Point, Release, Track};
+use efam_experiments::scenario::{Scenario, ScenarioError};
+use efam_inference::diagnose::problem;
 use models::muscle::{Extrapolation, Here, Known, Muscle};
-use sim::cleaning::{CleanRelease, Cleaned, Statistics};
-use sim::diagnose::problem;
-use sim::experiment::Experiment;
-use sim::experiment::release::{Point, Release, Track};
-use sim::scenario::{Scenario, ScenarioError};
 
 use super::is_message;
 
@@ -58,7 +58,7 @@ pub fn experiment(bytes: &[u8]) {
     models(Experiment::parse(Path::new("a.toml"), text, &[]));
 }
 
-fn models(read: Result<Experiment, sim::experiment::ExperimentError>) {
+fn models(read: Result<Experiment, efam_experiments::experiment::ExperimentError>) {
     match read {
         Err(error) => is_message(&error.to_string()),
         Ok(experiment) => {
@@ -115,7 +115,7 @@ pub fn set(bytes: &[u8]) {
     let lines: Vec<String> = text.lines().take(LINES).map(str::to_owned).collect();
     cases(Scenario::parse(Path::new("a.toml"), SCENARIO, &lines));
     match Experiment::parse(Path::new("a.toml"), EXPERIMENT, &lines) {
-        Err(sim::experiment::ExperimentError::Document(error)) => refused(&error),
+        Err(efam_experiments::experiment::ExperimentError::Document(error)) => refused(&error),
         read => models(read),
     }
 }

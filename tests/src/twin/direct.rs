@@ -1,6 +1,6 @@
 //! From a session straight to releases, as a perfect cleaning would leave them: calibration alone.
 
-use sim::experiment::release::{Point, Release, Track};
+use efam_experiments::release::{Point, Release, Track};
 
 use super::random::Random;
 use super::session::Session;

@@ -6,9 +6,9 @@
 
 use std::f64::consts::TAU;
 
+use efam_experiments::release::{Point, Release, Track};
 use models::model::ModelSpec;
 use rayon::prelude::*;
-use sim::experiment::release::{Point, Release, Track};
 
 use super::beam::Beam;
 use super::hidden::{Hidden, Occasion};

@@ -6,7 +6,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use sim::experiment::release::Release;
+use efam_experiments::release::Release;
 
 use super::AS_DRAWN;
 use super::drawn::{Plan, Priors};

@@ -1,7 +1,7 @@
 //! How far the tip of the paper's muscle on a mesh is from that of the independent beam.
 
+use efam_core::forward::{Run, uniform};
 use models::model::Model;
-use sim::forward::{Run, uniform};
 
 use super::motion::Motion;
 use super::muscle;

@@ -7,7 +7,7 @@
 //! they agree on.
 //!
 //! `beam` → `motion` → `session` (a hand raises and lets go, six times) → `sensor` (what cameras make
-//! of it) → a [`Recording`](sim::recording::Recording), or `direct` to releases without any cleaning.
+//! of it) → a [`Recording`](efam_recordings::Recording), or `direct` to releases without any cleaning.
 //! For diagnosis, `hidden` effects make a beam a `specimen`, and a plan and a seed an experiment with it:
 //! `drawn`, and `lab` writes it as files.
 

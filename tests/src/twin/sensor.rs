@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use sim::recording::{Format, Marker, Recording};
+use efam_recordings::{Format, Marker, Recording};
 
 use super::random::Random;
 use super::session::Session;

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use sim::calibrate::{Calibration, Nuisances, Parameter, Problem, Scope, Settings, Trial, calibrate};
-use sim::experiment::Experiment;
-use sim::experiment::release::Release;
-use sim::forward::Run;
+use efam_core::forward::Run;
+use efam_experiments::experiment::Experiment;
+use efam_experiments::release::Release;
+use efam_inference::calibrate::{
+    Calibration, Nuisances, Parameter, Problem, Scope, Settings, Trial, calibrate,
+};
 
 use super::beam::Beam;
 use super::muscle;

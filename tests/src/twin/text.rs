@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use sim::recording::Recording;
+use efam_recordings::Recording;
 
 /// The text of the file; positions to the micrometre.
 pub fn tidy(recording: &Recording) -> String {

@@ -4,10 +4,10 @@
 //! angles, 6 s, noise of 0.3 mm, losses, ghosts, setup off within its tolerances.
 //! Expected: the hidden effect first or in the class; gaps at the noise. `blind_bench` counts how often.
 
+use efam_inference::calibrate::repeats::Source;
+use efam_inference::calibrate::{Prior, Scope};
+use efam_inference::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
 use models::effects::CATALOGUE;
-use sim::calibrate::repeats::Source;
-use sim::calibrate::{Prior, Scope};
-use sim::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
 use tests::blind::{all_fitted, problem};
 use tests::twin::drawn::{Drawn, Plan, Priors};
 use tests::twin::hidden::Hidden;

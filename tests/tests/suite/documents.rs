@@ -13,11 +13,11 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use sim::cleaning::clean;
-use sim::diagnose::Settings;
-use sim::experiment::Experiment;
-use sim::scenario::Scenario;
-use sim::sweep::asked::Asked;
+use efam_experiments::cleaning::clean;
+use efam_experiments::experiment::Experiment;
+use efam_experiments::scenario::Scenario;
+use efam_inference::diagnose::Settings;
+use efam_sweeps::asked::Asked;
 
 use pages::{Page, headings, links, pages, root};
 
@@ -88,7 +88,7 @@ fn calibrate(text: &str) -> Option<String> {
         Ok(experiment) => experiment,
     };
     let cleaned = clean(&experiment).expect("a worked example is clean");
-    sim::calibrate::problem(&experiment, &cleaned).err().map(|error| error.to_string())
+    efam_inference::calibrate::problem(&experiment, &cleaned).err().map(|error| error.to_string())
 }
 
 /// A sweep, as if it lay in the root of the project.

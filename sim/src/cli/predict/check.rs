@@ -5,14 +5,14 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use efam_experiments::experiment::Experiment;
+use efam_inference::predict::Settings;
+use efam_inference::predict::check::{Check, check, fitted_files};
+use efam_report::Request;
+use efam_report::checked::{check_table, write_check};
+use efam_report::experiment::input_hashes;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::experiment::Experiment;
-use sim::predict::Settings;
-use sim::predict::check::{Check, check, fitted_files};
-use sim::results::checked::{check_table, write_check};
-use sim::results::experiment::input_hashes;
-use sim::results::{self, Request};
-use sim::schema::JsonSchema;
 
 use super::super::arguments::argv;
 use super::super::experiment::read;
@@ -56,7 +56,7 @@ pub fn run(args: &Predict, file: &Path, voice: &Voice) -> Result<ExitCode, Failu
         ..Request::default()
     };
     interrupt::listen();
-    let folder = results::begin(&request)?;
+    let folder = efam_report::begin(&request)?;
     let stages = voice.stages();
     let settings = Settings { draws: args.draws, seed: args.seed };
     let work = || {

@@ -4,11 +4,11 @@ use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
+use efam_core::forward::Run;
+use efam_core::trajectory::{Status, Trajectory};
+use efam_experiments::scenario::Case;
+use efam_report::{Request, write_watched};
 use models::quantity::format_si;
-use sim::forward::Run;
-use sim::results::{self, Request, write_watched};
-use sim::scenario::Case;
-use sim::trajectory::{Status, Trajectory};
 
 use super::super::failure::Failure;
 use super::super::interrupt;
@@ -29,7 +29,7 @@ pub fn shown(how: &Rerun, case: &Case, folder: &Path, progress: &ProgressBar) ->
 /// The same, and nothing of the run is kept beside: memory does not grow with it.
 pub fn only(how: &Rerun, case: &Case, request: &Request, voice: &Voice) -> Result<ExitCode, Failure> {
     let case = case.run_as(&case.model, &Run { keep_samples: false, trace_step: None, ..case.run.clone() });
-    let folder = if *how == Rerun::Save { Some(results::begin(request)?) } else { None };
+    let folder = if *how == Rerun::Save { Some(efam_report::begin(request)?) } else { None };
     let progress = voice.bar(case.run.samples.len());
     let nowhere = Path::new("");
     let within = folder.as_ref().map_or(nowhere, |folder| folder.path());

@@ -3,11 +3,11 @@
 use std::process::ExitCode;
 
 use clap::Args;
-use sim::escape::shell_word;
-use sim::results::Request;
-use sim::results::swept::{request_of, write_swept};
-use sim::sweep::merge::{Merged, merge};
-use sim::sweep::plan::Plan;
+use efam_report::Request;
+use efam_report::swept::{request_of, write_swept};
+use efam_store::escape::shell_word;
+use efam_sweeps::merge::{Merged, merge};
+use efam_sweeps::plan::Plan;
 
 use super::super::arguments::{Form, argv};
 use super::super::failure::Failure;

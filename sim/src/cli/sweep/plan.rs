@@ -6,14 +6,13 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
+use efam_report::swept::{again, write_plan};
+use efam_store::escape::shell_word;
+use efam_sweeps::asked::Asked;
+use efam_sweeps::estimate::{points_for_a_cluster, time_of_a_point};
+use efam_sweeps::plan::{self, Head, Plan};
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::escape::shell_word;
-use sim::results;
-use sim::results::swept::{again, write_plan};
-use sim::schema::JsonSchema;
-use sim::sweep::asked::Asked;
-use sim::sweep::estimate::{points_for_a_cluster, time_of_a_point};
-use sim::sweep::plan::{self, Head, Plan};
 
 use super::super::arguments::{Output, argv};
 use super::super::failure::Failure;
@@ -122,7 +121,8 @@ fn new(
     is_timed: bool,
     voice: &Voice,
 ) -> Result<(Plan, Option<Duration>), Failure> {
-    let mut folder = results::open(output.out.as_deref(), output.overwrite, &asked.name, &asked.text)?;
+    let mut folder =
+        efam_store::folder::open(output.out.as_deref(), output.overwrite, &asked.name, &asked.text)?;
     let stages = voice.stages();
     let mut time = None;
     if is_timed {

@@ -5,14 +5,14 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Args;
+use efam_core::forward::Cancel;
+use efam_store::escape::shell_word;
+use efam_sweeps::cluster::asked;
+use efam_sweeps::plan::Plan;
+use efam_sweeps::shard::{self, Told, run_all};
+use efam_sweeps::status;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::escape::shell_word;
-use sim::forward::Cancel;
-use sim::schema::JsonSchema;
-use sim::sweep::cluster::asked;
-use sim::sweep::plan::Plan;
-use sim::sweep::shard::{self, Told, run_all};
-use sim::sweep::status;
 
 use super::super::arguments::Form;
 use super::super::failure::Failure;

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Args;
+use efam_store::escape::shell_word;
+use efam_sweeps::plan::Plan;
+use efam_sweeps::status::{Status, status};
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::escape::shell_word;
-use sim::schema::JsonSchema;
-use sim::sweep::plan::Plan;
-use sim::sweep::status::{Status, status};
 
 use super::super::arguments::Form;
 use super::super::failure::Failure;
@@ -64,7 +64,7 @@ pub fn run(args: &Ask, voice: &Voice) -> Result<ExitCode, Failure> {
         (false, true) => writeln!(out, "--array={}", status.missing_array)?,
         (false, false) => writeln!(out, "missing: --array={}", status.missing_array)?,
         (true, true) => {}
-        (true, false) if status.is_merged => writeln!(out, "merged: {folder}/{}", sim::sweep::merge::SWEEP)?,
+        (true, false) if status.is_merged => writeln!(out, "merged: {folder}/{}", efam_sweeps::merge::SWEEP)?,
         (true, false) => writeln!(out, "nothing is missing: efam sweep merge --plan {folder}")?,
     }
     Ok(ExitCode::SUCCESS)

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use clap::Args;
+use efam_store::atomic::write_whole;
+use efam_store::escape::shell_word;
+use efam_store::folder::plain_name;
+use efam_sweeps::cluster::{array_script, job, merge_script};
+use efam_sweeps::plan::Plan;
+use efam_sweeps::status::status;
+use schemars::JsonSchema;
 use serde::Serialize;
-use sim::escape::shell_word;
-use sim::results::atomic::write_whole;
-use sim::results::folder::plain_name;
-use sim::schema::JsonSchema;
-use sim::sweep::cluster::{array_script, job, merge_script};
-use sim::sweep::plan::Plan;
-use sim::sweep::status::status;
 
 use super::super::arguments::Form;
 use super::super::failure::Failure;

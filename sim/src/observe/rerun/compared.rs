@@ -10,6 +10,11 @@ use ::rerun::{
     AsComponents, LineStrips2D, Points2D, Radius, RecordingStream, RecordingStreamResult, Scalars,
     SeriesLines, SeriesPoints, Transform3D,
 };
+use efam_core::forward::{Run, forward, uniform};
+use efam_core::quantile::quantile;
+use efam_inference::calibrate::{Problem, Trial};
+use efam_inference::diagnose::curve::{BEFORE_AND_AFTER, Predicted, Sample};
+use efam_inference::diagnose::{Curve, Outcome};
 use models::model::Model;
 use rayon::prelude::*;
 
@@ -17,11 +22,6 @@ use super::blueprint::Bounds;
 use super::drawing::{TIMELINE, single};
 use super::scenery::{BLUE, GREY, VERMILION, clamp, milli};
 use super::tree::{self, Kind, Property, Tree};
-use crate::calibrate::{Problem, Trial};
-use crate::diagnose::curve::{BEFORE_AND_AFTER, Predicted, Sample};
-use crate::diagnose::{Curve, Outcome};
-use crate::forward::{Run, forward, uniform};
-use crate::quantile::quantile;
 
 /// Postures a second.
 const POSTURES: f64 = 50.0;

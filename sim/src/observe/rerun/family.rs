@@ -5,6 +5,7 @@ use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as
 use ::rerun::{
     LineStrips2D, Radius, RecordingStream, RecordingStreamResult, Scalars, SeriesLines, Transform3D,
 };
+use efam_inference::predict::family::Member;
 use rayon::prelude::*;
 
 use super::blueprint::Bounds;
@@ -12,7 +13,6 @@ use super::compared::{Postures, postures};
 use super::drawing::{TIMELINE, single};
 use super::scenery::{BLUE, GREY, clamp};
 use super::tree::{self, Kind, Property, path, under};
-use crate::predict::family::Member;
 
 const WORLD: &str = "family";
 const HEIGHT: &str = "height";

@@ -5,16 +5,15 @@ use std::fmt::Write;
 
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
 use ::rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines, SeriesPoints};
-
+use efam_inference::calibrate::{self, Calibration, Outcome, Problem, Progress};
+use efam_inference::diagnose::Curve;
+use efam_inference::diagnose::curve::Sample;
 use models::digits::significant;
 
 use super::compared::{Compared, draw_fitted};
 use super::drawing::TIMELINE;
 use super::search::{STEP, Steps, cell, markdown};
 use super::tree::{self, Kind, Property, Tree, under};
-use crate::calibrate::{self, Calibration, Outcome, Problem, Progress};
-use crate::diagnose::Curve;
-use crate::diagnose::curve::Sample;
 
 const LOG: &str = "fit/log";
 const RESIDUALS: &str = "fit/residuals";

@@ -5,12 +5,12 @@ use std::fmt::Write;
 
 use ::rerun::external::re_sdk_types::components::MediaType;
 use ::rerun::{RecordingStream, RecordingStreamResult, TextDocument, TextLog};
+use efam_inference::diagnose::verdict::Evidence;
+use efam_inference::diagnose::{Diagnosis, Outcome};
 
 use super::compared::{Compared, draw};
 use super::drawing::TIMELINE;
 use super::tree::{self, Kind, Tree, under};
-use crate::diagnose::verdict::Evidence;
-use crate::diagnose::{Diagnosis, Outcome};
 
 /// Counts what was said.
 pub(super) const STEP: &str = "step";

@@ -2,8 +2,8 @@
 //! over 20 s, within 0.05 mm rms of the same mesh at a tight tolerance, and with 72 nodes within
 //! 0.05 mm rms of the converged answer, which is Richardson's from 128 and 256 edges.
 
+use efam_core::forward::{FAST_TOLERANCE, Run};
 use models::model::Model;
-use sim::forward::{FAST_TOLERANCE, Run};
 use tests::{paper, rms, simulate};
 
 fn muscle(nodes: usize) -> Model {

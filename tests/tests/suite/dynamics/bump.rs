@@ -2,7 +2,7 @@
 //! bump in the trough of a swing. A straight release with the 15 psi row shows it, if large rotations
 //! are right. Source: Garbulinski and Wereley (2022), Natural Frequency and Damping.
 
-use sim::forward::Run;
+use efam_core::forward::Run;
 use tests::{paper, simulate};
 
 #[test]

@@ -2,8 +2,8 @@
 //! Setup: the 15 psi row without weight, bent by a moment at its end.
 //! Expected: as each test derives, to within the time that the rod itself takes to follow.
 
+use efam_core::forward::{Initial, Run};
 use models::model::Model;
-use sim::forward::{Initial, Run};
 use tests::{paper, simulate};
 
 const MOMENT: f64 = 1e-4;

@@ -4,10 +4,10 @@
 //! within 1e-5 at default settings or with friction; without any loss within 1e-4 at default settings.
 //! The dissipated energy is integrated from the laws' own power, apart from the states.
 
+use efam_core::forward::Run;
+use efam_core::integrate::{Method, Steps};
 use models::model::Model;
 use models::snapshot::Energy;
-use sim::forward::Run;
-use sim::integrate::{Method, Steps};
 use tests::{paper, simulate};
 
 /// Largest departure of the sum from its start, over the largest potential energy released.

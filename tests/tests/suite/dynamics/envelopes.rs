@@ -8,14 +8,13 @@
 //! Source: averaging over a cycle, Nayfeh and Mook (1979), Nonlinear Oscillations, ch. 3; the straight
 //! line: Feeny and Liang (1996), J. Sound Vib. 195, 149.
 
-use sim::forward::{Initial, Run};
-use sim::integrate::Method;
-use sim::trajectory::Trajectory;
-use tests::{paper_spec, simulate};
-
+use efam_core::forward::{Initial, Run};
+use efam_core::integrate::Method;
+use efam_core::trajectory::Trajectory;
 use models::model::Model;
 use models::statics::{equilibrium, modes};
 use models::system::System;
+use tests::{paper_spec, simulate};
 
 /// Curvature at the root when it is let go, 1/m; the end then stands 3 % of the length aside.
 const ROOT_CURVATURE: f64 = 0.5;

@@ -1,8 +1,8 @@
 //! Two ways to say one thing: effects against others, or against a model's own parameters, to which
 //! they must be equal where their laws coincide.
 
+use efam_core::forward::{Initial, Run};
 use models::model::Model;
-use sim::forward::{Initial, Run};
 use tests::{paper, paper_spec, rms, simulate};
 
 const DAMPING: [(&str, f64); 2] = [("rayleigh_mass.alpha", 0.5), ("rayleigh_stiffness.beta", 2e-3)];

@@ -1,8 +1,8 @@
 //! All integrators give one trajectory: ours, and diffsol's, which share
 //! the equations but neither the formulas of its stages nor its error control.
 
-use sim::forward::Run;
-use sim::integrate::Method;
+use efam_core::forward::Run;
+use efam_core::integrate::Method;
 use tests::{paper, rms, simulate};
 
 #[test]

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use efam_core::forward::Run;
+use efam_core::trajectory::Trajectory;
 use models::model::{Model, ModelSpec};
 use models::muscle::{Extrapolation, Muscle};
 use models::pressure::PressureSchedule;
 use models::statics::equilibrium;
 use models::system::System;
-use sim::forward::Run;
-use sim::trajectory::Trajectory;
 use tests::{PSI, paper, paper_spec, simulate};
 
 /// Effects that see the pressure itself.

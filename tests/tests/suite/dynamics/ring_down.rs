@@ -4,11 +4,11 @@
 //! Expected: frequency and damping ratio from successive zero crossings and peaks within 1 %.
 //! Source: Clough and Penzien (2003), section 12-3.
 
+use efam_core::forward::{Initial, Run};
 use models::model::Model;
 use models::posture::Posture;
 use models::statics::{Mode, equilibrium, modes};
 use models::system::System;
-use sim::forward::{Initial, Run};
 use tests::{paper, simulate};
 
 fn first_mode(model: &Model) -> (Mode, Posture<f64>) {

@@ -1,12 +1,12 @@
 //! Where a run may start: at rest it stays; held under another load it is let go from there; a
 //! mirrored posture gives the mirrored swing.
 
+use efam_core::forward::{Initial, Run};
 use models::history::History;
 use models::model::Model;
 use models::posture::Posture;
 use models::statics::equilibrium;
 use models::system::System;
-use sim::forward::{Initial, Run};
 use tests::{paper, paper_spec, rms, simulate};
 
 #[test]

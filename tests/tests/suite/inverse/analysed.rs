@@ -10,11 +10,11 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use sim::analysis::static_stiffness;
-use sim::cleaning::clean;
-use sim::experiment::Experiment;
-use sim::experiment::analyse::analyse;
-use sim::figures::of_experiment;
+use efam_experiments::analyse::analyse;
+use efam_experiments::analysis::static_stiffness;
+use efam_experiments::cleaning::clean;
+use efam_experiments::experiment::Experiment;
+use efam_report::paper::of_experiment;
 use tests::twin::AS_DRAWN;
 use tests::twin::drawn::{Plan, Priors};
 use tests::twin::lab::millimetres;

@@ -8,12 +8,12 @@
 //! another shape altogether shows that only in its own calibrated values. From one change between two pressures such a
 //! size is known with one degree of freedom: 1.96 standard deviations then hold 70 %, and 81 % with two. So 80 % are asked.
 
+use efam_inference::calibrate::Calibration;
+use efam_inference::predict::asked::Asked;
+use efam_inference::predict::grid::{Cell, grid};
+use efam_report::calibrated::muscle_file;
 use models::muscle::{AtPressure, Extrapolation, Here, Muscle};
 use serde_json::json;
-use sim::calibrate::Calibration;
-use sim::predict::asked::Asked;
-use sim::predict::grid::{Cell, grid};
-use sim::results::calibrated::muscle_file;
 use tests::twin::random::Random;
 
 const BUILT_IN: &str = include_str!("../../../../models/muscles/garbulinski-2022.toml");

@@ -4,7 +4,7 @@
 //! Expected: six releases, their instants within five standard errors; EI within 0.5 %, alpha and
 //! beta within 5 % where identifiable.
 
-use sim::cleaning::{Cleaned, clean_all};
+use efam_experiments::cleaning::{Cleaned, clean_all};
 use tests::twin::random::Random;
 use tests::twin::sensor::Cameras;
 use tests::twin::session::Session;

@@ -4,8 +4,8 @@
 //! Expected: 90 to 99 % of 200 draws; of 200 draws with 95 %, 99.9 % cover 90 to 99 %. The same of losses that
 //! whole experiments find, under noise with a memory.
 
+use efam_inference::calibrate::{Settings, calibrate};
 use rayon::prelude::*;
-use sim::calibrate::{Settings, calibrate};
 use tests::blind::all_fitted;
 use tests::twin::direct::Direct;
 use tests::twin::drawn::Plan;

@@ -7,15 +7,15 @@
 
 use std::path::Path;
 
+use efam_experiments::analysis::decay::fit_decay;
+use efam_experiments::analysis::excursion::Excursion;
+use efam_experiments::analysis::swing::{swing, swing_spectrum};
+use efam_inference::calibrate::{Settings, calibrate};
+use efam_inference::predict::asked::Asked;
+use efam_inference::predict::grid::{Cell, grid};
+use efam_report::calibrated::muscle_file;
 use models::muscle::Muscle;
 use rayon::prelude::*;
-use sim::analysis::decay::fit_decay;
-use sim::analysis::excursion::Excursion;
-use sim::analysis::swing::{swing, swing_spectrum};
-use sim::calibrate::{Settings, calibrate};
-use sim::predict::asked::Asked;
-use sim::predict::grid::{Cell, grid};
-use sim::results::calibrated::muscle_file;
 use tests::PSI;
 use tests::blind::all_fitted;
 use tests::twin::AS_DRAWN;

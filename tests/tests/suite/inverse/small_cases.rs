@@ -5,13 +5,13 @@
 //! each claim has its own small case.
 //! Expected: estimates within their stated errors; words where the data cannot tell.
 
+use efam_core::forward::{Run, uniform};
+use efam_core::integrate::Method;
+use efam_experiments::release::{Point, Release, Track};
+use efam_inference::calibrate::{Nuisances, Outcome, Parameter, Problem, Scope, Settings, Trial, calibrate};
 use models::model::Model;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
-use sim::calibrate::{Nuisances, Outcome, Parameter, Problem, Scope, Settings, Trial, calibrate};
-use sim::experiment::release::{Point, Release, Track};
-use sim::forward::{Run, uniform};
-use sim::integrate::Method;
 use tests::{PSI, paper, simulate};
 
 const EI: &str = "rod.bending_stiffness";

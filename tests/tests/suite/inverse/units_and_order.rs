@@ -6,9 +6,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use sim::calibrate::Calibration;
-use sim::cleaning::clean_all;
-use sim::recording::{Length, ReadOptions, Recording, parse};
+use efam_experiments::cleaning::clean_all;
+use efam_inference::calibrate::Calibration;
+use efam_recordings::{Length, ReadOptions, Recording, parse};
 use tests::twin::random::Random;
 use tests::twin::sensor::Cameras;
 use tests::twin::study::{PATHS, damped_muscle, experiment, fit, session, truth};

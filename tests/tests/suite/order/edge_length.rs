@@ -5,8 +5,8 @@
 //! 0.1 mm to below 1 µm; about 1 by the paper's scheme, from 32 to 128 edges. The
 //! reference is Richardson's from two finer meshes.
 
+use efam_core::forward::Run;
 use models::model::{Model, ModelSpec, Scheme};
-use sim::forward::Run;
 use tests::{order, paper_spec, simulate};
 
 fn path(scheme: Scheme, edges: usize) -> Vec<[f64; 2]> {

@@ -4,10 +4,10 @@
 //! run of RODAS4 with steps of 50 µs, whose own error is below 1e-14 m (that RODAS4 converges to
 //! what the other families converge to is the suite `dynamics::methods_agree`).
 
+use efam_core::forward::Run;
+use efam_core::integrate::{Method, Steps};
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Scheme};
-use sim::forward::Run;
-use sim::integrate::{Method, Steps};
 use tests::{order, paper_spec, simulate};
 
 fn soft(lossy: bool) -> Model {

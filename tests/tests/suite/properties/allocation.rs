@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use sim::forward::{Initial, Run, forward};
-use sim::integrate::{Method, Steps};
-use sim::stepper::Stepper;
+use efam_core::forward::{Initial, Run, forward};
+use efam_core::integrate::{Method, Steps};
+use efam_core::stepper::Stepper;
 use tests::paper;
 
 fn allocations(method: Method, duration: f64, sensitivities: Vec<usize>) -> u64 {

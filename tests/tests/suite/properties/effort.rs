@@ -3,10 +3,10 @@
 //! default, at the tolerance of fits and at the default one.
 //! Expected: at most four times the steps of the plain run.
 
+use efam_core::forward::{DEFAULT_TOLERANCE, FAST_TOLERANCE, Run};
+use efam_core::integrate::Method;
 use models::effects::CATALOGUE;
 use models::model::Model;
-use sim::forward::{DEFAULT_TOLERANCE, FAST_TOLERANCE, Run};
-use sim::integrate::Method;
 use tests::{paper_spec, simulate};
 
 fn steps(effect: Option<&str>, tolerance: f64) -> usize {

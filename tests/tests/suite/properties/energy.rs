@@ -7,14 +7,14 @@
 
 use std::ops::ControlFlow;
 
+use efam_core::forward::{ForwardError, Run, forward};
+use efam_core::integrate::IntegrateError;
 use models::effects::{About, CATALOGUE, Kind, Parameter};
 use models::model::Model;
 use models::snapshot::Energy;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use sim::forward::{ForwardError, Run, forward};
-use sim::integrate::IntegrateError;
 use tests::paper_spec;
 
 use super::cases;

@@ -8,13 +8,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use efam_core::forward::Run;
+use efam_core::trajectory::Trajectory;
+use efam_experiments::scenario::{Scenario, parse_laws, read_laws};
+use efam_inference::diagnose::{Settings, Verdict, diagnose, plan};
 use models::check::TESTS;
 use models::effects::{Catalogue, Effect, Fixed, Registered};
 use models::model::Model;
-use sim::diagnose::{Settings, Verdict, diagnose, plan};
-use sim::forward::Run;
-use sim::scenario::{Scenario, parse_laws, read_laws};
-use sim::trajectory::Trajectory;
 use tests::blind::problem;
 use tests::twin::drawn::Plan;
 use tests::twin::hidden::Hidden;

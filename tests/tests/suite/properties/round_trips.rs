@@ -6,11 +6,11 @@
 
 use std::path::Path;
 
+use efam_experiments::scenario::{Case, Scenario};
 use models::effects::{CATALOGUE, Kind, Parameter};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use sim::scenario::{Case, Scenario};
 
 use super::cases;
 

@@ -4,10 +4,10 @@
 //! Expected: states, tip and energies to the same bits as without it; the points seen where its law
 //! says, with velocities that are their own rates.
 
+use efam_core::forward::{Run, uniform};
+use efam_experiments::release::Point;
 use models::effects::{CATALOGUE, Place};
 use models::model::Model;
-use sim::experiment::release::Point;
-use sim::forward::{Run, uniform};
 use tests::{paper, paper_spec, simulate};
 
 fn run() -> Run {

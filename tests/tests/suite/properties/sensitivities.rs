@@ -4,13 +4,13 @@
 //! 1e-10; every parameter of the model.
 //! Expected: within 1e-5 of the largest derivative along the path.
 
+use efam_core::forward::{Initial, Run};
+use efam_core::integrate::Method;
+use efam_core::trajectory::Trajectory;
+use efam_experiments::release::Point;
 use models::effects::CATALOGUE;
 use models::history::History;
 use models::model::Model;
-use sim::experiment::release::Point;
-use sim::forward::{Initial, Run};
-use sim::integrate::Method;
-use sim::trajectory::Trajectory;
 use tests::{paper_spec, simulate};
 
 fn everything() -> Model {

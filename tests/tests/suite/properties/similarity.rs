@@ -3,10 +3,10 @@
 //! with 8 nodes; the same with all lengths, all times or all masses doubled, by the units of the parameters.
 //! Expected: the tip, and where it is seen, go the same way, larger or slower, to rounding.
 
+use efam_core::forward::Run;
+use efam_core::integrate::Steps;
 use models::effects::{CATALOGUE, Parameter, Rod, by_name};
 use models::model::{Model, ModelSpec};
-use sim::forward::Run;
-use sim::integrate::Steps;
 use tests::{paper_spec, simulate};
 
 /// Friction turns round over a curvature of 0.01 1/m, of which a camera sees nothing.

@@ -8,14 +8,14 @@
 
 use std::ops::ControlFlow;
 
+use efam_core::accuracy::{Goal, settle};
+use efam_core::forward::{ForwardError, Initial, Run, forward};
+use efam_core::integrate::Steps;
 use models::effects::Rod;
 use models::model::{Model, ModelSpec};
 use models::posture::Posture;
 use models::snapshot::Energy;
 use proptest::prelude::*;
-use sim::accuracy::{Goal, settle};
-use sim::forward::{ForwardError, Initial, Run, forward};
-use sim::integrate::Steps;
 use tests::{paper_spec, simulate};
 
 use super::cases;

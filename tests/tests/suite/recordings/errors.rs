@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use sim::recording::{ReadOptions, parse, read};
+use efam_recordings::{ReadOptions, parse, read};
 use tests::recordings::{C3d, millimetres, motive, nexus, qualisys, tidy, trc};
 
 fn message(bytes: impl Into<Vec<u8>>, name: &str) -> String {

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use sim::recording::{Format, Length, ReadOptions, Recording, RecordingError, parse};
+use efam_recordings::{Format, Length, ReadOptions, Recording, RecordingError, parse};
 use tests::recordings::{
     C3d, LOST, SAMPLES, legacy, millimetres, motive, nexus, parquet, qualisys, says, tidy, trc,
 };

@@ -7,12 +7,13 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use super::super::drawn;
+use efam_recordings::{Length, ReadOptions, parse};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use sim::recording::{Length, ReadOptions, parse};
 use tests::recordings::{C3d, legacy, millimetres, motive, nexus, parquet, qualisys, tidy, trc};
+
+use super::super::drawn;
 
 /// One file of each format, with its extension.
 static FILES: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {

@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use sim::recording::{Format, ReadOptions, Recording, read};
+use efam_recordings::{Format, ReadOptions, Recording, read};
 use tests::recordings::says;
 
 /// The file, if the recordings are there.

@@ -5,9 +5,9 @@
 //! 0.0001 mm of the limit and 0.008 mm of 128 edges with alpha 1 1/s, beta 10 ms; 0.0004 mm and
 //! 0.012 mm with mass damping alone. 12 elements and steps of 5 ms: 0.002 and 0.010 mm of the limit.
 
+use efam_core::forward::{Run, uniform};
 use models::statics::equilibrium;
 use models::system::System;
-use sim::forward::{Run, uniform};
 use tests::twin::beam::Beam;
 use tests::twin::motion::Motion;
 use tests::twin::muscle;

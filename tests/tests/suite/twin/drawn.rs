@@ -1,7 +1,7 @@
 //! Goal: a drawn experiment is what its plan says: one seed, one experiment; its noise, losses and
 //! ghosts; what a fit is told, and what is true.
 
-use sim::experiment::release::Point;
+use efam_experiments::release::Point;
 use tests::twin::drawn::{Drawn, Numerics, Plan, Priors};
 use tests::twin::hidden::Hidden;
 use tests::twin::tracker::Tracker;

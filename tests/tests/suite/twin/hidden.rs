@@ -3,7 +3,7 @@
 //! Expected: nothing at zero, to the bit; a power that is never positive; paths that finer elements and
 //! steps change by less than 0.01 mm rms.
 
-use sim::forward::uniform;
+use efam_core::forward::uniform;
 use tests::twin::hidden::Hidden::{self, *};
 use tests::twin::hidden::{CLAMP_RUBS, TURNS_OVER, all};
 use tests::twin::motion::Motion;

@@ -1,7 +1,7 @@
 //! Goal: a twin's recording has what issue 3 asks for: rate, losses in bursts, ghosts, six cycles,
 //! releases between samples; and one seed gives one recording.
 
-use sim::recording::Recording;
+use efam_recordings::Recording;
 use tests::twin::direct::Direct;
 use tests::twin::muscle;
 use tests::twin::random::Random;

@@ -1,0 +1,137 @@
+//! Which markers are what, and which of their samples are used.
+
+use std::collections::HashMap;
+
+use efam_recordings::{Marker, Recording};
+use efam_store::escape::escaped;
+use models::nearest::nearest;
+
+use super::decision::{Log, mm};
+use super::{bursts, noise, spurious};
+use crate::experiment::{Entry, Experiment, ExperimentError};
+use crate::scenario::Problem;
+
+/// A point of the rod: a marker, or the centroid of several.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// Its name.
+    pub name: String,
+    /// Where it was seen, m, in the recording's frame, shape `[samples]`.
+    pub raw: Vec<Option<[f64; 3]>>,
+    /// The same without what is masked.
+    pub path: Vec<Option<[f64; 3]>>,
+}
+
+/// The markers of a recording by their names.
+pub struct ByName<'a> {
+    recording: &'a Recording,
+    places: HashMap<&'a str, usize>,
+}
+
+impl<'a> ByName<'a> {
+    /// All markers of a recording; of two with one name, the first.
+    pub fn new(recording: &'a Recording) -> Self {
+        let places = recording.markers.iter().enumerate().rev();
+        Self { recording, places: places.map(|(place, marker)| (marker.name.as_str(), place)).collect() }
+    }
+
+    /// The markers of some names that stand under a key of the experiment.
+    pub fn find(
+        &self,
+        experiment: &Experiment,
+        key: &str,
+        names: &[String],
+    ) -> Result<Vec<&'a Marker>, ExperimentError> {
+        let find = |name: &String| {
+            // A recording names its markers visibly.
+            let name = escaped(name);
+            let place = self.places.get(name.as_ref()).ok_or_else(|| self.missing(experiment, key, &name))?;
+            Ok(&self.recording.markers[*place])
+        };
+        names.iter().map(find).collect()
+    }
+
+    fn missing(&self, experiment: &Experiment, key: &str, name: &str) -> ExperimentError {
+        let known = || self.recording.markers.iter().map(|marker| marker.name.as_str());
+        let file = self.recording.source.file_name().unwrap_or_default().to_string_lossy();
+        let meant = nearest(name, known()).map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+        let mut list: Vec<&str> = known().take(MOST_NAMES).collect();
+        if self.recording.markers.len() > MOST_NAMES {
+            list.push("…");
+        }
+        let message = format!("{file} has no marker `{name}`{meant}; it has {}", list.join(", "));
+        experiment.wrong(key, Problem::Other { message })
+    }
+}
+
+/// Names that a message lists.
+const MOST_NAMES: usize = 20;
+
+/// The point that some markers make: their centroid where all are seen, because the centroid of fewer
+/// jumps.
+pub fn see(entry: &Entry, time: &[f64], step: f64, markers: &[&Marker], log: &mut Log) -> Seen {
+    let name = markers.iter().map(|marker| marker.name.as_str()).collect::<Vec<_>>().join(" + ");
+    let raw: Vec<_> = markers.iter().map(|marker| marker.position.clone()).collect();
+    let mut used = raw.clone();
+    if entry.find_spurious {
+        for (marker, path) in markers.iter().zip(&mut used) {
+            mask_ghosts(marker, time, step, path, log);
+        }
+    }
+    let mut path = centroid(&used);
+    let mut masked = 0;
+    for (at, point) in time.iter().zip(&mut path) {
+        if entry.mask.iter().any(|[from, to]| (*from..=*to).contains(at)) && point.take().is_some() {
+            masked += 1;
+        }
+    }
+    if masked > 0 {
+        log.say("mask", format!("{name}: {masked} samples are masked as the experiment says"));
+    }
+    Seen { name, raw: centroid(&raw), path }
+}
+
+/// Empties samples that do not belong to the marker's path.
+fn mask_ghosts(marker: &Marker, time: &[f64], step: f64, path: &mut [Option<[f64; 3]>], log: &mut Log) {
+    let empty = |path: &mut [Option<[f64; 3]>], found: &[bool]| {
+        path.iter_mut()
+            .zip(found)
+            .map(|(point, found)| usize::from(*found && point.take().is_some()))
+            .sum::<usize>()
+    };
+    let mut single = empty(path, &spurious::find(time, path, step));
+    let sigma = noise::of_path(time, path, step).unwrap_or(0.0);
+    let in_bursts = empty(path, &bursts::find(time, path, step, sigma));
+    if in_bursts > 0 {
+        single += empty(path, &spurious::find(time, path, step));
+    }
+    if single + in_bursts > 0 {
+        let seen = marker.position.iter().flatten().count();
+        let left = |i: usize| spurious::from_neighbours(time, path, i, marker.position[i]);
+        let farthest = (0..path.len()).filter(|&i| path[i].is_none()).filter_map(left).fold(0.0, f64::max);
+        let percent = 1e2 * (single + in_bursts) as f64 / seen.max(1) as f64;
+        log.say(
+            "spurious",
+            format!(
+                "{}: {single} single samples and {in_bursts} in bursts lie where the marker cannot have been, up \
+                 to {} away, and are masked ({percent:.2} %)",
+                marker.name,
+                mm(farthest)
+            ),
+        );
+    }
+}
+
+/// Mean of paths where all are seen.
+fn centroid(paths: &[Vec<Option<[f64; 3]>>]) -> Vec<Option<[f64; 3]>> {
+    let samples = paths.first().map_or(0, Vec::len);
+    let at = |i: usize| {
+        let mut sum = [0.0; 3];
+        for path in paths {
+            let point = path[i]?;
+            (0..3).for_each(|k| sum[k] += point[k] / paths.len() as f64);
+        }
+        Some(sum)
+    };
+    (0..samples).map(at).collect()
+}

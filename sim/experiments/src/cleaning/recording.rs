@@ -1,0 +1,233 @@
+//! One recording: its markers, its releases, its frame; then each release.
+
+use efam_core::quantile::usual_step;
+use efam_recordings::Recording;
+use models::quantity::format_si;
+
+use super::cycles::{self, Cut};
+use super::decision::{Log, mm};
+use super::points::{ByName, Seen, see};
+use super::release::{Context, LEAST_NOISE};
+use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise, release};
+use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
+use crate::scenario::Problem;
+
+/// Samples that a release needs.
+const LEAST_SAMPLES: usize = 20;
+
+/// What the model says of a recording: active length and distance of the tip from the clamp, m.
+#[derive(Clone, Copy)]
+pub(super) struct Rod {
+    pub length: f64,
+    pub reach: f64,
+}
+
+/// Cleans a recording of an experiment, counted from 0.
+/// # Errors
+/// [`ExperimentError`]: a marker that is not there, no release, no vertical.
+pub fn clean_recording(
+    experiment: &Experiment,
+    k: usize,
+    recording: Recording,
+    decisions: &mut Vec<Decision>,
+) -> Result<(CleanRecording, Vec<CleanRelease>), ExperimentError> {
+    let entry = &experiment.recordings[k];
+    let mut log = Log::new(&entry.name, decisions);
+    for finding in &recording.findings {
+        log.say("file", finding.clone());
+    }
+    let of = |key: &str| format!("{}.{key}", entry.key);
+    let markers = ByName::new(&recording);
+    let tip_markers = markers.find(experiment, &of("tip"), &entry.tip)?;
+    let time = recording.time.clone();
+    if time.len() < LEAST_SAMPLES {
+        let (file, samples) = (entry.name.clone(), time.len());
+        return Err(CleaningError::TooShort { file, samples, least: LEAST_SAMPLES }.into());
+    }
+    let step = usual_step(&time).expect("there are samples enough");
+    let tip = see(entry, &time, step, &tip_markers, &mut log);
+    let seen = tip.path.iter().flatten().count();
+    if seen < LEAST_SAMPLES {
+        let (file, marker, samples) = (entry.name.clone(), tip.name, time.len());
+        let key = entry.key.clone();
+        return Err(CleaningError::TipLost { file, marker, seen, samples, least: LEAST_SAMPLES, key }.into());
+    }
+    let mut body = Vec::new();
+    for (number, marker) in entry.body.iter().enumerate() {
+        let key = of(&format!("body[{}].marker", number + 1));
+        let found = markers.find(experiment, &key, std::slice::from_ref(&marker.marker))?;
+        body.push((see(entry, &time, step, &found, &mut log), marker.at));
+    }
+    let base = base_pose(experiment, entry, &markers, &time, step, &mut log)?;
+    let cuts = cut(entry, &time, &tip, step, &mut log)?;
+    let frame = frame::find(entry, base.as_ref(), &tip.path, &cuts, &mut log)?;
+    let rod = match experiment.case(k, None)? {
+        Some(case) => {
+            let length = case.model.rod().length;
+            Some(Rod { length, reach: length + case.model.tip_distance })
+        }
+        None => None,
+    };
+    check_numbers(entry, cuts.len())?;
+    if let Some(rod) = rod {
+        check_geometry(experiment, entry, rod, &frame, &cuts)?;
+    }
+    // Once for all releases: it is that of the whole recording.
+    let noise_of = |seen: &Seen| {
+        let noise = || release::noise_of(seen, &time, step, &frame, &cuts);
+        entry.noise.unwrap_or_else(noise)
+    };
+    let noise: Vec<f64> = [&tip].into_iter().chain(body.iter().map(|(seen, _)| seen)).map(noise_of).collect();
+    let context = Context {
+        entry,
+        time: &time,
+        step,
+        tip: &tip,
+        body: &body,
+        noise: &noise,
+        frame: &frame,
+        rod,
+        recording: k,
+    };
+    let releases = (cuts.iter().enumerate())
+        .map(|(number, cut)| context.release(cut, number + 1, &mut log.release(number + 1)))
+        .collect();
+    let masked = tip.raw.iter().zip(&tip.path).map(|(raw, used)| raw.is_some() && used.is_none()).collect();
+    let clean =
+        CleanRecording { name: entry.name.clone(), recording, tip: tip.raw, masked, frame, base, cuts };
+    Ok((clean, releases))
+}
+
+/// Share of the rod's reach by which a tip that is held straight may be seen nearer or farther: a marker
+/// may stand off, a rod of another length may not.
+const FARTHEST_OFF: f64 = 0.25;
+
+/// Whether markers can be where they are said to be.
+fn check_geometry(
+    experiment: &Experiment,
+    entry: &Entry,
+    rod: Rod,
+    frame: &frame::Frame,
+    cuts: &[Cut],
+) -> Result<(), ExperimentError> {
+    for (k, marker) in entry.body.iter().enumerate() {
+        if matches!(marker.at, At::Length(at) if at > rod.length) {
+            let range = format!("0..={}, the rod's length", format_si(rod.length, "m"));
+            let key = format!("{}.body[{}].at", entry.key, k + 1);
+            return Err(experiment.wrong(&key, Problem::OutOfRange { range }));
+        }
+    }
+    for (k, cut) in cuts.iter().enumerate() {
+        let [x, _, z] = frame.place(cut.held);
+        let seen = x.hypot(z);
+        let is_straight = entry.angle_of(k + 1).is_some() && !matches!(entry.offset, Some(Offset::Given(_)));
+        if is_straight && (seen - rod.reach).abs() > FARTHEST_OFF * rod.reach {
+            let (file, key) = (entry.name.clone(), entry.key.clone());
+            let (number, reach) = (k + 1, rod.reach);
+            return Err(CleaningError::OffReach { file, key, number, seen, reach }.into());
+        }
+    }
+    Ok(())
+}
+
+fn base_pose(
+    experiment: &Experiment,
+    entry: &Entry,
+    markers: &ByName,
+    time: &[f64],
+    step: f64,
+    log: &mut Log,
+) -> Result<Option<BasePose>, ExperimentError> {
+    if entry.base.is_empty() {
+        log.say("base", "no base is given: that it stands still is assumed");
+        return Ok(None);
+    }
+    let found = markers.find(experiment, &format!("{}.base", entry.key), &entry.base)?;
+    let body = found.iter().find_map(|marker| Some((marker, marker.orientation.as_ref()?)));
+    let pose = match (body, found.len()) {
+        (Some((marker, orientation)), 1) => base::of_body(&marker.position, orientation),
+        _ => {
+            let paths: Vec<_> =
+                found.iter().map(|marker| see(entry, time, step, &[marker], log).path).collect();
+            base::of_markers(&paths)
+        }
+    };
+    match &pose {
+        None => log
+            .say("base", "the base is never seen whole: it is left out, and that it stands still is assumed"),
+        Some(pose) => {
+            let turn = match pose.orientation {
+                Some(_) => format!(" and turns by at most {:.2} deg", pose.turned.to_degrees()),
+                None => "; its turns are not seen with fewer than three markers".to_owned(),
+            };
+            log.say(
+                "base",
+                format!(
+                    "the base moves by at most {}{turn}, over {} frames; its mean pose is used",
+                    mm(pose.moved),
+                    pose.frames
+                ),
+            );
+        }
+    }
+    Ok(pose)
+}
+
+fn cut(
+    entry: &Entry,
+    time: &[f64],
+    tip: &Seen,
+    step: f64,
+    log: &mut Log,
+) -> Result<Vec<Cut>, ExperimentError> {
+    if let Some(&instant) =
+        entry.instants.iter().flatten().find(|at| **at < time[0] || **at >= time[time.len() - 2])
+    {
+        let (file, key) = (entry.name.clone(), entry.key.clone());
+        return Err(CleaningError::InstantOutside {
+            file,
+            key,
+            instant,
+            from: time[0],
+            to: time[time.len() - 1],
+        }
+        .into());
+    }
+    let sigma = entry.noise.or_else(|| noise::of_path(time, &tip.path, step)).unwrap_or(LEAST_NOISE);
+    let cuts = cycles::cut(time, &tip.path, step, sigma, entry.instants.as_deref());
+    let no_release = |why| CleaningError::NoRelease { file: entry.name.clone(), why, key: entry.key.clone() };
+    let cuts = cuts.map_err(no_release)?;
+    let spans: Vec<_> = cuts.iter().map(|cut| format!("{:.2}", time[cut.swing.start])).collect();
+    log.say(
+        "instants",
+        format!(
+            "{} release{}, near {} s",
+            cuts.len(),
+            if cuts.len() == 1 { "" } else { "s" },
+            spans.join(", ")
+        ),
+    );
+    Ok(cuts)
+}
+
+/// Numbers of releases that the experiment names must be there.
+fn check_numbers(entry: &Entry, found: usize) -> Result<(), CleaningError> {
+    let of_overrides: Vec<usize> = entry.overrides.iter().map(|other| other.number).collect();
+    let held_out = match &entry.held_out {
+        HeldOut::Only(list) => list.as_slice(),
+        HeldOut::All => &[],
+    };
+    let named = [
+        ("keep", entry.keep.as_deref().unwrap_or_default()),
+        ("drop", &entry.drop),
+        ("held_out", held_out),
+        ("release.number", &of_overrides),
+    ];
+    for (key, numbers) in named {
+        if let Some(&number) = numbers.iter().find(|number| **number > found) {
+            let key = format!("{}.{key}", entry.key);
+            return Err(CleaningError::NoSuchRelease { file: entry.name.clone(), key, number, found });
+        }
+    }
+    Ok(())
+}

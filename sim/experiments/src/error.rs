@@ -1,0 +1,123 @@
+//! Why an experiment has no releases.
+
+use efam_recordings::RecordingError;
+
+use crate::scenario::ScenarioError;
+
+/// An experiment that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// Its file.
+    #[error(transparent)]
+    Document(#[from] ScenarioError),
+    /// A recording that cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A recording that can be read, and has not in it what is due.
+    #[error(transparent)]
+    Cleaning(#[from] CleaningError),
+}
+
+/// Why there is nothing to fit in a recording.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CleaningError {
+    /// Too few samples.
+    #[error("{file}: {samples} samples; a release needs at least {least}: export the whole recording")]
+    TooShort {
+        /// The recording.
+        file: String,
+        /// Samples met.
+        samples: usize,
+        /// Samples needed.
+        least: usize,
+    },
+    /// No sample of the tip is left.
+    #[error(
+        "{file}: the tip ({marker}) is seen in {seen} of {samples} samples; \
+         a release needs at least {least}: choose another marker as {key}.tip, or leave the recording out"
+    )]
+    TipLost {
+        /// The recording.
+        file: String,
+        /// The markers.
+        marker: String,
+        /// Samples in which it is seen.
+        seen: usize,
+        /// All samples.
+        samples: usize,
+        /// Samples needed.
+        least: usize,
+        /// Where the recording stands in the experiment file.
+        key: String,
+    },
+    /// No release.
+    #[error(
+        "{file}: no release in it: {why}; check that {key}.tip is the marker at the tip, or give the \
+         instant yourself, such as {key}.instants = [\"0.71 s\"]"
+    )]
+    NoRelease {
+        /// The recording.
+        file: String,
+        /// What was seen instead.
+        why: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+    },
+    /// An instant of release that the recording does not have.
+    #[error(
+        "{file}: {key}.instants: {instant} s is not inside the recording, which lasts from {from:.3} to {to:.3} s"
+    )]
+    InstantOutside {
+        /// The recording.
+        file: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+        /// The instant, s.
+        instant: f64,
+        /// First sample, s.
+        from: f64,
+        /// Last sample, s.
+        to: f64,
+    },
+    /// A release that there is not.
+    #[error("{file}: {key}: there is no release {number}; {found} were found")]
+    NoSuchRelease {
+        /// The recording.
+        file: String,
+        /// Where the number stands in the experiment file.
+        key: String,
+        /// The number, from one.
+        number: usize,
+        /// Releases in the recording.
+        found: usize,
+    },
+    /// A tip that cannot be that of the rod.
+    #[error(
+        "{file}: release {number}: held straight, the tip stands {:.1} mm from the clamp, and the rod with its \
+         end fitting reaches {:.1} mm: check rod.length, rod.tip and {key}.clamp, say {key}.offset where the \
+         marker stands off that far, or leave {key}.angle out if the rod was not held straight",
+        1e3 * seen, 1e3 * reach
+    )]
+    OffReach {
+        /// The recording.
+        file: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+        /// The release, from one.
+        number: usize,
+        /// Distance from the clamp, m.
+        seen: f64,
+        /// The same by the model, m.
+        reach: f64,
+    },
+    /// Gravity cannot be told from the data.
+    #[error("{file}: which way is up cannot be seen in it: {why}; say it, such as {key}.up = \"+z\"")]
+    NoVertical {
+        /// The recording.
+        file: String,
+        /// What was seen instead.
+        why: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+    },
+}

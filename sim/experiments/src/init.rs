@@ -1,0 +1,350 @@
+//! A first experiment file, written from the recordings themselves: what is guessed says so, and how.
+
+use std::fmt::Write;
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+use efam_core::quantile::quantile;
+use efam_recordings::Recording;
+use efam_store::escape::{escaped, toml_string};
+
+use crate::cleaning::{CleanRecording, Cleaned, clean_all, distance};
+use crate::experiment::{Experiment, ExperimentError};
+use crate::scenario::plan;
+
+/// Motion of base markers in that of the most moving one, at most.
+const STILL: f64 = 0.04;
+/// The same of markers that are named like a base.
+const STILL_BY_NAME: f64 = 0.25;
+/// Names of what stands still.
+const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
+/// Motion of tip markers, likewise, at least.
+const TIP: f64 = 0.8;
+/// By how much the distance of two markers of one body may vary, in the motion of the tip.
+const RIGID: f64 = 0.1;
+/// Directions of the held tip between which the rod is guessed to be straight and level, rad. Markers stand on top of a rod:
+/// on a thick one they are seen far above the level. Below it the tip has sagged, unless a marker hangs there: on a rod of
+/// ten diameters one of them is 0.1 rad.
+const LEVEL: RangeInclusive<f64> = -0.1..=0.35;
+
+/// What the markers of a recording seem to be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guess {
+    /// Most moving, and as one body.
+    pub tip: Vec<String>,
+    /// Least moving.
+    pub base: Vec<String>,
+    /// All between, with their share of the way from base to tip.
+    pub body: Vec<(String, f64)>,
+    /// How far each marker moves, m, in the order of the recording.
+    pub moves: Vec<(String, f64)>,
+}
+
+/// Tells tip, base and body by how much they move; nothing if no marker is seen.
+pub fn guess(recording: &Recording) -> Option<Guess> {
+    let moves: Vec<f64> = recording.markers.iter().map(|marker| reach(&marker.position)).collect();
+    let most =
+        (0..moves.len()).max_by(|&a, &b| moves[a].total_cmp(&moves[b])).filter(|&k| moves[k] >= 0.0)?;
+    let path = |k: usize| &recording.markers[k].position;
+    let of_tip = |k: usize| {
+        k == most || (moves[k] > TIP * moves[most] && spread(path(k), path(most)) < RIGID * moves[most])
+    };
+    let is_tip: Vec<bool> = (0..moves.len()).map(of_tip).collect();
+    let is_base = |k: usize| {
+        let name = recording.markers[k].name.to_lowercase();
+        let limit = if BASES.iter().any(|base| name.contains(base)) { STILL_BY_NAME } else { STILL };
+        !is_tip[k] && moves[k] >= 0.0 && moves[k] < limit * moves[most]
+    };
+    let is_base: Vec<bool> = (0..moves.len()).map(is_base).collect();
+    let those = |is: &[bool]| -> Vec<usize> { (0..moves.len()).filter(|&k| is[k]).collect() };
+    let (tip, base) = (those(&is_tip), those(&is_base));
+    let place = |of: &[usize]| -> [f64; 3] {
+        let first: Vec<[f64; 3]> =
+            of.iter().filter_map(|&k| path(k).iter().flatten().next().copied()).collect();
+        std::array::from_fn(|c| first.iter().map(|at| at[c]).sum::<f64>() / first.len().max(1) as f64)
+    };
+    let (from, to) = (place(&base), place(&tip));
+    let share = |k: usize| (distance(place(&[k]), from) / distance(to, from).max(1e-9)).clamp(0.0, 1.0);
+    let is_body = |k: &usize| moves[*k] >= 0.0 && !is_tip[*k] && !is_base[*k];
+    let mut body: Vec<(usize, f64)> = (0..moves.len()).filter(is_body).map(|k| (k, share(k))).collect();
+    body.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let name = |k: usize| recording.markers[k].name.clone();
+    Some(Guess {
+        tip: tip.iter().map(|&k| name(k)).collect(),
+        base: base.iter().map(|&k| name(k)).collect(),
+        body: body.into_iter().map(|(k, share)| (name(k), share)).collect(),
+        moves: (0..moves.len()).map(|k| (name(k), moves[k])).collect(),
+    })
+}
+
+/// Distance from its median place within which a marker is 98 % of the time, m; −1 if it is never seen.
+fn reach(path: &[Option<[f64; 3]>]) -> f64 {
+    let seen = || path.iter().flatten();
+    let middle = std::array::from_fn(|c| quantile(seen().map(|at| at[c]).collect(), 0.5).unwrap_or_default());
+    quantile(seen().map(|at| distance(*at, middle)).collect(), 0.98).unwrap_or(-1.0)
+}
+
+/// By how much the distance of two markers varies, 96 % of the time, m.
+fn spread(a: &[Option<[f64; 3]>], b: &[Option<[f64; 3]>]) -> f64 {
+    let both = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+    let apart: Vec<f64> = both.map(|(a, b)| distance(a, b)).collect();
+    let between = quantile(apart.clone(), 0.98).zip(quantile(apart, 0.02));
+    between.map_or(f64::INFINITY, |(high, low)| high - low)
+}
+
+/// A text that loads: recordings with the file names to be written into it. What is unknown is marked
+/// `FILL IN`, what is guessed `GUESS`. Of `name` stays what an experiment may be called.
+pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
+    let fit = |c: char| if plan::fits_name(c) { c } else { '-' };
+    let fitting: String = name.trim_start_matches('.').chars().map(fit).collect();
+    let name = if fitting.trim().is_empty() { "experiment" } else { &fitting };
+    let mut starts = vec![Guessed::default(); recordings.len()];
+    let mut found = vec![Vec::new(); recordings.len()];
+    let mut cleaned = clean(&text(name, recordings, &starts, &found), recordings);
+    if cleaned.is_err() {
+        starts = recordings.iter().map(Guessed::of).collect();
+        cleaned = clean(&text(name, recordings, &starts, &found), recordings);
+    }
+    match cleaned {
+        Ok(cleaned) => {
+            for release in &cleaned.releases {
+                let s = &release.statistics;
+                let held = s.hold_angle.to_degrees();
+                found[release.recording].push(format!(
+                    "release {} at {:.3} s: the tip is held {held:.1} deg above the level and sinks by {:.2} mm",
+                    release.number,
+                    release.instant,
+                    1e3 * s.static_drop
+                ));
+                let start = &mut starts[release.recording];
+                if LEVEL.contains(&s.hold_angle) && start.instant.is_none() {
+                    start.angle = Some(s.hold_angle);
+                }
+            }
+            for decision in cleaned.decisions.iter().filter(|decision| decision.key == "up") {
+                let is_about = |clean: &CleanRecording| clean.name == decision.about;
+                if let Some(k) = cleaned.recordings.iter().position(is_about) {
+                    found[k].push(decision.what.clone());
+                }
+            }
+        }
+        Err(error) => found.iter_mut().for_each(|found| found.push(format!("NOT YET USABLE: {error}"))),
+    }
+    text(name, recordings, &starts, &found)
+}
+
+fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], found: &[Vec<String>]) -> String {
+    let mut out = format!(
+        "# An experiment, written by `efam experiment init` from the recordings themselves.\n\
+         # Look at every line with GUESS, and at those with FILL IN; then `efam experiment check` and\n\
+         # `efam analyse` take this file. `#` switches a line off.\n\
+         name = {}\n\n\
+         # FILL IN, if a model is to be compared: the rod, in its own units. Without it only what needs no\n\
+         # model is done. A built-in muscle instead: [muscle] with name = \"garbulinski-2022\".\n\
+         # [rod]\n\
+         # length = \"… mm\"               # active length, from the clamp\n\
+         # mass = \"… g\"                  # distributed mass in all\n\
+         # bending_stiffness = \"… N m^2\" # a first value; it is fitted\n\
+         # axial_stiffness = \"… N\"       # Young's modulus times section; without it the rod hardly stretches\n\
+         # tip = \"… mm\"                  # tip marker beyond the active length\n\
+         # [effects.end_fitting]\n\
+         # mass = \"… g\"\n\
+         # center_of_mass = \"… mm\"       # beyond the active length\n",
+        toml_string(name)
+    );
+    for (k, (file, recording)) in recordings.iter().enumerate() {
+        let _ = writeln!(out, "\n[[recording]]\nfile = {}", toml_string(file));
+        for found in &found[k] {
+            let _ = writeln!(out, "# found: {}", escaped(found));
+        }
+        pressure_and_payload(&mut out, file);
+        markers(&mut out, recording);
+        start(&mut out, &starts[k]);
+        out += "# up = \"+z\"         # against gravity; found from the fall of the tip unless it stands here\n\
+                # clamp = [\"0 mm\", \"0 mm\", \"0 mm\"]   # where the rod leaves the clamp, in the file's frame\n\
+                # held_out = true   # locked away from every fit\n";
+    }
+    out
+}
+
+/// How a recording seems to begin.
+#[derive(Clone, Debug, Default)]
+struct Guessed {
+    /// Instant of release, s, of a recording that begins with the swing.
+    instant: Option<f64>,
+    /// Direction in which the tip of a rod is held that seems to be straight and level, rad.
+    angle: Option<f64>,
+}
+
+impl Guessed {
+    /// The first sample, if the file has no release that can be found without it, and has one with it.
+    fn of(recording: &(String, Recording)) -> Self {
+        let alone = std::slice::from_ref(recording);
+        let is_found = |start: Guessed| clean(&text("draft", alone, &[start], &[Vec::new()]), alone).is_ok();
+        let at_once = Guessed { instant: recording.1.time.first().copied(), angle: None };
+        if !is_found(Guessed::default()) && is_found(at_once.clone()) { at_once } else { Guessed::default() }
+    }
+}
+
+/// What cleaning makes of recordings by a draft.
+fn clean(draft: &str, recordings: &[(String, Recording)]) -> Result<Cleaned, ExperimentError> {
+    let experiment = Experiment::parse(Path::new("experiment.toml"), draft, &[])?;
+    clean_all(&experiment, recordings.iter().map(|(_, recording)| recording.clone()).collect())
+}
+
+fn start(out: &mut String, guessed: &Guessed) {
+    if let Some(instant) = guessed.instant {
+        let _ = writeln!(
+            out,
+            "instants = [\"{instant} s\"]   # GUESS: the file has no hold, so the rod is let go at its first sample"
+        );
+    }
+    match guessed.angle {
+        Some(held) => {
+            let _ = writeln!(
+                out,
+                "angle = \"0 deg\"   # GUESS: held straight and level (seen at {:.1} deg); what the tip marker stands off\n\
+                 \x20                 # the rod's end is then taken off. Switch off if it was not held straight.",
+                held.to_degrees()
+            );
+        }
+        None => {
+            *out += "# angle = \"0 deg\"   # if the rod was held straight: its angle above the level. Without it the rod\n\
+                     \x20                 # is held bent by a hand, and its posture follows from the markers\n"
+        }
+    }
+}
+
+fn pressure_and_payload(out: &mut String, file: &str) {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    match number_before(name, &["psi", "kpa", "mbar", "bar"]) {
+        Some((number, unit)) => {
+            let unit = if unit == "kpa" { "kPa" } else { unit };
+            let _ = writeln!(out, "pressure = \"{number} {unit}\"   # GUESS: from the file's name");
+        }
+        None => *out += "# pressure = \"… psi\"   # FILL IN, if there is one: gauge pressure\n",
+    }
+    match number_before(name, &["kg", "g"]) {
+        Some((number, unit)) => {
+            let _ = writeln!(out, "payload = \"{number} {unit}\"   # GUESS: from the file's name");
+        }
+        None => *out += "# payload = \"… g\"      # what hung on the tip beside its end fitting\n",
+    }
+}
+
+/// A number right before one of some units that end a word, such as `15psi` or `300g`.
+fn number_before<'a>(name: &str, units: &[&'a str]) -> Option<(String, &'a str)> {
+    let lower = name.to_lowercase();
+    for unit in units {
+        for (at, _) in lower.match_indices(unit) {
+            let ends = lower[at + unit.len()..].chars().next().is_none_or(|c| !c.is_alphanumeric());
+            let before = lower[..at].trim_end_matches([' ', '_', '-']);
+            let digits = before.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
+            let number = before[digits.len()..].trim_start_matches('.');
+            if ends && !number.is_empty() && number.parse::<f64>().is_ok() {
+                return Some((number.to_owned(), unit));
+            }
+        }
+    }
+    None
+}
+
+fn markers(out: &mut String, recording: &Recording) {
+    let list = |names: &[String]| match names {
+        [only] => toml_string(only),
+        all => format!("[{}]", all.iter().map(|name| toml_string(name)).collect::<Vec<_>>().join(", ")),
+    };
+    let Some(guess) = guess(recording) else {
+        *out += "tip = \"?\"   # FILL IN: no marker is seen in this file\n";
+        return;
+    };
+    let moves: Vec<_> =
+        guess.moves.iter().map(|(name, m)| format!("{} {:.1}", escaped(name), 1e3 * m)).collect();
+    let _ = writeln!(out, "# how far each marker moves, mm: {}", moves.join(", "));
+    let _ = writeln!(out, "tip = {}   # GUESS: what moves most, as one body", list(&guess.tip));
+    match guess.base.is_empty() {
+        false => {
+            let _ = writeln!(out, "base = {}   # GUESS: what hardly moves", list(&guess.base));
+        }
+        true => {
+            *out += "# base = [\"…\"]   # none found: that it stands still is assumed, and the clamp at the file's origin\n"
+        }
+    }
+    for (k, (name, share)) in guess.body.iter().enumerate() {
+        let open = if k == 0 {
+            "body = [   # GUESS: by what they move; `at` by distance, FILL IN, such as \"120 mm\"\n"
+        } else {
+            ""
+        };
+        let close = if k + 1 == guess.body.len() { "]\n" } else { "" };
+        let _ = write!(out, "{open}  {{ marker = {}, at = {share:.2} }},\n{close}", toml_string(name));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use efam_recordings::{ReadOptions, parse};
+
+    use super::*;
+
+    /// A tip that swings about a rest and is let go at 0.1 s of a rod of 0.2 m, from `z` m; seen from `from` on.
+    fn swing(z: f64, from: f64) -> Recording {
+        let mut text = "t_s,A_x_m,A_y_m,A_z_m\n".to_owned();
+        for k in 0..400 {
+            let time = from + 0.01 * f64::from(k);
+            let since = (time - 0.1).max(0.0);
+            let height = -0.05 + (z + 0.05) * (-0.5 * since).exp() * (8.0 * since).cos();
+            text += &format!(
+                "{:.2},{:.9},0,{height:.9}\n",
+                0.01 * f64::from(k),
+                (0.04f64 - height * height).sqrt()
+            );
+        }
+        parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()).expect("a table")
+    }
+
+    #[test]
+    fn a_start_is_guessed_from_the_recording() {
+        let draft = |recording: Recording| draft("name", &[("a.csv".to_owned(), recording)]);
+        let level = draft(swing(0.01, -0.4));
+        assert!(level.contains("\nangle = \"0 deg\"   # GUESS") && !level.contains("\ninstants"), "{level}");
+        let bent = draft(swing(-0.03, -0.4));
+        assert!(bent.contains("\n# angle = ") && !bent.contains("\ninstants"), "{bent}");
+        let at_once = draft(swing(0.01, 0.1));
+        assert!(
+            at_once.contains("\ninstants = [\"0 s\"]   # GUESS") && at_once.contains("\n# angle"),
+            "{at_once}"
+        );
+    }
+
+    #[test]
+    fn pressure_and_payload_are_read_from_a_files_name_and_nothing_else_is() {
+        for (name, pressure) in [
+            ("15psi.csv", Some(("15", "psi"))),
+            ("run_2.5 bar-b.csv", Some(("2.5", "bar"))),
+            ("100mbar.c3d", Some(("100", "mbar"))),
+            ("psi.csv", None),
+            ("3psia.csv", None),
+        ] {
+            let found = number_before(name, &["psi", "kpa", "mbar", "bar"]);
+            assert_eq!(found, pressure.map(|(number, unit)| (number.to_owned(), unit)), "{name}");
+        }
+        assert_eq!(number_before("manual_300gram.csv", &["kg", "g"]), None, "a word goes on");
+        assert_eq!(number_before("manual_300g_id00.csv", &["kg", "g"]), Some(("300".to_owned(), "g")));
+    }
+
+    /// What cannot be cleaned still gives a file that loads, and says why.
+    #[test]
+    fn a_draft_loads_whatever_the_recording() {
+        for rows in ["0.0,0,0,0,1,1,1\n0.01,0,0,0,1,1,1\n", "0.0,,,,,,\n0.01,,,,1,1,1\n"] {
+            let text = format!("t_s,A_x_m,A_y_m,A_z_m,B_x_m,B_y_m,B_z_m\n{rows}");
+            let Ok(recording) = parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()) else {
+                continue;
+            };
+            let draft = draft("name", &[("a b/\"c\".csv".to_owned(), recording)]);
+            assert!(draft.contains("NOT YET USABLE"), "{draft}");
+            Experiment::parse(Path::new("e.toml"), &draft, &[])
+                .unwrap_or_else(|error| panic!("{error}\n{draft}"));
+        }
+    }
+}

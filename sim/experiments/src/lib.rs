@@ -1,0 +1,12 @@
+//! What is simulated and what was measured: scenarios, experiments, recordings that are cut into releases, and the
+//! analysis of a swing.
+
+pub mod analyse;
+pub mod analysis;
+pub mod cleaning;
+pub mod error;
+pub mod experiment;
+pub mod init;
+pub mod release;
+pub mod scenario;
+pub mod summary;

@@ -1,0 +1,47 @@
+//! One release as the fit sees it: tracks of points in the plane of the swing, masked, not filled in.
+
+pub use efam_core::point::Point;
+
+/// A release, cut out of a recording and turned into the frame W at the clamp.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Release {
+    /// Recording and number within it, such as `15psi.csv#3`.
+    pub name: String,
+    /// Time of each sample after the estimated instant of release, s, ascending; samples of the hold
+    /// before it are negative.
+    pub time: Vec<f64>,
+    /// Standard error of the release instant, s.
+    pub release_uncertainty: f64,
+    /// What was tracked.
+    pub tracks: Vec<Track>,
+    /// Gauge pressure, Pa, if it is known.
+    pub pressure: Option<f64>,
+    /// Mass of the payload, kg.
+    pub payload: f64,
+    /// Locked away from every fit.
+    pub held_out: bool,
+}
+
+impl Release {
+    /// Place of the track by which the swing is followed: the tip, or else the last one.
+    pub fn leading_track(&self) -> usize {
+        let tip = self.tracks.iter().position(|track| track.at == Point::Tip);
+        tip.unwrap_or(self.tracks.len().saturating_sub(1))
+    }
+}
+
+/// The path of one observed point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Name of the marker, or of the group whose centroid it is.
+    pub marker: String,
+    /// Where on the rod it sits.
+    pub at: Point,
+    /// Position `[x, z]` in W, m, shape `[samples]`; nothing where it was lost or masked.
+    pub position: Vec<Option<[f64; 2]>>,
+    /// Standard deviation of the noise of each coordinate, m.
+    pub noise: f64,
+    /// Standard deviation of what no model foretells of each coordinate beside the noise, m, as if each sample had its
+    /// own: what a whole swing shares is smaller, by the root of the samples that share it.
+    pub discrepancy: f64,
+}

@@ -1,0 +1,216 @@
+//! Scenarios: what to simulate, as a TOML file says it.
+//!
+//! ```toml
+//! [muscle]
+//! name = "garbulinski-2022"   # built in; or file = "mine.toml", relative to the scenario
+//! pressure = "15 psi"         # or [["0 s", "15 psi"], ["5 s", "20 psi"]], or "all rows" of its table
+//! stiffness = "pder_32"       # which estimate of the bending stiffness
+//! extrapolation = "refused"   # or "allowed": pressures outside the table
+//! mass = "conserved"          # or "per_length": the resting mass per length at every pressure
+//! [rod]                       # without a muscle length, mass and both stiffnesses must stand here
+//! nodes = 16                  # chosen for the accuracy unless it is given
+//! scheme = "consistent"       # or "paper"
+//! base_angle = "0 deg"
+//! tip = "0.662 in"            # the observed point beyond the active length
+//! [release]
+//! angle = "0 deg"
+//! angular_velocity = "0 rad/s"
+//! from = "straight"           # or "equilibrium", or posture = "points.csv"
+//! [release.hold]              # pressure, rod.…, effects.… under which it rests before an "equilibrium"
+//! pressure = "20 psi"
+//! [run]
+//! duration = "20 s"
+//! rate = "100 Hz"             # more where the rod swings faster
+//! accuracy = "0.02 mm"        # largest error of the tip's path; of small swings a thousandth
+//! [integrator]
+//! method = "auto"             # verlet, rodas4, tr_bdf2, esdirk34
+//! tolerance = 1e-6            # chosen for the accuracy unless it is given
+//! [effects.payload]           # any effect of `efam effects`, with any of its parameters
+//! mass = "80 g"
+//! [laws.my_drag]              # an effect of your own, as text; then [effects.my_drag] switches it on
+//! place = "flow"
+//! force = "-c * v_n * abs(v_n) * diameter"
+//! parameters.c = { unit = "kg/m^3", default = 0.6, range = [0, 10] }
+//! [calibration]               # how well a calibration knows these numbers: written by efam, for predictions
+//! ```
+//!
+//! Every quantity carries its unit. What is left out has the value above, except the payload.
+
+pub(crate) mod case;
+pub mod document;
+mod error;
+mod laws;
+pub mod plan;
+mod posture;
+mod release;
+pub mod resolved;
+pub(crate) mod start;
+mod units;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use efam_core::accuracy::Goal;
+use efam_core::accuracy::first;
+use efam_core::forward::{Run, uniform};
+use efam_core::pace::Pace;
+use efam_core::rest::rest;
+use models::model::Model;
+use models::muscle::Known;
+
+use document::Document;
+pub use error::{At, Problem, ScenarioError};
+pub(crate) use laws::LAWS;
+pub use laws::{parse_laws, read_laws};
+use plan::Plan;
+pub use release::ReleaseOptions;
+pub use units::unit_of;
+
+/// What to simulate, read and checked.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Name: as given, or that of the file.
+    pub name: String,
+    /// Its file.
+    pub path: PathBuf,
+    document: Document,
+    plan: Arc<Plan>,
+}
+
+/// One run of a scenario.
+#[derive(Clone)]
+pub struct Case {
+    /// Name of the scenario, with the pressure if there are several.
+    pub name: String,
+    /// The model.
+    pub model: Model,
+    /// How to run it; the energies are followed. When it is sampled depends on how fast the rod swings, see
+    /// [`Case::paced`].
+    pub run: Run,
+    /// How accurately, and what may be chosen for that.
+    pub goal: Goal,
+    /// Samples a second, if the scenario says that.
+    pub rate: Option<f64>,
+    /// What a reader of the results must know, such as extrapolation.
+    pub warnings: Vec<String>,
+    /// Pressure at release, Pa.
+    pub pressure: Option<f64>,
+    plan: Arc<Plan>,
+}
+
+impl Case {
+    /// The case with its samples and its trace, which follow from the rod's slowest mode unless the scenario
+    /// gives a rate; and a warning where that is too low to show the swing.
+    pub fn paced(mut self) -> Self {
+        let pace = Pace::of(&self.model, self.rate, self.run.duration);
+        self.run.samples = uniform(self.run.duration, pace.rate);
+        self.run.trace_step = Some(pace.trace_step);
+        self.rate = Some(pace.rate);
+        self.warnings.extend(pace.warning);
+        self
+    }
+
+    /// The case with the mesh and the tolerance with which a run of its accuracy begins, as far as the scenario
+    /// leaves them open. Their errors are not estimated.
+    pub fn begun(self) -> Self {
+        match first(&self.model, &self.run, &self.goal) {
+            Ok((model, run)) => Self { model, run, ..self },
+            // What is wrong with its start is said when it is run.
+            Err(_) => self,
+        }
+    }
+
+    /// Root moment, N m, of the muscle at rest under its end fitting alone, its clamp level, as it was when its
+    /// stiffness was measured; none for a plain rod.
+    pub fn measured_moment(&self) -> Option<f64> {
+        self.plan.muscle.as_ref()?;
+        let mut bare = self.model.clone();
+        bare.set("rod.base_angle", 0.0).ok()?;
+        for path in ["effects.payload.mass", "effects.tip_mass.mass"] {
+            if bare.index(path).is_ok() {
+                bare.set(path, 0.0).ok()?;
+            }
+        }
+        Some(rest(&bare, 0.0, 0).ok()?.root_moment)
+    }
+
+    /// The case with another mesh, or other settings.
+    pub fn run_as(&self, model: &Model, run: &Run) -> Self {
+        Self { model: model.clone(), run: run.clone(), ..self.clone() }
+    }
+
+    /// The case as a scenario in SI units that needs no other file and gives the same bits.
+    pub fn resolved(&self) -> String {
+        resolved::text(self, &self.plan)
+    }
+}
+
+impl Scenario {
+    /// Reads a scenario and sets `overrides` over it, each as `path=value`.
+    /// # Errors
+    /// [`ScenarioError`], with file, line and column where there is one.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Scenario, ScenarioError> {
+        Scenario::of(path, Document::load(path, overrides)?)
+    }
+
+    /// The scenario that a text describes; `path` names it, and files in it are relative to that.
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Scenario, ScenarioError> {
+        Scenario::of(path, Document::parse(path, text, overrides)?)
+    }
+
+    fn of(path: &Path, document: Document) -> Result<Scenario, ScenarioError> {
+        let plan = Arc::new(Plan::read(&document)?);
+        let name = plan::name(&document, path, "scenario")?;
+        Ok(Scenario { name, path: path.to_owned(), document, plan })
+    }
+
+    /// The text of its file, without what is set over it.
+    pub fn text(&self) -> &str {
+        self.document.text()
+    }
+
+    /// Whether it asks for every pressure of a muscle's table.
+    pub fn is_all_rows(&self) -> bool {
+        self.plan.is_all_rows()
+    }
+
+    /// Name of the muscle, if the rod is one.
+    pub fn muscle_name(&self) -> Option<&str> {
+        self.plan.muscle.as_ref().map(|muscle| muscle.muscle.name.as_str())
+    }
+
+    /// How well a calibration knows its rod: by its own section `[calibration]`, or else that of its muscle.
+    pub fn known(&self) -> Option<&Known> {
+        self.plan.known.as_ref()
+    }
+
+    /// What its files say, each as `path=value`: set over its text, that needs no other file.
+    pub fn without_files(&self) -> Vec<String> {
+        let keys = self.document.keys();
+        let names = |table: &str, key: &str| keys.table(table).is_ok_and(|table| table.has(key));
+        let mut set = Vec::new();
+        if let Some(muscle) = self.plan.muscle.as_ref().filter(|_| names("muscle", "file")) {
+            set.push(format!("muscle.text={}", serde_json::Value::from(muscle.text.as_str())));
+        }
+        if let (start::From::Points(points), true) = (&self.plan.from, names("release", "posture")) {
+            let row = |[x, z, vx, vz]: &[f64; 4]| {
+                format!("[\"{x:?} m\", \"{z:?} m\", \"{vx:?} m/s\", \"{vz:?} m/s\"]")
+            };
+            let rows: Vec<String> = points.iter().map(row).collect();
+            set.push(format!("release.nodes=[{}]", rows.join(", ")));
+        }
+        set
+    }
+
+    /// The runs that it asks for: one, or one for each row of the muscle's table.
+    /// # Errors
+    /// [`ScenarioError`] for what the muscle or the model refuses.
+    pub fn cases(&self) -> Result<Vec<Case>, ScenarioError> {
+        case::cases(self)
+    }
+}
+
+#[cfg(test)]
+mod tests;

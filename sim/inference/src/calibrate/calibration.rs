@@ -1,0 +1,204 @@
+//! What a calibration has found, as it is written to `calibration.json`.
+
+use models::quantity::format_si;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::misfit::Misfit;
+use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
+use super::repeats::Repeats;
+use super::search::Stage;
+use super::unknowns::HOLD_ANGLE;
+
+/// What was found, how well it is known, how well it fits, and what it cost.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Calibration {
+    /// The parameters.
+    pub parameters: Vec<Calibrated>,
+    /// What was unknown of each recording, and of no interest.
+    pub nuisances: Vec<Calibrated>,
+    /// Correlations of parameters that were found together.
+    pub correlations: Vec<Correlations>,
+    /// How each release is met.
+    pub releases: Vec<ReleaseFit>,
+    /// How well the experiment repeats, where it tells or states it.
+    #[serde(default)]
+    pub repeats: Option<Repeats>,
+    /// The searches, one for all releases that share a parameter.
+    pub searches: Vec<SearchReport>,
+    /// What should be known before the numbers are used, in words.
+    pub warnings: Vec<String>,
+}
+
+/// One number that was found; SI units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Calibrated {
+    /// Path of the parameter, or name of the nuisance.
+    pub name: String,
+    /// SI unit; empty if dimensionless.
+    pub unit: String,
+    /// What shares it.
+    pub scope: Scope,
+    /// Pressure of those that share it, Pa, if it is one for each pressure.
+    pub pressure_pa: Option<f64>,
+    /// The release that it belongs to, if it is one for each.
+    pub release: Option<String>,
+    /// Its value.
+    pub value: f64,
+    /// Where the search began.
+    pub start: f64,
+    /// Standard error; none where the data do not determine it.
+    pub standard_error: Option<f64>,
+    /// The interval that holds the truth in 95 % of experiments; not symmetric on a logarithmic
+    /// scale.
+    pub interval_95: Option<[f64; 2]>,
+    /// The same from the profile of the likelihood, if it was asked for.
+    pub profile_95: Option<[f64; 2]>,
+    /// How it was scaled.
+    pub scale: Scale,
+    /// Smallest and largest admissible value.
+    pub bounds: [Option<f64>; 2],
+    /// Whether it stands on one of them.
+    pub at_bound: bool,
+    /// What was known beforehand.
+    pub prior: Option<Prior>,
+    /// How much wider the interval is because residuals follow one another, and differ from the
+    /// stated noise.
+    pub widening: Option<f64>,
+    /// By how many standard errors mesh and step had moved it, before that was removed.
+    pub numerical_shift: Option<f64>,
+}
+
+/// Correlations of estimates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Correlations {
+    /// What is correlated.
+    pub names: Vec<String>,
+    /// Shape `[names][names]`.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// How one release is met.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ReleaseFit {
+    /// Its name.
+    pub name: String,
+    /// Its pressure, Pa.
+    pub pressure_pa: Option<f64>,
+    /// Payload, kg.
+    pub payload_kg: f64,
+    /// Largest distance of the tip from where it was seen last, m.
+    pub excursion_m: f64,
+    /// Whether it was kept out of the fit and only predicted.
+    pub held_out: bool,
+    /// End of what was fitted, s after release.
+    pub duration_s: f64,
+    /// Each track.
+    pub tracks: Vec<TrackFit>,
+    /// How far the fit is from the recording in what predictions are asked for.
+    #[serde(default)]
+    pub misfit: Misfit,
+    /// Root mean square error of mesh and step, mm, before it was removed.
+    pub numerical_error_mm: f64,
+    /// What may be left of it, mm.
+    pub numerical_error_left_mm: f64,
+}
+
+/// How one track is met.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TrackFit {
+    /// Name of the marker.
+    pub marker: String,
+    /// Samples fitted.
+    pub samples: usize,
+    /// Samples that the robust loss holds back.
+    pub held_back: usize,
+    /// Root mean square distance of measurement and prediction, mm, what is held back counting less.
+    pub rms_mm: f64,
+    /// Stated noise of a coordinate, mm.
+    pub stated_noise_mm: f64,
+    /// Noise of a coordinate as the residuals show it, mm.
+    pub noise_mm: f64,
+    /// Variance of the residuals over that of the stated noise.
+    pub reduced_chi_squared: f64,
+    /// Autocorrelation of the residuals at one sample.
+    pub autocorrelation: f64,
+}
+
+/// One search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SearchReport {
+    /// The releases that were fitted together.
+    pub releases: Vec<String>,
+    /// What was fitted one after another.
+    pub stages: Vec<Stage>,
+    /// Searches begun.
+    pub starts: usize,
+    /// Whether the last one found its minimum.
+    pub converged: bool,
+    /// Half the sum of squared residuals over the noise, large ones counting less, and of the priors.
+    pub cost: f64,
+    /// Simulations of all its releases with their sensitivities.
+    pub evaluations: usize,
+    /// Steps of the integrator in these, roughly.
+    pub steps: usize,
+}
+
+impl Calibrated {
+    /// Its name and what it belongs to.
+    pub fn label(&self) -> String {
+        match (&self.release, self.pressure_pa) {
+            (Some(release), _) => format!("{} of {release}", self.name),
+            (None, Some(pressure)) => format!("{} at {}", self.name, format_si(pressure, "Pa")),
+            (None, None) => self.name.clone(),
+        }
+    }
+
+    /// Standard error over the value; none of a value of zero.
+    pub fn relative_error(&self) -> Option<f64> {
+        self.standard_error.map(|error| error / self.value.abs()).filter(|error| error.is_finite())
+    }
+}
+
+impl Calibration {
+    /// A problem with what was found in its models.
+    pub fn applied(&self, problem: &Problem) -> Problem {
+        let mut problem = problem.clone();
+        for trial in &mut problem.trials {
+            let release = &trial.release;
+            let is_own = |one: &&Calibrated| match (&one.release, one.pressure_pa) {
+                (Some(own), _) => *own == release.name,
+                (None, pressure) => is_of_pressure(pressure, release.pressure),
+            };
+            let own = self.parameters.iter().filter(is_own);
+            let values: Vec<(usize, f64)> =
+                own.filter_map(|one| Some((trial.model.index(&one.name).ok()?, one.value))).collect();
+            (trial.model, trial.run.initial) = trial.with(&values);
+        }
+        problem
+    }
+
+    /// The same, each rod let go from the angle at which it was held.
+    pub fn as_held(&self, problem: &Problem) -> Problem {
+        let mut problem = self.applied(problem);
+        for trial in &mut problem.trials {
+            if let Ok(k) = trial.model.index("release.angle") {
+                trial.model.theta[k] += self.nuisance(&trial.release.name, HOLD_ANGLE);
+            }
+        }
+        problem
+    }
+
+    /// What was found of a release beside the parameters; zero where it was taken as given.
+    pub fn nuisance(&self, release: &str, name: &str) -> f64 {
+        let is_it = |one: &&Calibrated| one.name == name && one.release.as_deref() == Some(release);
+        self.nuisances.iter().find(is_it).map_or(0.0, |one| one.value)
+    }
+
+    /// The parameters of a path, in the order of their pressures.
+    pub fn of(&self, path: &str) -> Vec<&Calibrated> {
+        let mut all: Vec<_> = self.parameters.iter().filter(|found| found.name == path).collect();
+        all.sort_by(|a, b| a.pressure_pa.unwrap_or(0.0).total_cmp(&b.pressure_pa.unwrap_or(0.0)));
+        all
+    }
+}

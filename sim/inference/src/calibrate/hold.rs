@@ -1,0 +1,168 @@
+//! A rod that is held bent before its release: the force and the moment of the hand, from the markers.
+//!
+//! The rod starts at rest under a dead load at its end (`effects::tip_hold`). The load is a nuisance parameter of its
+//! release. Here it gets its first value: least squares on the places of the markers at the release, with what a hand may
+//! do as a prior.
+
+use std::ops::ControlFlow;
+
+use efam_core::forward::{ForwardError, Initial, Run, forward};
+use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
+use efam_experiments::release::Release;
+use models::effects::tip_hold::{HELD, NAME, PULL};
+use models::error::ModelError;
+use models::model::Model;
+use nalgebra::{DMatrix, DVector};
+
+use super::problem::Trial;
+
+/// Time before the release in which the hand that holds the rod hardly moves, s.
+pub(super) const LATE_HOLD: f64 = 0.1;
+/// Error of a marker's place, over the rod's length: half a millimetre on the paper's muscle.
+const PLACE: f64 = 3e-3;
+/// Nodes of the rod while its load is looked for: the places of sixteen edges are within a tenth of [`PLACE`] of the
+/// limit of fine meshes.
+const NODES: usize = 17;
+const MOST_EVALUATIONS: usize = 60;
+/// Predicted decrease of half the squared residuals below which the load is found: a tenth of a standard error.
+const SETTLED: f64 = 5e-3;
+/// The same as a share of half the squared residuals, for markers that no load brings to where they are: a tenth of the
+/// distance that is left.
+const SETTLED_APART: f64 = 0.2;
+
+/// Sizes of what a hand does: forces that bend the rod by its length and bear what it weighs, rates that change them in
+/// the time in which the end falls by that length, the moment of such a force.
+/// Source: a cantilever under a load at its end, `P = 3 EI w / L³`.
+pub(crate) fn sizes(model: &Model) -> Result<[f64; 5], ModelError> {
+    let value = |path: &str| Ok(model.theta[model.index(path)?]);
+    let rod = model.rod();
+    let mass = rod.mass + value("effects.end_fitting.mass")? + value("effects.payload.mass")?;
+    let gravity = value("effects.gravity.acceleration")?;
+    let force = 3.0 * rod.bending_stiffness / rod.length.powi(2) + mass * gravity;
+    let rate = force / (rod.length / gravity.max(1.0)).sqrt();
+    Ok([force, force, rate, rate, force * rod.length])
+}
+
+/// Whether a release can tell the moment: one marker does not show it.
+pub(super) fn shows_moment(release: &Release) -> bool {
+    release.tracks.len() > 1
+}
+
+/// Lets a trial start at rest in the hand that holds its markers where they are seen.
+pub(super) fn hold(trial: &mut Trial) -> Result<(), ForwardError> {
+    trial.model = trial.model.with_effect(NAME, &[("held", 0.0)])?;
+    let mut holding = trial.model.clone();
+    holding.set(HELD, 1.0)?;
+    let own = vec![holding.index(HELD)?];
+    trial.run.initial = Initial::Equilibrium { hold: Box::new(holding), own };
+    let (mut model, mut run) = (trial.model.clone(), trial.run.clone());
+    if model.edges >= NODES {
+        (model, run) = run.on_mesh(&model, NODES)?;
+    }
+    let values = find(&Trial { release: trial.release.clone(), model, run })?;
+    (trial.model, trial.run.initial) = trial.with(&values);
+    Ok(())
+}
+
+/// Where the force, and the moment if the release can tell it, stand in `theta`, and their sizes.
+fn load(trial: &Trial) -> Result<Vec<(usize, f64)>, ModelError> {
+    let ([x, z, _, _, moment], [force, .., of_moment]) = (PULL, sizes(&trial.model)?);
+    let moment = shows_moment(&trial.release).then_some((moment, of_moment));
+    let all = [(x, force), (z, force)].into_iter().chain(moment);
+    all.map(|(path, size)| Ok((trial.model.index(path)?, size))).collect()
+}
+
+/// Where each track is at the release: the mean of the end of the hold, or else the first sample.
+fn targets(release: &Release) -> Vec<Option<[f64; 2]>> {
+    let mean = |path: &Vec<Option<[f64; 2]>>| {
+        let samples = || release.time.iter().zip(path).filter_map(|(time, at)| Some((*time, (*at)?)));
+        let held: Vec<[f64; 2]> =
+            samples().filter(|(time, _)| (-LATE_HOLD..=0.0).contains(time)).map(|(_, at)| at).collect();
+        if held.is_empty() {
+            return samples().find(|(time, _)| *time > 0.0).map(|(_, at)| at);
+        }
+        Some([0, 1].map(|axis| held.iter().map(|at| at[axis]).sum::<f64>() / held.len() as f64))
+    };
+    release.tracks.iter().map(|track| mean(&track.position)).collect()
+}
+
+/// The load that brings the markers nearest to where they are, beside what a hand may do.
+fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
+    let targets = targets(&trial.release);
+    let load = load(trial)?;
+    let unknowns = load.len();
+    let scaled = |x: &DVector<f64>| -> Vec<_> {
+        load.iter().zip(x.iter()).map(|((place, size), x)| (*place, size * x)).collect()
+    };
+    let per_error = (PLACE * trial.model.rod().length).recip();
+    let look = |x: &DVector<f64>| -> Result<Evaluated<()>, ForwardError> {
+        let (model, initial) = trial.with(&scaled(x));
+        let run = Run {
+            initial,
+            sensitivities: load.iter().map(|(place, _)| *place).collect(),
+            points: trial.release.tracks.iter().map(|track| track.at).collect(),
+            trace_step: None,
+            samples: vec![0.0],
+            ..Run::release(0.0, 1.0)
+        };
+        let seen = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+        // The prior has a standard deviation of one.
+        let (mut cost, mut gradient) = (0.5 * x.norm_squared(), x.clone());
+        let mut hessian = DMatrix::identity(unknowns, unknowns);
+        for (t, target) in targets.iter().enumerate() {
+            let Some(target) = target else { continue };
+            for axis in 0..2 {
+                let residual = per_error * (target[axis] - seen.points[0][t][axis]);
+                let slope = |k: usize| per_error * load[k].1 * seen.points_by_parameters[0][t][k][axis];
+                let slopes = DVector::from_fn(unknowns, |k, _| slope(k));
+                cost += 0.5 * residual * residual;
+                gradient -= residual * &slopes;
+                hessian += &slopes * slopes.transpose();
+            }
+        }
+        Ok(Evaluated { cost, gradient, hessian, carried: () })
+    };
+    let start = DVector::zeros(unknowns);
+    look(&start)?;
+    let search = Search {
+        bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); unknowns],
+        longest: vec![1.0; unknowns],
+        tolerance: SETTLED,
+        relative: SETTLED_APART,
+        most_evaluations: MOST_EVALUATIONS,
+        first_damping: FIRST_DAMPING,
+        lends_slopes: false,
+        is_followed: true,
+    };
+    let found = minimise(&start, None, &search, &mut |x, _| look(x).ok());
+    Ok(scaled(&found.map_or(start, |found| found.x)))
+}
+
+#[cfg(test)]
+mod tests {
+    use efam_core::example::muscle_at_15_psi;
+    use models::statics::equilibrium;
+    use models::system::System;
+
+    use super::*;
+
+    /// Held as high as the clamp and pushed towards it, and pulled down.
+    #[test]
+    fn a_coarse_mesh_places_a_held_rod() {
+        let model = muscle_at_15_psi();
+        let size = sizes(&model).unwrap()[0];
+        for (x, z) in [(0.0, 0.4), (-0.2, 0.4), (0.3, -0.5)] {
+            let pull = [("held", 1.0), ("force_x", x * size), ("force_z", z * size)];
+            let held = model.with_effect(NAME, &pull).unwrap();
+            let tip = |nodes: usize| {
+                let held = held.with_nodes(nodes).unwrap();
+                let rest = equilibrium(&held, None).unwrap();
+                System::new(&held).observed_tip(&rest.q, &vec![0.0; rest.q.len()]).0
+            };
+            let (coarse, fine) = (tip(NODES), tip(8 * (NODES - 1) + 1));
+            let off = (coarse[0] - fine[0]).hypot(coarse[1] - fine[1]) / model.rod().length;
+            println!("({x}, {z}): {off:e} of the length");
+            assert!(off < 0.1 * PLACE, "({x}, {z}): {off} of the length");
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! All releases fitted together, for one who goes on from there: a diagnosis.
+
+use efam_core::levenberg_marquardt::Solution;
+use nalgebra::DVector;
+
+use super::error::CalibrateError;
+use super::objective::{Objective, Seen, View};
+use super::part::whole;
+use super::prediction::{Fidelity, Slopes};
+use super::problem::{Problem, Trial};
+use super::refine::{LAST, refine};
+use super::search::{EXPLAINED, FIT, Found, common_cost, meet, minimise_in, search};
+use super::starts::{counts, swing_times};
+use super::unknowns::{Group, Kind, Unknown, Unknowns};
+
+/// A value of a scaled unknown.
+#[derive(Clone, Debug)]
+pub(crate) struct Known {
+    pub unknown: Unknown,
+    pub x: f64,
+}
+
+impl Known {
+    fn is(&self, other: &Unknown) -> bool {
+        let Unknown { name, kind, group, .. } = &self.unknown;
+        (name, kind, group) == (&other.name, &other.kind, &other.group)
+    }
+
+    /// Whether it is the same parameter with one value for all.
+    fn is_shared(&self, other: &Unknown) -> bool {
+        let Unknown { name, kind, group, .. } = &self.unknown;
+        (name, kind, *group) == (&other.name, &other.kind, Group::All)
+    }
+
+    /// Whether it is a parameter of a trial's model.
+    pub fn is_of(&self, place: usize, trial: &Trial) -> bool {
+        let is_parameter = matches!(self.unknown.kind, Kind::Parameter(_));
+        is_parameter
+            && match (self.unknown.group, trial.release.pressure) {
+                (Group::All, _) => true,
+                (own @ Group::Pressure(_), Some(pressure)) => own.is(Group::Pressure(pressure)),
+                (Group::Pressure(_), None) => false,
+                (Group::Release(own), _) => own == place,
+            }
+    }
+
+    /// The value, SI.
+    pub fn value(&self) -> f64 {
+        self.unknown.scaled.value(self.x)
+    }
+}
+
+/// A fit of all releases that are not locked away.
+pub(crate) struct Joint<'a> {
+    pub objective: Objective<'a>,
+    pub found: Found,
+    /// What may be left of the mesh's error, m, root mean square of each release; none where it was not
+    /// removed anew.
+    pub left_of_mesh: Option<Vec<f64>>,
+}
+
+/// A fit with the problem that it is of.
+#[derive(Clone)]
+pub(crate) struct Fitted {
+    pub problem: Problem,
+    found: Found,
+}
+
+impl Fitted {
+    /// A fit of `problem`.
+    pub fn new(problem: Problem, found: Found) -> Self {
+        Self { problem, found }
+    }
+
+    /// The same fit of a problem that differs in nothing that was fitted.
+    pub fn with_problem(&self, problem: Problem) -> Self {
+        Self { problem, found: self.found.clone() }
+    }
+
+    /// The fit, as it was found.
+    /// # Errors
+    /// [`CalibrateError`] where the problem is another one than was fitted.
+    pub fn fit(&self) -> Result<Joint<'_>, CalibrateError> {
+        let objective = Objective::new(whole(&self.problem, Unknowns::of(&self.problem)?))?;
+        Ok(Joint { objective, found: self.found.clone(), left_of_mesh: None })
+    }
+}
+
+impl<'a> Joint<'a> {
+    /// Searches from the problem's start.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense, and where no start leads to a fit.
+    pub fn search(problem: &'a Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Self, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let start = objective.start();
+        let say = |stage: &super::Stage, _: &DVector<f64>| match stage.swings {
+            Some(swings) => {
+                tell(&format!("{swings:.1} swings, residuals {:.2} times the noise", stage.spread))
+            }
+            None => tell(&format!("residuals {:.2} times the noise", stage.spread)),
+        };
+        let Some(mut found) = search(&objective, &start, &say) else { return Err(objective.refusal(&start)) };
+        let left_of_mesh = refine(&objective, &mut found, false, tell).map(|mesh| mesh.left);
+        Ok(Self { objective, found, left_of_mesh })
+    }
+
+    /// Fits the first samples of each release at once, with what mesh and step do; and how far the best is from them,
+    /// as a share of their motion. None where no start can be run.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn meet(problem: &'a Problem, counts: &[usize]) -> Result<Option<(Self, f64)>, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let met = meet(&objective, counts);
+        Ok(met.map(|(found, share)| (Self { objective, found, left_of_mesh: None }, share)))
+    }
+
+    /// How many samples of each release lie within so many small swings of the slowest one.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn first_swings(problem: &Problem, swings: f64) -> Result<Vec<usize>, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let times = swing_times(&objective, &objective.start());
+        let longest = times.iter().copied().fold(0.0, f64::max);
+        Ok(counts(&objective, &vec![longest; times.len()], swings))
+    }
+
+    /// Goes on from what is known: unknowns that are among it begin there, others at their start. None
+    /// where the model cannot be run there, or not on a finer mesh.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn follow(
+        problem: &'a Problem,
+        known: &[Known],
+        tell: &dyn Fn(&str),
+    ) -> Result<Option<Self>, CalibrateError> {
+        let mut fit = match Self::as_seen(problem, known, Slopes::Differences, LAST) {
+            Ok(fit) => fit,
+            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        let Some(mesh) = refine(&fit.objective, &mut fit.found, false, tell) else { return Ok(None) };
+        fit.left_of_mesh = Some(mesh.left);
+        Ok(Some(fit))
+    }
+
+    /// Comes near the minimum from what is known, with what mesh and step do as another fit of the same
+    /// releases has found it: for comparing many models of which few are worth more. On the steps of that
+    /// fit, unless the model needs its own. None where the model cannot be run there.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn approach(
+        problem: &'a Problem,
+        known: &[Known],
+        like: &View,
+        has_own_steps: bool,
+        share: f64,
+    ) -> Result<Option<Self>, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let mut view = View { slopes: Slopes::Differences, ..like.clone() };
+        if has_own_steps {
+            let x = placed(&objective, known);
+            let Some(seen) = objective.see(&x, &View { steps: None, ..like.clone() }, None) else {
+                return Ok(None);
+            };
+            view.steps = Some(seen.steps);
+        }
+        Self::near(objective, known, view, share)
+    }
+
+    /// Comes near the minimum over all releases of a problem that two fits have between them, from what those
+    /// know, and with what mesh and step do as they have found it. None where the model cannot be run there.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn together(problem: &'a Problem, parts: [&Joint; 2]) -> Result<Option<Self>, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let seen = |t: &usize| {
+            parts.iter().find_map(|part| {
+                let r = part.objective.part.trials.iter().position(|own| own == t)?;
+                Some((&part.found.view, r))
+            })
+        };
+        let releases: Option<Vec<_>> = objective.part.trials.iter().map(seen).collect();
+        let Some(view) = releases.and_then(|releases| View::gathered(&releases)) else { return Ok(None) };
+        let view = View { slopes: Slopes::Variational, ..view };
+        let known = parts.map(|part| part.known()).concat();
+        Self::near(objective, &known, view, 0.0)
+    }
+
+    /// The minimum near what is known, under one view; the search ends where it gains no more than a `share` of
+    /// the cost.
+    fn near(
+        objective: Objective<'a>,
+        known: &[Known],
+        view: View,
+        share: f64,
+    ) -> Result<Option<Self>, CalibrateError> {
+        let x = placed(&objective, known);
+        let Some(near) = minimise_in(&objective, &x, None, &view, 1.0, share) else { return Ok(None) };
+        let Solution { x, at, predicted, converged, .. } = near;
+        let found = Found { x, at, view, stages: Vec::new(), predicted, converged, starts: 1 };
+        Ok(Some(Self { objective, found, left_of_mesh: None }))
+    }
+
+    /// What is known, as it is: unknowns that are among it are there, others at their start, and nothing
+    /// is fitted.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense, and where the model cannot be run there.
+    pub fn at(problem: &'a Problem, known: &[Known], slopes: Slopes) -> Result<Self, CalibrateError> {
+        Self::as_seen(problem, known, slopes, FIT)
+    }
+
+    fn as_seen(
+        problem: &'a Problem,
+        known: &[Known],
+        slopes: Slopes,
+        fidelity: Fidelity,
+    ) -> Result<Self, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let x = placed(&objective, known);
+        let view = View { fidelity, ..View::of_all(&objective) };
+        let Some(seen) = objective.see(&x, &view, None) else { return Err(objective.refusal(&x)) };
+        let view = View { slopes, ..view.like(seen) };
+        let Some(at) = objective.evaluate(&x, &view, None) else { return Err(objective.refusal(&x)) };
+        let found =
+            Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
+        Ok(Self { objective, found, left_of_mesh: None })
+    }
+
+    /// Residuals at what is known, with what they were measured by.
+    /// # Errors
+    /// As [`Joint::at`].
+    pub fn seen(problem: &'a Problem, known: &[Known]) -> Result<(Objective<'a>, Seen), CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let x = placed(&objective, known);
+        match objective.see(&x, &View::of_all(&objective), None) {
+            Some(seen) => Ok((objective, seen)),
+            None => Err(objective.refusal(&x)),
+        }
+    }
+
+    /// Whether the noise explains its residuals.
+    pub fn is_explained(&self) -> bool {
+        self.found.at.carried.spreads().iter().all(|spread| *spread < EXPLAINED)
+    }
+
+    /// The name of a release, by its place in the problem.
+    pub fn name_of(&self, trial: usize) -> Option<String> {
+        let place = self.objective.part.trials.iter().position(|t| *t == trial)?;
+        Some(self.objective.part.members[place].release.name.clone())
+    }
+
+    /// What it found.
+    pub fn known(&self) -> Vec<Known> {
+        let pairs = self.objective.part.unknowns.iter().zip(&self.found.x);
+        pairs.map(|(unknown, x)| Known { unknown: unknown.clone(), x: *x }).collect()
+    }
+
+    /// The cost under the loss of the noise itself, which fits of the same releases share.
+    pub fn cost(&self) -> f64 {
+        common_cost(&self.objective, &self.found)
+    }
+}
+
+/// The unknowns at what is known of them, others at their start.
+fn placed(objective: &Objective, known: &[Known]) -> DVector<f64> {
+    let mut x = objective.start();
+    for (x, unknown) in x.iter_mut().zip(&objective.part.unknowns) {
+        // What all shared is where one's own begins.
+        let shared = || known.iter().find(|known| known.is_shared(unknown));
+        if let Some(known) = known.iter().find(|known| known.is(unknown)).or_else(shared) {
+            *x = known.x;
+        }
+    }
+    x
+}

@@ -1,0 +1,196 @@
+//! Calibration: parameters of a model from measured releases, with their uncertainty.
+//!
+//! Nonlinear least squares on the paths of the markers themselves. [`Problem`] says which releases
+//! and which parameters, [`calibrate()`] finds them, [`Calibration`] is what is written. Where the data
+//! cannot tell parameters apart it is said in words, with the experiment that would.
+
+mod autocorrelation;
+pub mod calibration;
+mod discrepancy;
+mod error;
+pub(crate) mod hold;
+mod identifiability;
+pub(crate) mod joint;
+pub(crate) mod loss;
+pub mod misfit;
+pub(crate) mod numerics;
+pub(crate) mod objective;
+mod outcome;
+pub(crate) mod part;
+pub(crate) mod prediction;
+pub mod problem;
+pub(crate) mod profile;
+pub(crate) mod refine;
+pub mod repeats;
+pub mod residuals;
+pub(crate) mod search;
+mod section;
+mod starts;
+pub(crate) mod uncertainty;
+pub mod unknowns;
+mod warnings;
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+pub use calibration::Calibration;
+pub use error::CalibrateError;
+pub use outcome::{Curve, Outcome};
+pub use problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
+pub use search::Stage;
+pub use section::{SectionError, problem, repeatability};
+pub(crate) use section::{marker_error, trial};
+
+use numerics::Correction;
+use objective::Objective;
+use part::{Part, parts};
+use refine::{refine, shift};
+use repeats::{Repeats, Source};
+use search::{Found, go_on, search};
+use uncertainty::{Uncertainty, uncertainty};
+use unknowns::Unknowns;
+
+/// What is done beside the fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Whether the errors of mesh and step are removed; without that the parameters belong to the
+    /// mesh of the models.
+    pub remove_mesh: bool,
+    /// Whether to find intervals by the profile of the likelihood as well.
+    pub profile: bool,
+    /// How well the experiment repeats, where that is stated: root mean square distance, m.
+    pub repeatability: Option<f64>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { remove_mesh: true, profile: false, repeatability: None }
+    }
+}
+
+/// One part of a problem, fitted.
+pub(crate) struct Fitted<'a> {
+    objective: Objective<'a>,
+    found: Found,
+    uncertainty: Uncertainty,
+    numerics: Option<Correction>,
+    /// By how many standard errors the numerics would move each unknown.
+    shift: DVector<f64>,
+    /// Evaluations of all releases, and steps of the integrator in all runs.
+    effort: [usize; 2],
+    /// By unknown, scaled.
+    profiles: Vec<Option<[f64; 2]>>,
+}
+
+/// Who hears how a calibration goes on, from any thread. A closure hears what is being done.
+pub trait Listener: Sync {
+    /// What is being done.
+    fn doing(&self, what: &str);
+
+    /// A stretch of the recordings was fitted.
+    fn fitted(&self, _progress: &Progress) {}
+}
+
+impl<F: Fn(&str) + Sync> Listener for F {
+    fn doing(&self, what: &str) {
+        self(what);
+    }
+}
+
+/// How far a search has come.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// The releases that are fitted together, in words.
+    pub part: String,
+    /// Largest robust spread of the residuals of a release, in units of the noise.
+    pub spread: f64,
+    /// Each parameter: what it is, its value, its SI unit.
+    pub parameters: Vec<(String, f64, &'static str)>,
+}
+
+/// Finds the parameters of a problem; `listener` hears what is being done.
+/// # Errors
+/// [`CalibrateError`] for a problem that makes no sense, and where no start leads to a fit.
+pub fn calibrate(
+    problem: &Problem,
+    settings: &Settings,
+    listener: &dyn Listener,
+) -> Result<Outcome, CalibrateError> {
+    if problem.parameters.is_empty() {
+        return Err(CalibrateError::NoParameters);
+    }
+    let repeats = Repeats::of(problem, settings.repeatability).filter(Repeats::is_known);
+    // What releases of one condition differ by is in the residuals of their fit, but for what angles and instants of
+    // their own explain.
+    let stated = repeats.as_ref().filter(|repeats| repeats.source == Source::Stated);
+    let heard = stated.map(|repeats| repeats.heard_in(problem));
+    let problem = heard.as_ref().unwrap_or(problem);
+    let unknowns = Unknowns::of(problem)?;
+    let parts = parts(problem, &unknowns);
+    let fitted: Vec<Fitted> = parts
+        .into_par_iter()
+        .map(|part| fit(part, settings, listener))
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect::<Result<_, _>>()?;
+    let mut outcome = outcome::outcome(problem, &unknowns, &fitted);
+    outcome.calibration.repeats = repeats;
+    Ok(outcome)
+}
+
+/// Times that samples are weighed anew by what the fit misses.
+const MOST_WEIGHINGS: usize = 4;
+
+fn fit<'a>(
+    part: Part<'a>,
+    settings: &Settings,
+    listener: &dyn Listener,
+) -> Result<Fitted<'a>, CalibrateError> {
+    let mut objective = Objective::new(part)?;
+    let start = objective.start();
+    let name = match &objective.part.members[..] {
+        [only] => only.release.name.clone(),
+        [first, rest @ ..] => format!("{} and {} more", first.release.name, rest.len()),
+        [] => String::new(),
+    };
+    let say = |part: &Part, stage: &Stage, x: &DVector<f64>| {
+        let stretch = stage.swings.map_or("all of it".to_owned(), |swings| format!("{swings:.2} swings"));
+        listener.doing(&format!("{name}: {stretch}, residuals {:.2} times the noise", stage.spread));
+        let parameters = part.unknowns.iter().zip(x.iter()).filter(|(unknown, _)| !unknown.is_nuisance());
+        listener.fitted(&Progress {
+            part: name.clone(),
+            spread: stage.spread,
+            parameters: parameters
+                .map(|(unknown, x)| (unknown.label(), unknown.scaled.value(*x), unknown.unit))
+                .collect(),
+        });
+    };
+    let Some(mut found) = search(&objective, &start, &|stage, x| say(&objective.part, stage, x)) else {
+        return Err(objective.refusal(&start));
+    };
+    let refined = |objective: &Objective, found: &mut Found| {
+        refine(objective, found, !settings.remove_mesh, &|what| listener.doing(&format!("{name}: {what}")))
+    };
+    // Mesh and step swing as the rod does: what a model misses is only seen without them.
+    let mut numerics = refined(&objective, &mut found);
+    for _ in 0..MOST_WEIGHINGS {
+        if !discrepancy::hear(&mut objective, &found) {
+            break;
+        }
+        if go_on(&objective, &mut found).is_none() {
+            return Err(objective.refusal(&found.x));
+        }
+        numerics = refined(&objective, &mut found);
+    }
+    let shift = shift(&objective, &found);
+    let effort = objective.effort();
+    let uncertainty = uncertainty(&objective, &found);
+    let is_wanted = |k: &usize| settings.profile && !objective.part.unknowns[*k].is_nuisance();
+    let profiles = (0..start.len())
+        .into_par_iter()
+        .map(|k| {
+            Some(k).filter(is_wanted).and_then(|k| profile::profile(&objective, &found, &uncertainty, k))
+        })
+        .collect();
+    Ok(Fitted { objective, found, uncertainty, numerics, shift, effort, profiles })
+}

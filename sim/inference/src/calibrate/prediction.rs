@@ -1,0 +1,257 @@
+//! What a model predicts that a recording shows, and how that changes with the unknowns.
+
+use std::ops::ControlFlow;
+
+use efam_core::forward::{ForwardError, Run, forward};
+use efam_core::integrate::{Method, Steps};
+use efam_core::trajectory::Status;
+use efam_experiments::release::Point;
+use models::sensor::Sensor;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::error::CalibrateError;
+use super::hold::LATE_HOLD;
+use super::problem::{Trial, refine};
+use super::unknowns::{Acts, Local, Unknown};
+
+/// The samples of a release that are fitted.
+#[derive(Clone, Debug)]
+pub(crate) struct Measured {
+    /// Places in the release's `time`, ascending; each has a track at least.
+    pub samples: Vec<usize>,
+    /// Standard deviation of each track, m: of its noise and of what does not repeat.
+    pub noise: Vec<f64>,
+    /// Standard deviation of the noise alone, m.
+    pub camera_noise: Vec<f64>,
+}
+
+/// How finely a run is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fidelity {
+    /// Error admitted in a step.
+    pub tolerance: f64,
+    /// Edges for each edge of the model.
+    pub refinement: usize,
+}
+
+/// How the slopes of a prediction are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Slopes {
+    /// From the variational equation: those of the exact solution, a per cent or two off at the
+    /// tolerance of a fit. Cheap, and good enough to come near.
+    Variational,
+    /// Differences of runs on the same steps: those of the prediction itself, to five digits. Where two
+    /// unknowns do almost the same, a search comes to rest only with these.
+    Differences,
+}
+
+/// Change of a scaled unknown by which differences are taken: the prediction's rounding, some 1e-11 m,
+/// leaves 1e-6 m, its curvature 1e-5 of the slope.
+const DIFFERENCE: f64 = 1e-5;
+/// The same with friction. Where it turns round on given steps jumps with the parameters, by some 1e-6 m at the tolerance of
+/// a fit: over a change of 1e-5 that would be a slope larger than the true one.
+const DIFFERENCE_WITH_FRICTION: f64 = 1e-3;
+
+/// Predicted positions of every track, without offsets.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Prediction {
+    /// Shape `[tracks][samples]`, m.
+    pub position: Vec<Vec<[f64; 2]>>,
+    /// Derivatives by the scaled unknowns of the trial, shape `[tracks][samples][locals]`, m; empty
+    /// unless asked for.
+    pub slopes: Vec<Vec<Vec<[f64; 2]>>>,
+    /// Where the steps of the integrator ended, s.
+    pub steps: Vec<f64>,
+    /// Steps of all runs that were made, those for slopes included.
+    pub steps_in_all: usize,
+}
+
+/// Standard errors of the release instant that are left out after it.
+const CLEAR_OF_RELEASE: f64 = 3.0;
+/// Fewest samples that can be fitted.
+const LEAST_SAMPLES: usize = 5;
+/// Noise that is assumed of a track at least, m: no camera is better.
+const LEAST_NOISE: f64 = 1e-7;
+/// Noise of a track that does not say, m.
+const USUAL_NOISE: f64 = 2e-4;
+/// Shortest last step of a run on the steps of another, s.
+const LEAST_STEP: f64 = 1e-6;
+/// Steps after which a run of a fit is given up.
+const MOST_STEPS: usize = 300_000;
+
+impl Measured {
+    pub fn of(trial: &Trial) -> Result<Self, CalibrateError> {
+        let release = &trial.release;
+        for track in &release.tracks {
+            if let Point::Along(share) = track.at
+                && !(0.0..=1.0).contains(&share)
+            {
+                return Err(CalibrateError::OffTheRod {
+                    release: release.name.clone(),
+                    marker: track.marker.clone(),
+                    share,
+                });
+            }
+        }
+        // The posture in the hand is known from the end of the hold.
+        let clear = match trial.is_held() {
+            true => -LATE_HOLD,
+            false => CLEAR_OF_RELEASE * release.release_uncertainty,
+        };
+        let is_seen = |k: &usize| release.tracks.iter().any(|track| track.position[*k].is_some());
+        let samples: Vec<usize> =
+            (0..release.time.len()).filter(|k| release.time[*k] > clear).filter(is_seen).collect();
+        if samples.len() < LEAST_SAMPLES {
+            return Err(CalibrateError::TooFewSamples {
+                release: release.name.clone(),
+                samples: samples.len(),
+                least: LEAST_SAMPLES,
+            });
+        }
+        let camera_noise: Vec<f64> = (release.tracks.iter())
+            .map(|track| match track.noise {
+                noise if noise > 0.0 && noise.is_finite() => noise.max(LEAST_NOISE),
+                _ => USUAL_NOISE,
+            })
+            .collect();
+        let both = release.tracks.iter().zip(&camera_noise);
+        let noise = both.map(|(track, noise)| noise.hypot(track.discrepancy)).collect();
+        Ok(Self { samples, noise, camera_noise })
+    }
+}
+
+/// Values of the unknowns as the model of a trial takes them: parameters, and the release instant, s.
+pub(crate) fn values(
+    trial: &Trial,
+    locals: &[Local],
+    unknowns: &[Unknown],
+    x: &DVector<f64>,
+) -> (Vec<(usize, f64)>, f64) {
+    let (mut theta, mut instant) = (Vec::new(), 0.0);
+    for local in locals {
+        let value = unknowns[local.unknown].scaled.value(x[local.unknown]);
+        match local.acts {
+            Acts::Theta(k) => theta.push((k, value)),
+            Acts::OnTheta(k) => theta.push((k, trial.model.theta[k] + value)),
+            Acts::Instant => instant = value,
+            Acts::Offset { .. } => {}
+        }
+    }
+    (theta, instant)
+}
+
+/// Simulates a trial and looks at it as its recording did: at the first `count` of the samples; on the
+/// steps of another run, if they are given.
+#[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
+pub(crate) fn predict(
+    trial: &Trial,
+    measured: &Measured,
+    locals: &[Local],
+    unknowns: &[Unknown],
+    x: &DVector<f64>,
+    count: usize,
+    fidelity: Fidelity,
+    steps: Option<&[f64]>,
+    slopes: Option<Slopes>,
+) -> Result<Prediction, ForwardError> {
+    let (theta, instant) = values(trial, locals, unknowns, x);
+    let (mut model, mut initial) = trial.with(&theta);
+    if fidelity.refinement > 1 {
+        refine(&mut model, &mut initial, fidelity.refinement)?;
+    }
+    let times: Vec<f64> =
+        (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();
+    let last = times.last().copied().unwrap_or(0.0);
+    let duration = last.max(Sensor::new(&model, model.theta.clone()).instant(last));
+    let run = Run {
+        initial,
+        history: trial.run.history,
+        duration,
+        samples: times.clone(),
+        method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
+        tolerance: fidelity.tolerance,
+        steps: steps.map_or(Steps::Adaptive, |ends| {
+            Steps::Given(ends.iter().copied().filter(|t| *t < duration - LEAST_STEP).collect())
+        }),
+        most_steps: trial.run.most_steps.min(MOST_STEPS),
+        keep_samples: true,
+        keep_steps: true,
+        energy: false,
+        sensitivities: match slopes {
+            Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
+            _ => Vec::new(),
+        },
+        points: trial.release.tracks.iter().map(|track| track.at).collect(),
+        trace_step: None,
+        cancel: trial.run.cancel.clone(),
+    };
+    let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+    if let Status::CutShort { time } = path.status {
+        return Err(ForwardError::CutShort { time });
+    }
+    let tracks = trial.release.tracks.len();
+    // A hand that moves brings the markers along a straight line to where it lets go.
+    let way = |track: usize, sample: usize| {
+        let before = trial.release.time[measured.samples[sample]] - instant;
+        let velocity = path.point_velocities[0][track];
+        if trial.is_held() && before < 0.0 { velocity.map(|velocity| before * velocity) } else { [0.0; 2] }
+    };
+    let of_track = |track: usize| {
+        let moved = |(sample, points): (usize, &Vec<[f64; 2]>)| {
+            let ([x, z], [dx, dz]) = (points[track], way(track, sample));
+            [x + dx, z + dz]
+        };
+        path.points.iter().enumerate().map(moved).collect()
+    };
+    let mut prediction = Prediction {
+        position: (0..tracks).map(of_track).collect(),
+        slopes: Vec::new(),
+        steps: path.steps.clone(),
+        steps_in_all: path.steps.len(),
+    };
+    if let Some(slopes) = slopes {
+        let difference = if model.slipping().is_some() { DIFFERENCE_WITH_FRICTION } else { DIFFERENCE };
+        let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
+            (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
+                let mut aside = x.clone();
+                aside[locals[l].unknown] += difference;
+                let steps = Some(&path.steps[..]);
+                predict(trial, measured, locals, unknowns, &aside, count, fidelity, steps, None).map(Some)
+            }
+            _ => Ok(None),
+        };
+        let moved: Vec<Option<Prediction>> =
+            locals.par_iter().enumerate().map(moved).collect::<Result<_, _>>()?;
+        prediction.steps_in_all += moved.iter().flatten().map(|moved| moved.steps_in_all).sum::<usize>();
+        let chain: Vec<f64> =
+            locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();
+        for track in 0..tracks {
+            let row = |sample: usize| {
+                let found = path.points_by_parameters.get(sample);
+                let mut by_theta = found.map_or(&[][..], |points| &points[track]).iter();
+                let is_held = times[sample] <= 0.0;
+                let of_local = |((local, chain), moved): ((&Local, &f64), &Option<Prediction>)| match local
+                    .acts
+                {
+                    _ if moved.is_some() => {
+                        let aside = moved.as_ref().map_or([0.0; 2], |moved| moved.position[track][sample]);
+                        let here = prediction.position[track][sample];
+                        [0, 1].map(|axis| (aside[axis] - here[axis]) / difference)
+                    }
+                    Acts::Theta(_) | Acts::OnTheta(_) => {
+                        by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
+                    }
+                    Acts::Instant if is_held && !trial.is_held() => [0.0; 2],
+                    Acts::Instant => path.point_velocities[sample][track].map(|rate| -chain * rate),
+                    Acts::Offset { track: own, axis } => {
+                        [0, 1].map(|k| if own == track && axis == k { *chain } else { 0.0 })
+                    }
+                };
+                locals.iter().zip(&chain).zip(&moved).map(of_local).collect()
+            };
+            prediction.slopes.push((0..count).map(row).collect());
+        }
+    }
+    Ok(prediction)
+}

@@ -1,0 +1,92 @@
+//! Intervals by the profile of the likelihood: one unknown is moved, all others follow.
+//!
+//! An interval from the curvature is a parabola's; where the cost is none, the profile tells. The
+//! bounds lie where twice the cost has risen by `1.96²`, times how much wider the covariance is than for
+//! white noise as large as stated.
+//! Source: Venzon and Moolgavkar (1988), Applied Statistics 37, 87-94.
+
+use efam_core::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
+use nalgebra::DVector;
+
+use super::objective::{Objective, Seen};
+use super::search::Found;
+use super::uncertainty::Uncertainty;
+
+/// The 97.5 % point of the normal distribution.
+pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
+const MOST_POINTS: usize = 6;
+/// How near the root of the rise has to come to the wanted one.
+const NEAR: f64 = 0.01;
+
+/// Bounds of the scaled unknown; none where the data do not bound it.
+pub(crate) fn profile(
+    objective: &Objective,
+    found: &Found,
+    uncertainty: &Uncertainty,
+    unknown: usize,
+) -> Option<[f64; 2]> {
+    if !uncertainty.is_determined[unknown] {
+        return None;
+    }
+    let widening = uncertainty.widening(unknown);
+    let error = uncertainty.covariance[(unknown, unknown)].sqrt();
+    let side = |sign: f64| bound(objective, found, unknown, sign * error, widening.max(1e-12));
+    Some([side(-1.0)?, side(1.0)?])
+}
+
+/// Steps outward by the parabola's bound, then as the root of the rise foretells.
+fn bound(objective: &Objective, found: &Found, unknown: usize, step: f64, widening: f64) -> Option<f64> {
+    let (low, high) = objective.part.unknowns[unknown].bounds;
+    let mut x = found.x.clone();
+    let (mut length, mut before) = (NORMAL_95, (0.0, 0.0));
+    for _ in 0..MOST_POINTS {
+        let wanted = found.x[unknown] + length * step;
+        let value = wanted.clamp(low, high);
+        let moved = (value - found.x[unknown]) / step;
+        let follow = &x - &found.x;
+        x = &found.x + follow * if before.0 > 0.0 { moved / before.0 } else { 1.0 };
+        let (next, cost) = held(objective, found, &x, unknown, value)?;
+        x = next;
+        let rise = (2.0 * (cost - found.at.cost) / widening).max(0.0).sqrt();
+        if (rise - NORMAL_95).abs() < NEAR {
+            return Some(value);
+        }
+        if value != wanted && rise < NORMAL_95 {
+            // The admissible values end before the data object.
+            return Some(value);
+        }
+        let slope = (rise - before.1) / (moved - before.0);
+        before = (moved, rise);
+        length = match slope > 0.0 {
+            true => (moved + (NORMAL_95 - rise) / slope).clamp(0.3 * moved, 3.0 * moved),
+            false => 2.0 * moved,
+        };
+    }
+    Some(found.x[unknown] + length * step)
+}
+
+/// The least cost with one unknown held.
+fn held(
+    objective: &Objective,
+    found: &Found,
+    x: &DVector<f64>,
+    unknown: usize,
+    value: f64,
+) -> Option<(DVector<f64>, f64)> {
+    let unknowns = &objective.part.unknowns;
+    let mut bounds: Vec<_> = unknowns.iter().map(|unknown| unknown.bounds).collect();
+    bounds[unknown] = (value, value);
+    let search = Search {
+        bounds,
+        longest: unknowns.iter().map(|unknown| unknown.longest_step()).collect(),
+        tolerance: 1e-3,
+        relative: 0.0,
+        most_evaluations: 10,
+        first_damping: NEAR_DAMPING,
+        lends_slopes: true,
+        is_followed: true,
+    };
+    let mut evaluate = |x: &DVector<f64>, lent: Option<&Seen>| objective.evaluate(x, &found.view, lent);
+    let solution = minimise(x, Some(&found.at.carried), &search, &mut evaluate)?;
+    Some((solution.x, solution.at.cost))
+}

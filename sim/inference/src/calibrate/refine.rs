@@ -1,0 +1,109 @@
+//! The end of a fit: slopes of the prediction itself, a loss that suits the residuals, and a rod
+//! without mesh.
+//!
+//! The stages come near with the slopes of the variational equation. Where two unknowns do almost the
+//! same, that error of a per cent or two, magnified along their valley, would be the last word; so here
+//! slopes are differences of runs on the same steps. They cost a run an unknown, and are lent from point
+//! to point as long as they foretell the cost.
+
+use efam_core::levenberg_marquardt::Solution;
+use nalgebra::DVector;
+
+use super::loss::Huber;
+use super::numerics::{Correction, correction};
+use super::objective::{Objective, Seen, View};
+use super::prediction::{Fidelity, Slopes};
+use super::search::{Found, minimise_in};
+use super::uncertainty::pseudo_inverse;
+
+/// Predicted decrease, for residuals of unit spread, at which the search stops.
+const TOLERANCE: f64 = 2e-2;
+/// Rounds in which the threshold of the loss follows the residuals.
+const MOST_ROUNDS: usize = 4;
+/// The same as a share of the cost, where mesh and step were removed at another place.
+const UNCORRECTED_SHARE: f64 = 1e-3;
+/// How finely the last word is spoken. Alpha and beta do almost the same, and a swing tells them apart by what
+/// is left when one has done what it can for the other, a fiftieth of its slope: an error of four
+/// thousandths of the slopes, which steps of the usual size leave, turns that by half.
+pub(crate) const LAST: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
+/// Standard errors by which a fit may move without changing what mesh and step do.
+const FAR: f64 = 3.0;
+
+/// Follows a fit to its end, one of [`LAST`] fidelity being near it, without the errors of the step, and of the mesh unless that is kept; says
+/// what they did.
+pub(crate) fn refine(
+    objective: &Objective,
+    found: &mut Found,
+    keep_mesh: bool,
+    tell: &dyn Fn(&str),
+) -> Option<Correction> {
+    let mut numerics = None;
+    let mut view = View { slopes: Slopes::Differences, steps: None, ..found.view.clone() };
+    // What mesh and step do is only known near the end: until then there is no use in the last digit.
+    let first = (view.fidelity != LAST).then_some(UNCORRECTED_SHARE);
+    for share in first.into_iter().chain([0.0, 0.0]) {
+        if share == 0.0 && view.fidelity != LAST {
+            (view.fidelity, view.steps) = (LAST, None);
+        }
+        tell("a finer mesh and step");
+        let finer = correction(objective, &found.x, &view, keep_mesh)?;
+        view.steps = Some(finer.own_steps.clone());
+        view.corrections = Some(finer.corrections.clone());
+        let better = settle(objective, found, &mut view, share)?;
+        let errors = pseudo_inverse(&better.at.hessian).0.diagonal();
+        let moved = (&better.x - &found.x).zip_map(&errors, |x, error| x / error.max(1e-300).sqrt());
+        found.go_to(better, view.clone());
+        numerics = Some(finer);
+        if share == 0.0 && moved.amax() < FAR {
+            break;
+        }
+    }
+    numerics
+}
+
+/// Minimises with a loss whose threshold follows the spread of the residuals, on the steps that the
+/// view has, or else on those of the start.
+fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> Option<Solution<Seen>> {
+    if view.steps.is_none() {
+        view.steps = Some(objective.see(&from.x, view, None)?.steps);
+    }
+    let mut best: Option<Solution<Seen>> = None;
+    for _ in 0..MOST_ROUNDS {
+        let (x, seen) = best.as_ref().map_or((&from.x, &from.at.carried), |best| (&best.x, &best.at.carried));
+        // Until mesh and step are known where they belong, the slopes of the stages will do.
+        let lent = (best.is_some() || share > 0.0 || from.view.fidelity == view.fidelity).then_some(seen);
+        let spreads = seen.spreads();
+        view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
+        let solution = minimise_in(objective, x, lent, view, TOLERANCE, share)?;
+        let now = solution.at.carried.spreads();
+        let settled = |(before, now): (&f64, &f64)| (before.max(1.0) / now.max(1.0)).ln().abs() < 0.1;
+        let is_settled = spreads.iter().zip(&now).all(settled);
+        best = Some(solution);
+        if is_settled {
+            break;
+        }
+    }
+    best
+}
+
+/// By how many standard errors mesh and step would move each unknown if they were left in.
+pub(crate) fn shift(objective: &Objective, found: &Found) -> DVector<f64> {
+    let mut pull = DVector::zeros(found.x.len());
+    let corrections = found.view.corrections.iter().flatten();
+    for (r, (block, corrections)) in found.at.carried.blocks.iter().zip(corrections).enumerate() {
+        let (locals, loss) = (&objective.part.locals[r], found.view.loss[r]);
+        for (t, (series, correction)) in block.iter().zip(corrections).enumerate() {
+            let per_noise = objective.measured[r].noise[t].recip();
+            for ((k, residual), slopes) in series.samples.iter().zip(&series.residual).zip(&series.slopes) {
+                let weight = loss.weight(residual[0].hypot(residual[1])) * per_noise;
+                for (local, slope) in locals.iter().zip(slopes) {
+                    let [x, z] = correction[*k];
+                    pull[local.unknown] += weight * (slope[0] * x + slope[1] * z);
+                }
+            }
+        }
+    }
+    let inverse = pseudo_inverse(&found.at.hessian).0;
+    let errors = inverse.diagonal();
+    (inverse * pull).zip_map(&errors, |moved, error| -moved / error.max(1e-300).sqrt())
+}

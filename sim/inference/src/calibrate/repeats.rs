@@ -1,0 +1,318 @@
+//! How well an experiment repeats: below that no model can be told right from wrong.
+//!
+//! Two releases of one condition differ by the noise of the camera and by what no model of either foretells: the hand,
+//! the clamp, what the material remembers. Their root mean square distance over √2, aligned in time and by their means
+//! at the end, is what one of them deviates from a right model: pure error beside lack of fit.
+//! Source: Draper and Smith (1998), Applied Regression Analysis, third edition, section 2.1.
+
+use efam_experiments::release::Release;
+use models::effects::tip_hold::PULL;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::hold;
+use super::loss::spread;
+use super::problem::{Problem, Trial};
+
+/// How well an experiment repeats.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Repeats {
+    /// Root mean square distance of a release from what a right model foretells, the camera's noise in it, mm.
+    pub distance_mm: f64,
+    /// What of that is the camera's noise, mm.
+    pub noise_mm: f64,
+    /// Where that is known from.
+    pub source: Source,
+    /// Pairs of releases of one condition.
+    pub pairs: usize,
+}
+
+/// Where it is known from how well an experiment repeats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// The experiment's `calibrate.repeatability`.
+    Stated,
+    /// Releases of one condition.
+    Measured,
+    /// A single release, which cannot tell: a share of its motion is assumed.
+    Assumed,
+}
+
+/// Share of the motion of a single release to which it is taken to repeat. Two releases by hand of a beam of silicone
+/// differed by 1 % of their drop; with a weight at the tip, by 3 %.
+const ASSUMED: f64 = 0.01;
+/// Angle of release within which two releases are of one condition, rad.
+const SAME_ANGLE: f64 = 0.05;
+/// Share of a release at its end whose means are aligned.
+const END: f64 = 0.25;
+
+impl Repeats {
+    /// Of the releases of a problem, unless it is stated, m; none where neither releases of one condition nor the motion
+    /// of a single one tell.
+    pub(crate) fn of(problem: &Problem, stated: Option<f64>) -> Option<Self> {
+        let trials = &problem.trials;
+        let tracks = trials.iter().map(|trial| &trial.release.tracks[trial.release.leading_track()]);
+        let noise = (2.0 * tracks.map(|tip| tip.noise * tip.noise).sum::<f64>() / trials.len() as f64).sqrt();
+        let of = |distance: f64, source: Source, pairs: usize| {
+            Some(Self { distance_mm: 1e3 * distance, noise_mm: 1e3 * noise.min(distance), source, pairs })
+        };
+        if let Some(stated) = stated {
+            return of(stated, Source::Stated, 0);
+        }
+        let mut squares = Vec::new();
+        for (k, first) in trials.iter().enumerate() {
+            let others = trials[k + 1..].iter().filter(|other| is_one_condition(first, other));
+            squares.extend(others.filter_map(|other| difference(&first.release, &other.release)));
+        }
+        if !squares.is_empty() {
+            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+            let distance = (0.5 * mean).sqrt();
+            // Two recordings of one path differ by their noise, which has a spread of its own.
+            let samples = trials.iter().map(|trial| known(&trial.release).len()).sum::<usize>() as f64;
+            let is_noise = distance < noise * (1.0 + NORMAL / (2.0 * samples).sqrt());
+            return of(if is_noise { noise } else { distance }, Source::Measured, squares.len());
+        }
+        let [only] = &trials[..] else { return None };
+        of(ASSUMED * motion(&only.release), Source::Assumed, 0)
+    }
+
+    /// Distance of a right model from so many releases that is exceeded once in twenty times, mm: the F test of lack of
+    /// fit against pure error. What does not repeat is known from few numbers of few releases; the noise in it from
+    /// all samples.
+    pub(crate) fn largest_mm(&self, releases: usize) -> f64 {
+        let factor = match self.pairs {
+            0 => 1.0,
+            pairs => quantile_of_f(NUMBERS * releases as f64, NUMBERS * pairs as f64),
+        };
+        let noise = self.noise_mm * self.noise_mm;
+        (noise + factor * (self.distance_mm * self.distance_mm - noise)).sqrt()
+    }
+
+    /// The problem with what does not repeat in each track, beside its noise: a release differs from another by few
+    /// numbers, so many samples share each of them.
+    pub(crate) fn heard_in(&self, problem: &Problem) -> Problem {
+        let mut problem = problem.clone();
+        let beyond = 1e-6 * (self.distance_mm.powi(2) - self.noise_mm.powi(2));
+        for release in problem.trials.iter_mut().map(|trial| &mut trial.release) {
+            let coordinates = 2.0 * known(release).len() as f64;
+            let shared = (coordinates / NUMBERS).max(1.0);
+            for track in &mut release.tracks {
+                track.discrepancy = (0.5 * beyond * shared).sqrt();
+            }
+        }
+        problem
+    }
+
+    /// Whether it is known from the experiment itself.
+    pub(crate) fn is_known(&self) -> bool {
+        self.source != Source::Assumed
+    }
+}
+
+/// Numbers that a release differs by from another: size and phase of its swing in each coordinate.
+const NUMBERS: f64 = 4.0;
+
+/// The 95 % point of the normal distribution.
+const NORMAL: f64 = 1.645;
+
+/// The 95 % point of the F distribution.
+/// Source: Paulson (1942), Annals of Mathematical Statistics 13, 233: the cube root is nearly normal.
+fn quantile_of_f(over: f64, under: f64) -> f64 {
+    let [a, b] = [over, under].map(|degrees| 2.0 / (9.0 * degrees));
+    let square = (1.0 - b).powi(2) - NORMAL * NORMAL * b;
+    let half = (1.0 - a) * (1.0 - b);
+    let rest = (1.0 - a).powi(2) - NORMAL * NORMAL * a;
+    ((half + (half * half - square * rest).sqrt()) / square).powi(3)
+}
+
+/// Share of a parameter within which two releases have the same one.
+const SAME: f64 = 1e-3;
+
+/// Whether two releases are of one rod, pressure, payload and posture: whether their models differ in nothing but how
+/// they are let go.
+fn is_one_condition(a: &Trial, b: &Trial) -> bool {
+    let is_same = |k: usize| {
+        let [one, other] = [a, b].map(|trial| trial.model.theta[k]);
+        match a.model.parameters[k].path.as_str() {
+            path if path != b.model.parameters[k].path => false,
+            "release.angle" => (one - other).abs() < SAME_ANGLE,
+            path if path.starts_with("release.") => true,
+            path if path.starts_with("effects.tip_hold.") => is_same_hand(a, path, one - other),
+            // A rod that states no diameter has none.
+            _ => (one - other).abs() <= SAME * one.abs() || one.is_nan() && other.is_nan(),
+        }
+    };
+    let count = a.model.parameters.len();
+    count == b.model.parameters.len() && (0..count).all(is_same)
+}
+
+/// Whether a difference in what the hand does before the release bends the rod by no more than the angle of a release may
+/// differ. The rates are part of how it lets go, as an angular velocity is.
+fn is_same_hand(trial: &Trial, path: &str, difference: f64) -> bool {
+    let Ok(sizes) = hold::sizes(&trial.model) else { return false };
+    let own = PULL.iter().zip(sizes).find(|(own, _)| **own == path);
+    own.is_none_or(|(own, size)| own.contains("rate") || difference.abs() < SAME_ANGLE * size)
+}
+
+/// How far the tip goes from where it begins at most, m.
+fn motion(release: &Release) -> f64 {
+    let path = known(release);
+    let Some((_, first)) = path.first() else { return 0.0 };
+    path.iter().map(|(_, at)| (at[0] - first[0]).hypot(at[1] - first[1])).fold(0.0, f64::max)
+}
+
+/// Mean square distance of the tips of two releases, m², at the shift in time, up to the uncertainty of their instants,
+/// at which it is least.
+fn difference(a: &Release, b: &Release) -> Option<f64> {
+    let (path, other) = (known(a), known(b));
+    let [first, .., last] = &other[..] else { return None };
+    let (first, last) = (first.0, last.0);
+    let mean_of_end = |path: &[(f64, [f64; 2])]| {
+        let end = &path[path.len() - (END * path.len() as f64).ceil() as usize..];
+        [0, 1].map(|axis| end.iter().map(|(_, at)| at[axis]).sum::<f64>() / end.len() as f64)
+    };
+    let (end, other_end) = (mean_of_end(&path), mean_of_end(&other));
+    let at = |time: f64| {
+        let after = other.partition_point(|(own, _)| *own <= time).clamp(1, other.len() - 1);
+        let ((t0, a), (t1, b)) = (other[after - 1], other[after]);
+        let share = (time - t0) / (t1 - t0);
+        [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
+    };
+    let shifted = |shift: f64| {
+        let (mut sum, mut count) = (0.0, 0);
+        for (time, own) in path.iter().filter(|(time, _)| (first..=last).contains(&(time + shift))) {
+            let theirs = at(time + shift);
+            sum += [0, 1]
+                .map(|axis| (own[axis] - end[axis] - theirs[axis] + other_end[axis]).powi(2))
+                .iter()
+                .sum::<f64>();
+            count += 1;
+        }
+        (count > path.len() / 2).then(|| sum / count as f64)
+    };
+    let farthest = 3.0 * a.release_uncertainty.hypot(b.release_uncertainty);
+    (-SHIFTS..=SHIFTS)
+        .filter_map(|k| shifted(farthest * f64::from(k) / f64::from(SHIFTS)))
+        .min_by(f64::total_cmp)
+}
+
+/// Shifts in time that are tried to each side.
+const SHIFTS: i32 = 60;
+
+/// How many times as far from the middle of its two neighbours as samples usually are another thing is that was taken
+/// for the marker: one of a hundred million samples is by chance.
+const GHOST: f64 = 6.0;
+
+/// Samples of the tip that are there, with their times, but for ghosts.
+fn known(release: &Release) -> Vec<(f64, [f64; 2])> {
+    let path = &release.tracks[release.leading_track()].position;
+    let (time, ghosts) = (&release.time, ghosts(path));
+    (0..path.len()).filter(|k| !ghosts[*k]).filter_map(|k| Some((time[k], path[k]?))).collect()
+}
+
+/// Which samples jump and come back at once: another thing that was taken for the marker, whatever a model says.
+pub(crate) fn ghosts(path: &[Option<[f64; 2]>]) -> Vec<bool> {
+    let all: Vec<(usize, [f64; 2])> =
+        path.iter().enumerate().filter_map(|(k, at)| Some((k, (*at)?))).collect();
+    let jump = |three: &[(usize, [f64; 2])]| {
+        let off = |axis: usize| three[1].1[axis] - 0.5 * (three[0].1[axis] + three[2].1[axis]);
+        off(0).hypot(off(1))
+    };
+    let jumps: Vec<f64> = all.windows(3).map(jump).collect();
+    let usual = spread(jumps.clone());
+    let at = |k: usize| jumps.get(k.wrapping_sub(1)).copied().unwrap_or(0.0);
+    let mut ghosts = vec![false; path.len()];
+    for (k, (place, _)) in all.iter().enumerate() {
+        // The neighbours of a ghost jump half as far as it, those of a turn as far.
+        ghosts[*place] = at(k) > GHOST * usual && at(k) > 1.5 * at(k + 1).max(at(k.wrapping_sub(1)));
+    }
+    ghosts
+}
+
+#[cfg(test)]
+mod tests {
+    use efam_core::example::muscle_at_15_psi;
+    use efam_core::forward::Run;
+    use efam_experiments::release::{Point, Track};
+
+    use super::*;
+    use crate::calibrate::Nuisances;
+
+    /// A swing that decays to a rest, seen from `from` on, `more` at its rest, and `share` larger in its swing.
+    fn release(from: f64, more: f64, share: f64) -> Release {
+        let time: Vec<f64> = (0..400).map(|k| 0.01 * f64::from(k)).collect();
+        let swing = |time: f64| 0.02 * (1.0 + share) * (-time).exp() * (9.0 * time).cos();
+        let position = time.iter().map(|time| Some([0.1, more + swing(time + from)])).collect();
+        let tracks =
+            vec![Track { marker: "tip".to_owned(), at: Point::Tip, position, noise: 1e-5, discrepancy: 0.0 }];
+        let name = "made-up".to_owned();
+        Release {
+            name,
+            time,
+            release_uncertainty: 0.01,
+            tracks,
+            pressure: None,
+            payload: 0.0,
+            held_out: false,
+        }
+    }
+
+    /// From tables of the distribution.
+    #[test]
+    fn the_f_distribution_is_that_of_tables() {
+        for (over, under, table) in [(8.0, 4.0, 6.04), (8.0, 12.0, 2.85), (36.0, 24.0, 1.91)] {
+            let found = quantile_of_f(over, under);
+            assert!((found / table - 1.0).abs() < 0.03, "{over}, {under}: {found} for {table}");
+        }
+    }
+
+    #[test]
+    fn releases_are_compared_aligned_in_time_and_by_their_rest() {
+        let reference = release(0.0, 0.0, 0.0);
+        let of = |other: &Release| 1e3 * difference(&reference, other).unwrap().sqrt();
+        let mut with_ghosts = release(0.0, 0.0, 0.0);
+        for k in [50, 51, 200] {
+            with_ghosts.tracks[0].position[k] = Some([0.2, 0.1]);
+        }
+        with_ghosts.tracks[0].position[51] = None;
+        assert!(of(&with_ghosts) < 1e-3, "{}", of(&with_ghosts));
+        assert!(of(&release(0.012, 1e-3, 0.0)) < 0.02, "{}", of(&release(0.012, 1e-3, 0.0)));
+        // A twentieth of a swing of 20 mm that decays in a second of four.
+        let expected = (1.0f64 / 16.0).sqrt();
+        let found = of(&release(0.0, 0.0, 0.05));
+        assert!((found / expected - 1.0).abs() < 0.15, "{found}, {expected}");
+    }
+
+    /// A quarter of the square of 0.1 mm is the camera's: the rest is four numbers that 400 samples of two coordinates
+    /// share, and alone grows by the F test.
+    #[test]
+    fn what_does_not_repeat_is_few_numbers() {
+        let repeats = Repeats { distance_mm: 0.1, noise_mm: 0.05, source: Source::Measured, pairs: 1 };
+        let trial = Trial {
+            release: release(0.0, 0.0, 0.0),
+            model: muscle_at_15_psi(),
+            run: Run::release(4.0, 100.0),
+        };
+        let problem =
+            Problem { trials: vec![trial], parameters: Vec::new(), nuisances: Nuisances::default() };
+        let heard = repeats.heard_in(&problem);
+        let found = heard.trials[0].release.tracks[0].discrepancy;
+        assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.0).sqrt()).abs() < 1e-12, "{found}");
+        let most = (0.0025 + quantile_of_f(8.0, 4.0) * 0.0075).sqrt();
+        assert!((repeats.largest_mm(2) - most).abs() < 1e-12);
+        // A rod without a diameter is the same rod.
+        let mut without = problem.trials[0].clone();
+        without.model.theta[0] = f64::NAN;
+        assert!(is_one_condition(&without, &without) && !is_one_condition(&without, &problem.trials[0]));
+        // Two hands never hold a rod with the same force.
+        let held = |share: f64| {
+            let mut trial = problem.trials[0].clone();
+            let force = share * hold::sizes(&trial.model).unwrap()[1];
+            trial.model =
+                trial.model.with_effect("tip_hold", &[("force_z", force), ("rate_z", 1e2 * share)]).unwrap();
+            trial
+        };
+        assert!(is_one_condition(&held(1.0), &held(1.02)) && !is_one_condition(&held(1.0), &held(1.2)));
+    }
+}

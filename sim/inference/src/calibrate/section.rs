@@ -1,0 +1,185 @@
+//! What an experiment file says of its calibration.
+//!
+//! ```toml
+//! [calibrate]                     # all may be left out; then EI and Rayleigh's two losses are found
+//! release_instant = true          # unknown of each recording, fitted with it; or false
+//! hold_angle = "0.5 deg"          # likewise, its standard deviation; "0 deg" takes it as given
+//! offset = "0.5 mm"               # likewise, of each track
+//! repeatability = "0.2 mm"        # root mean square distance of a release from a right model; else from repeats
+//! mesh = "removed"                # or "kept": the parameters then belong to the mesh
+//! [[calibrate.parameter]]
+//! path = "rod.bending_stiffness"  # any parameter of the model
+//! scope = "per_pressure"          # shared, per_release
+//! start = "0.007 N m^2"
+//! bounds = ["0.001 N m^2", "0.1 N m^2"]
+//! prior = "0.007 N m^2"           # its mean, with its standard deviation
+//! deviation = "0.001 N m^2"
+//! scale = "logarithmic"           # linear
+//! ```
+
+use efam_experiments::cleaning::{CleanRelease, Cleaned};
+use efam_experiments::experiment::{Experiment, ExperimentError, Start};
+use efam_experiments::scenario::document::Keys;
+use efam_experiments::scenario::{Case, Problem as Wrong, ScenarioError};
+
+use super::hold::hold;
+use super::problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
+use super::{CalibrateError, Settings};
+
+/// Why an experiment could not be made a problem.
+#[derive(Debug, thiserror::Error)]
+pub enum SectionError {
+    /// The experiment.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// What is to be calibrated.
+    #[error(transparent)]
+    Calibrate(#[from] CalibrateError),
+    /// An experiment without a release to fit.
+    #[error(
+        "{experiment}: every release is held out or dropped, and none is left to fit; take held_out, keep or drop from one [[recording]]"
+    )]
+    NoRelease {
+        /// Its file.
+        experiment: String,
+    },
+    /// An experiment without a model.
+    #[error(
+        "{experiment}: says nothing of the rod, so there is no model to calibrate; add [muscle], or [rod] with its length, mass and stiffness"
+    )]
+    NoModel {
+        /// Its file.
+        experiment: String,
+    },
+}
+
+/// Found unless the experiment says otherwise.
+const USUAL: [&str; 3] =
+    ["rod.bending_stiffness", "effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
+
+/// The problem that an experiment and its cleaned releases make.
+/// # Errors
+/// [`SectionError`], with the place in the file where there is one.
+pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, Settings), SectionError> {
+    if !experiment.has_model() {
+        return Err(SectionError::NoModel { experiment: experiment.path.display().to_string() });
+    }
+    let mut trials = Vec::new();
+    for used in cleaned.used() {
+        let case = experiment.case(used.recording, used.angle)?;
+        trials.extend(case.map(|case| trial(experiment, used, case)).transpose()?);
+    }
+    let Some(first) = trials.iter().find(|trial| !trial.release.held_out) else {
+        return Err(SectionError::NoRelease { experiment: experiment.path.display().to_string() });
+    };
+    let section = experiment.section("calibrate")?;
+    let read = || -> Result<_, ScenarioError> {
+        section.only(&["parameter", "release_instant", "hold_angle", "offset", "mesh", "repeatability"])?;
+        let has_pressures = trials.iter().all(|trial| trial.release.pressure.is_some());
+        let usual = if has_pressures { Scope::PerPressure } else { Scope::Shared };
+        let tables = section.tables("parameter")?;
+        let parameters = match tables.is_empty() {
+            true => USUAL.iter().map(|path| Parameter::new(path, usual)).collect(),
+            false => tables.iter().map(|table| parameter(table, first, usual)).collect::<Result<_, _>>()?,
+        };
+        let mesh = section.word("mesh", &[("removed", true), ("kept", false)])?;
+        Ok((parameters, nuisances(&section)?, mesh.unwrap_or(true)))
+    };
+    let (parameters, nuisances, remove_mesh) = read().map_err(ExperimentError::from)?;
+    let settings = Settings { remove_mesh, repeatability: repeatability(experiment)?, ..Settings::default() };
+    Ok((Problem { trials, parameters, nuisances }, settings))
+}
+
+/// A release with the model of its case; held as the markers show, unless the experiment says that it is straight.
+/// # Errors
+/// [`CalibrateError::Held`] if the model cannot be held so.
+pub(crate) fn trial(experiment: &Experiment, of: &CleanRelease, case: Case) -> Result<Trial, CalibrateError> {
+    let mut trial = Trial { release: of.release.clone(), model: case.model, run: case.run };
+    if experiment.recordings[of.recording].start_of(of.number) == Start::Held {
+        hold(&mut trial).map_err(|error| CalibrateError::Held {
+            release: trial.release.name.clone(),
+            error: error.into(),
+        })?;
+    }
+    Ok(trial)
+}
+
+/// How well an experiment repeats, where it says so: root mean square distance, m.
+/// # Errors
+/// [`SectionError`], with the place in the file.
+pub fn repeatability(experiment: &Experiment) -> Result<Option<f64>, SectionError> {
+    let section = experiment.section("calibrate")?;
+    let read = section.quantity_that("repeatability", "m", "be positive", |value| value > 0.0);
+    Ok(read.map_err(ExperimentError::from)?)
+}
+
+/// How far a marker may stand from where it is taken to be, one standard deviation, m: that of the offsets which a
+/// calibration fits.
+/// # Errors
+/// [`SectionError`], with the place in the file.
+pub(crate) fn marker_error(experiment: &Experiment) -> Result<f64, SectionError> {
+    let own = nuisances(&experiment.section("calibrate")?).map_err(ExperimentError::from)?;
+    Ok(own.offset.unwrap_or(0.0))
+}
+
+fn nuisances(section: &Keys) -> Result<Nuisances, ScenarioError> {
+    let usual = Nuisances::default();
+    let must = "not be negative; 0 takes it as given";
+    let deviation = |key, unit, usual: Option<f64>| {
+        let given = section.quantity_that(key, unit, must, |value| value >= 0.0)?;
+        Ok::<_, ScenarioError>(given.map_or(usual, |value| Some(value).filter(|value| *value > 0.0)))
+    };
+    Ok(Nuisances {
+        release_instant: section.flag("release_instant")?.unwrap_or(usual.release_instant),
+        hold_angle: deviation("hold_angle", "rad", usual.hold_angle)?,
+        offset: deviation("offset", "m", usual.offset)?,
+        ..usual
+    })
+}
+
+fn parameter(table: &Keys, trial: &Trial, usual: Scope) -> Result<Parameter, ScenarioError> {
+    table.only(&["path", "scope", "start", "bounds", "prior", "deviation", "scale"])?;
+    let Some((path, _)) = table.text("path")? else {
+        return Err(table.missing("path", "path = \"rod.bending_stiffness\""));
+    };
+    let known = &trial.model.parameters;
+    let Some(of_model) = known.iter().find(|parameter| parameter.path == path) else {
+        let paths = known.iter().map(|parameter| parameter.path.as_str());
+        return Err(table.wrong(
+            "path",
+            Wrong::UnknownWord {
+                nearest: models::nearest::nearest(path, paths.clone()).map(str::to_owned),
+                known: paths.map(str::to_owned).collect(),
+            },
+        ));
+    };
+    let unit = of_model.unit;
+    let scopes =
+        [("shared", Scope::Shared), ("per_pressure", Scope::PerPressure), ("per_release", Scope::PerRelease)];
+    let scales = [("linear", Scale::Linear), ("logarithmic", Scale::Logarithmic)];
+    let bounds = match table.quantities("bounds", unit)?.as_deref() {
+        None => None,
+        Some([low, high]) if low < high => Some((*low, *high)),
+        Some(_) => {
+            let must = "be two values, the lower one first";
+            return Err(table.wrong("bounds", Wrong::Must { must }));
+        }
+    };
+    let deviation = table.quantity_that("deviation", unit, "be positive", |value| value > 0.0)?;
+    let prior = match (table.quantity("prior", unit)?, deviation) {
+        (Some(mean), Some(deviation)) => Some(Prior { mean, deviation }),
+        (None, None) => None,
+        (Some(_), None) => {
+            return Err(table.missing("deviation", "deviation = the standard error of the prior"));
+        }
+        (None, Some(_)) => return Err(table.missing("prior", "prior = the value known beforehand")),
+    };
+    Ok(Parameter {
+        path: path.to_owned(),
+        scope: table.word("scope", &scopes)?.unwrap_or(usual),
+        start: table.quantity("start", unit)?,
+        bounds,
+        prior,
+        scale: table.word("scale", &scales)?,
+    })
+}

@@ -1,0 +1,324 @@
+//! From parameters and nuisances to one flat list of unknowns, scaled, and back.
+
+use models::effects::tip_hold::PULL;
+use models::error::ModelError;
+use models::model::ModelParameter;
+use models::quantity::format_si;
+
+use super::error::CalibrateError;
+use super::hold;
+use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial, is_same_pressure};
+
+/// Names of what is unknown of a release.
+pub const RELEASE_INSTANT: &str = "release instant";
+pub(crate) const HOLD_ANGLE: &str = "hold angle";
+
+/// One number to be found.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Unknown {
+    pub kind: Kind,
+    /// Path of a parameter, or name of a nuisance.
+    pub name: String,
+    pub unit: &'static str,
+    pub group: Group,
+    pub scaled: Scaled,
+    /// Admissible values of the scaled variable.
+    pub bounds: (f64, f64),
+    pub prior: Option<Prior>,
+    /// Value at which the search starts, SI.
+    pub start: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    /// A parameter, by its place in the problem.
+    Parameter(usize),
+    /// Time by which the rod was let go after time zero of the recording.
+    Instant,
+    /// Angle at which it was held, over the model's.
+    HoldAngle,
+    /// A component of the load by which a hand holds the rod before its release.
+    Pull,
+    /// Offset of a track along an axis.
+    Offset { track: usize, axis: usize },
+}
+
+/// What has this value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Group {
+    All,
+    /// Releases at this pressure, Pa.
+    Pressure(f64),
+    /// One release.
+    Release(usize),
+}
+
+/// From the variable of the search to the value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Scaled {
+    Logarithmic,
+    /// By a typical size.
+    By(f64),
+}
+
+/// How an unknown acts in one trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Local {
+    /// Its place among the unknowns.
+    pub unknown: usize,
+    pub acts: Acts,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Acts {
+    /// As this parameter of the model.
+    Theta(usize),
+    /// On top of this parameter of the model.
+    OnTheta(usize),
+    Instant,
+    Offset {
+        track: usize,
+        axis: usize,
+    },
+}
+
+/// All unknowns, and where they act.
+#[derive(Clone, Debug)]
+pub(crate) struct Unknowns {
+    pub list: Vec<Unknown>,
+    /// Of each trial; empty for a release that is held out.
+    pub of_trial: Vec<Vec<Local>>,
+}
+
+impl Unknown {
+    /// Its name and what it belongs to, releases by their number.
+    pub fn label(&self) -> String {
+        match self.group {
+            Group::Pressure(pressure) => format!("{} at {}", self.name, format_si(pressure, "Pa")),
+            Group::Release(t) => format!("{} of release {}", self.name, t + 1),
+            _ => self.name.clone(),
+        }
+    }
+
+    /// Whether a value of the scaled variable is as far as is admitted.
+    pub fn is_at_bound(&self, x: f64) -> bool {
+        let (low, high) = self.bounds;
+        let nearly = 1e-9 * (1.0 + x.abs());
+        x - low <= nearly || high - x <= nearly
+    }
+}
+
+impl Scaled {
+    pub fn value(self, x: f64) -> f64 {
+        match self {
+            Scaled::Logarithmic => x.exp(),
+            Scaled::By(size) => x * size,
+        }
+    }
+
+    pub fn variable(self, value: f64) -> f64 {
+        match self {
+            Scaled::Logarithmic => value.ln(),
+            Scaled::By(size) => value / size,
+        }
+    }
+
+    /// Derivative of the value by the variable.
+    pub fn slope(self, x: f64) -> f64 {
+        match self {
+            Scaled::Logarithmic => x.exp(),
+            Scaled::By(size) => size,
+        }
+    }
+}
+
+impl Unknown {
+    pub fn is_nuisance(&self) -> bool {
+        !matches!(self.kind, Kind::Parameter(_))
+    }
+
+    /// Longest step of the scaled variable: a factor of three, or as far as it likes.
+    pub fn longest_step(&self) -> f64 {
+        match self.scaled {
+            Scaled::Logarithmic => 3f64.ln(),
+            Scaled::By(_) => f64::INFINITY,
+        }
+    }
+}
+
+/// A bound at zero on a logarithmic scale stands this far below the typical size.
+const NEARLY_ZERO: f64 = 1e-4;
+/// Farthest that a release instant may be off, standard deviations.
+const FARTHEST_INSTANT: f64 = 5.0;
+/// Smallest uncertainty of a release instant, s.
+const LEAST_INSTANT: f64 = 1e-4;
+
+impl Unknowns {
+    pub fn of(problem: &Problem) -> Result<Self, CalibrateError> {
+        if problem.trials.iter().all(|trial| trial.release.held_out) {
+            return Err(CalibrateError::NoTrials);
+        }
+        let mut unknowns = Self { list: Vec::new(), of_trial: vec![Vec::new(); problem.trials.len()] };
+        for (k, parameter) in problem.parameters.iter().enumerate() {
+            if problem.parameters[..k].iter().any(|other| other.path == parameter.path) {
+                return Err(CalibrateError::Twice { path: parameter.path.clone() });
+            }
+            unknowns.add_parameter(problem, k)?;
+        }
+        for (t, trial) in problem.trials.iter().enumerate() {
+            if !trial.release.held_out {
+                unknowns.add_nuisances(problem, t, trial)?;
+            }
+        }
+        Ok(unknowns)
+    }
+
+    fn add_parameter(&mut self, problem: &Problem, k: usize) -> Result<(), CalibrateError> {
+        let parameter = &problem.parameters[k];
+        for (t, trial) in problem.trials.iter().enumerate().filter(|(_, trial)| !trial.release.held_out) {
+            let index = index(trial, &parameter.path)?;
+            let group = group(parameter, t, trial)?;
+            let same = |other: &Unknown| other.kind == Kind::Parameter(k) && other.group.is(group);
+            let unknown = match self.list.iter().position(same) {
+                Some(known) => known,
+                None => {
+                    let known = &trial.model.parameters[index];
+                    let value = trial.model.theta[index];
+                    self.list.push(unknown(parameter, k, group, known, value)?);
+                    self.list.len() - 1
+                }
+            };
+            self.of_trial[t].push(Local { unknown, acts: Acts::Theta(index) });
+        }
+        Ok(())
+    }
+
+    fn add_nuisances(&mut self, problem: &Problem, t: usize, trial: &Trial) -> Result<(), CalibrateError> {
+        let nuisances = &problem.nuisances;
+        let mut add = |kind, acts, name: &str, unit, deviation: f64, farthest: f64| {
+            self.of_trial[t].push(Local { unknown: self.list.len(), acts });
+            self.list.push(Unknown {
+                kind,
+                name: name.to_owned(),
+                unit,
+                group: Group::Release(t),
+                scaled: Scaled::By(deviation),
+                bounds: (-farthest, farthest),
+                prior: Some(Prior { mean: 0.0, deviation }),
+                start: match acts {
+                    Acts::Theta(k) => trial.model.theta[k],
+                    _ => 0.0,
+                },
+            });
+        };
+        if nuisances.release_instant {
+            let deviation = trial.release.release_uncertainty.max(LEAST_INSTANT);
+            add(Kind::Instant, Acts::Instant, RELEASE_INSTANT, "s", deviation, FARTHEST_INSTANT);
+        }
+        let angle_is_fitted = problem.parameters.iter().any(|parameter| parameter.path == RELEASE_ANGLE);
+        if let Some(deviation) = nuisances.hold_angle.filter(|_| trial.is_straight() && !angle_is_fitted) {
+            let acts = Acts::OnTheta(index(trial, RELEASE_ANGLE)?);
+            add(Kind::HoldAngle, acts, HOLD_ANGLE, "rad", deviation, nuisances.farthest);
+        }
+        if trial.is_held() {
+            let sizes = hold::sizes(&trial.model).map_err(|error| of_model(trial, error))?;
+            let told = PULL.len() - usize::from(!hold::shows_moment(&trial.release));
+            let of_hand = PULL.iter().zip(sizes).zip(["N", "N", "N/s", "N/s", "N m"]);
+            for ((path, size), unit) in of_hand.take(told) {
+                let acts = Acts::Theta(index(trial, path)?);
+                add(Kind::Pull, acts, path, unit, size, f64::INFINITY);
+            }
+        }
+        if let Some(deviation) = nuisances.offset {
+            for (track, of) in trial.release.tracks.iter().enumerate() {
+                for (axis, letter) in ["x", "z"].into_iter().enumerate() {
+                    let name = format!("offset of {} in {letter}", of.marker);
+                    let (kind, acts) = (Kind::Offset { track, axis }, Acts::Offset { track, axis });
+                    add(kind, acts, &name, "m", deviation, nuisances.farthest);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+const RELEASE_ANGLE: &str = "release.angle";
+
+impl Group {
+    /// Whether both are the same, pressures to a thousandth.
+    pub fn is(self, other: Group) -> bool {
+        match (self, other) {
+            (Group::Pressure(a), Group::Pressure(b)) => is_same_pressure(a, b),
+            (a, b) => a == b,
+        }
+    }
+}
+
+fn index(trial: &Trial, path: &str) -> Result<usize, CalibrateError> {
+    trial.model.index(path).map_err(|error| of_model(trial, error))
+}
+
+fn of_model(trial: &Trial, error: ModelError) -> CalibrateError {
+    CalibrateError::Model { release: trial.release.name.clone(), error }
+}
+
+fn group(parameter: &Parameter, t: usize, trial: &Trial) -> Result<Group, CalibrateError> {
+    match (parameter.scope, trial.release.pressure) {
+        (Scope::Shared, _) => Ok(Group::All),
+        (Scope::PerRelease, _) => Ok(Group::Release(t)),
+        (Scope::PerPressure, Some(pressure)) => Ok(Group::Pressure(pressure)),
+        (Scope::PerPressure, None) => Err(CalibrateError::NoPressure {
+            release: trial.release.name.clone(),
+            path: parameter.path.clone(),
+        }),
+    }
+}
+
+/// Start, bounds and scale of a parameter, as given or from the registry.
+fn unknown(
+    parameter: &Parameter,
+    k: usize,
+    group: Group,
+    known: &ModelParameter,
+    of_model: f64,
+) -> Result<Unknown, CalibrateError> {
+    let path = || parameter.path.clone();
+    let ModelParameter { unit, range: (least, most), scale: size, off, .. } = *known;
+    let (low, high) = parameter.bounds.unwrap_or((least, most));
+    if !(low >= least && high <= most && low < high) {
+        return Err(CalibrateError::Bounds { path: path(), low, high, least, most, unit });
+    }
+    // What may vanish has no logarithm there. Rayleigh's two losses also trade against one another
+    // along a straight line, which would be a curved valley in their logarithms.
+    let usual = if low >= 0.0 && off.is_none() { Scale::Logarithmic } else { Scale::Linear };
+    let is_logarithmic = parameter.scale.unwrap_or(usual) == Scale::Logarithmic;
+    let start = match parameter.start {
+        Some(start) => start,
+        None if (is_logarithmic || off.is_some()) && of_model <= 0.0 => size.clamp(low, high),
+        None => of_model.clamp(low, high),
+    };
+    if !(low..=high).contains(&start) {
+        return Err(CalibrateError::Start { path: path(), start, low, high, unit });
+    }
+    if let Some(Prior { mean, deviation }) = parameter.prior
+        && !(mean.is_finite() && deviation.is_finite() && deviation > 0.0)
+    {
+        return Err(CalibrateError::Prior { path: path(), mean, deviation });
+    }
+    if is_logarithmic && (low < 0.0 || start <= 0.0) {
+        return Err(CalibrateError::Logarithm { path: path(), low: low.min(start) });
+    }
+    let scaled = if is_logarithmic { Scaled::Logarithmic } else { Scaled::By(size) };
+    // Zero has no logarithm: far below the typical size is near enough.
+    let low = if is_logarithmic { low.max(NEARLY_ZERO * size.min(start)) } else { low };
+    Ok(Unknown {
+        kind: Kind::Parameter(k),
+        name: path(),
+        unit,
+        group,
+        scaled,
+        bounds: (scaled.variable(low), scaled.variable(high)),
+        prior: parameter.prior,
+        start,
+    })
+}

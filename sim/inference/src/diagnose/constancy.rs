@@ -1,0 +1,120 @@
+//! Whether an effect that was added is as strong in one release as in another.
+//!
+//! What is there has one strength. What stands in for something else would have another in each release, that from a
+//! higher hold or at a higher pressure, and one for all leaves a trace. With its parameters free in each release but the
+//! first, the residual asks for that as it asks for a candidate (`score.rs`); of all releases, those that were locked
+//! away among them, since nothing is chosen here. A law that is not quite right errs alike in all releases: this tells
+//! a cousin from friction that turns round in another way, where the size of what is left does not.
+
+use super::candidate::Candidate;
+use super::columns::{Column, of_releases};
+use super::refit::prefix;
+use super::round::{Best, NEGLIGIBLE, RARER};
+use super::score::{Subject, scores};
+use crate::calibrate::joint::Joint;
+
+/// Why an effect is not believed that would have to differ from release to release.
+pub(super) const INCONSTANT: &str = "it would have to be of another size in each release";
+
+/// Share of a column's square that must be left: slopes are good to a few thousandths.
+const OWN: f64 = 1e-3;
+/// Share of what an effect explains of χ² that its differences between releases have to be worth: a fifth in size. Right
+/// names were seen up to a seventh, cousins from a quarter on.
+const UNLIKE: f64 = 0.04;
+
+/// The effects of a fit that would have to differ from release to release, by more than noise would have it, a fifth
+/// of their size, and a tenth of what all of them do: a small effect takes up the error of a large one's law.
+pub(super) fn inconstant(fit: &Joint, added: &[Best], false_alarm: f64) -> Vec<&'static str> {
+    let added: Vec<_> = added.iter().map(|best| (&best.candidate, best.gain)).collect();
+    found(fit, &added, RARER * false_alarm)
+}
+
+/// The same of candidates, each with what it explains of χ².
+fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static str> {
+    let of = |(place, (candidate, _)): (usize, &(&Candidate, f64))| {
+        let prefix = prefix(candidate.name());
+        of_releases(fit, |name| name.starts_with(&prefix), place)
+    };
+    let columns: Vec<Column> = added.iter().enumerate().flat_map(of).collect();
+    let subjects = vec![Subject { own: OWN, ..Subject::default() }; added.len()];
+    let scores = scores(fit, &subjects, &columns, level);
+    let negligible = NEGLIGIBLE * added.iter().map(|(_, gain)| gain).sum::<f64>();
+    let pairs = added.iter().zip(&scores.each);
+    pairs
+        .filter(|((_, gain), score)| {
+            score.size > scores.threshold && score.decrease >= negligible.max(UNLIKE * gain)
+        })
+        .map(|((candidate, _), _)| candidate.name())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use efam_core::example::muscle_at_15_psi;
+    use efam_core::forward::{Run, forward, uniform};
+    use efam_experiments::release::{Point, Release, Track};
+
+    use super::*;
+    use crate::calibrate::prediction::Slopes;
+    use crate::calibrate::{Nuisances, Parameter, Problem, Scope, Trial};
+    use crate::diagnose::Settings;
+    use crate::diagnose::candidate::candidates;
+
+    const NOISE: f64 = 3e-4;
+
+    /// A release seen through cameras whose scale is off; `count` goes on with each number.
+    fn release(relative_error: f64, count: &mut f64) -> Trial {
+        let (model, run) = (muscle_at_15_psi(), Run::release(3.0, 40.0));
+        let seen = Run { points: vec![Point::Tip], ..run.clone() };
+        let path = forward(&model, &seen, &mut |_| ControlFlow::Continue(())).unwrap();
+        let mut measured = |x: f64| {
+            *count += 1.0;
+            (1.0 + relative_error) * x + NOISE * std::f64::consts::SQRT_2 * (*count * *count).sin()
+        };
+        let position = path.points.iter().map(|at| Some(at[0].map(&mut measured))).collect();
+        let release = Release {
+            name: "made-up".to_owned(),
+            time: uniform(3.0, 40.0),
+            release_uncertainty: 0.01,
+            tracks: vec![Track {
+                marker: "tip".to_owned(),
+                at: Point::Tip,
+                position,
+                noise: NOISE,
+                discrepancy: 0.0,
+            }],
+            pressure: None,
+            payload: 0.0,
+            held_out: false,
+        };
+        Trial { release, model, run }
+    }
+
+    /// What would have to differ, of a scale fitted to three releases where it is what is given.
+    fn asked(relative_error: [f64; 3]) -> Vec<&'static str> {
+        let mut count = 0.0;
+        let base = Problem {
+            trials: relative_error.map(|own| release(own, &mut count)).to_vec(),
+            parameters: vec![Parameter::new("rod.bending_stiffness", Scope::Shared)],
+            nuisances: Nuisances {
+                release_instant: true,
+                hold_angle: Some(4e-3),
+                offset: Some(2e-4),
+                ..Nuisances::default()
+            },
+        };
+        let all = candidates(&base, &Settings::default());
+        let scale = all.iter().find(|own| own.name() == "scale").unwrap();
+        let problem = scale.added_to(&base, 0.01).unwrap();
+        let fit = Joint::at(&problem, &[], Slopes::Variational).unwrap();
+        found(&fit, &[(scale, 1e3)], 1e-4)
+    }
+
+    #[test]
+    fn what_suits_no_two_releases_alike_is_not_believed() {
+        assert!(asked([0.01; 3]).is_empty());
+        assert_eq!(asked([0.005, 0.01, 0.015]), ["scale"]);
+    }
+}

@@ -1,0 +1,117 @@
+//! The numerics gate: before anything is asked, mesh and step must be a matter of no consequence.
+//!
+//! A fit removes what mesh and step do, up to a part that it estimates. What is left stays the same from
+//! sample to sample, so that far less of it than the noise of one passes for a missing effect: a muscle of 16
+//! nodes has had five of nine experiments with nothing hidden called something else. So the mesh is made
+//! finer until that part is a small share of the noise.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::calibrate::joint::{Fitted, Joint};
+use crate::calibrate::prediction::Measured;
+use crate::calibrate::{CalibrateError, Problem};
+
+/// Mesh and step, as a diagnosis found them and left them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Numerics {
+    /// Nodes of the models as they were given, the most of all releases.
+    pub nodes_given: usize,
+    /// Nodes that were taken.
+    pub nodes: usize,
+    /// What may be left of the mesh's error, the most of all releases, over the noise.
+    pub left: f64,
+}
+
+/// What may be left, over the noise.
+const GATE: f64 = 0.2;
+/// Nodes beyond which no mesh is made finer.
+const MOST_NODES: usize = 130;
+
+/// A model fitted on a mesh that is fine enough, if one is.
+pub(super) fn on_fine_mesh(
+    problem: &Problem,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<(Fitted, Numerics), CalibrateError> {
+    let nodes_given = nodes(problem);
+    let fit = Joint::search(problem, tell)?;
+    let mut left = left_of_mesh(&fit);
+    let known = fit.known();
+    let with_errors = with_errors_of_laws(problem, &fit);
+    let mut fitted = Fitted::new(problem.clone(), fit.found);
+    if let Some(problem) = with_errors
+        && let Some(fit) = Joint::follow(&problem, &known, &|_| ())?
+    {
+        left = left_of_mesh(&fit);
+        let found = fit.found;
+        fitted = Fitted::new(problem, found);
+    }
+    while left > GATE && 2 * nodes(&fitted.problem) <= MOST_NODES {
+        let mut finer = fitted.problem.clone();
+        let refined = finer.trials.iter_mut().try_for_each(|trial| trial.refine(2));
+        if refined.is_err() {
+            break;
+        }
+        tell(&format!("{left:.2} of the noise may be left of the mesh: {} nodes", nodes(&finer)));
+        let known = fitted.fit()?.known();
+        let Some(fit) = Joint::follow(&finer, &known, &|_| ())? else { break };
+        left = left_of_mesh(&fit);
+        let found = fit.found;
+        fitted = Fitted::new(finer, found);
+    }
+    let numerics = Numerics { nodes_given, nodes: nodes(&fitted.problem), left };
+    Ok((fitted, numerics))
+}
+
+/// Error of a law in what it explains: no law of a material, or of the air, is known to better than a tenth. An effect that
+/// is less than that of what the model misses is not looked for.
+const LAW: f64 = 0.1;
+
+/// The problem with the error of a law that explains what a fit misses, beside the noise of each track; none where the
+/// noise is larger.
+fn with_errors_of_laws(problem: &Problem, fit: &Joint) -> Option<Problem> {
+    let mut problem = problem.clone();
+    let mut is_larger = false;
+    let fitted = problem.trials.iter_mut().filter(|trial| !trial.release.held_out);
+    for ((trial, block), measured) in fitted.zip(&fit.found.at.carried.blocks).zip(&fit.objective.measured) {
+        for ((track, series), noise) in trial.release.tracks.iter_mut().zip(block).zip(&measured.noise) {
+            let squares = series.lengths().map(|length| 0.5 * (noise * length).powi(2)).sum::<f64>();
+            let missed = (squares / series.residual.len().max(1) as f64 - noise * noise).max(0.0).sqrt();
+            if LAW * missed > *noise {
+                is_larger = true;
+                track.discrepancy = track.discrepancy.hypot(LAW * missed);
+            }
+        }
+    }
+    is_larger.then_some(problem)
+}
+
+fn nodes(problem: &Problem) -> usize {
+    problem.trials.iter().map(|trial| trial.model.edges + 1).max().unwrap_or(0)
+}
+
+/// What may be left of the mesh's error, the most of all releases, over the noise.
+fn left_of_mesh(fit: &Joint) -> f64 {
+    let Some(left) = &fit.left_of_mesh else { return 0.0 };
+    let own = |(left, measured): (&f64, &Measured)| {
+        let noise = measured.noise.iter().copied().fold(f64::INFINITY, f64::min);
+        left / noise
+    };
+    left.iter().zip(&fit.objective.measured).map(own).fold(0.0, f64::max)
+}
+
+/// What should be known of it.
+pub(super) fn warning(numerics: &Numerics) -> Option<String> {
+    let Numerics { nodes_given, nodes, left } = numerics;
+    if *left > GATE {
+        Some(format!(
+            "of the error of the mesh, {left:.2} of the noise may be left with {nodes} nodes: what is small can come from there; give the recordings a larger noise"
+        ))
+    } else if nodes > nodes_given {
+        Some(format!(
+            "{nodes_given} nodes are too coarse to tell an effect from the mesh: {nodes} were taken, in the repaired model too"
+        ))
+    } else {
+        None
+    }
+}

@@ -1,0 +1,199 @@
+//! Where a fit and its recordings disagree, before any name: at which multiple of the swing's frequency, at
+//! which amplitude, across or along the rod, the same at all pressures or growing with them.
+//!
+//! The swing is followed by its amplitude A and phase φ, read off the predicted path of the tip. What the
+//! residual may hold is written as `w(A) cos nφ` and `w(A) sin nφ`, n = 0 to 3, with hats w over the
+//! logarithm of the amplitude, so that releases from several angles speak of the same place. Each is scored
+//! as a candidate is, orthogonally to all that the fit may adjust, so that the shapes are heard only where
+//! nothing in the model could make them. No name of an effect goes into them: where no candidate scores and
+//! a shape does, the catalogue lacks something.
+
+use std::f64::consts::FRAC_PI_2;
+
+use efam_experiments::release::Point;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::columns::{Column, in_noise};
+use super::score::{Subject, scores};
+use super::swing::{share_of_largest, swing};
+use crate::calibrate::joint::Joint;
+use crate::calibrate::prediction::Prediction;
+
+/// A shape that the residual may have.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Shape {
+    /// Round; the last one is of the repaired model.
+    pub round: usize,
+    /// In words.
+    pub what: String,
+    /// Size of its score.
+    pub score: f64,
+    /// Score that a shape has to exceed.
+    pub threshold: f64,
+    /// Amplitude, as a share of the largest of all releases, at which most of it is.
+    pub at_amplitude: f64,
+    /// Its size there at the tip, mm, when all else is fitted.
+    pub size_mm: f64,
+}
+
+/// Multiple of the frequency, direction, place and pressure of a family of shapes.
+#[derive(Clone, Copy)]
+struct Family {
+    words: &'static str,
+    /// Multiple of the frequency.
+    harmonic: u32,
+    /// Along the line from the clamp, or across it.
+    is_radial: bool,
+    /// Only what markers on the body do beside the first mode.
+    is_of_body: bool,
+    /// In proportion to the pressure's distance from the mean.
+    over_pressure: bool,
+}
+
+impl Family {
+    const PLAIN: Self =
+        Self { words: "", harmonic: 0, is_radial: false, is_of_body: false, over_pressure: false };
+}
+
+const FAMILIES: [Family; 9] = [
+    Family { words: "the mean drifts with the amplitude", ..Family::PLAIN },
+    Family { words: "amplitude and phase of the swing", harmonic: 1, ..Family::PLAIN },
+    Family { words: "the swing's second harmonic", harmonic: 2, ..Family::PLAIN },
+    Family { words: "the swing's third harmonic", harmonic: 3, ..Family::PLAIN },
+    Family { words: "the distance from the clamp at rest", is_radial: true, ..Family::PLAIN },
+    Family {
+        words: "the distance from the clamp, twice a swing",
+        is_radial: true,
+        harmonic: 2,
+        ..Family::PLAIN
+    },
+    Family { words: "the shape of the body", is_of_body: true, harmonic: 1, ..Family::PLAIN },
+    Family { words: "the mean changes with the pressure", over_pressure: true, ..Family::PLAIN },
+    Family {
+        words: "amplitude and phase change with the pressure",
+        over_pressure: true,
+        harmonic: 1,
+        ..Family::PLAIN
+    },
+];
+
+/// Hats over the logarithm of the amplitude, from the largest down to a share of it.
+const HATS: usize = 4;
+const SMALLEST_AMPLITUDE: f64 = 0.05;
+/// Size of a shape, m: shapes are linear, it only scales their numbers.
+const SIZE: f64 = 1e-3;
+
+/// Share of a shape's square that must be left: amplitude and phase are known to a few per cent.
+const OWN: f64 = 3e-3;
+
+/// Scores all shapes at a fit whose predictions are given.
+pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm: f64) -> Vec<Shape> {
+    let swings = swings(fit, off);
+    let columns: Vec<Column> =
+        FAMILIES.iter().enumerate().flat_map(|(f, family)| of_family(fit, off, &swings, f, family)).collect();
+    let scores =
+        scores(fit, &[Subject { own: OWN, ..Subject::default() }; FAMILIES.len()], &columns, false_alarm);
+    let mut shapes = Vec::new();
+    for (family, score) in FAMILIES.iter().zip(&scores.each) {
+        if score.columns.is_empty() {
+            continue;
+        }
+        let of_hat = |hat: usize| {
+            let own = score.columns.iter().zip(&score.estimates);
+            let own = own.filter(|(column, _)| columns[**column].part % HATS == hat);
+            own.map(|(_, size)| size * size).sum::<f64>().sqrt()
+        };
+        let (hat, size) = (0..HATS)
+            .map(|hat| (hat, of_hat(hat)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .expect("there are hats");
+        let at_amplitude = SMALLEST_AMPLITUDE.powf(hat as f64 / (HATS - 1) as f64);
+        let swinging = if family.harmonic == 0 { 1.0 } else { at_amplitude };
+        shapes.push(Shape {
+            round,
+            what: family.words.to_owned(),
+            score: score.size,
+            threshold: scores.threshold,
+            at_amplitude,
+            size_mm: 1e3 * SIZE * size * swinging,
+        });
+    }
+    shapes
+}
+
+/// Columns of a family: one for each hat, and for cosine and sine.
+fn of_family(
+    fit: &Joint,
+    off: &[Prediction],
+    swings: &[Vec<[f64; 2]>],
+    of: usize,
+    family: &Family,
+) -> Vec<Column> {
+    let members = &fit.objective.part.members;
+    let pressures: Vec<f64> = members.iter().map(|trial| trial.release.pressure.unwrap_or(0.0)).collect();
+    let mean = pressures.iter().sum::<f64>() / pressures.len() as f64;
+    let widest = pressures.iter().map(|p| (p - mean).abs()).fold(0.0, f64::max);
+    let has_body =
+        members.iter().any(|trial| trial.release.tracks.iter().any(|track| track.at != Point::Tip));
+    if (family.over_pressure && widest < 1e-3 * mean) || (family.is_of_body && !has_body) {
+        return Vec::new();
+    }
+    let quarters = if family.harmonic == 0 { 1 } else { 2 };
+    let shape = |part: usize, r: usize, t: usize, k: usize| {
+        let track = &members[r].release.tracks[t];
+        let [amplitude, phase] = swings[r][k];
+        let quarter = (part / HATS) as f64;
+        let wave = (f64::from(family.harmonic) * phase - quarter * FRAC_PI_2).cos();
+        let over_pressure = if family.over_pressure { (pressures[r] - mean) / widest } else { 1.0 };
+        // A phase is nothing where nothing swings.
+        let swinging = if family.harmonic == 0 { 1.0 } else { amplitude };
+        SIZE * over_pressure
+            * swinging
+            * wave
+            * hat(amplitude, part % HATS)
+            * place(track.at, family.is_of_body)
+    };
+    let moved = |part: usize, r: usize, t: usize, k: usize| {
+        let [x, z] = off[r].position[t][k];
+        let distance = x.hypot(z).max(f64::MIN_POSITIVE);
+        let direction = if family.is_radial { [x, z] } else { [-z, x] };
+        direction.map(|d| shape(part, r, t, k) * d / distance)
+    };
+    (0..quarters * HATS)
+        .map(|part| Column {
+            of,
+            part,
+            slopes: (0..members.len()).map(|r| in_noise(fit, r, |t, k| moved(part, r, t, k))).collect(),
+        })
+        .collect()
+}
+
+/// How far a point goes when the tip goes by one: as in the first mode, roughly, or beside it.
+fn place(at: Point, is_of_body: bool) -> f64 {
+    match (at, is_of_body) {
+        (Point::Tip, false) => 1.0,
+        (Point::Tip, true) => 0.0,
+        (Point::Along(s), false) => s * s,
+        (Point::Along(s), true) => 4.0 * s * (1.0 - s),
+    }
+}
+
+/// The `k`-th hat over the logarithm of the amplitude; the first and the last stay up beyond the ends.
+fn hat(amplitude: f64, k: usize) -> f64 {
+    let place = amplitude.max(f64::MIN_POSITIVE).ln() / SMALLEST_AMPLITUDE.ln() * (HATS - 1) as f64;
+    (1.0 - (place.clamp(0.0, (HATS - 1) as f64) - k as f64).abs()).max(0.0)
+}
+
+/// Amplitude, as a share of the largest of all releases, and phase of all samples, from the tip or else the
+/// last track.
+fn swings(fit: &Joint, off: &[Prediction]) -> Vec<Vec<[f64; 2]>> {
+    let of_release = |r: usize| {
+        let release = &fit.objective.part.members[r].release;
+        let time: Vec<f64> = fit.objective.measured[r].samples.iter().map(|k| release.time[*k]).collect();
+        swing(&time, &off[r].position[release.leading_track()])
+    };
+    let mut all: Vec<Vec<[f64; 2]>> = (0..off.len()).map(of_release).collect();
+    share_of_largest(&mut all);
+    all
+}

@@ -1,0 +1,413 @@
+//! Diagnosis: where simulation and recordings disagree, which effect is missing, and what is left when it
+//! is added.
+//!
+//! A baseline is calibrated with the errors of mesh and step removed, on a mesh fine enough for that
+//! (`gate.rs`). The residual is asked for shapes before any name (`localise.rs`), and every candidate of the
+//! catalogue is scored at the value where it is off, orthogonally to all that the baseline may still adjust
+//! (`score.rs`). Those that promise most are fitted
+//! roughly, the best of them in full, and the one that explains most is added, unless others do as well: then
+//! the answer is a class, with the recording that would tell them apart (`planned.rs`). Releases that are
+//! locked away judge it (`judge.rs`). The search goes on with the larger model until nothing scores; what
+//! became idle is left out again (`idle.rs`), and what would have to be of another size in each release is not
+//! believed (`constancy.rs`). Where a candidate or a shape stands out that no effect explains,
+//! the answer is that something unknown is missing, and what it would take is described (`describe.rs`). Before
+//! that the search is made once more with effects of the rod's material that differ in size from pressure to
+//! pressure. Where the model does not even meet the first swings, no score says anything, and candidates are fitted to
+//! these (`early.rs`).
+
+mod candidate;
+mod columns;
+mod conclude;
+mod constancy;
+pub mod curve;
+pub mod describe;
+mod early;
+pub mod gate;
+mod idle;
+mod judge;
+pub mod localise;
+pub mod misfit;
+pub mod plan;
+mod planned;
+mod refit;
+mod round;
+mod score;
+mod section;
+mod setup;
+mod share;
+mod shortlist;
+mod stated;
+mod stop;
+mod swing;
+pub mod verdict;
+mod warnings;
+mod words;
+
+use efam_core::forward::Cancel;
+use models::muscle;
+
+use crate::calibrate::joint::{Fitted, Known};
+use crate::calibrate::repeats::Repeats;
+use crate::calibrate::{CalibrateError, Problem};
+pub use curve::Curve;
+pub use section::{admit_tilt, known_effects, problem};
+pub use stated::without;
+pub use verdict::{Diagnosis, Verdict};
+
+use candidate::has_several_pressures;
+use constancy::{INCONSTANT, inconstant};
+use curve::curves;
+use early::Early;
+use judge::{Judgement, Locked, gaps, is_astray, judgement};
+use round::{Asked, Best, Heard, round};
+use share::Step;
+use verdict::{Added, Evidence, Gap};
+
+/// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
+pub trait Listener: Sync {
+    /// What is being done.
+    fn doing(&self, what: &str);
+
+    /// Candidates of one round as they stand, beside the score that they have to exceed: all of them when
+    /// they are scored, one when it was fitted, all when the round is over.
+    fn ranked(&self, _threshold: f64, _candidates: &[Evidence]) {}
+
+    /// The baseline is fitted: from here on a search that is cut short has an answer.
+    fn began(&self) {}
+
+    /// A request to end the search at the next opportunity, with what was found by then.
+    fn stop(&self) -> Cancel {
+        Cancel::default()
+    }
+}
+
+impl<F: Fn(&str) + Sync> Listener for F {
+    fn doing(&self, what: &str) {
+        self(what);
+    }
+}
+
+/// How a diagnosis is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Probability that a round names something where nothing is missing.
+    pub false_alarm: f64,
+    /// Effects added at most.
+    pub most_effects: usize,
+    /// Candidates that are left out.
+    pub excluded: Vec<String>,
+    /// Ranges of parameters of candidates that hold instead of those of the catalogue: path, and two values in SI.
+    pub ranges: Vec<(String, (f64, f64))>,
+    /// How well the experiment repeats, where that is stated: root mean square distance, m.
+    pub repeatability: Option<f64>,
+}
+
+impl Default for Settings {
+    /// One in a hundred, three effects.
+    fn default() -> Self {
+        Self {
+            false_alarm: 0.01,
+            most_effects: 3,
+            excluded: Vec::new(),
+            ranges: Vec::new(),
+            repeatability: None,
+        }
+    }
+}
+
+/// What was found, with the model that has it.
+#[derive(Clone)]
+pub struct Outcome {
+    /// What is written.
+    pub diagnosis: Diagnosis,
+    /// The problem with what was found before anything was added set in its models.
+    pub baseline: Problem,
+    /// The same with the effects in its models.
+    pub repaired: Problem,
+    /// How well its parameters are known.
+    pub errors: muscle::Known,
+    /// Each track of each release as it was measured, and as it is predicted before and after; first those
+    /// that were fitted.
+    pub curves: Vec<Curve>,
+}
+
+/// Finds what is missing.
+/// # Errors
+/// [`CalibrateError`] for a problem that makes no sense, and where the baseline cannot be fitted.
+pub fn diagnose(
+    problem: &Problem,
+    settings: &Settings,
+    listener: &dyn Listener,
+) -> Result<Outcome, CalibrateError> {
+    let repeats = Repeats::of(problem, settings.repeatability);
+    let heard =
+        repeats.as_ref().filter(|repeats| repeats.is_known()).map(|repeats| repeats.heard_in(problem));
+    let mut problem = heard.unwrap_or_else(|| problem.clone());
+    section::limit(&mut problem);
+    let problem = &problem;
+    let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, repeats, ..Diagnosis::default() };
+    listener.doing("the first swings");
+    let before = match early::before(problem)? {
+        Some(before) => before,
+        None => {
+            let tell = |what: &str| listener.doing(&format!("baseline: {what}"));
+            let (model, numerics) = gate::on_fine_mesh(problem, &tell)?;
+            diagnosis.numerics = numerics;
+            listener.doing("what was locked away");
+            Before::of(model, Locked::meet, None)?
+        }
+    };
+    listener.began();
+    let mut course = Course::new(&before, settings, listener, diagnosis);
+    course.search()?;
+    let is_unknown = course.diagnosis.verdict == Verdict::Unknown && settings.most_effects > 0;
+    if is_unknown && has_several_pressures(problem) && !course.is_stopped() {
+        listener.doing("again, with strengths that differ from pressure to pressure");
+        course = course.widened()?;
+    }
+    course.keep_what_explains_most()?;
+    course.conclude()
+}
+
+/// Effects beside which still more is heard, and which then are not believed: with so many, cousins of
+/// what is missing describe a good part of it.
+const TOO_MANY: usize = 3;
+
+/// A diagnosis on its way.
+struct Course<'a> {
+    /// On a mesh that is fine enough, without anything added.
+    problem: Problem,
+    settings: &'a Settings,
+    listener: &'a dyn Listener,
+    before: &'a Before,
+    /// The model with all that was added, fitted; its cost, and how it meets what it was fitted to.
+    model: Fitted,
+    cost: f64,
+    after: Judgement,
+    added: Vec<Best>,
+    /// The model after each of them.
+    steps: Vec<Step>,
+    /// Whether effects of the rod's material have a strength for each pressure.
+    is_widened: bool,
+    diagnosis: Diagnosis,
+}
+
+/// The baseline: its cost, how it meets what it was fitted to, and what was locked away; what it found.
+struct Before {
+    model: Fitted,
+    cost: f64,
+    fitted: Judgement,
+    locked: Option<Locked>,
+    known: Vec<Known>,
+    /// The first swings, where it does not meet even those.
+    early: Option<Early>,
+}
+
+impl Before {
+    /// A model that is shown what was locked away.
+    fn of(
+        model: Fitted,
+        show: fn(&Problem, &[Known]) -> Result<Option<Locked>, CalibrateError>,
+        early: Option<Early>,
+    ) -> Result<Self, CalibrateError> {
+        let fit = model.fit()?;
+        let (fitted, cost, known) = (judgement(&fit), fit.cost(), fit.known());
+        drop(fit);
+        let locked = show(&model.problem, &known)?;
+        Ok(Self { model, cost, fitted, locked, known, early })
+    }
+}
+
+impl<'a> Course<'a> {
+    fn new(
+        before: &'a Before,
+        settings: &'a Settings,
+        listener: &'a dyn Listener,
+        diagnosis: Diagnosis,
+    ) -> Self {
+        Self {
+            problem: before.model.problem.clone(),
+            settings,
+            listener,
+            before,
+            model: before.model.clone(),
+            cost: before.cost,
+            after: before.fitted.clone(),
+            added: Vec::new(),
+            steps: Vec::new(),
+            is_widened: false,
+            diagnosis,
+        }
+    }
+
+    /// Adds effect after effect while something speaks, leaves out what became idle, and says whether that is an answer.
+    fn search(&mut self) -> Result<(), CalibrateError> {
+        if let Some(early) = &self.before.early
+            && !self.add_early(early)?
+        {
+            self.diagnosis.verdict = Verdict::Unknown;
+            return Ok(());
+        }
+        self.add_all()?;
+        let is_cut_short = self.diagnosis.cut_short_in_round.is_some();
+        if !is_cut_short {
+            self.leave_out_idle()?;
+        }
+        let misstated = self.misstated()?;
+        let is_within = !self.added.is_empty() && self.is_within_repeats();
+        self.diagnosis.verdict = match (misstated.is_empty(), self.diagnosis.verdict) {
+            // What is stated may be wrong, and then nothing is missing.
+            (false, _) => Verdict::Unknown,
+            _ if is_within => Verdict::Named,
+            // What was not asked may be what is missing.
+            _ if is_cut_short => Verdict::Unknown,
+            // What is far beyond the noise and what repeats is there, whatever speaks of it.
+            (_, Verdict::NothingMissing) if self.added.is_empty() && !self.is_within_noise() => {
+                Verdict::Unknown
+            }
+            (_, verdict) if verdict == Verdict::Unknown || self.added.is_empty() => verdict,
+            _ => {
+                if self.is_believed()? {
+                    Verdict::Named
+                } else {
+                    Verdict::Unknown
+                }
+            }
+        };
+        self.diagnosis.contradictions = misstated;
+        Ok(())
+    }
+
+    fn add_all(&mut self) -> Result<(), CalibrateError> {
+        for place in self.added.len()..=self.settings.most_effects {
+            if self.is_within_repeats() {
+                return Ok(());
+            }
+            let (number, is_last) =
+                (self.diagnosis.thresholds.len() + 1, place == self.settings.most_effects);
+            let asked = Asked { number, is_last, is_widened: self.is_widened };
+            if self.is_stopped() {
+                self.diagnosis.cut_short(number);
+                return Ok(());
+            }
+            let ending = self.ending();
+            let (fit, locked) = (ending.fit()?, self.locked());
+            let found =
+                round(&fit, &ending.problem, locked, &self.added, asked, self.settings, self.listener);
+            drop(fit);
+            if self.is_stopped() {
+                self.diagnosis.cut_short(number);
+            }
+            let found = match found {
+                Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) if self.is_stopped() => {
+                    return Ok(());
+                }
+                found => found?,
+            };
+            self.diagnosis.thresholds.push(found.threshold);
+            self.diagnosis.evidence.extend(found.evidence);
+            self.diagnosis.shapes.extend(found.shapes);
+            self.diagnosis.warnings.extend(found.negligible.map(|effect| {
+                format!("{effect} stands out beside what was found, at less than a tenth of its size: too little to be told from an error of the law")
+            }));
+            match found.heard {
+                Heard::Effect(best) => self.add(best)?,
+                Heard::More(effect) => {
+                    self.diagnosis.warnings.push(format!(
+                        "{effect} or another would come next, and is not in the repaired model: --most {} ends the search here",
+                        self.settings.most_effects
+                    ));
+                    if self.settings.most_effects >= TOO_MANY || self.added.is_empty() {
+                        self.diagnosis.verdict = Verdict::Unknown;
+                    }
+                    return Ok(());
+                }
+                Heard::Nothing if !found.is_shaped => return Ok(()),
+                Heard::Nothing | Heard::Stranger => {
+                    self.diagnosis.verdict = Verdict::Unknown;
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, best: Box<Best>) -> Result<(), CalibrateError> {
+        let mut best = self.lasting(best)?;
+        self.model = best.refit.fitted.clone();
+        self.cost = best.refit.cost;
+        // It may be there already, with one strength for all pressures.
+        let name = best.candidate.name();
+        if let Some(place) = self.added.iter().position(|added| added.candidate.name() == name) {
+            best.widen(self.added.remove(place));
+        }
+        self.added.push(*best);
+        let fit = self.model.fit()?;
+        let candidates = self.added.iter().map(|best| &best.candidate);
+        (self.diagnosis.effects, self.after) =
+            (candidates.map(|candidate| Added::of(&fit, candidate)).collect(), judgement(&fit));
+        drop(fit);
+        self.remember();
+        Ok(())
+    }
+
+    /// The same search with strengths that differ from pressure to pressure, if that has an answer; or else
+    /// this, with the evidence of both.
+    fn widened(mut self) -> Result<Self, CalibrateError> {
+        let Diagnosis { false_alarm, numerics, evidence, thresholds, shapes, repeats, .. } =
+            self.diagnosis.clone();
+        let diagnosis = Diagnosis {
+            false_alarm,
+            numerics,
+            evidence,
+            thresholds,
+            shapes,
+            repeats,
+            ..Diagnosis::default()
+        };
+        let mut wider = Self::new(self.before, self.settings, self.listener, diagnosis);
+        wider.is_widened = true;
+        wider.search()?;
+        if wider.added.is_empty() || wider.diagnosis.verdict == Verdict::Unknown {
+            for evidence in wider.diagnosis.evidence.iter_mut().skip(self.diagnosis.evidence.len()) {
+                evidence
+                    .rejected
+                    .get_or_insert_with(|| "beside it something else would be missing".to_owned());
+            }
+            self.diagnosis.evidence = wider.diagnosis.evidence;
+            self.diagnosis.thresholds = wider.diagnosis.thresholds;
+            return Ok(self);
+        }
+        Ok(wider)
+    }
+
+    /// Gaps before and after of what was fitted and what was locked away, and the curves behind them.
+    fn gaps(&self) -> (Vec<Gap>, Vec<Curve>) {
+        let mut pairs = vec![(&self.before.fitted, &self.after, false)];
+        let locked = self.before.locked.as_ref().zip(self.locked());
+        pairs.extend(locked.map(|(before, after)| (&before.judgement, &after.judgement, true)));
+        let gap = pairs.iter().flat_map(|(before, after, held_out)| gaps(before, after, *held_out));
+        (gap.collect(), curves(&pairs))
+    }
+
+    /// Whether what was added is as strong in one release as in another, and meets what was locked away.
+    fn is_believed(&mut self) -> Result<bool, CalibrateError> {
+        let fit = self.model.fit()?;
+        let all =
+            self.locked().map(|locked| locked.together(&fit, &self.model.problem)).transpose()?.flatten();
+        let all = all.as_ref().unwrap_or(&self.model).fit()?;
+        let inconstant = inconstant(&all, &self.added, self.settings.false_alarm);
+        let is_inconstant = |own: &&mut Evidence| inconstant.contains(&own.effect.as_str());
+        for evidence in self.diagnosis.evidence.iter_mut().filter(is_inconstant) {
+            evidence.reject(INCONSTANT);
+        }
+        let warning = |effect| format!("{effect} fits, and {INCONSTANT}: it stands in for something else");
+        self.diagnosis.warnings.extend(inconstant.iter().map(warning));
+        Ok(inconstant.is_empty() && !is_astray(&self.gaps().0))
+    }
+
+    /// How the model with all that was added meets what was locked away.
+    fn locked(&self) -> Option<&Locked> {
+        self.added.last().map_or(self.before.locked.as_ref(), |best| best.locked.as_ref())
+    }
+}

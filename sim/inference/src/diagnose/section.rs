@@ -1,0 +1,158 @@
+//! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all
+//! pressures share, and something locked away.
+
+use efam_core::forward::Initial;
+use efam_experiments::cleaning::Cleaned;
+use efam_experiments::experiment::{Experiment, ExperimentError};
+use models::effects::Catalogue;
+use models::error::ModelError;
+use models::nearest::nearest;
+use models::statics::{equilibrium, modes};
+
+use super::setup::limit_beliefs;
+use crate::calibrate::problem::is_same_pressure;
+use crate::calibrate::{
+    Parameter, Prior, Problem, Scale, Scope, SectionError, Trial, problem as calibration_problem,
+};
+
+/// Losses that all pressures share unless the experiment says otherwise: one for each would hide how a
+/// missing effect grows with the pressure.
+pub(super) const SHARED: [&str; 2] = ["effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
+
+/// The problem of an experiment.
+/// # Errors
+/// [`SectionError`], with the place in the file where there is one.
+pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, SectionError> {
+    let (mut problem, _) = calibration_problem(experiment, cleaned)?;
+    let section = experiment.section("calibrate")?;
+    if section.tables("parameter").map_err(ExperimentError::from)?.is_empty() {
+        for parameter in problem.parameters.iter_mut().filter(|own| SHARED.contains(&own.path.as_str())) {
+            parameter.scope = Scope::Shared;
+        }
+    }
+    let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
+    tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
+    believe_stiffness(&mut problem, experiment);
+    admit_tilt(&mut problem, USUAL_TILT);
+    lock_away(&mut problem);
+    Ok(problem)
+}
+
+/// What every diagnosis keeps to, whoever posed the problem: a setup within what is stated of it, and waves that are
+/// damped.
+pub(super) fn limit(problem: &mut Problem) {
+    problem.nuisances.farthest = FARTHEST;
+    limit_beliefs(problem);
+    damp_waves(problem);
+}
+
+/// Noise below which a difference of fit and recording says nothing, m: what is left of mesh and step.
+pub(super) const LEAST_NOISE: f64 = 1e-5;
+
+/// Share of the stated bending stiffness of a rod that is no muscle of a table to which it is believed: as a bending
+/// test has it.
+const STIFFNESS: f64 = 0.05;
+
+/// Makes what [rod] says of its bending stiffness a belief, unless the experiment says what is believed of it. Where it
+/// is free, a mass at the tip and a softer rod do the same.
+fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
+    let Some(stated) = problem.trials.first().map(|trial| trial.model.rod().bending_stiffness) else {
+        return;
+    };
+    if experiment.muscle().is_some() {
+        return;
+    }
+    let is_stiffness = |own: &&mut Parameter| own.path == "rod.bending_stiffness";
+    if let Some(own) = problem.parameters.iter_mut().find(is_stiffness) {
+        own.prior.get_or_insert(Prior { mean: stated, deviation: STIFFNESS * stated });
+    }
+}
+
+/// Least damping ratio of the second mode by stiffness damping: a steel cantilever in its clamp has as much. Without any,
+/// friction that turns round makes waves that nothing damps, in a hundred times the steps.
+const LEAST_DAMPING: f64 = 1e-3;
+
+/// Keeps the stiffness damping, where the experiment does not bound it, from leaving waves undamped: `ζ = β ω / 2`.
+fn damp_waves(problem: &mut Problem) {
+    let second_mode = |trial: &Trial| {
+        let rest = equilibrium(&trial.model, None).ok()?;
+        Some(modes(&trial.model, &rest, 2).ok()?.get(1)?.angular_frequency)
+    };
+    let slowest = problem.trials.iter().filter_map(second_mode).fold(f64::INFINITY, f64::min);
+    let Some(trial) = problem.trials.first().filter(|_| slowest.is_finite()) else { return };
+    let own = problem.parameters.iter_mut().find(|own| own.path == SHARED[1] && own.bounds.is_none());
+    let known = trial.model.parameters.iter().find(|known| known.path == SHARED[1]);
+    if let (Some(own), Some(known)) = (own, known) {
+        own.bounds = Some((2.0 * LEAST_DAMPING / slowest, known.range.1));
+    }
+}
+
+/// Standard deviation of what is believed of the cameras' vertical, rad: a third of a degree, as a calibration frame on a
+/// floor has it.
+pub(super) const USUAL_TILT: f64 = 5e-3;
+
+/// Makes the tilt of the recordings' frame, one for each pressure, an unknown of no interest with a prior
+/// about zero: a deviation in rad. Left out it would be taken for an effect of the muscle. Models that have
+/// `frame_tilt` already stay as they are.
+pub fn admit_tilt(problem: &mut Problem, deviation: f64) {
+    if problem.trials.iter().any(|trial| trial.model.effect(TILT).is_some()) {
+        return;
+    }
+    let tilted = |trial: &Trial| {
+        let mut trial = trial.clone();
+        trial.model = trial.model.with_effect(TILT, &[("angle", 0.0)])?;
+        if let Initial::Equilibrium { hold, .. } = &mut trial.run.initial {
+            **hold = hold.with_effect(TILT, &[("angle", 0.0)])?;
+        }
+        Ok::<_, ModelError>(trial)
+    };
+    let Ok(trials) = problem.trials.iter().map(tilted).collect() else { return };
+    problem.trials = trials;
+    let is_known = problem.trials.iter().all(|trial| trial.release.pressure.is_some());
+    let scope = if is_known { Scope::PerPressure } else { Scope::Shared };
+    problem.parameters.push(Parameter {
+        start: Some(0.0),
+        prior: Some(Prior { mean: 0.0, deviation }),
+        scale: Some(Scale::Linear),
+        ..Parameter::new(TILT_ANGLE, scope)
+    });
+}
+
+/// Standard deviations by which the setup may be off what is stated of it: one recording in 16 000 is, by chance. Without
+/// a limit a model that lacks an effect takes the setup instead, from where a fit with the effect finds no way back.
+pub(super) const FARTHEST: f64 = 4.0;
+
+/// The effect of a frame that is not level.
+pub(super) const TILT: &str = "frame_tilt";
+const TILT_ANGLE: &str = "effects.frame_tilt.angle";
+
+/// Locks releases away if the experiment has not: of three pressures or more the middle one, and of what is
+/// left the last release, if two others stay.
+fn lock_away(problem: &mut Problem) {
+    if problem.trials.iter().any(|trial| trial.release.held_out) {
+        return;
+    }
+    let pressures = problem.fitted_pressures();
+    if pressures.len() >= 3 {
+        let middle = pressures[pressures.len() / 2];
+        for trial in &mut problem.trials {
+            let own = trial.release.pressure;
+            trial.release.held_out = own.is_some_and(|own| is_same_pressure(own, middle));
+        }
+    }
+    let left: Vec<usize> =
+        (0..problem.trials.len()).filter(|t| !problem.trials[*t].release.held_out).collect();
+    if left.len() >= 3 {
+        problem.trials[left[left.len() - 1]].release.held_out = true;
+    }
+}
+
+/// Whether all effects that are to be left out are in the catalogue.
+/// # Errors
+/// The first that is not, and the name that may be meant.
+pub fn known_effects(names: &[String], catalogue: &Catalogue) -> Result<(), String> {
+    let Some(name) = names.iter().find(|name| catalogue.by_name(name).is_none()) else { return Ok(()) };
+    let near = nearest(name, catalogue.iter().map(|effect| effect.about().name));
+    let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    Err(format!("there is no effect `{name}`{near}; `efam effects` lists all"))
+}

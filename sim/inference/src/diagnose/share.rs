@@ -1,0 +1,161 @@
+//! How much of what was missing is explained: of all samples, in mm, without the noise of the camera.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Course;
+use super::judge::Judgement;
+use super::verdict::{Added, Evidence, Gap, Verdict};
+use crate::calibrate::CalibrateError;
+use crate::calibrate::joint::Fitted;
+
+/// What was missing before anything was added, and what of it is left; root mean square over releases and samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Shares {
+    /// Distance of simulation and recordings before, mm, of the releases that were fitted.
+    pub before_mm: f64,
+    /// The same with the effects.
+    pub left_mm: f64,
+    /// Share of the square of what noise does not explain that is gone; none where there is nothing to explain.
+    pub removed: Option<f64>,
+    /// The same of what was locked away.
+    pub removed_held_out: Option<f64>,
+}
+
+impl Shares {
+    /// Of the gaps of all releases.
+    pub(super) fn of(gaps: &[Gap]) -> Self {
+        let of = |held_out: bool, own: fn(&Gap) -> [f64; 2]| {
+            let own: Vec<[f64; 2]> = gaps.iter().filter(|gap| gap.held_out == held_out).map(own).collect();
+            mean_square(own.into_iter())
+        };
+        let [first, left] = [of(false, before), of(false, after)];
+        let share = |held_out: bool| removed(of(held_out, before), of(held_out, after));
+        Self {
+            before_mm: first[0].sqrt(),
+            left_mm: left[0].sqrt(),
+            removed: share(false),
+            removed_held_out: share(true),
+        }
+    }
+}
+
+fn before(gap: &Gap) -> [f64; 2] {
+    [gap.before_mm, gap.noise_mm]
+}
+
+fn after(gap: &Gap) -> [f64; 2] {
+    [gap.after_mm, gap.noise_mm]
+}
+
+/// Means of the squares of distances, and of what noise of both coordinates makes of them, mm².
+fn mean_square(own: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    let (mut sum, mut count) = ([0.0; 2], 0.0f64);
+    for [distance, noise] in own {
+        sum = [sum[0] + distance * distance, sum[1] + 2.0 * noise * noise];
+        count += 1.0;
+    }
+    sum.map(|sum| sum / count.max(1.0))
+}
+
+/// Share of the square of the noise below which what is beyond it is nothing: a hundred samples know their mean square to
+/// a tenth, thousands to this.
+const NOTHING: f64 = 0.02;
+
+/// Mean square of residuals over that of the stated noise up to which they may be noise: it is estimated from third
+/// differences, which see little of noise that is slow.
+const NOISE: f64 = 4.0;
+
+/// Share of the square beyond the noise that is gone; none where there was none.
+fn removed([before, noise]: [f64; 2], [after, _]: [f64; 2]) -> Option<f64> {
+    (before > (1.0 + NOTHING) * noise).then(|| (before - after) / (before - noise))
+}
+
+/// Mean square distance of all releases, and of noise alone, mm².
+fn of_all(judged: &Judgement) -> [f64; 2] {
+    mean_square(judged.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]))
+}
+
+/// Whether a model misses at most half of what another one misses, of the squares beyond the noise.
+fn most(before: &Judgement, after: &Judgement) -> bool {
+    removed(of_all(before), of_all(after)).is_none_or(|share| share >= 0.5)
+}
+
+/// A model on the way.
+pub(super) struct Step {
+    pub model: Fitted,
+    pub after: Judgement,
+    pub locked: Option<Judgement>,
+}
+
+impl Course<'_> {
+    /// Keeps the model as it is now.
+    pub(super) fn remember(&mut self) {
+        self.steps.truncate(self.added.len() - 1);
+        self.steps.push(Step {
+            model: self.model.clone(),
+            after: self.after.clone(),
+            locked: self.locked().map(|locked| locked.judgement.clone()),
+        });
+    }
+
+    /// Whether what the model misses is no more than what two releases differ by. Before anything is added that is asked
+    /// only where the experiment itself tells how well it repeats.
+    pub(super) fn is_within_repeats(&self) -> bool {
+        let Some(repeats) = &self.diagnosis.repeats else { return false };
+        let is_asked = repeats.is_known() || !self.added.is_empty();
+        is_asked
+            && [Some(&self.after), self.locked().map(|locked| &locked.judgement)]
+                .into_iter()
+                .flatten()
+                .all(|met| of_all(met)[0].sqrt() <= repeats.largest_mm(met.gaps.len()))
+    }
+
+    /// Whether what the model misses of what it was fitted to is noise, or no more than what two releases differ by.
+    pub(super) fn is_within_noise(&self) -> bool {
+        let [distance, noise] = of_all(&self.after);
+        let repeats = self.diagnosis.repeats.as_ref();
+        let repeats = repeats.map_or(0.0, |repeats| repeats.largest_mm(self.after.gaps.len()));
+        distance <= NOISE * noise + repeats * repeats
+    }
+
+    /// Where something is left that has no name: of what was added, the first effects of which each explains most of what
+    /// was missing before it, in what was fitted and in what was locked away. The others may stand in for anything.
+    pub(super) fn keep_what_explains_most(&mut self) -> Result<(), CalibrateError> {
+        let is_misstated = !self.diagnosis.contradictions.is_empty();
+        let is_open = self.diagnosis.verdict == Verdict::Unknown && !is_misstated;
+        if !is_open || self.added.is_empty() || self.before.early.is_some() {
+            return Ok(());
+        }
+        let (mut fitted, mut locked) =
+            (&self.before.fitted, self.before.locked.as_ref().map(|own| &own.judgement));
+        let mut kept = 0;
+        for step in &self.steps {
+            let explains = most(fitted, &step.after)
+                && locked.zip(step.locked.as_ref()).is_none_or(|(before, after)| most(before, after));
+            if !explains {
+                break;
+            }
+            (fitted, locked) = (&step.after, step.locked.as_ref());
+            kept += 1;
+        }
+        if kept == 0 {
+            return Ok(());
+        }
+        self.diagnosis.verdict = Verdict::Incomplete;
+        let left_out: Vec<&'static str> =
+            self.added[kept..].iter().map(|best| best.candidate.name()).collect();
+        let is_left_out = |own: &&mut Evidence| left_out.contains(&own.effect.as_str());
+        for evidence in self.diagnosis.evidence.iter_mut().filter(is_left_out) {
+            evidence.reject("it explains less than half of what is left");
+        }
+        if kept < self.added.len() {
+            self.added.truncate(kept);
+            let Step { model, after, .. } = self.steps.swap_remove(kept - 1);
+            (self.model, self.after) = (model, after);
+            let fit = self.model.fit()?;
+            self.diagnosis.effects = self.added.iter().map(|best| Added::of(&fit, &best.candidate)).collect();
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,359 @@
+//! The few candidates of a round that are worth a fit: fitted, compared, and one chosen.
+
+use rayon::prelude::*;
+
+use super::candidate::Candidate;
+use super::judge::Locked;
+use super::refit::{Refit, Rough, refit, rough};
+use super::round::{Best, Heard};
+use super::score::{APART, ONE, Score, Scores, distance};
+use super::stop::{CUT_SHORT, is_stopped};
+use super::verdict::{Evidence, Member};
+use crate::calibrate::joint::Joint;
+use crate::calibrate::uncertainty::uncertainty;
+use crate::calibrate::{CalibrateError, Problem};
+
+/// Candidates fitted in full, at most.
+const SHORTLIST: usize = 6;
+/// Share of the largest promised decrease from which on a candidate is fitted.
+const WORTH_FITTING: f64 = 0.3;
+/// Share of the best candidate's gain within which another, fitted roughly, is fitted in full.
+const NEAR: f64 = 0.1;
+/// χ² by which the best may lead without standing alone.
+pub(super) const LEAD: f64 = 12.0;
+/// χ² that an unknown takes away where it means nothing, and as much again: Akaike (1974), IEEE Transactions on
+/// Automatic Control 19, 716-723.
+const FAIR: f64 = 2.0;
+/// Share of what an effect explains of the fitted releases by which it has to better what was locked away, or else by
+/// more than noise gives: one that is there betters both, though EI of a locked pressure may do most of its work there.
+const AGREES: f64 = 0.1;
+/// χ², in what noise gives, below which effects of which none is believed are not there at all.
+const CHANCE: f64 = 3.0;
+/// Why one is not named that is too small beside what was found.
+pub(super) const LITTLE: &str =
+    "it is less than a tenth in size of what was found: no law is known that well";
+
+/// An effect on its way through a round.
+pub(super) struct Entry {
+    pub candidate: Candidate,
+    pub score: Score,
+    /// Cost near its fit.
+    rough: Option<f64>,
+    refit: Option<Refit>,
+    /// Decrease of χ² when fitted, if only roughly.
+    pub realised: Option<f64>,
+    held_out: Option<f64>,
+    rejected: Option<String>,
+}
+
+impl Entry {
+    fn new(candidate: Candidate, score: Score) -> Self {
+        let mut entry = Self {
+            candidate,
+            score,
+            rough: None,
+            refit: None,
+            realised: None,
+            held_out: None,
+            rejected: None,
+        };
+        if entry.score.columns.is_empty() {
+            entry.reject("the model can do all that it does, or cannot be run with it");
+        } else if !entry.score.is_admissible {
+            entry.reject("it would need the wrong sign");
+        }
+        entry
+    }
+
+    /// Says why it is not the answer; the first reason stands.
+    pub fn reject(&mut self, why: impl Into<String>) {
+        self.rejected.get_or_insert_with(|| why.into());
+    }
+
+    /// Says that it was not asked.
+    pub fn cut_short(&mut self) {
+        self.rejected = Some(CUT_SHORT.to_owned());
+    }
+
+    fn falls_behind(&mut self, by: f64, leader: &str) {
+        self.reject(falls_behind(by, leader));
+    }
+
+    /// What the fit found of its strength.
+    fn strength(&self) -> Option<f64> {
+        Some(self.refit.as_ref()?.values.first()?.value)
+    }
+
+    pub fn evidence(&self, round: usize) -> Evidence {
+        let tried = self.candidate.tried.iter();
+        Evidence {
+            round,
+            effect: self.candidate.name().to_owned(),
+            of_each_pressure: self.candidate.is_widened(),
+            of_first_swings: false,
+            tried: tried.map(|(parameter, value)| (parameter.name.to_owned(), *value)).collect(),
+            score: self.score.size,
+            predicted_decrease: self.score.decrease,
+            realised_decrease: self.realised,
+            strength: self.strength().unwrap_or(self.score.estimate),
+            held_out_decrease: self.held_out,
+            rejected: self.rejected.clone(),
+        }
+    }
+}
+
+/// Why one is not the answer that fits less well than another.
+pub(super) fn falls_behind(by: f64, leader: &str) -> String {
+    format!("for its unknowns it explains {by:.0} less of χ² than {leader}")
+}
+
+/// χ² that an unknown has to be worth: `ln n`, with as many independent samples n as the noise leaves. Schwarz (1978),
+/// Annals of Statistics 6, 461-464.
+pub(super) fn price(fit: &Joint, widening: f64) -> f64 {
+    let series = fit.found.at.carried.blocks.iter().flatten();
+    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / widening;
+    samples.max(1.0).ln()
+}
+
+/// Of each effect the try that promises most, largest score first.
+pub(super) fn best_tries(candidates: Vec<Candidate>, scores: &Scores) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for (candidate, score) in candidates.into_iter().zip(&scores.each) {
+        let entry = Entry::new(candidate, score.clone());
+        match entries.iter_mut().find(|other| other.candidate.name() == entry.candidate.name()) {
+            Some(other) if entry.score.size > other.score.size => *other = entry,
+            Some(_) => {}
+            None => entries.push(entry),
+        }
+    }
+    entries.sort_by(|a, b| b.score.size.total_cmp(&a.score.size));
+    entries
+}
+
+/// Those that are worth a fit, and the others.
+pub(super) fn shortlist(entries: &mut [Entry]) -> (&mut [Entry], &mut [Entry]) {
+    let possible = entries.iter().filter(|entry| entry.rejected.is_none());
+    let most = possible.map(|entry| entry.score.decrease).fold(0.0, f64::max);
+    let is_worth = |entry: &Entry| entry.rejected.is_none() && entry.score.decrease >= WORTH_FITTING * most;
+    entries.sort_by_key(|entry| !is_worth(entry));
+    let count = entries.iter().filter(|entry| is_worth(entry)).count();
+    entries.split_at_mut(count.min(SHORTLIST))
+}
+
+/// Fits all roughly, and in full those that come near the best; `tell` hears of each before its fit and after.
+pub(super) fn fit_all(
+    shortlist: &mut [Entry],
+    problem: &Problem,
+    fit: &Joint,
+    widening: f64,
+    tell: &(dyn Fn(&Entry) + Sync),
+) -> Result<(), CalibrateError> {
+    let of_entry = |entry: &mut Entry| {
+        tell(entry);
+        let rough = rough(problem, &entry.candidate, entry.score.estimate, fit)?;
+        match &rough {
+            Some(rough) => {
+                entry.rough = Some(rough.cost);
+                entry.realised = Some(2.0 * (fit.cost() - rough.cost) / widening);
+                tell(entry);
+            }
+            None => entry.reject(not_run(problem)),
+        }
+        Ok(rough)
+    };
+    let roughs: Vec<Option<Rough>> =
+        shortlist.par_iter_mut().map(of_entry).collect::<Result<_, CalibrateError>>()?;
+    let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
+    let room = (NEAR * (fit.cost() - least)).max(5.0 * LEAD * widening);
+    shortlist.par_iter_mut().zip(&roughs).try_for_each(|(entry, rough)| {
+        if let Some(rough) = rough.as_ref().filter(|rough| rough.cost < least + room) {
+            entry.refit = refit(rough, &entry.candidate)?;
+            if entry.refit.is_none() {
+                entry.reject(not_run(problem));
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Why a candidate has no fit.
+pub(super) fn not_run(problem: &Problem) -> &'static str {
+    if is_stopped(problem) { CUT_SHORT } else { "a model with it cannot be run" }
+}
+
+/// Takes the one that fits best for its unknowns, and those that fit as well, if that is more than noise would
+/// give and what was locked away does not speak against it.
+pub(super) fn choose(
+    shortlist: &mut [Entry],
+    problem: &Problem,
+    fit: &Joint,
+    scores: &Scores,
+    before: Option<&Locked>,
+    negligible: f64,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Heard, CalibrateError> {
+    let widening = least_widening(shortlist, scores.widening)?;
+    let each = price(fit, widening);
+    let price = |refit: &Refit| refit.unknowns as f64 * each;
+    let left = |refit: &Refit| 2.0 * refit.cost / widening;
+    let worth = |refit: &Refit| left(refit) + price(refit);
+    // An unknown less is a reason to be asked first, and none to stand alone.
+    let fair = |refit: &Refit| left(refit) + FAIR * refit.unknowns as f64;
+    let of = |entry: &Entry| entry.refit.as_ref().map_or(f64::INFINITY, worth);
+    shortlist.sort_by(|a, b| of(a).total_cmp(&of(b)));
+    let Some(best) = shortlist.first().and_then(|entry| entry.refit.as_ref()) else {
+        return Ok(Heard::Stranger);
+    };
+    // The null may have a better minimum where the effect has led.
+    let again = Joint::approach(problem, &best.known, &fit.found.view, false, 0.0)?;
+    let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
+    let (least, fairest, leader) = (worth(best), fair(best), shortlist[0].candidate.name());
+    let most = 2.0 * (null - best.cost) / widening;
+    // What cannot be told apart by its trace, no lead tells apart: it would come from an error of a law.
+    let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[0], entry, scores)).collect();
+    let roughest = shortlist.iter().filter_map(|entry| entry.rough).fold(f64::INFINITY, f64::min);
+    for (entry, distance) in shortlist.iter_mut().zip(distances) {
+        let Some(refit) = &entry.refit else {
+            let behind = entry.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - roughest) / widening);
+            entry.realised = entry.rough.map(|_| most - behind);
+            entry.falls_behind(behind, leader);
+            continue;
+        };
+        let behind = worth(refit) - least;
+        entry.realised = Some(2.0 * (null - refit.cost) / widening);
+        let vanishes = |strength: f64| strength == entry.candidate.off && !entry.candidate.is_widened();
+        if entry.strength().is_none_or(vanishes) {
+            entry.reject("fitted in full it vanishes");
+        } else if behind.min(fair(refit) - fairest) >= LEAD && distance >= ONE {
+            entry.falls_behind(behind, leader);
+        }
+    }
+    let noise = scores.threshold.powi(2);
+    if most < noise {
+        let words = format!("fitted in full the best explains {most:.1} of χ², and noise {noise:.1}");
+        shortlist.iter_mut().for_each(|entry| entry.reject(words.clone()));
+        return Ok(Heard::Nothing);
+    }
+    if most < negligible {
+        shortlist.iter_mut().for_each(|entry| entry.reject(LITTLE));
+        return Ok(Heard::Nothing);
+    }
+    // Equals are judged in turn until one stands.
+    for lead in 0..shortlist.len() {
+        let entry = &mut shortlist[lead];
+        let Some(refit) = entry.refit.clone().filter(|_| entry.rejected.is_none()) else { continue };
+        let own = entry.realised.unwrap_or(0.0);
+        let noise = entry.score.decrease_at(scores.threshold);
+        if own < noise {
+            entry.reject(format!("fitted in full it explains {own:.1} of χ², and noise {noise:.1}"));
+            continue;
+        }
+        tell("what was locked away");
+        let locked = Locked::meet(&refit.fitted.problem, &refit.known)?;
+        if let (Some(before), Some(after)) = (before, &locked) {
+            let before = before.cost(fit, problem)?;
+            let after = after.cost(&refit.fitted.fit()?, &refit.fitted.problem)?;
+            let pair = before.zip(after);
+            entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / widening);
+        }
+        if entry.held_out.is_some_and(|decrease| decrease < noise.min(AGREES * own)) {
+            entry.reject("what was locked away does not agree");
+            continue;
+        }
+        let lead = &shortlist[lead];
+        let equals = shortlist.iter().filter(|entry| entry.rejected.is_none());
+        let others = equals.filter(|entry| entry.candidate.name() != lead.candidate.name());
+        let member = |other: &Entry| {
+            let effect = other.candidate.name().to_owned();
+            let behind = of(other) - worth(&refit);
+            // Of laws that turn round, traces tell little: fitted side by side, what is left between them is how far
+            // they are apart.
+            let distance = Some(apart(lead, other, scores)).filter(|trace| *trace < APART);
+            let distance = distance.unwrap_or(behind.max(0.0).sqrt());
+            (Member { effect, behind, distance }, other.candidate.clone())
+        };
+        let mut members: Vec<(Member, Candidate)> = others.map(member).collect();
+        members.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+        let (candidate, price) = (lead.candidate.clone(), price(&refit));
+        return Ok(Heard::Effect(Box::new(Best {
+            candidate,
+            refit,
+            locked,
+            widening,
+            price,
+            gain: most,
+            members,
+        })));
+    }
+    Ok(if most < CHANCE * noise { Heard::Nothing } else { Heard::Stranger })
+}
+
+/// Variance of the noise over that of white noise as large as stated, as the best candidate leaves it: as in any F test,
+/// the larger model says what noise is. What a linear step leaves of a large effect would pass for noise.
+fn least_widening(shortlist: &[Entry], linear: f64) -> Result<f64, CalibrateError> {
+    let refits = shortlist.iter().filter_map(|entry| Some((entry.refit.as_ref()?, &entry.candidate)));
+    let Some((best, candidate)) = refits.min_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost)) else {
+        return Ok(linear);
+    };
+    let fit = best.fitted.fit()?;
+    let of = uncertainty(&fit.objective, &fit.found);
+    let path = candidate.path();
+    let own =
+        best.known.iter().enumerate().filter(|(k, known)| known.unknown.name == path && of.is_determined[*k]);
+    let own = own.map(|(k, _)| of.widening(k)).filter(|own| own.is_finite()).fold(0.0, f64::max);
+    Ok(if own > 0.0 { own.clamp(1.0, linear.max(1.0)) } else { linear })
+}
+
+/// Distance of two traces at the strength of the first, standard deviations of the noise as it is.
+fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
+    let strengths = match first.strength() {
+        Some(strength) if first.score.columns.len() == 1 && !first.candidate.is_widened() => {
+            vec![strength - first.candidate.off]
+        }
+        _ => first.score.estimates.clone(),
+    };
+    let distance = distance(&scores.gram, &first.score.columns, &second.score.columns, &strengths);
+    distance / scores.widening.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use efam_core::example::muscle_at_15_psi;
+    use efam_core::forward::Run;
+    use efam_experiments::release::Release;
+
+    use super::*;
+    use crate::calibrate::{Nuisances, Trial};
+    use crate::diagnose::Settings;
+    use crate::diagnose::candidate::candidates;
+
+    /// One that cannot be the answer says nothing of what the others are worth.
+    #[test]
+    fn a_candidate_of_the_wrong_sign_sets_no_bar() {
+        let release = Release {
+            name: "made-up".to_owned(),
+            time: Vec::new(),
+            release_uncertainty: 0.01,
+            tracks: Vec::new(),
+            pressure: None,
+            payload: 0.0,
+            held_out: false,
+        };
+        let trial = Trial { release, model: muscle_at_15_psi(), run: Run::release(1.0, 10.0) };
+        let problem =
+            Problem { trials: vec![trial], parameters: Vec::new(), nuisances: Nuisances::default() };
+        let score = |(decrease, is_admissible)| Score {
+            columns: vec![0],
+            size: 5.0,
+            decrease,
+            is_admissible,
+            ..Score::default()
+        };
+        let scores = [(800.0, false), (100.0, true), (20.0, true)].map(score);
+        let pairs = candidates(&problem, &Settings::default()).into_iter().zip(scores);
+        let mut entries: Vec<Entry> = pairs.map(|(candidate, score)| Entry::new(candidate, score)).collect();
+        let (worth, others) = shortlist(&mut entries);
+        let decreases = |entries: &[Entry]| entries.iter().map(|e| e.score.decrease).collect::<Vec<_>>();
+        assert_eq!((decreases(worth), decreases(others)), (vec![100.0], vec![800.0, 20.0]));
+    }
+}

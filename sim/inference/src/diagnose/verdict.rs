@@ -1,0 +1,200 @@
+//! What a diagnosis says, as it is written to `diagnosis.json`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::describe::Description;
+use super::gate::Numerics;
+use super::localise::Shape;
+use super::misfit::Misfit;
+use super::share::Shares;
+use crate::calibrate::repeats::Repeats;
+
+/// The answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// One effect, or several, each told from all others.
+    Named,
+    /// The same, and what remains is more than noise and than what repeats: something else is missing as well.
+    Incomplete,
+    /// One of several effects that these recordings cannot tell apart.
+    Class,
+    /// Nothing that these recordings could show.
+    #[default]
+    NothingMissing,
+    /// Something that the catalogue does not hold.
+    Unknown,
+}
+
+/// A diagnosis with its evidence.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Diagnosis {
+    /// The answer.
+    pub verdict: Verdict,
+    /// The answer in words, for a person.
+    pub summary: String,
+    /// Effects that were added to the model, in the order in which they were found.
+    pub effects: Vec<Added>,
+    /// Effects that would do as well as the last one added; empty where it stands alone.
+    pub members: Vec<Member>,
+    /// What would tell the members apart.
+    pub separating_experiment: Option<Separation>,
+    /// Every candidate of every round.
+    pub evidence: Vec<Evidence>,
+    /// Gap between simulation and recordings, before and after.
+    pub gap: Vec<Gap>,
+    /// How well the experiment repeats; none where that is not known.
+    #[serde(default)]
+    pub repeats: Option<Repeats>,
+    /// What was missing, and how much of it the effects explain.
+    #[serde(default)]
+    pub shares: Option<Shares>,
+    /// What the fit moved far from what is stated of the setup, the farthest first.
+    #[serde(default)]
+    pub contradictions: Vec<Contradiction>,
+    /// False-alarm level of a round, and the score that it amounts to.
+    pub false_alarm: f64,
+    /// Score that a candidate has to exceed, by round.
+    pub thresholds: Vec<f64>,
+    /// Whether the model as it is misses even the first swings, so that candidates were fitted to these first.
+    #[serde(default)]
+    pub misses_first_swings: bool,
+    /// What the simulation does wrong before anything is added, the largest first; empty where it misses even the
+    /// first swings.
+    pub misfits: Vec<Misfit>,
+    /// What the residual looks like in each round, whatever its cause.
+    pub shapes: Vec<Shape>,
+    /// Mesh and step.
+    pub numerics: Numerics,
+    /// What was locked away, by name of the release.
+    pub held_out: Vec<String>,
+    /// The moment that it would take, where no effect explains what is there: a description, not a cause.
+    pub description: Option<Description>,
+    /// The round in which the search was cut short, by its budget or by an interruption; none where it ended by itself.
+    #[serde(default)]
+    pub cut_short_in_round: Option<usize>,
+    /// What should be known before the answer is used, in words.
+    pub warnings: Vec<String>,
+}
+
+/// An effect that the repaired model has.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Added {
+    /// Its stable name.
+    pub effect: String,
+    /// Its parameters.
+    pub parameters: Vec<Value>,
+}
+
+/// A parameter of an added effect; SI.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Value {
+    /// Scenario key.
+    pub name: String,
+    /// SI unit; empty if dimensionless.
+    pub unit: String,
+    /// The release or pressure that it belongs to, where each has its own.
+    pub of: Option<String>,
+    /// Its value.
+    pub value: f64,
+    /// Interval that holds the truth in 95 % of experiments; none for one that was held.
+    pub interval_95: Option<[f64; 2]>,
+}
+
+/// A parameter that a fit moved far from what is stated of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Contradiction {
+    /// Its name.
+    pub parameter: String,
+    /// Where the fit has it, SI.
+    pub value: f64,
+    /// SI unit; empty if dimensionless.
+    pub unit: String,
+    /// How far that is from what is stated, standard deviations of the latter.
+    pub deviations: f64,
+}
+
+/// One of several effects that do the same to these recordings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Member {
+    /// Its stable name.
+    pub effect: String,
+    /// By how much its best fit is worse than that of the best, χ² in units of the noise as it is.
+    pub behind: f64,
+    /// How far apart its trace and that of the best are when all else is fitted, standard deviations:
+    /// below 2 they are one, from 5 on they are told apart.
+    pub distance: f64,
+}
+
+/// An experiment that would tell the members of a class apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Separation {
+    /// What to do, in words.
+    pub what: String,
+    /// Distance of the two nearest members with it, found by simulating it.
+    pub distance: f64,
+    /// The same without it.
+    pub distance_now: f64,
+}
+
+/// What speaks for and against one candidate in one round.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Evidence {
+    /// Round, 1 being the search for the first effect.
+    pub round: usize,
+    /// Its stable name.
+    pub effect: String,
+    /// Whether it was found before, and what is asked is a strength for each pressure.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_each_pressure: bool,
+    /// Whether it was fitted to the first swings, because the model misses even those: its score is the root of the
+    /// decrease of χ² there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_first_swings: bool,
+    /// Values at which parameters were tried.
+    pub tried: Vec<(String, f64)>,
+    /// Size of its score.
+    pub score: f64,
+    /// Promised decrease of χ².
+    pub predicted_decrease: f64,
+    /// Decrease of χ² when it was fitted, roughly where it came not near the best; none where it was not.
+    pub realised_decrease: Option<f64>,
+    /// Its strength: the fitted one, or else the promised one; SI.
+    pub strength: f64,
+    /// Decrease of χ² on what was locked away.
+    pub held_out_decrease: Option<f64>,
+    /// Why it is not the answer; none for the one that is.
+    pub rejected: Option<String>,
+}
+
+impl Evidence {
+    /// Says why it is not the answer; the first reason stands.
+    pub(super) fn reject(&mut self, why: &str) {
+        self.rejected.get_or_insert_with(|| why.to_owned());
+    }
+
+    /// What was asked for, as a row of a table names it.
+    pub fn asked(&self) -> String {
+        if self.of_each_pressure { format!("{}, by pressure", self.effect) } else { self.effect.clone() }
+    }
+}
+
+/// How far simulation and recordings are apart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Gap {
+    /// Name of the release.
+    pub release: String,
+    /// Whether it was locked away.
+    pub held_out: bool,
+    /// Root mean square distance of all samples without the effects, mm, and with them.
+    pub before_mm: f64,
+    /// With them.
+    pub after_mm: f64,
+    /// The same over the noise, 1 being noise alone, without samples that the robust loss holds back.
+    pub before: f64,
+    /// With them.
+    pub after: f64,
+    /// Standard deviation of the noise of a coordinate, mm: the mean over the tracks.
+    pub noise_mm: f64,
+}

@@ -1,0 +1,340 @@
+//! The answer in words.
+
+use std::fmt::Write;
+
+use models::effects::by_name;
+
+use super::describe::Description;
+use super::localise::Shape;
+use super::misfit::{BANDS, Misfit, Wrong};
+use super::round::NO_MORE;
+use super::verdict::{Added, Contradiction, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
+use crate::calibrate::repeats::Source;
+use models::digits::{short, significant};
+
+/// One paragraph for a person; each part of it is there only where numbers stand behind it.
+pub(super) fn summary(diagnosis: &Diagnosis) -> String {
+    let misfit = || match diagnosis.misses_first_swings {
+        true => {
+            Some("The simulation misses even the first swings by more than a fifth of the motion.".to_owned())
+        }
+        false => wrong(&diagnosis.misfits),
+    };
+    let sentences: Vec<Option<String>> = match diagnosis.verdict {
+        Verdict::NothingMissing => vec![
+            Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and what does not repeat.".to_owned()),
+            remains(diagnosis),
+            apart(diagnosis),
+        ],
+        Verdict::Named | Verdict::Class => vec![
+            contradicted(diagnosis).map(|told| format!("What is stated may not be so: {told}. Check that first.")),
+            misfit(),
+            Some(named(diagnosis)),
+            removed(diagnosis),
+            remains(diagnosis),
+            next_best(diagnosis),
+            diagnosis.separating_experiment.as_ref().map(to_tell_apart),
+        ],
+        Verdict::Incomplete => vec![
+            Some(named(diagnosis)),
+            removed(diagnosis),
+            remains(diagnosis),
+            contradicted(diagnosis).map(|told| format!("It may be what is stated: {told}. Check that first.")),
+            loudest(diagnosis).map(look),
+            misfit(),
+            diagnosis.separating_experiment.as_ref().map(to_tell_apart),
+        ],
+        Verdict::Unknown => vec![
+            Some(missing(diagnosis)),
+            misfit(),
+            partly(diagnosis),
+            diagnosis.description.as_ref().and_then(described),
+            loudest(diagnosis).map(look),
+            apart(diagnosis),
+        ],
+    };
+    sentences.into_iter().flatten().collect::<Vec<_>>().join(" ")
+}
+
+/// What of the setup a fit moved to its limit or beyond: the worst two.
+fn contradicted(diagnosis: &Diagnosis) -> Option<String> {
+    let told = diagnosis.contradictions.iter().map(Contradiction::told);
+    let worst: Vec<String> = told.take(2).collect();
+    (!worst.is_empty()).then(|| listed(&worst))
+}
+
+/// That something is missing which has no name, or was not looked for.
+fn missing(diagnosis: &Diagnosis) -> String {
+    let is_unasked = |own: &Evidence| own.rejected.as_deref() == Some(NO_MORE);
+    if diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
+        return "Something is missing; no effect was to be fitted to say what.".to_owned();
+    }
+    if let Some(round) = diagnosis.cut_short_in_round {
+        return format!("The search was cut short in round {round}, before it had an answer.");
+    }
+    let or = contradicted(diagnosis)
+        .map_or(String::new(), |told| format!(", or what is stated is not so: {told}. Check that first"));
+    format!("Something is missing that the catalogue does not hold{or}.")
+}
+
+/// A parameter's name as a person says it.
+fn plain(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// An effect as a person calls it: as its page begins, `Air drag on the body: …`.
+fn called(effect: &str) -> String {
+    let page = by_name(effect).map(|effect| effect.page());
+    let title = page.as_deref().and_then(|page| page.split_once(':'));
+    let Some((title, _)) = title else { return plain(effect) };
+    let mut letters = title.chars();
+    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+}
+
+fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn names(diagnosis: &Diagnosis) -> String {
+    let is_of_each = |added: &Added| {
+        diagnosis
+            .evidence
+            .iter()
+            .any(|own| own.effect == added.effect && own.of_each_pressure && own.rejected.is_none())
+    };
+    let name = |added: &Added| match is_of_each(added) {
+        true => format!("{} of another size at each pressure", called(&added.effect)),
+        false => called(&added.effect),
+    };
+    capitalised(&listed(&diagnosis.effects.iter().map(name).collect::<Vec<_>>()))
+}
+
+/// One, two and three.
+pub(super) fn listed(words: &[String]) -> String {
+    match words {
+        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        words => words.concat(),
+    }
+}
+
+/// Share of the size of the largest misfit from which on another is worth words.
+const ALSO: f64 = 0.3;
+
+/// What the simulation does wrong: the largest misfit, and another beside it.
+fn wrong(misfits: &[Misfit]) -> Option<String> {
+    let first = misfits.first()?;
+    let where_and_when = |misfit: &Misfit| {
+        let [low, high] = misfit.amplitudes.map(|share| 100.0 * share);
+        let (size, range) = match (low, high) {
+            (_, 100.0..) => ("large", format!("above {low:.0} %")),
+            (low, _) if low <= 100.0 * BANDS[BANDS.len() - 1][0] => ("small", format!("below {high:.0} %")),
+            _ => ("middle", format!("{low:.0} to {high:.0} %")),
+        };
+        format!("at {size} swings ({range} of the largest amplitude)")
+    };
+    let mut words = format!("The simulation {} {}", does(first.what), where_and_when(first));
+    let (own, there) = (first.pressures_pa.len(), first.pressures_there_pa.len());
+    if own > 1 && own == there {
+        words += ", at all pressures";
+    } else if own > 0 && own < there {
+        let kilo = |pressure: &f64| format!("{:.0}", 1e-3 * pressure);
+        let own: Vec<_> = first.pressures_pa.iter().map(kilo).collect();
+        let _ = write!(words, ", most clearly at {} kPa", listed(&own));
+    }
+    let [cycles, before] = first.cycles;
+    if before < 1.0 {
+        let _ = write!(words, ", in the first {cycles:.0} cycles");
+    } else {
+        let _ = write!(words, ", from cycle {:.0} to {:.0}", before + 1.0, before + cycles);
+    }
+    let another = misfits[1..].iter().find(|other| other.size_mm > ALSO * first.size_mm);
+    if let Some(other) = another {
+        let _ = match other.amplitudes == first.amplitudes {
+            true => write!(words, "; there it also {}", does(other.what)),
+            false => write!(words, "; it {} {}", does(other.what), where_and_when(other)),
+        };
+    }
+    Some(words + ".")
+}
+
+fn does(what: Wrong) -> &'static str {
+    match what {
+        Wrong::LosesEnergyTooSlowly => "loses energy too slowly",
+        Wrong::LosesEnergyTooFast => "loses energy too fast",
+        Wrong::SwingsTooSlowly => "swings too slowly",
+        Wrong::SwingsTooFast => "swings too fast",
+    }
+}
+
+/// Values of an effect that are told in a sentence, at most.
+const TOLD: usize = 3;
+
+/// What is missing, with its values, and what cannot be told from it.
+fn named(diagnosis: &Diagnosis) -> String {
+    let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
+    let or = match others.is_empty() {
+        true => String::new(),
+        false => format!(", or what does the same to these recordings ({})", others.join(", ")),
+    };
+    let is = if diagnosis.effects.len() > 1 { "are" } else { "is" };
+    let values: Vec<String> = diagnosis.effects.iter().filter_map(values).collect();
+    let values = if values.is_empty() { String::new() } else { format!(": {}", values.join("; ")) };
+    format!("{} {is} missing{or}{values}.", names(diagnosis))
+}
+
+/// The values of an effect; nothing where there are too many for a sentence.
+fn values(added: &Added) -> Option<String> {
+    let told = |value: &Value| {
+        let of = value.of.as_ref().map_or(String::new(), |of| format!(" of {of}"));
+        let number = format!("{} {}", short(value.value), value.unit);
+        let interval = match value.interval_95 {
+            Some([low, high]) => {
+                format!(" (95 % interval {} to {})", short(low), short(high))
+            }
+            None => " (not fitted)".to_owned(),
+        };
+        format!("{}{of} {}{interval}", plain(&value.name), number.trim_end())
+    };
+    let few = (1..=TOLD).contains(&added.parameters.len());
+    few.then(|| listed(&added.parameters.iter().map(told).collect::<Vec<_>>()))
+}
+
+fn percent(share: f64) -> String {
+    if share >= 0.995 { "all".to_owned() } else { format!("{:.0} %", 100.0 * share) }
+}
+
+fn removed(diagnosis: &Diagnosis) -> Option<String> {
+    let shares = diagnosis.shares.as_ref()?;
+    let share = shares.removed.filter(|share| *share > 0.0)?;
+    let it = if diagnosis.effects.len() > 1 { "They explain" } else { "It explains" };
+    let locked = shares.removed_held_out.map_or(String::new(), |share| match share > 0.0 {
+        true => format!(", and {} of what was locked away", percent(share)),
+        false => ", and nothing of what was locked away".to_owned(),
+    });
+    Some(format!("{it} {} of what noise does not{locked}.", percent(share)))
+}
+
+/// What the effects leave, beside how well the experiment repeats.
+fn remains(diagnosis: &Diagnosis) -> Option<String> {
+    let shares = diagnosis.shares.as_ref()?;
+    let [before, left] = [shares.before_mm, shares.left_mm].map(|distance| significant(distance, 2));
+    let distances = match diagnosis.effects.is_empty() {
+        true => format!("Simulation and recordings are {left} mm apart"),
+        false => format!("Simulation and recordings were {before} mm apart and are {left} mm"),
+    };
+    let told = diagnosis.repeats.as_ref().map(|repeats| {
+        let size = significant(repeats.distance_mm, 2);
+        let releases = diagnosis.gap.iter().filter(|gap| !gap.held_out).count();
+        let is_within = shares.left_mm <= repeats.largest_mm(releases);
+        let than = if is_within { "no more than" } else { "more than" };
+        match repeats.source {
+            Source::Stated => format!(", {than} the {size} mm to which the experiment is said to repeat"),
+            Source::Measured => {
+                let most = significant(repeats.largest_mm(releases), 2);
+                format!(
+                    ", {than} its releases of one condition leave open, which repeat to {size} mm ({most} mm at 95 %)"
+                )
+            }
+            Source::Assumed => format!(
+                ", {than} the {size} mm to which a single release is taken to repeat, 1 % of its motion (state calibrate.repeatability, or record the release again)"
+            ),
+        }
+    });
+    let more = match diagnosis.verdict {
+        Verdict::Incomplete => ": something else is missing as well",
+        _ => "",
+    };
+    Some(format!("{distances}{}{more}.", told.unwrap_or_default()))
+}
+
+/// What the next best effect would explain in the place of the one that was added.
+fn next_best(diagnosis: &Diagnosis) -> Option<String> {
+    let [only] = &diagnosis.effects[..] else { return None };
+    let is_found = |own: &&Evidence| own.effect == only.effect && own.rejected.is_none();
+    let found = diagnosis.evidence.iter().find(is_found)?;
+    let (round, own) = (found.round, found.realised_decrease?);
+    let first = || diagnosis.evidence.iter().filter(|evidence| evidence.round == round);
+    let is_other = |evidence: &&Evidence| {
+        evidence.effect != only.effect
+            && diagnosis.members.iter().all(|member| member.effect != evidence.effect)
+    };
+    let kept = first().filter(is_other).filter_map(|other| Some((other, other.realised_decrease?)));
+    let (next, kept) = kept.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let share = diagnosis.shares.as_ref()?.removed?.min(1.0) * kept / own;
+    (share >= 0.005).then(|| {
+        format!("{}, the next best, would explain {}.", capitalised(&called(&next.effect)), percent(share))
+    })
+}
+
+/// Root mean square of a gap over releases.
+fn mean(gaps: &[&Gap], of: fn(&Gap) -> f64) -> f64 {
+    (gaps.iter().map(|gap| of(gap).powi(2)).sum::<f64>() / gaps.len() as f64).sqrt()
+}
+
+/// How far simulation and recordings are apart in the end.
+fn apart(diagnosis: &Diagnosis) -> Option<String> {
+    let all: Vec<&Gap> = diagnosis.gap.iter().collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "Simulation and recordings are {:.2} of the noise apart, 1 being noise alone.",
+            mean(&all, |gap| gap.after)
+        )
+    })
+}
+
+fn to_tell_apart(separation: &Separation) -> String {
+    format!(
+        "To tell them apart, record {}: that takes the distance of the nearest two from {:.1} to {:.1} standard deviations.",
+        separation.what, separation.distance_now, separation.distance
+    )
+}
+
+/// What was added on the way to an unknown.
+fn partly(diagnosis: &Diagnosis) -> Option<String> {
+    if diagnosis.effects.is_empty() {
+        return None;
+    }
+    let removed = diagnosis.shares.as_ref().and_then(|shares| shares.removed);
+    let share = removed.filter(|share| *share > 0.0);
+    let share = share.map_or("a part".to_owned(), percent);
+    let describes = if diagnosis.effects.len() > 1 { "describe" } else { "describes" };
+    Some(format!("{} {describes} {share} of it, and need not be its cause.", names(diagnosis)))
+}
+
+/// The moment that it would take.
+fn described(description: &Description) -> Option<String> {
+    let about = by_name(&description.moment.effect)?.about();
+    let term = |value: &Value| {
+        let parameter = about.parameters.iter().find(|parameter| parameter.name == value.name)?;
+        let number = format!("{} {}", short(value.value), value.unit);
+        Some(format!("{} ({})", parameter.meaning, number.trim_end()))
+    };
+    let terms: Vec<String> = description.moment.parameters.iter().filter_map(term).collect();
+    (!terms.is_empty()).then(|| {
+        format!(
+            "A description, not a cause: a moment at every bend, over EI {}, would take {} of what is left.",
+            listed(&terms),
+            percent(description.share)
+        )
+    })
+}
+
+fn look(shape: &Shape) -> String {
+    format!(
+        "What is left looks like this: {}, by {:.2} mm at the tip, mostly at {:.0} % of the largest amplitude.",
+        shape.what,
+        shape.size_mm,
+        100.0 * shape.at_amplitude
+    )
+}
+
+/// The shape that stands out most in the last round, if one does.
+fn loudest(diagnosis: &Diagnosis) -> Option<&Shape> {
+    let last = diagnosis.shapes.iter().map(|shape| shape.round).max()?;
+    let own = diagnosis.shapes.iter().filter(|shape| shape.round == last && shape.score > shape.threshold);
+    own.max_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,7 @@
+//! What releases tell of a rod: parameters with their uncertainty, effects that a model lacks, and releases that nobody
+//! has made yet.
+
+pub mod calibrate;
+pub mod diagnose;
+pub mod normal;
+pub mod predict;

@@ -1,0 +1,199 @@
+//! Models that the errors of a calibration admit: drawn, or one standard deviation off along each direction.
+
+use efam_experiments::scenario::Case;
+use models::model::Model;
+use models::muscle::{Here, Knob, Known};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
+
+use super::interval::NORMAL_95;
+use super::loss::Loss;
+use crate::normal::normal;
+
+/// Draws after which one that is not admitted is put on its bounds.
+const TRIES: usize = 10_000;
+/// Share of a standard deviation below which a step along a direction says nothing.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// The errors of a calibration at the pressure and the frequency of a case.
+pub struct Errors {
+    /// The model of the case, with its loss at the frequency of the case.
+    pub model: Model,
+    drawn: Vec<Drawn>,
+    /// The loss that is known at another frequency.
+    loss: Option<Loss>,
+    /// Takes independent normal numbers to errors; its columns are those of a standard deviation along each direction.
+    /// The last error is that of the logarithm of the loss, where that is known at another frequency.
+    root: DMatrix<f64>,
+    /// Those that the data did not determine.
+    pub undetermined: Vec<Knob>,
+    /// Of each parameter that was interpolated over pressure its path, and half the 95 % interval that this alone
+    /// makes, as a share of its value.
+    pub interpolated: Vec<(String, f64)>,
+}
+
+/// A parameter that is drawn.
+struct Drawn {
+    path: String,
+    /// Its calibrated value.
+    value: f64,
+    /// What it may be.
+    range: [f64; 2],
+    /// Whether its logarithm is normal: so it is of what describes the rod, which is positive.
+    is_logarithmic: bool,
+}
+
+impl Drawn {
+    /// Its value with an error, which is that of the logarithm times the value where it is logarithmic.
+    fn with(&self, error: f64) -> f64 {
+        if self.is_logarithmic { self.value * (error / self.value).exp() } else { self.value + error }
+    }
+
+    /// The largest error of a sign that its range admits, as a size.
+    fn room(&self, sign: f64) -> f64 {
+        let end = if sign > 0.0 { self.range[1] } else { self.range[0] };
+        let room = if self.is_logarithmic { self.value * (end / self.value).ln() } else { end - self.value };
+        (room * sign.signum()).max(0.0)
+    }
+
+    fn admits(&self, error: f64) -> bool {
+        (self.range[0]..=self.range[1]).contains(&self.with(error))
+    }
+}
+
+impl Errors {
+    /// Those of a case.
+    pub fn new(known: &Known, case: &Case) -> Self {
+        let here = |path: &str| {
+            let of = |k: usize| Here { value: case.model.theta[k], scale: case.model.parameters[k].scale };
+            // A parameter that the model has not is left out below.
+            case.model.index(path).map_or(Here { value: 0.0, scale: 0.0 }, of)
+        };
+        let at = known.at(case.pressure.unwrap_or(0.0), &here);
+        // A parameter that the model has not is none of its errors.
+        let own: Vec<usize> =
+            (0..at.paths.len()).filter(|k| case.model.index(&at.paths[*k]).is_ok()).collect();
+        let drawn = |k: &usize| {
+            let path = &at.paths[*k];
+            let value = here(path).value;
+            let (low, high) =
+                case.model.index(path).map_or((value, value), |k| case.model.parameters[k].range);
+            let is_logarithmic = path.starts_with("rod.") && value > 0.0;
+            Drawn { path: path.clone(), value, range: [low, high], is_logarithmic }
+        };
+        let covariance = DMatrix::from_fn(own.len(), own.len(), |a, b| at.covariance[own[a]][own[b]]);
+        // Numbers of very different size: the root is taken of the correlations.
+        let deviations = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
+        let scaled = DMatrix::from_fn(own.len(), own.len(), |a, b| {
+            covariance[(a, b)] / (deviations[a] * deviations[b]).max(f64::MIN_POSITIVE)
+        });
+        let eigen = SymmetricEigen::new(scaled);
+        let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
+        let mut root =
+            DMatrix::from_diagonal(&deviations) * &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+        let drawn: Vec<Drawn> = own.iter().map(drawn).collect();
+        let loss = Loss::of(known, &case.model).filter(|loss| drawn.iter().any(|own| own.path == loss.path));
+        if let Some(loss) = &loss {
+            let count = own.len();
+            root = root.resize(count + 1, count + 1, 0.0);
+            root[(count, count)] = loss.deviation;
+        }
+        let is_own = |knob: &Knob| own.iter().any(|k| at.paths[*k] == knob.path);
+        let interpolated = |k: &usize| {
+            let (path, deviation) = (&at.paths[*k], at.interpolated[*k]);
+            (deviation > 0.0).then(|| (path.clone(), NORMAL_95 * deviation / here(path).value.abs()))
+        };
+        let (interpolated, undetermined) = (
+            own.iter().filter_map(interpolated).collect(),
+            at.undetermined.into_iter().filter(is_own).collect(),
+        );
+        let mut errors = Self { model: case.model.clone(), drawn, loss, root, interpolated, undetermined };
+        if errors.loss.is_some()
+            && let Some(model) = errors.model(&DVector::zeros(errors.root.nrows()))
+        {
+            errors.model = model;
+        }
+        errors
+    }
+
+    /// What should be known of the loss, in words.
+    pub fn of_loss(&self) -> Option<String> {
+        let loss = self.loss.as_ref()?;
+        let own = self.drawn.iter().find(|own| own.path == loss.path)?;
+        Some(loss.words(own.value, self.unit(&own.path)))
+    }
+
+    /// The model of a draw, the same whoever asks for it; none that makes no sense. Errors that take a number
+    /// out of what it may be are drawn anew: of two that move against one another, neither gives way alone.
+    pub fn drawn(&self, seed: u64, draw: usize) -> Option<Model> {
+        self.model(&self.errors(seed, draw))
+    }
+
+    /// What the model of a draw has of its own: paths and values.
+    pub fn values(&self, seed: u64, draw: usize) -> Vec<(String, f64)> {
+        let errors = self.errors(seed, draw);
+        self.with(&errors).map(|(path, value)| (path.to_owned(), value)).collect()
+    }
+
+    /// Paths and values with these errors, as far as the values may go.
+    fn with<'a>(&'a self, errors: &'a DVector<f64>) -> impl Iterator<Item = (&'a str, f64)> {
+        let own = |of: &Drawn| self.loss.as_ref().filter(|loss| loss.path == of.path);
+        let at_frequency =
+            move |of: &Drawn| own(of).map_or(1.0, |loss| loss.factor * errors[self.drawn.len()].exp());
+        let value = move |(of, error): (&Drawn, &f64)| at_frequency(of) * of.with(*error);
+        let pairs = self.drawn.iter().zip(errors.iter());
+        pairs.map(move |pair| (&pair.0.path[..], value(pair).clamp(pair.0.range[0], pair.0.range[1])))
+    }
+
+    fn errors(&self, seed: u64, draw: usize) -> DVector<f64> {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.wrapping_add((draw as u64) << 20));
+        let mut draw = || &self.root * DVector::from_fn(self.directions(), |_, _| normal(&mut random));
+        let mut errors = draw();
+        for _ in 0..TRIES {
+            if self.admits(&errors) {
+                break;
+            }
+            errors = draw();
+        }
+        errors
+    }
+
+    /// SI unit of a parameter; empty if it has none.
+    pub fn unit(&self, path: &str) -> &'static str {
+        self.model.index(path).map_or("", |k| self.model.parameters[k].unit)
+    }
+
+    /// How many directions there are.
+    pub fn directions(&self) -> usize {
+        self.root.ncols()
+    }
+
+    /// The model one standard deviation along a direction, or as far as its numbers may go, with how far that is, and
+    /// how far they may go in all, in standard deviations. There is no model where they cannot go at all.
+    pub fn along(&self, direction: usize, side: f64) -> (Option<(Model, f64)>, f64) {
+        let errors = side * self.root.column(direction);
+        let reach = |(of, error): (&Drawn, &f64)| {
+            if *error == 0.0 { f64::INFINITY } else { of.room(*error) / error.abs() }
+        };
+        let room = self.drawn.iter().zip(errors.iter()).map(reach).fold(f64::INFINITY, f64::min);
+        if room < LEAST_SHARE {
+            return (None, 0.0);
+        }
+        let share = room.min(1.0);
+        (self.model(&(share * errors)).map(|model| (model, share)), room)
+    }
+
+    fn admits(&self, errors: &DVector<f64>) -> bool {
+        let mut pairs = self.drawn.iter().zip(errors.iter());
+        pairs.all(|(of, error)| of.admits(*error))
+    }
+
+    fn model(&self, errors: &DVector<f64>) -> Option<Model> {
+        let mut model = self.model.clone();
+        for (path, value) in self.with(errors) {
+            model.set(path, value).ok()?;
+        }
+        Some(model)
+    }
+}

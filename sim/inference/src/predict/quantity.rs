@@ -1,0 +1,121 @@
+//! The numbers of a prediction: what they mean, and where they stand in a run.
+
+use efam_experiments::summary::{Mode, Summary};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::model_error::Off;
+use super::simulated::Simulated;
+
+/// One number that is foretold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Quantity {
+    /// Its name, with the unit.
+    pub name: String,
+    /// What it is, in words.
+    pub meaning: String,
+    /// SI unit; empty if dimensionless.
+    pub unit: String,
+    /// Its value; none where the run has none.
+    pub value: Option<f64>,
+    /// The interval that holds 95 % of what the errors of the calibration admit.
+    pub interval_95: Option<[f64; 2]>,
+    /// Why there is no value.
+    pub missing: Option<String>,
+}
+
+/// What one run says.
+pub(super) struct Told<'a> {
+    pub summary: &'a Summary,
+    /// Largest bending moment at the root, N m.
+    pub root_moment: f64,
+    /// The same at rest.
+    pub root_moment_at_rest: f64,
+    /// Lowest point of the tip, m.
+    pub lowest: Option<f64>,
+}
+
+/// All numbers of a run, in the order of [`QUANTITIES`].
+pub(super) fn numbers(told: &Told) -> Vec<Option<f64>> {
+    QUANTITIES.iter().map(|kind| (kind.of)(told)).collect()
+}
+
+/// All numbers of a run, each with its interval.
+pub(super) fn quantities(
+    own: &Simulated,
+    interval: impl Fn(usize, f64) -> Option<[f64; 2]>,
+) -> Vec<Quantity> {
+    let quantity = |(k, kind): (usize, &Kind)| {
+        let value = own.numbers[k];
+        Quantity {
+            name: kind.name.to_owned(),
+            meaning: kind.meaning.to_owned(),
+            unit: kind.unit.to_owned(),
+            value,
+            interval_95: value.and_then(|value| interval(k, value)),
+            missing: own.missing.get(kind.entry).filter(|_| value.is_none()).cloned(),
+        }
+    };
+    QUANTITIES.iter().enumerate().map(quantity).collect()
+}
+
+/// A kind of number.
+pub(super) struct Kind {
+    name: &'static str,
+    meaning: &'static str,
+    unit: &'static str,
+    /// Its entry in a summary, which says why it is missing.
+    entry: &'static str,
+    of: fn(&Told) -> Option<f64>,
+    /// What the error of the model makes of it.
+    pub off: Off,
+}
+
+/// Name and unit of every number, in the order in which they are told.
+pub fn units() -> impl Iterator<Item = (&'static str, &'static str)> {
+    QUANTITIES.iter().map(|kind| (kind.name, kind.unit))
+}
+
+/// What every number is, in words, likewise.
+pub fn meanings() -> impl Iterator<Item = &'static str> {
+    QUANTITIES.iter().map(|kind| kind.meaning)
+}
+
+fn mode<'a>(told: &Told<'a>, number: usize) -> Option<&'a Mode> {
+    told.summary.modes.as_ref()?.get(number)
+}
+
+const fn kind(
+    name: &'static str,
+    meaning: &'static str,
+    unit: &'static str,
+    entry: &'static str,
+    of: fn(&Told) -> Option<f64>,
+    off: Off,
+) -> Kind {
+    Kind { name, meaning, unit, entry, of, off }
+}
+
+/// All numbers, in the order in which they are told.
+#[rustfmt::skip]
+pub(super) const QUANTITIES: [Kind; 19] = [
+    kind("rest_x_m", "tip at rest, along the level", "m", "rest", |t| Some(t.summary.rest?.tip_x_m), Off::Rest),
+    kind("rest_z_m", "tip at rest, height over the clamp", "m", "rest", |t| Some(t.summary.rest?.tip_z_m), Off::Rest),
+    kind("rest_angle_rad", "angle of the tip at rest", "rad", "rest", |t| Some(t.summary.rest?.tip_angle_rad), Off::RestAngle),
+    kind("small_frequency_hz", "frequency of small swings", "Hz", "modes", |t| Some(mode(t, 0)?.natural_frequency_hz), Off::Frequency),
+    kind("small_damping_ratio", "damping ratio of small swings", "", "modes", |t| Some(mode(t, 0)?.damping_ratio), Off::Damping),
+    kind("second_mode_hz", "frequency of the second mode", "Hz", "modes", |t| Some(mode(t, 1)?.natural_frequency_hz), Off::Untold),
+    kind("second_damping_ratio", "damping ratio of the second mode", "", "modes", |t| Some(mode(t, 1)?.damping_ratio), Off::Untold),
+    kind("third_mode_hz", "frequency of the third mode", "Hz", "modes", |t| Some(mode(t, 2)?.natural_frequency_hz), Off::Untold),
+    kind("third_damping_ratio", "damping ratio of the third mode", "", "modes", |t| Some(mode(t, 2)?.damping_ratio), Off::Untold),
+    kind("frequency_hz", "frequency as released", "Hz", "damped_frequency_hz", |t| t.summary.damped_frequency_hz, Off::Frequency),
+    kind("damping_ratio", "damping ratio as released, by eq. 6", "", "damping_ratio", |t| t.summary.damping_ratio, Off::Damping),
+    kind("lowest_z_m", "lowest point of the tip", "m", "lowest", |t| t.lowest, Off::Swing),
+    kind("least_angle_rad", "least angle of the tip", "rad", "least_tip_angle_rad", |t| t.summary.least_tip_angle_rad, Off::SwingAngle),
+    kind("first_peak_m", "first upper peak over the rest", "m", "peaks", |t| Some(t.summary.peaks.as_ref()?.first()?.height_m), Off::Swing),
+    kind("peak_speed_m_s", "greatest speed of the tip", "m/s", "peak_speed", |t| Some(t.summary.peak_speed?.speed_m_s), Off::Share),
+    kind("settling_5_percent_s", "settled to 5 % after", "s", "settling_5_percent_s", |t| t.summary.settling_5_percent_s, Off::Damping),
+    kind("settling_2_percent_s", "settled to 2 % after", "s", "settling_2_percent_s", |t| t.summary.settling_2_percent_s, Off::Damping),
+    kind("root_moment_at_rest_n_m", "bending moment at the root at rest", "N m", "rest", |t| Some(t.root_moment_at_rest), Off::Untold),
+    kind("root_moment_n_m", "largest bending moment at the root", "N m", "rest", |t| Some(t.root_moment), Off::Share),
+];

@@ -1,0 +1,145 @@
+//! One run of a case, what it says, and what its mesh does to that.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use efam_core::accuracy::order;
+use efam_core::forward::{Run, forward};
+use efam_core::integrate::Effort;
+use efam_core::rest::rest;
+use efam_core::trajectory::Trajectory;
+use efam_experiments::summary::{Cycle, EnergyBalance, MODES, summarise};
+use models::model::Model;
+
+use super::quantity::{Told, numbers};
+use crate::calibrate::problem::refine;
+
+/// One run, and what it says.
+pub struct Simulated {
+    /// In the order of `QUANTITIES`; none where the run has none.
+    pub numbers: Vec<Option<f64>>,
+    /// Why numbers are missing, by the entry of a summary.
+    pub missing: BTreeMap<String, String>,
+    /// How well the energy adds up; none where the run did not follow it.
+    pub energy: Option<EnergyBalance>,
+    /// What the run cost.
+    pub effort: Effort,
+    /// Upper peak by upper peak.
+    pub cycles: Vec<Cycle>,
+    /// Height of the tip at each sample, m.
+    pub height: Vec<f64>,
+    /// Time of each, s.
+    pub time: Vec<f64>,
+    /// Largest distance of the tip from its rest, m.
+    pub excursion: f64,
+    /// The rod at rest and at the lowest point of the tip, m.
+    pub postures: Vec<(&'static str, Vec<[f64; 2]>)>,
+}
+
+/// Runs a model to its end.
+/// # Errors
+/// Why it cannot, in words.
+pub fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
+    let (mut root, mut lowest) = (0.0f64, (f64::INFINITY, Vec::new()));
+    let trajectory: Trajectory = forward(model, run, &mut |sample| {
+        root = root.max(sample.root_moment().abs());
+        let (at, _) = sample.system.observed_tip(&sample.state.q, &sample.state.v);
+        if at[1] < lowest.0 {
+            lowest = (at[1], [&sample.system.assembly.fields.position[..], &[at]].concat());
+        }
+        ControlFlow::Continue(())
+    })
+    .map_err(|error| error.to_string())?;
+    let at_rest = rest(model, run.duration, MODES);
+    let (summary, _) = summarise(model, run, &trajectory, &at_rest);
+    let at_rest = at_rest.map_err(|error| error.to_string())?;
+    let [x, z] = at_rest.tip;
+    let height = trajectory.tip_z();
+    let told = Told {
+        root_moment: root,
+        root_moment_at_rest: at_rest.root_moment,
+        lowest: trajectory.trace.lowest().map(|low| low.tip[1]),
+        summary: &summary,
+    };
+    Ok(Simulated {
+        numbers: numbers(&told),
+        excursion: trajectory.tip.iter().map(|tip| (tip[0] - x).hypot(tip[1] - z)).fold(0.0, f64::max),
+        postures: vec![
+            ("at rest", [at_rest.nodes.clone(), vec![at_rest.tip]].concat()),
+            ("at its lowest", lowest.1),
+        ],
+        height,
+        time: trajectory.times,
+        cycles: summary.cycles.unwrap_or_default(),
+        missing: summary.missing,
+        energy: summary.energy,
+        effort: summary.effort,
+    })
+}
+
+/// What the mesh does to what a run says: by Richardson from runs with edges of half and of a quarter of the length,
+/// for an error of the scheme's order. The
+/// numbers of a calibration whose mesh was removed belong to a rod without one.
+pub(super) struct Mesh {
+    numbers: Vec<f64>,
+    cycles: Vec<[f64; 3]>,
+    height: Vec<f64>,
+}
+
+impl Mesh {
+    /// That of a run; none where it starts from a posture, which has nodes of its own, or where a finer run
+    /// cannot be made.
+    pub fn of(own: &Simulated, model: &Model, run: &Run) -> Option<Self> {
+        let finer = |factor: usize| {
+            let (mut model, mut run) = (model.clone(), run.clone());
+            refine(&mut model, &mut run.initial, factor).ok()?;
+            simulate(&model, &run).ok()
+        };
+        let (half, quarter) = rayon::join(|| finer(2), || finer(4));
+        let (half, quarter) = (half?, quarter?);
+        let rest_of_mesh = 2f64.powf(order(model)) - 1.0;
+        let off = |own: f64, half: f64, quarter: f64| quarter - own + (quarter - half) / rest_of_mesh;
+        let number = |k: usize| match [own.numbers[k], half.numbers[k], quarter.numbers[k]] {
+            [Some(own), Some(half), Some(quarter)] => off(own, half, quarter),
+            _ => 0.0,
+        };
+        let count = own.cycles.len().min(half.cycles.len()).min(quarter.cycles.len());
+        let cycle = |k: usize| {
+            let of = |what: fn(&Cycle) -> f64| {
+                off(what(&own.cycles[k]), what(&half.cycles[k]), what(&quarter.cycles[k]))
+            };
+            [
+                of(|cycle| cycle.amplitude_m),
+                of(|cycle| cycle.damping_ratio),
+                of(|cycle| cycle.damped_frequency_hz),
+            ]
+        };
+        Some(Self {
+            numbers: (0..own.numbers.len()).map(number).collect(),
+            cycles: (0..count).map(cycle).collect(),
+            height: (0..own.height.len())
+                .map(|k| off(own.height[k], half.height[k], quarter.height[k]))
+                .collect(),
+        })
+    }
+
+    /// Takes it off what a run on the same mesh says.
+    pub fn removed(&self, simulated: &mut Simulated) {
+        for (number, off) in simulated.numbers.iter_mut().zip(&self.numbers) {
+            number.iter_mut().for_each(|number| *number += off);
+        }
+        for (cycle, [amplitude, ratio, frequency]) in simulated.cycles.iter_mut().zip(&self.cycles) {
+            cycle.amplitude_m += amplitude;
+            cycle.damping_ratio += ratio;
+            cycle.damped_frequency_hz += frequency;
+        }
+        for (height, off) in simulated.height.iter_mut().zip(&self.height) {
+            *height += off;
+        }
+    }
+}
+
+/// A parameter of a model, zero where it has none.
+pub(super) fn value(model: &Model, path: &str) -> f64 {
+    model.index(path).map_or(0.0, |k| model.theta[k])
+}

@@ -1,0 +1,68 @@
+//! What a motion-capture system saw: positions of markers over time, in the recording's own frame.
+//!
+//! ```text
+//! file ─▶ read ─▶ which format? ─┬─▶ cells ─▶ a header's Layout ─┐
+//!                                ├─▶ c3d                         ├─▶ Draft ─▶ Recording
+//!                                └─▶ columnar ───────────────────┘   (units, clock, checks)
+//! ```
+//!
+//! Nothing is guessed silently: what a file leaves open is an error, or is assumed by the convention
+//! of its format and said in [`Recording::findings`]; [`ReadOptions`] overrides both.
+
+mod c3d;
+mod cells;
+mod clock;
+mod columnar;
+mod draft;
+mod error;
+mod format;
+mod layout;
+mod length;
+mod motive;
+pub mod noise;
+mod qualisys;
+mod quality;
+mod read;
+mod tidy;
+mod trc;
+mod vicon;
+
+use std::path::PathBuf;
+
+pub use error::{Problem, RecordingError};
+pub use format::Format;
+pub use length::Length;
+pub use quality::Quality;
+pub use read::{ReadOptions, parse, read};
+pub use tidy::table;
+
+/// A recording as it was read: nothing is filtered, filled in or cut.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// The file.
+    pub source: PathBuf,
+    /// What wrote it.
+    pub format: Format,
+    /// Samples a second: as the file states them or, where it is silent or its own times contradict
+    /// it, as its times show.
+    pub rate_hz: f64,
+    /// Time of each sample on the recording's own clock, s, ascending; where frame numbers jump,
+    /// times jump as well. A file without times begins at 0.
+    pub time: Vec<f64>,
+    /// What was tracked, in the order of the file.
+    pub markers: Vec<Marker>,
+    /// What was found and decided in reading, in plain words: units, gaps, jumps, lost points.
+    pub findings: Vec<String>,
+}
+
+/// One tracked point or rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marker {
+    /// As the file names it.
+    pub name: String,
+    /// Position in the recording's frame, m, shape `[samples]`; nothing where it was lost.
+    pub position: Vec<Option<[f64; 3]>>,
+    /// Orientation of a rigid body as a unit quaternion `[w, x, y, z]`, shape `[samples]`; nothing
+    /// for a point.
+    pub orientation: Option<Vec<Option<[f64; 4]>>>,
+}

@@ -1,0 +1,80 @@
+//! What is there of a sweep, and what is missing: told from its files alone.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::plan::Plan;
+use super::shard::{Found, file, look};
+
+/// What is there of a sweep.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Status {
+    /// Points of the plan.
+    pub points: usize,
+    /// Its shards.
+    pub shards: usize,
+    /// Points that were run, those included that could not be simulated.
+    pub points_done: usize,
+    /// Shards that are whole.
+    pub shards_done: usize,
+    /// Shards that are to be run, as `sbatch --array=` takes them; empty if none is.
+    pub missing_array: String,
+    /// The same, one by one.
+    pub missing: Vec<usize>,
+    /// What stands in the way or cannot be used, in words.
+    pub faults: Vec<String>,
+    /// Whether the sweep is merged.
+    pub is_merged: bool,
+}
+
+/// Looks at every shard of a plan.
+pub fn status(plan: &Plan) -> Status {
+    let head = &plan.head;
+    let mut status = Status { points: head.points, shards: head.shards(), ..Status::default() };
+    for shard in 0..status.shards {
+        let file = file(&plan.folder, shard).display().to_string();
+        match look(plan, shard) {
+            Found::Whole => {
+                status.shards_done += 1;
+                status.points_done += head.points_of(shard).len();
+                continue;
+            }
+            Found::Missing => {}
+            Found::Damaged(why) => {
+                status.faults.push(format!("{file}: cannot be read ({why}); it is run anew"))
+            }
+            Found::Foreign(_) => {
+                status
+                    .faults
+                    .push(format!("{file}: belongs to another plan; run gets --overwrite to replace it"));
+            }
+        }
+        status.missing.push(shard);
+    }
+    status.missing_array = array(&status.missing);
+    status.is_merged = super::merge::is_merged(plan);
+    status
+}
+
+/// Numbers in ascending order as Slurm writes them: `3,7-9`.
+pub fn array(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let text = |run: &[usize]| match run {
+        [] => String::new(),
+        [one] => one.to_string(),
+        [first, .., last] => format!("{first}-{last}"),
+    };
+    runs.map(text).collect::<Vec<_>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::array;
+
+    #[test]
+    fn numbers_stand_as_slurm_takes_them() {
+        assert_eq!(array(&[3, 7, 8, 9]), "3,7-9");
+        assert_eq!(array(&[0, 1]), "0-1");
+        assert_eq!((array(&[]), array(&[4])), (String::new(), "4".to_owned()));
+    }
+}
