@@ -10,8 +10,10 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crate::StoreError;
+pub use crate::hidden_name::plain_name;
+use crate::hidden_name::{begins, beside};
 use crate::manifest::{self, Foreign, MANIFEST, Manifest, foreign};
-use crate::partial::{Partial, begins, beside, exchange, remove_left, tidy, wait_to_hold};
+use crate::partial::{Partial, exchange, remove_left, tidy, wait_to_hold};
 use crate::sha::sha256;
 pub use crate::utc::utc;
 
@@ -19,7 +21,6 @@ pub use crate::utc::utc;
 pub const OUTPUTS: &str = "outputs";
 /// The file that says what a run folder holds, written into each.
 pub const MARK: &str = "summary.json";
-const MOST_NAME_LENGTH: usize = 60;
 /// What steps aside for another run.
 const REPLACED: &str = "replaced";
 /// Others that may come and go while a run takes its place.
@@ -343,27 +344,6 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 #[cfg(not(unix))]
 fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
-}
-
-/// A name that any file system takes and that leads nowhere: letters, digits, `.`, `_` and `-`.
-pub fn plain_name(name: &str) -> String {
-    let admitted = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '-');
-    let words = name.split(|c| !admitted(c)).filter(|word| !word.is_empty());
-    let joined: String = words.collect::<Vec<_>>().join("-").chars().take(MOST_NAME_LENGTH).collect();
-    match joined.trim_matches(['.', '-', '_']) {
-        "" => "run".to_owned(),
-        name if is_device(name) => format!("run-{name}"),
-        name => name.to_owned(),
-    }
-}
-
-/// Whether Windows takes a name for one of its devices, whatever its ending.
-fn is_device(name: &str) -> bool {
-    let stem = name.split('.').next().unwrap_or_default().to_ascii_lowercase();
-    let numbered = |device: &str| {
-        stem.strip_prefix(device).is_some_and(|rest| rest.len() == 1 && rest > "0" && rest <= "9")
-    };
-    matches!(&*stem, "con" | "prn" | "aux" | "nul") || numbered("com") || numbered("lpt")
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ mod error;
 pub mod escape;
 pub mod folder;
 pub mod footer;
+pub mod hidden_name;
 pub mod input;
 pub mod manifest;
 pub mod memory;

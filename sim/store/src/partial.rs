@@ -1,6 +1,6 @@
 //! What is in the making: a hidden neighbour of its place, on the same file system, until it is whole.
 //!
-//! Its name is `.<name>.partial-<host>-<process>-<number>`. Who makes it holds a lock on it, which ends with
+//! Who makes it holds a lock on it, which ends with
 //! the process however that ends; so whoever comes later knows what was left by the dead, and removes it. A
 //! lock may be unknown to other machines that share a folder: each tidies after itself only. Where there are
 //! no locks at all, on some network file systems, it is called `unheld` and nobody tidies it.
@@ -8,16 +8,12 @@
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::hidden_name::{PARTIAL, UNHELD, beside, is_named, is_partial};
 use crate::manifest::{self, MANIFEST, foreign};
 
-const PARTIAL: &str = "partial";
-const UNHELD: &str = "unheld";
-/// Of the name that it will have.
-const MOST_BYTES: usize = 100;
 /// A hundred times as long as the removal of a run takes; a process that was stopped may hold a run for ever.
 const PATIENCE: Duration = Duration::from_secs(2);
 const PAUSE: Duration = Duration::from_millis(1);
@@ -100,53 +96,6 @@ pub fn clear(folder: &Path) {
     }
 }
 
-/// Whether a name is one that [`Partial`] gives on some machine.
-pub fn is_partial(name: &str) -> bool {
-    let is_of = |what: &str| {
-        let after = name.rsplit_once(&format!(".{what}-")).filter(|(before, _)| before.starts_with('.'));
-        let ends = after.and_then(|(_, after)| {
-            let (before, count) = after.rsplit_once('-')?;
-            let (host, process) = before.rsplit_once('-')?;
-            Some([host, process, count])
-        });
-        ends.is_some_and(|[host, process, count]| !host.is_empty() && is_number(process) && is_number(count))
-    };
-    is_of(PARTIAL) || is_of(UNHELD)
-}
-
-fn is_number(text: &str) -> bool {
-    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
-}
-
-/// A hidden neighbour of a path that nobody else uses, nor has: a machine counts its processes anew.
-pub fn beside(target: &Path, what: &str) -> PathBuf {
-    static COUNT: AtomicU32 = AtomicU32::new(0);
-    loop {
-        let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-        let path = target.with_file_name(format!("{}{process}-{count}", begins(target, what)));
-        if fs::symlink_metadata(&path).is_err() {
-            return path;
-        }
-    }
-}
-
-/// What the names begin with that [`beside`] gives on this machine. Of a long name only its beginning stands
-/// in them, for a file system takes 255 bytes.
-pub fn begins(target: &Path, what: &str) -> String {
-    let name = target.file_name().unwrap_or_default().to_string_lossy();
-    format!(".{}.{what}-{}-", &name[..name.floor_char_boundary(MOST_BYTES)], host())
-}
-
-/// Whether a name is one that [`beside`] gives on this machine.
-fn is_named(name: &str, what: &str) -> bool {
-    if !name.starts_with('.') {
-        return false;
-    }
-    let after = name.rsplit_once(&format!(".{what}-{}-", host()));
-    let ends = after.and_then(|(_, after)| after.split_once('-'));
-    ends.is_some_and(|(process, count)| is_number(process) && is_number(count))
-}
-
 #[cfg(unix)]
 fn hold(path: &Path) -> Held {
     let file = match File::open(path) {
@@ -165,17 +114,6 @@ fn hold(path: &Path) -> Held {
 #[cfg(not(unix))]
 fn hold(_: &Path) -> Held {
     Held::Unknown
-}
-
-/// This machine, as others that share a folder know it.
-#[cfg(unix)]
-fn host() -> String {
-    crate::folder::plain_name(&rustix::system::uname().nodename().to_string_lossy())
-}
-
-#[cfg(not(unix))]
-fn host() -> String {
-    "here".to_owned()
 }
 
 /// Holds a path until what is returned is dropped, so that [`tidy`] leaves it. Waits for another who holds it; returns
@@ -240,6 +178,7 @@ pub fn exchange(_: &Path, b: &Path) -> io::Result<()> {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+    use crate::hidden_name::host;
 
     #[test]
     fn what_the_dead_left_is_tidied_and_nothing_else() {
@@ -269,24 +208,6 @@ mod tests {
         tidy(&root);
         assert_eq!(fs::read_dir(&root).unwrap().count(), others.len() + 2);
         fs::remove_dir_all(&root).unwrap();
-    }
-
-    #[test]
-    fn names_are_known_again_whatever_stands_in_them() {
-        for name in ["run", "a.partial-b-1-2", "-", "…", &"ö".repeat(120)] {
-            let path = beside(Path::new(name), PARTIAL);
-            let own = path.file_name().unwrap().to_string_lossy();
-            assert!(is_named(&own, PARTIAL) && !is_named(&own, UNHELD) && own.len() < 255, "{own}");
-        }
-        for name in ["run", ".run.partial-1-2", ".partial-", ".run.partial-x-1-2-3"] {
-            assert!(!is_named(name, PARTIAL), "{name}");
-        }
-        for name in [".run.partial-lab-1-2", ".part.parquet.unheld-node-7.example-123-0"] {
-            assert!(is_partial(name), "{name}");
-        }
-        for name in [".my.partial-notes", "run.partial-lab-1-2", ".partial-lab-1-2", ".run.partial-1-2"] {
-            assert!(!is_partial(name), "{name}");
-        }
     }
 
     #[test]
