@@ -3,7 +3,7 @@
 //! Goal: what stands under a name is whole, whenever the program was killed; what was there is replaced at once or
 //! not at all; the next run succeeds, and tidies what the dead left.
 //! Setup: half of the kills come at any moment of the run, half while it writes; half of the runs have a name that
-//! is free, half replace a run. Four kills a command; `EFAM_KILLS=50 cargo test --workspace --no-default-features
+//! is free, half replace a run. Two kills a command; `EFAM_KILLS=50 cargo test --workspace --no-default-features
 //! --test program killed -- --nocapture` takes 50 of each,
 //! `EFAM_WORK=simulate,sweep` of these alone.
 
@@ -82,7 +82,7 @@ fn hidden(bench: &Bench) -> Vec<String> {
 
 #[test]
 fn what_is_under_a_name_is_whole_whenever_it_was_killed() {
-    let kills = std::env::var("EFAM_KILLS").ok().and_then(|count| count.parse().ok()).unwrap_or(4);
+    let kills = std::env::var("EFAM_KILLS").ok().and_then(|count| count.parse().ok()).unwrap_or(2);
     let only = std::env::var("EFAM_WORK").unwrap_or_default();
     // An experiment's first file has the name that it is given in it, so no two are the same.
     let is_asked = |work: &Work| {

@@ -5,11 +5,11 @@
 //! JSON Schema: an entry that is not described is an error, and so is a keyword that it does not know.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use serde_json::{Value, json};
 
 use crate::bench::Bench;
+use crate::sweep_experiments::example;
 
 /// Keywords that describe, and bind nobody.
 const WORDS: [&str; 6] = ["$schema", "title", "description", "format", "default", "$defs"];
@@ -100,10 +100,12 @@ fn is_of(value: &Value, name: &str) -> bool {
 #[test]
 fn what_is_printed_fits_its_schema() {
     let bench = Bench::new("schema");
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis");
-    let example = |name: &str| examples.join(name).display().to_string();
-    let (nothing, recording) = (example("nothing/experiment.toml"), example("nothing/15psi-1.csv"));
-    let drag = example("air-drag/experiment.toml");
+    for name in ["nothing", "air-drag"] {
+        example(&bench, name, name);
+    }
+    let path = |name: &str| bench.0.join(name).display().to_string();
+    let (nothing, recording) = (path("nothing/experiment.toml"), path("nothing/15psi-1.csv"));
+    let drag = path("air-drag/experiment.toml");
     let muscle = "[muscle]\nname = \"garbulinski-2022\"\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n";
     bench.file("s.toml", &format!("{muscle}[run]\nduration = \"4 s\"\n"));
     bench.file("short.toml", &format!("{muscle}[run]\nduration = \"0.1 s\"\n"));

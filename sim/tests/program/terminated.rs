@@ -86,7 +86,7 @@ struct Signals {
 
 impl Signals {
     fn new() -> Self {
-        Self { wanted: count("EFAM_TERMS", 4), sent: 0, runs: 0 }
+        Self { wanted: count("EFAM_TERMS", 2), sent: 0, runs: 0 }
     }
 
     /// The number of the next run.

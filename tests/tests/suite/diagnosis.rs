@@ -46,6 +46,7 @@ fn where_nothing_is_hidden_nothing_is_named() {
 }
 
 #[test]
+#[ignore = "a minute or more; the blind bench of CI has its kind"]
 fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
     let Outcome { diagnosis: found, repaired, .. } = diagnosed(&[hidden], 902, &Settings::default());
@@ -67,9 +68,7 @@ fn an_interval_holds_what_does_not_repeat() {
     let hidden = [Hidden::TipMass { mass: MASS }];
     let (pressures, angles) = (vec![40.0; 3], vec![0.0]);
     let plan = Plan { pressures, angles, duration: 4.0, priors, ..Plan::usual(&hidden) };
-    // What does the same to a tip.
-    let excluded = ["tip_offset", "tip_inertia", "hose", "clock"].map(str::to_owned).to_vec();
-    let settings = Settings { excluded, ..Settings::default() };
+    let settings = only(&["tip_mass", "air_drag", "clamp_compliance"]);
     let found = diagnose(&all_fitted(&plan.draw(911)), &settings, &|_: &str| ())
         .expect("it can be diagnosed")
         .diagnosis;
@@ -92,7 +91,7 @@ fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
         let load = [("force_z", -9.81 * MASS)];
         trial.model = trial.model.with_effect("tip_load", &load).expect("an effect of the catalogue");
     }
-    let settings = only(&["tip_mass", "added_mass", "viscoelastic", "air_drag"]);
+    let settings = only(&["tip_mass", "added_mass", "air_drag"]);
     let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
     let first = &found.effects[0];
     assert_eq!(first.effect, "tip_mass", "{}", found.summary);
@@ -105,14 +104,13 @@ fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
 /// takes the blame.
 #[test]
 fn a_wrong_statement_is_named_instead_of_an_effect() {
-    let plan = Plan { pressures: vec![40.0], angles: vec![0.0, -0.4], duration: 4.0, ..Plan::usual(&[]) };
+    let plan = Plan { pressures: vec![40.0], angles: vec![0.0], duration: 3.0, ..Plan::usual(&[]) };
     let drawn = plan.draw(913);
     let mut problem = all_fitted(&drawn);
     let truth = drawn.releases[0].bending_stiffness;
     let own = problem.parameters.iter_mut().find(|own| own.path == "rod.bending_stiffness");
     own.expect("it is fitted").prior = Some(Prior { mean: 1.25 * truth, deviation: 0.01 * truth });
-    let found =
-        diagnose(&problem, &only(&["tip_mass", "air_drag"]), &|_: &str| ()).expect("it can be diagnosed");
+    let found = diagnose(&problem, &only(&["tip_mass"]), &|_: &str| ()).expect("it can be diagnosed");
     let found = found.diagnosis;
     assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
     let first = found.contradictions.first().expect("EI is not as stated");
@@ -129,7 +127,7 @@ fn a_wrong_statement_is_named_instead_of_an_effect() {
 #[test]
 fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
-    let settings = Settings { most_effects: 0, ..Settings::default() };
+    let settings = Settings { most_effects: 0, ..only(&["viscoelastic", "air_drag"]) };
     let found = diagnosed(&[hidden], 902, &settings).diagnosis;
     assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
     assert!(found.summary.contains("no effect was to be fitted"), "{}", found.summary);
@@ -160,15 +158,14 @@ fn with_stiffness_of_statics(asked: &[&str], seed: u64) -> Diagnosis {
     let plan = Plan { duration: 4.0, priors, ..usual };
     let mut problem = problem(&with_branches([1.0, 20.0, 20.0], &plan, seed));
     problem.parameters.retain(|parameter| parameter.path != "rod.bending_stiffness");
-    let names = CATALOGUE.iter().map(|effect| effect.about().name);
-    let excluded = names.filter(|name| !asked.contains(name)).map(str::to_owned).collect();
-    let settings = Settings { most_effects: 1, excluded, ..Settings::default() };
+    let settings = Settings { most_effects: 1, ..only(asked) };
     let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
     assert!(found.misses_first_swings, "{}", found.summary);
     found
 }
 
 #[test]
+#[ignore = "a minute or more; its kind has a shorter test beside it"]
 fn what_is_missing_from_the_first_swing_on_is_found() {
     let asked = ["viscoelastic", "damping_over_pressure", "cubic_stiffness", "tip_mass"];
     let found = with_stiffness_of_statics(&asked, 907);
@@ -229,8 +226,8 @@ fn without_pressures_a_second_round_asks_for_none() {
         (trial.release.pressure, trial.release.held_out) = (None, false);
     }
     problem.parameters.iter_mut().for_each(|parameter| parameter.scope = Scope::Shared);
-    let found =
-        diagnose(&problem, &Settings::default(), &|_: &str| ()).expect("it can be diagnosed").diagnosis;
+    let settings = only(&["viscoelastic", "damping_over_pressure", "air_drag"]);
+    let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
     assert!(found.thresholds.len() > 1, "{}", found.summary);
     assert!(found.evidence.iter().all(|evidence| !evidence.of_each_pressure));
 }

@@ -25,9 +25,7 @@ fn cleaned(psi: f64, swing: f64, noise: f64, seed: u64) -> (Session, Cleaned) {
 /// a fall, through the beginning of one, through all of one.
 #[test]
 fn no_release_is_lost() {
-    for (psi, noise) in
-        [(15.0, 0.5e-3), (30.0, 0.3e-3), (25.0, 0.5e-3), (5.0, 0.1e-3), (75.0, 0.3e-3), (85.0, 0.5e-3)]
-    {
+    for (psi, noise) in [(15.0, 0.5e-3), (25.0, 0.5e-3), (5.0, 0.1e-3), (85.0, 0.5e-3)] {
         let (session, cleaned) = cleaned(psi, 15.0, noise, 40);
         check_instants(psi, &session, &cleaned);
     }

@@ -33,7 +33,7 @@ fn every_example_has_the_file_that_its_head_asks_for() {
 /// One is enough: all are drawn by the same lines.
 #[test]
 fn an_example_is_drawn_again_to_the_bit() {
-    let folder = examples().join("drag-and-friction");
+    let folder = examples().join("nothing");
     let text = fs::read_to_string(folder.join("experiment.toml")).expect("an experiment");
     let recordings = asked(&text).recordings();
     assert_eq!(recordings.len(), 6);
