@@ -117,7 +117,7 @@ pub struct Row<'a> {
     pub instant_error_s: f64,
     /// Angle of the straight rod while it is held, if it is given.
     pub angle_rad: Option<f64>,
-    /// Whether it is locked away.
+    /// Whether it is held out.
     pub held_out: bool,
     /// Why it is not used, if it is not.
     pub dropped: Option<&'a str>,

@@ -41,7 +41,7 @@ pub struct Init {
     /// The file to write.
     #[arg(long, value_name = "FILE", default_value = "experiment.toml")]
     out: PathBuf,
-    /// Replace a file that is there.
+    /// Replace an existing file.
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]

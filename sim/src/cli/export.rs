@@ -38,7 +38,7 @@ pub struct Export {
     /// The file [default: beside the run's folder, with its name].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace a file that is there.
+    /// Replace an existing file.
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! `efam report`: runs beside one another.
+//! `efam report`: comparison of runs.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ pub struct Report {
 pub struct Printed<'a> {
     /// Where the page is.
     folder: &'a Path,
-    /// The runs beside one another.
+    /// The comparison of the runs.
     comparison: &'a Comparison,
 }
 

@@ -43,7 +43,7 @@ Exit codes: 4 if no rest posture is found.";
 pub struct Modes {
     #[command(flatten)]
     source: Source,
-    /// How many, from the slowest.
+    /// Number of modes, slowest first.
     #[arg(long, default_value_t = 3, value_name = "N")]
     count: usize,
     #[command(flatten)]

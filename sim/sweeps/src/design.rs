@@ -6,9 +6,9 @@ use efam_inference::predict::errors::Errors;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
-use super::asked::{Design, OfScenario, Value, Values};
 use super::key::{self, Kind};
 use super::point::case;
+use super::request::{Design, OfScenario, Value, Values};
 use super::work::Point;
 
 /// Where points come from.
@@ -139,7 +139,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::asked::Parameter;
+    use crate::request::Parameter;
 
     fn asked(design: Design, points: usize, values: &[Values]) -> OfScenario {
         let paths = ["effects.payload.mass", "muscle.pressure", "rod.nodes"];

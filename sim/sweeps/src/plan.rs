@@ -15,8 +15,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::SweepError;
-use super::asked::{Asked, MOST_POINTS, Subject};
 use super::design::Sampler;
+use super::request::{MOST_POINTS, Subject, SweepRequest};
 use super::work::{Point, Simulate, Work};
 
 /// The head of a plan.
@@ -82,7 +82,7 @@ impl Head {
 /// Freezes what is asked: writes its points, and returns its head.
 /// # Errors
 /// [`SweepError`].
-pub fn freeze(asked: &Asked, points_per_shard: usize, to: &mut dyn Write) -> Result<Head, SweepError> {
+pub fn freeze(asked: &SweepRequest, points_per_shard: usize, to: &mut dyn Write) -> Result<Head, SweepError> {
     let sampler;
     let (work, point): (Work, Box<Make>) = match &asked.subject {
         Subject::Scenario(own) => {

@@ -17,7 +17,7 @@ use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
 use efam_experiments::scenario::Scenario;
 use efam_inference::diagnose::Settings;
-use efam_sweeps::asked::Asked;
+use efam_sweeps::request::SweepRequest;
 
 use pages::{Page, headings, links, pages, root};
 
@@ -96,7 +96,7 @@ fn sweep(text: &str, number: usize) -> Option<String> {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("documents-sweep-{number}.toml"));
     let from_root = text.replace("\"scenarios/", &format!("\"{}/scenarios/", root().display()));
     fs::write(&path, from_root).expect("the target folder can be written");
-    Asked::load(&path, &[]).err().map(|error| error.to_string())
+    SweepRequest::load(&path, &[]).err().map(|error| error.to_string())
 }
 
 #[test]

@@ -64,7 +64,8 @@ pub struct Calibrated {
     pub prior: Option<Prior>,
     /// How much wider the interval is because residuals follow one another, and differ from the
     /// stated noise.
-    pub widening: Option<f64>,
+    #[serde(alias = "widening")]
+    pub error_inflation: Option<f64>,
     /// By how many standard errors mesh and step had moved it, before that was removed.
     pub numerical_shift: Option<f64>,
 }

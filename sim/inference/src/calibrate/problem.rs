@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 /// Several measured releases and the parameters that they share or have of their own.
 #[derive(Clone)]
 pub struct Problem {
-    /// The releases; those held out are only judged.
+    /// The releases; those held out only validate.
     pub trials: Vec<Trial>,
     /// What is to be found.
     pub parameters: Vec<Parameter>,

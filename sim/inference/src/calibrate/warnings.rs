@@ -16,7 +16,7 @@ pub(super) fn of_search(fit: &Fitted) -> Option<String> {
     let names: Vec<_> = fit.objective.part.members.iter().map(|trial| trial.release.name.as_str()).collect();
     (!fit.found.converged).then(|| {
         format!(
-            "the search for {} did not come to rest after {} evaluations, another step would still lower the cost by {:.2e}; see whether the model can follow these releases at all",
+            "the search for {} did not converge in {} evaluations, and another step would still lower the cost by {:.2e}; check whether the model can follow these releases",
             names.join(", "),
             fit.effort[0],
             fit.found.predicted

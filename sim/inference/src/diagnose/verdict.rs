@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::describe::Description;
-use super::gate::Numerics;
 use super::localise::Shape;
+use super::mesh_check::Numerics;
 use super::misfit::Misfit;
 use super::share::Shares;
 use crate::calibrate::repeats::Repeats;
@@ -67,7 +67,7 @@ pub struct Diagnosis {
     pub shapes: Vec<Shape>,
     /// Mesh and step.
     pub numerics: Numerics,
-    /// What was locked away, by name of the release.
+    /// Held-out releases, by name.
     pub held_out: Vec<String>,
     /// The moment that it would take, where no effect explains what is there: a description, not a cause.
     pub description: Option<Description>,
@@ -162,7 +162,7 @@ pub struct Evidence {
     pub realised_decrease: Option<f64>,
     /// Its strength: the fitted one, or else the promised one; SI.
     pub strength: f64,
-    /// Decrease of χ² on what was locked away.
+    /// Decrease of χ² on held-out releases.
     pub held_out_decrease: Option<f64>,
     /// Why it is not the answer; none for the one that is.
     pub rejected: Option<String>,
@@ -180,12 +180,12 @@ impl Evidence {
     }
 }
 
-/// How far simulation and recordings are apart.
+/// Gap between simulation and recordings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gap {
     /// Name of the release.
     pub release: String,
-    /// Whether it was locked away.
+    /// Whether it is held out.
     pub held_out: bool,
     /// Root mean square distance of all samples without the effects, mm, and with them.
     pub before_mm: f64,

@@ -64,7 +64,7 @@ impl Loss {
     pub fn words(&self, value: f64, unit: &str) -> String {
         let [calibrated, here] = self.frequency_hz;
         format!(
-            "calibrated at {calibrated:.3} Hz and asked at {here:.3} Hz: {} is taken as {} instead of {}, so that as much is lost in a cycle as there; the intervals hold a damping ratio that goes with the frequency to the power ±{:.1} (95 %)",
+            "calibrated at {calibrated:.3} Hz and predicted at {here:.3} Hz: {} is taken as {} instead of {}, so that as much is lost in a cycle as there; the intervals hold a damping ratio that goes with the frequency to the power ±{:.1} (95 %)",
             self.path,
             format_si(self.factor * value, unit),
             format_si(value, unit),

@@ -35,7 +35,7 @@ pub(super) fn warnings(asked: &Extent, known: Option<&Known>, errors: &[Errors])
     let silent = asked.pressures.iter().filter(|pressure| known.is_silent_at(**pressure)).count();
     if silent > 0 {
         words.push(
-            "the file does not say how far interpolation between calibrated pressures may be off, so intervals leave it out; calibrate again"
+            "the file has no error of interpolation between calibrated pressures, so the intervals exclude it; calibrate again"
                 .to_owned(),
         );
     }
@@ -61,7 +61,7 @@ fn interpolated(errors: &[Errors]) -> Option<String> {
     let share = |(path, share): &(&str, f64)| format!("{path} to ±{} %", significant(100.0 * share, 2));
     let shares = worst.iter().map(share).collect::<Vec<_>>().join(", ");
     Some(format!(
-        "{which} was not calibrated; interpolation between the calibrated ones knows {shares} (95 %), and the intervals hold that"
+        "{which} was not calibrated; interpolation gives {shares} (95 %), and the intervals include that"
     ))
 }
 
@@ -75,7 +75,7 @@ fn undetermined(errors: &[Errors]) -> Vec<String> {
             let text = |value: f64| format_si(value, errors.unit(&knob.path));
             let own = match knob.standard_error {
                 Some(error) => format!(
-                    "the calibration cannot tell {name} from zero: {} with a standard error of {}; a number that hangs on it has a wide interval",
+                    "the calibration cannot tell {name} from zero: {} with a standard error of {}; numbers that depend on it have wide intervals",
                     text(knob.value),
                     text(error)
                 ),

@@ -12,7 +12,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use crate::picture::chart::{Chart, Key, Mark, Row, Shape, Stroke};
 use crate::picture::compact::compact;
 use crate::picture::panel::tick;
-use crate::picture::words::{shortened, wrapped};
+use crate::picture::text::{shortened, wrapped};
 use crate::picture::{BLACK, GREY};
 
 /// What drawing returns.

@@ -8,9 +8,9 @@ use std::time::Duration;
 use clap::Args;
 use efam_report::swept::{again, write_plan};
 use efam_store::escape::shell_word;
-use efam_sweeps::asked::Asked;
 use efam_sweeps::estimate::{points_for_a_cluster, time_of_a_point};
 use efam_sweeps::plan::{self, Head, Plan};
+use efam_sweeps::request::SweepRequest;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -100,7 +100,7 @@ pub fn planned(
     is_timed: bool,
     voice: &Voice,
 ) -> Result<(Plan, Option<Duration>), Failure> {
-    let asked = Asked::load(file, &own.set)?;
+    let asked = SweepRequest::load(file, &own.set)?;
     voice.warn(&asked.warnings);
     let given = own.points_per_shard.map(|count| count as usize);
     let there = output.out.as_deref().filter(|out| out.join(plan::PLAN).is_file() && !output.overwrite);
@@ -115,7 +115,7 @@ pub fn planned(
 }
 
 fn new(
-    asked: &Asked,
+    asked: &SweepRequest,
     given: Option<usize>,
     output: &Output,
     is_timed: bool,

@@ -41,7 +41,7 @@ const MERGE: &str = "merge.sh";
 pub struct Submit {
     #[command(flatten)]
     of: OfPlan,
-    /// Write the scripts and print the command, and hand nothing in.
+    /// Write the scripts and print the command, but submit nothing.
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]
