@@ -48,7 +48,8 @@ pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) ->
     for (k, trial) in outcome.repaired.trials.iter().enumerate() {
         let duration = trial.release.time.last().copied().unwrap_or(1.0);
         let mut text = plain(&head, &trial.release.name, &trial.model, duration);
-        let known = outcome.errors.of(|knob| is_of_pressure(knob.pressure_pa, trial.release.pressure));
+        let known =
+            outcome.errors.of(|parameter| is_of_pressure(parameter.pressure_pa, trial.release.pressure));
         text += &format!("\n{}", known.section());
         folder.write(&format!("repaired-{}.toml", k + 1), text.as_bytes())?;
     }

@@ -303,7 +303,7 @@ fn numbers(page: &mut Page, summary: &Summary) {
     };
     page.table(&Table {
         caption: "Numbers of the run; summary.json has all digits",
-        heads: &["quantity", "value", "unit", "why there is none"],
+        heads: &["quantity", "value", "unit", "reason if missing"],
         rows: quantities(summary).iter().map(row).collect(),
     });
     let cycles = summary.cycles.as_deref().unwrap_or_default();

@@ -83,7 +83,7 @@ pub struct Output {
 pub struct Source {
     /// Scenario, a TOML file.
     pub scenario: PathBuf,
-    /// Set a value over the scenario's, such as effects.payload.mass="50 g"; may be repeated.
+    /// Override a value of the scenario, such as effects.payload.mass="50 g"; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
     /// Muscle file to use instead of the scenario's muscle.
@@ -155,7 +155,7 @@ impl Release {
 pub struct OfExperiment {
     /// Experiment, a TOML file.
     pub experiment: PathBuf,
-    /// Set a value over the experiment's, such as `recording[1].up="+z"`; may be repeated.
+    /// Override a value of the experiment, such as `recording[1].up="+z"`; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
     /// A file of laws as text, beside those of the experiment; may be repeated.

@@ -44,7 +44,7 @@ pub struct Calibrate {
     rerun: Option<Rerun>,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the results are.

@@ -71,7 +71,7 @@ pub struct Diagnose {
     rerun: Option<Rerun>,
 }
 
-/// What is printed for programs: of a diagnosis, or with `--plan` of a plan.
+/// The JSON output: a diagnosis, or a plan with `--plan`.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Printed<'a> {

@@ -55,7 +55,7 @@ enum To {
     Mcap,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// The file.

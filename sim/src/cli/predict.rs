@@ -71,7 +71,7 @@ pub struct Predict {
     payload: Option<String>,
     #[command(flatten)]
     release: Release,
-    /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
+    /// Override a value of the scenario, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Predict the releases of an experiment instead, and count how often intervals hold what was measured; without
@@ -91,7 +91,7 @@ pub struct Predict {
     output: Output,
 }
 
-/// What is printed for programs: of one case, or of a grid of them.
+/// The JSON output: one case, or a grid of cases.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Printed<'a> {

@@ -36,7 +36,7 @@ pub struct Report {
     output: Output,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the page is.

@@ -50,7 +50,7 @@ pub struct Modes {
     form: Form,
 }
 
-/// What is printed of rest postures for programs.
+/// The JSON output: rest postures.
 #[derive(Serialize, JsonSchema)]
 pub struct StaticsPrinted {
     /// One for each case of the scenario.
@@ -78,11 +78,11 @@ struct Resting {
     iterations: usize,
     /// Whether the posture is stable.
     stable: bool,
-    /// What should be known before the numbers are used.
+    /// Caveats of the numbers.
     warnings: Vec<String>,
 }
 
-/// What is printed of vibrations for programs.
+/// The JSON output: vibrations about the rest.
 #[derive(Serialize, JsonSchema)]
 pub struct ModesPrinted {
     /// All modes of all cases of the scenario, slowest first.

@@ -74,7 +74,7 @@ pub struct Simulate {
     watch_only: bool,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Name of the scenario.

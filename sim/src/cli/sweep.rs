@@ -83,12 +83,12 @@ pub struct OfPlan {
     pub plan: PathBuf,
 }
 
-/// What is printed of a merged sweep.
+/// The JSON output: a merged sweep.
 #[derive(Serialize, JsonSchema)]
 pub struct MergedPrinted<'a> {
     /// Where the results are.
     folder: &'a Path,
-    /// What the sweep comes to.
+    /// Results of the sweep.
     sweep: &'a Merged,
 }
 

@@ -53,7 +53,7 @@ pub enum SweepError {
     /// A shard that the plan has not.
     #[error("shard {shard}: the plan has {shards}, 0 to {}; ask for one of these", shards.saturating_sub(1))]
     NoShard {
-        /// What was asked for.
+        /// What was requested.
         shard: usize,
         /// How many there are.
         shards: usize,

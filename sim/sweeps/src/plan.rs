@@ -48,7 +48,7 @@ pub struct Head {
     pub sweep: String,
     /// What it says.
     pub sweep_text: String,
-    /// What should be known before the results are used.
+    /// Caveats of the results.
     pub warnings: Vec<String>,
 }
 
@@ -213,7 +213,7 @@ impl Points<'_> {
     /// # Errors
     /// [`SweepError::Altered`] where a line is none of a plan.
     /// # Panics
-    /// If the shard lies before another that was asked for.
+    /// If the shard lies before another that was requested.
     pub fn of(&mut self, shard: usize) -> Result<Vec<Point>, SweepError> {
         let range = self.head.points_of(shard);
         if self.next.is_none() {

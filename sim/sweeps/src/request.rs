@@ -102,7 +102,7 @@ pub struct SweepRequest {
     pub text: String,
     /// What it is about.
     pub subject: Subject,
-    /// What should be known before the results are used.
+    /// Caveats of the results.
     pub warnings: Vec<String>,
 }
 

@@ -59,7 +59,7 @@ fn one_short_release_says_what_it_cannot_tell() {
     let diagnosis = &value["diagnosis"];
     assert_eq!(diagnosis["verdict"], "nothing_missing", "{diagnosis:#}");
     for warning in
-        ["nothing is held out", "one pressure alone", "one release alone", "one marker alone", "1.6 s"]
+        ["no release is held out", "one pressure only", "one release only", "one marker only", "1.6 s"]
     {
         assert!(warns(diagnosis, warning), "{warning}: {diagnosis:#}");
     }

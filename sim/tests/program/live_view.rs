@@ -125,7 +125,7 @@ fn efam_saves_the_recordings_of_a_calibration_and_of_a_prediction() {
     let calibrate = ["calibrate", experiment, "--out", "fit", "--rerun", "save", "--quiet"];
     for (arguments, parts) in [
         (calibrate.to_vec(), ["fit/run.rrd", "fit/residuals", "40psi-1.csv", "fit/parameters"]),
-        ([&predict[..], &asked].concat(), ["family/run.rrd", "family", "height", "80 g"]),
+        ([&predict[..], &asked].concat(), ["family/run.rrd", "ensemble", "height", "80 g"]),
     ] {
         let (code, _, stderr) = bench.run(&arguments);
         assert_eq!(code, 0, "{stderr}");

@@ -15,7 +15,7 @@ pub const TOLD_APART: f64 = 5.0;
 /// What was said of a case, and what there was to say.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// What was asked.
+    /// Name of the request.
     pub case: Case,
     /// Distance of what is hidden from its nearest, standard deviations, where that was foreseen.
     pub distance: Option<f64>,

@@ -128,7 +128,7 @@ fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
     let settings = Settings { most_effects: 0, ..Settings::default() };
     let found = diagnosed(&[hidden], 902, &settings).diagnosis;
     assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
-    assert!(found.summary.contains("no effect was to be fitted"), "{}", found.summary);
+    assert!(found.summary.contains("no effect was fitted"), "{}", found.summary);
     assert!(found.evidence.iter().all(|evidence| evidence.realised_decrease.is_none()));
     assert_eq!(found.thresholds.len(), 1);
     assert!(found.evidence.iter().any(|evidence| evidence.score > found.thresholds[0]));

@@ -99,7 +99,7 @@ fn pair(a: &Calibrated, b: &Calibrated, correlation: f64) -> String {
 fn percent(share: Option<f64>) -> String {
     match share {
         Some(share) if share <= NOTHING => format!("{:.2} %", 100.0 * share),
-        _ => "nothing".to_owned(),
+        _ => "undetermined".to_owned(),
     }
 }
 

@@ -48,7 +48,7 @@ pub struct Parameter {
     pub scale: Option<Scale>,
 }
 
-/// What shares one value of a parameter.
+/// The releases that share one value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {

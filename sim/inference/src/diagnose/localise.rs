@@ -20,7 +20,7 @@ use super::swing::{share_of_largest, swing};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
 
-/// A shape that the residual may have.
+/// A pattern that the residual may have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Shape {
     /// Round; the last one is of the repaired model.

@@ -19,7 +19,7 @@ pub struct Numerics {
     pub nodes_given: usize,
     /// Nodes that were taken.
     pub nodes: usize,
-    /// What may be left of the mesh's error, the most of all releases, over the noise.
+    /// Bound of the remaining mesh error over the noise, the largest of all releases.
     pub left: f64,
 }
 
@@ -90,7 +90,7 @@ fn nodes(problem: &Problem) -> usize {
     problem.trials.iter().map(|trial| trial.model.edges + 1).max().unwrap_or(0)
 }
 
-/// What may be left of the mesh's error, the most of all releases, over the noise.
+/// Bound of the remaining mesh error over the noise, the largest of all releases.
 fn left_of_mesh(fit: &Joint) -> f64 {
     let Some(left) = &fit.left_of_mesh else { return 0.0 };
     let own = |(left, measured): (&f64, &Measured)| {

@@ -24,7 +24,7 @@ use crate::calibrate::{CalibrateError, Nuisances, Parameter, Problem, Scope, Tri
 /// Standard error of the release instant in a recording, s: that of a camera at 100 Hz.
 const INSTANT: f64 = 2e-3;
 
-/// What a planned experiment says of one effect.
+/// Sensitivity of a planned experiment to one effect.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Prospect {
     /// Its stable name.
@@ -35,15 +35,15 @@ pub struct Prospect {
     pub unit: String,
     /// Values at which its other parameters are taken.
     pub tried: Vec<(String, f64)>,
-    /// Strength beyond which it is seen; infinite, in JSON null, where the baseline can do all that it does.
+    /// Smallest strength that can be detected; infinite, in JSON null, where the baseline covers the effect.
     #[schemars(with = "Option<f64>")]
     pub detectable_from: f64,
-    /// Strength beyond which it is told from every other effect; null likewise.
+    /// Smallest strength that separates it from every other effect; null likewise.
     #[schemars(with = "Option<f64>")]
     pub separable_from: f64,
     /// The effect that resembles it most.
     pub nearest: Option<String>,
-    /// The largest strength that one would believe, where the catalogue says so.
+    /// The largest plausible strength, where the catalogue states one.
     pub largest_plausible: Option<f64>,
 }
 

@@ -1,6 +1,6 @@
 //! A candidate fitted in full: its parameters beside all others, mesh and step removed anew.
 
-use models::muscle::{self, Knob};
+use models::muscle::{self, CalibratedParameter};
 use models::quantity::format_si;
 
 use super::candidate::Candidate;
@@ -138,10 +138,10 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
         (false, both) if both > 0.0 => (of.covariance[(k, l)] / both).clamp(-1.0, 1.0),
         _ => 0.0,
     };
-    let knob = |k: &usize| {
+    let parameter = |k: &usize| {
         let (unknown, x) = (&all[*k].unknown, all[*k].x);
         let error = deviation(*k) * unknown.scaled.slope(x).abs();
-        Knob {
+        CalibratedParameter {
             path: unknown.name.clone(),
             pressure_pa: match unknown.group {
                 Group::Pressure(pressure) => Some(pressure),
@@ -157,7 +157,7 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
         releases: trials().count(),
         pressure_pa: muscle::Known::span(trials().filter_map(|trial| trial.release.pressure)),
         payload_kg: muscle::Known::span(trials().map(|trial| trial.release.payload)),
-        parameter: own.iter().map(knob).collect(),
+        parameter: own.iter().map(parameter).collect(),
         ..muscle::Known::default()
     }
 }

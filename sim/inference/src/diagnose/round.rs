@@ -19,13 +19,13 @@ pub(super) struct Round {
     pub threshold: f64,
     /// Every candidate, the best by each effect.
     pub evidence: Vec<Evidence>,
-    /// What the residual looks like, whatever its cause.
+    /// Patterns of the residual, whatever their cause.
     pub shapes: Vec<Shape>,
     /// Whether one of the shapes stands out.
     pub is_shaped: bool,
     /// What stands out, and is too small beside what was found before to be more than an error of its law.
     pub negligible: Option<&'static str>,
-    /// What speaks in the residual.
+    /// Result of the round.
     pub outcome: RoundOutcome,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct RoundRequest {
     pub is_widened: bool,
 }
 
-/// What speaks in the residual.
+/// Result of the round.
 pub(super) enum RoundOutcome {
     /// No candidate.
     Nothing,

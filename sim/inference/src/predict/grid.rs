@@ -30,7 +30,7 @@ const LEAST_ANGLE: &str = "least_angle_rad";
 /// Predictions over pressures and payloads; SI.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Grid {
-    /// What was asked.
+    /// Name of the request.
     pub name: String,
     /// Pressures above ambient, Pa, ascending; none of a rod that is no muscle.
     pub pressures_pa: Vec<f64>,
@@ -42,7 +42,7 @@ pub struct Grid {
     pub past_straight_down: Vec<PastStraightDown>,
     /// Of each payload at which pressure small swings are slowest; none with a single pressure.
     pub slowest: Vec<Slowest>,
-    /// What should be known before the numbers are used, in words.
+    /// Caveats of the numbers.
     pub warnings: Vec<String>,
 }
 

@@ -76,15 +76,19 @@ impl Loss {
 #[cfg(test)]
 mod tests {
     use efam_core::example::muscle_at_15_psi;
-    use models::muscle::{Knob, Misfit};
+    use models::muscle::{CalibratedParameter, Misfit};
 
     use super::*;
 
     fn known(paths: &[&str], frequency_hz: [f64; 2]) -> Known {
-        let knob = |path: &&str| Knob { path: (*path).to_owned(), value: 0.01, ..Knob::default() };
+        let parameter = |path: &&str| CalibratedParameter {
+            path: (*path).to_owned(),
+            value: 0.01,
+            ..CalibratedParameter::default()
+        };
         Known {
             misfit: Some(Misfit { frequency_hz: Some(frequency_hz), ..Misfit::default() }),
-            parameter: paths.iter().map(knob).collect(),
+            parameter: paths.iter().map(parameter).collect(),
             ..Known::default()
         }
     }

@@ -68,7 +68,7 @@ pub struct Prediction {
     pub draws: usize,
     /// Draws that could not be simulated.
     pub failed_draws: usize,
-    /// What should be known before the numbers are used, in words.
+    /// Caveats of the numbers.
     pub warnings: Vec<String>,
 }
 

@@ -127,7 +127,7 @@ fn before_use(problem: &Problem, calibration: &Calibration) -> BeforeUse {
         extrapolated: Some(mesh.collect()),
         masked: Some(Masked {
             caption: "Samples left out: lost or masked; and outliers that count less",
-            heads: &["release", "marker", "samples", "not there", "held back"],
+            heads: &["release", "marker", "samples", "missing", "held back"],
             rows: tracks.filter_map(row).collect(),
         }),
         assumed: assumed::of_problem(problem),

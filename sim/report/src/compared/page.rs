@@ -241,7 +241,7 @@ fn parameters(page: &mut Page, comparison: &Comparison, heads: &[[String; 2]]) {
     for (place, k) in of.iter().enumerate() {
         all.push(heads[*k][0].clone());
         if place > 0 {
-            all.push(format!("{} off by, standard errors of both", heads[*k][0]));
+            all.push(format!("difference of {}, standard errors of both", heads[*k][0]));
         }
     }
     let row = |one: &Parameter| {

@@ -65,7 +65,7 @@ fn reservations(outcome: &Outcome) -> BeforeUse {
         extrapolated: None,
         masked: Some(Masked {
             caption: "Samples left out: of the hold, lost or masked; and outliers held back",
-            heads: &["release", "marker", "samples", "not there", "held back"],
+            heads: &["release", "marker", "samples", "missing", "held back"],
             rows: outcome.curves.iter().filter_map(lost).collect(),
         }),
         assumed: assumed::of_problem(&outcome.repaired),

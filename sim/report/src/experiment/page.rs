@@ -79,7 +79,7 @@ fn lead(cleaned: &Cleaned, analysed: Option<&[Analysed]>) -> String {
     text += &range("The damping ratio", "", ratios).unwrap_or_default();
     let without = analysed.len() - decays().count();
     if without > 0 {
-        text += &format!(" Of {} no damping can be told.", count(without, "release"));
+        text += &format!(" No damping ratio for {}.", count(without, "release"));
     }
     text
 }
@@ -130,7 +130,7 @@ fn lost(of: &CleanRelease, analysed: Option<&[Analysed]>) -> Option<Vec<String>>
 
 fn assumed(experiment: &Experiment, cleaned: &Cleaned, analysed: Option<&[Analysed]>) -> Vec<String> {
     let mut words = vec![
-        "The swing lies in a plane; what leaves it is shown with each recording, and left out.".to_owned(),
+        "The swing lies in a plane; motion out of it is shown with each recording, and left out.".to_owned(),
         "The tip rests where the decay of its last three periods leads; where that cannot be fitted, at the mean of the end.".to_owned(),
     ];
     words.push(match (experiment.has_model(), analysed) {
@@ -255,7 +255,7 @@ fn cuts(page: &mut Page, cleaned: &Cleaned) {
             "out of plane, mm",
             "of the length, %",
             "noise, mm",
-            "what became of it",
+            "use",
         ],
         rows: cleaned.releases.iter().map(row).collect(),
     });

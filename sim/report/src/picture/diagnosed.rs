@@ -198,7 +198,7 @@ fn decreases(area: &Area, rows: &[Row], evidence: &[&Evidence]) -> Drawn {
     let log = |value: f64| value.max(1.0).log10();
     let all = evidence.iter().flat_map(|own| [Some(own.predicted_decrease), own.realised_decrease]);
     let most = all.flatten().map(log).fold(1.0, f64::max);
-    let keys = [Key::ring(before(), "promised"), Key::dot(after(), "kept")];
+    let keys = [Key::ring(before(), "predicted"), Key::dot(after(), "fitted")];
     let x = Axis(0.0..1.06 * most, "log10 of the decrease of χ²");
     let mut panel = Panel::rows(area, "Decrease of χ²", &x, rows, 0.0, &keys)?;
     for (k, own) in evidence.iter().enumerate() {

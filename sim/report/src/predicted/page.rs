@@ -15,9 +15,9 @@ use crate::report::{readable, significant};
 
 /// What any prediction takes for granted.
 const ASSUMED: [&str; 3] = [
-    "What acts on the rod is what acted when it was calibrated: EI and losses are the same with the payload, at other amplitudes, and later.",
+    "The same effects act as in the calibration: EI and losses are the same with the payload, at other amplitudes, and later.",
     "The payload is a rigid body at the tip; the air drags at it only if its frontal area is given.",
-    "Intervals hold the errors of the calibration and of interpolation over pressure, and nothing that a calibration cannot know.",
+    "Intervals include the errors of the calibration and of interpolation over pressure. They exclude effects that the calibration could not show.",
 ];
 
 /// The page of one case.

@@ -33,7 +33,7 @@ pub(super) fn table(answers: &Answers) -> String {
 
 /// As a part of a page.
 pub(super) fn page(page: &mut Page, answers: &Answers) {
-    page.section("What was said");
+    page.section("Verdicts and answers");
     let rows = |all: &[Often]| all.iter().map(|own| vec![own.what.clone(), own.points.to_string()]).collect();
     let heads = &["answer", "experiments"];
     page.table(&Table { caption: "Verdicts", heads, rows: rows(&answers.verdicts) });

@@ -95,7 +95,7 @@ fn what_no_number_supports_is_not_said() {
     let quiet = with(vec![gap("a", false, 1.005, 1.0)]);
     assert!(!summary(&quiet).contains("explain"), "{}", summary(&quiet));
     let worse = with(vec![gap("a", false, 3.0, 1.0), gap("b", true, 1.2, 1.4)]);
-    assert!(summary(&worse).contains("all of what noise does not, and nothing on held-out releases"));
+    assert!(summary(&worse).contains("all of the residual beyond noise, and nothing on held-out releases"));
     let mut one = drag();
     one.misfits[0].pressures_there_pa = vec![1.034e5];
     one.misfits[0].pressures_pa = vec![1.034e5];
@@ -188,7 +188,7 @@ fn an_unknown_is_described_and_nothing_is_just_that() {
         Diagnosis { gap: vec![gap("a", false, 1.02, 1.02)], misfits: drag().misfits, ..Diagnosis::default() };
     assert_eq!(
         summary(&nothing),
-        "Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and repeatability explain. Simulation and recordings are 1.02 of the noise apart, 1 being noise alone."
+        "Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and repeatability explain. The residual is 1.02 times the noise; 1 is noise alone."
     );
 }
 
