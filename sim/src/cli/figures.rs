@@ -44,7 +44,8 @@ pub struct Figures {
     /// Draw them from the recordings of an experiment, instead of from our own runs.
     #[arg(long, value_name = "FILE")]
     experiment: Option<PathBuf>,
-    /// Override a value of the figures' scenario, such as effects.rayleigh_mass.alpha="0.8 1/s", or of the experiment; may be repeated.
+    /// Override a value of the figures' scenario, such as effects.rayleigh_mass.alpha="0.8 1/s", or of the
+    /// experiment; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
     #[command(flatten)]

@@ -1,5 +1,5 @@
-//! `--rerun`: the rod in the viewer while it is integrated, a calibration or a diagnosis while it works, an ensemble of
-//! rods that is predicted.
+//! `--rerun`: the rod in the viewer while it is integrated, a calibration or a diagnosis while it works, an ensemble
+//! of rods that is predicted.
 
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};

@@ -1,10 +1,10 @@
 //! Sweeps: many simulations or diagnoses from one plan, on one machine or on many.
 //!
-//! A file says what varies, or which experiments are diagnosed ([`request`]); [`plan::freeze`] writes down every point, and a hash of all. A shard is some
-//! points that follow one another: whoever runs it, wherever, writes the same file `shard=00003/part.parquet`, or
-//! none ([`shard`]). What is there and what is missing can be seen from the files alone ([`status`]), and [`merge`]
-//! puts them together. So a shard is a function of the plan and its number, and nothing has to be kept in order
-//! between those who run them.
+//! A file says what varies, or which experiments are diagnosed ([`request`]); [`plan::freeze`] writes down every
+//! point, and a hash of all. A shard is some points that follow one another: whoever runs it, wherever, writes the
+//! same file `shard=00003/part.parquet`, or none ([`shard`]). What is there and what is missing can be seen from the
+//! files alone ([`status`]), and [`merge`] puts them together. So a shard is a function of the plan and its number,
+//! and nothing has to be kept in order between those who run them.
 
 pub mod answers;
 pub mod cluster;

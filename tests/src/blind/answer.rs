@@ -23,7 +23,8 @@ pub struct Answer {
     pub is_visible: bool,
     /// What was said.
     pub diagnosis: Diagnosis,
-    /// Noise-free root mean square distance after repair over the noise, of what was fitted and of held-out releases; not a number where the repaired model is not at hand.
+    /// Noise-free root mean square distance after repair over the noise, of what was fitted and of held-out releases;
+    /// not a number where the repaired model is not at hand.
     pub noise_free: [f64; 2],
     /// How long it took, s.
     pub seconds: f64,

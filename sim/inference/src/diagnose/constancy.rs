@@ -2,9 +2,9 @@
 //!
 //! What is there has one strength. What stands in for something else would have another in each release, that from a
 //! higher hold or at a higher pressure, and one for all leaves a trace. With its parameters free in each release but the
-//! first, the residual asks for that as it asks for a candidate (`score.rs`); of all releases, those that were held out
-//! away among them, since nothing is chosen here. A law that is not quite right errs alike in all releases: this tells
-//! a cousin from friction that turns round in another way, where the size of what is left does not.
+//! first, the residual asks for that as it asks for a candidate (`score.rs`); of all releases, held-out ones
+//! among them, since nothing is chosen here. A law that is not quite right errs alike in all releases: this
+//! tells a similar effect from friction that turns round in another way, where the size of what is left does not.
 
 use super::candidate::Candidate;
 use super::design_matrix::{Column, of_releases};

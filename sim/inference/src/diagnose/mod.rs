@@ -1,18 +1,18 @@
 //! Diagnosis: where simulation and recordings disagree, which effect is missing, and what remains when it is added.
 //!
-//! A baseline is calibrated with the errors of mesh and step removed, on a mesh fine enough for that (`mesh_check.rs`).
-//! The residual is searched for patterns before any name (`localise.rs`). Every candidate of the catalogue is scored at
-//! the value where it is off, orthogonally to all that the baseline may still adjust (`score.rs`). Those with the largest
-//! predicted gain are fitted roughly, the best of them in full. The one that explains most is added, unless others do as
-//! well: then the answer is a class, with the recordings that separate it (`planned.rs`). Held-out releases validate the
-//! answer (`validation.rs`).
+//! A baseline is calibrated with the errors of mesh and step removed, on a mesh fine enough for that
+//! (`mesh_check.rs`). The residual is searched for patterns before any name (`localise.rs`). Every candidate of the
+//! catalogue is scored at the value where it is off, orthogonally to all that the baseline may still adjust
+//! (`score.rs`). Those with the largest predicted gain are fitted roughly, the best of them in full. The one that
+//! explains most is added, unless others do as well: then the answer is a class, with the recordings that separate it
+//! (`planned.rs`). Held-out releases validate the answer (`validation.rs`).
 //!
 //! The search goes on with the larger model until nothing scores. Effects that became unnecessary are removed
-//! (`prune.rs`). An effect whose strength would have to differ between releases is not accepted (`constancy.rs`). Where a
-//! candidate or a pattern remains that no effect explains, something unknown is missing, and a moment describes it
-//! (`describe.rs`). Before that the search is repeated with effects of the rod's material that differ in strength from
-//! pressure to pressure. Where the baseline misses even the first swings, scores say nothing, and candidates are fitted
-//! to these (`first_swings.rs`).
+//! (`prune.rs`). An effect whose strength would have to differ between releases is not accepted (`constancy.rs`).
+//! Where a candidate or a pattern remains that no effect explains, something unknown is missing, and a moment
+//! describes it (`describe.rs`). Before that the search is repeated with effects of the rod's material that differ in
+//! strength from pressure to pressure. Where the baseline misses even the first swings, scores say nothing, and
+//! candidates are fitted to these (`first_swings.rs`).
 
 mod candidate;
 mod conclude;

@@ -37,7 +37,8 @@ impl Course<'_> {
         self.model.with_problem(ending_by(&self.model.problem, &self.listener.stop()))
     }
 
-    /// A model that was found in a search which may be asked to end: its own runs do not end, and it meets held-out releases.
+    /// A model that was found in a search which may be asked to end: its own runs do not end, and it meets held-out
+    /// releases.
     pub(super) fn lasting(&self, mut best: Box<Best>) -> Result<Box<Best>, CalibrateError> {
         let fitted = &best.refit.fitted;
         best.refit.fitted = fitted.with_problem(ending_by(&fitted.problem, &Cancel::default()));

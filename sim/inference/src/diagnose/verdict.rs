@@ -60,7 +60,8 @@ pub struct Diagnosis {
     /// Whether the model as it is misses even the first swings, so that candidates were fitted to these first.
     #[serde(default)]
     pub misses_first_swings: bool,
-    /// Errors of the simulation before anything is added, the largest first; empty where it misses even the first swings.
+    /// Errors of the simulation before anything is added, the largest first; empty where it misses even the first
+    /// swings.
     pub misfits: Vec<Misfit>,
     /// Residual patterns of each round.
     pub shapes: Vec<Shape>,
