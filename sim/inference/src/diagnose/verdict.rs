@@ -18,7 +18,7 @@ pub enum Verdict {
     Named,
     /// The same, and what remains is more than noise and than what repeats: something else is missing as well.
     Incomplete,
-    /// One of several effects that these recordings cannot separate.
+    /// Several effects that these recordings cannot separate.
     Class,
     /// Nothing that these recordings could show.
     #[default]
@@ -115,7 +115,7 @@ pub struct Contradiction {
     pub deviations: f64,
 }
 
-/// One of several effects that do the same to these recordings.
+/// An effect with the same trace in these recordings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Member {
     /// Its stable name.
