@@ -21,7 +21,7 @@ use crate::model::ModelSpec;
 
 pub use between::Interpolation;
 pub use error::MuscleError;
-pub use known::{Here, Knob, Known, KnownAt, Misfit};
+pub use known::{CalibratedParameter, Here, Known, KnownAt, Misfit};
 pub use write::{CALIBRATED, CalibratedColumn, Found};
 
 /// Names of the built-in muscles, and their data.
@@ -98,7 +98,7 @@ pub struct AtPressure {
     pub pressure: f64,
     /// Active length, m.
     pub length: f64,
-    /// Bending stiffness EI of the source that was asked for, N m².
+    /// Bending stiffness EI of the source that was requested, N m².
     pub bending_stiffness: f64,
     /// Axial stiffness EA, N.
     pub axial_stiffness: f64,
@@ -137,7 +137,7 @@ pub struct PressureSlopes {
 /// That and where a table was left; displays as a warning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extrapolated {
-    /// Pressure that was asked for, Pa.
+    /// Pressure that was requested, Pa.
     pub pressure: f64,
     /// Lowest and highest pressure of the table, Pa.
     pub range: (f64, f64),

@@ -39,7 +39,7 @@ use voice::Voice;
 
 /// Exit codes, as the help prints them.
 const EXIT_CODES: &str = "Exit codes:
-    0  all is well
+    0  success
     1  results could not be written or shown; or `efam doctor` found a fault
     2  the command line or the scenario is wrong
     3  a muscle file, a recording or other data are wrong
@@ -63,19 +63,19 @@ struct Efam {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Simulate a scenario; the results go to a folder of their own.
+    /// Simulate a scenario and save the results in a new folder.
     Simulate(simulate::Simulate),
     /// Find parameters of a model from the releases of an experiment.
     Calibrate(calibrate::Calibrate),
-    /// Find which physical effect the model lacks: scores, fits, judges, and repairs.
+    /// Find the missing physical effect: score, fit and validate candidates, and repair the model.
     Diagnose(diagnose::Diagnose),
-    /// Foretell what a calibrated muscle will do with a payload, with intervals.
+    /// Predict how a calibrated muscle responds to a payload, with intervals.
     Predict(predict::Predict),
     /// Simulate many points of a design: here on all cores, or on a cluster.
     Sweep(sweep::Sweep),
     /// Open the Rerun recording of a finished run in the viewer.
     View(view::View),
-    /// Put runs beside one another, on a page and in numbers.
+    /// Compare runs, on a page and in numbers.
     Report(report::Report),
     /// Write a finished run for other programs: MATLAB, or tools for robots.
     Export(export::Export),
@@ -83,24 +83,24 @@ enum Command {
     Figures(figures::Figures),
     /// List the physical effects, or show the page of one.
     Effects(effects::Effects),
-    /// Write an experiment file from recordings, or check one: what is kept of its recordings.
+    /// Write an experiment file from recordings, or check one.
     Experiment {
         #[command(subcommand)]
         what: OnExperiment,
     },
     /// Clean an experiment's recordings and analyse each release: frequency, damping, stiffness.
     Analyse(analyse::Analyse),
-    /// Say what is in recordings of a motion-capture system.
+    /// Summarise recordings of a motion-capture system.
     Inspect(inspect::Inspect),
-    /// Show the posture in which a scenario's rod hangs.
+    /// Show the rest posture of a scenario's rod.
     Statics(rest::Statics),
     /// Show the small vibrations about the rest posture.
     Modes(rest::Modes),
-    /// Say what this program has, and what it finds around it: threads, the viewer, where results go.
+    /// Check this installation: features, threads, viewer, folder for results.
     Doctor(doctor::Doctor),
     /// Print the JSON schema of what a command prints with --json.
     Schema(schema::Schema),
-    /// Print what a shell has to know to complete command lines.
+    /// Print the shell's script for completions.
     Completions(completions::Completions),
     /// Print a manual page, or write all.
     Man(man::Manual),

@@ -21,7 +21,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Extrapolation, Knob, Known, Muscle, MuscleError};
+use super::{CalibratedParameter, Extrapolation, Known, Muscle, MuscleError};
 use crate::interpolate::Pchip;
 
 /// How one parameter is interpolated between calibrated pressures, and how far that may be off.
@@ -52,32 +52,33 @@ impl Muscle {
         let table = self.roughness(shape)?;
         let mut all = Vec::new();
         for path in known.paths() {
-            let knobs = known.over_pressure(path);
-            if knobs.is_empty() {
+            let parameters = known.over_pressure(path);
+            if parameters.is_empty() {
                 continue;
             }
             let is_stiffness = path == BENDING_STIFFNESS;
             // What is interpolated at each pressure, and its derivative by the parameter.
             let mut points = Vec::new();
-            for (pressure, knob) in &knobs {
+            for (pressure, parameter) in &parameters {
                 points.push(if is_stiffness {
                     let published = self.at(*pressure, shape, Extrapolation::Allowed)?.bending_stiffness;
-                    ((knob.value / published).ln(), knob.value.recip())
+                    ((parameter.value / published).ln(), parameter.value.recip())
                 } else {
-                    (knob.value, 1.0)
+                    (parameter.value, 1.0)
                 });
             }
             let change = |k: usize| {
-                let [(a, first), (b, second)] = [knobs[k], knobs[k + 1]];
+                let [(a, first), (b, second)] = [parameters[k], parameters[k + 1]];
                 let [left, right] = [(k, first), (k + 1, second)]
-                    .map(|(k, knob)| points[k].1 * knob.standard_error.unwrap_or(0.0));
+                    .map(|(k, parameter)| points[k].1 * parameter.standard_error.unwrap_or(0.0));
                 let correlation = known.correlation(first, second);
                 let explained = left * left + right * right - 2.0 * correlation * left * right;
                 ((points[k + 1].0 - points[k].0).powi(2) - explained).max(0.0) / (b - a)
             };
-            let changes: Vec<f64> = (0..knobs.len() - 1).map(change).collect();
+            let changes: Vec<f64> = (0..parameters.len() - 1).map(change).collect();
             // Relative to itself a loss is taken to be at least as uneven as the stiffness is.
-            let size = knobs.iter().map(|(_, knob)| knob.value).sum::<f64>() / knobs.len() as f64;
+            let size = parameters.iter().map(|(_, parameter)| parameter.value).sum::<f64>()
+                / parameters.len() as f64;
             let unit = if is_stiffness { 1.0 } else { size * size };
             let estimates = [table.map(|table| unit * table), mean(&changes)];
             let Some(variance_per_pa) = estimates.into_iter().flatten().reduce(f64::max) else { continue };
@@ -147,15 +148,15 @@ fn mean(values: &[f64]) -> Option<f64> {
 
 impl Known {
     /// The numbers of a path that belong to a pressure each, ascending.
-    pub(super) fn over_pressure(&self, path: &str) -> Vec<(f64, &Knob)> {
-        let own = self.parameter.iter().filter(|knob| knob.path == path);
-        let mut own: Vec<_> = own.filter_map(|knob| Some((knob.pressure_pa?, knob))).collect();
+    pub(super) fn over_pressure(&self, path: &str) -> Vec<(f64, &CalibratedParameter)> {
+        let own = self.parameter.iter().filter(|parameter| parameter.path == path);
+        let mut own: Vec<_> = own.filter_map(|parameter| Some((parameter.pressure_pa?, parameter))).collect();
         own.sort_by(|a, b| a.0.total_cmp(&b.0));
         own
     }
 
-    fn correlation(&self, a: &Knob, b: &Knob) -> f64 {
-        let place = self.parameter.iter().position(|knob| std::ptr::eq(knob, b));
+    fn correlation(&self, a: &CalibratedParameter, b: &CalibratedParameter) -> f64 {
+        let place = self.parameter.iter().position(|parameter| std::ptr::eq(parameter, b));
         place.and_then(|place| a.correlations.get(place)).copied().unwrap_or(0.0)
     }
 }
@@ -170,12 +171,12 @@ mod tests {
     #[test]
     fn the_intensity_is_that_of_the_rows_or_of_the_calibrated_values() {
         let muscle = Muscle::built_in("garbulinski-2022").unwrap();
-        let knob = |psi: f64, factor: f64, error: f64, k: usize| {
+        let parameter = |psi: f64, factor: f64, error: f64, k: usize| {
             let published =
                 muscle.at(psi * PSI, "pder_32", Extrapolation::Refused).unwrap().bending_stiffness;
             let mut correlations = vec![0.0; 3];
             correlations[k] = 1.0;
-            Knob {
+            CalibratedParameter {
                 path: BENDING_STIFFNESS.to_owned(),
                 pressure_pa: Some(psi * PSI),
                 value: factor * published,
@@ -185,9 +186,9 @@ mod tests {
         };
         let of = |factors: [f64; 3], error: f64| {
             let parameter = vec![
-                knob(20.0, factors[0], error, 0),
-                knob(40.0, factors[1], error, 1),
-                knob(60.0, factors[2], error, 2),
+                parameter(20.0, factors[0], error, 0),
+                parameter(40.0, factors[1], error, 1),
+                parameter(60.0, factors[2], error, 2),
             ];
             let known = Known { parameter, ..Known::default() };
             let all = muscle.interpolation(&known, "pder_32").unwrap();

@@ -118,7 +118,7 @@ pub enum MuscleError {
     UnknownStiffness {
         /// Name of the muscle.
         muscle: String,
-        /// What was asked for.
+        /// What was requested.
         asked: String,
         /// What there is.
         known: Vec<String>,

@@ -26,7 +26,7 @@ pub struct Known {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub interpolation: Vec<Interpolation>,
     /// The numbers.
-    pub parameter: Vec<Knob>,
+    pub parameter: Vec<CalibratedParameter>,
 }
 
 /// How far a calibrated model was from its recordings, root mean square over the releases.
@@ -48,7 +48,7 @@ pub struct Misfit {
 /// One number that was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Knob {
+pub struct CalibratedParameter {
     /// Path of the parameter in a model, such as `rod.bending_stiffness`.
     pub path: String,
     /// Pressure that it belongs to, Pa; none for one that all share.
@@ -72,7 +72,7 @@ pub struct KnownAt {
     /// calibrated pressure.
     pub interpolated: Vec<f64>,
     /// Those that the data did not determine: without a standard error, or with a 95 % interval that includes zero.
-    pub undetermined: Vec<Knob>,
+    pub undetermined: Vec<CalibratedParameter>,
 }
 
 /// A parameter of the model that is asked about.
@@ -91,9 +91,9 @@ impl Known {
     /// Paths of the parameters, each once.
     pub fn paths(&self) -> Vec<&str> {
         let mut paths: Vec<&str> = Vec::new();
-        for knob in &self.parameter {
-            if !paths.contains(&knob.path.as_str()) {
-                paths.push(&knob.path);
+        for parameter in &self.parameter {
+            if !paths.contains(&parameter.path.as_str()) {
+                paths.push(&parameter.path);
             }
         }
         paths
@@ -109,8 +109,9 @@ impl Known {
             paths.iter().map(|path| self.weights(path, pressure, here(path))).collect();
         // Most do not move this one: with many numbers all pairs of all would take minutes.
         let moves = |weights: &[f64], k: usize| weights[k] != 0.0;
-        let deviation =
-            |knob: &Knob| knob.standard_error.unwrap_or_else(|| knob.value.abs().max(here(&knob.path).scale));
+        let deviation = |parameter: &CalibratedParameter| {
+            parameter.standard_error.unwrap_or_else(|| parameter.value.abs().max(here(&parameter.path).scale))
+        };
         let covariance = |a: &[f64], b: &[f64]| {
             let mut sum = 0.0;
             for (k, first) in self.parameter.iter().enumerate().filter(|(k, _)| moves(a, *k)) {
@@ -128,8 +129,9 @@ impl Known {
             of_all[k][k] += deviation * deviation;
         }
         let is_used = |k: &usize| weights.iter().any(|weights| moves(weights, *k));
-        let is_undetermined =
-            |knob: &&Knob| knob.standard_error.is_none_or(|error| knob.value.abs() <= NORMAL_95 * error);
+        let is_undetermined = |parameter: &&CalibratedParameter| {
+            parameter.standard_error.is_none_or(|error| parameter.value.abs() <= NORMAL_95 * error)
+        };
         let used = (0..self.parameter.len()).filter(is_used).map(|k| &self.parameter[k]);
         KnownAt {
             undetermined: used.filter(is_undetermined).cloned().collect(),
@@ -187,14 +189,14 @@ impl Known {
     }
 
     /// What is known of some of the numbers alone, which then hold wherever they are used.
-    pub fn of(&self, is_kept: impl Fn(&Knob) -> bool) -> Self {
+    pub fn of(&self, is_kept: impl Fn(&CalibratedParameter) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.parameter.len()).filter(|k| is_kept(&self.parameter[*k])).collect();
-        let knob = |k: &usize| {
+        let parameter = |k: &usize| {
             let own = &self.parameter[*k];
             let correlations = kept.iter().map(|l| own.correlations[*l]).collect();
-            Knob { correlations, pressure_pa: None, ..own.clone() }
+            CalibratedParameter { correlations, pressure_pa: None, ..own.clone() }
         };
-        Self { parameter: kept.iter().map(knob).collect(), ..self.clone() }
+        Self { parameter: kept.iter().map(parameter).collect(), ..self.clone() }
     }
 
     /// The section `[calibration]` of a muscle's or a scenario's file.
@@ -224,22 +226,22 @@ impl Known {
     pub(super) fn check(&self) -> Result<(), MuscleError> {
         let wrong = |what: String| Err(MuscleError::Calibration { what });
         let count = self.parameter.len();
-        for (k, knob) in self.parameter.iter().enumerate() {
-            let name = format!("calibration.parameter {} ({})", k + 1, knob.path);
-            if knob.standard_error.is_some_and(|error| !(error >= 0.0 && error.is_finite())) {
+        for (k, parameter) in self.parameter.iter().enumerate() {
+            let name = format!("calibration.parameter {} ({})", k + 1, parameter.path);
+            if parameter.standard_error.is_some_and(|error| !(error >= 0.0 && error.is_finite())) {
                 return wrong(format!("{name}: standard_error must be finite and not negative"));
             }
-            if !knob.value.is_finite() {
+            if !parameter.value.is_finite() {
                 return wrong(format!("{name}: value must be finite"));
             }
-            if knob.correlations.len() != count {
+            if parameter.correlations.len() != count {
                 return wrong(format!(
                     "{name}: correlations has {} numbers, and there are {count} parameters",
-                    knob.correlations.len()
+                    parameter.correlations.len()
                 ));
             }
             let is_one = |c: &f64| c.abs() <= 1.0 + 1e-9;
-            if !knob.correlations.iter().all(is_one) || (knob.correlations[k] - 1.0).abs() > 1e-9 {
+            if !parameter.correlations.iter().all(is_one) || (parameter.correlations[k] - 1.0).abs() > 1e-9 {
                 return wrong(format!("{name}: correlations must lie in -1 to 1, and be 1 with itself"));
             }
         }
@@ -248,7 +250,8 @@ impl Known {
             if !(own.variance_per_pa >= 0.0 && own.variance_per_pa.is_finite()) {
                 return wrong(format!("{name}: variance_per_pa must be finite and not negative"));
             }
-            if own.shape.is_some() && self.over_pressure(&own.path).iter().any(|(_, knob)| knob.value <= 0.0)
+            if own.shape.is_some()
+                && self.over_pressure(&own.path).iter().any(|(_, parameter)| parameter.value <= 0.0)
             {
                 return wrong(format!("{name}: a ratio to a shape needs positive values"));
             }
@@ -261,15 +264,27 @@ impl Known {
 mod tests {
     use super::*;
 
-    fn knob(path: &str, pressure_pa: Option<f64>, value: f64, error: f64, correlations: Vec<f64>) -> Knob {
-        Knob { path: path.to_owned(), pressure_pa, value, standard_error: Some(error), correlations }
+    fn parameter(
+        path: &str,
+        pressure_pa: Option<f64>,
+        value: f64,
+        error: f64,
+        correlations: Vec<f64>,
+    ) -> CalibratedParameter {
+        CalibratedParameter {
+            path: path.to_owned(),
+            pressure_pa,
+            value,
+            standard_error: Some(error),
+            correlations,
+        }
     }
 
     fn known() -> Known {
         let parameter = vec![
-            knob("rod.bending_stiffness", Some(1e5), 0.01, 1e-4, vec![1.0, 0.0, 0.5]),
-            knob("rod.bending_stiffness", Some(2e5), 0.02, 2e-4, vec![0.0, 1.0, 0.0]),
-            knob("alpha", None, 0.5, 0.1, vec![0.5, 0.0, 1.0]),
+            parameter("rod.bending_stiffness", Some(1e5), 0.01, 1e-4, vec![1.0, 0.0, 0.5]),
+            parameter("rod.bending_stiffness", Some(2e5), 0.02, 2e-4, vec![0.0, 1.0, 0.0]),
+            parameter("alpha", None, 0.5, 0.1, vec![0.5, 0.0, 1.0]),
         ];
         Known { parameter, ..Known::default() }
     }
@@ -316,8 +331,8 @@ mod tests {
 
     #[test]
     fn what_is_known_of_some_keeps_their_correlations() {
-        let some = known().of(|knob| knob.value != 0.02);
-        let paths: Vec<&str> = some.parameter.iter().map(|knob| knob.path.as_str()).collect();
+        let some = known().of(|parameter| parameter.value != 0.02);
+        let paths: Vec<&str> = some.parameter.iter().map(|parameter| parameter.path.as_str()).collect();
         assert_eq!(paths, ["rod.bending_stiffness", "alpha"]);
         assert_eq!(some.parameter[1].correlations, [0.5, 1.0]);
         assert_eq!(some.parameter[0].pressure_pa, None);
@@ -332,7 +347,10 @@ mod tests {
             let mut known = known();
             (known.parameter[2].value, known.parameter[2].standard_error) = (value, standard_error);
             let at = known.at(1e5, &here);
-            (at.undetermined.iter().map(|knob| knob.path.clone()).collect::<Vec<_>>(), at.covariance[1][1])
+            (
+                at.undetermined.iter().map(|parameter| parameter.path.clone()).collect::<Vec<_>>(),
+                at.covariance[1][1],
+            )
         };
         assert_eq!(named(0.7, None), (vec!["alpha".to_owned()], 0.7 * 0.7));
         assert_eq!(named(0.0, None), (vec!["alpha".to_owned()], 0.5 * 0.5));

@@ -161,7 +161,7 @@ impl Muscle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::muscle::Knob;
+    use crate::muscle::CalibratedParameter;
 
     const PSI: f64 = 6_894.757_293_168_361;
 
@@ -177,14 +177,14 @@ mod tests {
             },
             CalibratedColumn { name: "rayleigh_mass", values: vec![at(12.0, 0.7)], shape: None },
         ];
-        let knob = Knob {
+        let parameter = CalibratedParameter {
             path: "effects.end_fitting.mass".to_owned(),
             value: 0.056,
             standard_error: Some(1e-4),
             correlations: vec![1.0],
-            ..Knob::default()
+            ..CalibratedParameter::default()
         };
-        let known = Known { releases: 2, parameter: vec![knob], ..Known::default() };
+        let known = Known { releases: 2, parameter: vec![parameter], ..Known::default() };
         let one = columns[1].clone();
         let found = Found { columns, end_fitting_mass: Some(0.056), known, ..Found::default() };
         let text = muscle.calibrated("calibration of \"beam\"", &found).unwrap();

@@ -54,7 +54,7 @@ fn expected_swing(model: &Model, run: &Run) -> Result<f64, ForwardError> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
-    /// Accuracy that was asked for, or the usual one.
+    /// Accuracy that was requested, or the usual one.
     pub asked_m: f64,
     /// Largest distance of the tip from where a rod without mesh would have it.
     pub mesh_m: f64,

@@ -34,7 +34,7 @@ pub enum ForwardError {
     /// The method, which cannot do the model.
     #[error(transparent)]
     Method(IntegrateError),
-    /// An end was asked for before the run was over, where only a whole run is of use.
+    /// An end was requested before the run was over, where only a whole run is of use.
     #[error("it was cut short at {time} s")]
     CutShort {
         /// Time up to which it was integrated, s.

@@ -162,7 +162,7 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
         start(&mut out, &starts[k]);
         out += "# up = \"+z\"         # against gravity; found from the fall of the tip unless it stands here\n\
                 # clamp = [\"0 mm\", \"0 mm\", \"0 mm\"]   # where the rod leaves the clamp, in the file's frame\n\
-                # held_out = true   # locked away from every fit\n";
+                # held_out = true   # no part of any fit, and validates it\n";
     }
     out
 }

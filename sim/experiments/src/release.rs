@@ -41,7 +41,7 @@ pub struct Track {
     pub position: Vec<Option<[f64; 2]>>,
     /// Standard deviation of the noise of each coordinate, m.
     pub noise: f64,
-    /// Standard deviation of what no model foretells of each coordinate beside the noise, m, as if each sample had its
+    /// Standard deviation of what no model predicts of each coordinate beside the noise, m, as if each sample had its
     /// own: what a whole swing shares is smaller, by the root of the samples that share it.
     pub discrepancy: f64,
 }

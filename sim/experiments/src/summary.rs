@@ -26,7 +26,7 @@ use crate::analysis::{AnalysisError, Excursion};
 /// Number of modes in a summary.
 pub const MODES: usize = 3;
 
-/// What a run comes to.
+/// Results of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Summary {
     /// Name of the run.
@@ -80,9 +80,9 @@ pub struct Summary {
     pub errors: Option<Errors>,
     /// Why entries are null, by their names.
     pub missing: BTreeMap<String, String>,
-    /// What the user should know before trusting this.
+    /// Caveats of the run.
     pub warnings: Vec<String>,
-    /// What the run cost.
+    /// Effort of the run.
     pub effort: Effort,
     /// Wall-clock time of the simulation.
     pub wall_time_s: f64,

@@ -47,7 +47,7 @@ class Answer(Mapping[str, Any]):
 
     @property
     def warnings(self) -> list[str]:
-        """What to know before it is used."""
+        """Warnings: read them before you use the result."""
         return list(self._entries.get("warnings", []))
 
     @property
@@ -89,14 +89,14 @@ class Answer(Mapping[str, Any]):
 
 
 class Sweep(Answer):
-    """A sweep: how each number is spread, and the table of all points."""
+    """A sweep: the spread of each number, and the table of all points."""
 
     def __init__(self, entries: str, table: str, folder: FilePath, columns: dict[str, Any], keep: Any) -> None:
         self._json, self._table = entries, table
         self.columns: dict[str, Any] = columns
         """All columns of the table by their names: arrays of numbers, lists of texts."""
         self.folder = folder
-        """Where it is; a folder for temporary files goes with this object."""
+        """Path of its folder; a temporary folder is removed with this object."""
         self._keep = keep
 
     @cached_property

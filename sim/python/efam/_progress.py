@@ -1,4 +1,4 @@
-"""How far long work has come, by tqdm where it is installed."""
+"""Progress of long work, by tqdm where it is installed."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -10,13 +10,13 @@ Tell = Callable[[int, int, str], None]
 
 
 def _is_watched() -> bool:
-    """Whether somebody looks on: a terminal or a notebook."""
+    """Whether the output goes to a terminal or a notebook."""
     return sys.stderr.isatty() or "ipykernel" in sys.modules
 
 
 @contextmanager
 def bar(name: str, unit: str, progress: Optional[bool]) -> Iterator[Optional[Tell]]:
-    """What the work calls with how much is done, of how much, and what it does.
+    """The callback of the work: the part that is done, the whole, and the current step.
 
     Without `progress` said, a bar is shown where tqdm is installed and somebody looks on.
     """

@@ -95,7 +95,7 @@ class Run:
 
     @property
     def warnings(self) -> list[str]:
-        """What to know before the run is used."""
+        """Warnings: read them before you use the run."""
         return self._data.warnings
 
     @property

@@ -10,8 +10,8 @@ use efam_inference::calibrate as calibration;
 use efam_inference::diagnose as diagnosis;
 use efam_inference::predict as prediction;
 use efam_inference::predict::Settings;
-use efam_inference::predict::asked::Asked;
 use efam_inference::predict::check::{check, fitted_files};
+use efam_inference::predict::request::CaseRequest;
 use efam_report::Request;
 use efam_report::calibrated::{models, table, write_calibration};
 use efam_report::checked::{check_table, write_check};
@@ -169,13 +169,13 @@ pub fn diagnose(
 }
 
 /// The rod that is asked about: a scenario by its text or path, or a muscle.
-fn asked(of: &str) -> Result<Asked, Failure> {
+fn asked(of: &str) -> Result<CaseRequest, Failure> {
     let is_built_in = BUILT_IN.iter().any(|(name, _)| *name == of);
     if is_built_in || Path::new(of).file_name().is_some_and(|name| name == "muscle.toml") {
-        return Ok(Asked::muscle(of));
+        return Ok(CaseRequest::muscle(of));
     }
     if of.contains('\n') {
-        return Ok(Asked::scenario(Path::new("rod.toml"), of.to_owned()));
+        return Ok(CaseRequest::scenario(Path::new("rod.toml"), of.to_owned()));
     }
     let text = efam_store::input::text(Path::new(of)).map_err(|error| {
         Failure::Data(format!(
@@ -183,7 +183,7 @@ fn asked(of: &str) -> Result<Asked, Failure> {
              muscle.toml of one"
         ))
     })?;
-    Ok(Asked::scenario(Path::new(of), text))
+    Ok(CaseRequest::scenario(Path::new(of), text))
 }
 
 /// What a calibrated rod will do: of a scenario or a muscle, with draws from the errors of its calibration.

@@ -7,9 +7,9 @@ use efam_core::forward::Cancel;
 use efam_report::Request;
 use efam_report::swept::{again, request_of, swept_table, write_plan, write_swept};
 use efam_store::columns::{Cells, Found, table};
-use efam_sweeps::asked::Asked;
 use efam_sweeps::merge::{SWEEP, merge};
 use efam_sweeps::plan::{PLAN, Plan};
+use efam_sweeps::request::SweepRequest;
 use efam_sweeps::shard::{Told, is_due, run_all};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -52,7 +52,7 @@ pub fn sweep<'py>(
     let work =
         |cancel: Cancel, progress: &Progress| -> Result<(String, String, PathBuf, Vec<Found>), Failure> {
             let begin = Instant::now();
-            let asked = Asked::parse(&path, &text, &set)?;
+            let asked = SweepRequest::parse(&path, &text, &set)?;
             let plan = if out.join(PLAN).is_file() && !overwrite {
                 again(&asked, points_per_shard, &out)?
             } else {

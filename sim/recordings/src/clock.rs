@@ -51,9 +51,9 @@ impl Stated<'_> {
                 let time = (0..self.samples).map(|sample| frame(sample) / rate).collect();
                 let source = match (wanted, self.frames.first()) {
                     (Some(_), _) if !self.times.is_empty() => {
-                        "as asked for; the file's own times are set aside".to_owned()
+                        "as requested; the file's own times are set aside".to_owned()
                     }
-                    (Some(_), _) => "as asked for".to_owned(),
+                    (Some(_), _) => "as requested".to_owned(),
                     (None, Some(first)) => {
                         format!("as the file states; it has no times: frame {first} is time 0")
                     }

@@ -126,9 +126,9 @@ impl Unit {
             }
             (Some(wanted), Unit::Stated(length, place)) if wanted != length => {
                 let stated = length.symbol();
-                (wanted, format!("{}, as asked for, though {place} states {stated}", wanted.symbol()))
+                (wanted, format!("{}, as requested, though {place} states {stated}", wanted.symbol()))
             }
-            (Some(wanted), _) => (wanted, format!("{}, as asked for", wanted.symbol())),
+            (Some(wanted), _) => (wanted, format!("{}, as requested", wanted.symbol())),
         };
         findings.push(format!("unit: {finding}"));
         Ok(length)

@@ -173,7 +173,7 @@ pub enum Problem {
     /// A rate that is none.
     #[error("--rate {value}: must be a positive number of samples a second")]
     Rate {
-        /// What was asked for.
+        /// What was requested.
         value: f64,
     },
     /// A cell that should be a number.

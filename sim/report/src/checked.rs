@@ -102,7 +102,7 @@ fn page(request: &Request, check: &Check, written: SystemTime) -> String {
     page.before_use(&BeforeUse {
         warnings: check.warnings.iter().cloned().chain(of_releases).collect(),
         assumed: vec![
-            "An interval covers the prediction; whether it holds counts the error of the measurement as well, as far as that is known.".to_owned(),
+            "The interval is that of the prediction. The count of those that hold includes the error of the measurement, where it is known.".to_owned(),
         ],
         ..BeforeUse::default()
     });

@@ -109,11 +109,12 @@ pub struct Verdict {
     pub effects: Vec<String>,
     /// Mean gap over the noise, before and after, of the fitted releases.
     pub gap: Option<[f64; 2]>,
-    /// The same of those that were locked away.
-    pub locked_gap: Option<[f64; 2]>,
+    /// The same for held-out releases.
+    #[serde(alias = "locked_gap")]
+    pub held_out_gap: Option<[f64; 2]>,
 }
 
-/// Puts runs beside one another.
+/// Compares runs.
 pub fn compare(runs: &[Reread]) -> Comparison {
     let compared = |(k, run): (usize, &Reread)| Compared {
         letter: letter(k),
@@ -296,7 +297,7 @@ fn of_diagnoses(runs: &[Reread]) -> Vec<Verdict> {
             verdict: json!(of.verdict).as_str().unwrap_or_default().replace('_', " "),
             effects: of.effects.iter().map(|added| added.effect.clone()).collect(),
             gap: gap(false),
-            locked_gap: gap(true),
+            held_out_gap: gap(true),
         });
     }
     verdicts

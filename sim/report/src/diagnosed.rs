@@ -48,7 +48,8 @@ pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) ->
     for (k, trial) in outcome.repaired.trials.iter().enumerate() {
         let duration = trial.release.time.last().copied().unwrap_or(1.0);
         let mut text = plain(&head, &trial.release.name, &trial.model, duration);
-        let known = outcome.errors.of(|knob| is_of_pressure(knob.pressure_pa, trial.release.pressure));
+        let known =
+            outcome.errors.of(|parameter| is_of_pressure(parameter.pressure_pa, trial.release.pressure));
         text += &format!("\n{}", known.section());
         folder.write(&format!("repaired-{}.toml", k + 1), text.as_bytes())?;
     }
@@ -90,10 +91,10 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
     for (round, threshold) in diagnosis.thresholds.iter().enumerate() {
         let mut shapes = diagnosis.shapes.iter().filter(|shape| shape.round == round + 1).peekable();
         if shapes.peek().is_some() {
-            let _ = writeln!(out, "\nround {}: what the residual looks like, whatever its cause", round + 1);
+            let _ = writeln!(out, "\nround {}: residual patterns", round + 1);
         }
         for shape in shapes {
-            let stands_out = if shape.score > shape.threshold { "  stands out" } else { "" };
+            let stands_out = if shape.score > shape.threshold { "  above the threshold" } else { "" };
             let _ = writeln!(
                 out,
                 "  {:44}{:>8.2} of {:.2}{:>9.3} mm at {:>3.0} % of the amplitude{stands_out}",
@@ -104,11 +105,15 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
                 100.0 * shape.at_amplitude
             );
         }
-        let _ = writeln!(out, "\nround {}: a score has to exceed {threshold:.2}", round + 1);
+        let _ = writeln!(
+            out,
+            "\nround {}: threshold of the score {threshold:.2}; predicted and fitted: decrease of χ²",
+            round + 1
+        );
         let _ = writeln!(
             out,
             "  {:34}{:>8}{:>10}{:>10} {:>12}",
-            "candidate", "score", "promises", "keeps", "strength"
+            "candidate", "score", "predicted", "fitted", "strength"
         );
         let own: Vec<&Evidence> =
             diagnosis.evidence.iter().filter(|evidence| evidence.round == round + 1).collect();
@@ -125,10 +130,10 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
             );
         }
     }
-    out += "\ngap over the noise        before     after\n";
+    out += "\nrms residual / noise      before     after\n";
     for Gap { release, held_out, before, after, .. } in &diagnosis.gap {
-        let locked = if *held_out { "  (locked away)" } else { "" };
-        let _ = writeln!(out, "  {release:22}{before:>8.3}{after:>10.3}{locked}");
+        let part = if *held_out { "  (held out)" } else { "" };
+        let _ = writeln!(out, "  {release:22}{before:>8.3}{after:>10.3}{part}");
     }
     for warning in &diagnosis.warnings {
         let _ = writeln!(out, "warning: {warning}");
@@ -140,7 +145,7 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
 pub fn plan_table(prospects: &[Prospect], releases: usize) -> String {
     let mut out = format!(
         "{releases} releases could show\n  {:22}{:24}{:>12}{:>14}  {:22}{:>10}\n",
-        "effect", "by its", "seen from", "named from", "nearest", "believed"
+        "effect", "parameter", "detectable", "separable", "most similar", "plausible"
     );
     for prospect in prospects {
         let number = |value: f64| if value.is_finite() { significant(value, 2) } else { "never".to_owned() };
@@ -149,13 +154,13 @@ pub fn plan_table(prospects: &[Prospect], releases: usize) -> String {
             "  {:22}{:24}{:>12}{:>14}  {:22}{:>10} {}",
             prospect.effect,
             prospect.parameter,
-            number(prospect.seen_from),
-            number(prospect.told_apart_from),
+            number(prospect.detectable_from),
+            number(prospect.separable_from),
             prospect.nearest.as_deref().unwrap_or("-"),
-            prospect.largest_believed.map_or("-".to_owned(), |most| significant(most, 2)),
+            prospect.largest_plausible.map_or("-".to_owned(), |most| significant(most, 2)),
             prospect.unit,
         );
     }
-    out += "seen and named: by 5 standard deviations, of small effects; believed: the largest strength one would expect\n";
+    out += "detectable, separable: smallest value at 5 standard deviations, for small effects; plausible: largest expected value\n";
     out
 }

@@ -4,7 +4,7 @@
 //! outputs/<UTC>_<name>_<hash8>/
 //!   report.html         the page for people, with the pictures that lie in pictures/
 //!   experiment.toml     the experiment as it was read
-//!   summary.json        recordings, releases with their numbers, decisions; the analysis, if it was asked for
+//!   summary.json        recordings, releases with their numbers, decisions; the analysis, if it was requested
 //!   <recording>.svg     what was cut and masked
 //!   <release>.csv       the cleaned release: t_s, <marker>_x_m, <marker>_z_m in the frame at the clamp
 //!   <release>.svg       its swing, spectrum and damping, if it was analysed
@@ -45,7 +45,7 @@ pub fn input_hashes(experiment: &Experiment) -> BTreeMap<String, String> {
     experiment.recordings.iter().filter_map(read).chain([own]).collect()
 }
 
-/// Writes recordings, releases, decisions and, if it was asked for, the analysis into an open folder.
+/// Writes recordings, releases, decisions and, if it was requested, the analysis into an open folder.
 /// # Errors
 /// [`StoreError::Write`].
 pub fn write(
@@ -117,7 +117,7 @@ pub struct Row<'a> {
     pub instant_error_s: f64,
     /// Angle of the straight rod while it is held, if it is given.
     pub angle_rad: Option<f64>,
-    /// Whether it is locked away.
+    /// Whether it is held out.
     pub held_out: bool,
     /// Why it is not used, if it is not.
     pub dropped: Option<&'a str>,

@@ -11,7 +11,7 @@
 //! ```
 
 mod page;
-mod words;
+mod summary_text;
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -28,7 +28,7 @@ use crate::paper::{Origin, Pressure};
 use crate::picture::{are_recorded, every_other, example, in_psi, model_name, models, paper};
 use crate::{Request, write_mark};
 
-pub use words::{Words, words};
+pub use summary_text::{Words, words};
 
 /// The words and numbers.
 pub const FIGURES: &str = "figures.json";

@@ -161,12 +161,12 @@ pub fn answers(grid: &Grid) -> Vec<String> {
     };
     if always > 0 {
         words.push(format!(
-            "{}a release takes the tip past straight down with every payload that was asked",
+            "{}a release takes the tip past straight down with every requested payload",
             at(always)
         ));
     }
     if never > 0 {
-        words.push(format!("{}no payload that was asked takes the tip past straight down", at(never)));
+        words.push(format!("{}no requested payload takes the tip past straight down", at(never)));
     }
     for past in &grid.past_straight_down {
         words.extend(past.payload_kg.map(|payload| {
@@ -178,8 +178,7 @@ pub fn answers(grid: &Grid) -> Vec<String> {
         }));
     }
     for slowest in &grid.slowest {
-        let end =
-            if slowest.at_end { ", the end of what was asked: beyond it may be slower still" } else { "" };
+        let end = if slowest.at_end { ", the end of the range: beyond it may be slower still" } else { "" };
         words.push(format!(
             "with {} g small swings are slowest at {}, {}{end}",
             significant(1e3 * slowest.payload_kg, 4),

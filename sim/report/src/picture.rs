@@ -22,8 +22,8 @@ mod released;
 mod rods;
 mod spectrum;
 mod swept;
+mod text;
 mod tips;
-mod words;
 
 use efam_core::rest::Rest;
 use efam_core::trajectory::{Status, Trajectory};

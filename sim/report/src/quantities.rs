@@ -38,7 +38,7 @@ pub fn quantities(summary: &Summary) -> Vec<Quantity> {
         of("angle of the tip at rest", "deg", "rest", degrees, rest.map(|rest| rest.tip_angle_rad)),
         of("lowest tip, z", "mm", "lowest", MILLI, lowest.map(|lowest| lowest.tip_z_m)),
         of("lowest tip, after", "s", "lowest", 1.0, lowest.and_then(|lowest| lowest.time_s)),
-        of("least angle of the tip", "deg", "least_tip_angle_rad", degrees, summary.least_tip_angle_rad),
+        of("minimum tip angle", "deg", "least_tip_angle_rad", degrees, summary.least_tip_angle_rad),
         of("damped frequency, spectrum", "Hz", "damped_frequency_hz", 1.0, summary.damped_frequency_hz),
         of("natural frequency, eq. 7", "Hz", "natural_frequency_hz", 1.0, summary.natural_frequency_hz),
         of("damping ratio, eq. 6", "", "damping_ratio", 1.0, summary.damping_ratio),

@@ -180,7 +180,7 @@ fn tip_error(errors: &Errors, settings: &Settings) -> String {
         None => format!("tolerance {:.0e}", settings.tolerance),
     };
     format!(
-        "{mesh} mm by the mesh ({} nodes), {step} mm by the steps ({steps}); {asked} mm asked",
+        "{mesh} mm by the mesh ({} nodes), {step} mm by the steps ({steps}); {asked} mm requested",
         settings.nodes
     )
 }

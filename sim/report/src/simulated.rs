@@ -183,7 +183,9 @@ fn set_table(members: &[Member]) -> Table<'static> {
 fn before_use(first: Option<&Summary>, warnings: &[String]) -> BeforeUse {
     let (extrapolated, warnings) = extrapolated(warnings);
     BeforeUse {
-        note: Some("This is simulated, not measured: what the model lacks, the numbers lack too.".to_owned()),
+        note: Some(
+            "This is simulated, not measured: these numbers omit whatever the model omits.".to_owned(),
+        ),
         warnings,
         extrapolated: Some(extrapolated),
         assumed: first.map(assumed::of_run).unwrap_or_default(),
@@ -272,7 +274,7 @@ fn lead(summary: &Summary) -> String {
         }
         _ => {
             let why = summary.missing.get("damping_ratio").map_or("", String::as_str);
-            let _ = write!(text, "Frequency and damping cannot be told: {why}.");
+            let _ = write!(text, "Frequency and damping are not available: {why}.");
         }
     }
     if let Some(lowest) = summary.lowest {
@@ -300,8 +302,8 @@ fn numbers(page: &mut Page, summary: &Summary) {
         vec![own.name.to_owned(), own.text(), own.unit.to_owned(), why]
     };
     page.table(&Table {
-        caption: "What the run comes to; summary.json has all digits",
-        heads: &["quantity", "value", "unit", "why there is none"],
+        caption: "Numbers of the run; summary.json has all digits",
+        heads: &["quantity", "value", "unit", "reason if missing"],
         rows: quantities(summary).iter().map(row).collect(),
     });
     let cycles = summary.cycles.as_deref().unwrap_or_default();

@@ -19,9 +19,9 @@ use std::time::SystemTime;
 
 use efam_store::atomic::write_whole;
 use efam_store::{MARK, StoreError};
-use efam_sweeps::asked::Design;
 use efam_sweeps::merge::{Kept, Merged, Spread};
 use efam_sweeps::plan::Plan;
+use efam_sweeps::request::Design;
 use efam_sweeps::work::Work;
 use serde_json::json;
 

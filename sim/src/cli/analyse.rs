@@ -36,7 +36,7 @@ pub struct Analyse {
     nodes: Vec<usize>,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     #[serde(flatten)]

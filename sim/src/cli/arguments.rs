@@ -27,10 +27,10 @@ fn recorded(argument: OsString) -> String {
 /// How a command speaks: the same for all.
 #[derive(Args)]
 pub struct Manner {
-    /// Neither progress nor tables; files, JSON, warnings and errors remain.
+    /// Print neither progress nor tables; files, JSON, warnings and errors remain.
     #[arg(short, long, global = true, display_order = 1000)]
     pub quiet: bool,
-    /// Say on stderr what is read, what is being done, and when.
+    /// Print each step with its time on stderr.
     #[arg(short, long, global = true, display_order = 1001, conflicts_with = "quiet")]
     pub verbose: bool,
     /// Whether to colour help and errors; auto: on a terminal, unless NO_COLOR is set.
@@ -60,7 +60,7 @@ impl Manner {
 /// For people or for programs.
 #[derive(Args)]
 pub struct Form {
-    /// One JSON object on stdout, and nothing else; `efam schema` describes it.
+    /// Print one JSON object on stdout; `efam schema` describes it.
     #[arg(long)]
     pub json: bool,
 }
@@ -68,10 +68,10 @@ pub struct Form {
 /// Where results go, and what is printed of them.
 #[derive(Args)]
 pub struct Output {
-    /// Folder for the results [default: a new one in outputs/, called after the time and what is run].
+    /// Folder for the results [default: a new one in outputs/, named by time and input].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace a folder that is there.
+    /// Replace an existing folder.
     #[arg(long)]
     pub overwrite: bool,
     #[command(flatten)]
@@ -83,7 +83,7 @@ pub struct Output {
 pub struct Source {
     /// Scenario, a TOML file.
     pub scenario: PathBuf,
-    /// Set a value over the scenario's, such as effects.payload.mass="50 g"; may be repeated.
+    /// Override a value of the scenario, such as effects.payload.mass="50 g"; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
     /// Muscle file to use instead of the scenario's muscle.
@@ -115,7 +115,7 @@ pub struct Release {
     /// Rotary inertia of the payload about that, such as "1e-5 kg m^2" [default: the scenario's, or a point mass].
     #[arg(long, value_name = "INERTIA")]
     pub payload_inertia: Option<String>,
-    /// Area that the payload turns to the air, such as "20 cm^2".
+    /// Frontal area of the payload, such as "20 cm^2".
     #[arg(long, value_name = "AREA")]
     pub frontal_area: Option<String>,
     /// Angle above the horizontal from which it is let go; a rod whose clamp has another is held at its tip
@@ -155,7 +155,7 @@ impl Release {
 pub struct OfExperiment {
     /// Experiment, a TOML file.
     pub experiment: PathBuf,
-    /// Set a value over the experiment's, such as `recording[1].up="+z"`; may be repeated.
+    /// Override a value of the experiment, such as `recording[1].up="+z"`; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
     /// A file of laws as text, beside those of the experiment; may be repeated.
@@ -170,7 +170,7 @@ pub struct OfExperiment {
 pub struct Cleaning {
     #[command(flatten)]
     pub of: OfExperiment,
-    /// List every decision, with the key that decides otherwise.
+    /// List every decision, with the key that overrides it.
     #[arg(long)]
     pub decisions: bool,
 }

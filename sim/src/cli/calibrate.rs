@@ -39,12 +39,12 @@ pub struct Calibrate {
     /// Also find intervals by the profile of the likelihood, which takes longer.
     #[arg(long)]
     profile: bool,
-    /// Show in Rerun how it goes on, and each release as fitted: save, spawn, connect, connect=URL or serve.
+    /// Show progress and fitted releases in Rerun: save, spawn, connect, connect=URL or serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
     rerun: Option<Rerun>,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the results are.

@@ -41,38 +41,37 @@ saves its results once the baseline is fitted. A second Ctrl-C saves nothing.";
 pub struct Diagnose {
     #[command(flatten)]
     of: OfExperiment,
-    /// Probability that a round names something where nothing is missing.
+    /// Probability that a round names an effect although none is missing.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
     false_alarm: f64,
-    /// Effects added at most.
+    /// Largest number of effects to add.
     #[arg(long, value_name = "COUNT", default_value_t = 3)]
     most: usize,
     /// Time limit of the search. The program saves the results up to then, and always completes the fit of the baseline.
     #[arg(long, value_name = "TIME", default_value = "3 min", value_parser = time, conflicts_with = "plan")]
     budget: Duration,
-    /// Leave an effect out of the catalogue; may be repeated.
+    /// Remove an effect from the candidates; may be repeated.
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// The file is a scenario, a release that is not recorded yet: say which effects it could show, and
-    /// from which size on.
+    /// Read a scenario of a planned release: print which effects it can show, and from which size.
     #[arg(long)]
     plan: bool,
     /// Another scenario of the plan; may be repeated.
     #[arg(long, value_name = "SCENARIO", requires = "plan")]
     also: Vec<PathBuf>,
-    /// Noise of the camera that is planned.
+    /// Camera noise of the planned release.
     #[arg(long, value_name = "LENGTH", requires = "plan", default_value = "0.3 mm", value_parser = length)]
     noise: f64,
-    /// A marker on the body that is planned, as a share of the length; may be repeated.
+    /// Planned marker on the body, as a share of the length; may be repeated.
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share)]
     marker: Vec<f64>,
-    /// Show in Rerun how it goes on, and each release before and after: save, spawn, connect, connect=URL or
+    /// Show progress and each release before and after in Rerun: save, spawn, connect, connect=URL or
     /// serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse, conflicts_with = "plan")]
     rerun: Option<Rerun>,
 }
 
-/// What is printed for programs: of a diagnosis, or with `--plan` of a plan.
+/// The JSON output: a diagnosis, or a plan with `--plan`.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Printed<'a> {

@@ -25,8 +25,8 @@ const HELP: &str = "Examples:
   efam doctor
   efam doctor --json
 
-Exit codes: 1 if something that every run needs is broken. A viewer that is
-missing is none of that.";
+Exit codes: 1 if something that every run needs is broken. A missing viewer
+is no error.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -35,7 +35,7 @@ pub struct Doctor {
     form: Form,
 }
 
-/// What this program has, and what it finds around it.
+/// The state of this installation.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed {
     /// Version of the program.
@@ -58,7 +58,7 @@ pub struct Printed {
     viewer: Viewer,
     /// Where results go if nothing else is said.
     outputs: Outputs,
-    /// What is broken, in words; empty if all is well.
+    /// Faults; empty if there are none.
     faults: Vec<String>,
 }
 

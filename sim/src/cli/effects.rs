@@ -44,7 +44,7 @@ pub struct Effects {
     form: Form,
 }
 
-/// What is printed for programs: of all effects, or of one.
+/// The JSON output: all effects, or one.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Printed {

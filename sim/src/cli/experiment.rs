@@ -41,7 +41,7 @@ pub struct Init {
     /// The file to write.
     #[arg(long, value_name = "FILE", default_value = "experiment.toml")]
     out: PathBuf,
-    /// Replace a file that is there.
+    /// Replace an existing file.
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
@@ -63,7 +63,7 @@ pub struct Check {
     cleaning: Cleaning,
 }
 
-/// What is printed of a first experiment file for programs.
+/// The JSON output: a first experiment file.
 #[derive(Serialize, JsonSchema)]
 pub struct InitPrinted<'a> {
     /// The file.
@@ -76,12 +76,12 @@ pub struct InitPrinted<'a> {
     to_fill_in: usize,
 }
 
-/// What is printed of cleaned recordings for programs.
+/// The JSON output: cleaned recordings.
 #[derive(Serialize, JsonSchema)]
 pub struct CheckPrinted<'a> {
     /// Each release.
     releases: Vec<Row<'a>>,
-    /// What was decided, and how to decide otherwise.
+    /// Decisions, each with the key that overrides it.
     decisions: &'a [Decision],
     /// Where the results are.
     folder: &'a Path,

@@ -38,7 +38,7 @@ pub struct Export {
     /// The file [default: beside the run's folder, with its name].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace a file that is there.
+    /// Replace an existing file.
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
@@ -55,7 +55,7 @@ enum To {
     Mcap,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// The file.

@@ -44,7 +44,7 @@ pub struct Figures {
     /// Draw them from the recordings of an experiment, instead of from our own runs.
     #[arg(long, value_name = "FILE")]
     experiment: Option<PathBuf>,
-    /// Set a value over the scenario of the figures, such as effects.rayleigh_mass.alpha="0.8 1/s", or over the
+    /// Override a value of the figures' scenario, such as effects.rayleigh_mass.alpha="0.8 1/s", or of the
     /// experiment; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
@@ -52,7 +52,7 @@ pub struct Figures {
     output: Output,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the figures are.

@@ -43,7 +43,7 @@ const MOST_ROWS: usize = 100;
 /// Letters of a marker's name in a table.
 const NAME: usize = 24;
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed {
     /// Those that could be read.

@@ -21,7 +21,7 @@ use super::voice::Stages;
 /// Exit code of what Ctrl-C ended.
 const CTRL_C: u8 = 128 + 2;
 
-/// Whether an end was asked for.
+/// Whether an end was requested.
 static ASKED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// By which signal; 0 for none.
 static BY: AtomicUsize = AtomicUsize::new(0);
@@ -80,7 +80,7 @@ pub fn make_long_files_an_error() {
     }
 }
 
-/// Whether an end was asked for.
+/// Whether an end was requested.
 pub fn is_asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }

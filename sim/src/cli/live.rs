@@ -1,5 +1,5 @@
-//! `--rerun`: the rod in the viewer while it is integrated, a calibration or a diagnosis while it works, a family of
-//! rods that is foretold.
+//! `--rerun`: the rod in the viewer while it is integrated, a calibration or a diagnosis while it works, an ensemble
+//! of rods that is predicted.
 
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -9,7 +9,7 @@ use efam_experiments::scenario::Case;
 use efam_inference::calibrate::{self, Problem, Progress};
 use efam_inference::diagnose;
 use efam_inference::diagnose::verdict::Evidence;
-use efam_inference::predict::family::Member;
+use efam_inference::predict::ensemble::Member;
 use models::snapshot::Snapshot;
 
 use super::failure::Failure;
@@ -46,9 +46,9 @@ impl Rerun {
 }
 
 #[cfg(feature = "rerun")]
-pub use with_rerun::{Live, LiveFamily, LiveFit, LiveSearch};
+pub use with_rerun::{Live, LiveEnsemble, LiveFit, LiveSearch};
 #[cfg(not(feature = "rerun"))]
-pub use without::{Live, LiveFamily, LiveFit, LiveSearch};
+pub use without::{Live, LiveEnsemble, LiveFit, LiveSearch};
 
 /// A recording that is delivered in the end.
 pub trait Recording: Sized {
@@ -128,7 +128,7 @@ mod with_rerun {
     use super::super::interrupt;
     use super::super::terminal::say;
     use super::*;
-    use crate::observe::rerun::{FamilyStream, FitStream, RerunError, Scene, SearchStream, Sink, Stream};
+    use crate::observe::rerun::{EnsembleStream, FitStream, RerunError, Scene, SearchStream, Sink, Stream};
 
     /// A recording in progress: of a run, unless it says otherwise.
     pub struct Live<S = Stream>(S);
@@ -137,8 +137,8 @@ mod with_rerun {
     pub type LiveSearch = Live<SearchStream>;
     /// That of a calibration.
     pub type LiveFit = Live<FitStream>;
-    /// A family of rods, drawn when it is opened.
-    pub type LiveFamily = Live<FamilyStream>;
+    /// An ensemble of rods, drawn when it is opened.
+    pub type LiveEnsemble = Live<EnsembleStream>;
 
     impl Live {
         pub fn open(how: &Rerun, case: &Case, folder: &Path) -> Result<Live, Failure> {
@@ -186,15 +186,15 @@ mod with_rerun {
         }
     }
 
-    impl LiveFamily {
-        pub fn family(
+    impl LiveEnsemble {
+        pub fn ensemble(
             how: &Rerun,
             name: &str,
             id: &str,
             folder: &Path,
             members: &[Member],
-        ) -> Result<LiveFamily, Failure> {
-            opened(how, FamilyStream::open_family(&sink(how, folder), name, id, members))
+        ) -> Result<LiveEnsemble, Failure> {
+            opened(how, EnsembleStream::open_ensemble(&sink(how, folder), name, id, members))
         }
     }
 
@@ -264,7 +264,7 @@ mod without {
 
     pub type LiveSearch = Live<diagnose::Outcome>;
     pub type LiveFit = Live<calibrate::Outcome>;
-    pub type LiveFamily = Live<Member>;
+    pub type LiveEnsemble = Live<Member>;
 
     impl Live {
         pub fn open(_: &Rerun, _: &Case, _: &Path) -> Result<Live, Failure> {
@@ -312,8 +312,14 @@ mod without {
         }
     }
 
-    impl LiveFamily {
-        pub fn family(_: &Rerun, _: &str, _: &str, _: &Path, _: &[Member]) -> Result<LiveFamily, Failure> {
+    impl LiveEnsemble {
+        pub fn ensemble(
+            _: &Rerun,
+            _: &str,
+            _: &str,
+            _: &Path,
+            _: &[Member],
+        ) -> Result<LiveEnsemble, Failure> {
             Err(missing())
         }
     }

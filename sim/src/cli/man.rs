@@ -29,7 +29,7 @@ pub struct Manual {
     /// Folder for all pages, one a command.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace pages that are there.
+    /// Replace existing pages.
     #[arg(long, requires = "out")]
     overwrite: bool,
 }

@@ -9,9 +9,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use efam_inference::predict::asked::Asked;
-use efam_inference::predict::family::{Member, family};
+use efam_inference::predict::ensemble::{Member, ensemble};
 use efam_inference::predict::grid::{Cell, Grid, grid, runs};
+use efam_inference::predict::request::CaseRequest;
 use efam_inference::predict::span::values;
 use efam_inference::predict::{Prediction, Settings, predict};
 use efam_report::Request;
@@ -27,7 +27,7 @@ use serde::Serialize;
 use super::arguments::{Output, Release, argv};
 use super::failure::Failure;
 use super::interrupt;
-use super::live::{LiveFamily, Recording, Rerun};
+use super::live::{LiveEnsemble, Recording, Rerun};
 use super::terminal::stdout;
 use super::voice::{Voice, print};
 
@@ -56,7 +56,7 @@ const CASE: [&str; 8] = [
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Predict {
-    /// Scenario whose rod is asked about, such as the rod.toml of a calibration; or else --muscle.
+    /// Scenario with the rod, such as the rod.toml of a calibration; or use --muscle.
     #[arg(value_name = "SCENARIO")]
     scenario: Option<PathBuf>,
     /// Muscle file that a calibration wrote, or the name of a built-in muscle.
@@ -71,27 +71,27 @@ pub struct Predict {
     payload: Option<String>,
     #[command(flatten)]
     release: Release,
-    /// Set a value over the scenario's, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
+    /// Override a value of the scenario, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Predict the releases of an experiment instead, and count how often intervals hold what was measured; without
     /// SCENARIO and --muscle, by the experiment's own rod.
     #[arg(long, value_name = "EXPERIMENT", conflicts_with_all = CASE)]
     check: Option<PathBuf>,
-    /// Draws from the errors of the calibration, of one case.
+    /// Number of draws from the errors of the calibration, for one case.
     #[arg(long, value_name = "COUNT", default_value_t = efam_inference::predict::Settings::default().draws)]
     draws: usize,
     /// Of the random numbers.
     #[arg(long, default_value_t = efam_inference::predict::Settings::default().seed)]
     seed: u64,
-    /// Show the family of rods in Rerun: save, spawn, connect, connect=URL or serve.
+    /// Show the ensemble of rods in Rerun: save, spawn, connect, connect=URL or serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
     rerun: Option<Rerun>,
     #[command(flatten)]
     output: Output,
 }
 
-/// What is printed for programs: of one case, or of a grid of them.
+/// The JSON output: one case, or a grid of cases.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Printed<'a> {
@@ -99,14 +99,14 @@ pub enum Printed<'a> {
     One {
         /// Where the results are.
         folder: &'a Path,
-        /// What is foretold.
+        /// The prediction.
         prediction: &'a Prediction,
     },
     /// Of several pressures or payloads.
     Several {
         /// Where the results are.
         folder: &'a Path,
-        /// What is foretold.
+        /// The prediction.
         grid: &'a Grid,
     },
     /// Of the releases of an experiment, with `--check`.
@@ -194,7 +194,7 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
         stages.clear();
         let prediction = &outcome.prediction;
         write_prediction(&folder, &done(&prediction.warnings), &outcome)?;
-        let members = || Ok(family(&case, known.as_ref(), &settings));
+        let members = || Ok(ensemble(&case, known.as_ref(), &settings));
         let (folder, viewer) = finish(args, voice, folder, &request, &members)?;
         let printed = Printed::One { folder: &folder, prediction };
         tell(args, voice, &folder, &printed, &|| prediction_table(prediction))?;
@@ -210,10 +210,10 @@ fn finish(
     folder: Folder,
     request: &Request,
     members: &dyn Fn() -> Result<Vec<Member>, Failure>,
-) -> Result<(PathBuf, Option<LiveFamily>), Failure> {
+) -> Result<(PathBuf, Option<LiveEnsemble>), Failure> {
     let open = |how| {
         let id = efam_store::sha::sha256(format!("{}{}", request.name, request.resolved_scenario).as_bytes());
-        LiveFamily::family(how, &request.name, &id, folder.path(), &members()?)
+        LiveEnsemble::ensemble(how, &request.name, &id, folder.path(), &members()?)
     };
     let live = args.rerun.as_ref().map(open).transpose()?;
     let viewer = Recording::saved(live, args.rerun.as_ref())?;
@@ -255,7 +255,7 @@ fn title(args: &Predict, case: &str) -> String {
 }
 
 /// The rod that is asked about, and the hash of its file.
-fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
+fn asked(args: &Predict) -> Result<(CaseRequest, BTreeMap<String, String>), Failure> {
     let mut hashes = BTreeMap::new();
     let mut read = |file: &Path, what: &str| {
         let text = input::text(file).map_err(|error| {
@@ -265,9 +265,10 @@ fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
         Ok::<_, Failure>(text)
     };
     let mut asked = match (&args.scenario, &args.muscle) {
-        (Some(scenario), _) => {
-            Asked::scenario(scenario, read(scenario, "a scenario, such as the rod.toml of a calibration")?)
-        }
+        (Some(scenario), _) => CaseRequest::scenario(
+            scenario,
+            read(scenario, "a scenario, such as the rod.toml of a calibration")?,
+        ),
         (None, muscle) => {
             let muscle = muscle.as_deref().unwrap_or_default();
             if !BUILT_IN.iter().any(|(name, _)| *name == muscle) {
@@ -276,7 +277,7 @@ fn asked(args: &Predict) -> Result<(Asked, BTreeMap<String, String>), Failure> {
                     &format!("the muscle.toml of a calibration, or a built-in muscle: {}", built_in()),
                 )?;
             }
-            Asked::muscle(muscle)
+            CaseRequest::muscle(muscle)
         }
     };
     asked.release = args.release.options(None)?;

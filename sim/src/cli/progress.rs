@@ -28,7 +28,7 @@ pub fn line(has_thread: bool) -> ProgressBar {
     bar
 }
 
-/// A run is looked at for so long before its end is foretold: most have ended by then.
+/// A run is watched for so long before its end is estimated: most have ended by then.
 const LOOK: Duration = Duration::from_secs(2);
 /// What takes longer is worth a line.
 const LONG: Duration = Duration::from_secs(60);
@@ -50,7 +50,7 @@ impl Cost {
 
     /// Once, seconds after the begin: the time that a long run takes in all; from the simulated time that is
     /// reached, s. Where that goes back, the run has begun anew, on another mesh.
-    pub fn foretold(&mut self, time: f64) -> Option<Duration> {
+    pub fn estimated(&mut self, time: f64) -> Option<Duration> {
         if time < self.last {
             self.begin = Instant::now();
         }
@@ -70,9 +70,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_long_run_is_foretold_once_and_by_its_own_pace() {
+    fn a_long_run_is_estimated_once_and_by_its_own_pace() {
         let begun = |ago: u64| Cost { begin: Instant::now() - Duration::from_secs(ago), ..Cost::new(20.0) };
-        let whole = |cost: &mut Cost, time: f64| cost.foretold(time).map(|whole| whole.as_secs_f64().round());
+        let whole =
+            |cost: &mut Cost, time: f64| cost.estimated(time).map(|whole| whole.as_secs_f64().round());
         let mut slow = begun(4);
         assert_eq!([0.1, 0.2].map(|time| whole(&mut slow, time)), [Some(800.0), None]);
         assert_eq!(whole(&mut begun(4), 10.0), None, "of seconds nothing is said");

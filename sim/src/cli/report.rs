@@ -1,4 +1,4 @@
-//! `efam report`: runs beside one another.
+//! `efam report`: comparison of runs.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -36,12 +36,12 @@ pub struct Report {
     output: Output,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the page is.
     folder: &'a Path,
-    /// The runs beside one another.
+    /// The comparison of the runs.
     comparison: &'a Comparison,
 }
 

@@ -43,14 +43,14 @@ Exit codes: 4 if no rest posture is found.";
 pub struct Modes {
     #[command(flatten)]
     source: Source,
-    /// How many, from the slowest.
+    /// Number of modes, slowest first.
     #[arg(long, default_value_t = 3, value_name = "N")]
     count: usize,
     #[command(flatten)]
     form: Form,
 }
 
-/// What is printed of rest postures for programs.
+/// The JSON output: rest postures.
 #[derive(Serialize, JsonSchema)]
 pub struct StaticsPrinted {
     /// One for each case of the scenario.
@@ -78,11 +78,11 @@ struct Resting {
     iterations: usize,
     /// Whether the posture is stable.
     stable: bool,
-    /// What should be known before the numbers are used.
+    /// Caveats of the numbers.
     warnings: Vec<String>,
 }
 
-/// What is printed of vibrations for programs.
+/// The JSON output: vibrations about the rest.
 #[derive(Serialize, JsonSchema)]
 pub struct ModesPrinted {
     /// All modes of all cases of the scenario, slowest first.

@@ -69,13 +69,12 @@ pub struct Simulate {
     /// Show the rod in Rerun: save, spawn, connect, connect=URL or serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
     rerun: Option<Rerun>,
-    /// Keep nothing but what Rerun gets: no results, and memory stays flat
-    /// however long the run is.
+    /// Send the run to Rerun only and save no results; memory use stays constant.
     #[arg(long, requires = "rerun", conflicts_with_all = ["csv", "json"])]
     watch_only: bool,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Name of the scenario.
@@ -207,7 +206,7 @@ fn outcome(folder: &Path, done: &[Member]) -> Result<ExitCode, Failure> {
 fn simulate(case: &Case, estimates: bool, progress: &ProgressBar, voice: &Voice) -> Result<Settled, Failure> {
     let mut cost = Cost::new(case.run.duration);
     let mut see = |sample: &mut Sample| {
-        if let Some(whole) = cost.foretold(sample.state.time) {
+        if let Some(whole) = cost.estimated(sample.state.time) {
             progress.suspend(|| voice.expect(&case.name, whole));
         }
         counted(progress)

@@ -48,15 +48,15 @@ pub struct Sweep {
 
 #[derive(Subcommand)]
 enum What {
-    /// Freeze a plan: every point, with its seed, under one hash.
+    /// Write a plan: every point with its seed, identified by one hash.
     Plan(plan::Freeze),
-    /// Run the shards of a plan that are missing, or one of them.
+    /// Run the missing shards of a plan, or one shard.
     Run(run::Run),
-    /// Hand the missing shards to Slurm as a job array, and the merge behind it.
+    /// Submit the missing shards to Slurm as a job array, followed by the merge.
     Submit(submit::Submit),
-    /// Say what is there, and what is missing, in the form of --array=.
+    /// Print finished and missing shards, in the form of --array=.
     Status(status::Ask),
-    /// Put all shards together, and draw them.
+    /// Merge all shards, and draw the results.
     Merge(merge::Merge),
 }
 
@@ -83,12 +83,12 @@ pub struct OfPlan {
     pub plan: PathBuf,
 }
 
-/// What is printed of a merged sweep.
+/// The JSON output: a merged sweep.
 #[derive(Serialize, JsonSchema)]
 pub struct MergedPrinted<'a> {
     /// Where the results are.
     folder: &'a Path,
-    /// What the sweep comes to.
+    /// Results of the sweep.
     sweep: &'a Merged,
 }
 

@@ -47,7 +47,7 @@ pub fn run(args: &View) -> Result<ExitCode, Failure> {
             false => "run it again with --rerun save".to_owned(),
         };
         return Err(Failure::Usage(format!(
-            "{shown}: has no {RECORDING}, because it was not asked for; {again}"
+            "{shown}: has no {RECORDING}, because --rerun save was not given; {again}"
         )));
     }
     let started = Command::new(VIEWER).arg(&recording).status();

@@ -41,7 +41,7 @@ impl Voice {
                 whole => format!("{:.0} h", (whole / 3600.0).ceil()),
             };
             say(format_args!(
-                "{what}: at this pace it takes about {time}; Ctrl-C ends it and keeps what there is"
+                "{what}: about {time} at this pace; Ctrl-C ends it and keeps the results so far"
             ));
         }
     }

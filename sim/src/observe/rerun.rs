@@ -16,13 +16,13 @@ use ::rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError, Rec
 use efam_inference::calibrate::{self, Problem, Progress};
 use efam_inference::diagnose::Outcome;
 use efam_inference::diagnose::verdict::Evidence;
-use efam_inference::predict::family::Member;
+use efam_inference::predict::ensemble::Member;
 use models::snapshot::Snapshot;
 
 mod blueprint;
 mod compared;
 mod drawing;
-mod family;
+mod ensemble;
 mod fit;
 mod scenery;
 mod search;
@@ -88,8 +88,8 @@ pub type SearchStream = Stream<Search>;
 /// `step`, and in the end each release on `sim_time`, measured and as fitted, below `releases/<name>`.
 pub type FitStream = Stream<Fit>;
 
-/// A recording of a family of rods, below `family/<name>`, complete when it is opened.
-pub type FamilyStream = Stream<()>;
+/// A recording of an ensemble of rods, below `ensemble/<name>`, complete when it is opened.
+pub type EnsembleStream = Stream<()>;
 
 /// Why a recording cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -244,17 +244,17 @@ impl FitStream {
     }
 }
 
-impl FamilyStream {
-    /// Opens the recording of a family of rods, and draws it.
+impl EnsembleStream {
+    /// Opens the recording of an ensemble of rods, and draws it.
     /// # Errors
     /// If the file cannot be written, or the viewer or the port cannot be had.
-    pub fn open_family(
+    pub fn open_ensemble(
         sink: &Sink,
         name: &str,
         recording_id: &str,
         members: &[Member],
     ) -> Result<Self, RerunError> {
-        Self::begin(sink, recording_id, |recording, live| family::draw(recording, name, live, members))
+        Self::begin(sink, recording_id, |recording, live| ensemble::draw(recording, name, live, members))
     }
 }
 

@@ -17,13 +17,13 @@ use super::shard::seconds;
 pub struct Answers {
     /// Verdicts, the most frequent first: `named`, `class`, `nothing_missing`, `unknown`.
     pub verdicts: Vec<Often>,
-    /// What was said, likewise: names, a class, nothing, unknown.
+    /// Answers, likewise: names, a class, nothing, unknown.
     pub said: Vec<Often>,
     /// Each experiment's.
     pub experiments: Vec<Answer>,
 }
 
-/// How often something was said.
+/// Number of equal answers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Often {
     /// What.

@@ -6,9 +6,9 @@ use efam_inference::predict::errors::Errors;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
-use super::asked::{Design, OfScenario, Value, Values};
 use super::key::{self, Kind};
 use super::point::case;
+use super::request::{Design, OfScenario, Value, Values};
 use super::work::Point;
 
 /// Where points come from.
@@ -37,7 +37,7 @@ impl<'a> Sampler<'a> {
         let mut sampler = Sampler { asked, paths, layers, drawn: None };
         if asked.design == Design::Posterior {
             let first = sampler.to_draw_from(&sampler.varied(0))?;
-            let known = first.1.known().expect("a posterior was asked for with a calibration");
+            let known = first.1.known().expect("a posterior was requested with a calibration");
             for (path, _) in Errors::new(known, &first.0).values(0, 0) {
                 if !matches!(key::kind(&path), Some(Kind::Quantity(_))) || asked.varies(&path) {
                     let message =
@@ -65,7 +65,7 @@ impl<'a> Sampler<'a> {
                     &own
                 }
             };
-            let known = scenario.known().expect("a posterior was asked for with a calibration");
+            let known = scenario.known().expect("a posterior was requested with a calibration");
             let drawn = Errors::new(known, case).values(point.seed, 0);
             point.values.extend(drawn.into_iter().map(|(_, value)| Value::Number(value)));
         }
@@ -139,7 +139,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::asked::Parameter;
+    use crate::request::Parameter;
 
     fn asked(design: Design, points: usize, values: &[Values]) -> OfScenario {
         let paths = ["effects.payload.mass", "muscle.pressure", "rod.nodes"];

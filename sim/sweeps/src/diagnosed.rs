@@ -13,7 +13,7 @@ use efam_store::sha::sha256;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::asked::Value;
+use super::request::Value;
 use super::work::{Diagnose, Point, Row, fault, joined};
 
 /// What stands between names of a list.
@@ -24,10 +24,10 @@ const GIVEN: [&str; 3] = ["experiment", "sha256", "without"];
 /// Texts of a diagnosis, then its numbers with unit and meaning.
 const TEXTS: [&str; 4] = ["verdict", "effects", "members", "parameters"];
 const NUMBERS: [(&str, &str, &str); 6] = [
-    ("gap_before", "", "worst gap of what was fitted, before"),
-    ("gap_after", "", "worst gap of what was fitted, after"),
-    ("locked_gap_before", "", "worst gap of what was locked away, before"),
-    ("locked_gap_after", "", "worst gap of what was locked away, after"),
+    ("gap_before", "", "largest gap of fitted releases, before"),
+    ("gap_after", "", "largest gap of fitted releases, after"),
+    ("held_out_gap_before", "", "largest gap of held-out releases, before"),
+    ("held_out_gap_after", "", "largest gap of held-out releases, after"),
     ("noise_m", "m", "largest noise of a release"),
     ("separation", "", "distance of the nearest two with the recording that is proposed"),
 ];
@@ -49,9 +49,10 @@ pub struct Answer {
     pub members: Vec<String>,
     /// Gaps of what was fitted, the worst before and after, in units of the noise.
     pub gap: Option<[f64; 2]>,
-    /// The same of what was locked away.
-    pub locked_gap: Option<[f64; 2]>,
-    /// Distance of the nearest two members with the recording that would tell them apart.
+    /// The same for held-out releases.
+    #[serde(alias = "locked_gap")]
+    pub held_out_gap: Option<[f64; 2]>,
+    /// Distance of the nearest two members with the recording that would separate them.
     pub separation: Option<f64>,
     /// How long it took, s; none where that is not known.
     pub seconds: Option<f64>,
@@ -77,12 +78,14 @@ impl Answer {
     pub fn of_rows(columns: &[Column], cells: &[Cells]) -> Option<Vec<Answer>> {
         let column = |name: &str| columns.iter().position(|own| own.name == name).map(|k| &cells[k]);
         let texts = |name| if let Cells::Texts(all) = column(name)? { Some(all) } else { None };
-        let numbers = |name| if let Cells::Numbers(all) = column(name)? { Some(all) } else { None };
+        let numbers = |name: &str| if let Cells::Numbers(all) = column(name)? { Some(all) } else { None };
         let Cells::Counts(points) = column("point")? else { return None };
         let [experiment, reason] = [texts("experiment")?, texts("reason")?];
         let [verdict, effects, members, parameters] = TEXTS.map(texts);
         let [verdict, effects, members, parameters] = [verdict?, effects?, members?, parameters?];
-        let found = NUMBERS.map(|(name, ..)| numbers(name));
+        // Sweeps of before call the gaps of held-out releases `locked_gap`.
+        let found =
+            NUMBERS.map(|(name, ..)| numbers(name).or_else(|| numbers(&name.replace("held_out", "locked"))));
         let number = |k: usize, row: usize| found[k].map(|all| all[row]).filter(|number| !number.is_nan());
         let pair = |k, row| Some([number(k, row)?, number(k + 1, row)?]);
         let names = |text: &Option<String>| -> Vec<String> {
@@ -100,7 +103,7 @@ impl Answer {
                 .unwrap_or_else(|| names(&effects[row]).into_iter().map(bare).collect()),
             members: names(&members[row]),
             gap: pair(0, row),
-            locked_gap: pair(2, row),
+            held_out_gap: pair(2, row),
             separation: number(5, row),
             seconds: None,
         };

@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use efam_experiments::scenario::ScenarioError;
 
-use super::asked::{Asked, Subject};
 use super::design::Sampler;
 use super::point::{case, run};
+use super::request::{Subject, SweepRequest};
 
 /// Points that are tried.
 const TRIED: usize = 3;
@@ -26,7 +26,7 @@ pub fn points_per_shard(points: usize) -> usize {
 /// take three seconds and a few ten minutes.
 /// # Errors
 /// [`ScenarioError`] where a point cannot be made.
-pub fn time_of_a_point(asked: &Asked) -> Result<Option<Duration>, ScenarioError> {
+pub fn time_of_a_point(asked: &SweepRequest) -> Result<Option<Duration>, ScenarioError> {
     let Subject::Scenario(asked) = &asked.subject else { return Ok(None) };
     let sampler = Sampler::new(asked)?;
     let count = asked.points.min(TRIED);

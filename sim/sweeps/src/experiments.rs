@@ -20,8 +20,8 @@ use efam_store::escape::is_hidden;
 use models::effects::Catalogue;
 use rayon::prelude::*;
 
-use super::asked::Value;
 use super::diagnosed::{AND, look};
+use super::request::Value;
 use super::work::{Diagnose, Point};
 
 /// Keys of a sweep over experiments.

@@ -1,13 +1,12 @@
 //! Sweeps: many simulations or diagnoses from one plan, on one machine or on many.
 //!
-//! A file says what varies, or which experiments are diagnosed ([`asked`]); [`plan::freeze`] writes down every point, and a hash of all. A shard is some
-//! points that follow one another: whoever runs it, wherever, writes the same file `shard=00003/part.parquet`, or
-//! none ([`shard`]). What is there and what is missing can be seen from the files alone ([`status`]), and [`merge`]
-//! puts them together. So a shard is a function of the plan and its number, and nothing has to be kept in order
-//! between those who run them.
+//! A file says what varies, or which experiments are diagnosed ([`request`]); [`plan::freeze`] writes down every
+//! point, and a hash of all. A shard is some points that follow one another: whoever runs it, wherever, writes the
+//! same file `shard=00003/part.parquet`, or none ([`shard`]). What is there and what is missing can be seen from the
+//! files alone ([`status`]), and [`merge`] puts them together. So a shard is a function of the plan and its number,
+//! and nothing has to be kept in order between those who run them.
 
 pub mod answers;
-pub mod asked;
 pub mod cluster;
 mod design;
 pub mod diagnosed;
@@ -17,6 +16,7 @@ pub mod key;
 pub mod merge;
 pub mod plan;
 pub mod point;
+pub mod request;
 pub mod shard;
 pub mod status;
 pub mod work;
@@ -53,7 +53,7 @@ pub enum SweepError {
     /// A shard that the plan has not.
     #[error("shard {shard}: the plan has {shards}, 0 to {}; ask for one of these", shards.saturating_sub(1))]
     NoShard {
-        /// What was asked for.
+        /// What was requested.
         shard: usize,
         /// How many there are.
         shards: usize,

@@ -27,7 +27,7 @@ const KEPT: usize = 4096;
 /// Reasons of failures that are told, at most.
 const REASONS: usize = 10;
 
-/// What a sweep comes to.
+/// Results of a sweep.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Merged {
     /// Name of the sweep.
@@ -44,9 +44,9 @@ pub struct Merged {
     pub parameters: Vec<Spread>,
     /// The numbers that runs or diagnoses say.
     pub numbers: Vec<Spread>,
-    /// What diagnoses say; none of a sweep over a scenario.
+    /// Answers of diagnoses; none of a sweep over a scenario.
     pub diagnosed: Option<Answers>,
-    /// What should be known before they are used, in words.
+    /// Caveats of the numbers.
     pub warnings: Vec<String>,
 }
 

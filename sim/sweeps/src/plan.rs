@@ -15,8 +15,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::SweepError;
-use super::asked::{Asked, MOST_POINTS, Subject};
 use super::design::Sampler;
+use super::request::{MOST_POINTS, Subject, SweepRequest};
 use super::work::{Point, Simulate, Work};
 
 /// The head of a plan.
@@ -48,7 +48,7 @@ pub struct Head {
     pub sweep: String,
     /// What it says.
     pub sweep_text: String,
-    /// What should be known before the results are used.
+    /// Caveats of the results.
     pub warnings: Vec<String>,
 }
 
@@ -82,7 +82,7 @@ impl Head {
 /// Freezes what is asked: writes its points, and returns its head.
 /// # Errors
 /// [`SweepError`].
-pub fn freeze(asked: &Asked, points_per_shard: usize, to: &mut dyn Write) -> Result<Head, SweepError> {
+pub fn freeze(asked: &SweepRequest, points_per_shard: usize, to: &mut dyn Write) -> Result<Head, SweepError> {
     let sampler;
     let (work, point): (Work, Box<Make>) = match &asked.subject {
         Subject::Scenario(own) => {
@@ -213,7 +213,7 @@ impl Points<'_> {
     /// # Errors
     /// [`SweepError::Altered`] where a line is none of a plan.
     /// # Panics
-    /// If the shard lies before another that was asked for.
+    /// If the shard lies before another that was requested.
     pub fn of(&mut self, shard: usize) -> Result<Vec<Point>, SweepError> {
         let range = self.head.points_of(shard);
         if self.next.is_none() {

@@ -9,8 +9,8 @@ use efam_inference::predict::quantity::{meanings, units};
 use efam_inference::predict::simulated::{Simulated, simulate};
 use efam_store::columns::{Cell, Column, Holds};
 
-use super::asked::Value;
 use super::key::{self, Kind};
+use super::request::Value;
 use super::work::{Point, Row, fault, joined};
 
 /// What the energies and the effort of a run are called, with their units and what they are.

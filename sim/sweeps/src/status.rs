@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::plan::Plan;
 use super::shard::{Found, file, look};
 
-/// What is there of a sweep.
+/// State of a sweep.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Status {
     /// Points of the plan.
@@ -21,7 +21,7 @@ pub struct Status {
     pub missing_array: String,
     /// The same, one by one.
     pub missing: Vec<usize>,
-    /// What stands in the way or cannot be used, in words.
+    /// Faults that block it, or files that cannot be used.
     pub faults: Vec<String>,
     /// Whether the sweep is merged.
     pub is_merged: bool,

@@ -9,7 +9,7 @@ use efam_store::escape::{cell, from_cell};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::asked::{Design, Value};
+use super::request::{Design, Value};
 use super::{diagnosed, point};
 
 /// What is done with each point.
@@ -46,9 +46,9 @@ pub struct Simulate {
 pub struct Diagnose {
     /// The folder in which the experiments are.
     pub folder: String,
-    /// Probability that a round names something where nothing is missing: as text, which is read back as it is.
+    /// Probability that a round names an effect although none is missing: as text, which is read back as it is.
     pub false_alarm: String,
-    /// Effects added at most.
+    /// Largest number of effects to add.
     pub most: usize,
 }
 

@@ -181,7 +181,7 @@ fn scripts_create_nothing_but_what_they_should() {
         ];
         assert_eq!(words, expected, "{name:?}");
         // What is printed to be copied names the same folder.
-        let look = stdout.lines().find_map(|line| line.strip_prefix("look: efam ")).expect("a command");
+        let look = stdout.lines().find_map(|line| line.strip_prefix("status: efam ")).expect("a command");
         let copied = format!("\"$EFAM\" {look} --json");
         let mut shown = Command::new("bash");
         shown.args(["-c", &copied]).env("EFAM", program()).current_dir(&cwd).stdin(Stdio::null());

@@ -44,9 +44,18 @@ fn a_diagnosis_leaves_a_page_that_agrees_with_its_files() {
         holds(svg.trim().split_once(' ').expect("an element").1);
     }
     // The repaired model is a scenario for what comes next, and says how well it is known.
-    let asked =
-        ["predict", "out/repaired-1.toml", "--payload", "20g", "--draws", "8", "--json", "--out", "foretold"];
-    let foretold = bench.json(&asked);
-    assert_eq!(foretold["prediction"]["draws"], 8, "{foretold}");
+    let asked = [
+        "predict",
+        "out/repaired-1.toml",
+        "--payload",
+        "20g",
+        "--draws",
+        "8",
+        "--json",
+        "--out",
+        "predicted",
+    ];
+    let predicted = bench.json(&asked);
+    assert_eq!(predicted["prediction"]["draws"], 8, "{predicted}");
     assert!(!without_scripts(&page).contains("<script") && !page.contains("<b>"));
 }

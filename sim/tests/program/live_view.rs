@@ -115,7 +115,7 @@ fn efam_saves_the_recording_of_a_diagnosis() {
     assert_eq!(bench.run(&["diagnose", "--plan", scenario, "--rerun", "save"]).0, 2);
 }
 
-/// A calibration as it converges, with each release; and the rods that its muscle is foretold to be.
+/// A calibration as it converges, with each release; and the predicted rods of its muscle.
 #[test]
 fn efam_saves_the_recordings_of_a_calibration_and_of_a_prediction() {
     let bench = Bench::new("fit-recording");
@@ -125,7 +125,7 @@ fn efam_saves_the_recordings_of_a_calibration_and_of_a_prediction() {
     let calibrate = ["calibrate", experiment, "--out", "fit", "--rerun", "save", "--quiet"];
     for (arguments, parts) in [
         (calibrate.to_vec(), ["fit/run.rrd", "fit/residuals", "40psi-1.csv", "fit/parameters"]),
-        ([&predict[..], &asked].concat(), ["family/run.rrd", "family", "height", "80 g"]),
+        ([&predict[..], &asked].concat(), ["family/run.rrd", "ensemble", "height", "80 g"]),
     ] {
         let (code, _, stderr) = bench.run(&arguments);
         assert_eq!(code, 0, "{stderr}");

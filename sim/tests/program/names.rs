@@ -94,7 +94,7 @@ fn names_of_recordings_and_markers_stay_words() {
         }
         let _ = fs::remove_file(bench.0.join(&file));
     }
-    // Nothing but what was asked for, here and above.
+    // Nothing but what was requested, here and above.
     let ours = |name: &String| ["analyse-", "calibrate-", "e.toml"].iter().any(|own| name.starts_with(own));
     let left: Vec<_> = bench.left().into_iter().filter(|name| !ours(name)).collect();
     assert_eq!(left, before);

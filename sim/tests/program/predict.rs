@@ -148,7 +148,7 @@ fn what_lies_outside_the_calibration_is_said() {
 }
 
 #[test]
-fn what_cannot_be_foretold_is_said_before_anything_is_written() {
+fn what_cannot_be_predicted_is_said_before_anything_is_written() {
     let bench = bench("predict-wrong");
     let muscle = bench.text("known.toml");
     bench.file("odd.toml", &muscle.replace("correlations = [0.0, 1.0]", "correlations = [0.0, 1.0, 2.0]"));

@@ -36,9 +36,9 @@ fn a_calibrated_rod_foretells_what_a_payload_makes_of_it() {
     let modes = bench.json(&truth)["runs"][0]["modes"].clone();
     let truth = modes[0]["natural_frequency_hz"].as_f64().expect("a number");
     let asked =
-        ["predict", "out/rod.toml", "--payload", "40g", "--json", "--out", "foretold", "--draws", "100"];
-    let foretold = bench.json(&asked);
-    let quantities = foretold["prediction"]["quantities"].as_array().expect("a list");
+        ["predict", "out/rod.toml", "--payload", "40g", "--json", "--out", "predicted", "--draws", "100"];
+    let predicted = bench.json(&asked);
+    let quantities = predicted["prediction"]["quantities"].as_array().expect("a list");
     let own = quantities.iter().find(|own| own["name"] == "small_frequency_hz").expect("it is told");
     let number = |value: &serde_json::Value| value.as_f64().expect("a number");
     let (value, half) =

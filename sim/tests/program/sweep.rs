@@ -355,7 +355,7 @@ fn an_array_and_its_merge_are_handed_in() {
     };
     let (code, _, stderr) = submit(&bench.0, &[]);
     assert!(code == Some(1) && stderr.contains("sbatch: cannot be started ("), "{stderr}");
-    assert!(stderr.contains("hand it in yourself: sbatch --array=0,2-4 "), "{stderr}");
+    assert!(stderr.contains("submit it yourself: sbatch --array=0,2-4 "), "{stderr}");
     bench.file("sbatch", "#!/bin/sh\necho \"$@\" >>noted\necho 42\n");
     fs::set_permissions(bench.0.join("sbatch"), PermissionsExt::from_mode(0o755)).expect("it can be run");
     let (code, stdout, stderr) = submit(&bench.0, &["--json", "--", "--partition=short"]);
@@ -375,5 +375,5 @@ fn an_array_and_its_merge_are_handed_in() {
     assert_eq!(bench.text("noted"), noted, "nothing is handed in");
     bench.file("sbatch", "#!/bin/sh\necho 'no such partition' >&2\nexit 1\n");
     let (code, _, stderr) = submit(&bench.0, &[]);
-    assert!(code == Some(1) && stderr.contains("handed nothing in (no such partition)"), "{stderr}");
+    assert!(code == Some(1) && stderr.contains("submitted nothing (no such partition)"), "{stderr}");
 }

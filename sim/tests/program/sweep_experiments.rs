@@ -90,7 +90,7 @@ fn a_row_is_a_diagnosis() {
         own.filter_map(|gap| gap[key].as_f64()).fold(0.0, f64::max)
     };
     assert_eq!(drag["gap"], json!([worst(false, "before"), worst(false, "after")]));
-    assert_eq!(drag["locked_gap"], json!([worst(true, "before"), worst(true, "after")]));
+    assert_eq!(drag["held_out_gap"], json!([worst(true, "before"), worst(true, "after")]));
     assert!(drag["seconds"].as_f64().is_some_and(|seconds| seconds > 0.0), "{drag}");
     assert_eq!(robbed["effects"][0]["effect"], "tip_drag", "{robbed}");
     let page = bench.text("out/report.html");

@@ -261,7 +261,7 @@ fn report(answer: &Answer) {
         format!("  {found:.3} of the strength ({low:.3} to {high:.3})")
     });
     println!(
-        "{:44} {:5} {distance:>8}  {:50} noise-free {fitted:.3}, locked {locked:.3}  {:.1} s{strength}",
+        "{:44} {:5} {distance:>8}  {:50} noise-free {fitted:.3}, held out {locked:.3}  {:.1} s{strength}",
         answer.case.name(),
         answer.case.seed,
         answer.said(),
@@ -283,7 +283,7 @@ fn details(answer: &Answer) {
     evidence.sort_by(|a, b| a.round.cmp(&b.round).then(b.score.total_cmp(&a.score)));
     for evidence in evidence.iter().filter(|own| own.realised_decrease.is_some() || own.score > LOUD) {
         println!(
-            "      {} {:20} score {:7.2}  promises {:8.1}  keeps {:8.1}  locked {:6.1}  strength {:.3e}  {}",
+            "      {} {:20} score {:7.2}  predicted {:8.1}  fitted {:8.1}  held out {:6.1}  strength {:.3e}  {}",
             evidence.round,
             evidence.effect,
             evidence.score,

@@ -15,7 +15,7 @@ pub const TOLD_APART: f64 = 5.0;
 /// What was said of a case, and what there was to say.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// What was asked.
+    /// Name of the request.
     pub case: Case,
     /// Distance of what is hidden from its nearest, standard deviations, where that was foreseen.
     pub distance: Option<f64>,
@@ -23,8 +23,8 @@ pub struct Answer {
     pub is_visible: bool,
     /// What was said.
     pub diagnosis: Diagnosis,
-    /// Noise-free root mean square distance after repair over the noise, of what was fitted and of what was
-    /// locked away; not a number where the repaired model is not at hand.
+    /// Noise-free root mean square distance after repair over the noise, of what was fitted and of held-out releases;
+    /// not a number where the repaired model is not at hand.
     pub noise_free: [f64; 2],
     /// How long it took, s.
     pub seconds: f64,

@@ -84,9 +84,9 @@ pub fn strangers() -> impl Iterator<Item = &'static str> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// It is seen.
-    pub seen_from: f64,
+    pub detectable_from: f64,
     /// It is told from others; 5 standard deviations apart.
-    pub told_apart_from: f64,
+    pub separable_from: f64,
     /// The largest that one would believe.
     pub largest: f64,
 }
@@ -94,19 +94,19 @@ pub struct Limits {
 impl Limits {
     /// The same where the noise is some times as large.
     pub fn at_noise(self, times: f64) -> Self {
-        let Limits { seen_from, told_apart_from, largest } = self;
-        Self { seen_from: seen_from * times, told_apart_from: told_apart_from * times, largest }
+        let Limits { detectable_from, separable_from, largest } = self;
+        Self { detectable_from: detectable_from * times, separable_from: separable_from * times, largest }
     }
 
     /// Distance of an effect of a size from its nearest, standard deviations.
     pub fn distance(&self, size: f64) -> f64 {
-        5.0 * size / self.told_apart_from
+        5.0 * size / self.separable_from
     }
 
     /// A size between one and a hundred detection limits, as often in any octave, but believable.
     pub fn drawn(&self, random: &mut Random) -> f64 {
-        let largest = (100.0 * self.seen_from).min(self.largest).max(self.seen_from);
-        (random.between(self.seen_from.ln(), largest.ln())).exp()
+        let largest = (100.0 * self.detectable_from).min(self.largest).max(self.detectable_from);
+        (random.between(self.detectable_from.ln(), largest.ln())).exp()
     }
 }
 
@@ -127,11 +127,11 @@ pub fn limits(problem: &Problem) -> Result<BTreeMap<&'static str, Limits>, Calib
         let prospect = prospects.iter().find(is_its)?;
         let typical = typical.strength().abs();
         let limits = Limits {
-            seen_from: prospect.seen_from / typical,
-            told_apart_from: prospect.told_apart_from / typical,
-            largest: prospect.largest_believed.map_or(f64::INFINITY, |largest| largest / typical),
+            detectable_from: prospect.detectable_from / typical,
+            separable_from: prospect.separable_from / typical,
+            largest: prospect.largest_plausible.map_or(f64::INFINITY, |largest| largest / typical),
         };
-        limits.seen_from.is_finite().then_some((name, limits))
+        limits.detectable_from.is_finite().then_some((name, limits))
     };
     Ok(kinds().filter_map(of).collect())
 }

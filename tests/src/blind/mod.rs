@@ -14,8 +14,7 @@ use models::model::Model;
 
 use crate::twin::drawn::{Drawn, DrawnRelease};
 
-/// What a diagnosis is given of a drawn experiment. The middle pressure and one release more are locked
-/// away.
+/// What a diagnosis is given of a drawn experiment. The middle pressure and one release more are held out.
 /// # Panics
 /// If the paper's muscle is no model.
 pub fn problem(drawn: &Drawn) -> Problem {

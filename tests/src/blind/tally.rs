@@ -87,7 +87,7 @@ fn strengths(text: &mut String, answers: &[&Answer]) {
 /// How far the repaired model is from what is true.
 fn gaps(text: &mut String, answers: &[&Answer]) {
     let right: Vec<&Answer> = answers.iter().copied().filter(|a| a.is_right()).collect();
-    for (k, of) in ["fitted", "locked away"].into_iter().enumerate() {
+    for (k, of) in ["fitted", "held out"].into_iter().enumerate() {
         let all = right.iter().map(|a| a.noise_free[k]).collect();
         number(text, &format!("right names: noise-free gap over the noise, {of}, median"), median(all));
     }

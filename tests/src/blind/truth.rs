@@ -27,7 +27,7 @@ impl Truth {
         let size = case.hidden.first().map_or(0.0, |(_, size)| *size);
         Self {
             distance: limits.map(|limits| limits.distance(size)),
-            is_visible: limits.is_none_or(|limits| size >= limits.seen_from),
+            is_visible: limits.is_none_or(|limits| size >= limits.detectable_from),
             case,
         }
     }

@@ -9,8 +9,8 @@ use efam_report::{Request, compared};
 use efam_store::columns::{Cells, Column, Found as FoundColumn, Holds, about, read, table};
 use efam_store::folder::{Folder, Target};
 use efam_store::sha::sha256;
-use efam_sweeps::asked::Asked;
 use efam_sweeps::plan::{Head, PLAN, POINTS, Plan, freeze, head_text};
+use efam_sweeps::request::SweepRequest;
 use efam_sweeps::shard::{Found, is_due, look};
 use efam_sweeps::work::Work;
 
@@ -25,7 +25,7 @@ const MARK: &str = "=== ";
 /// A sweep's file beside its scenario; a small one becomes a plan.
 pub fn sweep(bytes: &[u8]) {
     scratch::with(&[("release.toml", SCENARIO), ("sweep.toml", bytes)], |folder| {
-        let asked = match Asked::load(&folder.join("sweep.toml"), &[]) {
+        let asked = match SweepRequest::load(&folder.join("sweep.toml"), &[]) {
             Ok(asked) => asked,
             Err(error) => return is_message(&error.to_string()),
         };

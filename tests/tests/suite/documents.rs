@@ -17,7 +17,7 @@ use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
 use efam_experiments::scenario::Scenario;
 use efam_inference::diagnose::Settings;
-use efam_sweeps::asked::Asked;
+use efam_sweeps::request::SweepRequest;
 
 use pages::{Page, headings, links, pages, root};
 
@@ -96,7 +96,7 @@ fn sweep(text: &str, number: usize) -> Option<String> {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("documents-sweep-{number}.toml"));
     let from_root = text.replace("\"scenarios/", &format!("\"{}/scenarios/", root().display()));
     fs::write(&path, from_root).expect("the target folder can be written");
-    Asked::load(&path, &[]).err().map(|error| error.to_string())
+    SweepRequest::load(&path, &[]).err().map(|error| error.to_string())
 }
 
 #[test]
@@ -228,7 +228,7 @@ fn pictures_are_small_and_shown() {
 }
 
 /// Words that the documents do not use: each has a plainer one.
-const UNUSED: [(&str, &str); 32] = [
+const UNUSED: [(&str, &str); 42] = [
     ("locked away", "held out"),
     ("locked release", "held-out release"),
     ("locked pressure", "held-out pressure"),
@@ -261,6 +261,16 @@ const UNUSED: [(&str, &str); 32] = [
     ("hats", "basis"),
     ("cousin", "similar effect"),
     ("cousins", "similar effects"),
+    ("foretelling", "prediction"),
+    ("lock away", "hold out"),
+    ("locks away", "holds out"),
+    ("told apart", "separated"),
+    ("hard to tell apart", "strongly correlated"),
+    ("off what was believed", "from its prior"),
+    ("of no interest", "nuisance parameters"),
+    ("would have it beyond", "hit its bound"),
+    ("next to nothing", "almost nothing"),
+    ("in what they differ", "differences"),
 ];
 
 /// Words in a sentence.
@@ -278,6 +288,20 @@ fn sentences_are_short_and_plain() {
         wrong.extend(complaints(page));
     }
     assert!(wrong.is_empty(), "{} sentences:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Help texts and descriptions of JSON entries come from the code, and have none of these words either.
+#[test]
+fn generated_pages_have_no_unused_word() {
+    let mut wrong = Vec::new();
+    for page in pages().iter().filter(|page| GENERATED.contains(&page.name.as_str())) {
+        let letters = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { ' ' };
+        let text: String = page.text.chars().map(letters).collect();
+        let plain = format!(" {} ", text.split_whitespace().collect::<Vec<_>>().join(" "));
+        let used = UNUSED.iter().filter(|(unused, _)| plain.contains(&format!(" {unused} ")));
+        wrong.extend(used.map(|(unused, instead)| format!("{}: `{unused}`, say {instead}", page.name)));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 fn complaints(page: &Page) -> Vec<String> {

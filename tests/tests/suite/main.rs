@@ -24,8 +24,8 @@ mod inverse {
     mod blind_files;
     mod chain;
     mod coverage;
-    mod foretold;
     mod poor_starts;
+    mod predicted;
     mod pressures;
     mod small_cases;
     mod units_and_order;

@@ -88,7 +88,7 @@ impl Default for Control {
     }
 }
 
-/// What a run cost.
+/// Effort of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effort {

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct Decision {
     /// Recording, such as `15psi.csv`, or release of it, such as `15psi.csv#3`.
     pub about: String,
-    /// What was decided, and the numbers that it rests on.
+    /// The decision, with the numbers behind it.
     pub what: String,
     /// The key of the experiment file that decides otherwise.
     pub key: &'static str,

@@ -4,7 +4,7 @@
 //! a fourth difference, which hardly sees a release (a jump of acceleration `a` leaves at most
 //! `0.11 a h²`) and not at all a smooth swing, but all of a ghost. What counts as far is local: noise
 //! of the recording, the same distances nearby, and the second differences nearby; so the fast start
-//! of a release is not taken for a ghost, and small beams are judged by their own swings.
+//! of a release is not taken for a ghost, and small beams are compared with their own swings.
 //!
 //! Bursts, whose points agree with one another, are found in [`super::bursts`].
 

@@ -57,7 +57,7 @@ pub struct Entry {
     pub keep: Option<Vec<usize>>,
     /// Releases that are not used, from one.
     pub drop: Vec<usize>,
-    /// Releases that are locked away from every fit.
+    /// Releases that are held out from every fit.
     pub held_out: HeldOut,
     /// Standard deviation of the noise of each coordinate, m, instead of what is found.
     pub noise: Option<f64>,
@@ -102,7 +102,7 @@ pub enum At {
     Share(f64),
 }
 
-/// Releases that are locked away from every fit.
+/// Releases that are held out from every fit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum HeldOut {
     /// All of the recording.
@@ -255,7 +255,7 @@ impl Entry {
         own.or_else(|| self.instants.as_ref()?.get(number.checked_sub(1)?).copied())
     }
 
-    /// Whether a release, from one, is locked away from fits.
+    /// Whether a release, from one, is held out from fits.
     pub fn is_held_out(&self, number: usize) -> bool {
         match &self.held_out {
             HeldOut::All => true,

@@ -26,7 +26,7 @@
 //! instants = ["0.71 s"]          # of release, on the recording's clock, instead of those found
 //! instant_error = "1 ms"         # their standard error, where half a sampling step is not it
 //! keep = [1, 3]                  # releases that are used; or drop = [2]
-//! held_out = true                # locked away from every fit; or [3]
+//! held_out = true                # no part of any fit; or [3]
 //! noise = "0.1 mm"               # of each coordinate, instead of what is found
 //! spurious = "mask"              # or "keep"
 //! mask = [["1.2 s", "1.3 s"]]    # on the recording's clock: not to be used

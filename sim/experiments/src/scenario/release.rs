@@ -12,7 +12,7 @@ pub struct ReleaseOptions {
     pub payload_center: Option<f64>,
     /// Rotary inertia of the payload about that, kg m².
     pub payload_inertia: Option<f64>,
-    /// Area that the payload turns to the air, m².
+    /// Frontal area of the payload, m².
     pub frontal_area: Option<f64>,
     /// Angle of the straight rod above the horizontal, from which it is let go, rad.
     pub angle: Option<f64>,

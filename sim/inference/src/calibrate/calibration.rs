@@ -10,12 +10,12 @@ use super::repeats::Repeats;
 use super::search::Stage;
 use super::unknowns::HOLD_ANGLE;
 
-/// What was found, how well it is known, how well it fits, and what it cost.
+/// A calibration: parameters with their errors, residuals and effort.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Calibration {
     /// The parameters.
     pub parameters: Vec<Calibrated>,
-    /// What was unknown of each recording, and of no interest.
+    /// Nuisance parameters, per recording.
     pub nuisances: Vec<Calibrated>,
     /// Correlations of parameters that were found together.
     pub correlations: Vec<Correlations>,
@@ -26,7 +26,7 @@ pub struct Calibration {
     pub repeats: Option<Repeats>,
     /// The searches, one for all releases that share a parameter.
     pub searches: Vec<SearchReport>,
-    /// What should be known before the numbers are used, in words.
+    /// Caveats of the numbers.
     pub warnings: Vec<String>,
 }
 
@@ -37,7 +37,7 @@ pub struct Calibrated {
     pub name: String,
     /// SI unit; empty if dimensionless.
     pub unit: String,
-    /// What shares it.
+    /// The releases that share it.
     pub scope: Scope,
     /// Pressure of those that share it, Pa, if it is one for each pressure.
     pub pressure_pa: Option<f64>,
@@ -52,19 +52,19 @@ pub struct Calibrated {
     /// The interval that holds the truth in 95 % of experiments; not symmetric on a logarithmic
     /// scale.
     pub interval_95: Option<[f64; 2]>,
-    /// The same from the profile of the likelihood, if it was asked for.
+    /// The same from the profile of the likelihood, if it was requested.
     pub profile_95: Option<[f64; 2]>,
     /// How it was scaled.
     pub scale: Scale,
     /// Smallest and largest admissible value.
     pub bounds: [Option<f64>; 2],
-    /// Whether it stands on one of them.
+    /// Whether it hit one of them.
     pub at_bound: bool,
-    /// What was known beforehand.
+    /// The prior.
     pub prior: Option<Prior>,
-    /// How much wider the interval is because residuals follow one another, and differ from the
-    /// stated noise.
-    pub widening: Option<f64>,
+    /// Factor on the standard error, because residuals are correlated and differ from the stated noise.
+    #[serde(alias = "widening")]
+    pub error_inflation: Option<f64>,
     /// By how many standard errors mesh and step had moved it, before that was removed.
     pub numerical_shift: Option<f64>,
 }
@@ -72,7 +72,7 @@ pub struct Calibrated {
 /// Correlations of estimates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Correlations {
-    /// What is correlated.
+    /// Names of the parameters.
     pub names: Vec<String>,
     /// Shape `[names][names]`.
     pub matrix: Vec<Vec<f64>>,
@@ -130,7 +130,7 @@ pub struct TrackFit {
 pub struct SearchReport {
     /// The releases that were fitted together.
     pub releases: Vec<String>,
-    /// What was fitted one after another.
+    /// Stages of the fit.
     pub stages: Vec<Stage>,
     /// Searches begun.
     pub starts: usize,

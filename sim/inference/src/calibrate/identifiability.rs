@@ -1,4 +1,4 @@
-//! What the data cannot tell apart, in plain words with numbers, and which experiment would.
+//! Correlations, in plain words with numbers, and which experiment would.
 //!
 //! Source: Brun, Reichert and Künsch (2001), Water Resources Research 37, 1015-1030: the collinearity
 //! index, one over the smallest singular value of the scaled slopes; above some ten, a change of one
@@ -59,27 +59,25 @@ fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
     if parameter.at_bound {
         let value = significant(parameter);
         return Some(format!(
-            "{label} stands on its bound, {value}: the data would have it beyond; widen calibrate.parameters bounds, or take it as no more than a bound"
+            "{label} hit its bound, {value}; the fit would go further: widen calibrate.parameters bounds, or take it as a bound only"
         ));
     }
     if !is_determined {
         return Some(format!(
-            "{label} is not determined: the data are met equally well by other values together with other parameters; fix it to a measured value, give it a prior, or {}",
+            "{label} is not determined: other values fit equally well together with other parameters; fix it to a measured value, give it a prior, or {}",
             advice(kind(&parameter.name), None)
         ));
     }
     if let (Some(prior), Some(error)) = (parameter.prior, parameter.standard_error)
         && error > FROM_PRIOR * prior.deviation
     {
-        return Some(format!("{label} is known from its prior alone: the data add next to nothing"));
+        return Some(format!("{label} is known from its prior alone: the data add almost nothing"));
     }
     let is_positive = parameter.bounds[0].is_some_and(|low| low >= 0.0);
     let relative = parameter.relative_error().filter(|_| is_positive)?;
     if relative > NOTHING {
         let advice = advice(kind(&parameter.name), None);
-        return Some(format!(
-            "of {label} the data say next to nothing, not even its order of magnitude; {advice}"
-        ));
+        return Some(format!("the data do not determine {label}, not even its order of magnitude; {advice}"));
     }
     (relative > VAGUE).then(|| {
         format!("{label} is known to {:.0} % only; {}", 100.0 * relative, advice(kind(&parameter.name), None))
@@ -89,7 +87,7 @@ fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
 fn pair(a: &Calibrated, b: &Calibrated, correlation: f64) -> String {
     let both = if correlation > 0.0 { "rise together" } else { "move against each other" };
     format!(
-        "{} and {} are hard to tell apart: they {both} with almost the same result (correlation {correlation:.3}), each is known to {} alone and {} with the other given; {}",
+        "{} and {} are strongly correlated: they {both} with almost the same result (correlation {correlation:.3}); standard error {} alone, {} with the other given; {}",
         a.label(),
         b.label(),
         percent(a.relative_error()),
@@ -101,7 +99,7 @@ fn pair(a: &Calibrated, b: &Calibrated, correlation: f64) -> String {
 fn percent(share: Option<f64>) -> String {
     match share {
         Some(share) if share <= NOTHING => format!("{:.2} %", 100.0 * share),
-        _ => "nothing".to_owned(),
+        _ => "undetermined".to_owned(),
     }
 }
 
@@ -161,7 +159,7 @@ fn weakest(
         })
         .collect();
     Some(format!(
-        "the weakest combination: changing {} moves the fit by {:.3} mm rms, with noise of {:.3} mm (collinearity index {collinearity:.0}, of which 10 and more is much)",
+        "the weakest combination: changing {} moves the fit by {:.3} mm rms, with noise of {:.3} mm (collinearity index {collinearity:.0}; above 10 is strong)",
         parts.join(", "),
         1e3 * rms,
         1e3 * noise

@@ -4,7 +4,7 @@ use efam_core::levenberg_marquardt::Solution;
 use nalgebra::DVector;
 
 use super::error::CalibrateError;
-use super::objective::{Objective, Seen, View};
+use super::objective::{Evaluation, Objective, View};
 use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
@@ -15,12 +15,12 @@ use super::unknowns::{Group, Kind, Unknown, Unknowns};
 
 /// A value of a scaled unknown.
 #[derive(Clone, Debug)]
-pub(crate) struct Known {
+pub(crate) struct Estimate {
     pub unknown: Unknown,
     pub x: f64,
 }
 
-impl Known {
+impl Estimate {
     fn is(&self, other: &Unknown) -> bool {
         let Unknown { name, kind, group, .. } = &self.unknown;
         (name, kind, group) == (&other.name, &other.kind, &other.group)
@@ -50,7 +50,7 @@ impl Known {
     }
 }
 
-/// A fit of all releases that are not locked away.
+/// A fit of all releases that are not held out.
 pub(crate) struct Joint<'a> {
     pub objective: Objective<'a>,
     pub found: Found,
@@ -130,7 +130,7 @@ impl<'a> Joint<'a> {
     /// [`CalibrateError`] for a problem that makes no sense.
     pub fn follow(
         problem: &'a Problem,
-        known: &[Known],
+        known: &[Estimate],
         tell: &dyn Fn(&str),
     ) -> Result<Option<Self>, CalibrateError> {
         let mut fit = match Self::as_seen(problem, known, Slopes::Differences, LAST) {
@@ -150,7 +150,7 @@ impl<'a> Joint<'a> {
     /// [`CalibrateError`] for a problem that makes no sense.
     pub fn approach(
         problem: &'a Problem,
-        known: &[Known],
+        known: &[Estimate],
         like: &View,
         has_own_steps: bool,
         share: f64,
@@ -190,7 +190,7 @@ impl<'a> Joint<'a> {
     /// the cost.
     fn near(
         objective: Objective<'a>,
-        known: &[Known],
+        known: &[Estimate],
         view: View,
         share: f64,
     ) -> Result<Option<Self>, CalibrateError> {
@@ -205,13 +205,13 @@ impl<'a> Joint<'a> {
     /// is fitted.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense, and where the model cannot be run there.
-    pub fn at(problem: &'a Problem, known: &[Known], slopes: Slopes) -> Result<Self, CalibrateError> {
+    pub fn at(problem: &'a Problem, known: &[Estimate], slopes: Slopes) -> Result<Self, CalibrateError> {
         Self::as_seen(problem, known, slopes, FIT)
     }
 
     fn as_seen(
         problem: &'a Problem,
-        known: &[Known],
+        known: &[Estimate],
         slopes: Slopes,
         fidelity: Fidelity,
     ) -> Result<Self, CalibrateError> {
@@ -229,7 +229,10 @@ impl<'a> Joint<'a> {
     /// Residuals at what is known, with what they were measured by.
     /// # Errors
     /// As [`Joint::at`].
-    pub fn seen(problem: &'a Problem, known: &[Known]) -> Result<(Objective<'a>, Seen), CalibrateError> {
+    pub fn seen(
+        problem: &'a Problem,
+        known: &[Estimate],
+    ) -> Result<(Objective<'a>, Evaluation), CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
         let x = placed(&objective, known);
         match objective.see(&x, &View::of_all(&objective), None) {
@@ -250,9 +253,9 @@ impl<'a> Joint<'a> {
     }
 
     /// What it found.
-    pub fn known(&self) -> Vec<Known> {
+    pub fn known(&self) -> Vec<Estimate> {
         let pairs = self.objective.part.unknowns.iter().zip(&self.found.x);
-        pairs.map(|(unknown, x)| Known { unknown: unknown.clone(), x: *x }).collect()
+        pairs.map(|(unknown, x)| Estimate { unknown: unknown.clone(), x: *x }).collect()
     }
 
     /// The cost under the loss of the noise itself, which fits of the same releases share.
@@ -262,7 +265,7 @@ impl<'a> Joint<'a> {
 }
 
 /// The unknowns at what is known of them, others at their start.
-fn placed(objective: &Objective, known: &[Known]) -> DVector<f64> {
+fn placed(objective: &Objective, known: &[Estimate]) -> DVector<f64> {
     let mut x = objective.start();
     for (x, unknown) in x.iter_mut().zip(&objective.part.unknowns) {
         // What all shared is where one's own begins.

@@ -46,7 +46,7 @@ impl View {
     }
 
     /// The same on the steps of what was seen, with a loss for its spreads.
-    pub fn like(mut self, seen: Seen) -> Self {
+    pub fn like(mut self, seen: Evaluation) -> Self {
         self.loss = seen.spreads().into_iter().map(Huber::for_spread).collect();
         self.steps = Some(seen.steps);
         self
@@ -81,7 +81,7 @@ pub(crate) struct Series {
 
 /// What a point was found to be worth.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Seen {
+pub(crate) struct Evaluation {
     /// Residuals, shape `[release][track]`.
     pub blocks: Vec<Vec<Series>>,
     /// Steps of each release's run, s.
@@ -102,7 +102,7 @@ impl Series {
     }
 }
 
-impl Seen {
+impl Evaluation {
     /// Robust spread of the residuals of each release, in units of the noise.
     pub fn spreads(&self) -> Vec<f64> {
         let of = |block: &Vec<Series>| spread(block.iter().flat_map(Series::lengths).collect());
@@ -157,12 +157,12 @@ impl<'a> Objective<'a> {
     }
 
     /// Residuals, and slopes if asked for; nothing where a release cannot be simulated.
-    pub fn see(&self, x: &DVector<f64>, view: &View, slopes: Option<Slopes>) -> Option<Seen> {
+    pub fn see(&self, x: &DVector<f64>, view: &View, slopes: Option<Slopes>) -> Option<Evaluation> {
         self.effort[0].fetch_add(1, Ordering::Relaxed);
         let releases = self.part.members.len();
         let each: Vec<Option<(Vec<Series>, Vec<f64>)>> =
             (0..releases).into_par_iter().map(|r| self.see_one(r, x, view, slopes)).collect();
-        let mut seen = Seen::default();
+        let mut seen = Evaluation::default();
         for one in each {
             let (block, steps) = one?;
             seen.blocks.push(block);
@@ -221,7 +221,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Cost alone.
-    pub fn cost(&self, seen: &Seen, x: &DVector<f64>, view: &View) -> f64 {
+    pub fn cost(&self, seen: &Evaluation, x: &DVector<f64>, view: &View) -> f64 {
         let of_release = |(block, loss): (&Vec<Series>, &Huber)| -> f64 {
             block.iter().flat_map(Series::lengths).map(|length| loss.cost(length)).sum()
         };
@@ -230,7 +230,12 @@ impl<'a> Objective<'a> {
     }
 
     /// Cost with its derivatives, by the slopes of this point, or by those that another one lends.
-    pub fn evaluate(&self, x: &DVector<f64>, view: &View, lent: Option<&Seen>) -> Option<Evaluated<Seen>> {
+    pub fn evaluate(
+        &self,
+        x: &DVector<f64>,
+        view: &View,
+        lent: Option<&Evaluation>,
+    ) -> Option<Evaluated<Evaluation>> {
         let mut seen = self.see(x, view, lent.is_none().then_some(view.slopes))?;
         if let Some(lent) = lent {
             let lenders = lent.blocks.iter().flatten();

@@ -126,8 +126,8 @@ fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
         bounds: [finite(low), finite(high)],
         at_bound: unknown.is_at_bound(x),
         prior: unknown.prior,
-        widening: Some(fit.uncertainty.widening(k).sqrt())
-            .filter(|widening| is_determined && widening.is_finite()),
+        error_inflation: Some(fit.uncertainty.variance_inflation(k).sqrt())
+            .filter(|factor| is_determined && factor.is_finite()),
         numerical_shift: fit.numerics.as_ref().map(|_| fit.shift[k]),
     }
 }

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 /// Several measured releases and the parameters that they share or have of their own.
 #[derive(Clone)]
 pub struct Problem {
-    /// The releases; those held out are only judged.
+    /// The releases; those held out only validate.
     pub trials: Vec<Trial>,
     /// What is to be found.
     pub parameters: Vec<Parameter>,
@@ -48,7 +48,7 @@ pub struct Parameter {
     pub scale: Option<Scale>,
 }
 
-/// What shares one value of a parameter.
+/// The releases that share one value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {

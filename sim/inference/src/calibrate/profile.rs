@@ -8,7 +8,7 @@
 use efam_core::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
 use nalgebra::DVector;
 
-use super::objective::{Objective, Seen};
+use super::objective::{Evaluation, Objective};
 use super::search::Found;
 use super::uncertainty::Uncertainty;
 
@@ -28,14 +28,20 @@ pub(crate) fn profile(
     if !uncertainty.is_determined[unknown] {
         return None;
     }
-    let widening = uncertainty.widening(unknown);
+    let variance_inflation = uncertainty.variance_inflation(unknown);
     let error = uncertainty.covariance[(unknown, unknown)].sqrt();
-    let side = |sign: f64| bound(objective, found, unknown, sign * error, widening.max(1e-12));
+    let side = |sign: f64| bound(objective, found, unknown, sign * error, variance_inflation.max(1e-12));
     Some([side(-1.0)?, side(1.0)?])
 }
 
-/// Steps outward by the parabola's bound, then as the root of the rise foretells.
-fn bound(objective: &Objective, found: &Found, unknown: usize, step: f64, widening: f64) -> Option<f64> {
+/// Steps outward by the parabola's bound, then as the root of the rise predicts.
+fn bound(
+    objective: &Objective,
+    found: &Found,
+    unknown: usize,
+    step: f64,
+    variance_inflation: f64,
+) -> Option<f64> {
     let (low, high) = objective.part.unknowns[unknown].bounds;
     let mut x = found.x.clone();
     let (mut length, mut before) = (NORMAL_95, (0.0, 0.0));
@@ -47,7 +53,7 @@ fn bound(objective: &Objective, found: &Found, unknown: usize, step: f64, wideni
         x = &found.x + follow * if before.0 > 0.0 { moved / before.0 } else { 1.0 };
         let (next, cost) = held(objective, found, &x, unknown, value)?;
         x = next;
-        let rise = (2.0 * (cost - found.at.cost) / widening).max(0.0).sqrt();
+        let rise = (2.0 * (cost - found.at.cost) / variance_inflation).max(0.0).sqrt();
         if (rise - NORMAL_95).abs() < NEAR {
             return Some(value);
         }
@@ -86,7 +92,7 @@ fn held(
         lends_slopes: true,
         is_followed: true,
     };
-    let mut evaluate = |x: &DVector<f64>, lent: Option<&Seen>| objective.evaluate(x, &found.view, lent);
+    let mut evaluate = |x: &DVector<f64>, lent: Option<&Evaluation>| objective.evaluate(x, &found.view, lent);
     let solution = minimise(x, Some(&found.at.carried), &search, &mut evaluate)?;
     Some((solution.x, solution.at.cost))
 }

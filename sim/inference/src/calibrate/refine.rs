@@ -4,14 +4,14 @@
 //! The stages come near with the slopes of the variational equation. Where two unknowns do almost the
 //! same, that error of a per cent or two, magnified along their valley, would be the last word; so here
 //! slopes are differences of runs on the same steps. They cost a run an unknown, and are lent from point
-//! to point as long as they foretell the cost.
+//! to point as long as they predict the cost.
 
 use efam_core::levenberg_marquardt::Solution;
 use nalgebra::DVector;
 
 use super::loss::Huber;
 use super::numerics::{Correction, correction};
-use super::objective::{Objective, Seen, View};
+use super::objective::{Evaluation, Objective, View};
 use super::prediction::{Fidelity, Slopes};
 use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
@@ -63,11 +63,11 @@ pub(crate) fn refine(
 
 /// Minimises with a loss whose threshold follows the spread of the residuals, on the steps that the
 /// view has, or else on those of the start.
-fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> Option<Solution<Seen>> {
+fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> Option<Solution<Evaluation>> {
     if view.steps.is_none() {
         view.steps = Some(objective.see(&from.x, view, None)?.steps);
     }
-    let mut best: Option<Solution<Seen>> = None;
+    let mut best: Option<Solution<Evaluation>> = None;
     for _ in 0..MOST_ROUNDS {
         let (x, seen) = best.as_ref().map_or((&from.x, &from.at.carried), |best| (&best.x, &best.at.carried));
         // Until mesh and step are known where they belong, the slopes of the stages will do.

@@ -1,6 +1,6 @@
 //! How well an experiment repeats: below that no model can be told right from wrong.
 //!
-//! Two releases of one condition differ by the noise of the camera and by what no model of either foretells: the hand,
+//! Two releases of one condition differ by the noise of the camera and by what no model of either predicts: the hand,
 //! the clamp, what the material remembers. Their root mean square distance over √2, aligned in time and by their means
 //! at the end, is what one of them deviates from a right model: pure error beside lack of fit.
 //! Source: Draper and Smith (1998), Applied Regression Analysis, third edition, section 2.1.
@@ -17,7 +17,7 @@ use super::problem::{Problem, Trial};
 /// How well an experiment repeats.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Repeats {
-    /// Root mean square distance of a release from what a right model foretells, the camera's noise in it, mm.
+    /// Root mean square distance of a release from what a right model predicts, the camera's noise in it, mm.
     pub distance_mm: f64,
     /// What of that is the camera's noise, mm.
     pub noise_mm: f64,

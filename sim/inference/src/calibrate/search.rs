@@ -11,7 +11,7 @@ use nalgebra::DVector;
 use schemars::JsonSchema;
 
 use super::loss::Huber;
-use super::objective::{Objective, Seen, View};
+use super::objective::{Evaluation, Objective, View};
 use super::prediction::{Fidelity, Slopes};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
 
@@ -37,7 +37,7 @@ pub struct Stage {
 #[derive(Clone)]
 pub(crate) struct Found {
     pub x: DVector<f64>,
-    pub at: Evaluated<Seen>,
+    pub at: Evaluated<Evaluation>,
     pub view: View,
     pub stages: Vec<Stage>,
     /// Decrease of the cost that is still predicted.
@@ -48,7 +48,7 @@ pub(crate) struct Found {
 
 impl Found {
     /// Takes over where a search that went on from here ended.
-    pub fn go_to(&mut self, ended: Solution<Seen>, view: View) {
+    pub fn go_to(&mut self, ended: Solution<Evaluation>, view: View) {
         self.stages.push(stage(self.starts - 1, None, &ended));
         let Solution { x, at, predicted, converged, .. } = ended;
         (self.x, self.at, self.predicted, self.converged, self.view) = (x, at, predicted, converged, view);
@@ -63,9 +63,9 @@ const ALIKE: f64 = 0.05;
 pub(super) const EXPLAINED: f64 = 2.0;
 /// Residuals of this share of the motion need not come from a search gone astray.
 const NEAR: f64 = 0.05;
-/// A new stretch whose residuals are this share of its motion was not foretold.
+/// A new stretch whose residuals are this share of its motion was not predicted.
 const SLIPPED: f64 = 0.7;
-/// How much longer each stretch is than the one before, and at least where that was not foretold.
+/// How much longer each stretch is than the one before, and at least where that was not predicted.
 const GROWTH: f64 = 4.0;
 const LEAST_GROWTH: f64 = 1.2;
 /// Predicted decrease, for residuals of unit spread, at which a stage stops.
@@ -217,11 +217,11 @@ pub(crate) fn go_on(objective: &Objective, found: &mut Found) -> Option<()> {
 pub(crate) fn minimise_in(
     objective: &Objective,
     x: &DVector<f64>,
-    lent: Option<&Seen>,
+    lent: Option<&Evaluation>,
     view: &View,
     tolerance: f64,
     relative: f64,
-) -> Option<Solution<Seen>> {
+) -> Option<Solution<Evaluation>> {
     let unknowns = &objective.part.unknowns;
     let is_last = view.slopes == Slopes::Differences;
     // The threshold of the loss is three times the spread.
@@ -239,8 +239,8 @@ pub(crate) fn minimise_in(
     minimise(x, lent, &search, &mut |x, lent| objective.evaluate(x, view, lent))
 }
 
-/// Whether the samples that are new are far from what was foretold.
-fn has_slipped(objective: &Objective, seen: &Seen, before: &[usize], counts: &[usize]) -> bool {
+/// Whether the samples that are new are far from the prediction.
+fn has_slipped(objective: &Objective, seen: &Evaluation, before: &[usize], counts: &[usize]) -> bool {
     (0..counts.len()).any(|r| {
         let (from, to) = (before[r], counts[r]);
         if from == 0 || to <= from {
@@ -256,7 +256,7 @@ fn has_slipped(objective: &Objective, seen: &Seen, before: &[usize], counts: &[u
     })
 }
 
-pub(crate) fn stage(start: usize, swings: Option<f64>, solution: &Solution<Seen>) -> Stage {
+pub(crate) fn stage(start: usize, swings: Option<f64>, solution: &Solution<Evaluation>) -> Stage {
     Stage {
         start,
         swings,

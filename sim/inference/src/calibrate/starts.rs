@@ -1,4 +1,4 @@
-//! Where a search begins: points spread around the start, each judged by the first swing.
+//! Where a search begins: points spread around the start, each compared by the first swing.
 //!
 //! A wrong stiffness or loss shows as a wrong frequency or decay, and within the first swing no
 //! phase is lost by a whole turn yet, so the least cost there is a safe beginning.
@@ -12,7 +12,7 @@ use super::objective::{Objective, View};
 use super::prediction::values;
 use super::unknowns::Kind;
 
-/// Swings by which starts are judged: one, and a little so that its upper peak is seen.
+/// Swings by which starts are compared: one, and a little so that its upper peak is seen.
 pub(super) const FIRST_SWINGS: f64 = 1.25;
 /// Points for each parameter that is spread, and at most.
 const PER_PARAMETER: usize = 10;
@@ -22,7 +22,7 @@ const ROD_SPREAD: f64 = 1.7;
 const EFFECT_SPREAD: f64 = 4.0;
 /// Time of a swing where the model has no rest to swing about, as a share of the recording.
 const UNKNOWN_SWING: f64 = 0.1;
-/// Releases at one pressure by which starts are judged.
+/// Releases at one pressure by which starts are compared.
 const REPEATS: usize = 2;
 
 /// Time of one small swing of each release about its rest, s.

@@ -27,7 +27,7 @@ pub(crate) struct Uncertainty {
 
 impl Uncertainty {
     /// Variance of an unknown over what it would be if the noise were white and as large as stated.
-    pub fn widening(&self, unknown: usize) -> f64 {
+    pub fn variance_inflation(&self, unknown: usize) -> f64 {
         self.covariance[(unknown, unknown)] / self.plain[(unknown, unknown)]
     }
 }

@@ -16,7 +16,7 @@ pub(super) fn of_search(fit: &Fitted) -> Option<String> {
     let names: Vec<_> = fit.objective.part.members.iter().map(|trial| trial.release.name.as_str()).collect();
     (!fit.found.converged).then(|| {
         format!(
-            "the search for {} did not come to rest after {} evaluations, another step would still lower the cost by {:.2e}; see whether the model can follow these releases at all",
+            "the search for {} did not converge in {} evaluations, and another step would still lower the cost by {:.2e}; check whether the model can follow these releases",
             names.join(", "),
             fit.effort[0],
             fit.found.predicted
@@ -37,7 +37,7 @@ pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
         }
         if track.held_back as f64 > HELD_BACK * track.samples as f64 {
             words.push(format!(
-                "{name}, {marker}: {} of {} samples lie so far off that they are held back; look at the residuals",
+                "{name}, {marker}: {} of {} samples are outliers and are held back; look at the residuals",
                 track.held_back, track.samples
             ));
         }
@@ -47,7 +47,7 @@ pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
     if left > NUMERICS * noise {
         let finer = (left / (NUMERICS * noise)).sqrt();
         words.push(format!(
-            "{name}: mesh and step may leave {left:.3} mm, more than a tenth of the noise ({noise:.3} mm); take {finer:.1} times as many nodes (rod.nodes)"
+            "{name}: mesh and step errors may be {left:.3} mm, more than a tenth of the noise ({noise:.3} mm); take {finer:.1} times as many nodes (rod.nodes)"
         ));
     }
     words
@@ -61,7 +61,7 @@ pub(super) fn of_beliefs<'a>(all: impl Iterator<Item = &'a Calibrated>) -> Vec<S
     contradicted.sort_by(|a, b| b.0.total_cmp(&a.0));
     let words = |(off, own): (f64, &Calibrated)| {
         format!(
-            "{} came out at {}, {off:.1} times the deviation that was admitted; check what is stated of it and the recording, or admit more in [calibrate]",
+            "{} is estimated at {}, {off:.1} times its admitted deviation; check its stated value and the recording, or admit more in [calibrate]",
             own.label(),
             models::quantity::format_si(own.value, &own.unit),
         )

@@ -8,7 +8,7 @@ use models::muscle::Known;
 use super::Settings;
 use super::score::Subject;
 use super::section::FARTHEST;
-use crate::calibrate::joint::Known as Fit;
+use crate::calibrate::joint::Estimate;
 use crate::calibrate::{CalibrateError, Parameter, Prior, Problem, Scale, Scope, Trial};
 
 /// An effect with what it depends on nonlinearly held at one value.
@@ -88,7 +88,7 @@ impl Candidate {
 
     /// Widens the believed range of each of its parameters that a fit ended at, tenfold and up to what is admissible;
     /// whether there was one. Where the effect is off it is at no bound.
-    fn widen(&self, problem: &mut Problem, known: &[Fit]) -> bool {
+    fn widen(&self, problem: &mut Problem, known: &[Estimate]) -> bool {
         let mut is_wider = false;
         for of in self.effect.about().parameters {
             let path = format!("effects.{}.{}", self.name(), of.name);
@@ -136,7 +136,7 @@ impl Candidate {
     pub fn within_ranges<T>(
         &self,
         mut problem: Problem,
-        mut fit: impl FnMut(&Problem) -> Result<Option<(T, Vec<Fit>)>, CalibrateError>,
+        mut fit: impl FnMut(&Problem) -> Result<Option<(T, Vec<Estimate>)>, CalibrateError>,
     ) -> Result<Option<T>, CalibrateError> {
         loop {
             let Some((found, known)) = fit(&problem)? else { return Ok(None) };

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::describe::describe;
-use super::judge::{Locked, set};
 use super::refit::errors;
 use super::share::Shares;
+use super::validation::{HeldOut, set};
 use super::verdict::{Added, Verdict};
 use super::warnings::{contradictions, warnings};
-use super::{Course, Outcome, early, misfit, words};
+use super::{Course, Outcome, first_swings, misfit, summary_text};
 use crate::calibrate::CalibrateError;
 
 impl Course<'_> {
@@ -22,7 +22,7 @@ impl Course<'_> {
         let (gap, curves) = self.gaps();
         match self.diagnosis.verdict {
             // A phase that is lost has no moment that describes it.
-            Verdict::Unknown if self.before.early.is_some() && self.added.is_empty() => {}
+            Verdict::Unknown if self.before.first_swings.is_some() && self.added.is_empty() => {}
             Verdict::Unknown if self.is_stopped() => {}
             Verdict::Unknown => {
                 let (ending, level) = (self.ending(), self.settings.false_alarm);
@@ -39,11 +39,11 @@ impl Course<'_> {
         }
         self.diagnosis.gap = gap;
         self.diagnosis.shares = Some(Shares::of(&self.diagnosis.gap));
-        let locked = self.problem.trials.iter().filter(|trial| trial.release.held_out);
-        self.diagnosis.held_out = locked.map(|trial| trial.release.name.clone()).collect();
-        if self.before.early.is_some() {
+        let held_out = self.problem.trials.iter().filter(|trial| trial.release.held_out);
+        self.diagnosis.held_out = held_out.map(|trial| trial.release.name.clone()).collect();
+        if self.before.first_swings.is_some() {
             self.diagnosis.misses_first_swings = true;
-            self.diagnosis.warnings.push(early::WARNING.to_owned());
+            self.diagnosis.warnings.push(first_swings::WARNING.to_owned());
         } else {
             self.diagnosis.misfits = misfit::misfits(&curves);
         }
@@ -52,10 +52,10 @@ impl Course<'_> {
         }
         let warnings = warnings(&self.diagnosis, &self.problem, &known);
         self.diagnosis.warnings.extend(warnings);
-        self.diagnosis.summary = words::summary(&self.diagnosis);
+        self.diagnosis.summary = summary_text::summary(&self.diagnosis);
         // What was fitted comes last: a pressure may have releases of both kinds.
-        let of_locked = |locked: Option<&Locked>| locked.map_or(Ok(Vec::new()), Locked::known);
-        let (before, after) = (of_locked(self.before.locked.as_ref())?, of_locked(self.locked())?);
+        let of_held_out = |held_out: Option<&HeldOut>| held_out.map_or(Ok(Vec::new()), HeldOut::known);
+        let (before, after) = (of_held_out(self.before.held_out.as_ref())?, of_held_out(self.held_out())?);
         let (mut baseline, mut repaired) = (self.problem, self.model.problem);
         for known in [&before, &self.before.known] {
             set(&mut baseline, known);

@@ -2,19 +2,19 @@
 //!
 //! What is there has one strength. What stands in for something else would have another in each release, that from a
 //! higher hold or at a higher pressure, and one for all leaves a trace. With its parameters free in each release but the
-//! first, the residual asks for that as it asks for a candidate (`score.rs`); of all releases, those that were locked
-//! away among them, since nothing is chosen here. A law that is not quite right errs alike in all releases: this tells
-//! a cousin from friction that turns round in another way, where the size of what is left does not.
+//! first, the residual asks for that as it asks for a candidate (`score.rs`); of all releases, held-out ones
+//! among them, since nothing is chosen here. A law that is not quite right errs alike in all releases: this
+//! tells a similar effect from friction that turns round in another way, where the size of what is left does not.
 
 use super::candidate::Candidate;
-use super::columns::{Column, of_releases};
+use super::design_matrix::{Column, of_releases};
 use super::refit::prefix;
 use super::round::{Best, NEGLIGIBLE, RARER};
 use super::score::{Subject, scores};
 use crate::calibrate::joint::Joint;
 
 /// Why an effect is not believed that would have to differ from release to release.
-pub(super) const INCONSTANT: &str = "it would have to be of another size in each release";
+pub(super) const INCONSTANT: &str = "its strength would have to differ between releases";
 
 /// Share of a column's square that must be left: slopes are good to a few thousandths.
 const OWN: f64 = 1e-3;

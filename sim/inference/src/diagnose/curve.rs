@@ -1,7 +1,7 @@
 //! What was measured beside what is predicted, before an effect is added and after.
 
-use super::judge::Judgement;
 use super::swing::{share_of_largest, swing};
+use super::validation::Agreement;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::Series;
 
@@ -10,7 +10,7 @@ use crate::calibrate::objective::Series;
 pub struct Curve {
     /// Name of the release.
     pub release: String,
-    /// Whether it was locked away.
+    /// Whether it is held out.
     pub held_out: bool,
     /// Its pressure, Pa.
     pub pressure: Option<f64>,
@@ -118,9 +118,9 @@ pub(super) fn paths(fit: &Joint) -> Vec<Path> {
     fit.found.at.carried.blocks.iter().enumerate().flat_map(of_release).collect()
 }
 
-/// The curves of pairs of judgements of the same releases, before and after, with whether they were locked
-/// away.
-pub(super) fn curves(pairs: &[(&Judgement, &Judgement, bool)]) -> Vec<Curve> {
+/// The curves of pairs of agreements of the same releases, before and after, with whether they were held
+/// out.
+pub(super) fn curves(pairs: &[(&Agreement, &Agreement, bool)]) -> Vec<Curve> {
     let curve = |before: &Path, after: &Path, held_out: bool| {
         let mut curve = Curve { held_out, ..after.curve.clone() };
         let predicted = before.predicted.iter().zip(&after.predicted);
@@ -129,7 +129,7 @@ pub(super) fn curves(pairs: &[(&Judgement, &Judgement, bool)]) -> Vec<Curve> {
         }
         curve
     };
-    let of_pair = |(before, after, held_out): &(&Judgement, &Judgement, bool)| {
+    let of_pair = |(before, after, held_out): &(&Agreement, &Agreement, bool)| {
         let both = before.paths.iter().zip(&after.paths);
         both.map(|(before, after)| curve(before, after, *held_out)).collect::<Vec<_>>()
     };

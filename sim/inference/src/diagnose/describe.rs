@@ -10,10 +10,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::candidate::Candidate;
-use super::columns::predictions;
-use super::judge::{Judgement, judgement};
+use super::design_matrix::predictions;
 use super::refit::{Rough, rough};
 use super::score::{Score, scores_of};
+use super::validation::{Agreement, agreement};
 use super::verdict::Added;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem, Scope};
@@ -44,7 +44,7 @@ pub(super) fn describe(
     false_alarm: f64,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Option<Description>, CalibrateError> {
-    let whole = Left { share: 1.0, gap: beyond(&judgement(fit)), cost: fit.cost() };
+    let whole = Left { share: 1.0, gap: beyond(&agreement(fit)), cost: fit.cost() };
     with_another(fit, problem, &mut Vec::new(), &whole, false_alarm, tell)
 }
 
@@ -80,13 +80,13 @@ fn with_another(
     let best = tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     let Some((candidate, rough)) = best else { return Ok(None) };
     let Some(fit) = Joint::follow(&rough.problem, &rough.known, &|_| ())? else { return Ok(None) };
-    let share = beyond(&judgement(&fit)) / left.gap;
+    let share = beyond(&agreement(&fit)) / left.gap;
     if left.share - share < WORTH_A_TERM {
         return Ok(None);
     }
     let mut moment = Added::of(&fit, candidate);
     moment.parameters.retain(|value| value.interval_95.is_some());
-    let decrease = 2.0 * (left.cost - fit.cost()) / scores.widening;
+    let decrease = 2.0 * (left.cost - fit.cost()) / scores.variance_inflation;
     terms.push(candidate.strength.name);
     let left = Left { share, ..*left };
     let more = with_another(&fit, &rough.problem, terms, &left, false_alarm, tell)?;
@@ -108,6 +108,6 @@ fn others(terms: &[&str], problem: &Problem) -> Vec<Candidate> {
 }
 
 /// Square of the gap beyond the noise, in units of the noise, over all releases.
-fn beyond(judgement: &Judgement) -> f64 {
-    judgement.gaps.iter().map(|(_, _, over, _)| over * over - 1.0).sum::<f64>().max(f64::MIN_POSITIVE)
+fn beyond(agreement: &Agreement) -> f64 {
+    agreement.gaps.iter().map(|(_, _, over, _)| over * over - 1.0).sum::<f64>().max(f64::MIN_POSITIVE)
 }

@@ -2,7 +2,7 @@
 //! which amplitude, across or along the rod, the same at all pressures or growing with them.
 //!
 //! The swing is followed by its amplitude A and phase φ, read off the predicted path of the tip. What the
-//! residual may hold is written as `w(A) cos nφ` and `w(A) sin nφ`, n = 0 to 3, with hats w over the
+//! residual may hold is written as `w(A) cos nφ` and `w(A) sin nφ`, n = 0 to 3, with basis functions w over the
 //! logarithm of the amplitude, so that releases from several angles speak of the same place. Each is scored
 //! as a candidate is, orthogonally to all that the fit may adjust, so that the shapes are heard only where
 //! nothing in the model could make them. No name of an effect goes into them: where no candidate scores and
@@ -14,13 +14,13 @@ use efam_experiments::release::Point;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::columns::{Column, in_noise};
+use super::design_matrix::{Column, in_noise};
 use super::score::{Subject, scores};
 use super::swing::{share_of_largest, swing};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
 
-/// A shape that the residual may have.
+/// A pattern that the residual may have.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Shape {
     /// Round; the last one is of the repaired model.
@@ -37,9 +37,9 @@ pub struct Shape {
     pub size_mm: f64,
 }
 
-/// Multiple of the frequency, direction, place and pressure of a family of shapes.
+/// Multiple of the frequency, direction, place and pressure of a pattern of shapes.
 #[derive(Clone, Copy)]
-struct Family {
+struct Pattern {
     words: &'static str,
     /// Multiple of the frequency.
     harmonic: u32,
@@ -51,35 +51,35 @@ struct Family {
     over_pressure: bool,
 }
 
-impl Family {
+impl Pattern {
     const PLAIN: Self =
         Self { words: "", harmonic: 0, is_radial: false, is_of_body: false, over_pressure: false };
 }
 
-const FAMILIES: [Family; 9] = [
-    Family { words: "the mean drifts with the amplitude", ..Family::PLAIN },
-    Family { words: "amplitude and phase of the swing", harmonic: 1, ..Family::PLAIN },
-    Family { words: "the swing's second harmonic", harmonic: 2, ..Family::PLAIN },
-    Family { words: "the swing's third harmonic", harmonic: 3, ..Family::PLAIN },
-    Family { words: "the distance from the clamp at rest", is_radial: true, ..Family::PLAIN },
-    Family {
+const PATTERNS: [Pattern; 9] = [
+    Pattern { words: "the mean drifts with the amplitude", ..Pattern::PLAIN },
+    Pattern { words: "amplitude and phase of the swing", harmonic: 1, ..Pattern::PLAIN },
+    Pattern { words: "the swing's second harmonic", harmonic: 2, ..Pattern::PLAIN },
+    Pattern { words: "the swing's third harmonic", harmonic: 3, ..Pattern::PLAIN },
+    Pattern { words: "the distance from the clamp at rest", is_radial: true, ..Pattern::PLAIN },
+    Pattern {
         words: "the distance from the clamp, twice a swing",
         is_radial: true,
         harmonic: 2,
-        ..Family::PLAIN
+        ..Pattern::PLAIN
     },
-    Family { words: "the shape of the body", is_of_body: true, harmonic: 1, ..Family::PLAIN },
-    Family { words: "the mean changes with the pressure", over_pressure: true, ..Family::PLAIN },
-    Family {
+    Pattern { words: "the shape of the body", is_of_body: true, harmonic: 1, ..Pattern::PLAIN },
+    Pattern { words: "the mean changes with the pressure", over_pressure: true, ..Pattern::PLAIN },
+    Pattern {
         words: "amplitude and phase change with the pressure",
         over_pressure: true,
         harmonic: 1,
-        ..Family::PLAIN
+        ..Pattern::PLAIN
     },
 ];
 
-/// Hats over the logarithm of the amplitude, from the largest down to a share of it.
-const HATS: usize = 4;
+/// Basis functions over the logarithm of the amplitude, from the largest down to a share of it.
+const BASIS: usize = 4;
 const SMALLEST_AMPLITUDE: f64 = 0.05;
 /// Size of a shape, m: shapes are linear, it only scales their numbers.
 const SIZE: f64 = 1e-3;
@@ -90,29 +90,32 @@ const OWN: f64 = 3e-3;
 /// Scores all shapes at a fit whose predictions are given.
 pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm: f64) -> Vec<Shape> {
     let swings = swings(fit, off);
-    let columns: Vec<Column> =
-        FAMILIES.iter().enumerate().flat_map(|(f, family)| of_family(fit, off, &swings, f, family)).collect();
+    let columns: Vec<Column> = PATTERNS
+        .iter()
+        .enumerate()
+        .flat_map(|(f, pattern)| of_pattern(fit, off, &swings, f, pattern))
+        .collect();
     let scores =
-        scores(fit, &[Subject { own: OWN, ..Subject::default() }; FAMILIES.len()], &columns, false_alarm);
+        scores(fit, &[Subject { own: OWN, ..Subject::default() }; PATTERNS.len()], &columns, false_alarm);
     let mut shapes = Vec::new();
-    for (family, score) in FAMILIES.iter().zip(&scores.each) {
+    for (pattern, score) in PATTERNS.iter().zip(&scores.each) {
         if score.columns.is_empty() {
             continue;
         }
-        let of_hat = |hat: usize| {
+        let of_basis = |basis: usize| {
             let own = score.columns.iter().zip(&score.estimates);
-            let own = own.filter(|(column, _)| columns[**column].part % HATS == hat);
+            let own = own.filter(|(column, _)| columns[**column].part % BASIS == basis);
             own.map(|(_, size)| size * size).sum::<f64>().sqrt()
         };
-        let (hat, size) = (0..HATS)
-            .map(|hat| (hat, of_hat(hat)))
+        let (basis, size) = (0..BASIS)
+            .map(|basis| (basis, of_basis(basis)))
             .max_by(|a, b| a.1.total_cmp(&b.1))
-            .expect("there are hats");
-        let at_amplitude = SMALLEST_AMPLITUDE.powf(hat as f64 / (HATS - 1) as f64);
-        let swinging = if family.harmonic == 0 { 1.0 } else { at_amplitude };
+            .expect("there are basis functions");
+        let at_amplitude = SMALLEST_AMPLITUDE.powf(basis as f64 / (BASIS - 1) as f64);
+        let swinging = if pattern.harmonic == 0 { 1.0 } else { at_amplitude };
         shapes.push(Shape {
             round,
-            what: family.words.to_owned(),
+            what: pattern.words.to_owned(),
             score: score.size,
             threshold: scores.threshold,
             at_amplitude,
@@ -122,13 +125,13 @@ pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm:
     shapes
 }
 
-/// Columns of a family: one for each hat, and for cosine and sine.
-fn of_family(
+/// Columns of a pattern: one for each basis, and for cosine and sine.
+fn of_pattern(
     fit: &Joint,
     off: &[Prediction],
     swings: &[Vec<[f64; 2]>],
     of: usize,
-    family: &Family,
+    pattern: &Pattern,
 ) -> Vec<Column> {
     let members = &fit.objective.part.members;
     let pressures: Vec<f64> = members.iter().map(|trial| trial.release.pressure.unwrap_or(0.0)).collect();
@@ -136,31 +139,31 @@ fn of_family(
     let widest = pressures.iter().map(|p| (p - mean).abs()).fold(0.0, f64::max);
     let has_body =
         members.iter().any(|trial| trial.release.tracks.iter().any(|track| track.at != Point::Tip));
-    if (family.over_pressure && widest < 1e-3 * mean) || (family.is_of_body && !has_body) {
+    if (pattern.over_pressure && widest < 1e-3 * mean) || (pattern.is_of_body && !has_body) {
         return Vec::new();
     }
-    let quarters = if family.harmonic == 0 { 1 } else { 2 };
+    let quarters = if pattern.harmonic == 0 { 1 } else { 2 };
     let shape = |part: usize, r: usize, t: usize, k: usize| {
         let track = &members[r].release.tracks[t];
         let [amplitude, phase] = swings[r][k];
-        let quarter = (part / HATS) as f64;
-        let wave = (f64::from(family.harmonic) * phase - quarter * FRAC_PI_2).cos();
-        let over_pressure = if family.over_pressure { (pressures[r] - mean) / widest } else { 1.0 };
+        let quarter = (part / BASIS) as f64;
+        let harmonic = (f64::from(pattern.harmonic) * phase - quarter * FRAC_PI_2).cos();
+        let over_pressure = if pattern.over_pressure { (pressures[r] - mean) / widest } else { 1.0 };
         // A phase is nothing where nothing swings.
-        let swinging = if family.harmonic == 0 { 1.0 } else { amplitude };
+        let swinging = if pattern.harmonic == 0 { 1.0 } else { amplitude };
         SIZE * over_pressure
             * swinging
-            * wave
-            * hat(amplitude, part % HATS)
-            * place(track.at, family.is_of_body)
+            * harmonic
+            * basis(amplitude, part % BASIS)
+            * place(track.at, pattern.is_of_body)
     };
     let moved = |part: usize, r: usize, t: usize, k: usize| {
         let [x, z] = off[r].position[t][k];
         let distance = x.hypot(z).max(f64::MIN_POSITIVE);
-        let direction = if family.is_radial { [x, z] } else { [-z, x] };
+        let direction = if pattern.is_radial { [x, z] } else { [-z, x] };
         direction.map(|d| shape(part, r, t, k) * d / distance)
     };
-    (0..quarters * HATS)
+    (0..quarters * BASIS)
         .map(|part| Column {
             of,
             part,
@@ -179,10 +182,10 @@ fn place(at: Point, is_of_body: bool) -> f64 {
     }
 }
 
-/// The `k`-th hat over the logarithm of the amplitude; the first and the last stay up beyond the ends.
-fn hat(amplitude: f64, k: usize) -> f64 {
-    let place = amplitude.max(f64::MIN_POSITIVE).ln() / SMALLEST_AMPLITUDE.ln() * (HATS - 1) as f64;
-    (1.0 - (place.clamp(0.0, (HATS - 1) as f64) - k as f64).abs()).max(0.0)
+/// The `k`-th basis over the logarithm of the amplitude; the first and the last stay up beyond the ends.
+fn basis(amplitude: f64, k: usize) -> f64 {
+    let place = amplitude.max(f64::MIN_POSITIVE).ln() / SMALLEST_AMPLITUDE.ln() * (BASIS - 1) as f64;
+    (1.0 - (place.clamp(0.0, (BASIS - 1) as f64) - k as f64).abs()).max(0.0)
 }
 
 /// Amplitude, as a share of the largest of all releases, and phase of all samples, from the tip or else the

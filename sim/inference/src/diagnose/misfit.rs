@@ -26,7 +26,7 @@ pub struct Misfit {
     pub per_cycle: f64,
     /// Its standard error.
     pub standard_error: f64,
-    /// What that comes to between these amplitudes, mm at the marker.
+    /// Its size between these amplitudes, mm at the marker.
     pub size_mm: f64,
     /// Cycles that a release takes there, and cycles before that: medians.
     pub cycles: [f64; 2],
@@ -36,7 +36,7 @@ pub struct Misfit {
     pub pressures_there_pa: Vec<f64>,
 }
 
-/// What a simulation may do wrong.
+/// An error of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Wrong {

@@ -1,34 +1,32 @@
-//! Diagnosis: where simulation and recordings disagree, which effect is missing, and what is left when it
-//! is added.
+//! Diagnosis: where simulation and recordings disagree, which effect is missing, and what remains when it is added.
 //!
 //! A baseline is calibrated with the errors of mesh and step removed, on a mesh fine enough for that
-//! (`gate.rs`). The residual is asked for shapes before any name (`localise.rs`), and every candidate of the
+//! (`mesh_check.rs`). The residual is searched for patterns before any name (`localise.rs`). Every candidate of the
 //! catalogue is scored at the value where it is off, orthogonally to all that the baseline may still adjust
-//! (`score.rs`). Those that promise most are fitted
-//! roughly, the best of them in full, and the one that explains most is added, unless others do as well: then
-//! the answer is a class, with the recording that would tell them apart (`planned.rs`). Releases that are
-//! locked away judge it (`judge.rs`). The search goes on with the larger model until nothing scores; what
-//! became idle is left out again (`idle.rs`), and what would have to be of another size in each release is not
-//! believed (`constancy.rs`). Where a candidate or a shape stands out that no effect explains,
-//! the answer is that something unknown is missing, and what it would take is described (`describe.rs`). Before
-//! that the search is made once more with effects of the rod's material that differ in size from pressure to
-//! pressure. Where the model does not even meet the first swings, no score says anything, and candidates are fitted to
-//! these (`early.rs`).
+//! (`score.rs`). Those with the largest predicted gain are fitted roughly, the best of them in full. The one that
+//! explains most is added, unless others do as well: then the answer is a class, with the recordings that separate it
+//! (`planned.rs`). Held-out releases validate the answer (`validation.rs`).
+//!
+//! The search goes on with the larger model until nothing scores. Effects that became unnecessary are removed
+//! (`prune.rs`). An effect whose strength would have to differ between releases is not accepted (`constancy.rs`).
+//! Where a candidate or a pattern remains that no effect explains, something unknown is missing, and a moment
+//! describes it (`describe.rs`). Before that the search is repeated with effects of the rod's material that differ in
+//! strength from pressure to pressure. Where the baseline misses even the first swings, scores say nothing, and
+//! candidates are fitted to these (`first_swings.rs`).
 
 mod candidate;
-mod columns;
 mod conclude;
 mod constancy;
 pub mod curve;
 pub mod describe;
-mod early;
-pub mod gate;
-mod idle;
-mod judge;
+mod design_matrix;
+mod first_swings;
 pub mod localise;
+pub mod mesh_check;
 pub mod misfit;
 pub mod plan;
 mod planned;
+mod prune;
 mod refit;
 mod round;
 mod score;
@@ -38,15 +36,16 @@ mod share;
 mod shortlist;
 mod stated;
 mod stop;
+mod summary_text;
 mod swing;
+mod validation;
 pub mod verdict;
 mod warnings;
-mod words;
 
 use efam_core::forward::Cancel;
 use models::muscle;
 
-use crate::calibrate::joint::{Fitted, Known};
+use crate::calibrate::joint::{Estimate, Fitted};
 use crate::calibrate::repeats::Repeats;
 use crate::calibrate::{CalibrateError, Problem};
 pub use curve::Curve;
@@ -57,10 +56,10 @@ pub use verdict::{Diagnosis, Verdict};
 use candidate::has_several_pressures;
 use constancy::{INCONSTANT, inconstant};
 use curve::curves;
-use early::Early;
-use judge::{Judgement, Locked, gaps, is_astray, judgement};
-use round::{Asked, Best, Heard, round};
+use first_swings::FirstSwings;
+use round::{Best, RoundOutcome, RoundRequest, round};
 use share::Step;
+use validation::{Agreement, HeldOut, agreement, gaps, is_astray};
 use verdict::{Added, Evidence, Gap};
 
 /// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
@@ -90,9 +89,9 @@ impl<F: Fn(&str) + Sync> Listener for F {
 /// How a diagnosis is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Probability that a round names something where nothing is missing.
+    /// Probability that a round names an effect although none is missing.
     pub false_alarm: f64,
-    /// Effects added at most.
+    /// Largest number of effects to add.
     pub most_effects: usize,
     /// Candidates that are left out.
     pub excluded: Vec<String>,
@@ -147,14 +146,14 @@ pub fn diagnose(
     let problem = &problem;
     let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, repeats, ..Diagnosis::default() };
     listener.doing("the first swings");
-    let before = match early::before(problem)? {
+    let before = match first_swings::before(problem)? {
         Some(before) => before,
         None => {
             let tell = |what: &str| listener.doing(&format!("baseline: {what}"));
-            let (model, numerics) = gate::on_fine_mesh(problem, &tell)?;
+            let (model, numerics) = mesh_check::on_fine_mesh(problem, &tell)?;
             diagnosis.numerics = numerics;
-            listener.doing("what was locked away");
-            Before::of(model, Locked::meet, None)?
+            listener.doing("validation on held-out releases");
+            Before::of(model, HeldOut::meet, None)?
         }
     };
     listener.began();
@@ -162,14 +161,14 @@ pub fn diagnose(
     course.search()?;
     let is_unknown = course.diagnosis.verdict == Verdict::Unknown && settings.most_effects > 0;
     if is_unknown && has_several_pressures(problem) && !course.is_stopped() {
-        listener.doing("again, with strengths that differ from pressure to pressure");
+        listener.doing("second search, with a strength for each pressure");
         course = course.widened()?;
     }
     course.keep_what_explains_most()?;
     course.conclude()
 }
 
-/// Effects beside which still more is heard, and which then are not believed: with so many, cousins of
+/// Effects beside which still more is heard, and which then are not believed: with so many, similar effects to
 /// what is missing describe a good part of it.
 const TOO_MANY: usize = 3;
 
@@ -183,7 +182,7 @@ struct Course<'a> {
     /// The model with all that was added, fitted; its cost, and how it meets what it was fitted to.
     model: Fitted,
     cost: f64,
-    after: Judgement,
+    after: Agreement,
     added: Vec<Best>,
     /// The model after each of them.
     steps: Vec<Step>,
@@ -192,29 +191,29 @@ struct Course<'a> {
     diagnosis: Diagnosis,
 }
 
-/// The baseline: its cost, how it meets what it was fitted to, and what was locked away; what it found.
+/// The baseline: its cost, how it meets what it was fitted to, and held-out releases; what it found.
 struct Before {
     model: Fitted,
     cost: f64,
-    fitted: Judgement,
-    locked: Option<Locked>,
-    known: Vec<Known>,
+    fitted: Agreement,
+    held_out: Option<HeldOut>,
+    known: Vec<Estimate>,
     /// The first swings, where it does not meet even those.
-    early: Option<Early>,
+    first_swings: Option<FirstSwings>,
 }
 
 impl Before {
-    /// A model that is shown what was locked away.
+    /// A model that is shown held-out releases.
     fn of(
         model: Fitted,
-        show: fn(&Problem, &[Known]) -> Result<Option<Locked>, CalibrateError>,
-        early: Option<Early>,
+        show: fn(&Problem, &[Estimate]) -> Result<Option<HeldOut>, CalibrateError>,
+        first_swings: Option<FirstSwings>,
     ) -> Result<Self, CalibrateError> {
         let fit = model.fit()?;
-        let (fitted, cost, known) = (judgement(&fit), fit.cost(), fit.known());
+        let (fitted, cost, known) = (agreement(&fit), fit.cost(), fit.known());
         drop(fit);
-        let locked = show(&model.problem, &known)?;
-        Ok(Self { model, cost, fitted, locked, known, early })
+        let held_out = show(&model.problem, &known)?;
+        Ok(Self { model, cost, fitted, held_out, known, first_swings })
     }
 }
 
@@ -240,10 +239,10 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// Adds effect after effect while something speaks, leaves out what became idle, and says whether that is an answer.
+    /// Adds effect after effect while something speaks, prunes, and says whether that is an answer.
     fn search(&mut self) -> Result<(), CalibrateError> {
-        if let Some(early) = &self.before.early
-            && !self.add_early(early)?
+        if let Some(first_swings) = &self.before.first_swings
+            && !self.add_by_first_swings(first_swings)?
         {
             self.diagnosis.verdict = Verdict::Unknown;
             return Ok(());
@@ -251,7 +250,7 @@ impl<'a> Course<'a> {
         self.add_all()?;
         let is_cut_short = self.diagnosis.cut_short_in_round.is_some();
         if !is_cut_short {
-            self.leave_out_idle()?;
+            self.prune()?;
         }
         let misstated = self.misstated()?;
         let is_within = !self.added.is_empty() && self.is_within_repeats();
@@ -285,15 +284,15 @@ impl<'a> Course<'a> {
             }
             let (number, is_last) =
                 (self.diagnosis.thresholds.len() + 1, place == self.settings.most_effects);
-            let asked = Asked { number, is_last, is_widened: self.is_widened };
+            let request = RoundRequest { number, is_last, is_widened: self.is_widened };
             if self.is_stopped() {
                 self.diagnosis.cut_short(number);
                 return Ok(());
             }
             let ending = self.ending();
-            let (fit, locked) = (ending.fit()?, self.locked());
+            let (fit, held_out) = (ending.fit()?, self.held_out());
             let found =
-                round(&fit, &ending.problem, locked, &self.added, asked, self.settings, self.listener);
+                round(&fit, &ending.problem, held_out, &self.added, request, self.settings, self.listener);
             drop(fit);
             if self.is_stopped() {
                 self.diagnosis.cut_short(number);
@@ -308,13 +307,13 @@ impl<'a> Course<'a> {
             self.diagnosis.evidence.extend(found.evidence);
             self.diagnosis.shapes.extend(found.shapes);
             self.diagnosis.warnings.extend(found.negligible.map(|effect| {
-                format!("{effect} stands out beside what was found, at less than a tenth of its size: too little to be told from an error of the law")
+                format!("{effect} scores as well, at less than a tenth of the size of what was found: it cannot be separated from an error of that law")
             }));
-            match found.heard {
-                Heard::Effect(best) => self.add(best)?,
-                Heard::More(effect) => {
+            match found.outcome {
+                RoundOutcome::Effect(best) => self.add(best)?,
+                RoundOutcome::LimitReached(effect) => {
                     self.diagnosis.warnings.push(format!(
-                        "{effect} or another would come next, and is not in the repaired model: --most {} ends the search here",
+                        "the repaired model lacks {effect} or another effect, because --most {} ended the search",
                         self.settings.most_effects
                     ));
                     if self.settings.most_effects >= TOO_MANY || self.added.is_empty() {
@@ -322,8 +321,8 @@ impl<'a> Course<'a> {
                     }
                     return Ok(());
                 }
-                Heard::Nothing if !found.is_shaped => return Ok(()),
-                Heard::Nothing | Heard::Stranger => {
+                RoundOutcome::Nothing if !found.is_shaped => return Ok(()),
+                RoundOutcome::Nothing | RoundOutcome::Unexplained => {
                     self.diagnosis.verdict = Verdict::Unknown;
                     return Ok(());
                 }
@@ -345,7 +344,7 @@ impl<'a> Course<'a> {
         let fit = self.model.fit()?;
         let candidates = self.added.iter().map(|best| &best.candidate);
         (self.diagnosis.effects, self.after) =
-            (candidates.map(|candidate| Added::of(&fit, candidate)).collect(), judgement(&fit));
+            (candidates.map(|candidate| Added::of(&fit, candidate)).collect(), agreement(&fit));
         drop(fit);
         self.remember();
         Ok(())
@@ -372,7 +371,7 @@ impl<'a> Course<'a> {
             for evidence in wider.diagnosis.evidence.iter_mut().skip(self.diagnosis.evidence.len()) {
                 evidence
                     .rejected
-                    .get_or_insert_with(|| "beside it something else would be missing".to_owned());
+                    .get_or_insert_with(|| "with it something else would still be missing".to_owned());
             }
             self.diagnosis.evidence = wider.diagnosis.evidence;
             self.diagnosis.thresholds = wider.diagnosis.thresholds;
@@ -381,33 +380,36 @@ impl<'a> Course<'a> {
         Ok(wider)
     }
 
-    /// Gaps before and after of what was fitted and what was locked away, and the curves behind them.
+    /// Gaps before and after of what was fitted and held-out releases, and the curves behind them.
     fn gaps(&self) -> (Vec<Gap>, Vec<Curve>) {
         let mut pairs = vec![(&self.before.fitted, &self.after, false)];
-        let locked = self.before.locked.as_ref().zip(self.locked());
-        pairs.extend(locked.map(|(before, after)| (&before.judgement, &after.judgement, true)));
+        let held_out = self.before.held_out.as_ref().zip(self.held_out());
+        pairs.extend(held_out.map(|(before, after)| (&before.agreement, &after.agreement, true)));
         let gap = pairs.iter().flat_map(|(before, after, held_out)| gaps(before, after, *held_out));
         (gap.collect(), curves(&pairs))
     }
 
-    /// Whether what was added is as strong in one release as in another, and meets what was locked away.
+    /// Whether what was added is as strong in one release as in another, and meets held-out releases.
     fn is_believed(&mut self) -> Result<bool, CalibrateError> {
         let fit = self.model.fit()?;
-        let all =
-            self.locked().map(|locked| locked.together(&fit, &self.model.problem)).transpose()?.flatten();
+        let all = self
+            .held_out()
+            .map(|held_out| held_out.together(&fit, &self.model.problem))
+            .transpose()?
+            .flatten();
         let all = all.as_ref().unwrap_or(&self.model).fit()?;
         let inconstant = inconstant(&all, &self.added, self.settings.false_alarm);
         let is_inconstant = |own: &&mut Evidence| inconstant.contains(&own.effect.as_str());
         for evidence in self.diagnosis.evidence.iter_mut().filter(is_inconstant) {
             evidence.reject(INCONSTANT);
         }
-        let warning = |effect| format!("{effect} fits, and {INCONSTANT}: it stands in for something else");
+        let warning = |effect| format!("{effect} fits, but {INCONSTANT}: it stands in for another effect");
         self.diagnosis.warnings.extend(inconstant.iter().map(warning));
         Ok(inconstant.is_empty() && !is_astray(&self.gaps().0))
     }
 
-    /// How the model with all that was added meets what was locked away.
-    fn locked(&self) -> Option<&Locked> {
-        self.added.last().map_or(self.before.locked.as_ref(), |best| best.locked.as_ref())
+    /// How the model with all that was added meets held-out releases.
+    fn held_out(&self) -> Option<&HeldOut> {
+        self.added.last().map_or(self.before.held_out.as_ref(), |best| best.held_out.as_ref())
     }
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::Settings;
 use super::candidate::{Candidate, candidates};
-use super::columns::{Column, columns, predictions};
+use super::design_matrix::{Column, columns, predictions};
 use super::planned::record;
 use super::score::{APART, gram, unit_distance};
 use super::section::{SHARED, USUAL_TILT, admit_tilt};
@@ -24,7 +24,7 @@ use crate::calibrate::{CalibrateError, Nuisances, Parameter, Problem, Scope, Tri
 /// Standard error of the release instant in a recording, s: that of a camera at 100 Hz.
 const INSTANT: f64 = 2e-3;
 
-/// What a planned experiment says of one effect.
+/// Sensitivity of a planned experiment to one effect.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Prospect {
     /// Its stable name.
@@ -35,16 +35,16 @@ pub struct Prospect {
     pub unit: String,
     /// Values at which its other parameters are taken.
     pub tried: Vec<(String, f64)>,
-    /// Strength beyond which it is seen; infinite, in JSON null, where the baseline can do all that it does.
+    /// Smallest strength that can be detected; infinite, in JSON null, where the baseline covers the effect.
     #[schemars(with = "Option<f64>")]
-    pub seen_from: f64,
-    /// Strength beyond which it is told from every other effect; null likewise.
+    pub detectable_from: f64,
+    /// Smallest strength that separates it from every other effect; null likewise.
     #[schemars(with = "Option<f64>")]
-    pub told_apart_from: f64,
+    pub separable_from: f64,
     /// The effect that resembles it most.
     pub nearest: Option<String>,
-    /// The largest strength that one would believe, where the catalogue says so.
-    pub largest_believed: Option<f64>,
+    /// The largest plausible strength, where the catalogue states one.
+    pub largest_plausible: Option<f64>,
 }
 
 /// What is unknown of releases that are planned as scenarios: EI at each pressure, and the losses that
@@ -79,7 +79,7 @@ fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
     Trial { release, model: case.model.clone(), run: case.run.clone() }
 }
 
-/// What the releases that are not locked away would show of each effect, at each try of its other parameters, the
+/// What the releases that are not held out would show of each effect, at each try of its other parameters, the
 /// best visible first; `tell` hears
 /// what is being done.
 /// # Errors
@@ -108,14 +108,15 @@ pub fn plan(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Prosp
             parameter: trace.candidate.strength.name.to_owned(),
             unit: trace.candidate.strength.unit.to_owned(),
             tried: trace.candidate.tried.iter().map(|(own, value)| (own.name.to_owned(), *value)).collect(),
-            seen_from: APART / size,
-            told_apart_from: APART / nearest.as_ref().map_or(size, |(_, apart)| *apart),
+            detectable_from: APART / size,
+            separable_from: APART / nearest.as_ref().map_or(size, |(_, apart)| *apart),
             nearest: nearest.map(|(other, _)| other.candidate.name().to_owned()),
-            largest_believed: trace.candidate.strength.plausible.map(|_| (high - off).max(off - low)),
+            largest_plausible: trace.candidate.strength.plausible.map(|_| (high - off).max(off - low)),
         }
     };
     let mut prospects: Vec<Prospect> = traces.iter().map(prospect).collect();
-    let share = |prospect: &Prospect| prospect.seen_from / prospect.largest_believed.unwrap_or(f64::INFINITY);
+    let share =
+        |prospect: &Prospect| prospect.detectable_from / prospect.largest_plausible.unwrap_or(f64::INFINITY);
     prospects.sort_by(|a, b| share(a).total_cmp(&share(b)));
     Ok(prospects)
 }

@@ -5,11 +5,11 @@ use efam_experiments::release::{Point, Track};
 
 use super::Course;
 use super::candidate::Candidate;
-use super::columns::{columns, predictions};
+use super::design_matrix::{columns, predictions};
 use super::score::{APART, distance, gram};
+use super::summary_text::listed;
 use super::verdict::{Separation, Verdict};
-use super::words::listed;
-use crate::calibrate::joint::{Joint, Known};
+use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::{CalibrateError, Problem, Scope, Trial};
 
@@ -36,8 +36,8 @@ impl Extra {
     fn words(self) -> &'static str {
         match self {
             Self::BodyMarkers => "with markers at 0.3, 0.55 and 0.8 of the length",
-            Self::Angles => "once more from 25 degrees below",
-            Self::Payload => "once more with 20 g at the tip",
+            Self::Angles => "repeated from 25 degrees below",
+            Self::Payload => "repeated with 20 g at the tip",
             Self::LongRecord => "three times as long",
         }
     }
@@ -101,12 +101,12 @@ const MOST_TIMES: u32 = 10;
 /// Two effects at what is known, of which the first may be the answer.
 pub(super) struct Pair<'a> {
     pub problem: &'a Problem,
-    pub known: &'a [Known],
+    pub known: &'a [Estimate],
     pub of: [Candidate; 2],
     /// Strength of the first.
     pub strength: f64,
     /// Variance of the noise over that of white noise as large as stated.
-    pub widening: f64,
+    pub variance_inflation: f64,
     /// Distance in the experiment at hand.
     pub now: f64,
 }
@@ -117,7 +117,7 @@ impl Pair<'_> {
     pub fn separation(&self) -> Option<Separation> {
         let fitted = self.problem.trials.iter().filter(|trial| !trial.release.held_out);
         let fitted: Vec<Trial> = fitted.cloned().collect();
-        // Where their traces would be told apart already and their fits are not, traces foretell nothing.
+        // Where their traces would be told apart already and their fits are not, traces predict nothing.
         if self.distance(&fitted, 1).is_none_or(|distance| distance >= APART) {
             return None;
         }
@@ -162,7 +162,7 @@ impl Pair<'_> {
         let (first, second) = (of(0), of(1));
         let strengths = vec![self.strength - self.of[0].off; first.len()];
         let distance = distance(&gram(&fit, &columns), &first, &second, &strengths);
-        Some(distance * (f64::from(times) / self.widening).sqrt())
+        Some(distance * (f64::from(times) / self.variance_inflation).sqrt())
     }
 }
 
@@ -181,7 +181,7 @@ fn repeated(problem: &Problem, trials: &[Trial], times: u32) -> Problem {
 /// Fills the tracks with what is predicted at what is known, whatever was in them.
 /// # Errors
 /// [`CalibrateError`] for a problem that makes no sense or that cannot be simulated.
-pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<(), CalibrateError> {
+pub(super) fn record(planned: &mut Problem, known: &[Estimate]) -> Result<(), CalibrateError> {
     for release in planned.trials.iter_mut().map(|trial| &mut trial.release) {
         let count = release.time.len();
         release.tracks.iter_mut().for_each(|track| track.position = vec![Some([0.0; 2]); count]);
@@ -204,7 +204,7 @@ pub(super) fn record(planned: &mut Problem, known: &[Known]) -> Result<(), Calib
 
 impl Course<'_> {
     /// Whether what was added stands alone, and else what would tell it from the others.
-    pub(super) fn tell_apart(&mut self, known: &[Known]) {
+    pub(super) fn tell_apart(&mut self, known: &[Estimate]) {
         let Some(best) = self.added.iter().find(|best| !best.members.is_empty()) else { return };
         if self.diagnosis.verdict == Verdict::Named {
             self.diagnosis.verdict = Verdict::Class;
@@ -216,10 +216,10 @@ impl Course<'_> {
         let (nearest, other) = &best.members[0];
         let of = [best.candidate.clone(), other.clone()];
         let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
-        self.listener.doing("which recording would tell them apart");
-        let (problem, widening, now) = (&self.problem, best.widening, nearest.distance);
+        self.listener.doing("recordings that separate the candidates");
+        let (problem, variance_inflation, now) = (&self.problem, best.variance_inflation, nearest.distance);
         self.diagnosis.separating_experiment =
-            Pair { problem, known, of, strength, widening, now }.separation();
+            Pair { problem, known, of, strength, variance_inflation, now }.separation();
     }
 }
 
@@ -273,7 +273,8 @@ mod tests {
         let all = candidates(&problem, &Settings::default());
         let named = |name: &str| all.iter().find(|own| own.name() == name).unwrap().clone();
         let of = [named("air_drag"), named("scale")];
-        let pair = Pair { problem: &problem, known: &[], of, strength: 1.0, widening: 1.0, now: 0.0 };
+        let pair =
+            Pair { problem: &problem, known: &[], of, strength: 1.0, variance_inflation: 1.0, now: 0.0 };
         let one = pair.distance(&[release()], 1).unwrap();
         let standing_for_four = pair.distance(&[release()], 4).unwrap();
         let four = pair.distance(&vec![release(); 4], 1).unwrap();

@@ -1,11 +1,11 @@
 //! A candidate fitted in full: its parameters beside all others, mesh and step removed anew.
 
-use models::muscle::{self, Knob};
+use models::muscle::{self, CalibratedParameter};
 use models::quantity::format_si;
 
 use super::candidate::Candidate;
 use super::verdict::{Added, Value};
-use crate::calibrate::joint::{Fitted, Joint, Known};
+use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::profile::{NORMAL_95, profile};
 use crate::calibrate::uncertainty::{Uncertainty, uncertainty};
 use crate::calibrate::unknowns::Group;
@@ -17,7 +17,7 @@ pub(super) struct Refit {
     /// The fit, with the effect in its problem.
     pub fitted: Fitted,
     /// Where it ended.
-    pub known: Vec<Known>,
+    pub known: Vec<Estimate>,
     /// Cost under the loss of the noise.
     pub cost: f64,
     /// Parameters of the effect.
@@ -29,7 +29,7 @@ pub(super) struct Refit {
 /// A model with one more effect, near its fit.
 pub(super) struct Rough {
     pub problem: Problem,
-    pub known: Vec<Known>,
+    pub known: Vec<Estimate>,
     /// Unknowns without it.
     pub without: usize,
     /// Cost under the loss of the noise, with mesh and step as they are.
@@ -112,7 +112,7 @@ impl Added {
     /// parabola.
     pub(super) fn profiled(fit: &Joint, candidate: &Candidate) -> Self {
         let of = uncertainty(&fit.objective, &fit.found);
-        let bounds = |k: usize, known: &Known| {
+        let bounds = |k: usize, known: &Estimate| {
             let linear = parabola(&of, k, known);
             let [low, high] = linear.map(|x| known.unknown.scaled.value(x));
             let is_wide = (high - low).abs() > WIDE * known.value().abs();
@@ -130,7 +130,7 @@ impl Added {
 pub(super) fn errors(fit: &Joint) -> muscle::Known {
     let (all, of) = (fit.known(), uncertainty(&fit.objective, &fit.found));
     let is_told =
-        |known: &Known| !known.unknown.is_nuisance() && !matches!(known.unknown.group, Group::Release(_));
+        |known: &Estimate| !known.unknown.is_nuisance() && !matches!(known.unknown.group, Group::Release(_));
     let own: Vec<usize> = (0..all.len()).filter(|k| is_told(&all[*k])).collect();
     let deviation = |k: usize| of.covariance[(k, k)].max(0.0).sqrt();
     let correlation = |k: usize, l: usize| match (k == l, deviation(k) * deviation(l)) {
@@ -138,10 +138,10 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
         (false, both) if both > 0.0 => (of.covariance[(k, l)] / both).clamp(-1.0, 1.0),
         _ => 0.0,
     };
-    let knob = |k: &usize| {
+    let parameter = |k: &usize| {
         let (unknown, x) = (&all[*k].unknown, all[*k].x);
         let error = deviation(*k) * unknown.scaled.slope(x).abs();
-        Knob {
+        CalibratedParameter {
             path: unknown.name.clone(),
             pressure_pa: match unknown.group {
                 Group::Pressure(pressure) => Some(pressure),
@@ -157,7 +157,7 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
         releases: trials().count(),
         pressure_pa: muscle::Known::span(trials().filter_map(|trial| trial.release.pressure)),
         payload_kg: muscle::Known::span(trials().map(|trial| trial.release.payload)),
-        parameter: own.iter().map(knob).collect(),
+        parameter: own.iter().map(parameter).collect(),
         ..muscle::Known::default()
     }
 }
@@ -172,7 +172,7 @@ fn values(
     fit: &Joint,
     candidate: &Candidate,
     of: &Uncertainty,
-    bounds: &dyn Fn(usize, &Known) -> [f64; 2],
+    bounds: &dyn Fn(usize, &Estimate) -> [f64; 2],
 ) -> Vec<Value> {
     let prefix = prefix(candidate.name());
     let mut values = Vec::new();
@@ -202,7 +202,7 @@ fn values(
 }
 
 /// Bounds of an unknown where the cost is a parabola.
-fn parabola(of: &Uncertainty, k: usize, known: &Known) -> [f64; 2] {
+fn parabola(of: &Uncertainty, k: usize, known: &Estimate) -> [f64; 2] {
     let deviation = of.covariance[(k, k)].max(0.0).sqrt();
     [-1.0, 1.0].map(|side| known.x + side * NORMAL_95 * deviation)
 }

@@ -1,13 +1,13 @@
 //! One round: score, fit the shortlist, choose.
 
 use super::candidate::{Candidate, candidates, has_several_pressures};
-use super::columns::predictions;
-use super::judge::Locked;
+use super::design_matrix::predictions;
 use super::localise::{Shape, shapes};
 use super::refit::Refit;
 use super::score::scores_of;
 use super::shortlist::{Entry, LITTLE, best_tries, choose, fit_all, shortlist};
 use super::stop::is_stopped;
+use super::validation::HeldOut;
 use super::verdict::{Evidence, Member};
 use super::{Listener, Settings};
 use crate::calibrate::joint::Joint;
@@ -19,22 +19,22 @@ pub(super) struct Round {
     pub threshold: f64,
     /// Every candidate, the best by each effect.
     pub evidence: Vec<Evidence>,
-    /// What the residual looks like, whatever its cause.
+    /// Patterns of the residual, whatever their cause.
     pub shapes: Vec<Shape>,
     /// Whether one of the shapes stands out.
     pub is_shaped: bool,
     /// What stands out, and is too small beside what was found before to be more than an error of its law.
     pub negligible: Option<&'static str>,
-    /// What speaks in the residual.
-    pub heard: Heard,
+    /// Result of the round.
+    pub outcome: RoundOutcome,
 }
 
 /// Why one is not the answer where the search was not to go on.
-pub(super) const NO_MORE: &str = "no more than asked for is added";
+pub(super) const NO_MORE: &str = "the limit of added effects is reached";
 
 /// Which round it is.
 #[derive(Clone, Copy)]
-pub(super) struct Asked {
+pub(super) struct RoundRequest {
     /// From 1.
     pub number: usize,
     /// Whether no more may be added.
@@ -43,28 +43,28 @@ pub(super) struct Asked {
     pub is_widened: bool,
 }
 
-/// What speaks in the residual.
-pub(super) enum Heard {
+/// Result of the round.
+pub(super) enum RoundOutcome {
     /// No candidate.
     Nothing,
     /// A candidate scores, and none of them can be the answer.
-    Stranger,
+    Unexplained,
     /// An effect of the catalogue.
     Effect(Box<Best>),
     /// One more, of which only the score is known, where no more may be added.
-    More(&'static str),
+    LimitReached(&'static str),
 }
 
 /// The effect that explains most, and those that explain as much.
 pub(super) struct Best {
     pub candidate: Candidate,
     pub refit: Refit,
-    /// How it meets what was locked away.
-    pub locked: Option<Locked>,
+    /// How it meets held-out releases.
+    pub held_out: Option<HeldOut>,
     /// Variance of the noise over that of white noise as large as stated.
-    pub widening: f64,
+    pub variance_inflation: f64,
     /// χ² that its unknowns have to be worth.
-    pub price: f64,
+    pub penalty: f64,
     /// Decrease of χ² that it brought.
     pub gain: f64,
     /// Others that do as well, the nearest first; empty where the best stands alone.
@@ -75,7 +75,7 @@ impl Best {
     /// Takes the place of the same effect with one strength for all pressures.
     pub fn widen(&mut self, narrow: Self) {
         self.gain += narrow.gain;
-        self.price += narrow.price;
+        self.penalty += narrow.penalty;
         if self.members.is_empty() {
             self.members = narrow.members;
         }
@@ -95,13 +95,13 @@ const PROMISING: f64 = 0.25;
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
 
 /// Looks for one effect beside those that the problem's models have, `added` among them; or for one of these that
-/// is not as strong at one pressure as at another. `before` is how they meet what was locked away.
+/// is not as strong at one pressure as at another. `before` is how they meet held-out releases.
 pub(super) fn round(
     fit: &Joint,
     problem: &Problem,
-    before: Option<&Locked>,
+    before: Option<&HeldOut>,
     added: &[Best],
-    Asked { number, is_last, is_widened }: Asked,
+    RoundRequest { number, is_last, is_widened }: RoundRequest,
     settings: &Settings,
     listener: &dyn Listener,
 ) -> Result<Round, CalibrateError> {
@@ -138,29 +138,29 @@ pub(super) fn round(
     let is_shape =
         |shape: &Shape| shape.score > shape.threshold && shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
     let is_shaped = shapes.iter().any(is_shape);
-    let heard = if let Some(name) = one_more {
+    let outcome = if let Some(name) = one_more {
         entries.iter_mut().for_each(|entry| entry.reject(NO_MORE));
-        Heard::More(name)
+        RoundOutcome::LimitReached(name)
     } else if !is_last && promise >= PROMISING * negligible {
         let (shortlist, others) = shortlist(&mut entries);
-        others.iter_mut().for_each(|entry| entry.reject("it promises less than others"));
+        others.iter_mut().for_each(|entry| entry.reject("its predicted gain is smaller than that of others"));
         let tell_fit = |entry: &Entry| match entry.realised {
             None => tell(&format!("fit of {}", entry.candidate.name())),
             Some(_) => drop(ranked(std::slice::from_ref(entry))),
         };
-        fit_all(shortlist, problem, fit, scores.widening, &tell_fit)?;
+        fit_all(shortlist, problem, fit, scores.variance_inflation, &tell_fit)?;
         choose(shortlist, problem, fit, &scores, before, negligible, &tell)?
     } else {
         for entry in &mut entries {
             entry.reject(match is_loud(entry) {
                 true => LITTLE,
-                false => "its score is within what noise gives",
+                false => "its score is below the threshold",
             });
         }
-        Heard::Nothing
+        RoundOutcome::Nothing
     };
-    let is_little = !added.is_empty() && matches!(heard, Heard::Nothing);
+    let is_little = !added.is_empty() && matches!(outcome, RoundOutcome::Nothing);
     let negligible = loudest.filter(|_| is_little);
     let (threshold, evidence) = (scores.threshold, ranked(&entries));
-    Ok(Round { threshold, evidence, shapes, is_shaped, negligible, heard })
+    Ok(Round { threshold, evidence, shapes, is_shaped, negligible, outcome })
 }

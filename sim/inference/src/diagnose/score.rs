@@ -16,7 +16,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
 use super::candidate::Candidate;
-use super::columns::{Column, columns};
+use super::design_matrix::{Column, columns};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::Series;
 use crate::calibrate::prediction::Prediction;
@@ -38,20 +38,20 @@ pub(super) struct Subject {
     pub believed: Option<f64>,
 }
 
-/// What a pull is weighed by.
+/// What a score vector is weighed by.
 struct Weight {
     /// `statistic = Uᵀ inverse U`.
     inverse: DMatrix<f64>,
     /// What the statistic is where nothing is missing, on average.
     degrees: f64,
-    /// Takes the pull to the strengths that it asks for.
+    /// Takes the score vector to the strengths that it asks for.
     to_strengths: DMatrix<f64>,
 }
 
 impl Weight {
-    /// The size of a pull, as a normal number.
-    fn size(&self, pull: &DVector<f64>) -> f64 {
-        normal_size(pull.dot(&(&self.inverse * pull)), self.degrees)
+    /// The size of a score vector, as a normal number.
+    fn size(&self, score_vector: &DVector<f64>) -> f64 {
+        normal_size(score_vector.dot(&(&self.inverse * score_vector)), self.degrees)
     }
 }
 
@@ -60,15 +60,15 @@ pub(super) const APART: f64 = 5.0;
 pub(super) const ONE: f64 = 2.0;
 
 impl Subject {
-    /// With the columns' gram matrix, the variance of their pull, and its widening.
-    fn weight(self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, widening: f64) -> Weight {
+    /// With the columns' gram matrix, the variance of their score vector, and its variance inflation.
+    fn weight(self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, variance_inflation: f64) -> Weight {
         let count = gram.nrows();
-        let belief = self.believed.map_or(0.0, |deviation| widening / (deviation * deviation));
+        let belief = self.believed.map_or(0.0, |deviation| variance_inflation / (deviation * deviation));
         let to_strengths = pseudo_inverse(&(gram + DMatrix::identity(count, count) * belief)).0;
         let (inverse, degrees) = match self.believed {
             None => (pseudo_inverse(variance).0, count as f64),
             Some(_) => {
-                let inverse = &to_strengths / widening;
+                let inverse = &to_strengths / variance_inflation;
                 let degrees = (&inverse * variance).trace();
                 (inverse, degrees)
             }
@@ -116,8 +116,8 @@ pub(super) struct Scores {
     pub threshold: f64,
     /// `s⊥ᵀ s⊥` of all columns.
     pub gram: DMatrix<f64>,
-    /// Variance of the residuals' pull over that of white noise as large as stated.
-    pub widening: f64,
+    /// Variance of the residuals' score vector over that of white noise as large as stated.
+    pub variance_inflation: f64,
 }
 
 /// Residuals may be quieter than the stated noise by this share of its variance; below that what they say is
@@ -146,7 +146,7 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
     let m = columns.len();
     if m == 0 {
         let each = vec![Score::default(); subjects.len()];
-        return Scores { each, threshold: 0.0, gram: DMatrix::zeros(0, 0), widening: 1.0 };
+        return Scores { each, threshold: 0.0, gram: DMatrix::zeros(0, 0), variance_inflation: 1.0 };
     }
     let extended = extended(fit, columns);
     let (gradient, hessian) = normal_equations(fit, &extended, m);
@@ -169,30 +169,34 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
         |r: usize| (fit.objective.part.locals[r].len() + m) as f64 / (left[r].len() * left.len()) as f64;
     let (spread, _) = spread(&fit.objective, &fit.found, &left, m, &lost);
     let (to_own, gram) = orthogonal(&hessian, n);
-    let pull = -(gradient.rows(n, m) - to_own.transpose() * gradient.rows(0, n));
+    let score_vector = -(gradient.rows(n, m) - to_own.transpose() * gradient.rows(0, n));
     // U = [−Aᵀ 1] g
     let mut take = DMatrix::zeros(m, n + m);
     take.view_mut((0, 0), (m, n)).copy_from(&(-to_own.transpose()));
     take.view_mut((0, n), (m, m)).fill_with_identity();
     let mut variance = &take * spread * take.transpose();
     let is_own = |k: usize| gram[(k, k)] > subjects[columns[k].of].own * hessian[(n + k, n + k)];
-    let mut widenings: Vec<f64> =
+    let mut inflations: Vec<f64> =
         (0..m).filter(|k| is_own(*k)).map(|k| variance[(k, k)] / gram[(k, k)]).collect();
-    widenings.sort_by(f64::total_cmp);
-    let seen = widenings.get(widenings.len() / 2).copied().unwrap_or(1.0);
+    inflations.sort_by(f64::total_cmp);
+    let seen = inflations.get(inflations.len() / 2).copied().unwrap_or(1.0);
     if seen < QUIETEST {
         variance *= QUIETEST / seen.max(f64::MIN_POSITIVE);
     }
-    let widening = seen.max(1.0);
+    let variance_inflation = seen.max(1.0);
     let (each, weights): (Vec<Score>, Vec<Weight>) = (0..subjects.len())
         .map(|c| {
             let own: Vec<usize> = (0..m).filter(|k| columns[*k].of == c && is_own(*k)).collect();
-            let weight = subjects[c].weight(&pick(&gram, &own, &own), &pick(&variance, &own, &own), widening);
-            (score(subjects[c], own, &pull, &weight, widening), weight)
+            let weight = subjects[c].weight(
+                &pick(&gram, &own, &own),
+                &pick(&variance, &own, &own),
+                variance_inflation,
+            );
+            (score(subjects[c], own, &score_vector, &weight, variance_inflation), weight)
         })
         .unzip();
     let threshold = threshold(subjects, &each, &weights, &variance, false_alarm);
-    Scores { each, threshold, gram, widening }
+    Scores { each, threshold, gram, variance_inflation }
 }
 
 /// `s⊥ᵀ s⊥` of columns at a fit, all else being free.
@@ -261,11 +265,11 @@ fn pick(matrix: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64
 fn score(
     subject: Subject,
     columns: Vec<usize>,
-    pull: &DVector<f64>,
+    score_vector: &DVector<f64>,
     weight: &Weight,
-    widening: f64,
+    variance_inflation: f64,
 ) -> Score {
-    let own = DVector::from_fn(columns.len(), |a, _| pull[columns[a]]);
+    let own = DVector::from_fn(columns.len(), |a, _| score_vector[columns[a]]);
     if columns.is_empty() {
         return Score::default();
     }
@@ -279,7 +283,7 @@ fn score(
     Score {
         size: if is_admissible { weight.size(&own) } else { 0.0 },
         degrees: weight.degrees,
-        decrease: own.dot(&estimates) / widening,
+        decrease: own.dot(&estimates) / variance_inflation,
         estimate,
         estimates: estimates.as_slice().to_vec(),
         is_admissible,
@@ -322,9 +326,9 @@ fn threshold(
     let mut largest: Vec<f64> = (0..DRAWS)
         .map(|_| {
             let noise = DVector::from_fn(variance.nrows(), |_, _| normal(&mut random));
-            let pull = &root * noise;
+            let score_vector = &root * noise;
             let of = |(c, score): (usize, &Score)| {
-                let own = DVector::from_fn(score.columns.len(), |a, _| pull[score.columns[a]]);
+                let own = DVector::from_fn(score.columns.len(), |a, _| score_vector[score.columns[a]]);
                 let estimate = subjects[c].off + own.iter().next().copied().unwrap_or(0.0);
                 if !subjects[c].admits(own.len(), estimate) {
                     return 0.0;
@@ -349,13 +353,14 @@ mod tests {
     fn what_the_baseline_can_do_of_all_releases_is_not_asked_for() {
         let differing = DMatrix::from_row_slice(2, 2, &[1.0, -1.0, -1.0, 1.0]) * 1e6;
         let gram = &differing + DMatrix::identity(2, 2) * 1e-3;
-        let pull = &differing * DVector::from_column_slice(&[0.01, -0.01]) + DVector::from_element(2, 0.01);
+        let score_vector =
+            &differing * DVector::from_column_slice(&[0.01, -0.01]) + DVector::from_element(2, 0.01);
         let subject = |believed| Subject { believed, ..Subject::default() };
         let weight = |believed| subject(believed).weight(&gram, &gram, 1.0);
-        let strengths = weight(Some(0.015)).to_strengths * &pull;
+        let strengths = weight(Some(0.015)).to_strengths * &score_vector;
         assert!((strengths - DVector::from_column_slice(&[0.01, -0.01])).amax() < 1e-4);
         // Without the belief the common part runs away.
-        assert!((weight(None).to_strengths * &pull).amax() > 1.0);
+        assert!((weight(None).to_strengths * &score_vector).amax() > 1.0);
         let weight = weight(Some(0.015));
         assert!((weight.degrees - 1.0).abs() < 0.01, "{}", weight.degrees);
     }

@@ -1,5 +1,5 @@
 //! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all
-//! pressures share, and something locked away.
+//! pressures share, and something held out.
 
 use efam_core::forward::Initial;
 use efam_experiments::cleaning::Cleaned;

@@ -10,7 +10,7 @@ use super::section::FARTHEST;
 use super::stop::ending_by;
 use super::verdict::Contradiction;
 use super::warnings::{contradictions, deviations_off};
-use crate::calibrate::joint::{Joint, Known};
+use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::unknowns::Kind;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -35,7 +35,7 @@ pub(super) fn limit_beliefs(problem: &mut Problem) {
 }
 
 /// The problem with one of its beliefs lifted.
-fn lifted(problem: &Problem, known: &Known) -> Problem {
+fn lifted(problem: &Problem, known: &Estimate) -> Problem {
     let mut problem = problem.clone();
     match known.unknown.kind {
         Kind::HoldAngle => problem.nuisances.hold_angle.iter_mut().for_each(|own| *own *= LIFTED),
@@ -58,15 +58,15 @@ impl Course<'_> {
         // What stood at its limit before an effect gave way may be what the effect stands in for.
         let known = self.model.fit()?.known();
         let all = self.before.known.iter().chain(&known);
-        let mut at_limit: Vec<&Known> = all.filter(|own| deviations_off(own, own).is_some()).collect();
+        let mut at_limit: Vec<&Estimate> = all.filter(|own| deviations_off(own, own).is_some()).collect();
         at_limit.sort_by(|a, b| a.unknown.name.cmp(&b.unknown.name));
         at_limit.dedup_by_key(|own| &own.unknown.name);
-        let widening = self.added.iter().map(|best| best.widening).fold(1.0, f64::max);
-        let price: f64 = self.added.iter().map(|best| best.price).sum();
-        let mut least = self.cost + 0.5 * widening * price;
+        let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
+        let penalty: f64 = self.added.iter().map(|best| best.penalty).sum();
+        let mut least = self.cost + 0.5 * variance_inflation * penalty;
         let mut misstated = Vec::new();
         for own in at_limit {
-            self.listener.doing(&format!("whether {} is as stated", own.unknown.name));
+            self.listener.doing(&format!("test of the stated {}", own.unknown.name));
             let problem = ending_by(&lifted(&self.problem, own), &self.listener.stop());
             // From the start, since a belief at its limit may have lost the phase of the swing.
             let fit = match Joint::search(&problem, &|_| ()) {

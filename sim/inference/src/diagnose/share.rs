@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Course;
-use super::judge::Judgement;
+use super::validation::Agreement;
 use super::verdict::{Added, Evidence, Gap, Verdict};
 use crate::calibrate::CalibrateError;
 use crate::calibrate::joint::Fitted;
@@ -18,7 +18,7 @@ pub struct Shares {
     pub left_mm: f64,
     /// Share of the square of what noise does not explain that is gone; none where there is nothing to explain.
     pub removed: Option<f64>,
-    /// The same of what was locked away.
+    /// The same for held-out releases.
     pub removed_held_out: Option<f64>,
 }
 
@@ -72,20 +72,20 @@ fn removed([before, noise]: [f64; 2], [after, _]: [f64; 2]) -> Option<f64> {
 }
 
 /// Mean square distance of all releases, and of noise alone, mm².
-fn of_all(judged: &Judgement) -> [f64; 2] {
-    mean_square(judged.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]))
+fn of_all(agreement: &Agreement) -> [f64; 2] {
+    mean_square(agreement.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]))
 }
 
 /// Whether a model misses at most half of what another one misses, of the squares beyond the noise.
-fn most(before: &Judgement, after: &Judgement) -> bool {
+fn most(before: &Agreement, after: &Agreement) -> bool {
     removed(of_all(before), of_all(after)).is_none_or(|share| share >= 0.5)
 }
 
 /// A model on the way.
 pub(super) struct Step {
     pub model: Fitted,
-    pub after: Judgement,
-    pub locked: Option<Judgement>,
+    pub after: Agreement,
+    pub held_out: Option<Agreement>,
 }
 
 impl Course<'_> {
@@ -95,7 +95,7 @@ impl Course<'_> {
         self.steps.push(Step {
             model: self.model.clone(),
             after: self.after.clone(),
-            locked: self.locked().map(|locked| locked.judgement.clone()),
+            held_out: self.held_out().map(|held_out| held_out.agreement.clone()),
         });
     }
 
@@ -105,7 +105,7 @@ impl Course<'_> {
         let Some(repeats) = &self.diagnosis.repeats else { return false };
         let is_asked = repeats.is_known() || !self.added.is_empty();
         is_asked
-            && [Some(&self.after), self.locked().map(|locked| &locked.judgement)]
+            && [Some(&self.after), self.held_out().map(|held_out| &held_out.agreement)]
                 .into_iter()
                 .flatten()
                 .all(|met| of_all(met)[0].sqrt() <= repeats.largest_mm(met.gaps.len()))
@@ -120,23 +120,23 @@ impl Course<'_> {
     }
 
     /// Where something is left that has no name: of what was added, the first effects of which each explains most of what
-    /// was missing before it, in what was fitted and in what was locked away. The others may stand in for anything.
+    /// was missing before it, in what was fitted and in held-out releases. The others may stand in for anything.
     pub(super) fn keep_what_explains_most(&mut self) -> Result<(), CalibrateError> {
         let is_misstated = !self.diagnosis.contradictions.is_empty();
         let is_open = self.diagnosis.verdict == Verdict::Unknown && !is_misstated;
-        if !is_open || self.added.is_empty() || self.before.early.is_some() {
+        if !is_open || self.added.is_empty() || self.before.first_swings.is_some() {
             return Ok(());
         }
-        let (mut fitted, mut locked) =
-            (&self.before.fitted, self.before.locked.as_ref().map(|own| &own.judgement));
+        let (mut fitted, mut held_out) =
+            (&self.before.fitted, self.before.held_out.as_ref().map(|own| &own.agreement));
         let mut kept = 0;
         for step in &self.steps {
             let explains = most(fitted, &step.after)
-                && locked.zip(step.locked.as_ref()).is_none_or(|(before, after)| most(before, after));
+                && held_out.zip(step.held_out.as_ref()).is_none_or(|(before, after)| most(before, after));
             if !explains {
                 break;
             }
-            (fitted, locked) = (&step.after, step.locked.as_ref());
+            (fitted, held_out) = (&step.after, step.held_out.as_ref());
             kept += 1;
         }
         if kept == 0 {
@@ -147,7 +147,7 @@ impl Course<'_> {
             self.added[kept..].iter().map(|best| best.candidate.name()).collect();
         let is_left_out = |own: &&mut Evidence| left_out.contains(&own.effect.as_str());
         for evidence in self.diagnosis.evidence.iter_mut().filter(is_left_out) {
-            evidence.reject("it explains less than half of what is left");
+            evidence.reject("it explains less than half of the remaining residual");
         }
         if kept < self.added.len() {
             self.added.truncate(kept);

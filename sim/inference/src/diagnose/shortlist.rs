@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::judge::Locked;
 use super::refit::{Refit, Rough, refit, rough};
-use super::round::{Best, Heard};
+use super::round::{Best, RoundOutcome};
 use super::score::{APART, ONE, Score, Scores, distance};
 use super::stop::{CUT_SHORT, is_stopped};
+use super::validation::HeldOut;
 use super::verdict::{Evidence, Member};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::uncertainty::uncertainty;
@@ -24,14 +24,15 @@ pub(super) const LEAD: f64 = 12.0;
 /// χ² that an unknown takes away where it means nothing, and as much again: Akaike (1974), IEEE Transactions on
 /// Automatic Control 19, 716-723.
 const FAIR: f64 = 2.0;
-/// Share of what an effect explains of the fitted releases by which it has to better what was locked away, or else by
-/// more than noise gives: one that is there betters both, though EI of a locked pressure may do most of its work there.
+/// Share of what an effect explains of the fitted releases by which it has to better held-out releases, or else by
+/// more than noise gives: one that is there betters both, though EI of a held-out pressure may do most of its work
+/// there.
 const AGREES: f64 = 0.1;
 /// χ², in what noise gives, below which effects of which none is believed are not there at all.
 const CHANCE: f64 = 3.0;
 /// Why one is not named that is too small beside what was found.
 pub(super) const LITTLE: &str =
-    "it is less than a tenth in size of what was found: no law is known that well";
+    "it is smaller than a tenth of what was found, which is within the error of a law";
 
 /// An effect on its way through a round.
 pub(super) struct Entry {
@@ -58,7 +59,7 @@ impl Entry {
             rejected: None,
         };
         if entry.score.columns.is_empty() {
-            entry.reject("the model can do all that it does, or cannot be run with it");
+            entry.reject("the model already covers it, or cannot be simulated with it");
         } else if !entry.score.is_admissible {
             entry.reject("it would need the wrong sign");
         }
@@ -104,14 +105,14 @@ impl Entry {
 
 /// Why one is not the answer that fits less well than another.
 pub(super) fn falls_behind(by: f64, leader: &str) -> String {
-    format!("for its unknowns it explains {by:.0} less of χ² than {leader}")
+    format!("fits worse than {leader} by {by:.0} in χ², after the penalty for parameters")
 }
 
 /// χ² that an unknown has to be worth: `ln n`, with as many independent samples n as the noise leaves. Schwarz (1978),
 /// Annals of Statistics 6, 461-464.
-pub(super) fn price(fit: &Joint, widening: f64) -> f64 {
+pub(super) fn penalty(fit: &Joint, variance_inflation: f64) -> f64 {
     let series = fit.found.at.carried.blocks.iter().flatten();
-    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / widening;
+    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / variance_inflation;
     samples.max(1.0).ln()
 }
 
@@ -145,7 +146,7 @@ pub(super) fn fit_all(
     shortlist: &mut [Entry],
     problem: &Problem,
     fit: &Joint,
-    widening: f64,
+    variance_inflation: f64,
     tell: &(dyn Fn(&Entry) + Sync),
 ) -> Result<(), CalibrateError> {
     let of_entry = |entry: &mut Entry| {
@@ -154,7 +155,7 @@ pub(super) fn fit_all(
         match &rough {
             Some(rough) => {
                 entry.rough = Some(rough.cost);
-                entry.realised = Some(2.0 * (fit.cost() - rough.cost) / widening);
+                entry.realised = Some(2.0 * (fit.cost() - rough.cost) / variance_inflation);
                 tell(entry);
             }
             None => entry.reject(not_run(problem)),
@@ -164,7 +165,7 @@ pub(super) fn fit_all(
     let roughs: Vec<Option<Rough>> =
         shortlist.par_iter_mut().map(of_entry).collect::<Result<_, CalibrateError>>()?;
     let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
-    let room = (NEAR * (fit.cost() - least)).max(5.0 * LEAD * widening);
+    let room = (NEAR * (fit.cost() - least)).max(5.0 * LEAD * variance_inflation);
     shortlist.par_iter_mut().zip(&roughs).try_for_each(|(entry, rough)| {
         if let Some(rough) = rough.as_ref().filter(|rough| rough.cost < least + room) {
             entry.refit = refit(rough, &entry.candidate)?;
@@ -178,86 +179,87 @@ pub(super) fn fit_all(
 
 /// Why a candidate has no fit.
 pub(super) fn not_run(problem: &Problem) -> &'static str {
-    if is_stopped(problem) { CUT_SHORT } else { "a model with it cannot be run" }
+    if is_stopped(problem) { CUT_SHORT } else { "a model with it cannot be simulated" }
 }
 
 /// Takes the one that fits best for its unknowns, and those that fit as well, if that is more than noise would
-/// give and what was locked away does not speak against it.
+/// give and held-out releases does not speak against it.
 pub(super) fn choose(
     shortlist: &mut [Entry],
     problem: &Problem,
     fit: &Joint,
     scores: &Scores,
-    before: Option<&Locked>,
+    before: Option<&HeldOut>,
     negligible: f64,
     tell: &(dyn Fn(&str) + Sync),
-) -> Result<Heard, CalibrateError> {
-    let widening = least_widening(shortlist, scores.widening)?;
-    let each = price(fit, widening);
-    let price = |refit: &Refit| refit.unknowns as f64 * each;
-    let left = |refit: &Refit| 2.0 * refit.cost / widening;
-    let worth = |refit: &Refit| left(refit) + price(refit);
+) -> Result<RoundOutcome, CalibrateError> {
+    let variance_inflation = least_inflation(shortlist, scores.variance_inflation)?;
+    let each = penalty(fit, variance_inflation);
+    let penalty = |refit: &Refit| refit.unknowns as f64 * each;
+    let left = |refit: &Refit| 2.0 * refit.cost / variance_inflation;
+    let worth = |refit: &Refit| left(refit) + penalty(refit);
     // An unknown less is a reason to be asked first, and none to stand alone.
     let fair = |refit: &Refit| left(refit) + FAIR * refit.unknowns as f64;
     let of = |entry: &Entry| entry.refit.as_ref().map_or(f64::INFINITY, worth);
     shortlist.sort_by(|a, b| of(a).total_cmp(&of(b)));
     let Some(best) = shortlist.first().and_then(|entry| entry.refit.as_ref()) else {
-        return Ok(Heard::Stranger);
+        return Ok(RoundOutcome::Unexplained);
     };
     // The null may have a better minimum where the effect has led.
     let again = Joint::approach(problem, &best.known, &fit.found.view, false, 0.0)?;
     let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
     let (least, fairest, leader) = (worth(best), fair(best), shortlist[0].candidate.name());
-    let most = 2.0 * (null - best.cost) / widening;
+    let most = 2.0 * (null - best.cost) / variance_inflation;
     // What cannot be told apart by its trace, no lead tells apart: it would come from an error of a law.
     let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[0], entry, scores)).collect();
     let roughest = shortlist.iter().filter_map(|entry| entry.rough).fold(f64::INFINITY, f64::min);
     for (entry, distance) in shortlist.iter_mut().zip(distances) {
         let Some(refit) = &entry.refit else {
-            let behind = entry.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - roughest) / widening);
+            let behind =
+                entry.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - roughest) / variance_inflation);
             entry.realised = entry.rough.map(|_| most - behind);
             entry.falls_behind(behind, leader);
             continue;
         };
         let behind = worth(refit) - least;
-        entry.realised = Some(2.0 * (null - refit.cost) / widening);
+        entry.realised = Some(2.0 * (null - refit.cost) / variance_inflation);
         let vanishes = |strength: f64| strength == entry.candidate.off && !entry.candidate.is_widened();
         if entry.strength().is_none_or(vanishes) {
-            entry.reject("fitted in full it vanishes");
+            entry.reject("its strength is zero in the full fit");
         } else if behind.min(fair(refit) - fairest) >= LEAD && distance >= ONE {
             entry.falls_behind(behind, leader);
         }
     }
     let noise = scores.threshold.powi(2);
     if most < noise {
-        let words = format!("fitted in full the best explains {most:.1} of χ², and noise {noise:.1}");
+        let words = format!("in the full fit the best lowers χ² by {most:.1}, and noise by {noise:.1}");
         shortlist.iter_mut().for_each(|entry| entry.reject(words.clone()));
-        return Ok(Heard::Nothing);
+        return Ok(RoundOutcome::Nothing);
     }
     if most < negligible {
         shortlist.iter_mut().for_each(|entry| entry.reject(LITTLE));
-        return Ok(Heard::Nothing);
+        return Ok(RoundOutcome::Nothing);
     }
-    // Equals are judged in turn until one stands.
+    // Equals are validated in turn until one stands.
     for lead in 0..shortlist.len() {
         let entry = &mut shortlist[lead];
         let Some(refit) = entry.refit.clone().filter(|_| entry.rejected.is_none()) else { continue };
         let own = entry.realised.unwrap_or(0.0);
         let noise = entry.score.decrease_at(scores.threshold);
         if own < noise {
-            entry.reject(format!("fitted in full it explains {own:.1} of χ², and noise {noise:.1}"));
+            entry.reject(format!("in the full fit it lowers χ² by {own:.1}, and noise by {noise:.1}"));
             continue;
         }
-        tell("what was locked away");
-        let locked = Locked::meet(&refit.fitted.problem, &refit.known)?;
-        if let (Some(before), Some(after)) = (before, &locked) {
+        tell("validation on held-out releases");
+        let held_out = HeldOut::meet(&refit.fitted.problem, &refit.known)?;
+        if let (Some(before), Some(after)) = (before, &held_out) {
             let before = before.cost(fit, problem)?;
             let after = after.cost(&refit.fitted.fit()?, &refit.fitted.problem)?;
             let pair = before.zip(after);
-            entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / widening);
+            entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / variance_inflation);
         }
         if entry.held_out.is_some_and(|decrease| decrease < noise.min(AGREES * own)) {
-            entry.reject("what was locked away does not agree");
+            entry.reject("held-out releases do not agree");
             continue;
         }
         let lead = &shortlist[lead];
@@ -274,23 +276,23 @@ pub(super) fn choose(
         };
         let mut members: Vec<(Member, Candidate)> = others.map(member).collect();
         members.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
-        let (candidate, price) = (lead.candidate.clone(), price(&refit));
-        return Ok(Heard::Effect(Box::new(Best {
+        let (candidate, penalty) = (lead.candidate.clone(), penalty(&refit));
+        return Ok(RoundOutcome::Effect(Box::new(Best {
             candidate,
             refit,
-            locked,
-            widening,
-            price,
+            held_out,
+            variance_inflation,
+            penalty,
             gain: most,
             members,
         })));
     }
-    Ok(if most < CHANCE * noise { Heard::Nothing } else { Heard::Stranger })
+    Ok(if most < CHANCE * noise { RoundOutcome::Nothing } else { RoundOutcome::Unexplained })
 }
 
 /// Variance of the noise over that of white noise as large as stated, as the best candidate leaves it: as in any F test,
 /// the larger model says what noise is. What a linear step leaves of a large effect would pass for noise.
-fn least_widening(shortlist: &[Entry], linear: f64) -> Result<f64, CalibrateError> {
+fn least_inflation(shortlist: &[Entry], linear: f64) -> Result<f64, CalibrateError> {
     let refits = shortlist.iter().filter_map(|entry| Some((entry.refit.as_ref()?, &entry.candidate)));
     let Some((best, candidate)) = refits.min_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost)) else {
         return Ok(linear);
@@ -300,7 +302,7 @@ fn least_widening(shortlist: &[Entry], linear: f64) -> Result<f64, CalibrateErro
     let path = candidate.path();
     let own =
         best.known.iter().enumerate().filter(|(k, known)| known.unknown.name == path && of.is_determined[*k]);
-    let own = own.map(|(k, _)| of.widening(k)).filter(|own| own.is_finite()).fold(0.0, f64::max);
+    let own = own.map(|(k, _)| of.variance_inflation(k)).filter(|own| own.is_finite()).fold(0.0, f64::max);
     Ok(if own > 0.0 { own.clamp(1.0, linear.max(1.0)) } else { linear })
 }
 
@@ -313,7 +315,7 @@ fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
         _ => first.score.estimates.clone(),
     };
     let distance = distance(&scores.gram, &first.score.columns, &second.score.columns, &strengths);
-    distance / scores.widening.sqrt()
+    distance / scores.variance_inflation.sqrt()
 }
 
 #[cfg(test)]

@@ -37,13 +37,13 @@ impl Course<'_> {
         self.model.with_problem(ending_by(&self.model.problem, &self.listener.stop()))
     }
 
-    /// A model that was found in a search which may be asked to end: its own runs do not end, and it meets what was
-    /// locked away.
+    /// A model that was found in a search which may be asked to end: its own runs do not end, and it meets held-out
+    /// releases.
     pub(super) fn lasting(&self, mut best: Box<Best>) -> Result<Box<Best>, CalibrateError> {
         let fitted = &best.refit.fitted;
         best.refit.fitted = fitted.with_problem(ending_by(&fitted.problem, &Cancel::default()));
-        if best.locked.is_none() && self.is_stopped() {
-            best.locked = super::judge::Locked::meet(&best.refit.fitted.problem, &best.refit.known)?;
+        if best.held_out.is_none() && self.is_stopped() {
+            best.held_out = super::validation::HeldOut::meet(&best.refit.fitted.problem, &best.refit.known)?;
         }
         Ok(best)
     }

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::describe::Description;
-use super::gate::Numerics;
 use super::localise::Shape;
+use super::mesh_check::Numerics;
 use super::misfit::Misfit;
 use super::share::Shares;
 use crate::calibrate::repeats::Repeats;
@@ -18,7 +18,7 @@ pub enum Verdict {
     Named,
     /// The same, and what remains is more than noise and than what repeats: something else is missing as well.
     Incomplete,
-    /// One of several effects that these recordings cannot tell apart.
+    /// Several effects that these recordings cannot separate.
     Class,
     /// Nothing that these recordings could show.
     #[default]
@@ -38,7 +38,7 @@ pub struct Diagnosis {
     pub effects: Vec<Added>,
     /// Effects that would do as well as the last one added; empty where it stands alone.
     pub members: Vec<Member>,
-    /// What would tell the members apart.
+    /// Recordings that separate the members.
     pub separating_experiment: Option<Separation>,
     /// Every candidate of every round.
     pub evidence: Vec<Evidence>,
@@ -47,10 +47,10 @@ pub struct Diagnosis {
     /// How well the experiment repeats; none where that is not known.
     #[serde(default)]
     pub repeats: Option<Repeats>,
-    /// What was missing, and how much of it the effects explain.
+    /// The misfit, and the share that the effects explain.
     #[serde(default)]
     pub shares: Option<Shares>,
-    /// What the fit moved far from what is stated of the setup, the farthest first.
+    /// Parameters that the fit moved far from the stated setup, the farthest first.
     #[serde(default)]
     pub contradictions: Vec<Contradiction>,
     /// False-alarm level of a round, and the score that it amounts to.
@@ -60,21 +60,21 @@ pub struct Diagnosis {
     /// Whether the model as it is misses even the first swings, so that candidates were fitted to these first.
     #[serde(default)]
     pub misses_first_swings: bool,
-    /// What the simulation does wrong before anything is added, the largest first; empty where it misses even the
-    /// first swings.
+    /// Errors of the simulation before anything is added, the largest first; empty where it misses even the first
+    /// swings.
     pub misfits: Vec<Misfit>,
-    /// What the residual looks like in each round, whatever its cause.
+    /// Residual patterns of each round.
     pub shapes: Vec<Shape>,
     /// Mesh and step.
     pub numerics: Numerics,
-    /// What was locked away, by name of the release.
+    /// Held-out releases, by name.
     pub held_out: Vec<String>,
-    /// The moment that it would take, where no effect explains what is there: a description, not a cause.
+    /// A moment that would explain the residual where no effect does: a description, not a cause.
     pub description: Option<Description>,
     /// The round in which the search was cut short, by its budget or by an interruption; none where it ended by itself.
     #[serde(default)]
     pub cut_short_in_round: Option<usize>,
-    /// What should be known before the answer is used, in words.
+    /// Caveats of the answer.
     pub warnings: Vec<String>,
 }
 
@@ -111,11 +111,11 @@ pub struct Contradiction {
     pub value: f64,
     /// SI unit; empty if dimensionless.
     pub unit: String,
-    /// How far that is from what is stated, standard deviations of the latter.
+    /// Distance from the stated value, in its standard deviations.
     pub deviations: f64,
 }
 
-/// One of several effects that do the same to these recordings.
+/// An effect with the same trace in these recordings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Member {
     /// Its stable name.
@@ -123,14 +123,14 @@ pub struct Member {
     /// By how much its best fit is worse than that of the best, χ² in units of the noise as it is.
     pub behind: f64,
     /// How far apart its trace and that of the best are when all else is fitted, standard deviations:
-    /// below 2 they are one, from 5 on they are told apart.
+    /// below 2 they are one, from 5 on they are separable.
     pub distance: f64,
 }
 
 /// An experiment that would tell the members of a class apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Separation {
-    /// What to do, in words.
+    /// The recording to make.
     pub what: String,
     /// Distance of the two nearest members with it, found by simulating it.
     pub distance: f64,
@@ -138,14 +138,14 @@ pub struct Separation {
     pub distance_now: f64,
 }
 
-/// What speaks for and against one candidate in one round.
+/// Evidence for and against one candidate in one round.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Evidence {
     /// Round, 1 being the search for the first effect.
     pub round: usize,
     /// Its stable name.
     pub effect: String,
-    /// Whether it was found before, and what is asked is a strength for each pressure.
+    /// Whether it was found before, and this candidate has a strength for each pressure.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub of_each_pressure: bool,
     /// Whether it was fitted to the first swings, because the model misses even those: its score is the root of the
@@ -156,15 +156,15 @@ pub struct Evidence {
     pub tried: Vec<(String, f64)>,
     /// Size of its score.
     pub score: f64,
-    /// Promised decrease of χ².
+    /// Predicted decrease of χ².
     pub predicted_decrease: f64,
     /// Decrease of χ² when it was fitted, roughly where it came not near the best; none where it was not.
     pub realised_decrease: Option<f64>,
-    /// Its strength: the fitted one, or else the promised one; SI.
+    /// Its strength: the fitted one, or else the predicted one; SI.
     pub strength: f64,
-    /// Decrease of χ² on what was locked away.
+    /// Decrease of χ² on held-out releases.
     pub held_out_decrease: Option<f64>,
-    /// Why it is not the answer; none for the one that is.
+    /// Reason for its rejection; none for the answer.
     pub rejected: Option<String>,
 }
 
@@ -174,18 +174,18 @@ impl Evidence {
         self.rejected.get_or_insert_with(|| why.to_owned());
     }
 
-    /// What was asked for, as a row of a table names it.
+    /// What was requested, as a row of a table names it.
     pub fn asked(&self) -> String {
         if self.of_each_pressure { format!("{}, by pressure", self.effect) } else { self.effect.clone() }
     }
 }
 
-/// How far simulation and recordings are apart.
+/// Gap between simulation and recordings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gap {
     /// Name of the release.
     pub release: String,
-    /// Whether it was locked away.
+    /// Whether it is held out.
     pub held_out: bool,
     /// Root mean square distance of all samples without the effects, mm, and with them.
     pub before_mm: f64,

@@ -2,20 +2,20 @@
 
 use models::effects::Kind;
 
-use super::gate;
+use super::mesh_check;
 use super::refit::prefix;
 use super::section::{FARTHEST, LEAST_NOISE, TILT};
 use super::stop;
 use super::verdict::{Contradiction, Diagnosis, Verdict};
 use crate::calibrate::Problem;
-use crate::calibrate::joint::Known;
+use crate::calibrate::joint::Estimate;
 use models::digits::significant;
 
 /// All that concern a diagnosis as it stands, its problem, and where its fit ended.
-pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Known]) -> Vec<String> {
+pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Estimate]) -> Vec<String> {
     let mut words: Vec<String> = several(diagnosis).into_iter().collect();
     words.extend(stop::warning(diagnosis));
-    words.extend(gate::warning(&diagnosis.numerics));
+    words.extend(mesh_check::warning(&diagnosis.numerics));
     words.extend(of_experiment(problem));
     words.extend(diagnosis.contradictions.iter().map(|own| format!("{}: check the setup", own.told())));
     words.extend(diagnosis.effects.iter().flat_map(|added| bounded(known, &added.effect)));
@@ -27,19 +27,21 @@ pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Known]
 const BELIEVABLE: f64 = FARTHEST * (1.0 - 1e-6);
 
 /// Standard deviations by which a value is off what was `believed`; none where that is believable.
-pub(super) fn deviations_off(found: &Known, believed: &Known) -> Option<f64> {
+pub(super) fn deviations_off(found: &Estimate, believed: &Estimate) -> Option<f64> {
     let prior = believed.unknown.prior?;
     Some(((found.value() - prior.mean) / prior.deviation).abs()).filter(|off| *off > BELIEVABLE)
 }
 
 /// Whether the fit needs a setup as far off as it may be.
-pub(super) fn is_strained(known: &[Known]) -> bool {
+pub(super) fn is_strained(known: &[Estimate]) -> bool {
     known.iter().any(|known| deviations_off(known, known).is_some())
 }
 
 /// What a fit had to assume of the setup against what was believed: each value, and the unknown that has the belief.
-pub(super) fn contradictions<'a>(known: impl Iterator<Item = (&'a Known, &'a Known)>) -> Vec<Contradiction> {
-    let of = |(found, believed): (&Known, &Known)| {
+pub(super) fn contradictions<'a>(
+    known: impl Iterator<Item = (&'a Estimate, &'a Estimate)>,
+) -> Vec<Contradiction> {
+    let of = |(found, believed): (&Estimate, &Estimate)| {
         let deviations = deviations_off(found, believed)?;
         let (parameter, unit) = (found.unknown.name.clone(), found.unknown.unit.to_owned());
         Some(Contradiction { parameter, value: found.value(), unit, deviations })
@@ -54,7 +56,7 @@ impl Contradiction {
     pub(super) fn told(&self) -> String {
         let Self { parameter, value, unit, deviations } = self;
         let value = stated(*value, unit);
-        format!("{parameter} = {value} is {deviations:.0} standard deviations off what was believed of it")
+        format!("{parameter} = {value} is {deviations:.0} standard deviations from its prior")
     }
 }
 
@@ -64,13 +66,13 @@ fn stated(value: f64, unit: &str) -> String {
 }
 
 /// What of an effect stands at an end of what is believed, so that its interval is no more than a bound.
-fn bounded(known: &[Known], effect: &str) -> Vec<String> {
+fn bounded(known: &[Estimate], effect: &str) -> Vec<String> {
     let prefix = prefix(effect);
-    let of = |known: &Known| {
+    let of = |known: &Estimate| {
         let is_own = known.unknown.name.starts_with(&prefix);
         (is_own && known.value() != 0.0 && known.unknown.is_at_bound(known.x)).then(|| {
             format!(
-                "{} = {} stands at an end of what is believed of it, and the recordings would have it beyond: look whether such a size suits this rod, or whether it stands in for something else",
+                "{} = {} hit its bound; the fit would go further: check whether this value suits the rod, or stands in for another effect",
                 known.unknown.label(),
                 stated(known.value(), known.unknown.unit)
             )
@@ -83,7 +85,7 @@ fn bounded(known: &[Known], effect: &str) -> Vec<String> {
 fn several(diagnosis: &Diagnosis) -> Option<String> {
     let is_named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Incomplete | Verdict::Class);
     (is_named && diagnosis.effects.len() > 1).then(|| {
-        "several effects together can stand in for one that the catalogue does not hold: confirm them with another recording, with markers on the body".to_owned()
+        "several effects together can stand in for one outside the catalogue: confirm them with another recording, with markers on the body".to_owned()
     })
 }
 
@@ -109,37 +111,39 @@ fn of_experiment(problem: &Problem) -> Vec<String> {
     let had = had(problem);
     if !had.is_empty() {
         words.push(format!(
-            "{}: in the model already, so not looked for; it stays as it is unless [calibrate] names its parameters",
+            "{}: already in the model, so no candidate; its values are fixed unless [calibrate] names its parameters",
             had.join(", ")
         ));
     }
     if fitted.len() == problem.trials.len() {
-        words.push("nothing is locked away: no release judges the answer that did not make it; record one more, or say held_out = true of one".to_owned());
+        words.push("no release is held out: the answer is not validated; record one more, or set held_out = true for one".to_owned());
     }
     if problem.fitted_pressures().len() < 2 {
         words.push(
-            "one pressure alone: effects that differ by how they grow with the pressure cannot be told apart"
+            "one pressure only: effects that differ in their growth with pressure cannot be separated"
                 .to_owned(),
         );
     }
     if fitted.len() < 2 {
-        words.push("one release alone: what changes from release to release cannot be told from what is always there".to_owned());
+        words.push(
+            "one release only: changes between releases cannot be separated from constant effects".to_owned(),
+        );
     }
     if fitted.iter().flat_map(|trial| &trial.release.tracks).any(|track| track.noise <= LEAST_NOISE) {
         words.push(format!(
-            "a recording has less noise than a fit can follow: {} mm is taken; where the model is believed to less, say so by noise in its [[recording]]",
+            "a recording has less noise than a fit can resolve: {} mm is used; to allow for a larger error of the model, set noise in its [[recording]]",
             1e3 * LEAST_NOISE
         ));
     }
     let longest = fitted.iter().filter_map(|trial| trial.release.time.last()).fold(0.0, |a, b| b.max(a));
     if longest < SHORT {
         words.push(format!(
-            "no release is seen for longer than {longest:.1} s: damping, and what changes slowly or only in small swings, can hardly be told; record until the swing has died away"
+            "no release is longer than {longest:.1} s: damping and slow changes are poorly determined; record until the swing has died away"
         ));
     }
     if fitted.iter().all(|trial| trial.release.tracks.len() < 2) {
         words.push(
-            "one marker alone: effects that differ by where along the body they act can hardly be told apart"
+            "one marker only: effects that act at different places along the body are hard to separate"
                 .to_owned(),
         );
     }
@@ -166,10 +170,10 @@ mod tests {
         assert_eq!(several(&answer(Verdict::Unknown, &two)), None);
     }
 
-    /// A part that is nought is not there, and is no bound.
+    /// A part that is zero is absent, and at no bound.
     #[test]
     fn what_stands_at_an_end_of_its_range_is_warned_of() {
-        let known = |name: &str, value: f64| Known {
+        let known = |name: &str, value: f64| Estimate {
             unknown: Unknown {
                 kind: Kind::Parameter(0),
                 name: format!("effects.{name}"),
@@ -190,9 +194,6 @@ mod tests {
         ];
         let words = bounded(&all, "marker_offset");
         assert_eq!(words.len(), 1, "{words:?}");
-        assert!(
-            words[0].starts_with("effects.marker_offset.along = 0.00500 m stands at an end"),
-            "{words:?}"
-        );
+        assert!(words[0].starts_with("effects.marker_offset.along = 0.00500 m hit its bound"), "{words:?}");
     }
 }

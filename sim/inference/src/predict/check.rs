@@ -34,7 +34,7 @@ pub struct Check {
     pub compared: usize,
     /// Those of them whose interval holds what was measured.
     pub held: usize,
-    /// What should be known before the counts are used, in words.
+    /// Caveats of the counts.
     pub warnings: Vec<String>,
 }
 
@@ -51,7 +51,7 @@ pub struct Checked {
     pub payload_kg: f64,
     /// Each number that was measured and predicted.
     pub numbers: Vec<Number>,
-    /// What should be known before its numbers are used, in words.
+    /// Caveats of its numbers.
     pub warnings: Vec<String>,
 }
 

@@ -2,7 +2,7 @@
 
 use efam_experiments::scenario::Case;
 use models::model::Model;
-use models::muscle::{Here, Knob, Known};
+use models::muscle::{CalibratedParameter, Here, Known};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
@@ -27,7 +27,7 @@ pub struct Errors {
     /// The last error is that of the logarithm of the loss, where that is known at another frequency.
     root: DMatrix<f64>,
     /// Those that the data did not determine.
-    pub undetermined: Vec<Knob>,
+    pub undetermined: Vec<CalibratedParameter>,
     /// Of each parameter that was interpolated over pressure its path, and half the 95 % interval that this alone
     /// makes, as a share of its value.
     pub interpolated: Vec<(String, f64)>,
@@ -99,7 +99,7 @@ impl Errors {
             root = root.resize(count + 1, count + 1, 0.0);
             root[(count, count)] = loss.deviation;
         }
-        let is_own = |knob: &Knob| own.iter().any(|k| at.paths[*k] == knob.path);
+        let is_own = |parameter: &CalibratedParameter| own.iter().any(|k| at.paths[*k] == parameter.path);
         let interpolated = |k: &usize| {
             let (path, deviation) = (&at.paths[*k], at.interpolated[*k]);
             (deviation > 0.0).then(|| (path.clone(), NORMAL_95 * deviation / here(path).value.abs()))

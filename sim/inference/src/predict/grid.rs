@@ -30,7 +30,7 @@ const LEAST_ANGLE: &str = "least_angle_rad";
 /// Predictions over pressures and payloads; SI.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Grid {
-    /// What was asked.
+    /// Name of the request.
     pub name: String,
     /// Pressures above ambient, Pa, ascending; none of a rod that is no muscle.
     pub pressures_pa: Vec<f64>,
@@ -42,7 +42,7 @@ pub struct Grid {
     pub past_straight_down: Vec<PastStraightDown>,
     /// Of each payload at which pressure small swings are slowest; none with a single pressure.
     pub slowest: Vec<Slowest>,
-    /// What should be known before the numbers are used, in words.
+    /// Caveats of the numbers.
     pub warnings: Vec<String>,
 }
 
@@ -122,11 +122,11 @@ pub fn grid(
     };
     let asked = columns.iter().flat_map(|pressure| payloads.iter().map(|payload| (*pressure, *payload)));
     let cases = asked.map(|(pressure, payload)| make(pressure, payload)).collect::<Result<Vec<_>, _>>()?;
-    let (foretold, errors): (Vec<(Cell, f64)>, Vec<Option<Errors>>) = cases
+    let (predicted, errors): (Vec<(Cell, f64)>, Vec<Option<Errors>>) = cases
         .par_iter()
         .map(|case| {
             let errors = known.map(|known| Errors::new(known, case));
-            let done = foretell(case, known, errors.as_ref());
+            let done = predict_case(case, known, errors.as_ref());
             tell();
             (done, errors)
         })
@@ -137,8 +137,8 @@ pub fn grid(
         payloads_kg: payloads.to_vec(),
         ..Grid::default()
     };
-    let excursion = foretold.iter().map(|(_, excursion)| *excursion).fold(0.0, f64::max);
-    grid.cells = foretold.into_iter().map(|(cell, _)| cell).collect();
+    let excursion = predicted.iter().map(|(_, excursion)| *excursion).fold(0.0, f64::max);
+    grid.cells = predicted.into_iter().map(|(cell, _)| cell).collect();
     // What is sought between the cells has the loss of its frequency, as they have.
     let make: Make = &|pressure, payload| {
         let mut case = make(pressure, payload)?;
@@ -172,7 +172,7 @@ pub fn grid(
 }
 
 /// A case with the errors of what is known, and the largest distance of its tip from the rest, m.
-fn foretell(case: &Case, known: Option<&Known>, errors: Option<&Errors>) -> (Cell, f64) {
+fn predict_case(case: &Case, known: Option<&Known>, errors: Option<&Errors>) -> (Cell, f64) {
     let run = Run { energy: false, ..case.run.clone() };
     let mut cell = Cell {
         pressure_pa: case.pressure,

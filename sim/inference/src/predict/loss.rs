@@ -64,7 +64,7 @@ impl Loss {
     pub fn words(&self, value: f64, unit: &str) -> String {
         let [calibrated, here] = self.frequency_hz;
         format!(
-            "calibrated at {calibrated:.3} Hz and asked at {here:.3} Hz: {} is taken as {} instead of {}, so that as much is lost in a cycle as there; the intervals hold a damping ratio that goes with the frequency to the power ±{:.1} (95 %)",
+            "calibrated at {calibrated:.3} Hz and predicted at {here:.3} Hz: {} is taken as {} instead of {}, so that as much is lost in a cycle as there; the intervals hold a damping ratio that goes with the frequency to the power ±{:.1} (95 %)",
             self.path,
             format_si(self.factor * value, unit),
             format_si(value, unit),
@@ -76,15 +76,19 @@ impl Loss {
 #[cfg(test)]
 mod tests {
     use efam_core::example::muscle_at_15_psi;
-    use models::muscle::{Knob, Misfit};
+    use models::muscle::{CalibratedParameter, Misfit};
 
     use super::*;
 
     fn known(paths: &[&str], frequency_hz: [f64; 2]) -> Known {
-        let knob = |path: &&str| Knob { path: (*path).to_owned(), value: 0.01, ..Knob::default() };
+        let parameter = |path: &&str| CalibratedParameter {
+            path: (*path).to_owned(),
+            value: 0.01,
+            ..CalibratedParameter::default()
+        };
         Known {
             misfit: Some(Misfit { frequency_hz: Some(frequency_hz), ..Misfit::default() }),
-            parameter: paths.iter().map(knob).collect(),
+            parameter: paths.iter().map(parameter).collect(),
             ..Known::default()
         }
     }

@@ -6,15 +6,15 @@
 //! EI differs under load, or at amplitudes that were never seen. A warning says where a case lies outside the
 //! calibration.
 
-pub mod asked;
 pub mod check;
+pub mod ensemble;
 pub mod errors;
-pub mod family;
 pub mod grid;
 mod interval;
 mod loss;
 mod model_error;
 pub mod quantity;
+pub mod request;
 pub mod simulated;
 pub mod span;
 mod warnings;
@@ -51,7 +51,7 @@ impl Default for Settings {
     }
 }
 
-/// What is foretold of one case; SI.
+/// Prediction of one case; SI.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Prediction {
     /// Name of the case.
@@ -68,7 +68,7 @@ pub struct Prediction {
     pub draws: usize,
     /// Draws that could not be simulated.
     pub failed_draws: usize,
-    /// What should be known before the numbers are used, in words.
+    /// Caveats of the numbers.
     pub warnings: Vec<String>,
 }
 
@@ -109,7 +109,7 @@ pub struct Outcome {
     pub postures: Vec<(&'static str, Vec<[f64; 2]>)>,
 }
 
-/// A case that cannot be foretold.
+/// A case that cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{name}: {reason}")]
 pub struct PredictError {
@@ -175,7 +175,7 @@ pub fn predict(
     Ok(Outcome { prediction, band: band(&own, &all, &widened), postures: own.postures })
 }
 
-/// What the mesh does to what is foretold, where a calibration found its numbers without a mesh.
+/// What the mesh does to the prediction, where a calibration found its numbers without a mesh.
 fn mesh_of(known: Option<&Known>, own: &Simulated, model: &Model, run: &Run) -> Option<Mesh> {
     known.filter(|known| known.nodes.is_none()).and_then(|_| Mesh::of(own, model, run))
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::model_error::Off;
 use super::simulated::Simulated;
 
-/// One number that is foretold.
+/// One predicted number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Quantity {
     /// Its name, with the unit.
@@ -111,7 +111,7 @@ pub(super) const QUANTITIES: [Kind; 19] = [
     kind("frequency_hz", "frequency as released", "Hz", "damped_frequency_hz", |t| t.summary.damped_frequency_hz, Off::Frequency),
     kind("damping_ratio", "damping ratio as released, by eq. 6", "", "damping_ratio", |t| t.summary.damping_ratio, Off::Damping),
     kind("lowest_z_m", "lowest point of the tip", "m", "lowest", |t| t.lowest, Off::Swing),
-    kind("least_angle_rad", "least angle of the tip", "rad", "least_tip_angle_rad", |t| t.summary.least_tip_angle_rad, Off::SwingAngle),
+    kind("least_angle_rad", "minimum tip angle", "rad", "least_tip_angle_rad", |t| t.summary.least_tip_angle_rad, Off::SwingAngle),
     kind("first_peak_m", "first upper peak over the rest", "m", "peaks", |t| Some(t.summary.peaks.as_ref()?.first()?.height_m), Off::Swing),
     kind("peak_speed_m_s", "greatest speed of the tip", "m/s", "peak_speed", |t| Some(t.summary.peak_speed?.speed_m_s), Off::Share),
     kind("settling_5_percent_s", "settled to 5 % after", "s", "settling_5_percent_s", |t| t.summary.settling_5_percent_s, Off::Damping),

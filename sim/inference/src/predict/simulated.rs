@@ -22,7 +22,7 @@ pub struct Simulated {
     pub missing: BTreeMap<String, String>,
     /// How well the energy adds up; none where the run did not follow it.
     pub energy: Option<EnergyBalance>,
-    /// What the run cost.
+    /// Effort of the run.
     pub effort: Effort,
     /// Upper peak by upper peak.
     pub cycles: Vec<Cycle>,

@@ -35,7 +35,7 @@ pub(super) fn warnings(asked: &Extent, known: Option<&Known>, errors: &[Errors])
     let silent = asked.pressures.iter().filter(|pressure| known.is_silent_at(**pressure)).count();
     if silent > 0 {
         words.push(
-            "the file does not say how far interpolation between calibrated pressures may be off, so intervals leave it out; calibrate again"
+            "the file has no error of interpolation between calibrated pressures, so the intervals exclude it; calibrate again"
                 .to_owned(),
         );
     }
@@ -61,7 +61,7 @@ fn interpolated(errors: &[Errors]) -> Option<String> {
     let share = |(path, share): &(&str, f64)| format!("{path} to ±{} %", significant(100.0 * share, 2));
     let shares = worst.iter().map(share).collect::<Vec<_>>().join(", ");
     Some(format!(
-        "{which} was not calibrated; interpolation between the calibrated ones knows {shares} (95 %), and the intervals hold that"
+        "{which} was not calibrated; interpolation gives {shares} (95 %), and the intervals include that"
     ))
 }
 
@@ -69,19 +69,19 @@ fn interpolated(errors: &[Errors]) -> Option<String> {
 fn undetermined(errors: &[Errors]) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     for errors in errors {
-        for knob in &errors.undetermined {
-            let at = knob.pressure_pa.map_or(String::new(), |p| format!(" at {}", format_si(p, "Pa")));
-            let name = format!("{}{at}", knob.path);
-            let text = |value: f64| format_si(value, errors.unit(&knob.path));
-            let own = match knob.standard_error {
+        for parameter in &errors.undetermined {
+            let at = parameter.pressure_pa.map_or(String::new(), |p| format!(" at {}", format_si(p, "Pa")));
+            let name = format!("{}{at}", parameter.path);
+            let text = |value: f64| format_si(value, errors.unit(&parameter.path));
+            let own = match parameter.standard_error {
                 Some(error) => format!(
-                    "the calibration cannot tell {name} from zero: {} with a standard error of {}; a number that hangs on it has a wide interval",
-                    text(knob.value),
+                    "the calibration cannot tell {name} from zero: {} with a standard error of {}; numbers that depend on it have wide intervals",
+                    text(parameter.value),
                     text(error)
                 ),
                 None => format!(
                     "the calibration does not determine {name}, {}: the intervals take it to be known to its own size, or to its typical size where that is larger",
-                    text(knob.value)
+                    text(parameter.value)
                 ),
             };
             if !words.contains(&own) {
@@ -102,19 +102,19 @@ pub(super) fn outside(asked: &Extent, known: &Known) -> Vec<String> {
     let (kpa, g) = ((1e-3, 1, "kPa"), (1e3, 0, "g"));
     if let Some(pressures) = beyond(asked.pressures, known.pressure_pa, kpa) {
         words.push(format!(
-            "the pressure, {pressures}, lies outside what was calibrated, {}: how EI and losses change on the way is a guess",
+            "the pressure, {pressures}, lies outside what was calibrated, {}: the change of EI and losses is extrapolated",
             calibrated(known.pressure_pa, kpa)
         ));
     }
     if let Some(payloads) = beyond(asked.payloads, known.payload_kg, g) {
         words.push(format!(
-            "the payload, {payloads}, lies outside what was calibrated, {}: that EI and losses are the same under it is assumed",
+            "the payload, {payloads}, lies outside what was calibrated, {}: EI and losses are assumed to be the same under it",
             calibrated(known.payload_kg, g)
         ));
     }
     if known.excursion_m > 0.0 && asked.excursion > 1.05 * known.excursion_m {
         words.push(format!(
-            "the tip goes {:.0} mm from its rest, and was calibrated to {:.0} mm: that EI and losses are the same there is assumed",
+            "the tip goes {:.0} mm from its rest, and was calibrated to {:.0} mm: EI and losses are assumed to be the same there",
             1e3 * asked.excursion,
             1e3 * known.excursion_m
         ));

@@ -6,7 +6,7 @@ use efam_experiments::scenario::resolved::plain;
 use efam_inference::calibrate::calibration::{Calibrated, Correlations, ReleaseFit};
 use efam_inference::calibrate::problem::is_of_pressure;
 use efam_inference::calibrate::{Calibration, Problem, Settings};
-use models::muscle::{CalibratedColumn, Found, Knob, Known, Misfit, Muscle, MuscleError};
+use models::muscle::{CalibratedColumn, CalibratedParameter, Found, Known, Misfit, Muscle, MuscleError};
 
 /// A file with a calibrated model.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,7 +119,7 @@ pub fn rod_files(
         }
         pressures.push(pressure);
         let duration = trial.release.time.last().copied().unwrap_or(20.0);
-        let own = known.of(|knob| is_of_pressure(knob.pressure_pa, pressure));
+        let own = known.of(|parameter| is_of_pressure(parameter.pressure_pa, pressure));
         let text = plain(source, &trial.release.name, &trial.model, duration) + "\n" + &own.section();
         files.push(ModelFile { name: format!("rod-{}.toml", files.len() + 1), text });
     }
@@ -160,7 +160,7 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
         };
         calibration.correlations.iter().find_map(|group| together(&group)).unwrap_or(0.0)
     };
-    let knob = |one: &&Calibrated| Knob {
+    let parameter = |one: &&Calibrated| CalibratedParameter {
         path: one.name.clone(),
         pressure_pa: one.pressure_pa,
         value: one.value,
@@ -176,6 +176,6 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
         nodes,
         misfit: misfit(fitted().filter(|release| release.excursion_m > 0.0)),
         interpolation: Vec::new(),
-        parameter: own.iter().map(knob).collect(),
+        parameter: own.iter().map(parameter).collect(),
     }
 }

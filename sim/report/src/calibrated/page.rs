@@ -27,7 +27,7 @@ pub(super) fn page(
     };
     page.section("Parameters");
     parameters(&mut page, calibration);
-    page.section("How well each release is met");
+    page.section("Residuals of each release");
     of_calibration(problem, outcome).iter().for_each(|rods| page.rods(rods));
     page.figures(of("fit-"));
     fits(&mut page, calibration);
@@ -37,21 +37,21 @@ pub(super) fn page(
         page.section("Parameters over pressure");
         page.figures(of("parameter-"));
     }
-    page.section("What the data cannot tell apart");
+    page.section("Correlations");
     match calibration.correlations.iter().all(|group| group.names.len() < 2) {
         true => page.text("Each search found one parameter alone: there is nothing to be correlated with."),
         false => page.figures(of("correlations-")),
     }
     correlations(&mut page, calibration);
-    page.section("How it was found");
+    page.section("Stages of the search");
     stages(&mut page, calibration);
     let count = |held_out: bool| {
         calibration.releases.iter().filter(|release| release.held_out == held_out).count().to_string()
     };
     let evaluations: usize = calibration.searches.iter().map(|search| search.evaluations).sum();
     let own = vec![
-        ("releases that were fitted".to_owned(), count(false)),
-        ("releases that were only predicted".to_owned(), count(true)),
+        ("fitted releases".to_owned(), count(false)),
+        ("held-out releases".to_owned(), count(true)),
         ("evaluations of all releases of a search".to_owned(), evaluations.to_string()),
     ];
     page.before_use(&before_use(problem, calibration));
@@ -62,8 +62,8 @@ pub(super) fn page(
 fn word(calibration: &Calibration) -> String {
     let all = calibration.searches.iter().all(|search| search.converged);
     match (all, calibration.parameters.iter().any(|found| found.interval_95.is_none())) {
-        (false, _) => "Calibrated, but a search did not come to its end".to_owned(),
-        (true, true) => "Calibrated, but the data do not determine all of it".to_owned(),
+        (false, _) => "Calibrated, but a search did not converge".to_owned(),
+        (true, true) => "Calibrated, but not all parameters are identifiable".to_owned(),
         (true, false) => "Calibrated".to_owned(),
     }
 }
@@ -121,13 +121,13 @@ fn before_use(problem: &Problem, calibration: &Calibration) -> BeforeUse {
         (absent + held_back > 0).then(|| names.into_iter().chain(counts).collect())
     };
     BeforeUse {
-        note: Some("A parameter means what it means in this model: an effect that the model lacks goes into those that it has. efam diagnose asks whether one is missing.".to_owned()),
+        note: Some("Parameters belong to this model: a missing effect biases those that are fitted. efam diagnose tests whether one is missing.".to_owned()),
         warnings: calibration.warnings.clone(),
-        locked_away: Some(held_out.map(|release| release.name.clone()).collect()),
+        held_out: Some(held_out.map(|release| release.name.clone()).collect()),
         extrapolated: Some(mesh.collect()),
         masked: Some(Masked {
-            caption: "Samples that do not count: lost or masked; and so far off that they count for less",
-            heads: &["release", "marker", "samples", "not there", "held back"],
+            caption: "Samples left out: lost or masked; and outliers that count less",
+            heads: &["release", "marker", "samples", "missing", "held back"],
             rows: tracks.filter_map(row).collect(),
         }),
         assumed: assumed::of_problem(problem),
@@ -148,19 +148,28 @@ fn parameters(page: &mut Page, calibration: &Calibration) {
             interval(1),
             found.unit.clone(),
             number(found.relative_error().map(|error| 100.0 * error), 2),
-            number(found.widening, 2),
+            number(found.error_inflation, 2),
             bound.to_owned(),
         ]
     };
-    let heads =
-        ["parameter", "value", "standard error", "95 %, from", "to", "unit", "error, %", "widened", "remark"];
+    let heads = [
+        "parameter",
+        "value",
+        "standard error",
+        "95 %, from",
+        "to",
+        "unit",
+        "error, %",
+        "inflation",
+        "remark",
+    ];
     page.table(&Table {
-        caption: "What was found. Widened: by how much the error grew because residuals follow one another",
+        caption: "Estimates. Inflation: factor on the standard error for correlated residuals",
         heads: &heads,
         rows: calibration.parameters.iter().map(row).collect(),
     });
     page.folded(
-        "Unknown of each recording, and of no interest",
+        "Nuisance parameters, per recording",
         &Table {
             caption: "Instants, angles and offsets that were fitted with it",
             heads: &heads,
@@ -209,7 +218,7 @@ fn fits(page: &mut Page, calibration: &Calibration) {
             rows.push(vec![
                 release.name.clone(),
                 track.marker.clone(),
-                if release.held_out { "locked away" } else { "fitted" }.to_owned(),
+                if release.held_out { "held out" } else { "fitted" }.to_owned(),
                 format!("{:.2}", release.duration_s),
                 track.samples.to_string(),
                 significant(track.rms_mm, 3),
@@ -220,7 +229,7 @@ fn fits(page: &mut Page, calibration: &Calibration) {
         }
     }
     page.table(&Table {
-        caption: "Distance of measurement and fit. χ² is 1 where only noise is left, and an autocorrelation near 1 means that something else is",
+        caption: "Residuals of the fit. χ² of 1 is noise alone; an autocorrelation near 1 shows a remaining misfit",
         heads: &[
             "release",
             "marker",

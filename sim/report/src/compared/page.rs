@@ -26,10 +26,10 @@ pub(super) fn page(
     differences(&mut page, comparison);
     let heads = heads(comparison);
     let sections: [(&str, &str, &[Row]); 4] = [
-        ("Simulations", "What each run comes to", &comparison.quantities),
+        ("Simulations", "Numbers of each run", &comparison.quantities),
         ("Sets over pressure", "Each set by pressure", &comparison.over_pressure),
-        ("Predictions", "What is foretold, with the intervals that hold 95 %", &comparison.predictions),
-        ("Analyses", "What each release says", &comparison.analyses),
+        ("Predictions", "Predictions with 95 % intervals", &comparison.predictions),
+        ("Analyses", "Numbers of each release", &comparison.analyses),
     ];
     for (title, caption, rows) in sections {
         if rows.is_empty() {
@@ -99,7 +99,7 @@ fn lead(runs: &[Reread], comparison: &Comparison) -> (String, String) {
             text += &format!(" {title}: {least} to {most}{unit}, {apart} % apart.");
         }
     }
-    (format!("{} runs beside one another", runs.len()), text)
+    (format!("Comparison of {} runs", runs.len()), text)
 }
 
 fn again(run: &Reread) -> &'static str {
@@ -114,7 +114,7 @@ fn before_use(runs: &[Reread], comparison: &Comparison) -> BeforeUse {
     for (run, compared) in runs.iter().zip(&comparison.runs) {
         warnings.extend(run.warnings.iter().map(|warning| format!("{}: {warning}", compared.letter)));
         if let Kind::Other(word) = &run.kind {
-            warnings.push(format!("{}: of a {word} there is nothing to compare", compared.letter));
+            warnings.push(format!("{}: a {word} has nothing to compare", compared.letter));
         }
         if let Kind::Simulation(of) = &run.kind
             && of.summary.status != Status::Complete
@@ -171,7 +171,7 @@ fn differences(page: &mut Page, comparison: &Comparison) {
     if comparison.runs.len() < 2 {
         return;
     }
-    page.section("In what they differ");
+    page.section("Differences");
     if comparison.differences.is_empty() {
         page.text("In no key of their scenarios or experiments.");
     }
@@ -241,7 +241,7 @@ fn parameters(page: &mut Page, comparison: &Comparison, heads: &[[String; 2]]) {
     for (place, k) in of.iter().enumerate() {
         all.push(heads[*k][0].clone());
         if place > 0 {
-            all.push(format!("{} off by, standard errors of both", heads[*k][0]));
+            all.push(format!("difference of {}, standard errors of both", heads[*k][0]));
         }
     }
     let row = |one: &Parameter| {
@@ -261,7 +261,7 @@ fn parameters(page: &mut Page, comparison: &Comparison, heads: &[[String; 2]]) {
         cells
     };
     page.table(&Table {
-        caption: "Parameters with their standard errors. Beyond 3 of both together two values are hardly one",
+        caption: "Parameters with their standard errors. Above 3 standard errors of both, two values differ",
         heads: &all.iter().map(String::as_str).collect::<Vec<_>>(),
         rows: comparison.parameters.iter().map(row).collect(),
     });
@@ -279,20 +279,12 @@ fn verdicts(page: &mut Page, verdicts: &[Verdict]) {
         };
         let effects = if of.effects.is_empty() { "none".to_owned() } else { of.effects.join(", ") };
         let [before, after] = gap(of.gap);
-        let [locked_before, locked_after] = gap(of.locked_gap);
-        vec![of.letter.clone(), of.verdict.clone(), effects, before, after, locked_before, locked_after]
+        let [held_out_before, held_out_after] = gap(of.held_out_gap);
+        vec![of.letter.clone(), of.verdict.clone(), effects, before, after, held_out_before, held_out_after]
     };
     page.table(&Table {
         caption: "Verdicts, and the mean gap over the noise, 1 being noise alone",
-        heads: &[
-            "",
-            "verdict",
-            "effects",
-            "gap before",
-            "gap after",
-            "locked away, before",
-            "locked away, after",
-        ],
+        heads: &["", "verdict", "effects", "gap before", "gap after", "held out, before", "held out, after"],
         rows: verdicts.iter().map(row).collect(),
     });
 }

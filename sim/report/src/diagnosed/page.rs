@@ -26,17 +26,17 @@ pub(super) fn page(
     };
     let [gap, over_time, looks, candidates]: [Vec<&Picture>; 4] =
         [of(&["gap"]), of(&["residual"]), of(&["swing", "shapes"]), of(&["candidates"])];
-    page.section("How far simulation and recordings are apart");
+    page.section("Gap between simulation and recordings");
     page.figures(gap);
     gaps(&mut page, diagnosis);
     if !over_time.is_empty() {
-        page.section("What is left over time");
+        page.section("Residuals over time");
         of_diagnosis(outcome).iter().for_each(|rods| page.rods(rods));
         page.figures(over_time);
     }
-    page.section("What is left over the swing");
+    page.section("Residual patterns");
     page.figures(looks);
-    page.section("Who was asked");
+    page.section("Candidate effects");
     for picture in candidates {
         page.figure(picture);
     }
@@ -50,7 +50,7 @@ fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Named => "Verdict: named",
         Verdict::Incomplete => "Verdict: named, incomplete",
-        Verdict::Class => "Verdict: one of several",
+        Verdict::Class => "Verdict: ambiguous",
         Verdict::NothingMissing => "Verdict: nothing missing",
         Verdict::Unknown => "Verdict: unknown",
     }
@@ -59,13 +59,13 @@ fn verdict(verdict: Verdict) -> &'static str {
 /// What should be known before the answer is used.
 fn reservations(outcome: &Outcome) -> BeforeUse {
     BeforeUse {
-        note: Some("How often such answers are right is known from some two hundred drawn experiments only (docs/src/validation/blind-bench.md). Do not publish a name on its word alone.".to_owned()),
+        note: Some("The rate of right answers is known from about two hundred simulated experiments only (docs/src/validation/blind-bench.md). Confirm a name before you publish it.".to_owned()),
         warnings: outcome.diagnosis.warnings.clone(),
-        locked_away: Some(outcome.diagnosis.held_out.clone()),
+        held_out: Some(outcome.diagnosis.held_out.clone()),
         extrapolated: None,
         masked: Some(Masked {
-            caption: "Samples that do not count: of the hold, lost or masked; and so far off that they are held back",
-            heads: &["release", "marker", "samples", "not there", "held back"],
+            caption: "Samples left out: of the hold, lost or masked; and outliers held back",
+            heads: &["release", "marker", "samples", "missing", "held back"],
             rows: outcome.curves.iter().filter_map(lost).collect(),
         }),
         assumed: assumed::of_problem(&outcome.repaired),
@@ -81,7 +81,7 @@ fn lost(curve: &Curve) -> Option<Vec<String>> {
 }
 
 fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
-    page.section("What is missing");
+    page.section("Missing effects");
     if diagnosis.effects.is_empty() {
         page.text("No effect was added to the model.");
     }
@@ -107,13 +107,13 @@ fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
     if let Some(description) = &diagnosis.description {
         page.heading("A description, not a cause");
         page.table(&Table {
-            caption: "The moment at every bend, over EI, that what is left would take; it is not in the repaired model",
+            caption: "Moment at every bend, over EI, that would explain the residual; it is not in the repaired model",
             heads: &heads,
             rows: of_added(&description.moment),
         });
     }
     if !diagnosis.members.is_empty() {
-        page.heading("What would do as well");
+        page.heading("Equally good effects");
         let row = |member: &efam_inference::diagnose::verdict::Member| {
             vec![
                 member.effect.clone(),
@@ -123,15 +123,15 @@ fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
             ]
         };
         page.table(&Table {
-            caption: "Effects that these recordings cannot tell from it. Distance: below 2 standard deviations two effects are one, from 5 on they are told apart",
-            heads: &["effect", "behind, χ²", "distance", "what it is"],
+            caption: "Effects that these recordings cannot separate from it. Distance in standard deviations: below 2 inseparable, from 5 separable",
+            heads: &["effect", "worse by, χ²", "distance", "meaning"],
             rows: diagnosis.members.iter().map(row).collect(),
         });
     }
     if let Some(separation) = &diagnosis.separating_experiment {
-        page.heading("What to record next");
+        page.heading("Recommended recording");
         page.text(&format!(
-            "Record {}. Simulated, that takes the distance of the nearest two from {:.1} to {:.1} standard deviations.",
+            "Record {}. By simulation, this raises the distance of the nearest two from {:.1} to {:.1} standard deviations.",
             separation.what, separation.distance_now, separation.distance
         ));
     }
@@ -140,7 +140,7 @@ fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
 fn gaps(page: &mut Page, diagnosis: &Diagnosis) {
     let row = |gap: &efam_inference::diagnose::verdict::Gap| {
         let millimetres = |value: f64| format!("{value:.3}");
-        let part = if gap.held_out { "locked away" } else { "fitted" };
+        let part = if gap.held_out { "held out" } else { "fitted" };
         vec![
             gap.release.clone(),
             part.to_owned(),
@@ -174,8 +174,16 @@ fn evidence(page: &mut Page, diagnosis: &Diagnosis) {
     page.folded(
         "All candidates in numbers",
         &Table {
-            caption: "Every candidate of every round; decreases are of χ², in units of the noise as it is",
-            heads: &["effect", "round", "score", "promised", "kept", "on what was locked away", "why not"],
+            caption: "All candidates of all rounds; decreases are of χ²",
+            heads: &[
+                "effect",
+                "round",
+                "score",
+                "predicted decrease",
+                "fitted decrease",
+                "held-out decrease",
+                "reason for rejection",
+            ],
             rows: diagnosis.evidence.iter().map(row).collect(),
         },
     );
@@ -187,9 +195,9 @@ fn facts(diagnosis: &Diagnosis) -> Vec<(String, String)> {
         diagnosis.thresholds.iter().enumerate().map(|(k, t)| format!("round {}: {t:.2}", k + 1)).collect();
     vec![
         ("false-alarm level of a round".to_owned(), significant(diagnosis.false_alarm, 2)),
-        ("score to be exceeded".to_owned(), thresholds.join(", ")),
+        ("threshold of the score".to_owned(), thresholds.join(", ")),
         ("nodes".to_owned(), diagnosis.numerics.nodes.to_string()),
-        ("left of the mesh's error, over the noise".to_owned(), format!("{:.2}", diagnosis.numerics.left)),
+        ("mesh error over the noise".to_owned(), format!("{:.2}", diagnosis.numerics.left)),
     ]
 }
 
@@ -283,11 +291,11 @@ mod tests {
                 evidence("air_drag", None),
                 evidence("creep", Some("it would need the wrong sign")),
             ],
-            gap: vec![gap(name, false), gap("locked", true)],
+            gap: vec![gap(name, false), gap("held", true)],
             false_alarm: 0.01,
             thresholds: vec![4.2],
             shapes: vec![shape(1), shape(2)],
-            held_out: vec!["locked".to_owned()],
+            held_out: vec!["held".to_owned()],
             warnings: vec!["one pressure alone".to_owned()],
             ..Diagnosis::default()
         };
@@ -306,7 +314,7 @@ mod tests {
             baseline: repaired.clone(),
             repaired,
             errors: Default::default(),
-            curves: vec![curve(name, false), curve("locked", true)],
+            curves: vec![curve(name, false), curve("held", true)],
         }
     }
 
@@ -326,7 +334,7 @@ mod tests {
     fn each_verdict_has_a_page_that_says_it_and_what_it_rests_on() {
         for (kind, word, says) in [
             (Verdict::Named, "Verdict: named", "<td class=\"number\">1.20</td>"),
-            (Verdict::Class, "Verdict: one of several", "Record a longer recording"),
+            (Verdict::Class, "Verdict: ambiguous", "Record a longer recording"),
             (Verdict::NothingMissing, "Verdict: nothing missing", "No effect was added"),
             (Verdict::Unknown, "Verdict: unknown", "No effect was added"),
         ] {
@@ -339,12 +347,12 @@ mod tests {
                 "A summary of &lt;15 psi&gt;.",
                 says,
                 "one pressure alone",
-                "<li>locked</li>",
+                "<li>held</li>",
                 "<th scope=\"row\">15 psi</th><td>Tip &lt;1&gt;</td><td class=\"number\">400</td>\
                  <td class=\"number\">10</td><td class=\"number\">1</td>",
                 "rod.bending_stiffness is fitted: one value for each pressure",
                 "it would need the wrong sign",
-                "gap over the noise",
+                "rms residual over noise",
                 "residual, mm",
                 "time since release, s",
                 "phase, share of a swing",

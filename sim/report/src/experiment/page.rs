@@ -30,19 +30,19 @@ pub(super) fn page(
         pictures.iter().filter(|picture| picture.name.starts_with(name)).collect()
     };
     if let Some(analysed) = analysed {
-        page.section("What the releases say");
+        page.section("Results of the releases");
         numbers(&mut page, analysed);
         page.figures(["frequency", "damping", "stiffness", "tip-error"].into_iter().flat_map(of));
         at_rest(&mut page, analysed);
         page.section("Each release");
         page.figures(of("release-"));
     }
-    page.section("What was cut and masked");
+    page.section("Cuts and masks");
     cuts(&mut page, cleaned);
     for picture in of("recording-") {
         page.figure(picture);
     }
-    page.section("What was decided");
+    page.section("Decisions in cleaning");
     decisions(&mut page, cleaned);
     let used = cleaned.used().count();
     let own = vec![
@@ -79,7 +79,7 @@ fn lead(cleaned: &Cleaned, analysed: Option<&[Analysed]>) -> String {
     text += &range("The damping ratio", "", ratios).unwrap_or_default();
     let without = analysed.len() - decays().count();
     if without > 0 {
-        text += &format!(" Of {} no damping can be told.", count(without, "release"));
+        text += &format!(" No damping ratio for {}.", count(without, "release"));
     }
     text
 }
@@ -95,16 +95,17 @@ fn before_use(experiment: &Experiment, cleaned: &Cleaned, analysed: Option<&[Ana
     }));
     warnings.extend(analysed.into_iter().flatten().flat_map(Analysed::warnings));
     let held_out = cleaned.releases.iter().filter(|release| release.release.held_out);
-    warnings.extend(held_out.map(|release| {
-        format!("{} is held out: it is analysed, and no fit may see it", release.release.name)
-    }));
+    warnings.extend(
+        held_out
+            .map(|release| format!("{} is held out: it is analysed, but not fitted", release.release.name)),
+    );
     BeforeUse {
         note: analysed.map(|_| "Eq. 6 takes the damping ratio to be one for all amplitudes; where it is not, the picture of each release shows it.".to_owned()),
         warnings,
-        locked_away: None,
+        held_out: None,
         extrapolated: Some(extrapolated),
         masked: Some(Masked {
-            caption: "Samples of the tip that do not count; of these, masked ones were seen and are not believed",
+            caption: "Samples of the tip that are left out: lost, or masked as spurious",
             heads: &["release", "samples", "lost or masked, %", "masked", "bridged for the spectrum"],
             rows: cleaned.releases.iter().filter_map(|release| lost(release, analysed)).collect(),
         }),
@@ -129,7 +130,7 @@ fn lost(of: &CleanRelease, analysed: Option<&[Analysed]>) -> Option<Vec<String>>
 
 fn assumed(experiment: &Experiment, cleaned: &Cleaned, analysed: Option<&[Analysed]>) -> Vec<String> {
     let mut words = vec![
-        "The swing lies in a plane; what leaves it is shown with each recording, and left out.".to_owned(),
+        "The swing lies in a plane; motion out of it is shown with each recording, and left out.".to_owned(),
         "The tip rests where the decay of its last three periods leads; where that cannot be fitted, at the mean of the end.".to_owned(),
     ];
     words.push(match (experiment.has_model(), analysed) {
@@ -254,7 +255,7 @@ fn cuts(page: &mut Page, cleaned: &Cleaned) {
             "out of plane, mm",
             "of the length, %",
             "noise, mm",
-            "what became of it",
+            "use",
         ],
         rows: cleaned.releases.iter().map(row).collect(),
     });
@@ -265,7 +266,7 @@ fn decisions(page: &mut Page, cleaned: &Cleaned) {
     page.folded(
         &format!("All {} decisions", cleaned.decisions.len()),
         &Table {
-            caption: "What was decided in cleaning, with the key of the experiment file that decides otherwise",
+            caption: "Decisions in cleaning, each with the key of the experiment file that overrides it",
             heads: &["about", "what", "key"],
             rows: cleaned.decisions.iter().map(row).collect(),
         },

@@ -17,8 +17,8 @@ pub struct BeforeUse {
     pub note: Option<String>,
     /// What the run itself warns of.
     pub warnings: Vec<String>,
-    /// Releases that took no part, and judge the answer.
-    pub locked_away: Option<Vec<String>>,
+    /// Releases that took no part in the fit, and validate it.
+    pub held_out: Option<Vec<String>>,
     /// What lies outside the data that it rests on.
     pub extrapolated: Option<Vec<String>>,
     /// Samples that do not count.
@@ -69,15 +69,15 @@ impl Page {
         }
         // "None." above a caveat would be read as the all-clear.
         let is_extrapolated = of.extrapolated.as_ref().is_some_and(|all| !all.is_empty());
-        let none = if is_extrapolated { "None but what is extrapolated, below." } else { "None." };
+        let none = if is_extrapolated { "None except the extrapolations below." } else { "None." };
         self.part("Warnings", none, &of.warnings);
-        if let Some(locked) = &of.locked_away {
-            self.heading("Locked away");
-            match locked.is_empty() {
-                true => self.text("Nothing: no release judges the answer that did not make it."),
-                false => self.text("These releases took no part in the search, and judge what it found:"),
+        if let Some(held_out) = &of.held_out {
+            self.heading("Held-out releases");
+            match held_out.is_empty() {
+                true => self.text("No data were held out: not validated."),
+                false => self.text("These releases took no part in the fit, and validate it:"),
             }
-            self.list(locked);
+            self.list(held_out);
         }
         if let Some(extrapolated) = &of.extrapolated {
             self.part("Extrapolated", "Nothing.", extrapolated);
@@ -136,18 +136,18 @@ mod tests {
         };
         let empty = page(&BeforeUse::default());
         assert!(empty.contains("<h3>Warnings</h3>\n<p>None.</p>") && empty.contains("<p>Nothing.</p>"));
-        assert!(!empty.contains("Extrapolated") && !empty.contains("Locked") && !empty.contains("masked"));
+        assert!(!empty.contains("Extrapolated") && !empty.contains("Held-out") && !empty.contains("masked"));
         let full = page(&BeforeUse {
             warnings: vec!["hot".to_owned()],
             extrapolated: Some(vec!["far".to_owned()]),
-            locked_away: Some(vec!["kept".to_owned()]),
+            held_out: Some(vec!["kept".to_owned()]),
             masked: Some(Masked { caption: "lost", heads: &["a"], rows: vec![vec!["gone".to_owned()]] }),
             assumed: vec!["level".to_owned()],
             note: Some("mind".to_owned()),
         });
         let extrapolated = Some(vec!["far".to_owned()]);
         let caveat = page(&BeforeUse { extrapolated, ..BeforeUse::default() });
-        assert!(!caveat.contains("None.") && caveat.contains("None but what is extrapolated"), "{caveat}");
+        assert!(!caveat.contains("None.") && caveat.contains("None except the extrapolations"), "{caveat}");
         assert!(full.contains("<a href=\"#s1\">1 warning, 1 extrapolation, 1 assumption</a>"), "{full}");
         assert!(empty.contains("<a href=\"#s1\">no warnings</a>"), "{empty}");
         for word in ["hot", "far", "kept", "gone", "level", "mind"] {

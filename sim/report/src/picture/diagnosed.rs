@@ -60,7 +60,7 @@ fn gap(gaps: &[Gap]) -> Picture {
             name: gap.release.clone(),
             note: format!(
                 "{}{:.2} to {:.2} mm",
-                if gap.held_out { "locked away, " } else { "" },
+                if gap.held_out { "held out, " } else { "" },
                 gap.before_mm,
                 gap.after_mm
             ),
@@ -71,7 +71,7 @@ fn gap(gaps: &[Gap]) -> Picture {
     let noise = Stroke::dashed(BLACK, 1.4, 6.0, 4.0);
     let keys = [Key::ring(before(), "before"), Key::dot(after(), "after"), Key::line(noise, "noise alone")];
     let drawing = drawn((WIDTH, height(rows.len())), |page| {
-        let x = Axis(0.0..1.06 * most, "gap over the noise");
+        let x = Axis(0.0..1.06 * most, "rms residual over noise");
         let mut panel = Panel::rows(page, "Gap between simulation and recordings", &x, &rows, NAMES, &keys)?;
         let end = 0.5 - rows.len() as f64;
         panel.strip(0.0..1.0, end..0.5)?;
@@ -91,7 +91,7 @@ fn gap(gaps: &[Gap]) -> Picture {
     Picture {
         name: "gap".to_owned(),
         title: "Gap between simulation and recordings".to_owned(),
-        caption: "Root mean square distance of each release over its noise: 1 is noise alone. Below the line: releases that were locked away, which took no part and judge what was found. Samples that are held back do not count.".to_owned(),
+        caption: "Rms residual of each release over its noise; 1 is noise alone. Below the line: held-out releases. Outliers that are held back do not count.".to_owned(),
         drawing,
     }
 }
@@ -109,14 +109,14 @@ fn shapes(shapes: &[Shape]) -> Picture {
     let share = |shape: &Shape| shape.score / shape.threshold.max(f64::MIN_POSITIVE);
     let most = shapes.iter().map(share).fold(1.0, f64::max);
     let line = Stroke::dashed(BLACK, 1.4, 6.0, 4.0);
-    let of_last = if last > 1 { "with what was added" } else { "without any effect added" };
+    let of_last = if last > 1 { "with the added effects" } else { "baseline" };
     let mut keys = vec![Key::dot(after(), of_last), Key::line(line, "threshold")];
     if last > 1 {
         keys.insert(0, Key::ring(before(), "before"));
     }
     let drawing = drawn((WIDTH + 120, height(rows.len())), |page| {
         let x = Axis(0.0..1.06 * most, "score over its threshold");
-        let title = "What the residual looks like, whatever its cause";
+        let title = "Residual patterns";
         let mut panel = Panel::rows(page, title, &x, &rows, NAMES + 120.0, &keys)?;
         panel.line([(1.0, 0.5 - rows.len() as f64), (1.0, 0.5)].into_iter(), &line)?;
         let of_round = |round: usize| {
@@ -131,8 +131,8 @@ fn shapes(shapes: &[Shape]) -> Picture {
     });
     Picture {
         name: "shapes".to_owned(),
-        title: "What the residual looks like, whatever its cause".to_owned(),
-        caption: "Waves of the swing's phase under hats over its amplitude, scored as effects are. What lies right of the line stands out of the noise. No name of an effect goes into them.".to_owned(),
+        title: "Residual patterns".to_owned(),
+        caption: "Residual patterns by harmonic and amplitude, scored as effects are. Right of the line: above the threshold. They do not depend on the catalogue.".to_owned(),
         drawing,
     }
 }
@@ -156,17 +156,15 @@ fn ranking(round: usize, evidence: &[&Evidence], threshold: f64) -> Picture {
     });
     let left = match evidence.iter().any(|own| own.of_first_swings) {
         true => {
-            "the root of what each effect takes off χ² when fitted to the first swings alone, beside what it has to"
+            "root of the decrease of χ² by each effect when fitted to the first swings alone, and the threshold"
         }
-        false => {
-            "the score of each effect where it is off, beside the threshold that noise exceeds as rarely as the false-alarm level says"
-        }
+        false => "score of each effect, and the threshold at the false-alarm level",
     };
     Picture {
         name: format!("candidates-{round}"),
         title,
         caption: format!(
-            "Left: {left}. Right: by how much χ² was promised to fall, and by how much it fell when the effect was fitted. Below each name: why it is not the answer."
+            "Left: {left}. Right: predicted and fitted decrease of χ². Below each name: the reason for rejection."
         ),
         drawing,
     }
@@ -200,7 +198,7 @@ fn decreases(area: &Area, rows: &[Row], evidence: &[&Evidence]) -> Drawn {
     let log = |value: f64| value.max(1.0).log10();
     let all = evidence.iter().flat_map(|own| [Some(own.predicted_decrease), own.realised_decrease]);
     let most = all.flatten().map(log).fold(1.0, f64::max);
-    let keys = [Key::ring(before(), "promised"), Key::dot(after(), "kept")];
+    let keys = [Key::ring(before(), "predicted"), Key::dot(after(), "fitted")];
     let x = Axis(0.0..1.06 * most, "log10 of the decrease of χ²");
     let mut panel = Panel::rows(area, "Decrease of χ²", &x, rows, 0.0, &keys)?;
     for (k, own) in evidence.iter().enumerate() {

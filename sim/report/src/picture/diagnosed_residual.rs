@@ -31,8 +31,8 @@ fn shown(curve: &Curve) -> impl Iterator<Item = &Sample> {
 
 /// The residual of the `number`-th release over time.
 pub(super) fn over_time(number: usize, curve: &Curve) -> Picture {
-    let locked = if curve.held_out { ", locked away" } else { "" };
-    let title = format!("Residual over time: {}{locked}", curve.release);
+    let part = if curve.held_out { ", held out" } else { "" };
+    let title = format!("Residual over time: {}{part}", curve.release);
     let sizes = PREDICTIONS.map(|(_, of)| {
         let mut sizes: Vec<f64> = shown(curve).map(|s| MILLI * s.across(of(s)).abs()).collect();
         sizes.sort_by(f64::total_cmp);

@@ -12,7 +12,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use crate::picture::chart::{Chart, Key, Mark, Row, Shape, Stroke};
 use crate::picture::compact::compact;
 use crate::picture::panel::tick;
-use crate::picture::words::{shortened, wrapped};
+use crate::picture::text::{shortened, wrapped};
 use crate::picture::{BLACK, GREY};
 
 /// What drawing returns.
@@ -109,7 +109,7 @@ pub fn drawn(size: (u32, u32), draw: impl FnOnce(&Sheet) -> Drawn) -> Drawing {
     done.and_then(|()| page.area.present()).expect("writing to memory does not fail");
     let charts = page.placed.take().into_iter().map(|own| own.chart).collect();
     drop(page);
-    // Plotters places in whole pixels: it draws on a finer page, shown at the size that was asked for.
+    // Plotters places in whole pixels: it draws on a finer page, shown at the size that was requested.
     let shown = |(width, height): (u32, u32)| format!("width=\"{width}\" height=\"{height}\" viewBox");
     Drawing { svg: compact(&text.replacen(&shown(fine), &shown(size), 1)), charts }
 }

@@ -8,7 +8,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontDesc, FontFamily, FontStyle, ShapeStyle};
 
 use crate::picture::panel::{FONT, px};
-use crate::picture::words::shortened;
+use crate::picture::text::shortened;
 use crate::picture::{Area, BLACK, BLUE, Drawn, GREY, Picture, VERMILION, drawn, heading};
 
 /// Side of a cell, height above the cells, width of the names' margin, pixels.
@@ -43,7 +43,7 @@ pub(super) fn correlations(number: usize, of: &Correlations) -> Option<Picture> 
     Some(Picture {
         name: format!("correlations-{number}"),
         title: title.to_owned(),
-        caption: "The larger the disc, the less can the data tell the two apart; filled: positive, a ring: negative. Beyond 0.95 only their combination is known.".to_owned(),
+        caption: "Larger discs: stronger correlation; filled: positive, ring: negative. Above 0.95 the data fix only a combination.".to_owned(),
         drawing,
     })
 }

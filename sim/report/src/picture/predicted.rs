@@ -1,4 +1,4 @@
-//! What is foretold of a case: height of the tip with its interval, damping and frequency over the amplitude, the
+//! Prediction of a case: height of the tip with its interval, damping and frequency over the amplitude, the
 //! rod.
 
 use efam_inference::predict::{Band, Cycle, Outcome};
@@ -22,7 +22,7 @@ pub fn predicted(outcome: &Outcome) -> Picture {
     });
     Picture {
         name: "prediction".to_owned(),
-        title: "The release as foretold".to_owned(),
+        title: "Predicted release".to_owned(),
         caption: "The band and bars hold 95 % of what the errors of the calibration admit.".to_owned(),
         drawing,
     }

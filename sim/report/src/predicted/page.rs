@@ -15,9 +15,9 @@ use crate::report::{readable, significant};
 
 /// What any prediction takes for granted.
 const ASSUMED: [&str; 3] = [
-    "What acts on the rod is what acted when it was calibrated: EI and losses are the same with the payload, at other amplitudes, and later.",
+    "The same effects act as in the calibration: EI and losses are the same with the payload, at other amplitudes, and later.",
     "The payload is a rigid body at the tip; the air drags at it only if its frontal area is given.",
-    "Intervals hold the errors of the calibration and of interpolation over pressure, and nothing that a calibration cannot know.",
+    "Intervals include the errors of the calibration and of interpolation over pressure. They exclude effects that the calibration could not show.",
 ];
 
 /// The page of one case.
@@ -28,7 +28,7 @@ pub(crate) fn of_one(
     written: SystemTime,
 ) -> String {
     let title = format!("Prediction: {}", prediction.name);
-    let mut page = Page::new(&title, "Foretold", &lead(prediction));
+    let mut page = Page::new(&title, "Predicted", &lead(prediction));
     page.section("Numbers");
     page.table(&Table {
         caption: "Predicted numbers with 95 % intervals from the errors of calibration and interpolation",
@@ -55,7 +55,7 @@ pub(crate) fn of_one(
         ),
     }
     let draws = match prediction.draws {
-        0 => "none: nothing is known of the errors".to_owned(),
+        0 => "none: the errors are unknown".to_owned(),
         draws => format!("{draws}, of which {} could not be simulated", prediction.failed_draws),
     };
     page.before_use(&before_use(&prediction.warnings));
@@ -71,12 +71,12 @@ pub(crate) fn of_several(
     written: SystemTime,
 ) -> String {
     let lead = answers(grid).into_iter().take(2).collect::<Vec<_>>().join("; ");
-    let mut page = Page::new(&format!("Prediction: {}", grid.name), "Foretold", &(capital(&lead) + "."));
-    page.section("What the cases say together");
+    let mut page = Page::new(&format!("Prediction: {}", grid.name), "Predicted", &(capital(&lead) + "."));
+    page.section("Summary of the cases");
     page.list(&answers(grid));
     page.section("Pictures");
     pictures.iter().for_each(|picture| page.figure(picture));
-    page.section("Each number of each case");
+    page.section("Numbers of each case");
     for (k, (name, _)) in units().enumerate() {
         let Some(quantity) = grid.cells.iter().find_map(|cell| cell.quantity(name)) else { continue };
         let (factor, unit) = readable(&quantity.unit);

@@ -9,7 +9,7 @@ use models::digits::significant;
 use crate::page::{Page, Table};
 
 /// What is told of each experiment after its name.
-const HEADS: [&str; 4] = ["answer", "gap", "locked gap", "s"];
+const HEADS: [&str; 4] = ["answer", "gap", "held-out gap", "s"];
 
 /// As a table for people.
 pub(super) fn table(answers: &Answers) -> String {
@@ -21,11 +21,11 @@ pub(super) fn table(answers: &Answers) -> String {
     let wide = |of: &dyn Fn(&Answer) -> usize| answers.experiments.iter().map(of).max().unwrap_or(0);
     let name = wide(&|own| own.experiment.chars().count()).max(10);
     let said = wide(&|own| own.said().chars().count()).clamp(10, 50);
-    let [what, gap, locked, seconds] = HEADS;
-    let _ = writeln!(text, "{:name$}  {what:said$}  {gap:14}{locked:14}{seconds:>8}", "experiment");
+    let [what, gap, held_out, seconds] = HEADS;
+    let _ = writeln!(text, "{:name$}  {what:said$}  {gap:14}{held_out:14}{seconds:>8}", "experiment");
     for own in &answers.experiments {
-        let [what, gap, locked, seconds] = told(own);
-        let line = format!("{:name$}  {what:said$}  {gap:14}{locked:14}{seconds:>8}", own.experiment);
+        let [what, gap, held_out, seconds] = told(own);
+        let line = format!("{:name$}  {what:said$}  {gap:14}{held_out:14}{seconds:>8}", own.experiment);
         let _ = writeln!(text, "{}", line.trim_end());
     }
     text
@@ -33,15 +33,14 @@ pub(super) fn table(answers: &Answers) -> String {
 
 /// As a part of a page.
 pub(super) fn page(page: &mut Page, answers: &Answers) {
-    page.section("What was said");
+    page.section("Verdicts and answers");
     let rows = |all: &[Often]| all.iter().map(|own| vec![own.what.clone(), own.points.to_string()]).collect();
     let heads = &["answer", "experiments"];
     page.table(&Table { caption: "Verdicts", heads, rows: rows(&answers.verdicts) });
     page.table(&Table { caption: "Answers", heads, rows: rows(&answers.said) });
     page.section("Experiments");
     page.text(
-        "A gap is the worst root mean square distance of a release, over the noise: 1 is noise alone. It stands for \
-         the model as it was, and with what was found.",
+        "Gap: largest rms residual of a release over its noise; 1 is noise alone. It is given for the baseline, and with the effects that were found.",
     );
     let row = |own: &Answer| [own.experiment.clone()].into_iter().chain(told(own)).collect();
     let heads: Vec<_> = ["experiment"].into_iter().chain(HEADS).collect();
@@ -55,5 +54,5 @@ fn told(own: &Answer) -> [String; 4] {
         |[before, after]: [f64; 2]| format!("{} to {}", significant(before, 3), significant(after, 3));
     let gap = |gap: Option<[f64; 2]>| gap.map(from_to).unwrap_or_default();
     let seconds = own.seconds.map_or(String::new(), |own| format!("{own:.1}"));
-    [own.said(), gap(own.gap), gap(own.locked_gap), seconds]
+    [own.said(), gap(own.gap), gap(own.held_out_gap), seconds]
 }

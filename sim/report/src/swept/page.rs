@@ -13,12 +13,12 @@ use crate::swept::{HEADS, diagnosed, told};
 
 /// What any sweep over a scenario takes for granted.
 const ASSUMED: [&str; 2] = [
-    "What is not varied is what the scenario says, at every point.",
-    "Each point is one run on the scenario's own mesh and tolerance: the error of these is in every number.",
+    "Parameters that do not vary have the values of the scenario.",
+    "Each point is one run on the scenario's own mesh and tolerance; every number includes their error.",
 ];
 /// What any sweep over experiments takes for granted.
 const OF_DIAGNOSES: [&str; 1] = [
-    "Each experiment is diagnosed as by efam diagnose, which has more to say of it: its evidence, its pictures, the repaired model.",
+    "Each experiment is diagnosed as by efam diagnose. That command also gives the evidence, pictures and the repaired model.",
 ];
 
 /// The page of a merged sweep.
@@ -60,12 +60,12 @@ pub(crate) fn page(
     }
     page.section("Numbers");
     let heads: Vec<_> = [""].into_iter().chain(HEADS).chain(["unit"]).collect();
-    for (caption, all) in [("What varies", &merged.parameters), ("What they say", &merged.numbers)] {
+    for (caption, all) in [("Varied parameters", &merged.parameters), ("Results", &merged.numbers)] {
         page.table(&Table { caption, heads: &heads, rows: all.iter().map(row).collect() });
     }
-    page.section(&format!("What could not be {done}"));
+    page.section(&format!("Points that could not be {done}"));
     match merged.reasons.is_empty() {
-        true => page.text("Every point could be."),
+        true => page.text("None."),
         false => page.table(&Table {
             caption: "The most frequent reasons; the table has each point's own",
             heads: &["reason", "points", "first point"],

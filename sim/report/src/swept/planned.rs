@@ -7,9 +7,9 @@ use std::path::Path;
 use efam_store::folder::Folder;
 use efam_store::{MARK, StoreError};
 use efam_sweeps::SweepError;
-use efam_sweeps::asked::{Asked, Subject};
 use efam_sweeps::estimate::points_per_shard;
 use efam_sweeps::plan::{self, Head, Plan, freeze, head_text};
+use efam_sweeps::request::{Subject, SweepRequest};
 
 use crate::Request;
 use crate::swept::{LATER, swept_mark};
@@ -20,7 +20,7 @@ use crate::swept::{LATER, swept_mark};
 /// [`SweepError`] for a point that the scenario refuses, and what cannot be written.
 pub fn write_plan(
     folder: &mut Folder,
-    asked: &Asked,
+    asked: &SweepRequest,
     in_shard: Option<usize>,
     argv: Vec<String>,
 ) -> Result<Head, SweepError> {
@@ -56,7 +56,7 @@ pub fn write_plan(
 /// The plan in a folder, if it is the one that is asked for.
 /// # Errors
 /// [`SweepError::OtherPlan`] if it is not.
-pub fn again(asked: &Asked, in_shard: Option<usize>, folder: &Path) -> Result<Plan, SweepError> {
+pub fn again(asked: &SweepRequest, in_shard: Option<usize>, folder: &Path) -> Result<Plan, SweepError> {
     let there = Plan::open(folder)?;
     let own = in_shard.unwrap_or(there.head.points_per_shard);
     if freeze(asked, own, &mut io::sink())?.sha256 != there.head.sha256 {
@@ -72,7 +72,7 @@ pub fn request_of(plan: &Plan) -> Request {
 }
 
 /// Files that are read at planning, and need not be there later, with their texts.
-fn texts(asked: &Asked) -> Vec<(&Path, &str)> {
+fn texts(asked: &SweepRequest) -> Vec<(&Path, &str)> {
     let scenario = match &asked.subject {
         Subject::Scenario(own) => Some((own.scenario.as_path(), own.scenario_text.as_str())),
         Subject::Experiments(_) => None,

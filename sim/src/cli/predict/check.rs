@@ -22,7 +22,7 @@ use super::super::terminal::stdout;
 use super::super::voice::{Voice, print};
 use super::{Predict, asked};
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the results are.

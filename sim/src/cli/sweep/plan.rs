@@ -8,9 +8,9 @@ use std::time::Duration;
 use clap::Args;
 use efam_report::swept::{again, write_plan};
 use efam_store::escape::shell_word;
-use efam_sweeps::asked::Asked;
 use efam_sweeps::estimate::{points_for_a_cluster, time_of_a_point};
 use efam_sweeps::plan::{self, Head, Plan};
+use efam_sweeps::request::SweepRequest;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -25,9 +25,9 @@ const HELP: &str = "Examples:
   efam sweep plan scenarios/sweep/latin-hypercube.toml --points-per-shard 500
   efam sweep plan bench/sweep.toml --out outputs/bench
 
-Of a scenario, the folder can be copied to where it is run: it needs no other
-file. Experiments are read where they are, and each that was changed since is a
-row that says so; a diagnosis is not tried, and has a shard of its own.";
+The plan of a scenario needs no other file: its folder can be copied. Experiments
+are read at their paths; one that was changed since becomes a row with an error.
+Each diagnosis has a shard of its own, and is not timed.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -43,7 +43,7 @@ pub struct Freeze {
 /// What a plan is told beside its file.
 #[derive(Args)]
 pub struct Planned {
-    /// Set a value over the file's, such as sweep.points=64; may be repeated.
+    /// Override a value of the file, such as sweep.points=64; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
     /// Points in a shard [default: 1, or as many as make a thousand shards].
@@ -51,7 +51,7 @@ pub struct Planned {
     pub points_per_shard: Option<u32>,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the plan is.
@@ -100,7 +100,7 @@ pub fn planned(
     is_timed: bool,
     voice: &Voice,
 ) -> Result<(Plan, Option<Duration>), Failure> {
-    let asked = Asked::load(file, &own.set)?;
+    let asked = SweepRequest::load(file, &own.set)?;
     voice.warn(&asked.warnings);
     let given = own.points_per_shard.map(|count| count as usize);
     let there = output.out.as_deref().filter(|out| out.join(plan::PLAN).is_file() && !output.overwrite);
@@ -115,7 +115,7 @@ pub fn planned(
 }
 
 fn new(
-    asked: &Asked,
+    asked: &SweepRequest,
     given: Option<usize>,
     output: &Output,
     is_timed: bool,

@@ -31,8 +31,8 @@ PBS_ARRAY_INDEX, SGE_TASK_ID (from 1 on) or AWS_BATCH_JOB_ARRAY_INDEX. Where
 there is none, all shards that are missing are run. A shard that is there is
 skipped. Killed at any moment, a shard is whole or not there.
 
-Diagnoses run beside one another, one on each thread; few of them share out
-the threads. Each tells in seconds.csv, beside its shard, how long it took.";
+Diagnoses run in parallel, one on each thread; a few of them share the threads.
+The time of each is in seconds.csv beside its shard.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -49,7 +49,7 @@ pub struct Run {
     form: Form,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the plan is.

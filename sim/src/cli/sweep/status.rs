@@ -22,7 +22,7 @@ const HELP: &str = "Examples:
   sbatch $(efam -q sweep status --plan outputs/map) outputs/map/array.sh
 
 With --quiet only --array=… is printed, or nothing where nothing is missing.
-What is there is told from the files alone, while others run as well.";
+The status follows from the files alone, also while shards run.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -33,7 +33,7 @@ pub struct Ask {
     form: Form,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the plan is.

@@ -41,7 +41,7 @@ const MERGE: &str = "merge.sh";
 pub struct Submit {
     #[command(flatten)]
     of: OfPlan,
-    /// Write the scripts and print the command, and hand nothing in.
+    /// Write the scripts and print the command, but submit nothing.
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]
@@ -51,7 +51,7 @@ pub struct Submit {
     options: Vec<String>,
 }
 
-/// What is printed for programs.
+/// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
     /// Where the plan is.
@@ -99,7 +99,7 @@ pub fn run(args: &Submit, voice: &Voice) -> Result<ExitCode, Failure> {
         match (&own, &merge_job) {
             (Some(own), Some(merge)) => {
                 writeln!(out, "job {own}: {count} of {all} shards; job {merge} merges them")?;
-                writeln!(out, "look: efam sweep status --plan {}", shell_word(&plan.folder))?;
+                writeln!(out, "status: efam sweep status --plan {}", shell_word(&plan.folder))?;
             }
             _ if count == 0 => {
                 writeln!(out, "nothing is missing: efam sweep merge --plan {}", shell_word(&plan.folder))?
@@ -121,7 +121,7 @@ fn command(options: &[String], script: &Path) -> String {
 
 /// Hands in a script, and returns the number of the job.
 fn sbatch(options: &[String], script: &Path) -> Result<String, Failure> {
-    let by_hand = format!("hand it in yourself: {}", command(options, script));
+    let by_hand = format!("submit it yourself: {}", command(options, script));
     let output = Command::new("sbatch").arg("--parsable").args(options).arg(script).output();
     let output = output.map_err(|error| {
         Failure::Output(format!("sbatch: cannot be started ({error}); where Slurm is, {by_hand}"))
@@ -131,7 +131,7 @@ fn sbatch(options: &[String], script: &Path) -> Result<String, Failure> {
         Some(job) => Ok(job.to_owned()),
         None => {
             let why = wrong.trim().replace('\n', "; ");
-            Err(Failure::Output(format!("sbatch: handed nothing in ({why}); mend that, or {by_hand}")))
+            Err(Failure::Output(format!("sbatch: submitted nothing ({why}); mend that, or {by_hand}")))
         }
     }
 }

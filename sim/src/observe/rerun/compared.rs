@@ -45,7 +45,7 @@ const FITTED: Shown = Shown { name: "fitted", color: BLUE, of: BEFORE_AND_AFTER[
 /// A release that was drawn.
 pub(super) struct Compared {
     name: String,
-    is_locked: bool,
+    is_held_out: bool,
     bounds: Bounds,
     /// Whether its residual is shown over the phase of the swing, too.
     has_phases: bool,
@@ -85,7 +85,7 @@ fn draw_all(
         let reach = 1.15 * (trial.model.rod().length + trial.model.tip_distance);
         let mut compared = Compared {
             name: trial.release.name.clone(),
-            is_locked: trial.release.held_out,
+            is_held_out: trial.release.held_out,
             bounds: Bounds::hanging(reach),
             has_phases,
             title,
@@ -287,7 +287,7 @@ impl Compared {
             rows.push((tree.view("2D", "The same over the swing's phase", &below("phase"), phases)?, 1.4));
         }
         let right = tree.container(Kind::Vertical, &rows)?;
-        let title = format!("{}{}", self.name, if self.is_locked { " (locked away)" } else { "" });
+        let title = format!("{}{}", self.name, if self.is_held_out { " (held out)" } else { "" });
         tree.titled(Kind::Horizontal, Some(&title), &[(left, 1.0), (right, 1.2)])
     }
 }

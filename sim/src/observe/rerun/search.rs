@@ -135,8 +135,8 @@ pub(super) fn markdown(text: &str) -> TextDocument {
 fn ranking(rounds: &BTreeMap<usize, (f64, Vec<Evidence>)>) -> String {
     let mut text = String::new();
     for (round, (threshold, candidates)) in rounds.iter().rev() {
-        let _ = writeln!(text, "### Round {round}: a score has to exceed {threshold:.2}\n");
-        text += "| candidate | score | | promises | keeps | |\n|---|---:|---|---:|---:|---|\n";
+        let _ = writeln!(text, "### Round {round}: threshold of the score {threshold:.2}\n");
+        text += "| candidate | score | | predicted | fitted | |\n|---|---:|---|---:|---:|---|\n";
         let mut sorted: Vec<&Evidence> = candidates.iter().collect();
         sorted.sort_by(|a, b| b.score.total_cmp(&a.score));
         let most = sorted.first().map_or(1.0, |first| first.score.max(*threshold));
@@ -154,18 +154,18 @@ fn ranking(rounds: &BTreeMap<usize, (f64, Vec<Evidence>)>) -> String {
         }
         text.push('\n');
     }
-    text + "Promises and keeps: the decrease of χ² that the score foretells, and that of the fit.\n"
+    text + "Predicted and fitted: decrease of χ² by the score and by the fit.\n"
 }
 
 /// The answer in words, the gaps, the warnings.
 fn answer(diagnosis: &Diagnosis) -> String {
     let mut text = format!(
-        "{}\n\n| release | gap over the noise: before | after |\n|---|---:|---:|\n",
+        "{}\n\n| release | rms residual over noise, before | after |\n|---|---:|---:|\n",
         diagnosis.summary
     );
     for gap in &diagnosis.gap {
-        let locked = if gap.held_out { ", locked away" } else { "" };
-        let _ = writeln!(text, "| {}{locked} | {:.2} | {:.2} |", cell(&gap.release), gap.before, gap.after);
+        let part = if gap.held_out { ", held out" } else { "" };
+        let _ = writeln!(text, "| {}{part} | {:.2} | {:.2} |", cell(&gap.release), gap.before, gap.after);
     }
     for warning in &diagnosis.warnings {
         let _ = write!(text, "\n- {}", cell(warning));
@@ -202,7 +202,7 @@ mod tests {
         let rounds = BTreeMap::from([(1, first), (2, (3.4, vec![candidate(2, "dahl", 3.6)]))]);
         let text = ranking(&rounds);
         let at = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part} in {text}"));
-        assert!(at("Round 2: a score has to exceed 3.40") < at("Round 1"));
+        assert!(at("Round 2: threshold of the score 3.40") < at("Round 1"));
         assert!(at("| dahl | 3.60 |") < at("| air_drag | 8.00 |") && at("| air_drag") < at("| hose"));
         assert!(text.contains("| 13 | 7 |") && text.contains("| 64 |  |"));
         assert_eq!(cell("a | b\nc"), "a \\| b c");

@@ -9,8 +9,8 @@
 //! size is known with one degree of freedom: 1.96 standard deviations then hold 70 %, and 81 % with two. So 80 % are asked.
 
 use efam_inference::calibrate::Calibration;
-use efam_inference::predict::asked::Asked;
 use efam_inference::predict::grid::{Cell, grid};
+use efam_inference::predict::request::CaseRequest;
 use efam_report::calibrated::muscle_file;
 use models::muscle::{AtPressure, Extrapolation, Here, Muscle};
 use serde_json::json;
@@ -61,7 +61,7 @@ fn predicted(muscle: &str, of: &AtPressure, stiffness: Option<f64>) -> [(f64, Op
         of.outer_diameter,
         stiffness.map_or(String::new(), |ei| format!("bending_stiffness = \"{ei:?} N m^2\"\n")),
     );
-    let asked = Asked::scenario(std::path::Path::new("rows.toml"), text);
+    let asked = CaseRequest::scenario(std::path::Path::new("rows.toml"), text);
     let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
     let (_, known) = asked.case(Some(of.pressure), Some(0.0)).expect("a case");
     let grid = grid("rows", (&[of.pressure], &[0.0]), &make, known.as_ref(), &|| ()).expect("a grid");

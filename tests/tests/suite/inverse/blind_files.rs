@@ -13,9 +13,9 @@ use efam_inference::calibrate::{Problem, Trial};
 use efam_inference::diagnose::verdict::Value;
 use efam_inference::diagnose::{self, Settings};
 use efam_sweeps::answers::Answers;
-use efam_sweeps::asked::Asked;
 use efam_sweeps::merge::merge;
 use efam_sweeps::plan::{PLAN, POINTS, Plan as SweepPlan, freeze, head_text};
+use efam_sweeps::request::SweepRequest;
 use efam_sweeps::shard::run_all;
 use models::effects::CATALOGUE;
 use tests::blind::answer::Answer;
@@ -165,7 +165,7 @@ fn swept_answers_are_those_of_the_diagnosis() {
 
 /// Sweeps a bench, as `efam sweep` does.
 fn swept(bench: &Path) -> Answers {
-    let asked = Asked::load(&bench.join("sweep.toml"), &[]).expect("a sweep");
+    let asked = SweepRequest::load(&bench.join("sweep.toml"), &[]).expect("a sweep");
     let mut points = Vec::new();
     let head = freeze(&asked, 1, &mut points).expect("a plan");
     let out = bench.join("swept");

@@ -193,7 +193,7 @@ fn a_diagnosis_scores_text_as_it_scores_rust() {
     for name in names {
         let of = |effect: &str| -> Vec<(String, f64)> {
             let own = prospects.iter().filter(|prospect| prospect.effect == effect);
-            own.map(|own| (format!("{} {:?}", own.parameter, own.tried), own.seen_from)).collect()
+            own.map(|own| (format!("{} {:?}", own.parameter, own.tried), own.detectable_from)).collect()
         };
         let (compiled, written) = (of(name), of(&format!("my_{name}")));
         assert!(!compiled.is_empty(), "{name}");

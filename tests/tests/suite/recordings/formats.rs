@@ -115,7 +115,7 @@ fn units_and_rates_can_be_said() {
     assert_eq!((over.rate_hz, over.time[1]), (200.0, 0.005));
     says(&over, "the file's own times are set aside");
     let trc = read_with(trc(), ReadOptions { unit: Some(Length::Metre), rate_hz: None }).unwrap();
-    says(&trc, "unit: m, as asked for, though Units in line 3 states mm");
+    says(&trc, "unit: m, as requested, though Units in line 3 states mm");
 }
 
 #[test]

@@ -19,12 +19,12 @@ pub struct Numerics {
     pub nodes_given: usize,
     /// Nodes that were taken.
     pub nodes: usize,
-    /// What may be left of the mesh's error, the most of all releases, over the noise.
+    /// Bound of the remaining mesh error over the noise, the largest of all releases.
     pub left: f64,
 }
 
 /// What may be left, over the noise.
-const GATE: f64 = 0.2;
+const LARGEST_ERROR: f64 = 0.2;
 /// Nodes beyond which no mesh is made finer.
 const MOST_NODES: usize = 130;
 
@@ -46,13 +46,13 @@ pub(super) fn on_fine_mesh(
         let found = fit.found;
         fitted = Fitted::new(problem, found);
     }
-    while left > GATE && 2 * nodes(&fitted.problem) <= MOST_NODES {
+    while left > LARGEST_ERROR && 2 * nodes(&fitted.problem) <= MOST_NODES {
         let mut finer = fitted.problem.clone();
         let refined = finer.trials.iter_mut().try_for_each(|trial| trial.refine(2));
         if refined.is_err() {
             break;
         }
-        tell(&format!("{left:.2} of the noise may be left of the mesh: {} nodes", nodes(&finer)));
+        tell(&format!("mesh error up to {left:.2} times the noise: now {} nodes", nodes(&finer)));
         let known = fitted.fit()?.known();
         let Some(fit) = Joint::follow(&finer, &known, &|_| ())? else { break };
         left = left_of_mesh(&fit);
@@ -90,7 +90,7 @@ fn nodes(problem: &Problem) -> usize {
     problem.trials.iter().map(|trial| trial.model.edges + 1).max().unwrap_or(0)
 }
 
-/// What may be left of the mesh's error, the most of all releases, over the noise.
+/// Bound of the remaining mesh error over the noise, the largest of all releases.
 fn left_of_mesh(fit: &Joint) -> f64 {
     let Some(left) = &fit.left_of_mesh else { return 0.0 };
     let own = |(left, measured): (&f64, &Measured)| {
@@ -103,13 +103,13 @@ fn left_of_mesh(fit: &Joint) -> f64 {
 /// What should be known of it.
 pub(super) fn warning(numerics: &Numerics) -> Option<String> {
     let Numerics { nodes_given, nodes, left } = numerics;
-    if *left > GATE {
+    if *left > LARGEST_ERROR {
         Some(format!(
-            "of the error of the mesh, {left:.2} of the noise may be left with {nodes} nodes: what is small can come from there; give the recordings a larger noise"
+            "with {nodes} nodes the mesh error may be {left:.2} times the noise: small effects can come from it; give the recordings a larger noise"
         ))
     } else if nodes > nodes_given {
         Some(format!(
-            "{nodes_given} nodes are too coarse to tell an effect from the mesh: {nodes} were taken, in the repaired model too"
+            "{nodes_given} nodes cannot separate an effect from the mesh error: {nodes} are used, also in the repaired model"
         ))
     } else {
         None

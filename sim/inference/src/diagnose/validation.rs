@@ -1,7 +1,7 @@
-//! Releases that were locked away judge a model.
+//! Validation of a model on held-out releases.
 //!
-//! How well it foretells them is what all releases cost together beyond those that were fitted,
-//! `p(locked | fitted) = p(all) / p(fitted)`: a parameter that the fitted releases leave uncertain may still
+//! How well it predicts them is what all releases cost together beyond those that were fitted,
+//! `p(held out | fitted) = p(all) / p(fitted)`: a parameter that the fitted releases leave uncertain may still
 //! give way. The gap that is shown is another one: everything that all releases share is held as it was found,
 //! and only what belongs to a pressure or a release is fitted to them.
 
@@ -9,14 +9,14 @@ use std::cell::OnceCell;
 
 use super::curve::{Path, paths};
 use super::verdict::Gap;
-use crate::calibrate::joint::{Fitted, Joint, Known};
+use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::repeats::ghosts;
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
 #[derive(Clone)]
-pub(super) struct Judgement {
+pub(super) struct Agreement {
     /// Of each release: its name, root mean square distance of all samples but ghosts in mm, and, without what the robust loss holds
     /// back, over the noise; noise in mm.
     pub gaps: Vec<(String, f64, f64, f64)>,
@@ -24,45 +24,45 @@ pub(super) struct Judgement {
     pub paths: Vec<Path>,
 }
 
-/// A model before what was locked away.
-pub(super) struct Locked {
-    pub judgement: Judgement,
-    /// What belongs to the locked releases alone, fitted to them.
+/// A model before held-out releases.
+pub(super) struct HeldOut {
+    pub agreement: Agreement,
+    /// What belongs to the held-out releases alone, fitted to them.
     fitted: Fitted,
     cost: OnceCell<Option<f64>>,
 }
 
-impl Locked {
-    /// Shows a model what was locked away; none where nothing was, or where the model cannot be run there.
-    pub fn meet(problem: &Problem, known: &[Known]) -> Result<Option<Self>, CalibrateError> {
-        Self::shown(problem, known, |locked| Joint::search(locked, &|_| ()))
+impl HeldOut {
+    /// Shows a model held-out releases; none where there are none, or where the model cannot be run there.
+    pub fn meet(problem: &Problem, known: &[Estimate]) -> Result<Option<Self>, CalibrateError> {
+        Self::shown(problem, known, |held_out| Joint::search(held_out, &|_| ()))
     }
 
     /// What it meets of them without any fit.
-    pub fn as_foretold(problem: &Problem, known: &[Known]) -> Result<Option<Self>, CalibrateError> {
-        Self::shown(problem, known, |locked| Joint::at(locked, &[], Slopes::Variational))
+    pub fn as_predicted(problem: &Problem, known: &[Estimate]) -> Result<Option<Self>, CalibrateError> {
+        Self::shown(problem, known, |held_out| Joint::at(held_out, &[], Slopes::Variational))
     }
 
-    /// What a fit makes of what was locked away, where what all share is held as it is known.
+    /// What a fit makes of held-out releases, where what all share is held as it is known.
     fn shown(
         problem: &Problem,
-        known: &[Known],
+        known: &[Estimate],
         fit: for<'a> fn(&'a Problem) -> Result<Joint<'a>, CalibrateError>,
     ) -> Result<Option<Self>, CalibrateError> {
         if !problem.trials.iter().any(|trial| trial.release.held_out) {
             return Ok(None);
         }
-        let mut locked = problem.clone();
-        set(&mut locked, known);
-        for trial in &mut locked.trials {
+        let mut held_out = problem.clone();
+        set(&mut held_out, known);
+        for trial in &mut held_out.trials {
             trial.release.held_out = !trial.release.held_out;
         }
-        // EI of a pressure that was locked away as a whole is not known from elsewhere.
-        locked.parameters.retain(|parameter| parameter.scope != Scope::Shared);
-        match fit(&locked) {
+        // EI of a pressure that was held out as a whole is not known from elsewhere.
+        held_out.parameters.retain(|parameter| parameter.scope != Scope::Shared);
+        match fit(&held_out) {
             Ok(fit) => {
-                let (judgement, found) = (judgement(&fit), fit.found);
-                Ok(Some(Self { judgement, fitted: Fitted::new(locked, found), cost: OnceCell::new() }))
+                let (agreement, found) = (agreement(&fit), fit.found);
+                Ok(Some(Self { agreement, fitted: Fitted::new(held_out, found), cost: OnceCell::new() }))
             }
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
             Err(error) => Err(error),
@@ -70,7 +70,7 @@ impl Locked {
     }
 
     /// What belongs to them alone, as fitted to them.
-    pub fn known(&self) -> Result<Vec<Known>, CalibrateError> {
+    pub fn known(&self) -> Result<Vec<Estimate>, CalibrateError> {
         Ok(self.fitted.fit()?.known())
     }
 
@@ -97,7 +97,7 @@ impl Locked {
 }
 
 /// How a fit meets its own releases.
-pub(super) fn judgement(fit: &Joint) -> Judgement {
+pub(super) fn agreement(fit: &Joint) -> Agreement {
     let of_release = |r: usize| {
         let block = &fit.found.at.carried.blocks[r];
         let loss = fit.found.view.loss[r];
@@ -130,14 +130,14 @@ pub(super) fn judgement(fit: &Joint) -> Judgement {
         )
     };
     let gaps = (0..fit.found.view.loss.len()).map(of_release).collect();
-    Judgement { gaps, paths: paths(fit) }
+    Agreement { gaps, paths: paths(fit) }
 }
 
 /// What a model that is right may miss of releases that it was not fitted to, root mean square over the noise: an
 /// error of a law, or of the parameters of others.
 const MISSED: f64 = 0.6;
 
-/// Whether what was locked away is missed by more than a model that is right would, beyond what noise leaves of
+/// Whether held-out releases are missed by more than a model that is right would, beyond what noise leaves of
 /// what was fitted: one effect in the place of another fits what it is fitted to.
 pub(super) fn is_astray(gaps: &[Gap]) -> bool {
     let square = |held_out: bool| {
@@ -149,7 +149,7 @@ pub(super) fn is_astray(gaps: &[Gap]) -> bool {
 }
 
 /// Gaps before and after, of the same releases.
-pub(super) fn gaps(before: &Judgement, after: &Judgement, held_out: bool) -> Vec<Gap> {
+pub(super) fn gaps(before: &Agreement, after: &Agreement, held_out: bool) -> Vec<Gap> {
     let pairs = before.gaps.iter().zip(&after.gaps);
     pairs
         .map(|((release, before_mm, before, noise_mm), (_, after_mm, after, _))| Gap {
@@ -165,7 +165,7 @@ pub(super) fn gaps(before: &Judgement, after: &Judgement, held_out: bool) -> Vec
 }
 
 /// Puts what was found into the models.
-pub(super) fn set(problem: &mut Problem, known: &[Known]) {
+pub(super) fn set(problem: &mut Problem, known: &[Estimate]) {
     for (t, trial) in problem.trials.iter_mut().enumerate() {
         for known in known {
             if let (true, Ok(k)) = (known.is_of(t, trial), trial.model.index(&known.unknown.name)) {
@@ -183,7 +183,7 @@ mod tests {
     /// Coloured noise that is larger than stated is in what was fitted as well; an effect in the place of another
     /// is not.
     #[test]
-    fn what_was_locked_away_is_missed_only_beyond_what_noise_leaves() {
+    fn what_was_held_out_is_missed_only_beyond_what_noise_leaves() {
         let gap = |held_out: bool, after: f64| Gap {
             release: String::new(),
             held_out,
@@ -193,7 +193,7 @@ mod tests {
             after,
             noise_mm: 0.3,
         };
-        let all = |fitted: f64, locked: f64| is_astray(&[gap(false, fitted), gap(true, locked)]);
+        let all = |fitted: f64, held_out: f64| is_astray(&[gap(false, fitted), gap(true, held_out)]);
         assert!(!all(1.0, 1.05) && !all(1.2, 1.25) && !is_astray(&[gap(false, 2.0)]));
         assert!(all(1.0, 1.4) && all(0.5, 1.4));
     }

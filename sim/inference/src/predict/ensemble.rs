@@ -11,7 +11,7 @@ use super::errors::Errors;
 /// Draws that are shown.
 const SHOWN: usize = 24;
 
-/// One of a family of rods.
+/// One rod of an ensemble.
 #[derive(Clone)]
 pub struct Member {
     /// Its name.
@@ -33,7 +33,7 @@ impl Member {
 }
 
 /// The first draws of a prediction's, and the case itself.
-pub fn family(case: &Case, known: Option<&Known>, settings: &Settings) -> Vec<Member> {
+pub fn ensemble(case: &Case, known: Option<&Known>, settings: &Settings) -> Vec<Member> {
     let errors = known.map(|known| Errors::new(known, case));
     let count = errors.as_ref().map_or(0, |_| settings.draws.min(SHOWN));
     let draw = |draw: usize| {

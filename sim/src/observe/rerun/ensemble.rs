@@ -1,11 +1,11 @@
-//! A family of rods: what is foretold of one case with what the errors of its calibration admit, or of several cases,
+//! An ensemble of rods: the prediction of one case with what the errors of its calibration admit, or of several cases,
 //! all let go at one instant.
 
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
 use ::rerun::{
     LineStrips2D, Radius, RecordingStream, RecordingStreamResult, Scalars, SeriesLines, Transform3D,
 };
-use efam_inference::predict::family::Member;
+use efam_inference::predict::ensemble::Member;
 use rayon::prelude::*;
 
 use super::blueprint::Bounds;
@@ -14,7 +14,7 @@ use super::drawing::{TIMELINE, single};
 use super::scenery::{BLUE, GREY, clamp};
 use super::tree::{self, Kind, Property, path, under};
 
-const WORLD: &str = "family";
+const WORLD: &str = "ensemble";
 const HEIGHT: &str = "height";
 const DRAWS: &str = "(draws)";
 
@@ -67,8 +67,8 @@ pub(super) fn draw(
         }
     }
     let title = match members.iter().any(|member| member.is_draw) {
-        true => "Rod as foretold (blue), draws from the calibration's errors (grey); x right, z up (mm)",
-        false => "Rods as foretold, darker for the first cases; x right, z up (mm)",
+        true => "Predicted rod (blue), draws from the calibration's errors (grey); x right, z up (mm)",
+        false => "Predicted rods, darker for the first cases; x right, z up (mm)",
     };
     tree::send(recording, 5, TIMELINE, live, |tree| {
         let bounds = bounds.view();

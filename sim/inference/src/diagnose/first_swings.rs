@@ -9,16 +9,16 @@
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
-use super::gate::{self, Numerics};
-use super::judge::{Locked, set};
+use super::mesh_check::{self, Numerics};
 use super::refit::Refit;
 use super::round::{Best, NO_MORE};
-use super::shortlist::{LEAD, falls_behind, not_run, price};
+use super::shortlist::{LEAD, falls_behind, not_run, penalty};
 use super::stop::{CUT_SHORT, ending_by};
+use super::validation::{HeldOut, set};
 use super::verdict::{Evidence, Member};
 use super::warnings::is_strained;
 use super::{Before, Course};
-use crate::calibrate::joint::{Fitted, Joint, Known};
+use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::{CalibrateError, Parameter, Prior, Problem, Trial};
@@ -38,29 +38,28 @@ const MET: f64 = 0.9;
 const WORSE: f64 = 3.0;
 
 /// What should be known where they were asked first.
-pub(super) const WARNING: &str = "the model as it is misses even the first swings, and what is shown of it was fitted to \
-    them alone; candidates were fitted to them before anything else";
+pub(super) const WARNING: &str = "the baseline misses even the first swings; its results are from a fit to these alone, and candidates were fitted to them first";
 
 /// The first swings of a problem, which its model does not meet.
 #[derive(Clone)]
-pub(super) struct Early {
+pub(super) struct FirstSwings {
     /// The problem, kept near what is believed.
     problem: Problem,
     /// Samples of each release that belong to them.
     counts: Vec<usize>,
     cost: f64,
-    known: Vec<Known>,
+    known: Vec<Estimate>,
 }
 
 /// A candidate at the first swings.
 struct Met {
     candidate: Candidate,
     /// What it costs there with all else fitted, and where that is; none where it cannot be run.
-    end: Option<(f64, Vec<Known>)>,
+    end: Option<(f64, Vec<Estimate>)>,
 }
 
 /// The first swings, if the model cannot be brought to meet them.
-fn lost(problem: &Problem) -> Result<Option<Early>, CalibrateError> {
+fn lost(problem: &Problem) -> Result<Option<FirstSwings>, CalibrateError> {
     let counts = Joint::first_swings(problem, SWINGS)?;
     let mut near = problem.clone();
     near.parameters.iter_mut().for_each(|parameter| believe(parameter, &problem.trials[0]));
@@ -70,23 +69,23 @@ fn lost(problem: &Problem) -> Result<Option<Early>, CalibrateError> {
     let steps = fit.found.view.steps.iter().flatten().map(Vec::len).max().unwrap_or(0);
     drop(fit);
     near.trials.iter_mut().for_each(|trial| trial.run.most_steps = MOST_STEPS * steps);
-    Ok(Some(Early { problem: near, counts, cost, known }))
+    Ok(Some(FirstSwings { problem: near, counts, cost, known }))
 }
 
 /// How the model that comes nearest to the first swings meets the whole recordings, if it does not even meet those.
 /// # Errors
 /// [`CalibrateError`] for a problem that makes no sense.
 pub(super) fn before(problem: &Problem) -> Result<Option<Before>, CalibrateError> {
-    let Some(early) = lost(problem)? else { return Ok(None) };
+    let Some(first_swings) = lost(problem)? else { return Ok(None) };
     let mut problem = problem.clone();
-    set(&mut problem, &early.known);
-    let fit = match Joint::at(&problem, &early.known, Slopes::Variational) {
+    set(&mut problem, &first_swings.known);
+    let fit = match Joint::at(&problem, &first_swings.known, Slopes::Variational) {
         Ok(fit) => fit,
         Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
         Err(error) => return Err(error),
     };
     let found = fit.found;
-    Before::of(Fitted::new(problem, found), Locked::as_foretold, Some(early)).map(Some)
+    Before::of(Fitted::new(problem, found), HeldOut::as_predicted, Some(first_swings)).map(Some)
 }
 
 /// Keeps a parameter near what is believed of it: a model that lacks much would else go any way to make up for it.
@@ -100,7 +99,7 @@ fn believe(parameter: &mut Parameter, trial: &Trial) {
     }
 }
 
-impl Early {
+impl FirstSwings {
     /// The first swings with a candidate, from its typical size.
     fn with(&self, candidate: Candidate) -> Result<Met, CalibrateError> {
         let end = match candidate.added_to(&self.problem, candidate.strength.default) {
@@ -121,12 +120,12 @@ impl Met {
         self.end.as_ref().map_or(f64::INFINITY, |(cost, _)| *cost)
     }
 
-    fn evidence(&self, early: &Early, round: usize) -> Evidence {
+    fn evidence(&self, first_swings: &FirstSwings, round: usize) -> Evidence {
         let path = self.candidate.path();
         let known = self.end.iter().flat_map(|(_, known)| known);
         let strengths: Vec<f64> =
-            known.filter(|known| known.unknown.name == path).map(Known::value).collect();
-        let decrease = 2.0 * (early.cost - self.cost()).max(0.0);
+            known.filter(|known| known.unknown.name == path).map(Estimate::value).collect();
+        let decrease = 2.0 * (first_swings.cost - self.cost()).max(0.0);
         Evidence {
             round,
             effect: self.candidate.name().to_owned(),
@@ -157,7 +156,7 @@ impl Met {
         // Each begins where the models are now.
         with.parameters.iter_mut().for_each(|parameter| parameter.start = None);
         let found =
-            self.candidate.within_ranges(with, |problem| match gate::on_fine_mesh(problem, tell) {
+            self.candidate.within_ranges(with, |problem| match mesh_check::on_fine_mesh(problem, tell) {
                 Ok((fitted, numerics)) => {
                     let known = fitted.fit()?.known();
                     Ok(Some(((fitted, numerics), known)))
@@ -171,11 +170,12 @@ impl Met {
         let path = self.candidate.path();
         let strength = fit.objective.part.unknowns.iter().position(|unknown| unknown.name == path);
         let of = uncertainty(&fit.objective, &fit.found);
-        let widening = strength.map_or(1.0, |k| of.widening(k));
-        let widening = if widening.is_finite() { widening.max(1.0) } else { 1.0 };
-        let price = refit.unknowns as f64 * price(&fit, widening);
+        let variance_inflation = strength.map_or(1.0, |k| of.variance_inflation(k));
+        let variance_inflation =
+            if variance_inflation.is_finite() { variance_inflation.max(1.0) } else { 1.0 };
+        let penalty = refit.unknowns as f64 * penalty(&fit, variance_inflation);
         drop(fit);
-        Ok(Some(Whole { candidate: self.candidate.clone(), refit, numerics, widening, price }))
+        Ok(Some(Whole { candidate: self.candidate.clone(), refit, numerics, variance_inflation, penalty }))
     }
 }
 
@@ -185,37 +185,41 @@ struct Whole {
     refit: Refit,
     numerics: Numerics,
     /// Variance of the noise over that of white noise as large as stated.
-    widening: f64,
+    variance_inflation: f64,
     /// χ² that its unknowns have to be worth.
-    price: f64,
+    penalty: f64,
 }
 
 impl Whole {
     /// What it leaves of χ², and what its unknowns have to be worth.
     fn worth(&self) -> f64 {
-        2.0 * self.refit.cost / self.widening + self.price
+        2.0 * self.refit.cost / self.variance_inflation + self.penalty
     }
 }
 
 impl Course<'_> {
     /// Adds the effect with which the model meets the first swings and fits the whole recordings best. False where
     /// none does.
-    pub(super) fn add_early(&mut self, early: &Early) -> Result<bool, CalibrateError> {
+    pub(super) fn add_by_first_swings(&mut self, first_swings: &FirstSwings) -> Result<bool, CalibrateError> {
         let number = self.diagnosis.thresholds.len() + 1;
         let listener = self.listener;
         let stop = listener.stop();
-        let early = &Early { problem: ending_by(&early.problem, &stop), ..early.clone() };
+        let first_swings =
+            &FirstSwings { problem: ending_by(&first_swings.problem, &stop), ..first_swings.clone() };
         let problem = ending_by(&self.problem, &stop);
         let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));
         let meet = |candidate: Candidate| {
             tell(&format!("first swings with {}", candidate.name()));
-            early.with(candidate)
+            first_swings.with(candidate)
         };
-        let mut met: Vec<Met> =
-            self.asked_early(early).into_par_iter().map(meet).collect::<Result<_, _>>()?;
+        let mut met: Vec<Met> = self
+            .candidates_of_first_swings(first_swings)
+            .into_par_iter()
+            .map(meet)
+            .collect::<Result<_, _>>()?;
         met.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
-        let mut evidence: Vec<Evidence> = met.iter().map(|met| met.evidence(early, number)).collect();
-        let threshold = early.threshold();
+        let mut evidence: Vec<Evidence> = met.iter().map(|met| met.evidence(first_swings, number)).collect();
+        let threshold = first_swings.threshold();
         listener.ranked(threshold, &evidence);
         let least = met.first().map_or(f64::INFINITY, Met::cost);
         let mut found: Vec<(usize, Whole)> = Vec::new();
@@ -223,15 +227,15 @@ impl Course<'_> {
             if met.end.is_none() && stop.is_asked() {
                 evidence.reject(CUT_SHORT);
             } else if evidence.score < threshold {
-                evidence.reject("the model with it does not meet the first swings either");
+                evidence.reject("with it the model does not fit the first swings either");
             } else if self.settings.most_effects == 0 {
                 evidence.reject(NO_MORE);
             } else if met.cost() > WORSE * least {
-                evidence.reject("it meets the first swings less well than others");
+                evidence.reject("it fits the first swings less well than others");
             } else {
                 let name = met.candidate.name();
                 let whole =
-                    met.whole(&problem, early.known.len(), &|what| tell(&format!("{name}: {what}")))?;
+                    met.whole(&problem, first_swings.known.len(), &|what| tell(&format!("{name}: {what}")))?;
                 match whole {
                     Some(whole) => found.push((k, whole)),
                     None => evidence.reject(not_run(&problem)),
@@ -250,16 +254,16 @@ impl Course<'_> {
         }
         let Some((best, numerics)) = best else { return Ok(false) };
         self.take_mesh(&numerics);
-        tell("what was locked away");
+        tell("validation on held-out releases");
         let best = self.lasting(Box::new(best))?;
-        let locked = Locked::meet(&best.refit.fitted.problem, &best.refit.known)?;
-        self.add(Box::new(Best { locked, ..*best }))?;
+        let held_out = HeldOut::meet(&best.refit.fitted.problem, &best.refit.known)?;
+        self.add(Box::new(Best { held_out, ..*best }))?;
         Ok(true)
     }
 
     /// Each effect once: values that are tried are starts here. Those that were asked before are not asked again.
-    fn asked_early(&self, early: &Early) -> Vec<Candidate> {
-        let mut all = candidates(&early.problem, self.settings);
+    fn candidates_of_first_swings(&self, first_swings: &FirstSwings) -> Vec<Candidate> {
+        let mut all = candidates(&first_swings.problem, self.settings);
         if self.is_widened {
             all = all.iter().filter_map(Candidate::of_each_pressure).collect();
         }
@@ -271,12 +275,13 @@ impl Course<'_> {
     fn best_of(&self, found: Vec<(usize, Whole)>, evidence: &mut [Evidence]) -> Option<(Best, Numerics)> {
         let mut found = found.into_iter();
         let (first, best) = found.next()?;
-        let (gain, least) = (2.0 * (self.cost - best.refit.cost) / best.widening, best.worth());
+        let (gain, least) = (2.0 * (self.cost - best.refit.cost) / best.variance_inflation, best.worth());
         evidence[first].realised_decrease = Some(gain);
         let mut members = Vec::new();
         for (k, other) in found {
             let behind = other.worth() - least;
-            evidence[k].realised_decrease = Some(2.0 * (self.cost - other.refit.cost) / best.widening);
+            evidence[k].realised_decrease =
+                Some(2.0 * (self.cost - other.refit.cost) / best.variance_inflation);
             if behind >= LEAD {
                 evidence[k].reject(&falls_behind(behind, best.candidate.name()));
                 continue;
@@ -286,8 +291,11 @@ impl Course<'_> {
             let distance = behind.max(0.0).sqrt();
             members.push((Member { effect, behind, distance }, other.candidate));
         }
-        let Whole { candidate, refit, numerics, widening, price } = best;
-        Some((Best { candidate, refit, locked: None, widening, price, gain, members }, numerics))
+        let Whole { candidate, refit, numerics, variance_inflation, penalty } = best;
+        Some((
+            Best { candidate, refit, held_out: None, variance_inflation, penalty, gain, members },
+            numerics,
+        ))
     }
 
     /// Gives the model without anything added the mesh on which that was fitted.

@@ -22,12 +22,12 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
     };
     let sentences: Vec<Option<String>> = match diagnosis.verdict {
         Verdict::NothingMissing => vec![
-            Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and what does not repeat.".to_owned()),
+            Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and repeatability explain.".to_owned()),
             remains(diagnosis),
             apart(diagnosis),
         ],
         Verdict::Named | Verdict::Class => vec![
-            contradicted(diagnosis).map(|told| format!("What is stated may not be so: {told}. Check that first.")),
+            contradicted(diagnosis).map(|told| format!("A stated value may be wrong: {told}. Check it first.")),
             misfit(),
             Some(named(diagnosis)),
             removed(diagnosis),
@@ -39,7 +39,7 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             Some(named(diagnosis)),
             removed(diagnosis),
             remains(diagnosis),
-            contradicted(diagnosis).map(|told| format!("It may be what is stated: {told}. Check that first.")),
+            contradicted(diagnosis).map(|told| format!("A stated value may be wrong instead: {told}. Check it first.")),
             loudest(diagnosis).map(look),
             misfit(),
             diagnosis.separating_experiment.as_ref().map(to_tell_apart),
@@ -67,14 +67,14 @@ fn contradicted(diagnosis: &Diagnosis) -> Option<String> {
 fn missing(diagnosis: &Diagnosis) -> String {
     let is_unasked = |own: &Evidence| own.rejected.as_deref() == Some(NO_MORE);
     if diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
-        return "Something is missing; no effect was to be fitted to say what.".to_owned();
+        return "Something is missing; no effect was fitted, because none may be added.".to_owned();
     }
     if let Some(round) = diagnosis.cut_short_in_round {
         return format!("The search was cut short in round {round}, before it had an answer.");
     }
     let or = contradicted(diagnosis)
-        .map_or(String::new(), |told| format!(", or what is stated is not so: {told}. Check that first"));
-    format!("Something is missing that the catalogue does not hold{or}.")
+        .map_or(String::new(), |told| format!(", or a stated value is wrong: {told}. Check it first"));
+    format!("Something is missing that no effect of the catalogue explains{or}.")
 }
 
 /// A parameter's name as a person says it.
@@ -104,7 +104,7 @@ fn names(diagnosis: &Diagnosis) -> String {
             .any(|own| own.effect == added.effect && own.of_each_pressure && own.rejected.is_none())
     };
     let name = |added: &Added| match is_of_each(added) {
-        true => format!("{} of another size at each pressure", called(&added.effect)),
+        true => format!("{} with a different strength at each pressure", called(&added.effect)),
         false => called(&added.effect),
     };
     capitalised(&listed(&diagnosis.effects.iter().map(name).collect::<Vec<_>>()))
@@ -175,7 +175,9 @@ fn named(diagnosis: &Diagnosis) -> String {
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
     let or = match others.is_empty() {
         true => String::new(),
-        false => format!(", or what does the same to these recordings ({})", others.join(", ")),
+        false => {
+            format!(", or an effect that these recordings cannot separate from it ({})", others.join(", "))
+        }
     };
     let is = if diagnosis.effects.len() > 1 { "are" } else { "is" };
     let values: Vec<String> = diagnosis.effects.iter().filter_map(values).collect();
@@ -208,11 +210,11 @@ fn removed(diagnosis: &Diagnosis) -> Option<String> {
     let shares = diagnosis.shares.as_ref()?;
     let share = shares.removed.filter(|share| *share > 0.0)?;
     let it = if diagnosis.effects.len() > 1 { "They explain" } else { "It explains" };
-    let locked = shares.removed_held_out.map_or(String::new(), |share| match share > 0.0 {
-        true => format!(", and {} of what was locked away", percent(share)),
-        false => ", and nothing of what was locked away".to_owned(),
+    let held_out = shares.removed_held_out.map_or(String::new(), |share| match share > 0.0 {
+        true => format!(", and {} on held-out releases", percent(share)),
+        false => ", and nothing on held-out releases".to_owned(),
     });
-    Some(format!("{it} {} of what noise does not{locked}.", percent(share)))
+    Some(format!("{it} {} of the residual beyond noise{held_out}.", percent(share)))
 }
 
 /// What the effects leave, beside how well the experiment repeats.
@@ -220,8 +222,8 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
     let shares = diagnosis.shares.as_ref()?;
     let [before, left] = [shares.before_mm, shares.left_mm].map(|distance| significant(distance, 2));
     let distances = match diagnosis.effects.is_empty() {
-        true => format!("Simulation and recordings are {left} mm apart"),
-        false => format!("Simulation and recordings were {before} mm apart and are {left} mm"),
+        true => format!("Simulation and recordings differ by {left} mm"),
+        false => format!("The difference of simulation and recordings falls from {before} to {left} mm"),
     };
     let told = diagnosis.repeats.as_ref().map(|repeats| {
         let size = significant(repeats.distance_mm, 2);
@@ -229,15 +231,15 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
         let is_within = shares.left_mm <= repeats.largest_mm(releases);
         let than = if is_within { "no more than" } else { "more than" };
         match repeats.source {
-            Source::Stated => format!(", {than} the {size} mm to which the experiment is said to repeat"),
+            Source::Stated => format!(", {than} the stated repeatability of {size} mm"),
             Source::Measured => {
                 let most = significant(repeats.largest_mm(releases), 2);
                 format!(
-                    ", {than} its releases of one condition leave open, which repeat to {size} mm ({most} mm at 95 %)"
+                    ", {than} the measured repeatability of {size} mm ({most} mm at 95 %)"
                 )
             }
             Source::Assumed => format!(
-                ", {than} the {size} mm to which a single release is taken to repeat, 1 % of its motion (state calibrate.repeatability, or record the release again)"
+                ", {than} the repeatability of {size} mm assumed for a single release, 1 % of its motion (state calibrate.repeatability, or repeat the release)"
             ),
         }
     });
@@ -272,20 +274,17 @@ fn mean(gaps: &[&Gap], of: fn(&Gap) -> f64) -> f64 {
     (gaps.iter().map(|gap| of(gap).powi(2)).sum::<f64>() / gaps.len() as f64).sqrt()
 }
 
-/// How far simulation and recordings are apart in the end.
+/// Gap between simulation and recordings in the end.
 fn apart(diagnosis: &Diagnosis) -> Option<String> {
     let all: Vec<&Gap> = diagnosis.gap.iter().collect();
     (!all.is_empty()).then(|| {
-        format!(
-            "Simulation and recordings are {:.2} of the noise apart, 1 being noise alone.",
-            mean(&all, |gap| gap.after)
-        )
+        format!("The residual is {:.2} times the noise; 1 is noise alone.", mean(&all, |gap| gap.after))
     })
 }
 
 fn to_tell_apart(separation: &Separation) -> String {
     format!(
-        "To tell them apart, record {}: that takes the distance of the nearest two from {:.1} to {:.1} standard deviations.",
+        "To separate them, record {}: by simulation, this raises the distance of the nearest two from {:.1} to {:.1} standard deviations.",
         separation.what, separation.distance_now, separation.distance
     )
 }
@@ -313,7 +312,7 @@ fn described(description: &Description) -> Option<String> {
     let terms: Vec<String> = description.moment.parameters.iter().filter_map(term).collect();
     (!terms.is_empty()).then(|| {
         format!(
-            "A description, not a cause: a moment at every bend, over EI {}, would take {} of what is left.",
+            "A description, not a cause: a moment at every bend, over EI {}, would explain {} of the residual.",
             listed(&terms),
             percent(description.share)
         )
@@ -322,7 +321,7 @@ fn described(description: &Description) -> Option<String> {
 
 fn look(shape: &Shape) -> String {
     format!(
-        "What is left looks like this: {}, by {:.2} mm at the tip, mostly at {:.0} % of the largest amplitude.",
+        "Largest residual pattern: {}, {:.2} mm at the tip, mostly at {:.0} % of the largest amplitude.",
         shape.what,
         shape.size_mm,
         100.0 * shape.at_amplitude

@@ -76,7 +76,7 @@ fn a_named_effect_is_told_with_all_that_stands_behind_it() {
         summary(&drag()),
         "The simulation loses energy too slowly at large swings (above 40 % of the largest amplitude), at all \
          pressures, in the first 4 cycles. Air drag on the body is missing: drag coefficient 1.10 (95 % interval 1.00 to \
-         1.20). It explains 93 % of what noise does not, and all of what was locked away. Simulation and recordings \
+         1.20). It explains 93 % of what noise does not, and all of held-out releases. Simulation and recordings \
          were 1.3 mm apart and are 0.53 mm. Braid friction, the next best, would explain 41 %."
     );
 }
@@ -95,7 +95,7 @@ fn what_no_number_supports_is_not_said() {
     let quiet = with(vec![gap("a", false, 1.005, 1.0)]);
     assert!(!summary(&quiet).contains("explain"), "{}", summary(&quiet));
     let worse = with(vec![gap("a", false, 3.0, 1.0), gap("b", true, 1.2, 1.4)]);
-    assert!(summary(&worse).contains("all of what noise does not, and nothing of what was locked away"));
+    assert!(summary(&worse).contains("all of the residual beyond noise, and nothing on held-out releases"));
     let mut one = drag();
     one.misfits[0].pressures_there_pa = vec![1.034e5];
     one.misfits[0].pressures_pa = vec![1.034e5];
@@ -132,7 +132,7 @@ fn misfits_of_two_kinds_are_told_and_small_ones_are_not() {
 #[test]
 fn a_class_says_who_is_in_it_and_what_to_record() {
     let member = Member { effect: "tip_drag".to_owned(), behind: 3.0, distance: 1.2 };
-    let what = "the same releases once more from 25 degrees below".to_owned();
+    let what = "the same releases repeated from 25 degrees below".to_owned();
     let class = Diagnosis {
         verdict: Verdict::Class,
         members: vec![member],
@@ -141,11 +141,10 @@ fn a_class_says_who_is_in_it_and_what_to_record() {
     };
     let words = summary(&class);
     assert!(words.contains(
-        "Air drag on the body is missing, or what does the same to these recordings (tip drag): drag"
+        "Air drag on the body is missing, or an effect that these recordings cannot separate from it (tip drag): drag"
     ));
     assert!(words.ends_with(
-        "To tell them apart, record the same releases once more from 25 degrees below: that takes the distance \
-         of the nearest two from 1.2 to 7.2 standard deviations."
+        "To separate them, record the same releases repeated from 25 degrees below: by simulation, this raises the distance of the nearest two from 1.2 to 7.2 standard deviations."
     ));
     let next = evidence("tip_drag", Some(990.0));
     let class = Diagnosis { evidence: [&class.evidence[..], &[next]].concat(), ..class.clone() };
@@ -173,7 +172,11 @@ fn an_unknown_is_described_and_nothing_is_just_that() {
     };
     let unknown = Diagnosis { verdict: Verdict::Unknown, shapes: vec![shape], ..drag() };
     let words = summary(&unknown);
-    assert!(words.starts_with("Something is missing that the catalogue does not hold. The simulation loses"));
+    assert!(
+        words.starts_with(
+            "Something is missing that no effect of the catalogue explains. The simulation loses"
+        )
+    );
     assert!(
         words.contains("Air drag on the body describes 93 % of it, and need not be its cause."),
         "{words}"
@@ -185,8 +188,7 @@ fn an_unknown_is_described_and_nothing_is_just_that() {
         Diagnosis { gap: vec![gap("a", false, 1.02, 1.02)], misfits: drag().misfits, ..Diagnosis::default() };
     assert_eq!(
         summary(&nothing),
-        "Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more \
-         than noise and what does not repeat. Simulation and recordings are 1.02 of the noise apart, 1 being noise alone."
+        "Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and repeatability explain. The residual is 1.02 times the noise; 1 is noise alone."
     );
 }
 
@@ -222,7 +224,7 @@ fn contradictions_are_said() {
     let found = |verdict, deviations: f64| {
         summary(&Diagnosis { verdict, contradictions: vec![contradiction(deviations)], ..drag() })
     };
-    let told = "rod.bending_stiffness = 0.0000700 N m^2 is 9 standard deviations off what was believed of it";
+    let told = "rod.bending_stiffness = 0.0000700 N m^2 is 9 standard deviations from its prior";
     let unknown = found(Verdict::Unknown, 9.0);
     assert!(
         unknown.contains(&format!("or what is stated is not so: {told}. Check that first.")),

@@ -1,7 +1,7 @@
 //! Goal: what a calibration on unloaded releases foretells of a payload holds the truth in 95 % of experiments.
 //! Setup: the independent beam, its EI, losses and masses off by what a laboratory would not notice; six releases
 //! without a payload are tracked and calibrated, the muscle file is written and read, and releases with 20, 100 and
-//! 300 g are foretold at a calibrated pressure; the beam itself is then let go with them.
+//! 300 g are predicted at a calibrated pressure; the beam itself is then let go with them.
 //! Expected: rest, frequency, damping ratio and lowest point of the beam lie in their intervals in 90 to 99 % of 100
 //! draws, and the intervals are such that a person would find them useful.
 
@@ -11,8 +11,8 @@ use efam_experiments::analysis::decay::fit_decay;
 use efam_experiments::analysis::excursion::Excursion;
 use efam_experiments::analysis::swing::{swing, swing_spectrum};
 use efam_inference::calibrate::{Settings, calibrate};
-use efam_inference::predict::asked::Asked;
 use efam_inference::predict::grid::{Cell, grid};
+use efam_inference::predict::request::CaseRequest;
 use efam_report::calibrated::muscle_file;
 use models::muscle::Muscle;
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ use tests::twin::hidden::Hidden;
 const PRESSURE: f64 = 40.0;
 const PAYLOADS: [f64; 3] = [0.02, 0.1, 0.3];
 const NAMES: [&str; 4] = ["rest_z_m", "frequency_hz", "damping_ratio", "lowest_z_m"];
-/// How long a foretold release lasts, s.
+/// How long a predicted release lasts, s.
 const SECONDS: f64 = 20.0;
 /// Samples a second of the truth.
 const RATE: f64 = 1000.0;
@@ -35,7 +35,7 @@ const RATE: f64 = 1000.0;
 fn truth(seed: u64, payload: f64) -> [Option<f64>; 4] {
     let usual = Plan::of_two_angles(&[Hidden::TipMass { mass: payload }]);
     let priors = Priors { hold_angle: 0.0, instant: 0.0, tilt: 0.0, offset: 0.0, ..usual.priors };
-    // Longer than what is foretold, for the rest; finer, for a tip that whips.
+    // Longer than what is predicted, for the rest; finer, for a tip that whips.
     let drawn = Plan { duration: 1.5 * SECONDS, rate: RATE, priors, ..usual }.draw(seed);
     let own = drawn
         .releases
@@ -54,7 +54,7 @@ fn truth(seed: u64, payload: f64) -> [Option<f64>; 4] {
 }
 
 /// What a calibration of a seed's releases without a payload foretells.
-fn foretold(seed: u64) -> Vec<Cell> {
+fn predicted(seed: u64) -> Vec<Cell> {
     let problem = all_fitted(&Plan::of_two_angles(&[]).draw(seed));
     let outcome = calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit");
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
@@ -65,7 +65,7 @@ fn foretold(seed: u64) -> Vec<Cell> {
         "[muscle]\ntext = {}\n[run]\nduration = \"{SECONDS} s\"\n{AS_DRAWN}",
         toml::Value::from(file.text)
     );
-    let asked = Asked::scenario(Path::new("twin.toml"), text);
+    let asked = CaseRequest::scenario(Path::new("twin.toml"), text);
     let (case, known) = asked.case(Some(PRESSURE * PSI), Some(0.0)).expect("a case");
     let mut asked = asked;
     asked.release.payload_center = Some(case.model.tip_distance);
@@ -80,7 +80,7 @@ type Off = (f64, f64);
 /// Share of draws whose intervals hold the truth, by number; the figures are printed.
 fn coverage(seeds: std::ops::Range<u64>) -> [f64; 4] {
     let one = |seed: u64| {
-        let cells = foretold(seed);
+        let cells = predicted(seed);
         let of = |(cell, payload): (&Cell, &f64)| {
             let truth = truth(seed, *payload);
             [0, 1, 2, 3].map(|k| {

@@ -9,7 +9,7 @@ use toml::{Table, Value};
 
 /// The rod that is asked about, and all but its pressure and its payload's mass; SI.
 #[derive(Clone, Debug, Default)]
-pub struct Asked {
+pub struct CaseRequest {
     /// File that the scenario's text comes from, or would.
     path: PathBuf,
     text: String,
@@ -19,7 +19,7 @@ pub struct Asked {
     pub set: Vec<String>,
 }
 
-impl Asked {
+impl CaseRequest {
     /// About a muscle: the name of a built-in one, or a file.
     pub fn muscle(muscle: &str) -> Self {
         let quoted = |text: &str| Value::from(text).to_string();

@@ -93,7 +93,7 @@ pub struct Parameter {
 
 /// A sweep, read and checked.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub struct SweepRequest {
     /// Name: as given, or that of the file.
     pub name: String,
     /// Its file.
@@ -102,7 +102,7 @@ pub struct Asked {
     pub text: String,
     /// What it is about.
     pub subject: Subject,
-    /// What should be known before the results are used.
+    /// Caveats of the results.
     pub warnings: Vec<String>,
 }
 
@@ -134,22 +134,22 @@ pub struct OfScenario {
     pub set: Vec<String>,
 }
 
-impl Asked {
+impl SweepRequest {
     /// Reads a sweep's file and sets `overrides` over it, each as `path=value`.
     /// # Errors
     /// [`ScenarioError`], of the sweep, of its scenario, or where no experiment can be diagnosed.
-    pub fn load(path: &Path, overrides: &[String]) -> Result<Asked, ScenarioError> {
-        Asked::of(path, Document::load(path, overrides)?)
+    pub fn load(path: &Path, overrides: &[String]) -> Result<SweepRequest, ScenarioError> {
+        SweepRequest::of(path, Document::load(path, overrides)?)
     }
 
     /// The sweep that a text describes; files in it are relative to `path`.
     /// # Errors
-    /// As [`Asked::load`].
-    pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Asked, ScenarioError> {
-        Asked::of(path, Document::parse(path, text, overrides)?)
+    /// As [`SweepRequest::load`].
+    pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<SweepRequest, ScenarioError> {
+        SweepRequest::of(path, Document::parse(path, text, overrides)?)
     }
 
-    fn of(path: &Path, document: Document) -> Result<Asked, ScenarioError> {
+    fn of(path: &Path, document: Document) -> Result<SweepRequest, ScenarioError> {
         let keys = document.keys();
         keys.only(&["name", "sweep"])?;
         let sweep = keys.table("sweep")?;
@@ -182,7 +182,7 @@ impl Asked {
             (Subject::Scenario(own), warnings)
         };
         let name = plan::name(&document, path, "sweep")?;
-        Ok(Asked { name, path: path.to_owned(), text: document.text().to_owned(), subject, warnings })
+        Ok(SweepRequest { name, path: path.to_owned(), text: document.text().to_owned(), subject, warnings })
     }
 
     /// How many points.
