@@ -48,7 +48,7 @@ const EXIT_CODES: &str = "Exit codes:
     3  a muscle file, a recording or other data are wrong
     4  the simulation or the search for a rest posture could not go on
   130  Ctrl-C: a simulation is saved up to there, whole shards of a sweep, and
-       nothing else (`efam watch` ends with 0); a second Ctrl-C ends at once, and saves nothing
+       nothing else; a second Ctrl-C ends at once, and saves nothing
   143  the same by SIGTERM, 129 by SIGHUP, 152 by SIGXCPU, by which systems and
        schedulers end a job
 

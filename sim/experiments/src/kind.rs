@@ -97,7 +97,7 @@ fn of_text(text: &str) -> Option<Kind> {
         Kind::Experiment
     } else if has("sweep") {
         Kind::Sweep
-    } else if has("source") || has("rest") && has("row") {
+    } else if has("rest") && has("table") {
         Kind::Muscle
     } else if has_pressure || OF_SCENARIOS.into_iter().any(has) {
         Kind::Scenario
@@ -120,6 +120,7 @@ mod tests {
             ("[muscle]\nname = \"m\"\n[[recording]]\nfile = \"a.csv\"", Some(Kind::Experiment)),
             ("[sweep]\nscenario = \"s.toml\"", Some(Kind::Sweep)),
             ("[laws.mine]\nplace = \"flow\"", Some(Kind::Laws)),
+            (models::muscle::BUILT_IN[0].1, Some(Kind::Muscle)),
             // Of either of two kinds, or of none.
             ("[muscle]\nname = \"m\"", None),
             ("[muscle", None),

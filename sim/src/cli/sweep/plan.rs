@@ -16,6 +16,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::super::arguments::{Output, argv};
+use super::super::browser;
 use super::super::failure::{Failure, of_kind};
 use super::super::interrupt;
 use super::super::terminal::stdout;
@@ -89,6 +90,7 @@ pub fn run(args: &Freeze, voice: &Voice) -> Result<ExitCode, Failure> {
         }
         writeln!(out, "plan in {}", folder.display())?;
     }
+    browser::show(args.output.open, folder, voice);
     Ok(ExitCode::SUCCESS)
 }
 
