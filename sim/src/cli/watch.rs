@@ -221,7 +221,7 @@ fn one(facts: &Facts, folder: &Path, file: &str, voice: &Voice) -> Result<bool, 
 
 /// A release in a few words.
 fn of_release(one: &Analysed) -> String {
-    let name = format!("release {}", one.of.release.name.rsplit(' ').next().unwrap_or_default());
+    let name = format!("release {}", one.of.release.name.rsplit('#').next().unwrap_or_default());
     match &one.measured {
         Err(error) => format!("{name}: {error}"),
         Ok(measured) => {

@@ -119,7 +119,10 @@ fn a_png_is_the_picture_of_the_run() {
     let circle = svg.lines().rfind(|line| line.starts_with("<circle") && line.contains("fill=\"#D55E00\""));
     let circle = circle.expect("a picture has a mark");
     let place = ["cx", "cy"].map(|name| of(circle, name).parse::<f64>().expect("a number"));
-    assert_eq!(at((place[0] / 2.0) as u32, (place[1] / 2.0) as u32), VERMILION, "{circle}");
+    let seen = at((place[0] / 2.0) as u32, (place[1] / 2.0) as u32);
+    // It may be a little transparent.
+    let off = seen.iter().zip(VERMILION).map(|(a, b)| a.abs_diff(b)).max();
+    assert!(off < Some(60), "{seen:?} at {circle}");
     let dark = pixels.pixels().iter().filter(|pixel| pixel.red() < 80 && pixel.green() < 80).count();
     assert!(dark > 5_000, "{dark} pixels of axes and letters");
 }

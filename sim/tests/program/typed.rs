@@ -51,7 +51,8 @@ fn millimetres_as_metres_are_doubted_wherever_a_length_is_read() {
     let bench = bench("typed-millimetres");
     let doubt = "1000 times too far: is the unit mm?";
     // The next move is in the message, and works.
-    for line in ["experiment check e.toml", "analyse e.toml", "calibrate e.toml", "diagnose e.toml"] {
+    for command in ["experiment check", "analyse", "calibrate", "diagnose"] {
+        let line = &format!("{command} e.toml --out out");
         let stderr = refused(&bench, 3, line);
         assert!(stderr.starts_with("error: x.csv: release 1: held straight, the tip stands 2"), "{stderr}");
         let next = format!("{doubt} Say recording[1].unit = \"mm\", or the unit that the numbers are in\n");
@@ -60,19 +61,19 @@ fn millimetres_as_metres_are_doubted_wherever_a_length_is_read() {
     let set = ["--set", "recording[1].unit=\"mm\""];
     bench.json(&[&["experiment", "check", "e.toml", "--json", "--out", "checked"], &set[..]].concat());
     // No angle, and so not held straight: the same.
-    let stderr =
-        refused(&bench, 3, "experiment check e.toml --set recording[1].angle=0 --set recording[1].unit=m");
+    bench.file("bent.toml", &EXPERIMENT.replace("angle = \"0 deg\"\noffset = \"none\"\n", ""));
+    let stderr = refused(&bench, 3, "experiment check bent.toml --out out");
     assert!(stderr.contains(doubt), "{stderr}");
     let inspected = bench.json(&["inspect", "x.csv", "--json"]);
     let findings = inspected["recordings"][0]["findings"].to_string();
     assert!(findings.contains(&format!("m along an axis: {doubt}")), "{findings}");
     let inspected = bench.json(&["inspect", "x.csv", "--unit", "mm", "--json"]);
     assert!(!inspected.to_string().contains(doubt), "{inspected}");
-    let rod = "[rod]\nlength = \"203 m\"\nmass = \"24 g\"\nbending_stiffness = \"0.007 N m^2\"\n\
+    let rod = "[rod]\nlength = \"80 m\"\nmass = \"24 g\"\nbending_stiffness = \"0.007 N m^2\"\n\
         axial_stiffness = \"100 N\"\nnodes = 8\n";
     bench.file("rod.toml", rod);
     let (_, _, stderr) = bench.run(&["statics", "rod.toml"]);
-    assert!(stderr.contains(&format!("warning: the rod is 203 m long: {doubt}\n")), "{stderr}");
+    assert!(stderr.contains(&format!("warning: the rod is 80 m long: {doubt}\n")), "{stderr}");
 }
 
 #[test]
