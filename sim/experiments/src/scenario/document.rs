@@ -304,15 +304,12 @@ impl<'a> Keys<'a> {
 
     /// Refuses keys that are not known.
     pub fn only(&self, known: &[&str]) -> Result<(), ScenarioError> {
-        let Some(Value::Table(entries)) = self.item.map(|item| &item.value) else {
-            return Ok(());
-        };
+        let Some(Value::Table(entries)) = self.item.map(|item| &item.value) else { return Ok(()) };
         let Some(entry) = entries.iter().find(|entry| !known.contains(&entry.key.as_str())) else {
             return Ok(());
         };
-        let whole = if self.path.is_empty() { meant(entry, known) } else { None };
         let problem = Problem::UnknownKey {
-            nearest: whole.or_else(|| nearest(&entry.key, known.iter().copied()).map(str::to_owned)),
+            nearest: meant(&self.path, entry, known),
             known: known.iter().map(|key| (*key).to_owned()).collect(),
         };
         Err(self.document.error(&entry.key_place, &self.path_of(&entry.key), problem))
