@@ -20,7 +20,7 @@ pub fn png(svg: &str, font: Option<&Font>) -> Option<Vec<u8>> {
     let [width, height] = [number(head, "width")?, number(head, "height")?];
     let view: Vec<f32> =
         attribute(head, "viewBox")?.split(' ').map(str::parse).collect::<Result<_, _>>().ok()?;
-    let is_size = |size: f32| size >= 1.0 && size <= MOST_PIXELS;
+    let is_size = |size: f32| (1.0..=MOST_PIXELS).contains(&size);
     let fine = view.get(2).copied().filter(|fine| *fine >= 1.0)?;
     if !is_size(width) || !is_size(height) {
         return None;
