@@ -20,6 +20,23 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.1
 }
 
+/// The candidates that `name` may mean: those that have it as one of their words, parted by `_`, or else the nearest.
+pub fn alike<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clone) -> Vec<&'a str> {
+    let has = |candidate: &&str| candidate.split('_').any(|word| word == name);
+    let own: Vec<&str> = candidates.clone().into_iter().filter(has).collect();
+    if own.is_empty() { nearest(name, candidates).into_iter().collect() } else { own }
+}
+
+/// A question that offers candidates, such as "; did you mean `a`, `b` or `c`?"; nothing where there are none.
+pub fn offer(candidates: &[&str]) -> String {
+    let quoted: Vec<String> = candidates.iter().map(|candidate| format!("`{candidate}`")).collect();
+    match &quoted[..] {
+        [] => String::new(),
+        [only] => format!("; did you mean {only}?"),
+        [before @ .., last] => format!("; did you mean {} or {last}?", before.join(", ")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -30,5 +47,15 @@ mod tests {
         assert_eq!(nearest("gravtiy", known), Some("gravity"));
         assert_eq!(nearest("bned", known), Some("bend"));
         assert_eq!(nearest("friction", known), None);
+    }
+
+    #[test]
+    fn a_word_of_several_names_offers_all_of_them() {
+        let known = ["air_drag", "bend", "tip_drag", "dragged"];
+        assert_eq!(alike("drag", known), ["air_drag", "tip_drag"]);
+        assert_eq!(alike("bned", known), ["bend"]);
+        assert_eq!(offer(&alike("drag", known)), "; did you mean `air_drag` or `tip_drag`?");
+        assert_eq!(offer(&["a", "b", "c"]), "; did you mean `a`, `b` or `c`?");
+        assert_eq!(offer(&alike("friction", known)), "");
     }
 }

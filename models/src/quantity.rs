@@ -113,7 +113,7 @@ impl Quantity {
         Quantity::parse(&value.to_string())
     }
 
-    /// Value in the unit that is due, such as `kg m^2`; an empty `unit` asks for a plain number.
+    /// Value in the unit that is due, such as `kg m^2`; an empty `unit` asks for a plain number. Zero needs no unit.
     ///
     /// # Errors
     /// [`QuantityError::NeedsUnit`] or [`QuantityError::WrongDimension`], with the right form.
@@ -121,7 +121,8 @@ impl Quantity {
     /// If `due` is not a unit; one that a user wrote goes through [`Unit::parse`] first.
     pub fn to(&self, due: &str) -> Result<f64, QuantityError> {
         let asked = Unit::parse(due).unwrap_or_else(|error| panic!("declared unit: {error}"));
-        if self.dimension.fits(asked.dimension) {
+        let is_zero = self.unit.is_empty() && self.value == 0.0;
+        if is_zero || self.dimension.fits(asked.dimension) {
             return Ok(self.value / asked.scale);
         }
         let (number, due) = (self.number.clone(), due.to_string());
@@ -341,6 +342,8 @@ mod tests {
     #[test]
     fn a_bare_number_is_right_only_where_no_unit_is_due() {
         assert_eq!(si("15", ""), 15.0);
+        assert_eq!((si("0", "Pa"), si("-0.0", "1/s")), (0.0, 0.0));
+        assert!(error("0 kg", "Pa").contains("is a mass"));
         assert_eq!(error("15", "Pa"), "15: needs a unit of pressure, such as \"15 psi\" or \"15 kPa\"");
         assert_eq!(error("0.30", "rad"), "0.30: needs a unit of angle, such as \"0.30 deg\" or \"0.30 rad\"");
         assert_eq!(error("2", "kg m^5"), "2: needs the unit `kg m^5`, such as \"2 kg m^5\"");

@@ -2,6 +2,7 @@
 
 mod analyse;
 mod arguments;
+mod browser;
 mod calibrate;
 mod completions;
 mod diagnose;
@@ -11,6 +12,7 @@ mod experiment;
 mod export;
 mod failure;
 mod figures;
+mod init;
 mod inspect;
 mod interrupt;
 mod live;
@@ -26,6 +28,7 @@ mod terminal;
 mod threads;
 mod view;
 mod voice;
+mod watch;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -63,6 +66,8 @@ struct Efam {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write a first scenario with comments, or a muscle file, which run as they stand.
+    Init(init::Init),
     /// Simulate a scenario and save the results in a new folder.
     Simulate(simulate::Simulate),
     /// Find parameters of a model from the releases of an experiment.
@@ -90,6 +95,8 @@ enum Command {
     },
     /// Clean an experiment's recordings and analyse each release: frequency, damping, stiffness.
     Analyse(analyse::Analyse),
+    /// Analyse each recording of a folder as it is saved, and keep one page up to date.
+    Watch(watch::Watch),
     /// Summarise recordings of a motion-capture system.
     Inspect(inspect::Inspect),
     /// Show the rest posture of a scenario's rod.
@@ -135,6 +142,7 @@ fn run(command: Command, voice: &Voice) -> Result<ExitCode, Failure> {
         threads::begin(voice)?;
     }
     match command {
+        Command::Init(args) => init::run(&args, voice),
         Command::Simulate(args) => simulate::run(&args, voice),
         Command::Calibrate(args) => calibrate::run(&args, voice),
         Command::Diagnose(args) => diagnose::run(&args, voice),
@@ -148,6 +156,7 @@ fn run(command: Command, voice: &Voice) -> Result<ExitCode, Failure> {
         Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args, voice),
         Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args, voice),
         Command::Analyse(args) => analyse::run(&args, voice),
+        Command::Watch(args) => watch::run(&args, voice),
         Command::Inspect(args) => inspect::run(&args, voice),
         Command::Statics(args) => rest::statics(&args, voice),
         Command::Modes(args) => rest::modes(&args, voice),
@@ -163,7 +172,8 @@ impl Command {
     fn computes(&self) -> bool {
         let only_prints = matches!(
             self,
-            Command::View(_)
+            Command::Init(_)
+                | Command::View(_)
                 | Command::Effects(_)
                 | Command::Schema(_)
                 | Command::Completions(_)

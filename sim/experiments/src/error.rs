@@ -1,6 +1,6 @@
 //! Why an experiment has no releases.
 
-use efam_recordings::RecordingError;
+use efam_recordings::{Length, RecordingError};
 
 use crate::scenario::ScenarioError;
 
@@ -94,9 +94,8 @@ pub enum CleaningError {
     /// A tip that cannot be that of the rod.
     #[error(
         "{file}: release {number}: held straight, the tip stands {:.1} mm from the clamp, and the rod with its \
-         end fitting reaches {:.1} mm: check rod.length, rod.tip and {key}.clamp, say {key}.offset where the \
-         marker stands off that far, or leave {key}.angle out if the rod was not held straight",
-        1e3 * seen, 1e3 * reach
+         end fitting reaches {:.1} mm: {}",
+        1e3 * seen, 1e3 * reach, off_reach(*seen, *reach, key)
     )]
     OffReach {
         /// The recording.
@@ -120,4 +119,15 @@ pub enum CleaningError {
         /// Where the recording stands in the experiment file.
         key: String,
     },
+}
+
+/// What to do about a tip that cannot be the rod's.
+fn off_reach(seen: f64, reach: f64, key: &str) -> String {
+    match Length::doubt(seen, reach) {
+        Some(doubt) => format!("{doubt} Say {key}.unit = \"mm\", or the unit that the numbers are in"),
+        None => format!(
+            "check rod.length, rod.tip and {key}.clamp, say {key}.offset where the marker stands off that far, or \
+             leave {key}.angle out if the rod was not held straight"
+        ),
+    }
 }

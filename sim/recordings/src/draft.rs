@@ -9,7 +9,7 @@ use super::clock::{self, Clock};
 use super::error::Problem;
 use super::format::Format;
 use super::layout::distinct;
-use super::length::Length;
+use super::length::{Length, TOO_FAR};
 use super::quality;
 use super::read::ReadOptions;
 use super::{Marker, Recording};
@@ -45,7 +45,7 @@ pub(super) enum Unit {
 }
 
 /// Extents beyond which a unit is doubtful, m.
-const DOUBTFUL_EXTENT: (f64, f64) = (1e-3, 100.0);
+const DOUBTFUL_EXTENT: (f64, f64) = (1e-3, 30.0);
 
 impl Draft {
     pub(super) fn new(format: Format, unit: Unit, place: &'static str) -> Self {
@@ -84,7 +84,14 @@ impl Draft {
         findings.extend(quality::losses(&markers, &time));
         let extents = markers.iter().filter_map(|marker| quality::extent(&marker.position));
         let extent = extents.flatten().map(|[low, high]| high - low).fold(0.0, f64::max);
-        if extent < DOUBTFUL_EXTENT.0 || extent > DOUBTFUL_EXTENT.1 {
+        if extent > DOUBTFUL_EXTENT.1 {
+            let doubt = match unit {
+                Length::Metre => TOO_FAR.to_owned(),
+                unit => format!("is the unit {} right?", unit.symbol()),
+            };
+            findings.push(format!("a marker moves by {} m along an axis: {doubt}", clock::plain(extent)));
+        }
+        if extent < DOUBTFUL_EXTENT.0 {
             findings.push(format!(
                 "no marker moves by more than {extent:.3e} m along any axis: is the unit {} right?",
                 unit.symbol()

@@ -31,10 +31,27 @@ const LENGTHS: [(Length, &str, f64, &[&str]); 6] = [
     (Length::Foot, "ft", 0.3048, &["foot", "feet"]),
 ];
 
+/// What is said of a length in millimetres that was taken for metres.
+pub const TOO_FAR: &str = "1000 times too far: is the unit mm?";
+/// How far a length may be off a thousand times another one, as a factor, for its unit to be doubted.
+const DOUBT: f64 = 2.5;
+
 impl Length {
     /// Its length, m.
     pub fn metres(self) -> f64 {
         self.row().2
+    }
+
+    /// What a length that is seen says of its unit, where another one would make it about the length that is due:
+    /// "1000 times too far: is the unit mm?".
+    pub fn doubt(seen: f64, due: f64) -> Option<&'static str> {
+        let times = seen / due;
+        let near = |factor: f64| (factor / DOUBT..factor * DOUBT).contains(&times);
+        match times {
+            _ if near(1e3) => Some(TOO_FAR),
+            _ if near(1e-3) => Some("1000 times too near: is the unit m?"),
+            _ => None,
+        }
     }
 
     /// A length in this unit, in metres, with one rounding.
@@ -94,6 +111,8 @@ mod tests {
             assert_eq!(Length::named(word).map(Length::metres), Some(metres), "{word}");
         }
         assert_eq!(Length::named("deg"), None);
+        let doubts = [219.8, 0.25, 20.0, 2.0e-4].map(|seen| Length::doubt(seen, 0.2));
+        assert_eq!(doubts, [Some(TOO_FAR), None, None, Some("1000 times too near: is the unit m?")]);
         assert_eq!(Length::Millimetre.to_metres(4.35), 4.35 / 1e3);
         assert_eq!(Length::Foot.to_metres(2.0), 2.0 * 0.3048);
         assert_eq!(

@@ -31,7 +31,7 @@ use std::path::PathBuf;
 
 pub use error::{Problem, RecordingError};
 pub use format::Format;
-pub use length::Length;
+pub use length::{Length, TOO_FAR};
 pub use quality::Quality;
 pub use read::{ReadOptions, parse, read};
 pub use tidy::table;

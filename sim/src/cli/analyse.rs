@@ -12,6 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::Cleaning;
+use super::browser;
 use super::experiment::{CheckPrinted, open, read, request};
 use super::failure::Failure;
 use super::interrupt;
@@ -67,6 +68,7 @@ pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
         let analysis = analysed.iter().map(Analysed::said).collect();
         print(&Printed { cleaned: CheckPrinted::of(&cleaned, &folder), analysis })?;
     }
+    browser::show(args.of.output.open, &folder, voice);
     if args.of.output.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }

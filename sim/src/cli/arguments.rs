@@ -74,6 +74,9 @@ pub struct Output {
     /// Replace an existing folder.
     #[arg(long)]
     pub overwrite: bool,
+    /// Show the page of the results in the browser; BROWSER may name one.
+    #[arg(long)]
+    pub open: bool,
     #[command(flatten)]
     pub form: Form,
 }
@@ -96,14 +99,48 @@ pub struct Source {
 
 impl Source {
     /// All overrides as `path=value`.
-    pub fn overrides(&self) -> Vec<String> {
+    /// # Errors
+    /// A value that is given twice.
+    pub fn overrides(&self) -> Result<Vec<String>, Failure> {
+        once("--muscle", self.muscle.as_ref(), "muscle.file", &self.set)?;
+        once("--pressure", self.pressure.as_ref(), "muscle.pressure", &self.set)?;
         let quoted = |path: &str, value: &Option<String>| {
             value.as_ref().map(|value| format!("{path}={}", toml_string(value)))
         };
         let muscle = quoted("muscle.file", &self.muscle);
         let pressure = quoted("muscle.pressure", &self.pressure);
-        muscle.into_iter().chain(pressure).chain(self.set.iter().cloned()).collect()
+        Ok(muscle.into_iter().chain(pressure).chain(self.set.iter().cloned()).collect())
     }
+}
+
+/// Refuses an option beside a `--set` of the same key.
+pub fn once(option: &str, value: Option<&String>, key: &str, set: &[String]) -> Result<(), Failure> {
+    let is_of_key = |own: &&String| own.split('=').next().is_some_and(|path| path.trim() == key);
+    match (value, set.iter().find(is_of_key)) {
+        (Some(value), Some(set)) => {
+            Err(Failure::Usage(format!("{option} {value} and --set {set} both give {key}; keep one of them")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The mass of a payload, such as `80g`, kg.
+pub fn payload(text: Option<&String>, set: &[String]) -> Result<Option<f64>, Failure> {
+    once("--payload", text, "effects.payload.mass", set)?;
+    let mass = quantity("--payload", text, "kg")?;
+    match (text, mass) {
+        (Some(text), Some(mass)) if mass < 0.0 => {
+            Err(Failure::Usage(format!("--payload {text}: it must not be negative")))
+        }
+        _ => Ok(mass),
+    }
+}
+
+/// The value of an option in a unit.
+fn quantity(option: &str, value: Option<&String>, unit: &str) -> Result<Option<f64>, Failure> {
+    let Some(text) = value else { return Ok(None) };
+    let parsed = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
+    parsed.map(Some).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
 }
 
 /// The release, over what a scenario says; the payload's mass stands with each command, because some take several.
@@ -128,24 +165,30 @@ pub struct Release {
 }
 
 impl Release {
-    /// With a payload, such as `80g`.
-    pub fn options(&self, payload: Option<&String>) -> Result<ReleaseOptions, Failure> {
-        let one = |option: &str, value: Option<&String>, unit: &str| -> Result<Option<f64>, Failure> {
-            let Some(text) = value else { return Ok(None) };
-            let parsed = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
-            parsed.map(Some).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))
+    /// With a payload, such as `80g`, and beside what is set over the scenario.
+    pub fn options(&self, mass: Option<&String>, set: &[String]) -> Result<ReleaseOptions, Failure> {
+        let one = |option: &str, value: &Option<String>, key: &str, unit: &str| {
+            once(option, value.as_ref(), key, set)?;
+            quantity(option, value.as_ref(), unit)
         };
-        let mass = one("--payload", payload, "kg")?;
-        if let (Some(text), true) = (payload, mass.is_some_and(|mass| mass < 0.0)) {
-            return Err(Failure::Usage(format!("--payload {text}: it must not be negative")));
-        }
+        let payload = payload(mass, set)?;
         Ok(ReleaseOptions {
-            payload: mass,
-            payload_center: one("--payload-center", self.payload_center.as_ref(), "m")?,
-            payload_inertia: one("--payload-inertia", self.payload_inertia.as_ref(), "kg m^2")?,
-            frontal_area: one("--frontal-area", self.frontal_area.as_ref(), "m^2")?,
-            angle: one("--angle", self.angle.as_ref(), "rad")?,
-            duration: one("--duration", self.duration.as_ref(), "s")?,
+            payload,
+            payload_center: one(
+                "--payload-center",
+                &self.payload_center,
+                "effects.payload.center_of_mass",
+                "m",
+            )?,
+            payload_inertia: one(
+                "--payload-inertia",
+                &self.payload_inertia,
+                "effects.payload.rotary_inertia",
+                "kg m^2",
+            )?,
+            frontal_area: one("--frontal-area", &self.frontal_area, "effects.tip_drag.drag_area", "m^2")?,
+            angle: one("--angle", &self.angle, "release.angle", "rad")?,
+            duration: one("--duration", &self.duration, "run.duration", "s")?,
         })
     }
 }

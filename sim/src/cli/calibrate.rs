@@ -16,6 +16,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::{OfExperiment, argv};
+use super::browser;
 use super::experiment::{open, read};
 use super::failure::Failure;
 use super::interrupt;
@@ -110,6 +111,7 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
             )?;
         }
     }
+    browser::show(args.of.output.open, &folder, voice);
     Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)
 }

@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use efam_experiments::kind::Kind;
 use efam_experiments::scenario::Scenario;
 use efam_inference::diagnose::plan::Prospect;
 use efam_inference::diagnose::{Diagnosis, Outcome, Settings, diagnose, known_effects, plan, problem};
@@ -18,8 +19,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::{OfExperiment, argv};
+use super::browser;
 use super::experiment::{claim, load, read};
-use super::failure::Failure;
+use super::failure::{Failure, of_kind};
 use super::interrupt::{self, Ending};
 use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
 use super::terminal::{say, stdout};
@@ -173,6 +175,7 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
+    browser::show(args.of.output.open, &folder, voice);
     if interrupt::is_asked() {
         say(format_args!("interrupted: the results up to then are saved"));
         return Ok(interrupt::exit_code().into());
@@ -186,7 +189,7 @@ fn planned(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut cases = Vec::new();
     for path in std::iter::once(&args.of.experiment).chain(&args.also) {
         let overrides = if path == &args.of.experiment { &args.of.set[..] } else { &[] };
-        cases.extend(Scenario::load(path, overrides)?.cases()?);
+        cases.extend(of_kind(Kind::Scenario, path, Scenario::load(path, overrides))?.cases()?);
     }
     voice.warn(cases.iter().flat_map(|case| &case.warnings));
     interrupt::listen();

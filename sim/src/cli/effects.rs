@@ -9,7 +9,7 @@ use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
 use efam_experiments::scenario::read_laws;
 use models::check::{TESTS, is_mirrored};
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
-use models::nearest::nearest;
+use models::nearest::{alike, offer};
 use models::quantity::format_si;
 use models::written::Definition;
 use schemars::JsonSchema;
@@ -189,8 +189,7 @@ fn list(json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
 fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     let Some(effect) = by_name(name) else {
         let names: Vec<_> = CATALOGUE.iter().map(|effect| effect.about().name).collect();
-        let meant = nearest(name, names.iter().copied())
-            .map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"));
+        let meant = offer(&alike(name, names.iter().copied()));
         return Err(Failure::Usage(format!("no effect `{name}`{meant}; there are {}", names.join(", "))));
     };
     if json {

@@ -10,6 +10,7 @@ use clap::Args;
 use efam_experiments::cleaning::{Cleaned, Decision, clean};
 use efam_experiments::experiment::Experiment;
 use efam_experiments::init;
+use efam_experiments::kind::Kind;
 use efam_recordings as recording;
 use efam_recordings::ReadOptions;
 use efam_report::Request;
@@ -21,7 +22,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::{Cleaning, Form, OfExperiment, argv};
-use super::failure::Failure;
+use super::browser;
+use super::failure::{Failure, of_kind};
 use super::interrupt;
 use super::terminal::stdout;
 use super::voice::{Stages, Voice, print};
@@ -104,7 +106,10 @@ pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut recordings = Vec::new();
     for file in &args.files {
         voice.detail(format!("reading {}", file.display()));
-        recordings.push((relative(file, out)?, recording::read(file, &ReadOptions::default())?));
+        recordings.push((
+            relative(file, out)?,
+            of_kind(Kind::Recording, file, recording::read(file, &ReadOptions::default()))?,
+        ));
     }
     let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());
     let text = init::draft(&name, &recordings);
@@ -180,6 +185,7 @@ pub fn check(args: &Check, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.of.output.form.json {
         print(&CheckPrinted::of(&cleaned, &folder))?;
     }
+    browser::show(args.of.output.open, &folder, voice);
     if args.of.output.form.json || voice.quiet {
         return Ok(ExitCode::SUCCESS);
     }
@@ -220,7 +226,8 @@ pub fn open(args: &OfExperiment, voice: &Voice) -> Result<(Experiment, Folder), 
 
 /// Reads the experiment.
 pub fn load(args: &OfExperiment) -> Result<Experiment, Failure> {
-    Ok(Experiment::load_with(&args.experiment, &args.set, &args.law)?)
+    let read = Experiment::load_with(&args.experiment, &args.set, &args.law);
+    of_kind(Kind::Experiment, &args.experiment, read)
 }
 
 /// Opens the folder of an experiment that was read.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use efam_report::export::{ExportError, Format, Stored, export, read};
+use efam_report::export::{ExportError, Format, Stored, export, has_letters, read};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -19,6 +19,8 @@ const HELP: &str = "Examples:
   efam export outputs/beam --to mat
   efam export outputs/beam --to mat5 --out beam5.mat
   efam export outputs/beam --to mcap --out beam.mcap --overwrite
+  efam export outputs/swing --to gif
+  efam export outputs/swing --to png --out slide.png
 
 In MATLAB:
   run = load(\"beam.mat\");
@@ -53,6 +55,10 @@ enum To {
     Mat5,
     /// MCAP with messages in JSON: for Foxglove, ROS 2, Rerun.
     Mcap,
+    /// The rod of a simulation in motion, 640 pixels wide: for slides.
+    Gif,
+    /// The picture of a simulation, 2400 pixels wide: for slides.
+    Png,
 }
 
 /// The JSON output.
@@ -82,10 +88,18 @@ pub fn run(args: &Export, voice: &Voice) -> Result<ExitCode, Failure> {
         To::Mat => Format::Mat,
         To::Mat5 => Format::Mat5,
         To::Mcap => Format::Mcap,
+        To::Gif => Format::Gif,
+        To::Png => Format::Png,
     };
     let stored = read(&args.run).map_err(ExportError::from)?;
     let file = args.out.clone().unwrap_or_else(|| beside(&args.run, format));
     export(&stored, format, &file, args.overwrite)?;
+    if matches!(format, Format::Gif | Format::Png) && !has_letters() {
+        voice.warn([format!(
+            "{}: has no letters, because no font was found; install DejaVu Sans, Liberation Sans or Arial",
+            file.display()
+        )]);
+    }
     let tables = rows(&stored);
     if args.form.json {
         print(&Printed { file: &file, format, tables })?;

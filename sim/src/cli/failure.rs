@@ -1,7 +1,9 @@
 //! What makes the program fail: its exit code, and its message on stderr.
 
+use std::path::Path;
 use std::process::ExitCode;
 
+use efam_experiments::kind::Kind;
 use efam_experiments::scenario::ScenarioError;
 use efam_store::escape::{escaped, escaped_lines};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
@@ -22,6 +24,19 @@ fn code(failure: &Failure) -> u8 {
         Failure::Diverged(_) => 4,
         Failure::Interrupted => interrupt::exit_code(),
     }
+}
+
+/// What was read; or else, if the file is plainly of another kind than the one that is due, that it is, and the command
+/// that takes it.
+pub fn of_kind<T, E>(due: Kind, file: &Path, read: Result<T, E>) -> Result<T, Failure>
+where
+    Failure: From<E>,
+{
+    read.map_err(|error| match Kind::of(file).filter(|found| *found != due) {
+        Some(found) if due == Kind::Recording => Failure::Data(found.instead_of(due, file)),
+        Some(found) => Failure::Usage(found.instead_of(due, file)),
+        None => error.into(),
+    })
 }
 
 /// Prints the message, with an excerpt of the scenario on a terminal or where colours are asked for.

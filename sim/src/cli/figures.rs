@@ -11,6 +11,7 @@ use efam_core::trajectory::Status;
 use efam_experiments::analyse::{Analysed, analyse};
 use efam_experiments::analysis::static_stiffness::NODES;
 use efam_experiments::experiment::Experiment;
+use efam_experiments::kind::Kind;
 use efam_experiments::scenario::{Case, Scenario};
 use efam_report::Request;
 use efam_report::figures::{Words, words, write_figures};
@@ -23,8 +24,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::{Output, argv};
+use super::browser;
 use super::experiment::{read, request};
-use super::failure::Failure;
+use super::failure::{Failure, of_kind};
 use super::interrupt;
 use super::simulate::{admit, follow};
 use super::terminal::stdout;
@@ -71,7 +73,7 @@ pub fn run(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
 /// From the recordings of an experiment.
 fn recorded(args: &Figures, file: &Path, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    let experiment = Experiment::load(file, &args.set)?;
+    let experiment = of_kind(Kind::Experiment, file, Experiment::load(file, &args.set))?;
     admit_experiment(&experiment).map_err(refused)?;
     interrupt::listen();
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
@@ -178,5 +180,6 @@ fn finish(
         }
         writeln!(out, "\nresults in {}", folder.display())?;
     }
+    browser::show(args.output.open, &folder, voice);
     Ok(ExitCode::SUCCESS)
 }

@@ -1,10 +1,11 @@
 //! `efam inspect`: what is in a recording, as a table that can be quoted.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use efam_experiments::kind::Kind;
 use efam_recordings::{Length, Marker, ReadOptions, Recording, read};
 use efam_store::escape::escaped;
 use schemars::JsonSchema;
@@ -102,7 +103,7 @@ pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
             Ok(recording) if args.form.json => values.push(of_recording(&recording)),
             Ok(recording) if !voice.quiet => table(&mut stdout(), &recording)?,
             Ok(_) => {}
-            Err(error) => failures.push(error.to_string()),
+            Err(error) => failures.push(another_kind(file).unwrap_or_else(|| error.to_string())),
         }
     }
     if args.form.json {
@@ -111,6 +112,12 @@ pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
     let Some(last) = failures.pop() else { return Ok(ExitCode::SUCCESS) };
     failures.iter().for_each(|failure| say(format_args!("error: {failure}")));
     Err(Failure::Data(last))
+}
+
+/// What a file is that cannot be read as a recording, and the command that takes it.
+fn another_kind(file: &Path) -> Option<String> {
+    let found = Kind::of(file).filter(|found| *found != Kind::Recording)?;
+    Some(found.instead_of(Kind::Recording, file))
 }
 
 fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {

@@ -24,7 +24,8 @@ use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::arguments::{Output, Release, argv};
+use super::arguments::{Output, Release, argv, once};
+use super::browser;
 use super::failure::Failure;
 use super::interrupt;
 use super::live::{LiveEnsemble, Recording, Rerun};
@@ -128,6 +129,8 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     }
     let begin = Instant::now();
     let (asked, input_hashes) = asked(args)?;
+    once("--pressure", args.pressure.as_ref(), "muscle.pressure", &args.set)?;
+    once("--payload", args.payload.as_ref(), "effects.payload.mass", &args.set)?;
     let pressures = several("--pressure", &args.pressure, "Pa")?;
     let payloads = several("--payload", &args.payload, "kg")?;
     if payloads.iter().any(|payload| *payload < 0.0) {
@@ -241,6 +244,7 @@ fn tell(
     } else if !voice.quiet {
         writeln!(stdout(), "{}\nresults in {}", table(), folder.display())?;
     }
+    browser::show(args.output.open, folder, voice);
     Ok(())
 }
 
@@ -280,7 +284,7 @@ fn asked(args: &Predict) -> Result<(CaseRequest, BTreeMap<String, String>), Fail
             CaseRequest::muscle(muscle)
         }
     };
-    asked.release = args.release.options(None)?;
+    asked.release = args.release.options(None, &args.set)?;
     asked.set.clone_from(&args.set);
     Ok((asked, hashes))
 }

@@ -16,6 +16,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::{Output, argv};
+use super::browser;
 use super::failure::Failure;
 use super::terminal::stdout;
 use super::voice::{Voice, print};
@@ -79,6 +80,7 @@ pub fn run(args: &Report, voice: &Voice) -> Result<ExitCode, Failure> {
         tell(&mut out, &comparison)?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
+    browser::show(args.output.open, &folder, voice);
     Ok(ExitCode::SUCCESS)
 }
 

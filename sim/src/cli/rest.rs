@@ -5,20 +5,22 @@ use std::process::ExitCode;
 
 use clap::Args;
 use efam_core::rest::{rest, root_moment, slipping_modes};
-use efam_experiments::scenario::{Case, Scenario};
+use efam_experiments::kind::Kind;
+use efam_experiments::scenario::{Case, ReleaseOptions, Scenario};
 use models::quantity::format_si;
 use models::statics::equilibrium;
 use models::system::System;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::arguments::{Form, Source};
-use super::failure::Failure;
+use super::arguments::{Form, Source, payload};
+use super::failure::{Failure, of_kind};
 use super::terminal::stdout;
 use super::voice::{Voice, print};
 
 const STATICS_HELP: &str = "Examples:
   efam statics scenarios/payload-80g.toml
+  efam statics scenarios/release-15psi.toml --payload 80g
   efam statics scenarios/all-rows.toml --json
 
 Exit codes: 4 if no rest posture is found.";
@@ -28,6 +30,9 @@ Exit codes: 4 if no rest posture is found.";
 pub struct Statics {
     #[command(flatten)]
     source: Source,
+    /// Mass at the tip, such as 80g [default: the scenario's, or none].
+    #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
+    payload: Option<String>,
     #[command(flatten)]
     form: Form,
 }
@@ -43,6 +48,9 @@ Exit codes: 4 if no rest posture is found.";
 pub struct Modes {
     #[command(flatten)]
     source: Source,
+    /// Mass at the tip, such as 80g [default: the scenario's, or none].
+    #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
+    payload: Option<String>,
     /// Number of modes, slowest first.
     #[arg(long, default_value_t = 3, value_name = "N")]
     count: usize,
@@ -119,7 +127,7 @@ enum Friction {
 /// Shows the rest posture.
 pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(&args.source, voice)? {
+    for case in cases(&args.source, args.payload.as_ref(), voice)? {
         let rest = equilibrium(&case.model, None)?;
         let mut system = System::at_rest(&case.model);
         let at_rest = vec![0.0; rest.q.len()];
@@ -165,7 +173,7 @@ pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
 /// Shows the slowest vibrations about the rest posture.
 pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(&args.source, voice)? {
+    for case in cases(&args.source, args.payload.as_ref(), voice)? {
         let modes = rest(&case.model, 0.0, args.count)?.modes?;
         let slipping = slipping_modes(&case.model, 0.0, args.count);
         let sticks = slipping.as_ref().map(|_| Friction::Sticks);
@@ -209,8 +217,11 @@ pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn cases(source: &Source, voice: &Voice) -> Result<Vec<Case>, Failure> {
-    let cases = Scenario::load(&source.scenario, &source.overrides())?.cases()?;
+fn cases(source: &Source, mass: Option<&String>, voice: &Voice) -> Result<Vec<Case>, Failure> {
+    let load = ReleaseOptions { payload: payload(mass, &source.set)?, ..ReleaseOptions::default() };
+    let overrides = [load.overrides(), source.overrides()?].concat();
+    let scenario = Scenario::load(&source.scenario, &overrides);
+    let cases = of_kind(Kind::Scenario, &source.scenario, scenario)?.cases()?;
     voice.detail(format!("{}: {} to show", source.scenario.display(), cases.len()));
     voice.warn(cases.iter().flat_map(|case| &case.warnings));
     Ok(cases)

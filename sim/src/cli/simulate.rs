@@ -13,12 +13,15 @@ use clap::Args;
 use efam_core::accuracy::Settled;
 use efam_core::forward::{Run, Sample, forward};
 use efam_core::trajectory::{Status, Trajectory};
+use efam_experiments::kind::Kind;
 use efam_experiments::scenario::{Case, Scenario};
 use efam_experiments::summary::Summary;
 use efam_report::Request;
 use efam_report::beside_the_paper::beside_the_paper;
 use efam_report::report::report;
 use efam_report::simulated::{Member, write_set};
+use efam_report::told::told;
+use efam_store::Folder;
 use efam_store::memory;
 use models::quantity::format_si;
 use rayon::prelude::*;
@@ -26,7 +29,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::{Output, Release, Source, argv};
-use super::failure::Failure;
+use super::browser;
+use super::failure::{Failure, of_kind};
 use super::interrupt;
 use super::live::Rerun;
 use super::progress::{Cost, ProgressBar};
@@ -40,6 +44,7 @@ const HELP: &str = "Examples:
   efam simulate scenarios/release-15psi.toml --payload 80g --angle 20deg
   efam simulate scenarios/payload-80g.toml --set effects.payload.mass=\"50 g\"
   efam simulate scenarios/release-15psi.toml --muscle muscle.toml --json
+  efam simulate scenarios/release-15psi.toml --no-files --json
   efam simulate scenarios/undamped.toml --out outputs/undamped --overwrite -v
   efam simulate scenarios/release-15psi.toml --set run.duration=\"24 h\"
     --rerun serve --watch-only
@@ -62,6 +67,9 @@ pub struct Simulate {
     /// Also write CSV.
     #[arg(long)]
     csv: bool,
+    /// Write nothing: the table or JSON is all that is left of the run.
+    #[arg(long, conflicts_with_all = ["out", "overwrite", "csv", "open", "rerun"])]
+    no_files: bool,
     /// Leave out the runs on a coarser mesh and with longer steps that
     /// estimate the errors of the tip and choose mesh and tolerance.
     #[arg(long)]
@@ -79,16 +87,17 @@ pub struct Simulate {
 pub struct Printed<'a> {
     /// Name of the scenario.
     scenario: &'a str,
-    /// Where the results are.
-    folder: &'a Path,
+    /// Where the results are; none with `--no-files`.
+    folder: Option<&'a Path>,
     /// Each run; several where all rows of a muscle were asked for.
     runs: Vec<&'a Summary>,
 }
 
 pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
-    let release = args.release.options(args.payload.as_ref())?;
-    let overrides = [release.overrides(), args.source.overrides()].concat();
-    let scenario = Scenario::load(&args.source.scenario, &overrides)?;
+    let release = args.release.options(args.payload.as_ref(), &args.source.set)?;
+    let overrides = [release.overrides(), args.source.overrides()?].concat();
+    let scenario =
+        of_kind(Kind::Scenario, &args.source.scenario, Scenario::load(&args.source.scenario, &overrides))?;
     let cases = scenario.cases()?;
     let is_sweep = scenario.is_all_rows();
     if is_sweep && args.rerun.is_some() {
@@ -104,7 +113,7 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     let (runs, threads) = (cases.len(), rayon::current_num_threads());
     voice.detail(format!("{}: {runs} to simulate, on {threads} threads", scenario.path.display()));
     let request = request(args, &scenario, &cases[0]);
-    let folder = efam_report::begin(&request)?;
+    let folder = if args.no_files { None } else { Some(efam_report::begin(&request)?) };
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
     let progress = voice.bar(samples);
     let begin = Instant::now();
@@ -113,7 +122,9 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
         .map(|case| {
             timed(|| -> Result<Settled, Failure> {
                 let done = simulate(case, !args.no_error_estimate, &progress, voice)?;
-                if let (Some(how), Status::Complete) = (&args.rerun, &done.trajectory.status) {
+                if let (Some(how), Some(folder), Status::Complete) =
+                    (&args.rerun, &folder, &done.trajectory.status)
+                {
                     watch::shown(how, &case.run_as(&done.model, &done.run), folder.path(), &progress)?;
                 }
                 Ok(done)
@@ -138,19 +149,24 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
         };
         let within = is_sweep.then_some(case.name.as_str());
         let run = run.trajectory;
-        let summary = efam_report::write_run(&folder, within, &own, &case.model, &case.run, &run)?;
+        let summary = match &folder {
+            Some(folder) => efam_report::write_run(folder, within, &own, &case.model, &case.run, &run)?,
+            None => told(&own, &case.model, &case.run, &run).summary,
+        };
         voice.detail(integrated(&summary));
         done.push(Member::new(summary, case.pressure, run));
     }
-    if is_sweep {
+    if let (Some(folder), true) = (&folder, is_sweep) {
         let remarks = is_the_papers(&scenario).then(|| beside_the_paper(&done));
         let request = Request { wall_time_s, ..request };
-        write_set(&folder, &request, &done, remarks.as_deref())?;
+        write_set(folder, &request, &done, remarks.as_deref())?;
     }
-    let folder = folder.finish()?;
-    voice.detail(format!("written to {}", folder.display()));
-    tell(args, voice, &scenario, &folder, &done)?;
-    outcome(&folder, &done)
+    let folder = folder.map(Folder::finish).transpose()?;
+    let folder = folder.as_deref();
+    folder.iter().for_each(|folder| voice.detail(format!("written to {}", folder.display())));
+    tell(args, voice, &scenario, folder, &done)?;
+    folder.iter().for_each(|folder| browser::show(args.output.open, folder, voice));
+    outcome(folder, &done)
 }
 
 fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
@@ -182,10 +198,15 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 }
 
 /// What the statuses say: interrupted, diverged, or well.
-fn outcome(folder: &Path, done: &[Member]) -> Result<ExitCode, Failure> {
+fn outcome(folder: Option<&Path>, done: &[Member]) -> Result<ExitCode, Failure> {
     let saved = |time: f64| {
         let time = format_si(time, "s");
-        format!("the {time} before that are in {}, marked in summary.json", folder.display())
+        match folder {
+            Some(folder) => {
+                format!("the {time} before that are in {}, marked in summary.json", folder.display())
+            }
+            None => format!("the {time} before that are not saved, as --no-files says"),
+        }
     };
     for Member { summary, .. } in done {
         match &summary.status {
@@ -269,7 +290,7 @@ fn tell(
     args: &Simulate,
     voice: &Voice,
     scenario: &Scenario,
-    folder: &Path,
+    folder: Option<&Path>,
     done: &[Member],
 ) -> Result<(), Failure> {
     if args.output.form.json {
@@ -287,7 +308,9 @@ fn tell(
     if is_the_papers(scenario) {
         write!(out, "\n{}", beside_the_paper(done))?;
     }
-    writeln!(out, "\nresults in {}", folder.display())?;
+    if let Some(folder) = folder {
+        writeln!(out, "\nresults in {}", folder.display())?;
+    }
     Ok(())
 }
 

@@ -18,6 +18,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::Output;
+use super::browser;
 use super::failure::Failure;
 use super::interrupt;
 use super::terminal::stdout;
@@ -112,7 +113,9 @@ fn whole(args: &Whole, voice: &Voice) -> Result<ExitCode, Failure> {
     run::shards(&plan, &due, args.output.overwrite, voice)?;
     let seconds = begin.elapsed().as_secs_f64();
     let merged = merge::merged(&plan, args.csv, seconds, voice)?;
-    tell(&plan.folder, &merged, args.output.form.json, voice)
+    let code = tell(&plan.folder, &merged, args.output.form.json, voice)?;
+    browser::show(args.output.open, &plan.folder, voice);
+    Ok(code)
 }
 
 fn tell(folder: &Path, merged: &Merged, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {

@@ -17,6 +17,7 @@ mod draws;
 mod experiment;
 mod export;
 mod faults;
+mod first_steps;
 mod hidden_letters;
 mod inspect;
 #[cfg(unix)]
@@ -36,6 +37,7 @@ mod predict_rod;
 mod reference;
 mod says;
 mod schema;
+mod slides;
 #[cfg(unix)]
 mod strangers;
 mod sweep;
@@ -45,5 +47,8 @@ mod sweep_killed;
 mod terminated;
 #[cfg(unix)]
 mod tutorials;
+mod typed;
 mod view;
+#[cfg(unix)]
+mod watched;
 mod work;

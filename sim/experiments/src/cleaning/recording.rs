@@ -1,7 +1,7 @@
 //! One recording: its markers, its releases, its frame; then each release.
 
 use efam_core::quantile::usual_step;
-use efam_recordings::Recording;
+use efam_recordings::{Length, Recording};
 use models::quantity::format_si;
 
 use super::cycles::{self, Cut};
@@ -121,7 +121,9 @@ fn check_geometry(
         let [x, _, z] = frame.place(cut.held);
         let seen = x.hypot(z);
         let is_straight = entry.angle_of(k + 1).is_some() && !matches!(entry.offset, Some(Offset::Given(_)));
-        if is_straight && (seen - rod.reach).abs() > FARTHEST_OFF * rod.reach {
+        // Bent or straight, no rod reaches a thousand times its length.
+        let is_of_another_unit = seen > rod.reach && Length::doubt(seen, rod.reach).is_some();
+        if is_of_another_unit || is_straight && (seen - rod.reach).abs() > FARTHEST_OFF * rod.reach {
             let (file, key) = (entry.name.clone(), entry.key.clone());
             let (number, reach) = (k + 1, rod.reach);
             return Err(CleaningError::OffReach { file, key, number, seen, reach }.into());

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use efam_core::accuracy::Goal;
 use efam_core::forward::{CurvePoint, Initial, Run};
+use efam_recordings::TOO_FAR;
 use models::effects::Rod;
 use models::error::ModelError;
 use models::model::{Model, ModelSpec, Scheme};
@@ -67,6 +68,9 @@ fn usual_nodes(scheme: Scheme) -> usize {
     }
 }
 
+/// Rods longer than that, m, are probably given in another unit.
+const DOUBTFUL_LENGTH: f64 = 50.0;
+
 struct Builder<'a> {
     document: &'a Document,
     plan: &'a Arc<Plan>,
@@ -98,6 +102,10 @@ impl Builder<'_> {
                 overridden(rod_of(muscle, &at_release), &plan.rod)
             }
         };
+        if rod.length > DOUBTFUL_LENGTH {
+            let length = format_si(rod.length, "m");
+            warnings.push(format!("the rod is {length} long: {TOO_FAR}"));
+        }
         for (name, values) in &plan.effects {
             let values = values.iter().map(|(parameter, value)| (parameter.name.to_owned(), *value));
             effects.push(((*name).to_owned(), values.collect()));

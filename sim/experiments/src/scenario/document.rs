@@ -1,6 +1,7 @@
 //! A TOML text of which every value knows where it stands, and values that are set over it.
 
 mod lists;
+mod meant;
 mod value;
 
 use std::ops::Range;
@@ -13,6 +14,7 @@ use models::quantity::Quantity;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{At, Problem, ScenarioError};
+use meant::meant;
 pub use value::Place;
 use value::{Entry, Item, Value, entries, of};
 
@@ -302,14 +304,12 @@ impl<'a> Keys<'a> {
 
     /// Refuses keys that are not known.
     pub fn only(&self, known: &[&str]) -> Result<(), ScenarioError> {
-        let Some(Value::Table(entries)) = self.item.map(|item| &item.value) else {
-            return Ok(());
-        };
+        let Some(Value::Table(entries)) = self.item.map(|item| &item.value) else { return Ok(()) };
         let Some(entry) = entries.iter().find(|entry| !known.contains(&entry.key.as_str())) else {
             return Ok(());
         };
         let problem = Problem::UnknownKey {
-            nearest: nearest(&entry.key, known.iter().copied()).map(str::to_owned),
+            nearest: meant(&self.path, entry, known),
             known: known.iter().map(|key| (*key).to_owned()).collect(),
         };
         Err(self.document.error(&entry.key_place, &self.path_of(&entry.key), problem))

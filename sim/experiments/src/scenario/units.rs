@@ -1,6 +1,6 @@
 //! Units of the keys of a scenario, for those who give numbers in SI.
 
-use models::effects::Catalogue;
+use models::effects::{CATALOGUE, Catalogue};
 
 use super::plan::ROD;
 
@@ -60,9 +60,29 @@ pub fn unit_of(path: &str) -> Option<&'static str> {
     (!unit.is_empty()).then_some(unit)
 }
 
+/// The key that a path without its first tables means, such as `effects.payload.mass` of `payload.mass`; none if no
+/// key or more than one ends so.
+pub(crate) fn whole_key(path: &str) -> Option<String> {
+    let end = format!(".{path}");
+    let of_effects = CATALOGUE.iter().map(|effect| effect.about()).flat_map(|about| {
+        about.parameters.iter().map(|parameter| format!("effects.{}.{}", about.name, parameter.name))
+    });
+    let keys = KEYS.iter().map(|(key, _)| (*key).to_owned());
+    let of_rods = ROD.iter().map(|(key, _)| format!("rod.{key}"));
+    let mut ending = keys.chain(of_rods).chain(of_effects).filter(|key| key.ends_with(&end));
+    ending.next().filter(|_| ending.next().is_none())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_end_of_a_key_means_it_where_only_one_ends_so() {
+        let meant = ["payload.mass", "mass", "duration", "pressure", "nothing"].map(whole_key);
+        let due = [Some("effects.payload.mass"), None, Some("run.duration"), None, None];
+        assert_eq!(meant.map(|key| key.unwrap_or_default()), due.map(|key| key.unwrap_or_default()));
+    }
 
     #[test]
     fn keys_have_the_units_that_their_reader_asks_for() {

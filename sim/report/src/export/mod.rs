@@ -1,11 +1,15 @@
-//! A finished run in the formats of other programs: MATLAB, and tools for robots.
+//! A finished run in the formats of other programs: MATLAB, tools for robots, slides.
 //!
 //! One exporter serves all commands, for it knows tables only: whatever Parquet and CSV a run folder holds, with
-//! names, units and numbers. The run itself stays as it is.
+//! names, units and numbers. GIF and PNG are of a simulation. The run itself stays as it is.
 
+mod animated;
+mod font;
 mod mat;
 mod mat5;
 mod mcap;
+mod raster;
+mod still;
 mod stored;
 
 use std::fs::File;
@@ -14,11 +18,15 @@ use std::path::{Path, PathBuf};
 
 use efam_store::StoreError;
 use efam_store::atomic::{write_new, write_whole};
+use efam_store::input::{MOST_JSON, up_to};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::PICTURE;
 use crate::reread::RereadError;
 
+use animated::Motion;
+use font::Font;
 pub use stored::{Cells, Series, Stored, Table, read};
 
 /// Formats that a run can be written in.
@@ -31,6 +39,10 @@ pub enum Format {
     Mat5,
     /// MCAP with JSON messages: Foxglove, ROS 2, Rerun.
     Mcap,
+    /// GIF: the rod in motion.
+    Gif,
+    /// PNG: the picture of the run.
+    Png,
 }
 
 impl Format {
@@ -39,6 +51,8 @@ impl Format {
         match self {
             Format::Mat | Format::Mat5 => "mat",
             Format::Mcap => "mcap",
+            Format::Gif => "gif",
+            Format::Png => "png",
         }
     }
 }
@@ -60,6 +74,23 @@ pub enum ExportError {
     NoTime {
         /// The folder.
         folder: PathBuf,
+    },
+    /// A GIF shows a rod that moves.
+    #[error(
+        "{}: holds no trajectory of a rod, which GIF needs; give the folder of `efam simulate`, of one run",
+        folder.display()
+    )]
+    NoMotion {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A PNG is made of the picture of a run.
+    #[error("{}: is no picture that efam drew ({reason}); give the folder of `efam simulate`, of one run", picture.display())]
+    NoPicture {
+        /// The picture.
+        picture: PathBuf,
+        /// What is wrong with it.
+        reason: String,
     },
     /// There is such a file.
     #[error("{}: exists already; choose another --out, or replace it with --overwrite", file.display())]
@@ -92,11 +123,21 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
     if to.exists() && !overwrite {
         return Err(ExportError::Exists { file: file() });
     }
-    if run.tables.is_empty() {
+    if run.tables.is_empty() && format != Format::Png {
         return Err(ExportError::NoTable { folder: run.folder.clone() });
     }
     if format == Format::Mcap && run.tables.iter().all(|table| table.time().is_none()) {
         return Err(ExportError::NoTime { folder: run.folder.clone() });
+    }
+    let (mut motion, mut still) = (None, Vec::new());
+    let font = if matches!(format, Format::Gif | Format::Png) { Font::of_system() } else { None };
+    match format {
+        Format::Gif => {
+            let none = || ExportError::NoMotion { folder: run.folder.clone() };
+            motion = Some(Motion::of(run).ok_or_else(none)?);
+        }
+        Format::Png => still = picture(run, font.as_ref())?,
+        _ => {}
     }
     let write = |file: &mut File| {
         let mut buffer = BufWriter::new(file);
@@ -104,8 +145,25 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
             Format::Mat => mat::write(run, &mut buffer)?,
             Format::Mat5 => mat5::write(run, &mut buffer)?,
             Format::Mcap => mcap::write(run, &mut buffer)?,
+            Format::Gif => {
+                motion.iter().try_for_each(|motion| animated::write(motion, font.as_ref(), &mut buffer))?;
+            }
+            Format::Png => buffer.write_all(&still)?,
         }
         buffer.flush()
     };
     Ok(if overwrite { write_whole(to, write) } else { write_new(to, write) }?)
+}
+
+/// The picture of a run as PNG.
+fn picture(run: &Stored, font: Option<&Font>) -> Result<Vec<u8>, ExportError> {
+    let picture = run.folder.join(PICTURE);
+    let wrong = |reason: String| ExportError::NoPicture { picture: picture.clone(), reason };
+    let text = up_to(&picture, MOST_JSON).map_err(|error| wrong(error.to_string()))?;
+    still::png(&text, font).ok_or_else(|| wrong("its size cannot be read".to_owned()))
+}
+
+/// Whether this system has a font for pictures of pixels; without one they have no letters.
+pub fn has_letters() -> bool {
+    Font::of_system().is_some()
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use efam_experiments::experiment::Experiment;
+use efam_experiments::kind::Kind;
 use efam_inference::predict::Settings;
 use efam_inference::predict::check::{Check, check, fitted_files};
 use efam_report::Request;
@@ -15,8 +16,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::super::arguments::argv;
+use super::super::browser;
 use super::super::experiment::read;
-use super::super::failure::Failure;
+use super::super::failure::{Failure, of_kind};
 use super::super::interrupt;
 use super::super::terminal::stdout;
 use super::super::voice::{Voice, print};
@@ -34,7 +36,7 @@ pub struct Printed<'a> {
 /// Predicts the releases of an experiment by the rod that is asked about, or else by its own.
 pub fn run(args: &Predict, file: &Path, voice: &Voice) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    let own = Experiment::load(file, &args.set)?;
+    let own = of_kind(Kind::Experiment, file, Experiment::load(file, &args.set))?;
     let mut input_hashes = input_hashes(&own);
     let rod = args.scenario.as_deref().or(args.muscle.as_deref().map(Path::new));
     let (experiment, known) = match rod {
@@ -77,5 +79,6 @@ pub fn run(args: &Predict, file: &Path, voice: &Voice) -> Result<ExitCode, Failu
     } else if !voice.quiet {
         writeln!(stdout(), "{}\nresults in {}", check_table(&check), folder.display())?;
     }
+    browser::show(args.output.open, &folder, voice);
     Ok(ExitCode::SUCCESS)
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
+use efam_experiments::kind::Kind;
 use efam_report::swept::{again, write_plan};
 use efam_store::escape::shell_word;
 use efam_sweeps::estimate::{points_for_a_cluster, time_of_a_point};
@@ -15,7 +16,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::super::arguments::{Output, argv};
-use super::super::failure::Failure;
+use super::super::browser;
+use super::super::failure::{Failure, of_kind};
 use super::super::interrupt;
 use super::super::terminal::stdout;
 use super::super::voice::{Voice, print};
@@ -88,6 +90,7 @@ pub fn run(args: &Freeze, voice: &Voice) -> Result<ExitCode, Failure> {
         }
         writeln!(out, "plan in {}", folder.display())?;
     }
+    browser::show(args.output.open, folder, voice);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -100,7 +103,7 @@ pub fn planned(
     is_timed: bool,
     voice: &Voice,
 ) -> Result<(Plan, Option<Duration>), Failure> {
-    let asked = SweepRequest::load(file, &own.set)?;
+    let asked = of_kind(Kind::Sweep, file, SweepRequest::load(file, &own.set))?;
     voice.warn(&asked.warnings);
     let given = own.points_per_shard.map(|count| count as usize);
     let there = output.out.as_deref().filter(|out| out.join(plan::PLAN).is_file() && !output.overwrite);

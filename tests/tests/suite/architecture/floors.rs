@@ -102,11 +102,13 @@ const FLOORS: [Floors; 5] = [
     (
         "sim/experiments/src/",
         &[
+            ("kind", &[]),
             ("release", &[]),
             ("scenario", &[]),
             ("error", &["scenario"]),
             ("analysis", &["release", "scenario"]),
             ("experiment", &["error", "scenario"]),
+            ("gathered", &["experiment"]),
             ("cleaning", &["error", "experiment", "release", "scenario"]),
             ("init", &["cleaning", "experiment", "scenario"]),
             ("summary", &["analysis"]),

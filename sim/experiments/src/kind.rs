@@ -1,0 +1,131 @@
+//! Which kind of file something is, for messages to those who gave a command another kind than it takes.
+
+use std::fmt::{self, Display};
+use std::path::Path;
+
+use efam_recordings::{ReadOptions, read};
+use efam_store::MARK;
+use efam_store::escape::shell_word;
+use efam_store::input;
+use toml::{Table, Value};
+
+/// Endings of recordings that can be read.
+pub const RECORDINGS: [&str; 7] = ["csv", "tsv", "txt", "trc", "c3d", "parquet", "pq"];
+/// Keys of a scenario alone: how to let go, how long, and the pressure.
+const OF_SCENARIOS: [&str; 2] = ["run", "release"];
+
+/// A kind of file, as commands take them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// What is simulated.
+    Scenario,
+    /// Recordings and facts about them.
+    Experiment,
+    /// A design of many points.
+    Sweep,
+    /// Tables of a muscle.
+    Muscle,
+    /// Effects as text.
+    Laws,
+    /// Markers over time.
+    Recording,
+    /// A folder that efam wrote.
+    Run,
+}
+
+impl Kind {
+    /// The kind of a file; none where it is not plain.
+    pub fn of(path: &Path) -> Option<Kind> {
+        if path.is_dir() {
+            return path.join(MARK).is_file().then_some(Kind::Run);
+        }
+        // What can be read once only, such as a pipe, has been read.
+        if !path.is_file() {
+            return None;
+        }
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        if ending.is_some_and(|ending| RECORDINGS.contains(&ending.as_str())) {
+            return read(path, &ReadOptions::default()).is_ok().then_some(Kind::Recording);
+        }
+        of_text(&input::text(path).ok()?)
+    }
+
+    /// Why a file of this kind is of no use where another one is due, and which command takes it.
+    pub fn instead_of(self, due: Kind, path: &Path) -> String {
+        let shown = path.display();
+        format!("{shown}: is {self}, and {due} is due; {}", self.command(&shell_word(path)))
+    }
+
+    fn command(self, file: &str) -> String {
+        match self {
+            Kind::Scenario => format!("`efam simulate {file}` takes it"),
+            Kind::Experiment => format!("`efam diagnose {file}` takes it, as calibrate and analyse do"),
+            Kind::Sweep => format!("`efam sweep {file}` takes it"),
+            Kind::Muscle => format!("`efam predict --muscle {file} --pressure 40psi` takes it"),
+            Kind::Laws => format!("`efam effects --check {file}` takes it"),
+            Kind::Recording => {
+                format!(
+                    "`efam experiment init {file}` writes an experiment from it, `efam inspect {file}` summarises it"
+                )
+            }
+            Kind::Run => format!("`efam report {file}` takes it"),
+        }
+    }
+}
+
+impl Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Kind::Scenario => "a scenario",
+            Kind::Experiment => "an experiment",
+            Kind::Sweep => "a sweep",
+            Kind::Muscle => "a muscle file",
+            Kind::Laws => "a file of laws",
+            Kind::Recording => "a recording",
+            Kind::Run => "the folder of a run",
+        })
+    }
+}
+
+/// The kind of a text of TOML, by keys that only that kind has.
+fn of_text(text: &str) -> Option<Kind> {
+    let table: Table = text.parse().ok()?;
+    let has = |key: &str| table.contains_key(key);
+    let has_pressure =
+        table.get("muscle").and_then(Value::as_table).is_some_and(|own| own.contains_key("pressure"));
+    Some(if has("recording") {
+        Kind::Experiment
+    } else if has("sweep") {
+        Kind::Sweep
+    } else if has("rest") && has("table") {
+        Kind::Muscle
+    } else if has_pressure || OF_SCENARIOS.into_iter().any(has) {
+        Kind::Scenario
+    } else if has("laws") && table.len() == 1 {
+        Kind::Laws
+    } else {
+        return None;
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_told_apart_by_keys_that_only_their_kind_has() {
+        for (text, kind) in [
+            ("[muscle]\nname = \"m\"\npressure = \"1 psi\"", Some(Kind::Scenario)),
+            ("[rod]\nlength = \"1 m\"\n[run]\nduration = \"1 s\"", Some(Kind::Scenario)),
+            ("[muscle]\nname = \"m\"\n[[recording]]\nfile = \"a.csv\"", Some(Kind::Experiment)),
+            ("[sweep]\nscenario = \"s.toml\"", Some(Kind::Sweep)),
+            ("[laws.mine]\nplace = \"flow\"", Some(Kind::Laws)),
+            (models::muscle::BUILT_IN[0].1, Some(Kind::Muscle)),
+            // Of either of two kinds, or of none.
+            ("[muscle]\nname = \"m\"", None),
+            ("[muscle", None),
+        ] {
+            assert_eq!(of_text(text), kind, "{text}");
+        }
+    }
+}
