@@ -76,8 +76,8 @@ fn a_named_effect_is_told_with_all_that_stands_behind_it() {
         summary(&drag()),
         "The simulation loses energy too slowly at large swings (above 40 % of the largest amplitude), at all \
          pressures, in the first 4 cycles. Air drag on the body is missing: drag coefficient 1.10 (95 % interval 1.00 to \
-         1.20). It explains 93 % of what noise does not, and all of held-out releases. Simulation and recordings \
-         were 1.3 mm apart and are 0.53 mm. Braid friction, the next best, would explain 41 %."
+         1.20). It explains 93 % of the residual beyond noise, and all on held-out releases. \
+         The difference of simulation and recordings falls from 1.3 to 0.53 mm. Braid friction, the next best, would explain 41 %."
     );
 }
 
@@ -226,10 +226,7 @@ fn contradictions_are_said() {
     };
     let told = "rod.bending_stiffness = 0.0000700 N m^2 is 9 standard deviations from its prior";
     let unknown = found(Verdict::Unknown, 9.0);
-    assert!(
-        unknown.contains(&format!("or a stated value is wrong: {told}. Check it first.")),
-        "{unknown}"
-    );
+    assert!(unknown.contains(&format!("or a stated value is wrong: {told}. Check it first.")), "{unknown}");
     let incomplete = found(Verdict::Incomplete, 9.0);
     assert!(incomplete.contains(&format!("A stated value may be wrong instead: {told}.")), "{incomplete}");
     let named = found(Verdict::Named, 9.0);
