@@ -5,6 +5,7 @@ mod arguments;
 mod browser;
 mod calibrate;
 mod completions;
+mod console;
 mod diagnose;
 mod doctor;
 mod effects;
@@ -27,7 +28,6 @@ mod sweep;
 mod terminal;
 mod threads;
 mod view;
-mod voice;
 mod watch;
 
 use std::ffi::OsString;
@@ -36,9 +36,9 @@ use std::process::ExitCode;
 use clap::{ColorChoice, CommandFactory, FromArgMatches, Parser, Subcommand};
 use efam_store::escape::{escaped, is_hidden};
 
-use arguments::Manner;
+use arguments::Verbosity;
+use console::Console;
 use failure::{Failure, report};
-use voice::Voice;
 
 /// Exit codes, as the help prints them.
 const EXIT_CODES: &str = "Exit codes:
@@ -61,7 +61,7 @@ struct Efam {
     #[command(subcommand)]
     command: Command,
     #[command(flatten)]
-    manner: Manner,
+    verbosity: Verbosity,
 }
 
 #[derive(Subcommand)]
@@ -124,46 +124,46 @@ enum OnExperiment {
 /// The program with its arguments, of which the first is its own name: as a program of its own, or within Python.
 pub fn main(arguments: Vec<OsString>) -> ExitCode {
     interrupt::make_long_files_an_error();
-    let color = Manner::color(arguments.iter().skip(1).cloned());
+    let color = Verbosity::color(arguments.iter().skip(1).cloned());
     let parsed = Efam::command().color(color).try_get_matches_from(&arguments);
     let efam = match parsed.and_then(|matches| Efam::from_arg_matches(&matches)) {
         Ok(efam) => efam,
         Err(error) => return answer(error, &arguments),
     };
-    let voice = Voice::new(efam.manner.quiet, efam.manner.verbose);
-    match run(efam.command, &voice) {
+    let console = Console::new(efam.verbosity.quiet, efam.verbosity.verbose);
+    match run(efam.command, &console) {
         Ok(code) => code,
-        Err(failure) => report(&failure, is_colored(efam.manner.color)),
+        Err(failure) => report(&failure, is_colored(efam.verbosity.color)),
     }
 }
 
-fn run(command: Command, voice: &Voice) -> Result<ExitCode, Failure> {
+fn run(command: Command, console: &Console) -> Result<ExitCode, Failure> {
     if command.computes() {
-        threads::begin(voice)?;
+        threads::begin(console)?;
     }
     match command {
-        Command::Init(args) => init::run(&args, voice),
-        Command::Simulate(args) => simulate::run(&args, voice),
-        Command::Calibrate(args) => calibrate::run(&args, voice),
-        Command::Diagnose(args) => diagnose::run(&args, voice),
-        Command::Predict(args) => predict::run(&args, voice),
-        Command::Sweep(args) => sweep::run(&args, voice),
+        Command::Init(args) => init::run(&args, console),
+        Command::Simulate(args) => simulate::run(&args, console),
+        Command::Calibrate(args) => calibrate::run(&args, console),
+        Command::Diagnose(args) => diagnose::run(&args, console),
+        Command::Predict(args) => predict::run(&args, console),
+        Command::Sweep(args) => sweep::run(&args, console),
         Command::View(args) => view::run(&args),
-        Command::Report(args) => report::run(&args, voice),
-        Command::Export(args) => export::run(&args, voice),
-        Command::Figures(args) => figures::run(&args, voice),
-        Command::Effects(args) => effects::run(&args, voice),
-        Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args, voice),
-        Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args, voice),
-        Command::Analyse(args) => analyse::run(&args, voice),
-        Command::Watch(args) => watch::run(&args, voice),
-        Command::Inspect(args) => inspect::run(&args, voice),
-        Command::Statics(args) => rest::statics(&args, voice),
-        Command::Modes(args) => rest::modes(&args, voice),
-        Command::Doctor(args) => doctor::run(&args, voice),
+        Command::Report(args) => report::run(&args, console),
+        Command::Export(args) => export::run(&args, console),
+        Command::Figures(args) => figures::run(&args, console),
+        Command::Effects(args) => effects::run(&args, console),
+        Command::Experiment { what: OnExperiment::Init(args) } => experiment::init(&args, console),
+        Command::Experiment { what: OnExperiment::Check(args) } => experiment::check(&args, console),
+        Command::Analyse(args) => analyse::run(&args, console),
+        Command::Watch(args) => watch::run(&args, console),
+        Command::Inspect(args) => inspect::run(&args, console),
+        Command::Statics(args) => rest::statics(&args, console),
+        Command::Modes(args) => rest::modes(&args, console),
+        Command::Doctor(args) => doctor::run(&args, console),
         Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, Efam::command()),
-        Command::Man(args) => man::run(&args, Efam::command(), voice),
+        Command::Man(args) => man::run(&args, Efam::command(), console),
     }
 }
 
@@ -321,7 +321,7 @@ mod tests {
 
     #[test]
     fn the_first_word_on_colour_is_found_wherever_it_stands() {
-        let color = |line: &str| Manner::color(words(line).into_iter().map(Into::into));
+        let color = |line: &str| Verbosity::color(words(line).into_iter().map(Into::into));
         assert_eq!(color("simulate a.toml --color never"), ColorChoice::Never);
         assert_eq!(color("--color=always simulat"), ColorChoice::Always);
         assert_eq!(color("simulate --colour=always"), ColorChoice::Auto);

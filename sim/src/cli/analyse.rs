@@ -13,11 +13,11 @@ use serde::Serialize;
 
 use super::arguments::Cleaning;
 use super::browser;
+use super::console::{Console, print};
 use super::experiment::{CheckPrinted, open, read, request};
 use super::failure::Failure;
 use super::interrupt;
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam analyse beam.toml
@@ -46,14 +46,14 @@ pub struct Printed<'a> {
     analysis: Vec<Said<'a>>,
 }
 
-pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Analyse, console: &Console) -> Result<ExitCode, Failure> {
     let (args, nodes) = (&args.cleaning, &args.nodes);
     if let Some(wrong) = nodes.iter().find(|nodes| !(4..=2000).contains(*nodes)) {
         return Err(Failure::Usage(format!("--nodes {wrong}: must lie in 4..=2000")));
     }
     let begin = Instant::now();
-    let (experiment, folder) = open(&args.of, voice)?;
-    let stages = voice.stages();
+    let (experiment, folder) = open(&args.of, console)?;
+    let stages = console.stages();
     let (folder, cleaned) = interrupt::during(folder, &stages, || read(&experiment, &stages));
     let cleaned = cleaned?;
     stages.tell("frequency, damping and stiffness of each release");
@@ -68,8 +68,8 @@ pub fn run(args: &Analyse, voice: &Voice) -> Result<ExitCode, Failure> {
         let analysis = analysed.iter().map(Analysed::said).collect();
         print(&Printed { cleaned: CheckPrinted::of(&cleaned, &folder), analysis })?;
     }
-    browser::show(args.of.output.open, &folder, voice);
-    if args.of.output.form.json || voice.quiet {
+    browser::show(args.of.output.open, &folder, console);
+    if args.of.output.form.json || console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
     let mut out = stdout();

@@ -26,7 +26,7 @@ fn recorded(argument: OsString) -> String {
 
 /// How a command speaks: the same for all.
 #[derive(Args)]
-pub struct Manner {
+pub struct Verbosity {
     /// Print neither progress nor tables; files, JSON, warnings and errors remain.
     #[arg(short, long, global = true, display_order = 1000)]
     pub quiet: bool,
@@ -38,7 +38,7 @@ pub struct Manner {
     pub color: ColorChoice,
 }
 
-impl Manner {
+impl Verbosity {
     /// What `--color` says, before all else is read: what is wrong with the rest is coloured, too.
     pub fn color(arguments: impl Iterator<Item = OsString>) -> ColorChoice {
         let mut arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());

@@ -4,22 +4,22 @@ use std::path::{Path, absolute};
 
 use efam_report::page::REPORT;
 
-use super::voice::Voice;
+use super::console::Console;
 
 /// Shows the page of a folder if that is asked for. Results are there without a browser, so that its lack is a warning.
-pub fn show(is_asked: bool, folder: &Path, voice: &Voice) {
+pub fn show(is_asked: bool, folder: &Path, console: &Console) {
     let page = folder.join(REPORT);
     if !is_asked {
         return;
     }
     if !page.is_file() {
-        voice.warn([format!("--open: {}: has no {REPORT} to show", folder.display())]);
+        console.warn([format!("--open: {}: has no {REPORT} to show", folder.display())]);
         return;
     }
     let whole = absolute(&page).unwrap_or_else(|_| page.clone());
     match opener::open_browser(&whole) {
-        Ok(()) => voice.detail(format!("shows {}", page.display())),
-        Err(error) => voice.warn([format!(
+        Ok(()) => console.detail(format!("shows {}", page.display())),
+        Err(error) => console.warn([format!(
             "--open: no browser can be started ({error}); open {} yourself, or name a browser in BROWSER",
             page.display()
         )]),

@@ -17,12 +17,12 @@ use serde::Serialize;
 
 use super::arguments::{OfExperiment, argv};
 use super::browser;
+use super::console::{Console, print};
 use super::experiment::{open, read};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::{LiveFit, Recording, Rerun, Watcher, unlocked};
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam calibrate beam.toml
@@ -54,12 +54,12 @@ pub struct Printed<'a> {
     calibration: &'a Calibration,
 }
 
-pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     // What stands in the way is said before a long search.
-    let (experiment, folder) = open(&args.of, voice)?;
+    let (experiment, folder) = open(&args.of, console)?;
     let input_hashes = input_hashes(&experiment);
-    let stages = voice.stages();
+    let stages = console.stages();
     let open = |how| {
         let id = efam_store::sha::sha256(format!("{input_hashes:?}{}", args.profile).as_bytes());
         LiveFit::fit(how, &experiment.name, &id, folder.path())
@@ -95,10 +95,10 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
     interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();
-    voice.detail(format!("written to {}", folder.display()));
+    console.detail(format!("written to {}", folder.display()));
     if args.of.output.form.json {
         print(&Printed { folder: &folder, calibration })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let mut out = stdout();
         write!(out, "{}", table(calibration))?;
         writeln!(out, "\nresults in {}", folder.display())?;
@@ -111,7 +111,7 @@ pub fn run(args: &Calibrate, voice: &Voice) -> Result<ExitCode, Failure> {
             )?;
         }
     }
-    browser::show(args.of.output.open, &folder, voice);
+    browser::show(args.of.output.open, &folder, console);
     Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)
 }

@@ -20,12 +20,12 @@ use serde::Serialize;
 
 use super::arguments::{OfExperiment, argv};
 use super::browser;
+use super::console::{Console, print};
 use super::experiment::{claim, load, read};
 use super::failure::{Failure, of_kind};
 use super::interrupt::{self, Ending};
 use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
 use super::terminal::{say, stdout};
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam diagnose scenarios/diagnosis/air-drag/experiment.toml
@@ -119,9 +119,9 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     if args.plan {
-        return planned(args, voice);
+        return planned(args, console);
     }
     let begin = Instant::now();
     // What stands in the way is said before a long search, and before a folder is made.
@@ -135,9 +135,9 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
         ..Settings::default()
     }
     .stated(&experiment)?;
-    let folder = claim(&experiment, &args.of, voice)?;
+    let folder = claim(&experiment, &args.of, console)?;
     let input_hashes = input_hashes(&experiment);
-    let stages = voice.stages();
+    let stages = console.stages();
     let open = |how| {
         let id = efam_store::sha::sha256(format!("{input_hashes:?}{settings:?}").as_bytes());
         LiveSearch::search(how, &experiment.name, &id, folder.path())
@@ -167,15 +167,15 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
     let viewer = Recording::saved(live, args.rerun.as_ref())?;
     let folder = folder.finish()?;
     stages.clear();
-    voice.detail(format!("written to {}", folder.display()));
+    console.detail(format!("written to {}", folder.display()));
     if args.of.output.form.json {
         print(&Printed::Diagnosed { folder: &folder, diagnosis: &outcome.diagnosis })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let mut out = stdout();
         write!(out, "{}", diagnosis_table(&outcome.diagnosis))?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
-    browser::show(args.of.output.open, &folder, voice);
+    browser::show(args.of.output.open, &folder, console);
     if interrupt::is_asked() {
         say(format_args!("interrupted: the results up to then are saved"));
         return Ok(interrupt::exit_code().into());
@@ -185,23 +185,23 @@ pub fn run(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
 }
 
 /// What releases that are not recorded yet could show.
-fn planned(args: &Diagnose, voice: &Voice) -> Result<ExitCode, Failure> {
+fn planned(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     let mut cases = Vec::new();
     for path in std::iter::once(&args.of.experiment).chain(&args.also) {
         let overrides = if path == &args.of.experiment { &args.of.set[..] } else { &[] };
         cases.extend(of_kind(Kind::Scenario, path, Scenario::load(path, overrides))?.cases()?);
     }
-    voice.warn(cases.iter().flat_map(|case| &case.warnings));
+    console.warn(cases.iter().flat_map(|case| &case.warnings));
     interrupt::listen();
     let problem = plan::problem(&cases, args.noise, &args.marker);
-    let stages = voice.stages();
+    let stages = console.stages();
     let work = || plan::plan(&problem, &|what| stages.tell(what));
     let ((), prospects) = interrupt::during((), &stages, work);
     let prospects = plan::best_seen(prospects?);
     stages.clear();
     if args.of.output.form.json {
         print(&Printed::Planned { releases: cases.len(), prospects: &prospects })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let mut out = stdout();
         write!(out, "{}", plan_table(&prospects, cases.len()))?;
     }

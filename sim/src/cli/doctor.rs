@@ -16,9 +16,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::Form;
+use super::console::{Console, print};
 use super::failure::Failure;
 use super::terminal::{say, stdout};
-use super::voice::{Voice, print};
 use crate::observe::VIEWER;
 
 const HELP: &str = "Examples:
@@ -93,7 +93,7 @@ struct Outputs {
     writable: bool,
 }
 
-pub fn run(args: &Doctor, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Doctor, console: &Console) -> Result<ExitCode, Failure> {
     let written = try_outputs();
     let found = looked_for();
     let Versions { efam, rustc, target } = Versions::here();
@@ -115,7 +115,7 @@ pub fn run(args: &Doctor, voice: &Voice) -> Result<ExitCode, Failure> {
     };
     if args.form.json {
         print(&printed)?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         table(&mut stdout(), &printed)?;
     }
     for fault in &printed.faults {

@@ -16,9 +16,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::Form;
+use super::console::{Console, print};
 use super::failure::Failure;
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam effects
@@ -125,16 +125,16 @@ struct OfEffect {
     off: Option<f64>,
 }
 
-pub fn run(args: &Effects, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Effects, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(file) = &args.rust {
         return rust(file);
     }
     if let Some(file) = &args.check {
-        return check(file, args.form.json, voice);
+        return check(file, args.form.json, console);
     }
     match &args.name {
-        Some(name) => page(name, args.form.json, voice),
-        None => list(args.form.json, voice),
+        Some(name) => page(name, args.form.json, console),
+        None => list(args.form.json, console),
     }
 }
 
@@ -155,14 +155,14 @@ const KINDS: [(Kind, &str); 6] = [
 ];
 
 /// Lists all effects, kind by kind.
-fn list(json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
+fn list(json: bool, console: &Console) -> Result<ExitCode, Failure> {
     let abouts = || CATALOGUE.iter().map(|effect| effect.about());
     if json {
         let effects = abouts().map(of_about).collect();
         print(&Printed::Catalogue { effects })?;
         return Ok(ExitCode::SUCCESS);
     }
-    if voice.quiet {
+    if console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
     let mut out = stdout();
@@ -186,7 +186,7 @@ fn list(json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
 }
 
 /// Shows the page of an effect.
-fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
+fn page(name: &str, json: bool, console: &Console) -> Result<ExitCode, Failure> {
     let Some(effect) = by_name(name) else {
         let names: Vec<_> = CATALOGUE.iter().map(|effect| effect.about().name).collect();
         let meant = offer(&alike(name, names.iter().copied()));
@@ -194,7 +194,7 @@ fn page(name: &str, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     };
     if json {
         print(&Printed::Page { effect: of_about(effect.about()), page: effect.page() })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         writeln!(stdout(), "{}", effect.page())?;
     }
     Ok(ExitCode::SUCCESS)
@@ -206,7 +206,7 @@ fn laws(file: &Path) -> Result<Vec<Definition>, Failure> {
 }
 
 /// Tests the laws of a file.
-fn check(file: &Path, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
+fn check(file: &Path, json: bool, console: &Console) -> Result<ExitCode, Failure> {
     let mut checked = Vec::new();
     for law in laws(file)? {
         let effect = law.effect().map_err(|error| Failure::Usage(format!("laws.{}: {error}", law.name)))?;
@@ -221,7 +221,7 @@ fn check(file: &Path, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
     let fails = checked.iter().flat_map(|law| &law.tests).any(|test| test.error.is_some());
     if json {
         print(&Printed::Checked { laws: checked })?;
-    } else if !voice.quiet || fails {
+    } else if !console.quiet || fails {
         let mut out = stdout();
         for law in &checked {
             writeln!(out, "{}\n", law.page)?;

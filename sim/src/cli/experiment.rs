@@ -23,10 +23,10 @@ use serde::Serialize;
 
 use super::arguments::{Cleaning, Form, OfExperiment, argv};
 use super::browser;
+use super::console::{Console, Stages, print};
 use super::failure::{Failure, of_kind};
 use super::interrupt;
 use super::terminal::stdout;
-use super::voice::{Stages, Voice, print};
 
 const INIT_HELP: &str = "Examples:
   efam experiment init 15psi.csv 20psi.csv
@@ -97,7 +97,7 @@ impl<'a> CheckPrinted<'a> {
 }
 
 /// Writes a first experiment file.
-pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn init(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
     let out = &args.out;
     // Said before anything is read; what comes meanwhile is not replaced either.
     if out.exists() && !args.overwrite {
@@ -105,7 +105,7 @@ pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     }
     let mut recordings = Vec::new();
     for file in &args.files {
-        voice.detail(format!("reading {}", file.display()));
+        console.detail(format!("reading {}", file.display()));
         recordings.push((
             relative(file, out)?,
             of_kind(Kind::Recording, file, recording::read(file, &ReadOptions::default()))?,
@@ -126,7 +126,7 @@ pub fn init(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.form.json {
         print(&InitPrinted { file: out, recordings: recordings.len(), guesses, to_fill_in: unknown })?;
     }
-    if args.form.json || voice.quiet {
+    if args.form.json || console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
     writeln!(
@@ -170,11 +170,11 @@ fn relative(file: &Path, out: &Path) -> Result<String, Failure> {
 }
 
 /// Cleans the recordings and shows what came of it.
-pub fn check(args: &Check, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn check(args: &Check, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let args = &args.cleaning;
-    let (experiment, folder) = open(&args.of, voice)?;
-    let stages = voice.stages();
+    let (experiment, folder) = open(&args.of, console)?;
+    let stages = console.stages();
     let (folder, cleaned) = interrupt::during(folder, &stages, || read(&experiment, &stages));
     let cleaned = cleaned?;
     stages.tell("writing");
@@ -185,8 +185,8 @@ pub fn check(args: &Check, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.of.output.form.json {
         print(&CheckPrinted::of(&cleaned, &folder))?;
     }
-    browser::show(args.of.output.open, &folder, voice);
-    if args.of.output.form.json || voice.quiet {
+    browser::show(args.of.output.open, &folder, console);
+    if args.of.output.form.json || console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
     let mut out = stdout();
@@ -218,9 +218,9 @@ pub fn request(experiment: &Experiment, begin: Instant) -> Request {
 
 /// Reads the experiment and opens the folder before the work, so that what stands in the way is said first.
 /// From here on Ctrl-C is listened to.
-pub fn open(args: &OfExperiment, voice: &Voice) -> Result<(Experiment, Folder), Failure> {
+pub fn open(args: &OfExperiment, console: &Console) -> Result<(Experiment, Folder), Failure> {
     let experiment = load(args)?;
-    let folder = claim(&experiment, args, voice)?;
+    let folder = claim(&experiment, args, console)?;
     Ok((experiment, folder))
 }
 
@@ -231,10 +231,10 @@ pub fn load(args: &OfExperiment) -> Result<Experiment, Failure> {
 }
 
 /// Opens the folder of an experiment that was read.
-pub fn claim(experiment: &Experiment, args: &OfExperiment, voice: &Voice) -> Result<Folder, Failure> {
+pub fn claim(experiment: &Experiment, args: &OfExperiment, console: &Console) -> Result<Folder, Failure> {
     let (recordings, threads) = (experiment.recordings.len(), rayon::current_num_threads());
     let path = experiment.path.display();
-    voice.detail(format!("{path}: {recordings} recordings, on {threads} threads"));
+    console.detail(format!("{path}: {recordings} recordings, on {threads} threads"));
     interrupt::listen();
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
     Ok(efam_store::folder::open(out, overwrite, &experiment.name, experiment.text())?)

@@ -11,9 +11,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::Form;
+use super::console::{Console, print};
 use super::failure::Failure;
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam export outputs/beam --to mat
@@ -83,7 +83,7 @@ struct Row<'a> {
     columns: usize,
 }
 
-pub fn run(args: &Export, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Export, console: &Console) -> Result<ExitCode, Failure> {
     let format = match args.to {
         To::Mat => Format::Mat,
         To::Mat5 => Format::Mat5,
@@ -95,7 +95,7 @@ pub fn run(args: &Export, voice: &Voice) -> Result<ExitCode, Failure> {
     let file = args.out.clone().unwrap_or_else(|| beside(&args.run, format));
     export(&stored, format, &file, args.overwrite)?;
     if matches!(format, Format::Gif | Format::Png) && !has_letters() {
-        voice.warn([format!(
+        console.warn([format!(
             "{}: has no letters, because no font was found; install DejaVu Sans, Liberation Sans or Arial",
             file.display()
         )]);
@@ -103,7 +103,7 @@ pub fn run(args: &Export, voice: &Voice) -> Result<ExitCode, Failure> {
     let tables = rows(&stored);
     if args.form.json {
         print(&Printed { file: &file, format, tables })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let mut out = stdout();
         for table in tables {
             writeln!(out, "{:40}{} rows, {} columns", table.name, table.rows, table.columns)?;

@@ -25,12 +25,12 @@ use serde::Serialize;
 
 use super::arguments::{Output, argv};
 use super::browser;
+use super::console::{Console, print};
 use super::experiment::{read, request};
 use super::failure::{Failure, of_kind};
 use super::interrupt;
 use super::simulate::{admit, follow};
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam figures
@@ -63,15 +63,15 @@ pub struct Printed<'a> {
     figures: &'a [Words],
 }
 
-pub fn run(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Figures, console: &Console) -> Result<ExitCode, Failure> {
     match &args.experiment {
-        Some(experiment) => recorded(args, experiment, voice),
-        None => simulated(args, voice),
+        Some(experiment) => recorded(args, experiment, console),
+        None => simulated(args, console),
     }
 }
 
 /// From the recordings of an experiment.
-fn recorded(args: &Figures, file: &Path, voice: &Voice) -> Result<ExitCode, Failure> {
+fn recorded(args: &Figures, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let experiment = of_kind(Kind::Experiment, file, Experiment::load(file, &args.set))?;
     admit_experiment(&experiment).map_err(refused)?;
@@ -79,7 +79,7 @@ fn recorded(args: &Figures, file: &Path, voice: &Voice) -> Result<ExitCode, Fail
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
     let name = format!("{} figures", experiment.name);
     let folder = efam_store::folder::open(out, overwrite, &name, experiment.text())?;
-    let stages = voice.stages();
+    let stages = console.stages();
     let work = || {
         let cleaned = read(&experiment, &stages)?;
         stages.tell("frequency, damping and stiffness of each release");
@@ -92,9 +92,9 @@ fn recorded(args: &Figures, file: &Path, voice: &Voice) -> Result<ExitCode, Fail
     let (folder, done) = interrupt::during(folder, &stages, work);
     let (all, warnings) = done?;
     stages.clear();
-    voice.warn(&warnings);
+    console.warn(&warnings);
     let request = Request { warnings, name, ..request(&experiment, begin) };
-    finish(args, voice, folder, &request, &all)
+    finish(args, console, folder, &request, &all)
 }
 
 fn refused(error: FiguresError) -> Failure {
@@ -105,7 +105,7 @@ fn refused(error: FiguresError) -> Failure {
 }
 
 /// From runs of the paper's muscle.
-fn simulated(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
+fn simulated(args: &Figures, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let file = Path::new("efam-figures.toml");
     let scenario = Scenario::parse(file, SCENARIO, &args.set)?;
@@ -119,7 +119,7 @@ fn simulated(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
     admit(&cases)?;
     let mut warnings: Vec<String> = cases.iter().flat_map(|case| case.warnings.clone()).collect();
     warnings.dedup();
-    voice.warn(&warnings);
+    console.warn(&warnings);
     let hash = |text: &str| efam_store::sha::sha256(text.as_bytes());
     let set: Vec<String> = args.set.iter().map(|set| format!("--set {set}")).collect();
     let mut input_hashes = BTreeMap::from([(efam_report::figures::SCENARIO.to_owned(), hash(SCENARIO))]);
@@ -137,7 +137,7 @@ fn simulated(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
     let folder = efam_report::begin(&request)?;
     interrupt::listen();
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
-    let progress = voice.bar(samples);
+    let progress = console.bar(samples);
     let one = |case: &Case| {
         let trajectory = follow(case, &progress, &mut |_| Ok(()))?;
         match &trajectory.status {
@@ -157,12 +157,12 @@ fn simulated(args: &Figures, voice: &Voice) -> Result<ExitCode, Failure> {
         return Err(Failure::Interrupted);
     };
     let request = Request { wall_time_s: begin.elapsed().as_secs_f64(), ..request };
-    finish(args, voice, folder, &request, &all)
+    finish(args, console, folder, &request, &all)
 }
 
 fn finish(
     args: &Figures,
-    voice: &Voice,
+    console: &Console,
     folder: Folder,
     request: &Request,
     all: &[Pressure],
@@ -173,13 +173,13 @@ fn finish(
     let folder = folder.finish()?;
     if args.output.form.json {
         print(&Printed { folder: &folder, figures: &words })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let mut out = stdout();
         for of in &words {
             writeln!(out, "Figure {}\n  paper: {}\n  ours:  {}", of.number, of.paper, of.ours)?;
         }
         writeln!(out, "\nresults in {}", folder.display())?;
     }
-    browser::show(args.output.open, &folder, voice);
+    browser::show(args.output.open, &folder, console);
     Ok(ExitCode::SUCCESS)
 }

@@ -9,9 +9,9 @@ use efam_store::atomic::write_new;
 use efam_store::escape::shell_word;
 use models::muscle::BUILT_IN;
 
+use super::console::Console;
 use super::failure::Failure;
 use super::terminal::stdout;
-use super::voice::Voice;
 
 const HELP: &str = "Examples:
   efam init
@@ -43,12 +43,12 @@ pub struct Init {
     out: Option<PathBuf>,
 }
 
-pub fn run(args: &Init, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
     let usual = Path::new(if args.muscle { "muscle.toml" } else { "scenario.toml" });
     let file = args.out.as_deref().unwrap_or(usual);
     let text = if args.muscle { muscle() } else { SCENARIO.to_owned() };
     write_new(file, |to| to.write_all(text.as_bytes()))?;
-    if voice.quiet {
+    if console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
     let word = shell_word(file);

@@ -12,9 +12,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::Form;
+use super::console::{Console, print};
 use super::failure::Failure;
 use super::terminal::{say, stdout};
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam inspect trial.c3d
@@ -94,14 +94,14 @@ struct Tracked {
 }
 
 /// Shows each file; those that cannot be read are reported after the others.
-pub fn run(args: &Inspect, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Inspect, console: &Console) -> Result<ExitCode, Failure> {
     let options = ReadOptions { unit: args.unit, rate_hz: args.rate };
     let (mut values, mut failures) = (Vec::new(), Vec::new());
     for file in &args.files {
-        voice.detail(format!("reading {}", file.display()));
+        console.detail(format!("reading {}", file.display()));
         match read(file, &options) {
             Ok(recording) if args.form.json => values.push(of_recording(&recording)),
-            Ok(recording) if !voice.quiet => table(&mut stdout(), &recording)?,
+            Ok(recording) if !console.quiet => table(&mut stdout(), &recording)?,
             Ok(_) => {}
             Err(error) => failures.push(another_kind(file).unwrap_or_else(|| error.to_string())),
         }

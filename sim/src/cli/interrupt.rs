@@ -14,9 +14,9 @@ use efam_core::forward::Cancel;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
+use super::console::Stages;
 use super::failure::{Failure, report};
 use super::threads;
-use super::voice::Stages;
 
 /// Exit code of what Ctrl-C ended.
 const CTRL_C: u8 = 128 + 2;

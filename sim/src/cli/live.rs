@@ -12,9 +12,9 @@ use efam_inference::diagnose::verdict::Evidence;
 use efam_inference::predict::ensemble::Member;
 use models::snapshot::Snapshot;
 
+use super::console::Stages;
 use super::failure::Failure;
 use super::interrupt::Ending;
-use super::voice::Stages;
 
 /// Name of a recording that is saved.
 pub const RECORDING: &str = "run.rrd";

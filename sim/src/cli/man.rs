@@ -10,10 +10,10 @@ use clap_mangen::Man;
 use efam_store::StoreError;
 use efam_store::atomic::{write_new, write_whole};
 
+use super::console::Console;
 use super::failure::Failure;
 use super::schema::lacking;
 use super::terminal::stdout;
-use super::voice::Voice;
 
 const HELP: &str = "Examples:
   efam man simulate | man -l -
@@ -35,14 +35,14 @@ pub struct Manual {
 }
 
 /// Prints a page, or writes all.
-pub fn run(args: &Manual, efam: Command, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Manual, efam: Command, console: &Console) -> Result<ExitCode, Failure> {
     let mut efam = efam.disable_help_subcommand(true);
     // Names of pages are those of the whole way to a command.
     efam.build();
     let mut pages = Vec::new();
     collect(&efam, &mut pages)?;
     match &args.out {
-        Some(folder) => write(folder, args.overwrite, &pages, voice)?,
+        Some(folder) => write(folder, args.overwrite, &pages, console)?,
         None => {
             let file = [&["efam".to_owned()], &args.command[..]].concat().join("-") + ".1";
             let page = pages.iter().find(|(name, _)| *name == file);
@@ -71,7 +71,12 @@ fn collect(command: &Command, pages: &mut Vec<(String, Vec<u8>)>) -> io::Result<
 }
 
 /// Writes all pages into a folder, or none where one is there already.
-fn write(folder: &Path, overwrite: bool, pages: &[(String, Vec<u8>)], voice: &Voice) -> Result<(), Failure> {
+fn write(
+    folder: &Path,
+    overwrite: bool,
+    pages: &[(String, Vec<u8>)],
+    console: &Console,
+) -> Result<(), Failure> {
     let taken = pages.iter().map(|(name, _)| folder.join(name)).find(|path| path.exists());
     if let (Some(path), false) = (taken, overwrite) {
         return Err(StoreError::Exists { folder: path }.into());
@@ -84,9 +89,9 @@ fn write(folder: &Path, overwrite: bool, pages: &[(String, Vec<u8>)], voice: &Vo
         } else {
             write_new(&path, write)?
         }
-        voice.detail(format!("written: {}", path.display()));
+        console.detail(format!("written: {}", path.display()));
     }
-    if !voice.quiet {
+    if !console.quiet {
         writeln!(stdout(), "{} pages in {}", pages.len(), folder.display())?;
     }
     Ok(())

@@ -26,11 +26,11 @@ use serde::Serialize;
 
 use super::arguments::{Output, Release, argv, once};
 use super::browser;
+use super::console::{Console, print};
 use super::failure::Failure;
 use super::interrupt;
 use super::live::{LiveEnsemble, Recording, Rerun};
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam predict --muscle outputs/beam/muscle.toml --pressure 40psi --payload 80g
@@ -114,9 +114,9 @@ pub enum Printed<'a> {
     Check(check::Printed<'a>),
 }
 
-pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(experiment) = &args.check {
-        return check::run(args, experiment, voice);
+        return check::run(args, experiment, console);
     }
     if args.scenario.is_none() && args.muscle.is_none() {
         return Err(Failure::Usage(format!(
@@ -160,7 +160,7 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
     // What stands in the way is said before the simulations.
     interrupt::listen();
     let folder = efam_report::begin(&request)?;
-    voice.detail(format!("{name}: on {} threads", rayon::current_num_threads()));
+    console.detail(format!("{name}: on {} threads", rayon::current_num_threads()));
     let done = |warnings: &[String]| Request {
         warnings: warnings.to_vec(),
         wall_time_s: begin.elapsed().as_secs_f64(),
@@ -170,7 +170,7 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
         let payloads = if payloads.is_empty() { vec![0.0] } else { payloads };
         let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
         let cases = pressures.len().max(1) * payloads.len();
-        let stages = voice.steps(cases, &format!("cases of {} runs", runs(known.as_ref())));
+        let stages = console.steps(cases, &format!("cases of {} runs", runs(known.as_ref())));
         let step = || stages.step();
         let work = || grid(&name, (&pressures, &payloads), &make, known.as_ref(), &step);
         let (folder, grid) = interrupt::during(folder, &stages, work);
@@ -182,14 +182,14 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
             Ok(Member { name: cell_name(cell), ..Member::case(&case) })
         };
         let members = || grid.cells.iter().map(member).collect();
-        let (folder, viewer) = finish(args, voice, folder, &request, &members)?;
-        tell(args, voice, &folder, &Printed::Several { folder: &folder, grid: &grid }, &|| {
+        let (folder, viewer) = finish(args, console, folder, &request, &members)?;
+        tell(args, console, &folder, &Printed::Several { folder: &folder, grid: &grid }, &|| {
             grid_table(&grid)
         })?;
         Recording::shown(viewer, args.rerun.as_ref())?;
     } else {
         let settings = Settings { draws: args.draws, seed: args.seed };
-        let stages = voice.steps(known.as_ref().map_or(0, |_| args.draws), "draws");
+        let stages = console.steps(known.as_ref().map_or(0, |_| args.draws), "draws");
         let step = || stages.step();
         let work = || predict(&case, known.as_ref(), &settings, &step);
         let (folder, outcome) = interrupt::during(folder, &stages, work);
@@ -198,9 +198,9 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
         let prediction = &outcome.prediction;
         write_prediction(&folder, &done(&prediction.warnings), &outcome)?;
         let members = || Ok(ensemble(&case, known.as_ref(), &settings));
-        let (folder, viewer) = finish(args, voice, folder, &request, &members)?;
+        let (folder, viewer) = finish(args, console, folder, &request, &members)?;
         let printed = Printed::One { folder: &folder, prediction };
-        tell(args, voice, &folder, &printed, &|| prediction_table(prediction))?;
+        tell(args, console, &folder, &printed, &|| prediction_table(prediction))?;
         Recording::shown(viewer, args.rerun.as_ref())?;
     }
     Ok(ExitCode::SUCCESS)
@@ -209,7 +209,7 @@ pub fn run(args: &Predict, voice: &Voice) -> Result<ExitCode, Failure> {
 /// Shows the rods if that is asked, and gives the folder its name, unless it is interrupted.
 fn finish(
     args: &Predict,
-    voice: &Voice,
+    console: &Console,
     folder: Folder,
     request: &Request,
     members: &dyn Fn() -> Result<Vec<Member>, Failure>,
@@ -222,7 +222,7 @@ fn finish(
     let viewer = Recording::saved(live, args.rerun.as_ref())?;
     interrupt::check()?;
     let folder = folder.finish()?;
-    voice.detail(format!("written to {}", folder.display()));
+    console.detail(format!("written to {}", folder.display()));
     Ok((folder, viewer))
 }
 
@@ -234,17 +234,17 @@ fn cell_name(cell: &Cell) -> String {
 
 fn tell(
     args: &Predict,
-    voice: &Voice,
+    console: &Console,
     folder: &Path,
     printed: &Printed,
     table: &dyn Fn() -> String,
 ) -> Result<(), Failure> {
     if args.output.form.json {
         print(printed)?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         writeln!(stdout(), "{}\nresults in {}", table(), folder.display())?;
     }
-    browser::show(args.output.open, folder, voice);
+    browser::show(args.output.open, folder, console);
     Ok(())
 }
 

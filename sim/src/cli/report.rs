@@ -17,9 +17,9 @@ use serde::Serialize;
 
 use super::arguments::{Output, argv};
 use super::browser;
+use super::console::{Console, print};
 use super::failure::Failure;
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam report outputs/beam outputs/loaded-beam
@@ -46,7 +46,7 @@ pub struct Printed<'a> {
     comparison: &'a Comparison,
 }
 
-pub fn run(args: &Report, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Report, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let runs: Vec<Reread> = args.runs.iter().map(|run| reread(run)).collect::<Result<_, _>>()?;
     let comparison = compare(&runs);
@@ -75,12 +75,12 @@ pub fn run(args: &Report, voice: &Voice) -> Result<ExitCode, Failure> {
     let folder = folder.finish()?;
     if args.output.form.json {
         print(&Printed { folder: &folder, comparison: &comparison })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let mut out = stdout();
         tell(&mut out, &comparison)?;
         writeln!(out, "\nresults in {}", folder.display())?;
     }
-    browser::show(args.output.open, &folder, voice);
+    browser::show(args.output.open, &folder, console);
     Ok(ExitCode::SUCCESS)
 }
 

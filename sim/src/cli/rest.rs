@@ -14,9 +14,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::arguments::{Form, Source, payload};
+use super::console::{Console, print};
 use super::failure::{Failure, of_kind};
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const STATICS_HELP: &str = "Examples:
   efam statics scenarios/payload-80g.toml
@@ -125,9 +125,9 @@ enum Friction {
 }
 
 /// Shows the rest posture.
-pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn statics(args: &Statics, console: &Console) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(&args.source, args.payload.as_ref(), voice)? {
+    for case in cases(&args.source, args.payload.as_ref(), console)? {
         let rest = equilibrium(&case.model, None)?;
         let mut system = System::at_rest(&case.model);
         let at_rest = vec![0.0; rest.q.len()];
@@ -150,7 +150,7 @@ pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
         print(&StaticsPrinted { statics: rows })?;
         return Ok(ExitCode::SUCCESS);
     }
-    if voice.quiet {
+    if console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
     let mut out = stdout();
@@ -171,9 +171,9 @@ pub fn statics(args: &Statics, voice: &Voice) -> Result<ExitCode, Failure> {
 }
 
 /// Shows the slowest vibrations about the rest posture.
-pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn modes(args: &Modes, console: &Console) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(&args.source, args.payload.as_ref(), voice)? {
+    for case in cases(&args.source, args.payload.as_ref(), console)? {
         let modes = rest(&case.model, 0.0, args.count)?.modes?;
         let slipping = slipping_modes(&case.model, 0.0, args.count);
         let sticks = slipping.as_ref().map(|_| Friction::Sticks);
@@ -194,7 +194,7 @@ pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
         print(&ModesPrinted { modes: rows })?;
         return Ok(ExitCode::SUCCESS);
     }
-    if voice.quiet {
+    if console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
     let mut out = stdout();
@@ -217,12 +217,12 @@ pub fn modes(args: &Modes, voice: &Voice) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn cases(source: &Source, mass: Option<&String>, voice: &Voice) -> Result<Vec<Case>, Failure> {
+fn cases(source: &Source, mass: Option<&String>, console: &Console) -> Result<Vec<Case>, Failure> {
     let load = ReleaseOptions { payload: payload(mass, &source.set)?, ..ReleaseOptions::default() };
     let overrides = [load.overrides(), source.overrides()?].concat();
     let scenario = Scenario::load(&source.scenario, &overrides);
     let cases = of_kind(Kind::Scenario, &source.scenario, scenario)?.cases()?;
-    voice.detail(format!("{}: {} to show", source.scenario.display(), cases.len()));
-    voice.warn(cases.iter().flat_map(|case| &case.warnings));
+    console.detail(format!("{}: {} to show", source.scenario.display(), cases.len()));
+    console.warn(cases.iter().flat_map(|case| &case.warnings));
     Ok(cases)
 }

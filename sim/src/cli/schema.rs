@@ -8,8 +8,8 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
+use super::console::print;
 use super::failure::Failure;
-use super::voice::print;
 use super::{
     analyse, calibrate, diagnose, doctor, effects, experiment, export, figures, inspect, predict, report,
     rest, simulate, sweep,

@@ -30,12 +30,12 @@ use serde::Serialize;
 
 use super::arguments::{Output, Release, Source, argv};
 use super::browser;
+use super::console::{Console, print};
 use super::failure::{Failure, of_kind};
 use super::interrupt;
 use super::live::Rerun;
 use super::progress::{Cost, ProgressBar};
 use super::terminal::{say, stdout};
-use super::voice::{Voice, print};
 use crate::simulate;
 
 const HELP: &str = "Examples:
@@ -93,7 +93,7 @@ pub struct Printed<'a> {
     runs: Vec<&'a Summary>,
 }
 
-pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     let release = args.release.options(args.payload.as_ref(), &args.source.set)?;
     let overrides = [release.overrides(), args.source.overrides()?].concat();
     let scenario =
@@ -104,24 +104,24 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
         let message = "--rerun shows one run; choose one pressure, such as --pressure 40psi";
         return Err(Failure::Usage(message.to_owned()));
     }
-    voice.warn(cases.iter().flat_map(|case| &case.warnings));
+    console.warn(cases.iter().flat_map(|case| &case.warnings));
     interrupt::listen();
     if let (Some(how), true) = (&args.rerun, args.watch_only) {
-        return watch::only(how, &cases[0], &request(args, &scenario, &cases[0]), voice);
+        return watch::only(how, &cases[0], &request(args, &scenario, &cases[0]), console);
     }
     admit(&cases)?;
     let (runs, threads) = (cases.len(), rayon::current_num_threads());
-    voice.detail(format!("{}: {runs} to simulate, on {threads} threads", scenario.path.display()));
+    console.detail(format!("{}: {runs} to simulate, on {threads} threads", scenario.path.display()));
     let request = request(args, &scenario, &cases[0]);
     let folder = if args.no_files { None } else { Some(efam_report::begin(&request)?) };
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
-    let progress = voice.bar(samples);
+    let progress = console.bar(samples);
     let begin = Instant::now();
     let runs: Vec<_> = cases
         .par_iter()
         .map(|case| {
             timed(|| -> Result<Settled, Failure> {
-                let done = simulate(case, !args.no_error_estimate, &progress, voice)?;
+                let done = simulate(case, !args.no_error_estimate, &progress, console)?;
                 if let (Some(how), Some(folder), Status::Complete) =
                     (&args.rerun, &folder, &done.trajectory.status)
                 {
@@ -138,7 +138,7 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
         let run: Settled = run?;
         let warnings = simulate::warnings(case, &run);
         let case = case.run_as(&run.model, &run.run);
-        voice.warn(&warnings);
+        console.warn(&warnings);
         let own = Request {
             name: case.name.clone(),
             resolved_scenario: case.resolved(),
@@ -153,7 +153,7 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
             Some(folder) => efam_report::write_run(folder, within, &own, &case.model, &case.run, &run)?,
             None => told(&own, &case.model, &case.run, &run).summary,
         };
-        voice.detail(integrated(&summary));
+        console.detail(integrated(&summary));
         done.push(Member::new(summary, case.pressure, run));
     }
     if let (Some(folder), true) = (&folder, is_sweep) {
@@ -163,9 +163,9 @@ pub fn run(args: &Simulate, voice: &Voice) -> Result<ExitCode, Failure> {
     }
     let folder = folder.map(Folder::finish).transpose()?;
     let folder = folder.as_deref();
-    folder.iter().for_each(|folder| voice.detail(format!("written to {}", folder.display())));
-    tell(args, voice, &scenario, folder, &done)?;
-    folder.iter().for_each(|folder| browser::show(args.output.open, folder, voice));
+    folder.iter().for_each(|folder| console.detail(format!("written to {}", folder.display())));
+    tell(args, console, &scenario, folder, &done)?;
+    folder.iter().for_each(|folder| browser::show(args.output.open, folder, console));
     outcome(folder, &done)
 }
 
@@ -224,11 +224,16 @@ fn outcome(folder: Option<&Path>, done: &[Member]) -> Result<ExitCode, Failure> 
 }
 
 /// Runs a case until its end, Ctrl-C, or where it fails; what was integrated is kept.
-fn simulate(case: &Case, estimates: bool, progress: &ProgressBar, voice: &Voice) -> Result<Settled, Failure> {
+fn simulate(
+    case: &Case,
+    estimates: bool,
+    progress: &ProgressBar,
+    console: &Console,
+) -> Result<Settled, Failure> {
     let mut cost = Cost::new(case.run.duration);
     let mut see = |sample: &mut Sample| {
         if let Some(whole) = cost.estimated(sample.state.time) {
-            progress.suspend(|| voice.expect(&case.name, whole));
+            progress.suspend(|| console.expect(&case.name, whole));
         }
         counted(progress)
     };
@@ -288,7 +293,7 @@ const OF_A_SAMPLE: usize = 15;
 
 fn tell(
     args: &Simulate,
-    voice: &Voice,
+    console: &Console,
     scenario: &Scenario,
     folder: Option<&Path>,
     done: &[Member],
@@ -297,7 +302,7 @@ fn tell(
         let runs = done.iter().map(|member| &member.summary).collect();
         return print(&Printed { scenario: &scenario.name, folder, runs });
     }
-    if voice.quiet {
+    if console.quiet {
         return Ok(());
     }
     let mut out = stdout();

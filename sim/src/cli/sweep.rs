@@ -19,10 +19,10 @@ use serde::Serialize;
 
 use super::arguments::Output;
 use super::browser;
+use super::console::{Console, print};
 use super::failure::Failure;
 use super::interrupt;
 use super::terminal::stdout;
-use super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam sweep scenarios/sweep/payload-and-pressure.toml
@@ -93,35 +93,35 @@ pub struct MergedPrinted<'a> {
     sweep: &'a Merged,
 }
 
-pub fn run(args: &Sweep, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Sweep, console: &Console) -> Result<ExitCode, Failure> {
     interrupt::listen();
     match &args.what {
-        Some(What::Plan(args)) => plan::run(args, voice),
-        Some(What::Run(args)) => run::run(args, voice),
-        Some(What::Submit(args)) => submit::run(args, voice),
-        Some(What::Status(args)) => status::run(args, voice),
-        Some(What::Merge(args)) => merge::run(args, voice),
-        None => whole(&args.whole, voice),
+        Some(What::Plan(args)) => plan::run(args, console),
+        Some(What::Run(args)) => run::run(args, console),
+        Some(What::Submit(args)) => submit::run(args, console),
+        Some(What::Status(args)) => status::run(args, console),
+        Some(What::Merge(args)) => merge::run(args, console),
+        None => whole(&args.whole, console),
     }
 }
 
-fn whole(args: &Whole, voice: &Voice) -> Result<ExitCode, Failure> {
+fn whole(args: &Whole, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let file = args.file.as_deref().unwrap_or(Path::new(""));
-    let (plan, _) = plan::planned(file, &args.planned, &args.output, false, voice)?;
+    let (plan, _) = plan::planned(file, &args.planned, &args.output, false, console)?;
     let due = (0..plan.head.shards()).collect::<Vec<_>>();
-    run::shards(&plan, &due, args.output.overwrite, voice)?;
+    run::shards(&plan, &due, args.output.overwrite, console)?;
     let seconds = begin.elapsed().as_secs_f64();
-    let merged = merge::merged(&plan, args.csv, seconds, voice)?;
-    let code = tell(&plan.folder, &merged, args.output.form.json, voice)?;
-    browser::show(args.output.open, &plan.folder, voice);
+    let merged = merge::merged(&plan, args.csv, seconds, console)?;
+    let code = tell(&plan.folder, &merged, args.output.form.json, console)?;
+    browser::show(args.output.open, &plan.folder, console);
     Ok(code)
 }
 
-fn tell(folder: &Path, merged: &Merged, json: bool, voice: &Voice) -> Result<ExitCode, Failure> {
+fn tell(folder: &Path, merged: &Merged, json: bool, console: &Console) -> Result<ExitCode, Failure> {
     if json {
         print(&MergedPrinted { folder, sweep: merged })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         writeln!(stdout(), "{}\nresults in {}", swept_table(merged), folder.display())?;
     }
     Ok(ExitCode::SUCCESS)

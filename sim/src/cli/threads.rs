@@ -8,8 +8,8 @@ use std::thread;
 
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
 
+use super::console::Console;
 use super::failure::Failure;
-use super::voice::Voice;
 
 /// The variable that says how many; the name is rayon's, and what job scripts set.
 const VARIABLE: &str = "RAYON_NUM_THREADS";
@@ -31,7 +31,7 @@ pub fn is_alone() -> bool {
 /// panics then, and cannot be asked a second time, so it is handed threads that are there already.
 /// # Errors
 /// [`Failure::Usage`] for a wrong variable.
-pub fn begin(voice: &Voice) -> Result<(), Failure> {
+pub fn begin(console: &Console) -> Result<(), Failure> {
     let wanted = wanted()?;
     let mut ready: Vec<Sender<ThreadBuilder>> = Vec::new();
     let refused = loop {
@@ -70,7 +70,7 @@ pub fn begin(voice: &Voice) -> Result<(), Failure> {
     pool.map_err(|error| Failure::Output(format!("no threads can be had ({error}); raise ulimit -u")))?;
     if let Some(error) = refused {
         let have = if count > 1 { format!("{count} threads") } else { "one thread".to_owned() };
-        voice.warn([format!(
+        console.warn([format!(
             "{have} of {wanted} can be had ({error}), so this takes longer; raise the limit on processes (ulimit -u)"
         )]);
     }

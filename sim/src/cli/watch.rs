@@ -22,11 +22,11 @@ use efam_store::input;
 use models::quantity::Quantity;
 
 use super::browser;
+use super::console::Console;
 use super::experiment::request;
 use super::failure::Failure;
 use super::interrupt;
 use super::terminal::{say, stdout};
-use super::voice::Voice;
 
 const HELP: &str = "Examples:
   efam watch recordings
@@ -84,7 +84,7 @@ struct Seen {
     is_good: bool,
 }
 
-pub fn run(args: &Watch, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
     let folder = &args.folder;
     if !folder.is_dir() {
         let shown = folder.display();
@@ -98,7 +98,7 @@ pub fn run(args: &Watch, voice: &Voice) -> Result<ExitCode, Failure> {
     efam_store::folder::admit(&out, true)?;
     let facts = facts(args, &whole)?;
     interrupt::listen();
-    if !voice.quiet {
+    if !console.quiet {
         say(format_args!("watching {}; the page goes to {}; Ctrl-C ends", folder.display(), out.display()));
     }
     let mut seen: BTreeMap<String, Seen> = BTreeMap::new();
@@ -107,7 +107,7 @@ pub fn run(args: &Watch, voice: &Voice) -> Result<ExitCode, Failure> {
         let ready = look(&whole, &mut seen);
         let is_news = !ready.is_empty();
         for file in ready {
-            let is_good = one(&facts, &whole, &file, voice)?;
+            let is_good = one(&facts, &whole, &file, console)?;
             if let Some(own) = seen.get_mut(&file) {
                 (own.is_done, own.is_good) = (true, is_good);
             }
@@ -116,8 +116,8 @@ pub fn run(args: &Watch, voice: &Voice) -> Result<ExitCode, Failure> {
             seen.iter().filter(|(_, own)| own.is_good).map(|(file, _)| file.clone()).collect();
         if is_news && !good.is_empty() && !interrupt::is_asked() {
             match page(&facts, &whole, &good, &out) {
-                Ok(()) => browser::show(std::mem::take(&mut is_open), &out, voice),
-                Err(failure) => voice.warn([failure]),
+                Ok(()) => browser::show(std::mem::take(&mut is_open), &out, console),
+                Err(failure) => console.warn([failure]),
             }
         }
         let until = Instant::now() + args.every;
@@ -200,7 +200,7 @@ fn experiment(facts: &Facts, folder: &Path, files: &[String]) -> Result<Experime
 }
 
 /// Analyses a recording and prints its line; whether it can go on the page. What is wrong with it is its line.
-fn one(facts: &Facts, folder: &Path, file: &str, voice: &Voice) -> Result<bool, Failure> {
+fn one(facts: &Facts, folder: &Path, file: &str, console: &Console) -> Result<bool, Failure> {
     let said = || -> Result<String, Failure> {
         let experiment = experiment(facts, folder, &[file.to_owned()])?;
         let cleaned = clean(&experiment)?;
@@ -212,7 +212,7 @@ fn one(facts: &Facts, folder: &Path, file: &str, voice: &Voice) -> Result<bool, 
         Ok(line) => (line, true),
         Err(failure) => (format!("not analysed: {failure}"), false),
     };
-    if !voice.quiet {
+    if !console.quiet {
         writeln!(stdout(), "{file}: {line}")?;
         stdout().end()?;
     }

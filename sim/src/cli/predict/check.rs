@@ -17,11 +17,11 @@ use serde::Serialize;
 
 use super::super::arguments::argv;
 use super::super::browser;
+use super::super::console::{Console, print};
 use super::super::experiment::read;
 use super::super::failure::{Failure, of_kind};
 use super::super::interrupt;
 use super::super::terminal::stdout;
-use super::super::voice::{Voice, print};
 use super::{Predict, asked};
 
 /// The JSON output.
@@ -34,7 +34,7 @@ pub struct Printed<'a> {
 }
 
 /// Predicts the releases of an experiment by the rod that is asked about, or else by its own.
-pub fn run(args: &Predict, file: &Path, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let own = of_kind(Kind::Experiment, file, Experiment::load(file, &args.set))?;
     let mut input_hashes = input_hashes(&own);
@@ -59,7 +59,7 @@ pub fn run(args: &Predict, file: &Path, voice: &Voice) -> Result<ExitCode, Failu
     };
     interrupt::listen();
     let folder = efam_report::begin(&request)?;
-    let stages = voice.stages();
+    let stages = console.stages();
     let settings = Settings { draws: args.draws, seed: args.seed };
     let work = || {
         let cleaned = read(&experiment, &stages)?;
@@ -76,9 +76,9 @@ pub fn run(args: &Predict, file: &Path, voice: &Voice) -> Result<ExitCode, Failu
     stages.clear();
     if args.output.form.json {
         print(&super::Printed::Check(Printed { folder: &folder, check: &check }))?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         writeln!(stdout(), "{}\nresults in {}", check_table(&check), folder.display())?;
     }
-    browser::show(args.output.open, &folder, voice);
+    browser::show(args.output.open, &folder, console);
     Ok(ExitCode::SUCCESS)
 }

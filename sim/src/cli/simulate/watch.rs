@@ -10,12 +10,12 @@ use efam_experiments::scenario::Case;
 use efam_report::{Request, write_watched};
 use models::quantity::format_si;
 
+use super::super::console::Console;
 use super::super::failure::Failure;
 use super::super::interrupt;
 use super::super::live::{Live, Recording, Rerun};
 use super::super::progress::ProgressBar;
 use super::super::terminal::{say, stdout};
-use super::super::voice::Voice;
 use super::{follow, timed};
 
 /// Runs a case while it is watched; a recording that is saved goes into a folder.
@@ -27,10 +27,10 @@ pub fn shown(how: &Rerun, case: &Case, folder: &Path, progress: &ProgressBar) ->
 }
 
 /// The same, and nothing of the run is kept beside: memory does not grow with it.
-pub fn only(how: &Rerun, case: &Case, request: &Request, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn only(how: &Rerun, case: &Case, request: &Request, console: &Console) -> Result<ExitCode, Failure> {
     let case = case.run_as(&case.model, &Run { keep_samples: false, trace_step: None, ..case.run.clone() });
     let folder = if *how == Rerun::Save { Some(efam_report::begin(request)?) } else { None };
-    let progress = voice.bar(case.run.samples.len());
+    let progress = console.bar(case.run.samples.len());
     let nowhere = Path::new("");
     let within = folder.as_ref().map_or(nowhere, |folder| folder.path());
     let (run, wall_time_s) = timed(|| shown(how, &case, within, &progress));
@@ -47,7 +47,7 @@ pub fn only(how: &Rerun, case: &Case, request: &Request, voice: &Voice) -> Resul
     match status {
         Status::Complete => {
             let [simulated, took] = [case.run.duration, wall_time_s].map(|time| format_si(time, "s"));
-            if !voice.quiet {
+            if !console.quiet {
                 writeln!(stdout(), "{name}: {simulated} in {took}; {kept}")?;
             }
             Ok(ExitCode::SUCCESS)

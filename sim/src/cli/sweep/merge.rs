@@ -10,10 +10,10 @@ use efam_sweeps::merge::{Merged, merge};
 use efam_sweeps::plan::Plan;
 
 use super::super::arguments::{Form, argv};
+use super::super::console::Console;
 use super::super::failure::Failure;
 use super::super::interrupt;
 use super::super::terminal::say;
-use super::super::voice::Voice;
 use super::{OfPlan, tell};
 
 const HELP: &str = "Examples:
@@ -35,15 +35,15 @@ pub struct Merge {
     form: Form,
 }
 
-pub fn run(args: &Merge, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Merge, console: &Console) -> Result<ExitCode, Failure> {
     let plan = Plan::open(&args.of.plan)?;
-    let merged = merged(&plan, args.csv, 0.0, voice)?;
-    tell(&plan.folder, &merged, args.form.json, voice)
+    let merged = merged(&plan, args.csv, 0.0, console)?;
+    tell(&plan.folder, &merged, args.form.json, console)
 }
 
 /// Merges a sweep and writes what it says; `seconds` is what it took, where that is known.
-pub fn merged(plan: &Plan, csv: bool, seconds: f64, voice: &Voice) -> Result<Merged, Failure> {
-    let stages = voice.steps(plan.head.shards(), "shards merged");
+pub fn merged(plan: &Plan, csv: bool, seconds: f64, console: &Console) -> Result<Merged, Failure> {
+    let stages = console.steps(plan.head.shards(), "shards merged");
     let last_words = || {
         let plan = shell_word(&plan.folder);
         say(format_args!("interrupted: all shards are kept; go on: efam sweep merge --plan {plan}"));

@@ -17,10 +17,10 @@ use serde::Serialize;
 
 use super::super::arguments::{Output, argv};
 use super::super::browser;
+use super::super::console::{Console, print};
 use super::super::failure::{Failure, of_kind};
 use super::super::interrupt;
 use super::super::terminal::stdout;
-use super::super::voice::{Voice, print};
 
 const HELP: &str = "Examples:
   efam sweep plan scenarios/sweep/payload-and-pressure.toml --out outputs/map
@@ -66,14 +66,14 @@ pub struct Printed<'a> {
     plan: &'a Head,
 }
 
-pub fn run(args: &Freeze, voice: &Voice) -> Result<ExitCode, Failure> {
-    let (plan, time) = planned(&args.file, &args.planned, &args.output, true, voice)?;
+pub fn run(args: &Freeze, console: &Console) -> Result<ExitCode, Failure> {
+    let (plan, time) = planned(&args.file, &args.planned, &args.output, true, console)?;
     let (folder, head) = (&plan.folder, &plan.head);
     let shards = head.shards();
     if args.output.form.json {
         let seconds_per_point = time.map(|time| time.as_secs_f64());
         print(&Printed { folder, shards, seconds_per_point, plan: head })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let (name, points, own) = (&head.name, head.points, head.points_per_shard);
         let each =
             time.map_or(String::new(), |time| format!("; a point takes some {:.3} s", time.as_secs_f64()));
@@ -90,7 +90,7 @@ pub fn run(args: &Freeze, voice: &Voice) -> Result<ExitCode, Failure> {
         }
         writeln!(out, "plan in {}", folder.display())?;
     }
-    browser::show(args.output.open, folder, voice);
+    browser::show(args.output.open, folder, console);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -101,19 +101,19 @@ pub fn planned(
     own: &Planned,
     output: &Output,
     is_timed: bool,
-    voice: &Voice,
+    console: &Console,
 ) -> Result<(Plan, Option<Duration>), Failure> {
     let asked = of_kind(Kind::Sweep, file, SweepRequest::load(file, &own.set))?;
-    voice.warn(&asked.warnings);
+    console.warn(&asked.warnings);
     let given = own.points_per_shard.map(|count| count as usize);
     let there = output.out.as_deref().filter(|out| out.join(plan::PLAN).is_file() && !output.overwrite);
     match there {
         Some(folder) => {
             let plan = again(&asked, given, folder)?;
-            voice.detail(format!("{}: goes on", plan.folder.display()));
+            console.detail(format!("{}: goes on", plan.folder.display()));
             Ok((plan, None))
         }
-        None => new(&asked, given, output, is_timed, voice),
+        None => new(&asked, given, output, is_timed, console),
     }
 }
 
@@ -122,11 +122,11 @@ fn new(
     given: Option<usize>,
     output: &Output,
     is_timed: bool,
-    voice: &Voice,
+    console: &Console,
 ) -> Result<(Plan, Option<Duration>), Failure> {
     let mut folder =
         efam_store::folder::open(output.out.as_deref(), output.overwrite, &asked.name, &asked.text)?;
-    let stages = voice.stages();
+    let stages = console.stages();
     let mut time = None;
     if is_timed {
         stages.tell("trying some points");

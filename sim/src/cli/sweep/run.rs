@@ -15,10 +15,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::super::arguments::Form;
+use super::super::console::{Console, print};
 use super::super::failure::Failure;
 use super::super::interrupt;
 use super::super::terminal::{say, stdout};
-use super::super::voice::{Voice, print};
 use super::OfPlan;
 
 const HELP: &str = "Examples:
@@ -62,24 +62,24 @@ pub struct Printed<'a> {
     failed_points: usize,
 }
 
-pub fn run(args: &Run, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Run, console: &Console) -> Result<ExitCode, Failure> {
     let plan = Plan::open(&args.of.plan)?;
     let of_scheduler = match args.shard {
         Some(_) => None,
         None => asked(|name| std::env::var(name).ok()).map_err(Failure::Usage)?,
     };
     if let Some((shard, name)) = of_scheduler {
-        voice.detail(format!("shard {shard}, by {name}"));
+        console.detail(format!("shard {shard}, by {name}"));
     }
     let due = match args.shard.or(of_scheduler.map(|own| own.0)) {
         Some(shard) => vec![shard],
         None => (0..plan.head.shards()).collect(),
     };
-    let (run, failed_points) = shards(&plan, &due, args.overwrite, voice)?;
+    let (run, failed_points) = shards(&plan, &due, args.overwrite, console)?;
     let skipped = due.len() - run.len();
     if args.form.json {
         print(&Printed { folder: &plan.folder, run, skipped, failed_points })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let all = run.len();
         writeln!(
             stdout(),
@@ -97,7 +97,7 @@ pub fn shards(
     plan: &Plan,
     which: &[usize],
     overwrite: bool,
-    voice: &Voice,
+    console: &Console,
 ) -> Result<(Vec<usize>, usize), Failure> {
     let head = &plan.head;
     let mut due = Vec::new();
@@ -108,12 +108,12 @@ pub fn shards(
     }
     let points: usize = due.iter().map(|shard| head.points_of(*shard).len()).sum();
     let threads = rayon::current_num_threads();
-    voice.detail(format!(
+    console.detail(format!(
         "{}: {points} points to be {}, on {threads} threads",
         plan.folder.display(),
         head.work.done()
     ));
-    let stages = voice.steps(points, "points");
+    let stages = console.steps(points, "points");
     let tell = |told| match told {
         Told::Point => stages.step(),
         Told::Shard(shard) => stages.told(&format!("shard {shard} is written")),

@@ -12,9 +12,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::super::arguments::Form;
+use super::super::console::{Console, print};
 use super::super::failure::Failure;
 use super::super::terminal::stdout;
-use super::super::voice::{Voice, print};
 use super::OfPlan;
 
 const HELP: &str = "Examples:
@@ -42,16 +42,16 @@ pub struct Printed<'a> {
     status: &'a Status,
 }
 
-pub fn run(args: &Ask, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Ask, console: &Console) -> Result<ExitCode, Failure> {
     let plan = Plan::open(&args.of.plan)?;
     let status = status(&plan);
     if args.form.json {
         print(&Printed { folder: &plan.folder, status: &status })?;
         return Ok(ExitCode::SUCCESS);
     }
-    voice.warn(&status.faults);
+    console.warn(&status.faults);
     let mut out = stdout();
-    if !voice.quiet {
+    if !console.quiet {
         let Status { points, shards, points_done, shards_done, .. } = &status;
         writeln!(
             out,
@@ -60,7 +60,7 @@ pub fn run(args: &Ask, voice: &Voice) -> Result<ExitCode, Failure> {
         )?;
     }
     let folder = shell_word(&plan.folder);
-    match (status.missing.is_empty(), voice.quiet) {
+    match (status.missing.is_empty(), console.quiet) {
         (false, true) => writeln!(out, "--array={}", status.missing_array)?,
         (false, false) => writeln!(out, "missing: --array={}", status.missing_array)?,
         (true, true) => {}

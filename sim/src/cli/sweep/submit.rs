@@ -16,9 +16,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::super::arguments::Form;
+use super::super::console::{Console, print};
 use super::super::failure::Failure;
 use super::super::terminal::stdout;
-use super::super::voice::{Voice, print};
 use super::OfPlan;
 
 const HELP: &str = "Examples:
@@ -68,14 +68,14 @@ pub struct Printed<'a> {
     merge_script: PathBuf,
 }
 
-pub fn run(args: &Submit, voice: &Voice) -> Result<ExitCode, Failure> {
+pub fn run(args: &Submit, console: &Console) -> Result<ExitCode, Failure> {
     let plan = Plan::open(&args.of.plan)?;
     let here = |error: io::Error| Failure::Output(format!("{}: {error}", plan.folder.display()));
     let folder = fs::canonicalize(&plan.folder).map_err(here)?;
     let program = std::env::current_exe().map_err(here)?;
     let name = plain_name(&plan.head.name);
     let status = status(&plan);
-    voice.warn(&status.faults);
+    console.warn(&status.faults);
     let (script, merge) = (folder.join(ARRAY), folder.join(MERGE));
     let array_text = array_script(&name, &program, &folder).map_err(Failure::Usage)?;
     let merge_text = merge_script(&name, &program, &folder).map_err(Failure::Usage)?;
@@ -93,7 +93,7 @@ pub fn run(args: &Submit, voice: &Voice) -> Result<ExitCode, Failure> {
     if args.form.json {
         let (job, folder) = (own, &plan.folder);
         print(&Printed { folder, array, job, merge_job, script, merge_script: merge })?;
-    } else if !voice.quiet {
+    } else if !console.quiet {
         let mut out = stdout();
         let (count, all) = (status.missing.len(), status.shards);
         match (&own, &merge_job) {

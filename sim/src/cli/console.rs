@@ -13,7 +13,7 @@ use super::terminal::{is_watched, print_json, say};
 use super::threads;
 
 /// How a command speaks.
-pub struct Voice {
+pub struct Console {
     /// No progress, no tables.
     pub quiet: bool,
     /// Stages, files and times, each on a line.
@@ -21,7 +21,7 @@ pub struct Voice {
     begin: Instant,
 }
 
-impl Voice {
+impl Console {
     pub fn new(quiet: bool, verbose: bool) -> Self {
         Self { quiet, verbose, begin: Instant::now() }
     }
@@ -78,7 +78,7 @@ impl Voice {
 
 /// What is being done: on a line that moves, or each stage on a line of its own.
 pub struct Stages<'a> {
-    voice: &'a Voice,
+    console: &'a Console,
     line: Option<ProgressBar>,
     /// Steps in all, of which kind, and how many are done.
     count: usize,
@@ -87,22 +87,22 @@ pub struct Stages<'a> {
 }
 
 impl<'a> Stages<'a> {
-    fn silent(voice: &'a Voice) -> Self {
-        Self { voice, line: None, count: 0, kind: String::new(), done: AtomicUsize::new(0) }
+    fn silent(console: &'a Console) -> Self {
+        Self { console, line: None, count: 0, kind: String::new(), done: AtomicUsize::new(0) }
     }
 
     /// Says what begins now; from any thread.
     pub fn tell(&self, what: &str) {
         match &self.line {
             Some(line) => line.set_message(escaped(what).into_owned()),
-            None => self.voice.detail(what),
+            None => self.console.detail(what),
         }
     }
 
     /// Says what has been done, where that is a line of its own.
     pub fn told(&self, what: &str) {
         if self.line.is_none() {
-            self.voice.detail(what);
+            self.console.detail(what);
         }
     }
 
@@ -112,7 +112,7 @@ impl<'a> Stages<'a> {
         match &self.line {
             Some(line) => line.inc(1),
             None if done.is_multiple_of(self.count.div_ceil(10)) => {
-                self.voice.detail(format!("{done} of {} {}", self.count, self.kind));
+                self.console.detail(format!("{done} of {} {}", self.count, self.kind));
             }
             None => {}
         }
