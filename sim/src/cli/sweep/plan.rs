@@ -27,8 +27,9 @@ const HELP: &str = "Examples:
   efam sweep plan scenarios/sweep/latin-hypercube.toml --points-per-shard 500
   efam sweep plan bench/sweep.toml --out outputs/bench
 
-The plan of a scenario needs no other file: its folder can be copied. Experiments
-are read at their paths; one that was changed since becomes a row with an error.
+The plan of a scenario needs no other file: its folder can be copied.
+Experiments are read at their paths; one that was changed since becomes a row
+with an error.
 Each diagnosis has a shard of its own, and is not timed.";
 
 #[derive(Args)]
