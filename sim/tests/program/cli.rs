@@ -349,7 +349,8 @@ fn statics_and_modes_of_a_ruler() {
     assert!((frequency / expected - 1.0).abs() < 2e-3, "{frequency} {expected}");
 }
 
-/// The flags of `efam predict` say the same to `efam simulate`, as the keys of a scenario do; `--set` overrides them.
+/// The flags of `efam predict` say the same to `efam simulate`, as the keys of a scenario do; a key by
+/// both is refused.
 #[test]
 fn a_release_is_said_by_flags_as_by_keys() {
     let bench = Bench::new("flags");
@@ -365,10 +366,11 @@ fn a_release_is_said_by_flags_as_by_keys() {
     for entry in ["parameters", "lowest", "rest", "simulated_s"] {
         assert_eq!(by_flags[entry], by_keys[entry], "{entry}");
     }
-    let over =
+    let both =
         ["--payload", "80g", "--set", "effects.payload.mass=\"30 g\"", "--duration", "0.1 s", "--overwrite"];
-    assert_eq!(bench.simulate(&text, &over).0, 0);
-    assert_eq!(bench.summary()["parameters"]["effects.payload.mass"]["value"], 0.03);
+    let (code, stderr) = bench.simulate(&text, &both);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("both give effects.payload.mass; keep one of them"), "{stderr}");
     for (flag, expected) in [
         (["--payload", "-5 g"], "error: --payload -5 g: it must not be negative"),
         (["--payload", "5 m"], "error: --payload 5 m: \"5 m\" is a length, but a mass is due"),
