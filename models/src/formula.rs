@@ -19,6 +19,7 @@ use std::ops::Range;
 use thiserror::Error;
 
 use crate::effects::Real;
+use crate::nearest::offer;
 pub use parse::parse;
 pub use program::{Program, Source};
 pub use unit::{Measure, measure};
@@ -159,7 +160,7 @@ pub enum FormulaProblem {
     /// A name that means nothing here.
     #[error(
         "no `{name}` here{}; there are {}",
-        .nearest.as_ref().map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?")),
+        offer(.nearest.as_deref()),
         .known.join(", ")
     )]
     Name {

@@ -28,8 +28,8 @@ pub fn alike<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str> + Clo
 }
 
 /// A question that offers candidates, such as "; did you mean `a`, `b` or `c`?"; nothing where there are none.
-pub fn offer(candidates: &[&str]) -> String {
-    let quoted: Vec<String> = candidates.iter().map(|candidate| format!("`{candidate}`")).collect();
+pub fn offer<'a>(candidates: impl IntoIterator<Item = &'a str>) -> String {
+    let quoted: Vec<String> = candidates.into_iter().map(|candidate| format!("`{candidate}`")).collect();
     match &quoted[..] {
         [] => String::new(),
         [only] => format!("; did you mean {only}?"),
@@ -54,8 +54,8 @@ mod tests {
         let known = ["air_drag", "bend", "tip_drag", "dragged"];
         assert_eq!(alike("drag", known), ["air_drag", "tip_drag"]);
         assert_eq!(alike("bned", known), ["bend"]);
-        assert_eq!(offer(&alike("drag", known)), "; did you mean `air_drag` or `tip_drag`?");
-        assert_eq!(offer(&["a", "b", "c"]), "; did you mean `a`, `b` or `c`?");
-        assert_eq!(offer(&alike("friction", known)), "");
+        assert_eq!(offer(alike("drag", known)), "; did you mean `air_drag` or `tip_drag`?");
+        assert_eq!(offer(["a", "b", "c"]), "; did you mean `a`, `b` or `c`?");
+        assert_eq!(offer(alike("friction", known)), "");
     }
 }

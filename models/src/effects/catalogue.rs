@@ -59,6 +59,13 @@ impl Catalogue {
         self.by_name(effect)?.about().parameters.iter().find(|own| own.name == name)
     }
 
+    /// Paths of all parameters, such as `effects.payload.mass`.
+    pub fn paths(&self) -> impl Iterator<Item = String> {
+        self.iter().map(|effect| effect.about()).flat_map(|about| {
+            about.parameters.iter().map(|own| format!("effects.{}.{}", about.name, own.name))
+        })
+    }
+
     /// Place of an effect in the order of the catalogue.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.iter().position(|effect| effect.about().name == name)

@@ -10,7 +10,7 @@ use efam_store::input;
 use toml::{Table, Value};
 
 /// Endings of recordings that can be read.
-pub const RECORDINGS: [&str; 7] = ["csv", "tsv", "txt", "trc", "c3d", "parquet", "pq"];
+const RECORDINGS: [&str; 7] = ["csv", "tsv", "txt", "trc", "c3d", "parquet", "pq"];
 /// Keys of a scenario alone: how to let go, how long, and the pressure.
 const OF_SCENARIOS: [&str; 2] = ["run", "release"];
 
@@ -43,8 +43,7 @@ impl Kind {
         if !path.is_file() {
             return None;
         }
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        if ending.is_some_and(|ending| RECORDINGS.contains(&ending.as_str())) {
+        if may_be_recording(path) {
             return read(path, &ReadOptions::default()).is_ok().then_some(Kind::Recording);
         }
         of_text(&input::text(path).ok()?)
@@ -85,6 +84,12 @@ impl Display for Kind {
             Kind::Run => "the folder of a run",
         })
     }
+}
+
+/// Whether a path has the ending of a recording that can be read.
+pub fn may_be_recording(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.is_some_and(|ending| RECORDINGS.contains(&ending.as_str()))
 }
 
 /// The kind of a text of TOML, by keys that only that kind has.

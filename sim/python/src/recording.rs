@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use efam_recordings as recording;
 use efam_recordings::{Length, ReadOptions, Recording};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
@@ -33,7 +32,7 @@ impl RecordingData {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, unit: Option<String>, rate: Option<f64>) -> PyResult<Self> {
         let options = options(unit, rate)?;
-        let own = watched(py, |_| recording::read(&path, &options))?.map_err(exception)?;
+        let own = watched(py, |_| efam_recordings::read(&path, &options))?.map_err(exception)?;
         Ok(Self { own: own.into() })
     }
 
@@ -55,7 +54,7 @@ impl RecordingData {
             let message = format!("{name}: a column of one length is due for each name");
             return Err(exception(Failure::Usage(message)));
         }
-        let made = || recording::table(&names, &columns, Path::new(name), &options);
+        let made = || efam_recordings::table(&names, &columns, Path::new(name), &options);
         Ok(Self { own: watched(py, |_| made())?.map_err(exception)?.into() })
     }
 

@@ -46,6 +46,7 @@ use efam_core::trajectory::{Status, Trajectory};
 use efam_experiments::summary::Summary;
 use efam_store::folder::{self, open};
 use efam_store::manifest;
+use efam_store::names::plain_name;
 use efam_store::{Folder, MARK, StoreError};
 use models::model::Model;
 use serde_json::{Value, json};
@@ -168,12 +169,12 @@ pub fn write_run(
     run: &Run,
     trajectory: &Trajectory,
 ) -> Result<Summary, StoreError> {
-    let within = within.map_or(String::new(), |name| folder::plain_name(name) + "/");
+    let within = within.map_or(String::new(), |name| plain_name(name) + "/");
     let place = |file: &str| format!("{within}{file}");
     for (name, bytes) in &request.extra_files {
         let is_ours = [SCENARIO, PARQUET, CSV, PICTURE, MARK, page::REPORT, manifest::MANIFEST]
             .contains(&name.as_str());
-        if is_ours || folder::plain_name(name) != *name {
+        if is_ours || plain_name(name) != *name {
             return Err(StoreError::FileName { name: name.clone() });
         }
         folder.write(&place(name), bytes)?;

@@ -7,8 +7,9 @@ use efam_experiments::summary::Summary;
 use efam_inference::calibrate::Calibration;
 use efam_inference::diagnose::Diagnosis;
 use efam_recordings::{ReadOptions, RecordingError, read};
-use efam_store::folder::{MARK, plain_name};
+use efam_store::folder::MARK;
 use efam_store::input::{MOST_JSON, up_to};
+use efam_store::names::plain_name;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 

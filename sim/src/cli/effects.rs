@@ -189,7 +189,7 @@ fn list(json: bool, console: &Console) -> Result<ExitCode, Failure> {
 fn page(name: &str, json: bool, console: &Console) -> Result<ExitCode, Failure> {
     let Some(effect) = by_name(name) else {
         let names: Vec<_> = CATALOGUE.iter().map(|effect| effect.about().name).collect();
-        let meant = offer(&alike(name, names.iter().copied()));
+        let meant = offer(alike(name, names.iter().copied()));
         return Err(Failure::Usage(format!("no effect `{name}`{meant}; there are {}", names.join(", "))));
     };
     if json {

@@ -11,7 +11,6 @@ use efam_experiments::cleaning::{Cleaned, Decision, clean};
 use efam_experiments::experiment::Experiment;
 use efam_experiments::init;
 use efam_experiments::kind::Kind;
-use efam_recordings as recording;
 use efam_recordings::ReadOptions;
 use efam_report::Request;
 use efam_report::experiment::{Row, decisions, input_hashes, table, write};
@@ -108,7 +107,7 @@ pub fn init(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
         console.detail(format!("reading {}", file.display()));
         recordings.push((
             relative(file, out)?,
-            of_kind(Kind::Recording, file, recording::read(file, &ReadOptions::default()))?,
+            of_kind(Kind::Recording, file, efam_recordings::read(file, &ReadOptions::default()))?,
         ));
     }
     let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Args;
-use models::nearest::nearest;
+use models::nearest::{nearest, offer};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
@@ -81,8 +81,7 @@ pub fn run(args: &Schema) -> Result<ExitCode, Failure> {
 /// There is no such thing of a command, and which there are.
 pub fn lacking(what: &str, name: &str, names: impl Iterator<Item = String>) -> Failure {
     let names: Vec<String> = names.collect();
-    let meant = nearest(name, names.iter().map(String::as_str));
-    let meant = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
+    let meant = offer(nearest(name, names.iter().map(String::as_str)));
     Failure::Usage(format!("no {what} `{name}`{meant}; there are {}", names.join(", ")))
 }
 

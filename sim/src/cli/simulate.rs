@@ -163,9 +163,13 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     }
     let folder = folder.map(Folder::finish).transpose()?;
     let folder = folder.as_deref();
-    folder.iter().for_each(|folder| console.detail(format!("written to {}", folder.display())));
+    if let Some(folder) = folder {
+        console.detail(format!("written to {}", folder.display()));
+    }
     tell(args, console, &scenario, folder, &done)?;
-    folder.iter().for_each(|folder| browser::show(args.output.open, folder, console));
+    if let Some(folder) = folder {
+        browser::show(args.output.open, folder, console);
+    }
     outcome(folder, &done)
 }
 

@@ -14,7 +14,7 @@ use efam_experiments::analyse::{Analysed, analyse};
 use efam_experiments::analysis::static_stiffness::NODES;
 use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
-use efam_experiments::kind::RECORDINGS;
+use efam_experiments::kind::may_be_recording;
 use efam_experiments::{gathered, init};
 use efam_recordings::{ReadOptions, read};
 use efam_report::experiment::write;
@@ -136,18 +136,15 @@ struct Facts {
 
 /// What is known of the recordings; the file is read once, and must be an experiment.
 fn facts(args: &Watch, folder: &Path) -> Result<Facts, Failure> {
-    // Files that the text names lie beside the recordings, wherever the text lies.
-    let path = folder.join(EXPERIMENT);
-    let file = match &args.experiment {
-        Some(file) => file.clone(),
-        None if path.is_file() => path.clone(),
-        None => return Ok(Facts { path, text: None }),
-    };
-    let text = input::text(&file).map_err(|error| {
-        Failure::Usage(format!("{}: cannot be read ({error}); check the path", file.display()))
+    let path = args.experiment.clone().unwrap_or_else(|| folder.join(EXPERIMENT));
+    if args.experiment.is_none() && !path.is_file() {
+        return Ok(Facts { path, text: None });
+    }
+    let text = input::text(&path).map_err(|error| {
+        Failure::Usage(format!("{}: cannot be read ({error}); check the path", path.display()))
     })?;
-    Experiment::parse(&file, &text, &[])?;
-    Ok(Facts { path: if args.experiment.is_some() { file } else { path }, text: Some(text) })
+    Experiment::parse(&path, &text, &[])?;
+    Ok(Facts { path, text: Some(text) })
 }
 
 /// Files that can be recordings and stay as they are since the last look.
@@ -156,8 +153,7 @@ fn look(folder: &Path, seen: &mut BTreeMap<String, Seen>) -> Vec<String> {
     let mut there = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let Ok(name) = entry.file_name().into_string() else { continue };
-        let ending = Path::new(&name).extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        let is_recording = ending.is_some_and(|ending| RECORDINGS.contains(&ending.as_str()));
+        let is_recording = may_be_recording(Path::new(&name));
         let Ok(metadata) = entry.metadata() else { continue };
         if !is_recording || name.starts_with('.') || !metadata.is_file() || metadata.len() == 0 {
             continue;

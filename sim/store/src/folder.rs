@@ -10,9 +10,8 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crate::StoreError;
-pub use crate::hidden_name::plain_name;
-use crate::hidden_name::{begins, beside};
 use crate::manifest::{self, Foreign, MANIFEST, Manifest, foreign};
+use crate::names::{begins, beside, plain_name};
 use crate::partial::{Partial, exchange, remove_left, tidy, wait_to_hold};
 use crate::sha::sha256;
 pub use crate::utc::utc;

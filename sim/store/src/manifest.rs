@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::StoreError;
-use crate::hidden_name::is_partial;
+use crate::names::is_partial;
 use crate::sha::Sha;
 
 /// The file of the manifest, written into each run folder.

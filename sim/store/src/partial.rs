@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::hidden_name::{PARTIAL, UNHELD, beside, is_named, is_partial};
 use crate::manifest::{self, MANIFEST, foreign};
+use crate::names::{PARTIAL, UNHELD, beside, is_named, is_partial};
 
 /// A hundred times as long as the removal of a run takes; a process that was stopped may hold a run for ever.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -178,7 +178,7 @@ pub fn exchange(_: &Path, b: &Path) -> io::Result<()> {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use crate::hidden_name::host;
+    use crate::names::host;
 
     #[test]
     fn what_the_dead_left_is_tidied_and_nothing_else() {

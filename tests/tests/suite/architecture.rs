@@ -80,7 +80,7 @@ const DOORS: [(&str, &[&str]); 33] = [
     ),
     ("realfft", &["sim/experiments/src/analysis/spectrum.rs"]),
     ("rerun", &["sim/src/observe/rerun.rs", "sim/src/observe/rerun/"]),
-    ("rustix", &["sim/store/src/hidden_name.rs", "sim/store/src/partial.rs"]),
+    ("rustix", &["sim/store/src/names.rs", "sim/store/src/partial.rs"]),
     ("sha2", &["sim/store/src/sha.rs"]),
     ("signal_hook", &["sim/src/cli/interrupt.rs"]),
     ("sobol_burley", &["sim/sweeps/src/design.rs"]),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use efam_recordings::{Marker, Recording};
 use efam_store::escape::escaped;
-use models::nearest::nearest;
+use models::nearest::{nearest, offer};
 
 use super::decision::{Log, mm};
 use super::{bursts, noise, spurious};
@@ -54,7 +54,7 @@ impl<'a> ByName<'a> {
     fn missing(&self, experiment: &Experiment, key: &str, name: &str) -> ExperimentError {
         let known = || self.recording.markers.iter().map(|marker| marker.name.as_str());
         let file = self.recording.source.file_name().unwrap_or_default().to_string_lossy();
-        let meant = nearest(name, known()).map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+        let meant = offer(nearest(name, known()));
         let mut list: Vec<&str> = known().take(MOST_NAMES).collect();
         if self.recording.markers.len() > MOST_NAMES {
             list.push("…");

@@ -45,8 +45,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use efam_recordings as recording;
-use efam_recordings::{ReadOptions, Recording};
+use efam_recordings::{ReadOptions, Recording, read};
 use models::effects::Catalogue;
 use models::muscle::Known;
 
@@ -246,7 +245,7 @@ impl Experiment {
             return Err(self.document.error_of(&format!("{}.file", entry.key), problem).into());
         }
         let options = ReadOptions { unit: entry.unit, rate_hz: entry.rate };
-        Ok(recording::read(&entry.file, &options)?)
+        Ok(read(&entry.file, &options)?)
     }
 
     /// A table of the file that others read, such as `calibrate`, with its places for messages.

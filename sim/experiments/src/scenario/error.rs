@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use models::error::ModelError;
 use models::muscle::MuscleError;
+use models::nearest::offer;
 use models::quantity::QuantityError;
 use models::written::LawProblem;
 use thiserror::Error;
@@ -199,7 +200,7 @@ impl Display for ScenarioError {
 impl std::error::Error for ScenarioError {}
 
 fn did_you_mean(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or(String::new(), |nearest| format!("; did you mean `{nearest}`?"))
+    offer(nearest.as_deref())
 }
 
 fn are(known: &[String]) -> String {

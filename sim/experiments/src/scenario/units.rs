@@ -1,6 +1,6 @@
 //! Units of the keys of a scenario, for those who give numbers in SI.
 
-use models::effects::{CATALOGUE, Catalogue};
+use models::effects::Catalogue;
 
 use super::plan::ROD;
 
@@ -63,13 +63,10 @@ pub fn unit_of(path: &str) -> Option<&'static str> {
 /// The key that a path without its first tables means, such as `effects.payload.mass` of `payload.mass`; none if no
 /// key or more than one ends so.
 pub(crate) fn whole_key(path: &str) -> Option<String> {
-    let end = format!(".{path}");
-    let of_effects = CATALOGUE.iter().map(|effect| effect.about()).flat_map(|about| {
-        about.parameters.iter().map(|parameter| format!("effects.{}.{}", about.name, parameter.name))
-    });
+    let (end, catalogue) = (format!(".{path}"), Catalogue::default());
     let keys = KEYS.iter().map(|(key, _)| (*key).to_owned());
     let of_rods = ROD.iter().map(|(key, _)| format!("rod.{key}"));
-    let mut ending = keys.chain(of_rods).chain(of_effects).filter(|key| key.ends_with(&end));
+    let mut ending = keys.chain(of_rods).chain(catalogue.paths()).filter(|key| key.ends_with(&end));
     ending.next().filter(|_| ending.next().is_none())
 }
 

@@ -37,7 +37,7 @@ pub struct Shape {
     pub size_mm: f64,
 }
 
-/// Multiple of the frequency, direction, place and pressure of a pattern of shapes.
+/// A residual pattern: its harmonic of the swing, its direction, its place, and whether it grows with the pressure.
 #[derive(Clone, Copy)]
 struct Pattern {
     words: &'static str,
@@ -125,7 +125,7 @@ pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm:
     shapes
 }
 
-/// Columns of a pattern: one for each basis, and for cosine and sine.
+/// Columns of a pattern: one for each basis function, and for cosine and sine.
 fn of_pattern(
     fit: &Joint,
     off: &[Prediction],

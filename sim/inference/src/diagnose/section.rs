@@ -6,7 +6,7 @@ use efam_experiments::cleaning::Cleaned;
 use efam_experiments::experiment::{Experiment, ExperimentError};
 use models::effects::Catalogue;
 use models::error::ModelError;
-use models::nearest::nearest;
+use models::nearest::{nearest, offer};
 use models::statics::{equilibrium, modes};
 
 use super::setup::limit_beliefs;
@@ -152,7 +152,6 @@ fn lock_away(problem: &mut Problem) {
 /// The first that is not, and the name that may be meant.
 pub fn known_effects(names: &[String], catalogue: &Catalogue) -> Result<(), String> {
     let Some(name) = names.iter().find(|name| catalogue.by_name(name).is_none()) else { return Ok(()) };
-    let near = nearest(name, catalogue.iter().map(|effect| effect.about().name));
-    let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    let near = offer(nearest(name, catalogue.iter().map(|effect| effect.about().name)));
     Err(format!("there is no effect `{name}`{near}; `efam effects` lists all"))
 }

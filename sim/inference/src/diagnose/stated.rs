@@ -11,8 +11,8 @@
 use efam_experiments::experiment::{Experiment, ExperimentError};
 use efam_experiments::scenario::document::Keys;
 use efam_experiments::scenario::{Problem, ScenarioError};
-use models::effects::{Catalogue, Effect};
-use models::nearest::nearest;
+use models::effects::Catalogue;
+use models::nearest::{nearest, offer};
 
 use super::{Settings, known_effects};
 use crate::calibrate::{SectionError, repeatability};
@@ -54,13 +54,8 @@ fn range(table: &Keys, catalogue: &Catalogue) -> Result<(String, (f64, f64)), Sc
         return Err(table.missing("path", "path = \"effects.tip_mass.mass\""));
     };
     let Some(of) = catalogue.parameter(path) else {
-        let of_effect = |effect: &'static dyn Effect| {
-            let about = effect.about();
-            about.parameters.iter().map(|own| format!("effects.{}.{}", about.name, own.name))
-        };
-        let known: Vec<String> = catalogue.iter().flat_map(of_effect).collect();
-        let near = nearest(path, known.iter().map(String::as_str));
-        let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        let known: Vec<String> = catalogue.paths().collect();
+        let near = offer(nearest(path, known.iter().map(String::as_str)));
         let message =
             format!("no effect has a parameter `{path}`{near}; `efam effects NAME` lists those of one");
         return Err(table.wrong("path", Problem::Other { message }));

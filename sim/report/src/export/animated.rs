@@ -29,6 +29,8 @@ const MOST_IMAGES: u64 = 1200;
 const TRAIL: f64 = 1.0;
 /// Points of that.
 const TRAIL_POINTS: usize = 60;
+/// Length of the clamp, as a share of the extent of the motion.
+const CLAMP_LENGTH: f64 = 0.06;
 /// Shades between white and a colour.
 const SHADES: usize = 24;
 
@@ -130,6 +132,8 @@ struct View {
     /// The pixel of the clamp.
     origin: [f64; 2],
     height: u32,
+    /// Length of the clamp, m; it reaches to the left of the origin.
+    clamp: f64,
 }
 
 impl View {
@@ -137,27 +141,23 @@ impl View {
         let [[left, right], [low, high]] = motion.extent();
         let inside = f64::from(WIDTH as f32 - 2.0 * MARGIN);
         let most = f64::from(HEIGHT[1] - 2.0 * MARGIN);
-        // The clamp reaches to the left of the origin.
-        let back = CLAMP_LENGTH * (right - left).max(high - low).max(f64::MIN_POSITIVE);
-        let (wide, high_by) = (right - left.min(-back), high - low);
+        let clamp = CLAMP_LENGTH * (right - left).max(high - low).max(f64::MIN_POSITIVE);
+        let (wide, high_by) = (right - left.min(-clamp), high - low);
         let scale = (inside / wide).min(most / high_by.max(f64::MIN_POSITIVE));
         let height = (scale * high_by) as f32 + 2.0 * MARGIN;
         let height = height.clamp(HEIGHT[0], HEIGHT[1]);
         let free = [inside - scale * wide, f64::from(height - 2.0 * MARGIN) - scale * high_by];
         let origin = [
-            f64::from(MARGIN) + 0.5 * free[0] - scale * left.min(-back),
+            f64::from(MARGIN) + 0.5 * free[0] - scale * left.min(-clamp),
             f64::from(MARGIN) + 0.5 * free[1] + scale * high,
         ];
-        View { scale, origin, height: height.round() as u32 }
+        View { scale, origin, height: height.round() as u32, clamp }
     }
 
     fn place(&self, [x, z]: [f64; 2]) -> [f32; 2] {
         [(self.origin[0] + self.scale * x) as f32, (self.origin[1] - self.scale * z) as f32]
     }
 }
-
-/// Of the extent of the motion.
-const CLAMP_LENGTH: f64 = 0.06;
 
 /// Writes the motion.
 /// # Errors
@@ -198,17 +198,16 @@ fn drawn(motion: &Motion, view: &View, font: Option<&Font>, first: f64, time: f6
     let trail = (0..=TRAIL_POINTS).map(|k| begin + (time - begin) * k as f64 / TRAIL_POINTS as f64);
     let trail: Vec<[f32; 2]> = trail.map(|time| view.place(motion.tip(time))).collect();
     canvas.lines(&[trail], Ink { color: PATH, opacity: 0.6 }, 2.5, true);
-    let [[left, right], [low, high]] = motion.extent();
-    let size = CLAMP_LENGTH * (right - left).max(high - low);
+    let size = view.clamp;
     let (sine, cosine) = motion.angle.sin_cos();
     let corners = [[-size, -0.6 * size], [0.0, -0.6 * size], [0.0, 0.6 * size], [-size, 0.6 * size]];
     let turned = corners.map(|[x, z]| view.place([cosine * x - sine * z, sine * x + cosine * z]));
     canvas.area(&turned, Ink::new(CLAMP));
     let tip = view.place(motion.tip(time));
-    let mut rod: Vec<[f32; 2]> = motion.nodes(time).into_iter().map(|node| view.place(node)).collect();
+    let rod: Vec<[f32; 2]> = motion.nodes(time).into_iter().map(|node| view.place(node)).collect();
     let end = rod[rod.len() - 1];
     canvas.lines(&[vec![end, tip]], Ink::new(TIP), 5.0, true);
-    canvas.lines(&[std::mem::take(&mut rod)], Ink::new(ROD), 5.0, true);
+    canvas.lines(&[rod], Ink::new(ROD), 5.0, true);
     canvas.disc(tip, 7.0, Ink::new(TIP));
     if let Some(font) = font {
         let place = Place { at: [WIDTH as f32 - 12.0, 12.0], anchor: 1.0, below: 14.0, turned: 0.0 };

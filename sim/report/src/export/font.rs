@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use ab_glyph::{Font as _, FontVec, OutlineCurve};
 
@@ -37,8 +38,13 @@ pub enum Part {
 }
 
 impl Font {
-    /// The font of the system that pictures are drawn with; none if none of them is there.
-    pub fn of_system() -> Option<Font> {
+    /// The font of the system that pictures are drawn with, which is looked for once; none if none of them is there.
+    pub fn of_system() -> Option<&'static Font> {
+        static FONT: LazyLock<Option<Font>> = LazyLock::new(Font::found);
+        FONT.as_ref()
+    }
+
+    fn found() -> Option<Font> {
         let files: Vec<PathBuf> =
             FOLDERS.iter().flat_map(|folder| fonts_below(Path::new(folder), DEPTH)).collect();
         FONTS.iter().find_map(|name| {

@@ -13,7 +13,7 @@ mod still;
 mod stored;
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use efam_store::StoreError;
@@ -129,38 +129,35 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
     if format == Format::Mcap && run.tables.iter().all(|table| table.time().is_none()) {
         return Err(ExportError::NoTime { folder: run.folder.clone() });
     }
-    let (mut motion, mut still) = (None, Vec::new());
-    let font = if matches!(format, Format::Gif | Format::Png) { Font::of_system() } else { None };
-    match format {
+    type Content<'a> = Box<dyn Fn(&mut BufWriter<&mut File>) -> io::Result<()> + 'a>;
+    let content: Content = match format {
+        Format::Mat => Box::new(|to| mat::write(run, to)),
+        Format::Mat5 => Box::new(|to| mat5::write(run, to)),
+        Format::Mcap => Box::new(|to| mcap::write(run, to)),
         Format::Gif => {
             let none = || ExportError::NoMotion { folder: run.folder.clone() };
-            motion = Some(Motion::of(run).ok_or_else(none)?);
+            let motion = Motion::of(run).ok_or_else(none)?;
+            Box::new(move |to| animated::write(&motion, Font::of_system(), to))
         }
-        Format::Png => still = picture(run, font.as_ref())?,
-        _ => {}
-    }
+        Format::Png => {
+            let still = picture(run)?;
+            Box::new(move |to| to.write_all(&still))
+        }
+    };
     let write = |file: &mut File| {
         let mut buffer = BufWriter::new(file);
-        match format {
-            Format::Mat => mat::write(run, &mut buffer)?,
-            Format::Mat5 => mat5::write(run, &mut buffer)?,
-            Format::Mcap => mcap::write(run, &mut buffer)?,
-            Format::Gif => {
-                motion.iter().try_for_each(|motion| animated::write(motion, font.as_ref(), &mut buffer))?;
-            }
-            Format::Png => buffer.write_all(&still)?,
-        }
+        content(&mut buffer)?;
         buffer.flush()
     };
     Ok(if overwrite { write_whole(to, write) } else { write_new(to, write) }?)
 }
 
 /// The picture of a run as PNG.
-fn picture(run: &Stored, font: Option<&Font>) -> Result<Vec<u8>, ExportError> {
+fn picture(run: &Stored) -> Result<Vec<u8>, ExportError> {
     let picture = run.folder.join(PICTURE);
     let wrong = |reason: String| ExportError::NoPicture { picture: picture.clone(), reason };
     let text = up_to(&picture, MOST_JSON).map_err(|error| wrong(error.to_string()))?;
-    still::png(&text, font).ok_or_else(|| wrong("its size cannot be read".to_owned()))
+    still::png(&text, Font::of_system()).ok_or_else(|| wrong("its size cannot be read".to_owned()))
 }
 
 /// Whether this system has a font for pictures of pixels; without one they have no letters.

@@ -47,51 +47,28 @@ fn shape(canvas: &mut Canvas, tag: &str, line: &str) -> Option<()> {
     let opacity = of("opacity").unwrap_or(1.0);
     let ink = |name: &str| Some(Ink { color: color(attribute(line, name)?)?, opacity });
     let width = of("stroke-width").unwrap_or(1.0);
-    match tag {
+    let (fill, stroke) = (ink("fill"), ink("stroke"));
+    if tag == "circle" {
+        let (center, radius) = ([of("cx")?, of("cy")?], of("r")?);
+        fill.into_iter().for_each(|fill| canvas.disc(center, radius, fill));
+        stroke.into_iter().for_each(|stroke| canvas.circle(center, radius, stroke, width));
+        return Some(());
+    }
+    let lines = match tag {
         "rect" => {
             let [x, y, wide, high] = [of("x")?, of("y")?, of("width")?, of("height")?];
-            let corners = [[x, y], [x + wide, y], [x + wide, y + high], [x, y + high]];
-            if let Some(fill) = ink("fill") {
-                canvas.area(&corners, fill);
-            }
-            if let Some(stroke) = ink("stroke") {
-                canvas.lines(&[[&corners[..], &corners[..1]].concat()], stroke, width, false);
-            }
+            vec![vec![[x, y], [x + wide, y], [x + wide, y + high], [x, y + high], [x, y]]]
         }
-        "line" => {
-            let ends = vec![[of("x1")?, of("y1")?], [of("x2")?, of("y2")?]];
-            canvas.lines(&[ends], ink("stroke")?, width, false);
-        }
-        "path" => {
-            let lines = straight(attribute(line, "d")?)?;
-            if let Some(fill) = ink("fill") {
-                lines.iter().for_each(|points| canvas.area(points, fill));
-            }
-            if let Some(stroke) = ink("stroke") {
-                canvas.lines(&lines, stroke, width, false);
-            }
-        }
+        "line" => vec![vec![[of("x1")?, of("y1")?], [of("x2")?, of("y2")?]]],
+        "path" => straight(attribute(line, "d")?)?,
         "polygon" | "polyline" => {
-            let numbers: Vec<f32> = numbers(attribute(line, "points")?)?;
-            let points: Vec<[f32; 2]> = numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
-            if let Some(fill) = ink("fill") {
-                canvas.area(&points, fill);
-            }
-            if let Some(stroke) = ink("stroke") {
-                canvas.lines(&[points], stroke, width, false);
-            }
+            let numbers = numbers(attribute(line, "points")?)?;
+            vec![numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()]
         }
-        "circle" => {
-            let (center, radius) = ([of("cx")?, of("cy")?], of("r")?);
-            if let Some(fill) = ink("fill") {
-                canvas.disc(center, radius, fill);
-            }
-            if let Some(stroke) = ink("stroke") {
-                canvas.circle(center, radius, stroke, width);
-            }
-        }
-        _ => {}
-    }
+        _ => return None,
+    };
+    fill.into_iter().for_each(|fill| lines.iter().for_each(|points| canvas.area(points, fill)));
+    stroke.into_iter().for_each(|stroke| canvas.lines(&lines, stroke, width, false));
     Some(())
 }
 

@@ -8,7 +8,7 @@ use std::process::{Command, ExitCode};
 use clap::Args;
 use efam_store::atomic::write_whole;
 use efam_store::escape::shell_word;
-use efam_store::folder::plain_name;
+use efam_store::names::plain_name;
 use efam_sweeps::cluster::{array_script, job, merge_script};
 use efam_sweeps::plan::Plan;
 use efam_sweeps::status::status;
