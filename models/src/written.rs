@@ -83,10 +83,11 @@ pub struct OwnParameter {
 }
 
 /// Names of what believed values are over.
-pub const PER: [(&str, Per); 5] = [
+pub const PER: [(&str, Per); 6] = [
     ("unit", Per::Unit),
     ("mass", Per::Mass),
     ("weight_moment", Per::WeightMoment),
+    ("length", Per::Length),
     ("length_squared", Per::LengthSquared),
     ("curvature", Per::Curvature),
 ];

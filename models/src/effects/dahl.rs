@@ -50,7 +50,7 @@ impl Law for Dahl {
                 scale: 0.5,
                 plausible: Some((0.006, 1.5)),
                 per: Per::Curvature,
-                tries: &[0.1, 0.5, 2.0],
+                tries: &[0.02, 0.1, 0.4],
                 ..Parameter::PLAIN
             },
             Parameter { tries: &[], ..CREEP_RATE },

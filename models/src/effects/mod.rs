@@ -173,10 +173,10 @@ pub struct Parameter {
     /// Smallest and largest value that a diagnosis believes of a rod in a laboratory, in units of [`Self::per`];
     /// none for all that is admissible. A fit that ends there goes on with a wider range.
     pub plausible: Option<(f64, f64)>,
-    /// What of the rod those values are over.
+    /// What of the rod plausible and tried values are over.
     pub per: Per,
-    /// Values at which a diagnosis tries the effect, where its trace depends on this parameter other
-    /// than in proportion, such as a time constant. Empty: it stays at its default.
+    /// Values at which a diagnosis tries the effect, in units of [`Self::per`], where its trace depends on this parameter
+    /// other than in proportion, such as a time constant. Empty: it stays at its default.
     pub tries: &'static [f64],
     /// The effect beside which they are tried; in a model without it the parameter stays at its default.
     pub tries_beside: Option<&'static str>,
@@ -210,6 +210,8 @@ pub enum Per {
     Mass,
     /// Moment of its weight at the clamp when it is level, N m: friction that holds more than this lets nothing swing.
     WeightMoment,
+    /// Its length, m.
+    Length,
     /// Square of its length, m².
     LengthSquared,
     /// Curvature of a turn by one radian over its length, 1/m.
@@ -223,6 +225,7 @@ impl Per {
             Per::Unit => 1.0,
             Per::Mass => rod.mass,
             Per::WeightMoment => 0.5 * rod.mass * gravity::STANDARD * rod.length,
+            Per::Length => rod.length,
             Per::LengthSquared => rod.length * rod.length,
             Per::Curvature => rod.length.recip(),
         }

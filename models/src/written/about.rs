@@ -2,7 +2,7 @@
 
 use super::names::{MEAN_SQUARE, MEMORY, OUTPUTS, PLACES, names, out};
 use super::{Definition, LawError, LawProblem, OwnParameter};
-use crate::effects::{About, Kind, MOST_PARAMETERS, Parameter, Place};
+use crate::effects::{About, Kind, MOST_PARAMETERS, Parameter, Per, Place};
 use crate::formula::{
     FormulaError, FormulaProblem, Function, Measure, Node, Operator, Program, Source, Term, exponent,
     measure, parse,
@@ -150,7 +150,8 @@ fn check_parameter(own: &OwnParameter) -> Result<(), LawError> {
         let (value, low, high) = (own.scale.unwrap_or_default(), f64::MIN_POSITIVE, f64::MAX);
         return Err(wrong(&key("scale"), LawProblem::Range { value, low, high }));
     }
-    if let Some(value) = own.tries.iter().find(|value| !(low..=high).contains(value)) {
+    let is_outside = |value: &&f64| own.per == Per::Unit && !(low..=high).contains(*value);
+    if let Some(value) = own.tries.iter().find(is_outside) {
         return Err(wrong(&key("tries"), LawProblem::Range { value: *value, low, high }));
     }
     Ok(())

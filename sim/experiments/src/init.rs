@@ -1,5 +1,7 @@
 //! A first experiment file, written from the recordings themselves: what is guessed says so, and how.
 
+mod lowered;
+
 use std::fmt::Write;
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -8,7 +10,7 @@ use efam_core::quantile::quantile;
 use efam_recordings::Recording;
 use efam_store::escape::{escaped, toml_string};
 
-use crate::cleaning::{CleanRecording, Cleaned, clean_all, distance};
+use crate::cleaning::{CleanRecording, CleanRelease, Cleaned, clean_all, distance};
 use crate::experiment::{Experiment, ExperimentError};
 use crate::scenario::plan;
 
@@ -117,9 +119,12 @@ pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
                     1e3 * s.static_drop
                 ));
                 let start = &mut starts[release.recording];
-                if LEVEL.contains(&s.hold_angle) && start.instant.is_none() {
+                if LEVEL.contains(&s.hold_angle) && start.instants.is_empty() {
                     start.angle = Some(s.hold_angle);
                 }
+            }
+            for (k, start) in starts.iter_mut().enumerate().filter(|(_, start)| start.instants.is_empty()) {
+                start.lowered(cleaned.releases.iter().filter(|release| release.recording == k));
             }
             for decision in cleaned.decisions.iter().filter(|decision| decision.key == "up") {
                 let is_about = |clean: &CleanRecording| clean.name == decision.about;
@@ -144,7 +149,7 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
          # [rod]\n\
          # length = \"… mm\"               # active length, from the clamp\n\
          # mass = \"… g\"                  # distributed mass in all\n\
-         # bending_stiffness = \"… N m^2\" # a first value; it is fitted\n\
+         # bending_stiffness = \"… N m^2\" # it is fitted; `efam diagnose` believes it to 5 %: for a guess see the end\n\
          # axial_stiffness = \"… N\"       # Young's modulus times section; without it the rod hardly stretches\n\
          # tip = \"… mm\"                  # tip marker beyond the active length\n\
          # [effects.end_fitting]\n\
@@ -164,14 +169,27 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
                 # clamp = [\"0 mm\", \"0 mm\", \"0 mm\"]   # where the rod leaves the clamp, in the file's frame\n\
                 # held_out = true   # no part of any fit, and validates it\n";
     }
-    out
+    out + GUESSED_STIFFNESS
 }
+
+/// What a diagnosis is told of a bending stiffness that nobody measured.
+const GUESSED_STIFFNESS: &str = "
+# Switch these on if the bending stiffness is a guess: what is listed without a prior is free.
+# [[calibrate.parameter]]
+# path = \"rod.bending_stiffness\"
+# [[calibrate.parameter]]
+# path = \"effects.rayleigh_mass.alpha\"
+# [[calibrate.parameter]]
+# path = \"effects.rayleigh_stiffness.beta\"
+";
 
 /// How a recording seems to begin.
 #[derive(Clone, Debug, Default)]
 struct Guessed {
-    /// Instant of release, s, of a recording that begins with the swing.
-    instant: Option<f64>,
+    /// Instants of its releases, s, if they cannot be found, or are not where the tip leaves the hold.
+    instants: Vec<f64>,
+    /// How that is known.
+    why: &'static str,
     /// Direction in which the tip of a rod is held that seems to be straight and level, rad.
     angle: Option<f64>,
 }
@@ -181,8 +199,23 @@ impl Guessed {
     fn of(recording: &(String, Recording)) -> Self {
         let alone = std::slice::from_ref(recording);
         let is_found = |start: Guessed| clean(&text("draft", alone, &[start], &[Vec::new()]), alone).is_ok();
-        let at_once = Guessed { instant: recording.1.time.first().copied(), angle: None };
+        let at_once = Guessed {
+            instants: recording.1.time.first().copied().into_iter().collect(),
+            why: "the file has no hold, so the rod is let go at its first sample",
+            angle: None,
+        };
         if !is_found(Guessed::default()) && is_found(at_once.clone()) { at_once } else { Guessed::default() }
+    }
+
+    /// Gives all releases of a recording their instants, if a hand lowers the rod before one of them. It is not held straight
+    /// then.
+    fn lowered<'a>(&mut self, releases: impl Iterator<Item = &'a CleanRelease>) {
+        let each: Vec<(f64, Option<f64>)> = releases.map(|of| (of.instant, lowered::let_go(of))).collect();
+        if each.iter().any(|(_, later)| later.is_some()) {
+            self.instants = each.iter().map(|(instant, later)| later.unwrap_or(*instant)).collect();
+            self.why = "half a swing before its first turn; a hand lowers the rod until then";
+            self.angle = None;
+        }
     }
 }
 
@@ -193,11 +226,10 @@ fn clean(draft: &str, recordings: &[(String, Recording)]) -> Result<Cleaned, Exp
 }
 
 fn start(out: &mut String, guessed: &Guessed) {
-    if let Some(instant) = guessed.instant {
-        let _ = writeln!(
-            out,
-            "instants = [\"{instant} s\"]   # GUESS: the file has no hold, so the rod is let go at its first sample"
-        );
+    if !guessed.instants.is_empty() {
+        let to_a_millisecond = |instant: &f64| format!("\"{} s\"", (1e3 * instant).round() / 1e3);
+        let instants: Vec<String> = guessed.instants.iter().map(to_a_millisecond).collect();
+        let _ = writeln!(out, "instants = [{}]   # GUESS: {}", instants.join(", "), guessed.why);
     }
     match guessed.angle {
         Some(held) => {

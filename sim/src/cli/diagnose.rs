@@ -64,6 +64,9 @@ pub struct Diagnose {
     /// Camera noise of the planned release.
     #[arg(long, value_name = "LENGTH", requires = "plan", default_value = "0.3 mm", value_parser = length)]
     noise: f64,
+    /// Root mean square distance between two planned releases of one condition; without it they repeat exactly.
+    #[arg(long, value_name = "LENGTH", requires = "plan", value_parser = length)]
+    repeatability: Option<f64>,
     /// Planned marker on the body, as a share of the length; may be repeated.
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share)]
     marker: Vec<f64>,
@@ -195,7 +198,7 @@ fn planned(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let problem = plan::problem(&cases, args.noise, &args.marker);
     let stages = console.stages();
-    let work = || plan::plan(&problem, &|what| stages.tell(what));
+    let work = || plan::plan(&problem, args.repeatability, &|what| stages.tell(what));
     let ((), prospects) = interrupt::during((), &stages, work);
     let prospects = plan::best_seen(prospects?);
     stages.clear();

@@ -114,7 +114,7 @@ impl Limits {
 /// # Errors
 /// [`CalibrateError`] for one that cannot be simulated.
 pub fn limits(problem: &Problem) -> Result<BTreeMap<&'static str, Limits>, CalibrateError> {
-    let prospects = plan(problem, &|_| ())?;
+    let prospects = plan(problem, None, &|_| ())?;
     let of = |name: &'static str| {
         let typical = Hidden::named(name, 1.0)?;
         let is_its = |own: &&Prospect| {

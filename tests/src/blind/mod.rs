@@ -8,6 +8,8 @@ pub mod tally;
 pub mod truth;
 
 use efam_core::forward::Run;
+use efam_experiments::cleaning::spurious;
+use efam_experiments::release::Release;
 use efam_inference::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
 use efam_inference::diagnose::admit_tilt;
 use models::model::Model;
@@ -27,6 +29,7 @@ pub fn problem(drawn: &Drawn) -> Problem {
     let last = drawn.releases.len() - 1;
     let trial = |(k, drawn): (usize, &DrawnRelease)| {
         let mut release = drawn.release.clone();
+        mask(&mut release);
         release.held_out = release.pressure == Some(middle) || k == last;
         let duration = release.time.last().copied().unwrap_or(0.0);
         let model = Model::new(&drawn.nominal).expect("the paper's muscle");
@@ -56,6 +59,17 @@ pub fn problem(drawn: &Drawn) -> Problem {
     let mut problem = Problem { trials, parameters, nuisances };
     admit_tilt(&mut problem, 0.2e-3);
     problem
+}
+
+/// Takes out what the cleaning takes for no marker.
+fn mask(release: &mut Release) {
+    let step = release.time[1] - release.time[0];
+    for track in &mut release.tracks {
+        let path: Vec<_> = track.position.iter().map(|at| at.map(|[x, z]| [x, 0.0, z])).collect();
+        for (at, is_spurious) in track.position.iter_mut().zip(spurious::find(&release.time, &path, step)) {
+            *at = at.filter(|_| !is_spurious);
+        }
+    }
 }
 
 /// The same with nothing locked away.

@@ -25,7 +25,7 @@ mod points;
 mod recording;
 mod release;
 mod representative;
-mod spurious;
+pub mod spurious;
 
 use efam_recordings::Recording;
 use schemars::JsonSchema;

@@ -146,6 +146,16 @@ impl Trial {
         self.run.initial.is_in_a_hand()
     }
 
+    /// The same with an effect at these parameters, also in what holds the rod.
+    pub(crate) fn with_effect(&self, name: &str, values: &[(&str, f64)]) -> Result<Self, ModelError> {
+        let mut trial = self.clone();
+        trial.model = trial.model.with_effect(name, values)?;
+        if let Initial::Equilibrium { hold, .. } = &mut trial.run.initial {
+            **hold = hold.with_effect(name, values)?;
+        }
+        Ok(trial)
+    }
+
     /// Divides each edge into `factor` of them, of what holds the rod as well. A posture keeps its nodes.
     pub(crate) fn refine(&mut self, factor: usize) -> Result<(), ModelError> {
         refine(&mut self.model, &mut self.run.initial, factor)

@@ -1,18 +1,21 @@
 //! How well an experiment repeats: below that no model can be told right from wrong.
 //!
 //! Two releases of one condition differ by the noise of the camera and by what no model of either predicts: the hand,
-//! the clamp, what the material remembers. Their root mean square distance over √2, aligned in time and by their means
-//! at the end, is what one of them deviates from a right model: pure error beside lack of fit.
+//! the clamp, what the material remembers. Their root mean square distance over √2, aligned in time, frequency, size and
+//! place, is what one of them deviates from a right model: pure error beside lack of fit. Frequencies that differ are a
+//! bending stiffness of each release, which has a law (`release_drift`): what a law describes need not be taken for error.
 //! Source: Draper and Smith (1998), Applied Regression Analysis, third edition, section 2.1.
 
+use efam_core::quantile::quantile;
 use efam_experiments::release::Release;
 use models::effects::tip_hold::PULL;
+use nalgebra::{Matrix5, Vector5};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::hold;
 use super::loss::spread;
-use super::problem::{Problem, Trial};
+use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial};
 
 /// How well an experiment repeats.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -25,6 +28,10 @@ pub struct Repeats {
     pub source: Source,
     /// Pairs of releases of one condition.
     pub pairs: usize,
+    /// Standard deviation of a release's frequency from that of its condition, over it; the distance is what is left
+    /// beside that.
+    #[serde(default)]
+    pub frequency_share: f64,
 }
 
 /// Where it is known from how well an experiment repeats.
@@ -44,8 +51,6 @@ pub enum Source {
 const ASSUMED: f64 = 0.01;
 /// Angle of release within which two releases are of one condition, rad.
 const SAME_ANGLE: f64 = 0.05;
-/// Share of a release at its end whose means are aligned.
-const END: f64 = 0.25;
 
 impl Repeats {
     /// Of the releases of a problem, unless it is stated, m; none where neither releases of one condition nor the motion
@@ -54,24 +59,32 @@ impl Repeats {
         let trials = &problem.trials;
         let tracks = trials.iter().map(|trial| &trial.release.tracks[trial.release.leading_track()]);
         let noise = (2.0 * tracks.map(|tip| tip.noise * tip.noise).sum::<f64>() / trials.len() as f64).sqrt();
+        let mut differences = Vec::new();
+        for (k, first) in trials.iter().enumerate() {
+            let others = trials[k + 1..].iter().filter(|other| is_one_condition(first, other));
+            differences.extend(others.filter_map(|other| difference(&first.release, &other.release)));
+        }
+        let mean = |of: fn(&Difference) -> f64| {
+            differences.iter().map(of).sum::<f64>() / differences.len().max(1) as f64
+        };
+        let frequency_share = (0.5 * mean(|own| own.stretch * own.stretch)).sqrt();
         let of = |distance: f64, source: Source, pairs: usize| {
-            Some(Self { distance_mm: 1e3 * distance, noise_mm: 1e3 * noise.min(distance), source, pairs })
+            let (distance_mm, noise_mm) = (1e3 * distance, 1e3 * noise.min(distance));
+            // Two recordings of one path have one frequency, and what is stated is stated of all.
+            let is_told = source == Source::Measured && distance_mm > noise_mm;
+            let frequency_share = if is_told { frequency_share } else { 0.0 };
+            Some(Self { distance_mm, noise_mm, source, pairs, frequency_share })
         };
         if let Some(stated) = stated {
             return of(stated, Source::Stated, 0);
         }
-        let mut squares = Vec::new();
-        for (k, first) in trials.iter().enumerate() {
-            let others = trials[k + 1..].iter().filter(|other| is_one_condition(first, other));
-            squares.extend(others.filter_map(|other| difference(&first.release, &other.release)));
-        }
-        if !squares.is_empty() {
-            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+        if !differences.is_empty() {
+            let mean = mean(|own| own.square);
             let distance = (0.5 * mean).sqrt();
             // Two recordings of one path differ by their noise, which has a spread of its own.
             let samples = trials.iter().map(|trial| known(&trial.release).len()).sum::<usize>() as f64;
             let is_noise = distance < noise * (1.0 + NORMAL / (2.0 * samples).sqrt());
-            return of(if is_noise { noise } else { distance }, Source::Measured, squares.len());
+            return of(if is_noise { noise } else { distance }, Source::Measured, differences.len());
         }
         let [only] = &trials[..] else { return None };
         of(ASSUMED * motion(&only.release), Source::Assumed, 0)
@@ -89,10 +102,10 @@ impl Repeats {
         (noise + factor * (self.distance_mm * self.distance_mm - noise)).sqrt()
     }
 
-    /// The problem with what does not repeat in each track, beside its noise: a release differs from another by few
-    /// numbers, so many samples share each of them.
+    /// The problem with what does not repeat: a bending stiffness of each release, and, beside the noise of each track, what
+    /// is left. A release differs from another by few numbers, so many samples share each of them.
     pub(crate) fn heard_in(&self, problem: &Problem) -> Problem {
-        let mut problem = problem.clone();
+        let mut problem = self.with_drift(problem).unwrap_or_else(|| problem.clone());
         let beyond = 1e-6 * (self.distance_mm.powi(2) - self.noise_mm.powi(2));
         for release in problem.trials.iter_mut().map(|trial| &mut trial.release) {
             let coordinates = 2.0 * known(release).len() as f64;
@@ -104,13 +117,35 @@ impl Repeats {
         problem
     }
 
+    /// The problem with a bending stiffness of each release; none where frequencies repeat, or models have one. A
+    /// frequency is at most the root of a stiffness. What few pairs tell is known to `√(2 / pairs)` of it.
+    fn with_drift(&self, problem: &Problem) -> Option<Problem> {
+        let has = |trial: &Trial| trial.model.effect(DRIFT).is_some();
+        if self.frequency_share == 0.0 || problem.trials.iter().any(has) {
+            return None;
+        }
+        let drifting = problem.trials.iter().map(|trial| trial.with_effect(DRIFT, &[("share", 0.0)]));
+        let mut problem = Problem { trials: drifting.collect::<Result<_, _>>().ok()?, ..problem.clone() };
+        let deviation = 2.0 * self.frequency_share * (1.0 + 2.0 / self.pairs as f64).sqrt();
+        problem.parameters.push(Parameter {
+            start: Some(0.0),
+            prior: Some(Prior { mean: 0.0, deviation }),
+            scale: Some(Scale::Linear),
+            ..Parameter::new(&format!("effects.{DRIFT}.share"), Scope::PerRelease)
+        });
+        Some(problem)
+    }
+
     /// Whether it is known from the experiment itself.
     pub(crate) fn is_known(&self) -> bool {
         self.source != Source::Assumed
     }
 }
 
-/// Numbers that a release differs by from another: size and phase of its swing in each coordinate.
+/// The effect of a bending stiffness of each release.
+pub(crate) const DRIFT: &str = "release_drift";
+
+/// Numbers that a release differs by from another, beside its frequency: size and phase of its swing in each coordinate.
 const NUMBERS: f64 = 4.0;
 
 /// The 95 % point of the normal distribution.
@@ -162,41 +197,113 @@ fn motion(release: &Release) -> f64 {
     path.iter().map(|(_, at)| (at[0] - first[0]).hypot(at[1] - first[1])).fold(0.0, f64::max)
 }
 
-/// Mean square distance of the tips of two releases, m², at the shift in time, up to the uncertainty of their instants,
-/// at which it is least.
-fn difference(a: &Release, b: &Release) -> Option<f64> {
-    let (path, other) = (known(a), known(b));
-    let [first, .., last] = &other[..] else { return None };
-    let (first, last) = (first.0, last.0);
-    let mean_of_end = |path: &[(f64, [f64; 2])]| {
-        let end = &path[path.len() - (END * path.len() as f64).ceil() as usize..];
-        [0, 1].map(|axis| end.iter().map(|(_, at)| at[axis]).sum::<f64>() / end.len() as f64)
-    };
-    let (end, other_end) = (mean_of_end(&path), mean_of_end(&other));
-    let at = |time: f64| {
-        let after = other.partition_point(|(own, _)| *own <= time).clamp(1, other.len() - 1);
-        let ((t0, a), (t1, b)) = (other[after - 1], other[after]);
-        let share = (time - t0) / (t1 - t0);
-        [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
-    };
-    let shifted = |shift: f64| {
-        let (mut sum, mut count) = (0.0, 0);
-        for (time, own) in path.iter().filter(|(time, _)| (first..=last).contains(&(time + shift))) {
-            let theirs = at(time + shift);
-            sum += [0, 1]
-                .map(|axis| (own[axis] - end[axis] - theirs[axis] + other_end[axis]).powi(2))
-                .iter()
-                .sum::<f64>();
-            count += 1;
-        }
-        (count > path.len() / 2).then(|| sum / count as f64)
-    };
-    let farthest = 3.0 * a.release_uncertainty.hypot(b.release_uncertainty);
-    (-SHIFTS..=SHIFTS)
-        .filter_map(|k| shifted(farthest * f64::from(k) / f64::from(SHIFTS)))
-        .min_by(f64::total_cmp)
+/// How two releases of one condition differ.
+struct Difference {
+    /// Mean square distance of their tips, m², aligned in time, frequency, size and place.
+    square: f64,
+    /// Frequency of the second over that of the first, less one.
+    stretch: f64,
 }
 
+/// Two releases, aligned: first by the shift in time, up to the uncertainty of their instants, at which they are nearest,
+/// then by Gauss and Newton in shift, frequency, size and place: every release has an instant, a stiffness, a start and a
+/// camera of its own.
+fn difference(a: &Release, b: &Release) -> Option<Difference> {
+    let (path, other) = (known(a), known(b));
+    let step = usual_step(&other)?;
+    // Half the way from one end of the swing to the other: where its size is counted from.
+    let middle = [0, 1].map(|axis| {
+        let (low, high) =
+            other.iter().map(|(_, at)| at[axis]).fold(SPAN, |(l, h), at| (l.min(at), h.max(at)));
+        0.5 * (low + high)
+    });
+    // Where the second is when the first is at its samples, seen as the first, and how fast.
+    let seen = |[shift, stretch, larger, x, z]: [f64; 5], time: f64| {
+        let (at, rate) = between(&other, step, time / (1.0 + stretch) + shift)?;
+        let swing = [0, 1].map(|axis| at[axis] - middle[axis]);
+        let at = [0, 1].map(|axis| middle[axis] + [x, z][axis] + (1.0 + larger) * swing[axis]);
+        Some((at, swing, rate.map(|rate| (1.0 + larger) * rate)))
+    };
+    // Mean square distance, and the step that would bring them nearer.
+    let aligned = |alignment: [f64; 5]| {
+        let (mut sum, mut count) = (0.0, 0);
+        let (mut hessian, mut gradient) = (Matrix5::zeros(), Vector5::zeros());
+        for (time, own) in &path {
+            let Some((at, swing, rate)) = seen(alignment, *time) else { continue };
+            for axis in 0..2 {
+                let off = own[axis] - at[axis];
+                let mut slopes = Vector5::new(rate[axis], -rate[axis] * time, swing[axis], 0.0, 0.0);
+                slopes[3 + axis] = 1.0;
+                sum += off * off;
+                hessian += slopes * slopes.transpose();
+                gradient += slopes * off;
+            }
+            count += 1;
+        }
+        let step = hessian.lu().solve(&gradient).unwrap_or_default();
+        (count > path.len() / 2).then(|| (sum / count as f64, step))
+    };
+    let farthest = 3.0 * a.release_uncertainty.hypot(b.release_uncertainty);
+    let shifts =
+        (-SHIFTS..=SHIFTS).map(|k| [farthest * f64::from(k) / f64::from(SHIFTS), 0.0, 0.0, 0.0, 0.0]);
+    let nearest = shifts.filter_map(|at| Some((at, aligned(at)?)));
+    let (mut at, (mut square, mut step)) = nearest.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0))?;
+    for _ in 0..MOST_STEPS {
+        let by = |share: f64| -> [f64; 5] {
+            let next = |k: usize| at[k] + share * step[k];
+            std::array::from_fn(|k| if k == 0 { next(k).clamp(-farthest, farthest) } else { next(k) })
+        };
+        // At the end of what an instant may be off the whole step may lead too far.
+        let tried = [1.0, 0.5, 0.25].map(by).into_iter().filter_map(|at| Some((at, aligned(at)?)));
+        let Some((next, (nearer, further))) = { tried }.find(|(_, (nearer, _))| *nearer < square) else {
+            break;
+        };
+        (at, square, step) = (next, nearer, further);
+    }
+    // What jumps and comes back is another thing; in a difference no swing hides it.
+    let off = |(time, own): &(f64, [f64; 2])| {
+        let (theirs, ..) = seen(at, *time)?;
+        Some([own[0] - theirs[0], own[1] - theirs[1]])
+    };
+    let off: Vec<Option<[f64; 2]>> = path.iter().map(off).collect();
+    let kept = off.iter().zip(ghosts(&off)).filter(|(_, is_ghost)| !is_ghost).filter_map(|(off, _)| *off);
+    let squares: Vec<f64> = kept.map(|[x, z]| x * x + z * z).collect();
+    let square = squares.iter().sum::<f64>() / squares.len() as f64;
+    Some(Difference { square, stretch: at[1] })
+}
+
+/// Time from a sample to the next, as often less as more.
+fn usual_step(path: &[(f64, [f64; 2])]) -> Option<f64> {
+    quantile(path.windows(2).map(|two| two[1].0 - two[0].0).collect(), 0.5)
+}
+
+/// Place and velocity between samples, by the cubic through the nearest four; none in a gap or at an end.
+fn between(path: &[(f64, [f64; 2])], step: f64, time: f64) -> Option<([f64; 2], [f64; 2])> {
+    let after = path.partition_point(|(own, _)| *own <= time);
+    let four = path.get(after.checked_sub(2)?..after + 2)?;
+    // Three steps, and not four.
+    if four[3].0 - four[0].0 > 3.5 * step {
+        return None;
+    }
+    let (mut at, mut rate) = ([0.0; 2], [0.0; 2]);
+    for (i, (own, place)) in four.iter().enumerate() {
+        let (mut weight, mut slope) = (1.0, 0.0);
+        for (other, _) in four.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other) {
+            slope = (slope * (time - other) + weight) / (own - other);
+            weight *= (time - other) / (own - other);
+        }
+        for axis in 0..2 {
+            at[axis] += weight * place[axis];
+            rate[axis] += slope * place[axis];
+        }
+    }
+    Some((at, rate))
+}
+
+/// Nothing, as the least and the largest of numbers.
+const SPAN: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+/// Steps of the alignment at most.
+const MOST_STEPS: usize = 10;
 /// Shifts in time that are tried to each side.
 const SHIFTS: i32 = 60;
 
@@ -268,27 +375,57 @@ mod tests {
     }
 
     #[test]
-    fn releases_are_compared_aligned_in_time_and_by_their_rest() {
+    fn releases_are_compared_aligned_in_time_size_and_place() {
         let reference = release(0.0, 0.0, 0.0);
-        let of = |other: &Release| 1e3 * difference(&reference, other).unwrap().sqrt();
+        let of = |other: &Release| 1e3 * difference(&reference, other).unwrap().square.sqrt();
         let mut with_ghosts = release(0.0, 0.0, 0.0);
         for k in [50, 51, 200] {
             with_ghosts.tracks[0].position[k] = Some([0.2, 0.1]);
         }
         with_ghosts.tracks[0].position[51] = None;
         assert!(of(&with_ghosts) < 1e-3, "{}", of(&with_ghosts));
-        assert!(of(&release(0.012, 1e-3, 0.0)) < 0.02, "{}", of(&release(0.012, 1e-3, 0.0)));
-        // A twentieth of a swing of 20 mm that decays in a second of four.
-        let expected = (1.0f64 / 16.0).sqrt();
-        let found = of(&release(0.0, 0.0, 0.05));
-        assert!((found / expected - 1.0).abs() < 0.15, "{found}, {expected}");
+        let elsewhere = release(0.012, 1e-3, 0.05);
+        assert!(of(&elsewhere) < 0.02, "{}", of(&elsewhere));
+    }
+
+    /// What decays a tenth faster is another swing, however it is aligned. To first order it is off by `0.1 t e^−t` of the
+    /// swing, of which its size takes away what is proportional to `e^−t`. What is left, `0.1 (t − ½) e^−t`, has a square
+    /// whose integral is `0.01 / 8`, over four seconds, half of it for the swing.
+    #[test]
+    fn a_damping_that_differs_is_a_distance() {
+        let (reference, mut other) = (release(0.0, 0.0, 0.0), release(0.0, 0.0, 0.0));
+        for (time, at) in other.time.iter().zip(&mut other.tracks[0].position) {
+            *at = Some([0.1, 0.02 * (-1.1 * time).exp() * (9.0 * time).cos()]);
+        }
+        let found = difference(&reference, &other).unwrap().square.sqrt();
+        let due = 0.02 * (0.01f64 / 64.0).sqrt();
+        assert!((found / due - 1.0).abs() < 0.15, "{found} for {due}");
+    }
+
+    /// The second swings slower by a hundredth: seen at the same samples, it is the first with its time stretched.
+    #[test]
+    fn a_frequency_that_differs_is_no_distance() {
+        let (reference, mut slower) = (release(0.0, 0.0, 0.0), release(0.0, 0.0, 0.0));
+        let swing = |time: f64| 0.02 * (-time).exp() * (9.0 * time).cos();
+        for (time, at) in slower.time.iter().zip(&mut slower.tracks[0].position) {
+            *at = Some([0.1, swing(time * 0.99)]);
+        }
+        let found = difference(&reference, &slower).unwrap();
+        assert!((found.stretch + 0.01).abs() < 2e-4, "{}", found.stretch);
+        assert!(found.square.sqrt() < 2e-5, "{}", found.square.sqrt());
     }
 
     /// A quarter of the square of 0.1 mm is the camera's: the rest is four numbers that 400 samples of two coordinates
     /// share, and alone grows by the F test.
     #[test]
     fn what_does_not_repeat_is_few_numbers() {
-        let repeats = Repeats { distance_mm: 0.1, noise_mm: 0.05, source: Source::Measured, pairs: 1 };
+        let repeats = Repeats {
+            distance_mm: 0.1,
+            noise_mm: 0.05,
+            source: Source::Measured,
+            pairs: 1,
+            frequency_share: 0.0,
+        };
         let trial = Trial {
             release: release(0.0, 0.0, 0.0),
             model: muscle_at_15_psi(),

@@ -1,6 +1,5 @@
 //! What may be missing: the effects of the catalogue, each as a way to move the prediction.
 
-use efam_core::forward::Initial;
 use models::effects::{About, Effect, Kind, Parameter as EffectParameter, Place, Reach, Rod};
 use models::error::ModelError;
 use models::muscle::Known;
@@ -155,12 +154,7 @@ impl Candidate {
     pub fn on(&self, trial: &Trial, strength: f64) -> Result<Trial, ModelError> {
         let mut values = vec![(self.strength.name, strength)];
         values.extend(self.tried.iter().map(|(parameter, value)| (parameter.name, *value)));
-        let mut trial = trial.clone();
-        trial.model = trial.model.with_effect(self.name(), &values)?;
-        if let Initial::Equilibrium { hold, .. } = &mut trial.run.initial {
-            **hold = hold.with_effect(self.name(), &values)?;
-        }
-        Ok(trial)
+        trial.with_effect(self.name(), &values)
     }
 
     /// The problem with the effect in it and its parameters among the unknowns; one that is in it gets the
@@ -189,6 +183,9 @@ impl Candidate {
             problem.parameters.push(Parameter {
                 start: Some(value.clamp(low, high)),
                 bounds: Some((low, high)),
+                // A size that may as well be zero is believed to be small: half a normal distribution, of which the range
+                // holds two deviations. Without it a place and a mass that change the frequency alike end anywhere.
+                prior: (low == 0.0).then_some(Prior { mean: 0.0, deviation: 0.5 * high }),
                 scale: Some(if low > 0.0 { Scale::Logarithmic } else { Scale::Linear }),
                 ..Parameter::new(&format!("effects.{}.{}", self.name(), parameter.name), Scope::Shared)
             });
@@ -247,7 +244,7 @@ pub(super) fn candidates(problem: &Problem, settings: &Settings) -> Vec<Candidat
                 .flat_map(|before| {
                     parameter.tries.iter().map(move |value| {
                         let mut values = before.clone();
-                        values.push((parameter, *value));
+                        values.push((parameter, value * parameter.per.of(&rod)));
                         values
                     })
                 })

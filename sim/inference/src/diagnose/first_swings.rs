@@ -6,6 +6,8 @@
 //! in them no phase is lost by a whole turn. Those that bring the model to meet them are fitted to the whole
 //! recordings, and the search goes on from the best.
 
+use std::collections::HashSet;
+
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
@@ -218,6 +220,8 @@ impl Course<'_> {
             .map(meet)
             .collect::<Result<_, _>>()?;
         met.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        let mut seen = HashSet::new();
+        met.retain(|met| seen.insert(met.candidate.name()));
         let mut evidence: Vec<Evidence> = met.iter().map(|met| met.evidence(first_swings, number)).collect();
         let threshold = first_swings.threshold();
         listener.ranked(threshold, &evidence);
@@ -261,14 +265,13 @@ impl Course<'_> {
         Ok(true)
     }
 
-    /// Each effect once: values that are tried are starts here. Those that were asked before are not asked again.
+    /// Values that are tried are starts here, of which the best of each effect counts.
     fn candidates_of_first_swings(&self, first_swings: &FirstSwings) -> Vec<Candidate> {
         let mut all = candidates(&first_swings.problem, self.settings);
         if self.is_widened {
             all = all.iter().filter_map(Candidate::of_each_pressure).collect();
         }
-        let tries = all.chunk_by(|a, b| a.name() == b.name());
-        tries.map(|tries| tries[tries.len() / 2].clone()).collect()
+        all
     }
 
     /// The first of those that fit the whole recordings, and the others that do as well.

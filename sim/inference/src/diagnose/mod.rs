@@ -279,7 +279,7 @@ impl<'a> Course<'a> {
 
     fn add_all(&mut self) -> Result<(), CalibrateError> {
         for place in self.added.len()..=self.settings.most_effects {
-            if self.is_within_repeats() {
+            if !self.added.is_empty() && self.is_within_repeats() {
                 return Ok(());
             }
             let (number, is_last) =

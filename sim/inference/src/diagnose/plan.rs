@@ -4,7 +4,8 @@
 //! Releases are simulated and looked at as if they had been recorded. With `s⊥` the trace of an effect of
 //! unit strength that the baseline cannot make, in units of the noise, the effect is seen from
 //! `5 / |s⊥|` on, and told from another from `5 / (|s⊥| √(1 − cos²))` on, with the angle between the two
-//! traces (`score.rs`). Both are of small effects, with white noise and a model that is right otherwise.
+//! traces (`score.rs`). Both are of small effects, with white noise, what does not repeat as a diagnosis takes it
+//! (`calibrate/repeats.rs`), and a model that is right otherwise.
 
 use efam_experiments::release::{Point, Release, Track};
 use efam_experiments::scenario::Case;
@@ -19,6 +20,7 @@ use super::score::{APART, gram, unit_distance};
 use super::section::{SHARED, USUAL_TILT, admit_tilt};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Slopes;
+use crate::calibrate::repeats::Repeats;
 use crate::calibrate::{CalibrateError, Nuisances, Parameter, Problem, Scope, Trial};
 
 /// Standard error of the release instant in a recording, s: that of a camera at 100 Hz.
@@ -80,14 +82,23 @@ fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
 }
 
 /// What the releases that are not held out would show of each effect, at each try of its other parameters, the
-/// best visible first; `tell` hears
-/// what is being done.
+/// best visible first. Two releases of one condition differ by what is stated, m, or else by what the problem's own
+/// recordings tell; `tell` hears what is being done.
 /// # Errors
 /// [`CalibrateError`] for releases that cannot be simulated.
-pub fn plan(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Vec<Prospect>, CalibrateError> {
+pub fn plan(
+    problem: &Problem,
+    repeatability: Option<f64>,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<Prospect>, CalibrateError> {
+    let repeats = Repeats::of(problem, repeatability);
     let mut recorded = problem.clone();
     recorded.trials.retain(|trial| !trial.release.held_out);
     record(&mut recorded, &[])?;
+    let recorded = match repeats.filter(Repeats::is_known) {
+        Some(repeats) => repeats.heard_in(&recorded),
+        None => recorded,
+    };
     let fit = Joint::at(&recorded, &[], Slopes::Differences)?;
     let off = predictions(&fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let candidates = candidates(&recorded, &Settings::default());
@@ -144,5 +155,30 @@ struct Trace<'a> {
 impl<'a> Trace<'a> {
     fn of(candidate: &'a Candidate, place: usize, columns: &[Column]) -> Self {
         Self { candidate, columns: (0..columns.len()).filter(|k| columns[*k].of == place).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use efam_experiments::scenario::Scenario;
+
+    use super::*;
+
+    /// What does not repeat hides what a camera alone would show.
+    #[test]
+    fn less_is_seen_of_releases_that_do_not_repeat() {
+        let text = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n[rod]\nnodes = 8\n\
+                    [run]\nduration = \"1 s\"\n[effects.rayleigh_mass]\nalpha = \"0.3 1/s\"\n";
+        let scenario = Scenario::parse(Path::new("s.toml"), text, &[]).expect("sound");
+        let cases: Vec<_> = scenario.cases().expect("a case").into_iter().map(Case::begun).collect();
+        let limit = |repeatability: Option<f64>| {
+            let planned = plan(&problem(&cases, 3e-4, &[]), repeatability, &|_| ());
+            let prospects = planned.expect("it can be simulated");
+            prospects.iter().find(|own| own.effect == "air_drag").expect("a candidate").detectable_from
+        };
+        let [exact, repeated] = [None, Some(2e-3)].map(limit);
+        assert!(repeated > 5.0 * exact, "{repeated} against {exact}");
     }
 }

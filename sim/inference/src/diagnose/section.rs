@@ -1,11 +1,9 @@
 //! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all
 //! pressures share, and something held out.
 
-use efam_core::forward::Initial;
 use efam_experiments::cleaning::Cleaned;
 use efam_experiments::experiment::{Experiment, ExperimentError};
 use models::effects::Catalogue;
-use models::error::ModelError;
 use models::nearest::{nearest, offer};
 use models::statics::{equilibrium, modes};
 
@@ -29,10 +27,10 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
         for parameter in problem.parameters.iter_mut().filter(|own| SHARED.contains(&own.path.as_str())) {
             parameter.scope = Scope::Shared;
         }
+        believe_stiffness(&mut problem, experiment);
     }
     let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
     tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
-    believe_stiffness(&mut problem, experiment);
     admit_tilt(&mut problem, USUAL_TILT);
     lock_away(&mut problem);
     Ok(problem)
@@ -53,8 +51,8 @@ pub(super) const LEAST_NOISE: f64 = 1e-5;
 /// test has it.
 const STIFFNESS: f64 = 0.05;
 
-/// Makes what [rod] says of its bending stiffness a belief, unless the experiment says what is believed of it. Where it
-/// is free, a mass at the tip and a softer rod do the same.
+/// Makes what [rod] says of its bending stiffness a belief. Where it is free, a mass at the tip and a softer rod do the
+/// same. An experiment that lists its parameters says of each what is believed.
 fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
     let Some(stated) = problem.trials.first().map(|trial| trial.model.rod().bending_stiffness) else {
         return;
@@ -64,7 +62,7 @@ fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
     }
     let is_stiffness = |own: &&mut Parameter| own.path == "rod.bending_stiffness";
     if let Some(own) = problem.parameters.iter_mut().find(is_stiffness) {
-        own.prior.get_or_insert(Prior { mean: stated, deviation: STIFFNESS * stated });
+        own.prior = Some(Prior { mean: stated, deviation: STIFFNESS * stated });
     }
 }
 
@@ -98,15 +96,8 @@ pub fn admit_tilt(problem: &mut Problem, deviation: f64) {
     if problem.trials.iter().any(|trial| trial.model.effect(TILT).is_some()) {
         return;
     }
-    let tilted = |trial: &Trial| {
-        let mut trial = trial.clone();
-        trial.model = trial.model.with_effect(TILT, &[("angle", 0.0)])?;
-        if let Initial::Equilibrium { hold, .. } = &mut trial.run.initial {
-            **hold = hold.with_effect(TILT, &[("angle", 0.0)])?;
-        }
-        Ok::<_, ModelError>(trial)
-    };
-    let Ok(trials) = problem.trials.iter().map(tilted).collect() else { return };
+    let tilted = problem.trials.iter().map(|trial| trial.with_effect(TILT, &[("angle", 0.0)]));
+    let Ok(trials) = tilted.collect() else { return };
     problem.trials = trials;
     let is_known = problem.trials.iter().all(|trial| trial.release.pressure.is_some());
     let scope = if is_known { Scope::PerPressure } else { Scope::Shared };

@@ -9,6 +9,7 @@ use super::stop;
 use super::verdict::{Contradiction, Diagnosis, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Estimate;
+use crate::calibrate::repeats::DRIFT;
 use models::digits::significant;
 
 /// All that concern a diagnosis as it stands, its problem, and where its fit ended.
@@ -90,7 +91,7 @@ fn several(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Effects that are part of every diagnosis, and no choice of an experiment.
-const STANDING: [&str; 4] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", TILT];
+const STANDING: [&str; 5] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", TILT, DRIFT];
 
 /// Candidates that are none because the experiment's model has them.
 fn had(problem: &Problem) -> Vec<&'static str> {

@@ -189,7 +189,8 @@ fn a_diagnosis_scores_text_as_it_scores_rust() {
     let laws = fs::read_to_string(folder().join("catalogue.toml")).expect("a file");
     let scenario = Scenario::parse(Path::new("s.toml"), &format!("{text}\n{laws}"), &[]).expect("sound");
     let cases: Vec<_> = scenario.cases().expect("a case").into_iter().map(|case| case.begun()).collect();
-    let prospects = plan::plan(&plan::problem(&cases, 3e-4, &[]), &|_| ()).expect("it can be simulated");
+    let prospects =
+        plan::plan(&plan::problem(&cases, 3e-4, &[]), None, &|_| ()).expect("it can be simulated");
     for name in names {
         let of = |effect: &str| -> Vec<(String, f64)> {
             let own = prospects.iter().filter(|prospect| prospect.effect == effect);

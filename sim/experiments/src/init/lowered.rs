@@ -1,0 +1,75 @@
+//! Whether a hand lowers the rod before it lets go.
+//!
+//! A rod that is let go at rest first turns after half a swing, and the next turn is half a swing later. A hand that lowers
+//! the rod leaves the hold earlier than it lets go, so the first turn comes later than that. Half a swing before it the
+//! rod was on its own.
+
+use crate::cleaning::CleanRelease;
+
+/// Time to the first turn over that between turns from which on a hand has lowered the rod. The first half swing is the
+/// largest: a pendulum let go at a right angle needs 1.18 times as long for it as for small ones.
+const LATE: f64 = 1.25;
+/// Share of a release at its end whose mean is the rest.
+const END: f64 = 0.25;
+
+/// When the rod was let go, s on the recording's clock, if that is later than it left the hold.
+pub(super) fn let_go(of: &CleanRelease) -> Option<f64> {
+    let path = &of.release.tracks[of.release.leading_track()].position;
+    let seen = of.release.time.iter().zip(path).filter_map(|(time, at)| Some((*time, (*at)?)));
+    let seen: Vec<(f64, [f64; 2])> = seen.filter(|(time, _)| (0.0..of.swings_until).contains(time)).collect();
+    let [first, second] = turns(&along(&seen)?)?;
+    let half_swing = second - first;
+    (first > LATE * half_swing).then_some(of.instant + first - half_swing)
+}
+
+/// Distance from the rest along the direction in which the tip moves most.
+fn along(path: &[(f64, [f64; 2])]) -> Option<Vec<(f64, f64)>> {
+    let end = &path[path.len() - (END * path.len() as f64) as usize..];
+    if end.is_empty() {
+        return None;
+    }
+    let rest = [0, 1].map(|axis| end.iter().map(|(_, at)| at[axis]).sum::<f64>() / end.len() as f64);
+    let off = |at: &[f64; 2]| [at[0] - rest[0], at[1] - rest[1]];
+    let product = |i: usize, j: usize| path.iter().map(|(_, at)| off(at)[i] * off(at)[j]).sum::<f64>();
+    let angle = 0.5 * (2.0 * product(0, 1)).atan2(product(0, 0) - product(1, 1));
+    let (sin, cos) = angle.sin_cos();
+    Some(path.iter().map(|(time, at)| (*time, off(at)[0] * cos + off(at)[1] * sin)).collect())
+}
+
+/// The first two turns after the tip has gone through its rest: where it is farthest between two passages.
+fn turns(swing: &[(f64, f64)]) -> Option<[f64; 2]> {
+    let mut sides = swing.chunk_by(|a, b| a.1.is_sign_positive() == b.1.is_sign_positive());
+    sides.next()?;
+    let farthest = |side: &[(f64, f64)]| {
+        side.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(time, _)| *time)
+    };
+    let turns = [farthest(sides.next()?)?, farthest(sides.next()?)?];
+    // The third passage ends the second of them.
+    sides.next().map(|_| turns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Let go at `late` after it left the hold, from which a hand lowers it evenly by a tenth of the way; 1.5 Hz.
+    fn swing(late: f64) -> Vec<(f64, [f64; 2])> {
+        let at = |time: f64| match time < late {
+            true => 1.0 - 0.1 * time / late,
+            false => 0.9 * (-0.5 * (time - late)).exp() * (9.4 * (time - late)).cos(),
+        };
+        (0..400).map(|k| 0.02 * f64::from(k)).map(|time| (time, [0.3 * at(time), 0.1 + at(time)])).collect()
+    }
+
+    #[test]
+    fn half_a_swing_before_the_first_turn_the_rod_was_let_go() {
+        let found = |late: f64| {
+            let [first, second] = turns(&along(&swing(late)).unwrap()).unwrap();
+            (first / (second - first), 2.0 * first - second)
+        };
+        let (ratio, _) = found(0.0);
+        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+        let (ratio, at) = found(0.2);
+        assert!(ratio > LATE && (at - 0.2).abs() < 0.03, "{ratio}, {at}");
+    }
+}
