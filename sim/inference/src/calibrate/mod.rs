@@ -4,6 +4,7 @@
 //! and which parameters, [`calibrate()`] finds them, [`Calibration`] is what is written. Where the data
 //! cannot tell parameters apart it is said in words, with the experiment that would.
 
+pub(crate) mod alignment;
 mod autocorrelation;
 pub mod calibration;
 mod discrepancy;

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
 use super::mesh_check::{self, Numerics};
-use super::refit::Refit;
+use super::refit::{Refit, most_steps};
 use super::round::{Best, NO_MORE};
 use super::shortlist::{LEAD, falls_behind, not_run, penalty};
 use super::stop::{CUT_SHORT, ending_by};
@@ -31,9 +31,6 @@ const SWINGS: f64 = 2.0;
 const LOST: f64 = 0.2;
 /// Standard deviations of what is believed within which the first swings are fitted.
 const BELIEVED: f64 = 5.0;
-/// Steps of a run, in those of the model without a candidate, from which on it is not worth its time: friction that
-/// turns round with every wave that nothing damps.
-const MOST_STEPS: usize = 3;
 /// Share of the cost that a candidate has to explain.
 const MET: f64 = 0.9;
 /// Those that leave more than so many times the least are not fitted to the whole recordings.
@@ -68,9 +65,9 @@ fn lost(problem: &Problem) -> Result<Option<FirstSwings>, CalibrateError> {
     let met = Joint::meet(&near, &counts)?.filter(|(_, missed)| *missed > LOST);
     let Some((fit, _)) = met else { return Ok(None) };
     let (cost, known) = (fit.cost(), fit.known());
-    let steps = fit.found.view.steps.iter().flatten().map(Vec::len).max().unwrap_or(0);
+    let most_steps = most_steps(&fit);
     drop(fit);
-    near.trials.iter_mut().for_each(|trial| trial.run.most_steps = MOST_STEPS * steps);
+    near.trials.iter_mut().for_each(|trial| trial.run.most_steps = most_steps);
     Ok(Some(FirstSwings { problem: near, counts, cost, known }))
 }
 

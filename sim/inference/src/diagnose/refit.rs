@@ -39,7 +39,17 @@ pub(super) struct Rough {
 /// Width of an interval, as a share of the value, from which on a parabola is not asked alone.
 const WIDE: f64 = 0.2;
 /// Share of the cost that is left to gain where an approach ends.
-const ROUGHLY: f64 = 3e-3;
+pub(super) const ROUGHLY: f64 = 3e-3;
+
+/// Steps of a run, in those of the model without a candidate, from which on it is not worth its time. A run with any effect
+/// of a usual size takes up to four times those of a plain one; ten are of a stiffness that no rod has, or of friction that
+/// turns round with waves that nothing damps.
+const MOST_STEPS: usize = 10;
+
+/// The same in numbers, for runs like those of a fit.
+pub(super) fn most_steps(fit: &Joint) -> usize {
+    MOST_STEPS * fit.found.view.steps.iter().flatten().map(Vec::len).max().unwrap_or(0)
+}
 
 /// Brings a candidate near its fit from one without it, beginning with the strength that its score asks
 /// for; where that leads astray, with none, from where it cannot end worse than without. None where it

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::refit::{Refit, Rough, refit, rough};
+use super::refit::{ROUGHLY, Refit, Rough, most_steps, refit, rough};
 use super::round::{Best, RoundOutcome};
 use super::score::{APART, ONE, Score, Scores, distance};
 use super::stop::{CUT_SHORT, is_stopped};
@@ -149,6 +149,9 @@ pub(super) fn fit_all(
     variance_inflation: f64,
     tell: &(dyn Fn(&Entry) + Sync),
 ) -> Result<(), CalibrateError> {
+    let mut problem = problem.clone();
+    problem.trials.iter_mut().for_each(|trial| trial.run.most_steps = most_steps(fit));
+    let problem = &problem;
     let of_entry = |entry: &mut Entry| {
         tell(entry);
         let rough = rough(problem, &entry.candidate, entry.score.estimate, fit)?;
@@ -165,7 +168,8 @@ pub(super) fn fit_all(
     let roughs: Vec<Option<Rough>> =
         shortlist.par_iter_mut().map(of_entry).collect::<Result<_, CalibrateError>>()?;
     let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
-    let room = (NEAR * (fit.cost() - least)).max(5.0 * LEAD * variance_inflation);
+    // What a rough fit has left to gain, and what the best may lead by.
+    let room = (NEAR * (fit.cost() - least)).max(ROUGHLY * least + LEAD * variance_inflation);
     shortlist.par_iter_mut().zip(&roughs).try_for_each(|(entry, rough)| {
         if let Some(rough) = rough.as_ref().filter(|rough| rough.cost < least + room) {
             entry.refit = refit(rough, &entry.candidate)?;

@@ -9,9 +9,9 @@ use std::cell::OnceCell;
 
 use super::curve::{Path, paths};
 use super::verdict::Gap;
+use crate::calibrate::alignment::ghosts;
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::prediction::Slopes;
-use crate::calibrate::repeats::ghosts;
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
