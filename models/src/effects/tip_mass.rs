@@ -47,9 +47,9 @@ impl Law for TipMass {
                 default: 0.02,
                 range: (-1.0, 10.0),
                 scale: 0.01,
-                plausible: Some((0.0, 0.3)),
+                plausible: Some((0.0, 0.2)),
                 per: Per::Length,
-                tries: &[0.0, 0.1, 0.3],
+                tries: &[0.0, 0.1, 0.2],
                 ..Parameter::PLAIN
             },
             Parameter {

@@ -1,6 +1,9 @@
-//! Random numbers, uniform and normal.
+//! The normal distribution, and random numbers.
 
 use rand_xoshiro::rand_core::RngCore;
+
+/// Its 97.5 % point: so many standard deviations to each side hold 95 %.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A number from 0 to below 1, of 53 bits.
 pub fn uniform(random: &mut impl RngCore) -> f64 {

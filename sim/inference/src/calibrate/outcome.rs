@@ -7,10 +7,10 @@ use super::discrepancy::missed;
 use super::identifiability;
 use super::misfit::Misfit;
 use super::problem::{Problem, Scale, Scope};
-use super::profile::NORMAL_95;
 use super::uncertainty::TrackStatistics;
 use super::unknowns::{Group, Kind, Scaled, Unknowns};
 use super::{Fitted, warnings};
+use crate::normal::NORMAL_95;
 
 /// What was found, and the curves to show.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,9 +11,8 @@ use nalgebra::DVector;
 use super::objective::{Evaluation, Objective};
 use super::search::Found;
 use super::uncertainty::Uncertainty;
+use crate::normal::NORMAL_95;
 
-/// The 97.5 % point of the normal distribution.
-pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 const MOST_POINTS: usize = 6;
 /// How near the root of the rise has to come to the wanted one.
 const NEAR: f64 = 0.01;

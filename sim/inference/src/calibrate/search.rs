@@ -71,7 +71,7 @@ const LEAST_GROWTH: f64 = 1.2;
 /// Predicted decrease, for residuals of unit spread, at which a stage stops.
 const STAGE_TOLERANCE: f64 = 5e-2;
 /// The same as a share of the cost.
-const STAGE_SHARE: f64 = 3e-3;
+pub(crate) const STAGE_SHARE: f64 = 3e-3;
 const MOST_EVALUATIONS: usize = 30;
 
 /// Finds the best fit of a part; `tell` hears of each stage, and where it ended.

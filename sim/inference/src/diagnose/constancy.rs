@@ -8,8 +8,9 @@
 
 use super::candidate::Candidate;
 use super::design_matrix::{Column, of_releases};
+use super::mesh_check::LAW;
 use super::refit::prefix;
-use super::round::{Best, NEGLIGIBLE, RARER};
+use super::round::{Best, RARER};
 use super::score::{Subject, scores};
 use crate::calibrate::joint::Joint;
 
@@ -38,7 +39,7 @@ fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static s
     let columns: Vec<Column> = added.iter().enumerate().flat_map(of).collect();
     let subjects = vec![Subject { own: OWN, ..Subject::default() }; added.len()];
     let scores = scores(fit, &subjects, &columns, level);
-    let negligible = NEGLIGIBLE * added.iter().map(|(_, gain)| gain).sum::<f64>();
+    let negligible = LAW * LAW * added.iter().map(|(_, gain)| gain).sum::<f64>();
     let pairs = added.iter().zip(&scores.each);
     pairs
         .filter(|((_, gain), score)| {

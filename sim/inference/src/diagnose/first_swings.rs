@@ -23,14 +23,12 @@ use super::{Before, Course};
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::uncertainty::uncertainty;
-use crate::calibrate::{CalibrateError, Parameter, Prior, Problem, Trial};
+use crate::calibrate::{CalibrateError, Problem};
 
 /// Swings that are looked at.
 const SWINGS: f64 = 2.0;
 /// Residuals of this share of the motion, over all of these swings, are those of a phase that is lost.
 const LOST: f64 = 0.2;
-/// Standard deviations of what is believed within which the first swings are fitted.
-const BELIEVED: f64 = 5.0;
 /// Share of the cost that a candidate has to explain.
 const MET: f64 = 0.9;
 /// Those that leave more than so many times the least are not fitted to the whole recordings.
@@ -60,15 +58,12 @@ struct Met {
 /// The first swings, if the model cannot be brought to meet them.
 fn lost(problem: &Problem) -> Result<Option<FirstSwings>, CalibrateError> {
     let counts = Joint::first_swings(problem, SWINGS)?;
-    let mut near = problem.clone();
-    near.parameters.iter_mut().for_each(|parameter| believe(parameter, &problem.trials[0]));
-    let met = Joint::meet(&near, &counts)?.filter(|(_, missed)| *missed > LOST);
+    let met = Joint::meet(problem, &counts)?.filter(|(_, missed)| *missed > LOST);
     let Some((fit, _)) = met else { return Ok(None) };
+    let mut problem = problem.clone();
+    problem.trials.iter_mut().for_each(|trial| trial.run.most_steps = most_steps(&fit));
     let (cost, known) = (fit.cost(), fit.known());
-    let most_steps = most_steps(&fit);
-    drop(fit);
-    near.trials.iter_mut().for_each(|trial| trial.run.most_steps = most_steps);
-    Ok(Some(FirstSwings { problem: near, counts, cost, known }))
+    Ok(Some(FirstSwings { problem, counts, cost, known }))
 }
 
 /// How the model that comes nearest to the first swings meets the whole recordings, if it does not even meet those.
@@ -85,17 +80,6 @@ pub(super) fn before(problem: &Problem) -> Result<Option<Before>, CalibrateError
     };
     let found = fit.found;
     Before::of(Fitted::new(problem, found), HeldOut::as_predicted, Some(first_swings)).map(Some)
-}
-
-/// Keeps a parameter near what is believed of it: a model that lacks much would else go any way to make up for it.
-fn believe(parameter: &mut Parameter, trial: &Trial) {
-    let known = trial.model.parameters.iter().find(|known| known.path == parameter.path);
-    if let (Some(Prior { mean, deviation }), Some(known)) = (parameter.prior, known) {
-        let (low, high) = parameter.bounds.unwrap_or(known.range);
-        let start = parameter.start.unwrap_or(mean);
-        let (least, most) = (mean - BELIEVED * deviation, mean + BELIEVED * deviation);
-        parameter.bounds = Some((low.max(least.min(start)), high.min(most.max(start))));
-    }
 }
 
 impl FirstSwings {

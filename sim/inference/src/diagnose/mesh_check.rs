@@ -65,7 +65,7 @@ pub(super) fn on_fine_mesh(
 
 /// Error of a law in what it explains: no law of a material, or of the air, is known to better than a tenth. An effect that
 /// is less than that of what the model misses is not looked for.
-const LAW: f64 = 0.1;
+pub(super) const LAW: f64 = 0.1;
 
 /// The problem with the error of a law that explains what a fit misses, beside the noise of each track; none where the
 /// noise is larger.

@@ -6,10 +6,12 @@ use models::quantity::format_si;
 use super::candidate::Candidate;
 use super::verdict::{Added, Value};
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
-use crate::calibrate::profile::{NORMAL_95, profile};
+use crate::calibrate::profile::profile;
+use crate::calibrate::search::STAGE_SHARE;
 use crate::calibrate::uncertainty::{Uncertainty, uncertainty};
 use crate::calibrate::unknowns::Group;
 use crate::calibrate::{CalibrateError, Problem};
+use crate::normal::NORMAL_95;
 
 /// A model with one more effect, fitted.
 #[derive(Clone)]
@@ -38,8 +40,6 @@ pub(super) struct Rough {
 
 /// Width of an interval, as a share of the value, from which on a parabola is not asked alone.
 const WIDE: f64 = 0.2;
-/// Share of the cost that is left to gain where an approach ends.
-pub(super) const ROUGHLY: f64 = 3e-3;
 
 /// Steps of a run, in those of the model without a candidate, from which on it is not worth its time. A run with any effect
 /// of a usual size takes up to four times those of a plain one; ten are of a stiffness that no rod has, or of friction that
@@ -69,7 +69,9 @@ pub(super) fn rough(
             break;
         }
         let Ok(problem) = candidate.added_to(problem, strength) else { break };
-        let Some(fit) = Joint::approach(&problem, &known, view, has_own_steps, ROUGHLY)? else { continue };
+        let Some(fit) = Joint::approach(&problem, &known, view, has_own_steps, STAGE_SHARE)? else {
+            continue;
+        };
         let (known, cost) = (fit.known(), fit.cost());
         drop(fit);
         if best.as_ref().is_none_or(|best| cost < best.cost) {

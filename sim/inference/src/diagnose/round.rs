@@ -3,6 +3,7 @@
 use super::candidate::{Candidate, candidates, has_several_pressures};
 use super::design_matrix::predictions;
 use super::localise::{Shape, shapes};
+use super::mesh_check::LAW;
 use super::refit::Refit;
 use super::score::scores_of;
 use super::shortlist::{Entry, LITTLE, best_tries, choose, fit_all, shortlist};
@@ -85,11 +86,8 @@ impl Best {
 /// Share of the false-alarm level that is left to shapes: they hear small errors of the setup, too, for
 /// which the baseline has no unknown.
 pub(super) const RARER: f64 = 0.01;
-/// Share of the χ² that was explained before below which nothing more is looked for: a tenth in size. How friction
-/// turns round, or air resists, no law says better.
-pub(super) const NEGLIGIBLE: f64 = 0.01;
-/// Share of that from which on a promise is worth a fit: beside friction scores were seen to promise a third of what
-/// a fit then keeps.
+/// Share of an error of laws from which on a promise is worth a fit: beside friction scores were seen to promise a third of what a
+/// fit then keeps.
 const PROMISING: f64 = 0.25;
 /// The same for a shape, which fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
@@ -116,7 +114,8 @@ pub(super) fn round(
         candidates.extend(added.iter().filter_map(|best| best.candidate.of_each_pressure()));
     }
     let explained = added.iter().map(|best| best.gain).sum::<f64>();
-    let negligible = NEGLIGIBLE * explained;
+    // What is less than an error of the laws that were found is not looked for.
+    let negligible = LAW * LAW * explained;
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);

@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::refit::{ROUGHLY, Refit, Rough, most_steps, refit, rough};
+use super::refit::{Refit, Rough, most_steps, refit, rough};
 use super::round::{Best, RoundOutcome};
 use super::score::{APART, ONE, Score, Scores, distance};
 use super::stop::{CUT_SHORT, is_stopped};
 use super::validation::HeldOut;
 use super::verdict::{Evidence, Member};
 use crate::calibrate::joint::Joint;
+use crate::calibrate::search::STAGE_SHARE;
 use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -169,7 +170,7 @@ pub(super) fn fit_all(
         shortlist.par_iter_mut().map(of_entry).collect::<Result<_, CalibrateError>>()?;
     let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
     // What a rough fit has left to gain, and what the best may lead by.
-    let room = (NEAR * (fit.cost() - least)).max(ROUGHLY * least + LEAD * variance_inflation);
+    let room = (NEAR * (fit.cost() - least)).max(STAGE_SHARE * least + LEAD * variance_inflation);
     shortlist.par_iter_mut().zip(&roughs).try_for_each(|(entry, rough)| {
         if let Some(rough) = rough.as_ref().filter(|rough| rough.cost < least + room) {
             entry.refit = refit(rough, &entry.candidate)?;

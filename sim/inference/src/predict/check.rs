@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{PredictError, Prediction, Settings, predict};
-use crate::calibrate::profile::NORMAL_95;
 use crate::calibrate::{CalibrateError, SectionError, marker_error, trial};
+use crate::normal::NORMAL_95;
 
 /// Predictions of the releases of an experiment, beside what was measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

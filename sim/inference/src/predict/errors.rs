@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-use super::interval::NORMAL_95;
 use super::loss::Loss;
+use crate::normal::NORMAL_95;
 use crate::normal::normal;
 
 /// Draws after which one that is not admitted is put on its bounds.

@@ -6,10 +6,10 @@
 
 use efam_core::quantile::quantile;
 
+use crate::normal::NORMAL_95;
+
 /// Shares of the draws below the ends.
 const ENDS: [f64; 2] = [0.025, 0.975];
-/// Standard deviations from the middle of a normal distribution to the ends of the 95 % in its middle.
-pub(super) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// The interval of a number from what draws give; none where fewer than half of them have it.
 ///

@@ -15,6 +15,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::normal::NORMAL_95;
 use models::model::Model;
 use models::muscle::Known;
 use models::quantity::format_si;
@@ -68,7 +69,7 @@ impl Loss {
             self.path,
             format_si(self.factor * value, unit),
             format_si(value, unit),
-            super::interval::NORMAL_95 * POWER
+            NORMAL_95 * POWER
         )
     }
 }

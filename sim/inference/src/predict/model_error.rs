@@ -7,8 +7,8 @@
 use efam_experiments::scenario::Case;
 use models::muscle::{Known, Misfit};
 
-use super::interval::NORMAL_95;
 use super::simulated::Simulated;
+use crate::normal::NORMAL_95;
 
 /// Angle at the end of a cantilever under a load there, over its deflection a length.
 const END_ANGLE: f64 = 1.5;
