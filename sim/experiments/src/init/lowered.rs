@@ -7,8 +7,9 @@
 use crate::cleaning::CleanRelease;
 
 /// Time to the first turn over that between turns from which on a hand has lowered the rod. The first half swing is the
-/// largest: a pendulum let go at a right angle needs 1.18 times as long for it as for small ones.
-const LATE: f64 = 1.25;
+/// largest, and may be slower: a pendulum let go at a right angle needs 1.18 times as long for it as for small ones, a
+/// silicone trunk that hangs and was pulled aside 1.4 times.
+const LATE: f64 = 1.5;
 /// Share of a release at its end whose mean is the rest.
 const END: f64 = 0.25;
 
@@ -69,7 +70,7 @@ mod tests {
         };
         let (ratio, _) = found(0.0);
         assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
-        let (ratio, at) = found(0.2);
-        assert!(ratio > LATE && (at - 0.2).abs() < 0.03, "{ratio}, {at}");
+        let (ratio, at) = found(0.25);
+        assert!(ratio > LATE && (at - 0.25).abs() < 0.03, "{ratio}, {at}");
     }
 }
