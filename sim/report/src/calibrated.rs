@@ -106,7 +106,11 @@ fn repeats_in_words(repeats: &Repeats) -> String {
     match repeats.source {
         Source::Measured => {
             let plural = if repeats.pairs == 1 { "" } else { "s" };
-            format!("repeatability: {size} mm rms, from {} pair{plural} of repeated releases", repeats.pairs)
+            let frequencies = repeats.frequencies().map_or(String::new(), |own| format!("; {own}"));
+            format!(
+                "repeatability: {size} mm rms, from {} pair{plural} of repeated releases{frequencies}",
+                repeats.pairs
+            )
         }
         Source::Stated => format!("repeatability: {size} mm rms, as stated"),
         Source::Assumed => format!("repeatability: {size} mm rms, assumed for a single release"),

@@ -7,6 +7,7 @@
 //! Source: Draper and Smith (1998), Applied Regression Analysis, third edition, section 2.1.
 
 use efam_experiments::release::Release;
+use models::digits::significant;
 use models::effects::tip_hold::PULL;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -132,6 +133,12 @@ impl Repeats {
             ..Parameter::new(&format!("effects.{DRIFT}.share"), Scope::PerRelease)
         });
         Some(problem)
+    }
+
+    /// By how much the frequencies of repeated releases differ, in words; none where they do not.
+    pub fn frequencies(&self) -> Option<String> {
+        let percent = significant(1e2 * self.frequency_share, 2);
+        (self.frequency_share > 0.0).then(|| format!("frequencies vary by {percent} % between repeats"))
     }
 
     /// Whether it is known from the experiment itself.

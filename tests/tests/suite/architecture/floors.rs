@@ -119,7 +119,7 @@ const FLOORS: [Floors; 5] = [
         "sim/inference/src/",
         &[
             ("normal", &[]),
-            ("calibrate", &[]),
+            ("calibrate", &["normal"]),
             ("diagnose", &["calibrate", "normal"]),
             ("predict", &["calibrate", "normal"]),
         ],
