@@ -6,7 +6,7 @@
 //! of the recording, the same distances nearby, and the second differences nearby; so the fast start
 //! of a release is not taken for a ghost, and small beams are compared with their own swings.
 //!
-//! Bursts, whose points agree with one another, are found in [`super::bursts`].
+//! Bursts, whose points agree with one another, are found in `bursts.rs`.
 
 use efam_core::quantile::quantile;
 
