@@ -149,7 +149,7 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
          # [rod]\n\
          # length = \"… mm\"               # active length, from the clamp\n\
          # mass = \"… g\"                  # distributed mass in all\n\
-         # bending_stiffness = \"… N m^2\" # it is fitted; `efam diagnose` believes it to 5 %: for a guess see the end\n\
+         # bending_stiffness = \"… N m^2\" # fitted; `efam diagnose` adds a prior of 5 %: for a guess see the end\n\
          # axial_stiffness = \"… N\"       # Young's modulus times section; without it the rod hardly stretches\n\
          # tip = \"… mm\"                  # tip marker beyond the active length\n\
          # [effects.end_fitting]\n\
@@ -174,7 +174,7 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
 
 /// What a diagnosis is told of a bending stiffness that nobody measured.
 const GUESSED_STIFFNESS: &str = "
-# Switch these on if the bending stiffness is a guess: what is listed without a prior is free.
+# Remove the # from these lines if the bending stiffness is a guess: a listed parameter has no prior unless it states one.
 # [[calibrate.parameter]]
 # path = \"rod.bending_stiffness\"
 # [[calibrate.parameter]]
@@ -213,7 +213,8 @@ impl Guessed {
         let each: Vec<(f64, Option<f64>)> = releases.map(|of| (of.instant, lowered::let_go(of))).collect();
         if each.iter().any(|(_, later)| later.is_some()) {
             self.instants = each.iter().map(|(instant, later)| later.unwrap_or(*instant)).collect();
-            self.why = "half a swing before its first turn; a hand lowers the rod until then";
+            self.why =
+                "half a swing before the first turn; before that the tip moves as if a hand lowered it";
             self.angle = None;
         }
     }

@@ -106,10 +106,10 @@ fn repeats_in_words(repeats: &Repeats) -> String {
     match repeats.source {
         Source::Measured => {
             let plural = if repeats.pairs == 1 { "" } else { "s" };
-            let frequencies = repeats.frequencies().map_or(String::new(), |own| format!("; {own}"));
             format!(
-                "repeatability: {size} mm rms, from {} pair{plural} of repeated releases{frequencies}",
-                repeats.pairs
+                "repeatability: {size} mm rms, from {} pair{plural} of repeated releases{}",
+                repeats.pairs,
+                repeats.frequencies()
             )
         }
         Source::Stated => format!("repeatability: {size} mm rms, as stated"),

@@ -144,14 +144,20 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
 /// What a planned experiment could show, as a person reads it.
 pub fn plan_table(prospects: &[Prospect], releases: usize) -> String {
     let mut out = format!(
-        "{releases} releases could show\n  {:22}{:24}{:>12}{:>14}  {:22}{:>10}\n",
-        "effect", "parameter", "detectable", "separable", "most similar", "plausible"
+        "{releases} release{} could show\n  {:24}{:24}{:>12}{:>14}  {:24}{:>10}\n",
+        if releases == 1 { "" } else { "s" },
+        "effect",
+        "parameter",
+        "detectable",
+        "separable",
+        "most similar",
+        "plausible"
     );
     for prospect in prospects {
         let number = |value: f64| if value.is_finite() { significant(value, 2) } else { "never".to_owned() };
         let _ = writeln!(
             out,
-            "  {:22}{:24}{:>12}{:>14}  {:22}{:>10} {}",
+            "  {:24}{:24}{:>12}{:>14}  {:24}{:>10} {}",
             prospect.effect,
             prospect.parameter,
             number(prospect.detectable_from),

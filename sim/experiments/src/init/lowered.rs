@@ -10,31 +10,25 @@ use crate::cleaning::CleanRelease;
 /// largest, and may be slower: a pendulum let go at a right angle needs 1.18 times as long for it as for small ones, a
 /// silicone trunk that hangs and was pulled aside 1.4 times.
 const LATE: f64 = 1.5;
-/// Share of a release at its end whose mean is the rest.
-const END: f64 = 0.25;
 
 /// When the rod was let go, s on the recording's clock, if that is later than it left the hold.
 pub(super) fn let_go(of: &CleanRelease) -> Option<f64> {
-    let path = &of.release.tracks[of.release.leading_track()].position;
-    let seen = of.release.time.iter().zip(path).filter_map(|(time, at)| Some((*time, (*at)?)));
-    let seen: Vec<(f64, [f64; 2])> = seen.filter(|(time, _)| (0.0..of.swings_until).contains(time)).collect();
-    let [first, second] = turns(&along(&seen)?)?;
+    let (path, rest) = (&of.release.tracks[of.release.leading_track()].position, of.statistics.rest);
+    let off = of.release.time.iter().zip(path).filter_map(|(time, at)| {
+        let [x, z] = (*at)?;
+        (0.0..of.swings_until).contains(time).then_some((*time, [x - rest[0], z - rest[1]]))
+    });
+    let [first, second] = turns(&along(&off.collect::<Vec<_>>()))?;
     let half_swing = second - first;
     (first > LATE * half_swing).then_some(of.instant + first - half_swing)
 }
 
-/// Distance from the rest along the direction in which the tip moves most.
-fn along(path: &[(f64, [f64; 2])]) -> Option<Vec<(f64, f64)>> {
-    let end = &path[path.len() - (END * path.len() as f64) as usize..];
-    if end.is_empty() {
-        return None;
-    }
-    let rest = [0, 1].map(|axis| end.iter().map(|(_, at)| at[axis]).sum::<f64>() / end.len() as f64);
-    let off = |at: &[f64; 2]| [at[0] - rest[0], at[1] - rest[1]];
-    let product = |i: usize, j: usize| path.iter().map(|(_, at)| off(at)[i] * off(at)[j]).sum::<f64>();
-    let angle = 0.5 * (2.0 * product(0, 1)).atan2(product(0, 0) - product(1, 1));
-    let (sin, cos) = angle.sin_cos();
-    Some(path.iter().map(|(time, at)| (*time, off(at)[0] * cos + off(at)[1] * sin)).collect())
+/// Distance from the rest along the direction in which the tip moves most: along one axis alone a strip that bends far
+/// turns twice in a swing.
+fn along(off: &[(f64, [f64; 2])]) -> Vec<(f64, f64)> {
+    let product = |i: usize, j: usize| off.iter().map(|(_, at)| at[i] * at[j]).sum::<f64>();
+    let (sin, cos) = (0.5 * (2.0 * product(0, 1)).atan2(product(0, 0) - product(1, 1))).sin_cos();
+    off.iter().map(|(time, [x, z])| (*time, x * cos + z * sin)).collect()
 }
 
 /// The first two turns after the tip has gone through its rest: where it is farthest between two passages.
@@ -59,13 +53,13 @@ mod tests {
             true => 1.0 - 0.1 * time / late,
             false => 0.9 * (-0.5 * (time - late)).exp() * (9.4 * (time - late)).cos(),
         };
-        (0..400).map(|k| 0.02 * f64::from(k)).map(|time| (time, [0.3 * at(time), 0.1 + at(time)])).collect()
+        (0..400).map(|k| 0.02 * f64::from(k)).map(|time| (time, [0.3 * at(time), at(time)])).collect()
     }
 
     #[test]
     fn half_a_swing_before_the_first_turn_the_rod_was_let_go() {
         let found = |late: f64| {
-            let [first, second] = turns(&along(&swing(late)).unwrap()).unwrap();
+            let [first, second] = turns(&along(&swing(late))).unwrap();
             (first / (second - first), 2.0 * first - second)
         };
         let (ratio, _) = found(0.0);

@@ -1,6 +1,6 @@
 //! Two releases of one condition side by side: how they differ when what each has of its own is taken off.
 
-use efam_core::quantile::quantile;
+use efam_core::quantile::usual_step;
 use efam_experiments::release::Release;
 use nalgebra::{Matrix5, Vector5};
 
@@ -19,71 +19,72 @@ pub(super) struct Difference {
 /// camera of its own.
 pub(super) fn difference(a: &Release, b: &Release) -> Option<Difference> {
     let (path, other) = (known(a), known(b));
-    let step = usual_step(&other)?;
+    let times: Vec<f64> = other.iter().map(|(time, _)| *time).collect();
+    let step = usual_step(&times)?;
     // Half the way from one end of the swing to the other: where its size is counted from.
     let middle = [0, 1].map(|axis| {
         let ends =
             |of: fn(f64, f64) -> f64| other.iter().map(|(_, at)| at[axis]).reduce(of).unwrap_or_default();
         0.5 * (ends(f64::min) + ends(f64::max))
     });
-    // Where the second is when the first is at its samples, seen as the first, and how fast.
+    // Where the second is when the first is at its samples, seen as the first; its swing, and how fast.
     let seen = |[shift, stretch, larger, x, z]: [f64; 5], time: f64| {
         let (at, rate) = between(&other, step, time / (1.0 + stretch) + shift)?;
         let swing = [0, 1].map(|axis| at[axis] - middle[axis]);
         let at = [0, 1].map(|axis| middle[axis] + [x, z][axis] + (1.0 + larger) * swing[axis]);
         Some((at, swing, rate.map(|rate| (1.0 + larger) * rate)))
     };
-    // Mean square distance, and the step that would bring them nearer.
-    let aligned = |alignment: [f64; 5]| {
-        let (mut sum, mut count) = (0.0, 0);
+    let off = |alignment: [f64; 5]| -> Vec<Option<[f64; 2]>> {
+        let of = |(time, own): &(f64, [f64; 2])| {
+            let (theirs, ..) = seen(alignment, *time)?;
+            Some([own[0] - theirs[0], own[1] - theirs[1]])
+        };
+        path.iter().map(of).collect()
+    };
+    let distance = |alignment: [f64; 5]| {
+        let off = off(alignment);
+        (off.iter().flatten().count() > path.len() / 2).then(|| mean_square(off.into_iter().flatten()))
+    };
+    // The step that would bring them nearer.
+    let step_from = |alignment: [f64; 5]| {
         let (mut hessian, mut gradient) = (Matrix5::zeros(), Vector5::zeros());
         for (time, own) in &path {
             let Some((at, swing, rate)) = seen(alignment, *time) else { continue };
             for axis in 0..2 {
-                let off = own[axis] - at[axis];
                 let mut slopes = Vector5::new(rate[axis], -rate[axis] * time, swing[axis], 0.0, 0.0);
                 slopes[3 + axis] = 1.0;
-                sum += off * off;
                 hessian += slopes * slopes.transpose();
-                gradient += slopes * off;
+                gradient += slopes * (own[axis] - at[axis]);
             }
-            count += 1;
         }
-        let step = hessian.lu().solve(&gradient).unwrap_or_default();
-        (count > path.len() / 2).then(|| (sum / count as f64, step))
+        hessian.lu().solve(&gradient).unwrap_or_default()
     };
     let farthest = 3.0 * a.release_uncertainty.hypot(b.release_uncertainty);
     let shifts =
         (-SHIFTS..=SHIFTS).map(|k| [farthest * f64::from(k) / f64::from(SHIFTS), 0.0, 0.0, 0.0, 0.0]);
-    let nearest = shifts.filter_map(|at| Some((at, aligned(at)?)));
-    let (mut at, (mut square, mut step)) = nearest.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0))?;
+    let apart = |at: [f64; 5]| Some((at, distance(at)?));
+    let (mut at, mut square) = shifts.filter_map(apart).min_by(|(_, a), (_, b)| a.total_cmp(b))?;
     for _ in 0..MOST_STEPS {
+        let step = step_from(at);
         let by = |share: f64| -> [f64; 5] {
-            let next = |k: usize| at[k] + share * step[k];
-            std::array::from_fn(|k| if k == 0 { next(k).clamp(-farthest, farthest) } else { next(k) })
+            let [shift, others @ ..]: [f64; 5] = std::array::from_fn(|k| at[k] + share * step[k]);
+            let [stretch, larger, x, z] = others;
+            [shift.clamp(-farthest, farthest), stretch, larger, x, z]
         };
         // At the end of what an instant may be off the whole step may lead too far.
-        let tried = [1.0, 0.5, 0.25].map(by).into_iter().filter_map(|at| Some((at, aligned(at)?)));
-        let Some((next, (nearer, further))) = { tried }.find(|(_, (nearer, _))| *nearer < square) else {
-            break;
-        };
-        (at, square, step) = (next, nearer, further);
+        let nearer = [1.0, 0.5, 0.25].map(by).into_iter().filter_map(apart).find(|(_, next)| *next < square);
+        let Some(next) = nearer else { break };
+        (at, square) = next;
     }
     // What jumps and comes back is another thing; in a difference no swing hides it.
-    let off = |(time, own): &(f64, [f64; 2])| {
-        let (theirs, ..) = seen(at, *time)?;
-        Some([own[0] - theirs[0], own[1] - theirs[1]])
-    };
-    let off: Vec<Option<[f64; 2]>> = path.iter().map(off).collect();
-    let kept = off.iter().zip(ghosts(&off)).filter(|(_, is_ghost)| !is_ghost).filter_map(|(off, _)| *off);
-    let squares: Vec<f64> = kept.map(|[x, z]| x * x + z * z).collect();
-    let square = squares.iter().sum::<f64>() / squares.len() as f64;
-    Some(Difference { square, stretch: at[1] })
+    let off = off(at);
+    let kept = off.iter().zip(ghosts(&off)).filter(|(_, is_ghost)| !is_ghost);
+    Some(Difference { square: mean_square(kept.filter_map(|(off, _)| *off)), stretch: at[1] })
 }
 
-/// Time from a sample to the next, as often less as more.
-fn usual_step(path: &[(f64, [f64; 2])]) -> Option<f64> {
-    quantile(path.windows(2).map(|two| two[1].0 - two[0].0).collect(), 0.5)
+fn mean_square(all: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let (sum, count) = all.fold((0.0, 0.0), |(sum, count), [x, z]| (sum + x * x + z * z, count + 1.0));
+    sum / f64::max(count, 1.0)
 }
 
 /// Place and velocity between samples, by the cubic through the nearest four; none in a gap or at an end.
@@ -96,8 +97,9 @@ fn between(path: &[(f64, [f64; 2])], step: f64, time: f64) -> Option<([f64; 2], 
     }
     let (mut at, mut rate) = ([0.0; 2], [0.0; 2]);
     for (i, (own, place)) in four.iter().enumerate() {
+        // Lagrange's weight and its slope, a factor after the other.
         let (mut weight, mut slope) = (1.0, 0.0);
-        for (other, _) in four.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other) {
+        for (_, (other, _)) in four.iter().enumerate().filter(|(j, _)| *j != i) {
             slope = (slope * (time - other) + weight) / (own - other);
             weight *= (time - other) / (own - other);
         }

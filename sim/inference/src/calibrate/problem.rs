@@ -105,6 +105,29 @@ impl Default for Nuisances {
 }
 
 impl Problem {
+    /// The problem with an effect of no interest in all its models, at zero, whose strength is an unknown with a prior of a
+    /// deviation about that; none where models have the effect already, or cannot have it.
+    pub(crate) fn with_nuisance(
+        &self,
+        effect: &str,
+        strength: &str,
+        scope: Scope,
+        deviation: f64,
+    ) -> Option<Self> {
+        if self.trials.iter().any(|trial| trial.model.effect(effect).is_some()) {
+            return None;
+        }
+        let trials = self.trials.iter().map(|trial| trial.with_effect(effect, &[(strength, 0.0)]));
+        let mut problem = Self { trials: trials.collect::<Result<_, _>>().ok()?, ..self.clone() };
+        problem.parameters.push(Parameter {
+            start: Some(0.0),
+            prior: Some(Prior { mean: 0.0, deviation }),
+            scale: Some(Scale::Linear),
+            ..Parameter::new(&format!("effects.{effect}.{strength}"), scope)
+        });
+        Some(problem)
+    }
+
     /// Different pressures of the releases that are fitted, Pa, ascending.
     pub fn fitted_pressures(&self) -> Vec<f64> {
         let fitted = self.trials.iter().filter(|trial| !trial.release.held_out);

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::alignment::{Difference, difference, known};
 use super::hold;
-use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial};
+use super::problem::{Problem, Scope, Trial};
 
 /// How well an experiment repeats.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -58,35 +58,35 @@ impl Repeats {
         let trials = &problem.trials;
         let tracks = trials.iter().map(|trial| &trial.release.tracks[trial.release.leading_track()]);
         let noise = (2.0 * tracks.map(|tip| tip.noise * tip.noise).sum::<f64>() / trials.len() as f64).sqrt();
+        let of = |distance: f64, source: Source, pairs: usize, frequency_share: f64| {
+            let (distance_mm, noise_mm) = (1e3 * distance, 1e3 * noise.min(distance));
+            Some(Self { distance_mm, noise_mm, source, pairs, frequency_share })
+        };
+        if let Some(stated) = stated {
+            return of(stated, Source::Stated, 0, 0.0);
+        }
         let mut differences = Vec::new();
         for (k, first) in trials.iter().enumerate() {
             let others = trials[k + 1..].iter().filter(|other| is_one_condition(first, other));
             differences.extend(others.filter_map(|other| difference(&first.release, &other.release)));
         }
-        let mean = |of: fn(&Difference) -> f64| {
-            differences.iter().map(of).sum::<f64>() / differences.len().max(1) as f64
-        };
-        let frequency_share = (0.5 * mean(|own| own.stretch * own.stretch)).sqrt();
-        let of = |distance: f64, source: Source, pairs: usize| {
-            let (distance_mm, noise_mm) = (1e3 * distance, 1e3 * noise.min(distance));
-            // Two recordings of one path have one frequency, and what is stated is stated of all.
-            let is_told = source == Source::Measured && distance_mm > noise_mm;
-            let frequency_share = if is_told { frequency_share } else { 0.0 };
-            Some(Self { distance_mm, noise_mm, source, pairs, frequency_share })
-        };
-        if let Some(stated) = stated {
-            return of(stated, Source::Stated, 0);
-        }
         if !differences.is_empty() {
-            let mean = mean(|own| own.square);
-            let distance = (0.5 * mean).sqrt();
-            // Two recordings of one path differ by their noise, which has a spread of its own.
+            let pairs = differences.len();
+            // Each of two has half the variance of their difference.
+            let deviation = |square: fn(&Difference) -> f64| {
+                (differences.iter().map(square).sum::<f64>() / (2 * pairs) as f64).sqrt()
+            };
+            let distance = deviation(|own| own.square);
+            // Two recordings of one path differ by their noise, which has a spread of its own, and have one frequency.
             let samples = trials.iter().map(|trial| known(&trial.release).len()).sum::<usize>() as f64;
             let is_noise = distance < noise * (1.0 + NORMAL / (2.0 * samples).sqrt());
-            return of(if is_noise { noise } else { distance }, Source::Measured, differences.len());
+            return match is_noise {
+                true => of(noise, Source::Measured, pairs, 0.0),
+                false => of(distance, Source::Measured, pairs, deviation(|own| own.stretch * own.stretch)),
+            };
         }
         let [only] = &trials[..] else { return None };
-        of(ASSUMED * motion(&only.release), Source::Assumed, 0)
+        of(ASSUMED * motion(&only.release), Source::Assumed, 0, 0.0)
     }
 
     /// Distance of a right model from so many releases that is exceeded once in twenty times, mm: the F test of lack of
@@ -119,26 +119,21 @@ impl Repeats {
     /// The problem with a bending stiffness of each release; none where frequencies repeat, or models have one. A
     /// frequency is at most the root of a stiffness. What few pairs tell is known to `√(2 / pairs)` of it.
     fn with_drift(&self, problem: &Problem) -> Option<Problem> {
-        let has = |trial: &Trial| trial.model.effect(DRIFT).is_some();
-        if self.frequency_share == 0.0 || problem.trials.iter().any(has) {
-            return None;
-        }
-        let drifting = problem.trials.iter().map(|trial| trial.with_effect(DRIFT, &[("share", 0.0)]));
-        let mut problem = Problem { trials: drifting.collect::<Result<_, _>>().ok()?, ..problem.clone() };
         let deviation = 2.0 * self.frequency_share * (1.0 + 2.0 / self.pairs as f64).sqrt();
-        problem.parameters.push(Parameter {
-            start: Some(0.0),
-            prior: Some(Prior { mean: 0.0, deviation }),
-            scale: Some(Scale::Linear),
-            ..Parameter::new(&format!("effects.{DRIFT}.share"), Scope::PerRelease)
-        });
-        Some(problem)
+        (self.frequency_share > 0.0)
+            .then(|| problem.with_nuisance(DRIFT, "share", Scope::PerRelease, deviation))
+            .flatten()
     }
 
-    /// By how much the frequencies of repeated releases differ, in words; none where they do not.
-    pub fn frequencies(&self) -> Option<String> {
-        let percent = significant(1e2 * self.frequency_share, 2);
-        (self.frequency_share > 0.0).then(|| format!("frequencies vary by {percent} % between repeats"))
+    /// By how much the frequencies of repeated releases differ, as the end of a sentence; empty where they do not.
+    pub fn frequencies(&self) -> String {
+        match self.frequency_share > 0.0 {
+            true => format!(
+                "; frequencies vary by {} % between repeats",
+                significant(1e2 * self.frequency_share, 2)
+            ),
+            false => String::new(),
+        }
     }
 
     /// Whether it is known from the experiment itself.
@@ -207,9 +202,9 @@ mod tests {
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::Run;
 
-    use super::super::alignment::tests::release;
     use super::*;
     use crate::calibrate::Nuisances;
+    use crate::calibrate::alignment::tests::release;
 
     /// From tables of the distribution.
     #[test]

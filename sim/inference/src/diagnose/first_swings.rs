@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
 use super::mesh_check::{self, Numerics};
-use super::refit::{Refit, most_steps};
+use super::refit::{Refit, most_steps, within_steps};
 use super::round::{Best, NO_MORE};
 use super::shortlist::{LEAD, falls_behind, not_run, penalty};
 use super::stop::{CUT_SHORT, ending_by};
@@ -60,8 +60,7 @@ fn lost(problem: &Problem) -> Result<Option<FirstSwings>, CalibrateError> {
     let counts = Joint::first_swings(problem, SWINGS)?;
     let met = Joint::meet(problem, &counts)?.filter(|(_, missed)| *missed > LOST);
     let Some((fit, _)) = met else { return Ok(None) };
-    let mut problem = problem.clone();
-    problem.trials.iter_mut().for_each(|trial| trial.run.most_steps = most_steps(&fit));
+    let problem = within_steps(problem, most_steps(&fit));
     let (cost, known) = (fit.cost(), fit.known());
     Ok(Some(FirstSwings { problem, counts, cost, known }))
 }

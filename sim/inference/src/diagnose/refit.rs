@@ -36,6 +36,8 @@ pub(super) struct Rough {
     pub without: usize,
     /// Cost under the loss of the noise, with mesh and step as they are.
     pub cost: f64,
+    /// Steps that a run of a fit may take.
+    most_steps: usize,
 }
 
 /// Width of an interval, as a share of the value, from which on a parabola is not asked alone.
@@ -48,7 +50,16 @@ const MOST_STEPS: usize = 10;
 
 /// The same in numbers, for runs like those of a fit.
 pub(super) fn most_steps(fit: &Joint) -> usize {
-    MOST_STEPS * fit.found.view.steps.iter().flatten().map(Vec::len).max().unwrap_or(0)
+    let most = fit.found.view.steps.iter().flatten().map(Vec::len).max();
+    most.map_or(usize::MAX, |most| MOST_STEPS * most)
+}
+
+/// The problem of a search whose runs take so many steps at most. What is found belongs to the problem without that limit:
+/// held-out releases may be longer.
+pub(super) fn within_steps(problem: &Problem, most_steps: usize) -> Problem {
+    let mut problem = problem.clone();
+    problem.trials.iter_mut().for_each(|trial| trial.run.most_steps = trial.run.most_steps.min(most_steps));
+    problem
 }
 
 /// Brings a candidate near its fit from one without it, beginning with the strength that its score asks
@@ -62,20 +73,21 @@ pub(super) fn rough(
 ) -> Result<Option<Rough>, CalibrateError> {
     // A memory that turns round needs steps where that happens.
     let has_own_steps = candidate.effect.about().memory > 0;
-    let (known, view) = (without.known(), &without.found.view);
+    let (known, view, most_steps) = (without.known(), &without.found.view, most_steps(without));
     let mut best: Option<Rough> = None;
     for strength in [estimate, candidate.off] {
         if best.as_ref().is_some_and(|best| best.cost <= without.cost()) {
             break;
         }
         let Ok(problem) = candidate.added_to(problem, strength) else { break };
-        let Some(fit) = Joint::approach(&problem, &known, view, has_own_steps, STAGE_SHARE)? else {
+        let limited = within_steps(&problem, most_steps);
+        let Some(fit) = Joint::approach(&limited, &known, view, has_own_steps, STAGE_SHARE)? else {
             continue;
         };
         let (known, cost) = (fit.known(), fit.cost());
         drop(fit);
         if best.as_ref().is_none_or(|best| cost < best.cost) {
-            best = Some(Rough { problem, known, without: without.found.x.len(), cost });
+            best = Some(Rough { problem, known, without: without.found.x.len(), cost, most_steps });
         }
     }
     Ok(best)
@@ -85,11 +97,12 @@ pub(super) fn rough(
 pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
     let mut known = rough.known.clone();
     let fitted = candidate.within_ranges(rough.problem.clone(), |problem| {
-        let Some(mut fit) = Joint::follow(problem, &known, &|_| ())? else { return Ok(None) };
+        let limited = within_steps(problem, rough.most_steps);
+        let Some(mut fit) = Joint::follow(&limited, &known, &|_| ())? else { return Ok(None) };
         // The way from the fit without it may end beside the best: friction changes the phase.
         if candidate.strength.is_friction
             && !fit.is_explained()
-            && let Ok(other) = Joint::search(problem, &|_| ())
+            && let Ok(other) = Joint::search(&limited, &|_| ())
             && other.cost() < fit.cost()
         {
             fit = other;

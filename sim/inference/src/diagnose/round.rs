@@ -86,10 +86,10 @@ impl Best {
 /// Share of the false-alarm level that is left to shapes: they hear small errors of the setup, too, for
 /// which the baseline has no unknown.
 pub(super) const RARER: f64 = 0.01;
-/// Share of an error of laws from which on a promise is worth a fit: beside friction scores were seen to promise a third of what a
-/// fit then keeps.
+/// Share of an error of laws from which on a predicted gain is worth a fit: beside friction, scores were seen to predict a
+/// third of what a fit then keeps.
 const PROMISING: f64 = 0.25;
-/// The same for a shape, which fits whatever is there.
+/// Share of the χ² that was explained before below which a shape is no sign of anything more: it fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
 
 /// Looks for one effect beside those that the problem's models have, `added` among them; or for one of these that

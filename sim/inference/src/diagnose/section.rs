@@ -10,7 +10,7 @@ use models::statics::{equilibrium, modes};
 use super::setup::limit_beliefs;
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::{
-    Parameter, Prior, Problem, Scale, Scope, SectionError, Trial, problem as calibration_problem,
+    Parameter, Prior, Problem, Scope, SectionError, Trial, problem as calibration_problem,
 };
 
 /// Losses that all pressures share unless the experiment says otherwise: one for each would hide how a
@@ -93,20 +93,11 @@ pub(super) const USUAL_TILT: f64 = 5e-3;
 /// about zero: a deviation in rad. Left out it would be taken for an effect of the muscle. Models that have
 /// `frame_tilt` already stay as they are.
 pub fn admit_tilt(problem: &mut Problem, deviation: f64) {
-    if problem.trials.iter().any(|trial| trial.model.effect(TILT).is_some()) {
-        return;
-    }
-    let tilted = problem.trials.iter().map(|trial| trial.with_effect(TILT, &[("angle", 0.0)]));
-    let Ok(trials) = tilted.collect() else { return };
-    problem.trials = trials;
     let is_known = problem.trials.iter().all(|trial| trial.release.pressure.is_some());
     let scope = if is_known { Scope::PerPressure } else { Scope::Shared };
-    problem.parameters.push(Parameter {
-        start: Some(0.0),
-        prior: Some(Prior { mean: 0.0, deviation }),
-        scale: Some(Scale::Linear),
-        ..Parameter::new(TILT_ANGLE, scope)
-    });
+    if let Some(tilted) = problem.with_nuisance(TILT, "angle", scope, deviation) {
+        *problem = tilted;
+    }
 }
 
 /// Standard deviations by which the setup may be off what is stated of it: one recording in 16 000 is, by chance. Without
@@ -115,7 +106,6 @@ pub(super) const FARTHEST: f64 = 4.0;
 
 /// The effect of a frame that is not level.
 pub(super) const TILT: &str = "frame_tilt";
-const TILT_ANGLE: &str = "effects.frame_tilt.angle";
 
 /// Locks releases away if the experiment has not: of three pressures or more the middle one, and of what is
 /// left the last release, if two others stay.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::refit::{Refit, Rough, most_steps, refit, rough};
+use super::refit::{Refit, Rough, refit, rough};
 use super::round::{Best, RoundOutcome};
 use super::score::{APART, ONE, Score, Scores, distance};
 use super::stop::{CUT_SHORT, is_stopped};
@@ -150,9 +150,6 @@ pub(super) fn fit_all(
     variance_inflation: f64,
     tell: &(dyn Fn(&Entry) + Sync),
 ) -> Result<(), CalibrateError> {
-    let mut problem = problem.clone();
-    problem.trials.iter_mut().for_each(|trial| trial.run.most_steps = most_steps(fit));
-    let problem = &problem;
     let of_entry = |entry: &mut Entry| {
         tell(entry);
         let rough = rough(problem, &entry.candidate, entry.score.estimate, fit)?;

@@ -234,9 +234,9 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
             Source::Stated => format!(", {than} the stated repeatability of {size} mm"),
             Source::Measured => {
                 let most = significant(repeats.largest_mm(releases), 2);
-                let frequencies = repeats.frequencies().map_or(String::new(), |own| format!("; {own}"));
                 format!(
-                    ", {than} the measured repeatability of {size} mm ({most} mm at 95 %){frequencies}"
+                    ", {than} the measured repeatability of {size} mm ({most} mm at 95 %){}",
+                    repeats.frequencies()
                 )
             }
             Source::Assumed => format!(
