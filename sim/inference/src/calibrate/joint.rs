@@ -156,15 +156,36 @@ impl<'a> Joint<'a> {
         share: f64,
     ) -> Result<Option<Self>, CalibrateError> {
         let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let x = placed(&objective, known);
+        Ok(Self::like(objective, &x, like, has_own_steps, share))
+    }
+
+    /// Searches from the problem's start, and then as [`Joint::approach`] does.
+    /// # Errors
+    /// [`CalibrateError`] for a problem that makes no sense.
+    pub fn search_like(
+        problem: &'a Problem,
+        like: &View,
+        share: f64,
+    ) -> Result<Option<Self>, CalibrateError> {
+        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let found = search(&objective, &objective.start(), &|_, _| ());
+        Ok(found.and_then(|found| Self::like(objective, &found.x, like, true, share)))
+    }
+
+    /// The minimum near a point with what mesh and step do as another fit has found it.
+    fn like(
+        objective: Objective<'a>,
+        x: &DVector<f64>,
+        like: &View,
+        has_own_steps: bool,
+        share: f64,
+    ) -> Option<Self> {
         let mut view = View { slopes: Slopes::Differences, ..like.clone() };
         if has_own_steps {
-            let x = placed(&objective, known);
-            let Some(seen) = objective.see(&x, &View { steps: None, ..like.clone() }, None) else {
-                return Ok(None);
-            };
-            view.steps = Some(seen.steps);
+            view.steps = Some(objective.see(x, &View { steps: None, ..like.clone() }, None)?.steps);
         }
-        Self::near(objective, known, view, share)
+        Self::near(objective, x, view, share)
     }
 
     /// Comes near the minimum over all releases of a problem that two fits have between them, from what those
@@ -182,23 +203,16 @@ impl<'a> Joint<'a> {
         let releases: Option<Vec<_>> = objective.part.trials.iter().map(seen).collect();
         let Some(view) = releases.and_then(|releases| View::gathered(&releases)) else { return Ok(None) };
         let view = View { slopes: Slopes::Variational, ..view };
-        let known = parts.map(|part| part.known()).concat();
-        Self::near(objective, &known, view, 0.0)
+        let x = placed(&objective, &parts.map(|part| part.known()).concat());
+        Ok(Self::near(objective, &x, view, 0.0))
     }
 
-    /// The minimum near what is known, under one view; the search ends where it gains no more than a `share` of
-    /// the cost.
-    fn near(
-        objective: Objective<'a>,
-        known: &[Estimate],
-        view: View,
-        share: f64,
-    ) -> Result<Option<Self>, CalibrateError> {
-        let x = placed(&objective, known);
-        let Some(near) = minimise_in(&objective, &x, None, &view, 1.0, share) else { return Ok(None) };
-        let Solution { x, at, predicted, converged, .. } = near;
+    /// The minimum near a point, under one view; the search ends where it gains no more than a `share` of the cost.
+    fn near(objective: Objective<'a>, x: &DVector<f64>, view: View, share: f64) -> Option<Self> {
+        let Solution { x, at, predicted, converged, .. } =
+            minimise_in(&objective, x, None, &view, 1.0, share)?;
         let found = Found { x, at, view, stages: Vec::new(), predicted, converged, starts: 1 };
-        Ok(Some(Self { objective, found, left_of_mesh: None }))
+        Some(Self { objective, found, left_of_mesh: None })
     }
 
     /// What is known, as it is: unknowns that are among it are there, others at their start, and nothing

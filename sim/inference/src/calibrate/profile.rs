@@ -13,9 +13,11 @@ use super::search::Found;
 use super::uncertainty::Uncertainty;
 use crate::normal::NORMAL_95;
 
+/// Predicted decrease of the cost at which the others have followed, which moves its root by a hundredth of that.
+const TOLERANCE: f64 = 1e-2;
 const MOST_POINTS: usize = 6;
-/// How near the root of the rise has to come to the wanted one.
-const NEAR: f64 = 0.01;
+/// How near the root of the rise has to come to the wanted one: a fiftieth of the interval's half width.
+const NEAR: f64 = 0.04;
 
 /// Bounds of the scaled unknown; none where the data do not bound it.
 pub(crate) fn profile(
@@ -84,7 +86,7 @@ fn held(
     let search = Search {
         bounds,
         longest: unknowns.iter().map(|unknown| unknown.longest_step()).collect(),
-        tolerance: 1e-3,
+        tolerance: TOLERANCE,
         relative: 0.0,
         most_evaluations: 10,
         first_damping: NEAR_DAMPING,

@@ -397,7 +397,7 @@ impl<'a> Course<'a> {
             .map(|held_out| held_out.together(&fit, &self.model.problem))
             .transpose()?
             .flatten();
-        let all = all.as_ref().unwrap_or(&self.model).fit()?;
+        let all = all.unwrap_or(&self.model).fit()?;
         let inconstant = inconstant(&all, &self.added, self.settings.false_alarm);
         let is_inconstant = |own: &&mut Evidence| inconstant.contains(&own.effect.as_str());
         for evidence in self.diagnosis.evidence.iter_mut().filter(is_inconstant) {

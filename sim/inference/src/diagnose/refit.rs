@@ -36,6 +36,8 @@ pub(super) struct Rough {
     pub without: usize,
     /// Cost under the loss of the noise, with mesh and step as they are.
     pub cost: f64,
+    /// Whether it is within [`STAGE_SHARE`] of its least.
+    pub is_near: bool,
     /// Steps that a run of a fit may take.
     most_steps: usize,
 }
@@ -84,10 +86,10 @@ pub(super) fn rough(
         let Some(fit) = Joint::approach(&limited, &known, view, has_own_steps, STAGE_SHARE)? else {
             continue;
         };
-        let (known, cost) = (fit.known(), fit.cost());
+        let (known, cost, is_near) = (fit.known(), fit.cost(), fit.found.converged);
         drop(fit);
         if best.as_ref().is_none_or(|best| cost < best.cost) {
-            best = Some(Rough { problem, known, without: without.found.x.len(), cost, most_steps });
+            best = Some(Rough { problem, known, without: without.found.x.len(), cost, is_near, most_steps });
         }
     }
     Ok(best)

@@ -147,7 +147,7 @@ pub(super) fn round(
             None => tell(&format!("fit of {}", entry.candidate.name())),
             Some(_) => drop(ranked(std::slice::from_ref(entry))),
         };
-        fit_all(shortlist, problem, fit, scores.variance_inflation, &tell_fit)?;
+        fit_all(shortlist, problem, fit, &scores, &tell_fit)?;
         choose(shortlist, problem, fit, &scores, before, negligible, &tell)?
     } else {
         for entry in &mut entries {

@@ -14,6 +14,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
+use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::design_matrix::{Column, columns};
@@ -125,6 +126,8 @@ pub(super) struct Scores {
 const QUIETEST: f64 = 0.25;
 /// Draws of the law of the largest score.
 const DRAWS: usize = 20_000;
+/// Blocks that they are made in, each with its own seed.
+const BLOCKS: usize = 20;
 const SEED: u64 = 20_220_517;
 
 /// Scores candidates at a fit that predicts `off`; `tell` hears their names.
@@ -322,22 +325,23 @@ fn threshold(
     let eigen = SymmetricEigen::new(variance.clone());
     let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
     let root = &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
-    let mut largest: Vec<f64> = (0..DRAWS)
-        .map(|_| {
-            let noise = DVector::from_fn(variance.nrows(), |_, _| normal(&mut random));
-            let score_vector = &root * noise;
-            let of = |(c, score): (usize, &Score)| {
-                let own = DVector::from_fn(score.columns.len(), |a, _| score_vector[score.columns[a]]);
-                let estimate = subjects[c].off + own.iter().next().copied().unwrap_or(0.0);
-                if !subjects[c].admits(own.len(), estimate) {
-                    return 0.0;
-                }
-                weights[c].size(&own)
-            };
-            scores.iter().enumerate().map(of).fold(0.0, f64::max)
-        })
-        .collect();
+    let draw = |random: &mut Xoshiro256PlusPlus| {
+        let score_vector = &root * DVector::from_fn(variance.nrows(), |_, _| normal(random));
+        let of = |(c, score): (usize, &Score)| {
+            let own = DVector::from_fn(score.columns.len(), |a, _| score_vector[score.columns[a]]);
+            let estimate = subjects[c].off + own.iter().next().copied().unwrap_or(0.0);
+            if !subjects[c].admits(own.len(), estimate) {
+                return 0.0;
+            }
+            weights[c].size(&own)
+        };
+        scores.iter().enumerate().map(of).fold(0.0, f64::max)
+    };
+    let block = |block: usize| {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED + block as u64);
+        (0..DRAWS / BLOCKS).map(|_| draw(&mut random)).collect::<Vec<f64>>()
+    };
+    let mut largest: Vec<f64> = (0..BLOCKS).into_par_iter().flat_map_iter(block).collect();
     largest.sort_by(f64::total_cmp);
     let place = ((1.0 - false_alarm) * DRAWS as f64) as usize;
     largest[place.min(DRAWS - 1)]

@@ -29,7 +29,8 @@ pub(super) struct HeldOut {
     pub agreement: Agreement,
     /// What belongs to the held-out releases alone, fitted to them.
     fitted: Fitted,
-    cost: OnceCell<Option<f64>>,
+    /// The model fitted to them and to what it was fitted to; none where that cannot be run.
+    together: OnceCell<Option<Fitted>>,
 }
 
 impl HeldOut {
@@ -62,7 +63,7 @@ impl HeldOut {
         match fit(&held_out) {
             Ok(fit) => {
                 let (agreement, found) = (agreement(&fit), fit.found);
-                Ok(Some(Self { agreement, fitted: Fitted::new(held_out, found), cost: OnceCell::new() }))
+                Ok(Some(Self { agreement, fitted: Fitted::new(held_out, found), together: OnceCell::new() }))
             }
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
             Err(error) => Err(error),
@@ -77,22 +78,19 @@ impl HeldOut {
     /// What they cost the model beyond what was fitted, whose fit is given; none where all together cannot be
     /// run.
     pub fn cost(&self, fit: &Joint, problem: &Problem) -> Result<Option<f64>, CalibrateError> {
-        if let Some(cost) = self.cost.get() {
-            return Ok(*cost);
-        }
-        let cost = match self.together(fit, problem)? {
-            Some(all) => Some(all.fit()?.cost() - fit.cost()),
-            None => None,
-        };
-        Ok(*self.cost.get_or_init(|| cost))
+        let all = self.together(fit, problem)?;
+        all.map(|all| Ok(all.fit()?.cost() - fit.cost())).transpose()
     }
 
     /// The model fitted to them and to what it was fitted to, whose fit is given; none where that cannot be run.
-    pub fn together(&self, fit: &Joint, problem: &Problem) -> Result<Option<Fitted>, CalibrateError> {
-        let mut all = problem.clone();
-        all.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
-        let found = Joint::together(&all, [fit, &self.fitted.fit()?])?.map(|together| together.found);
-        Ok(found.map(|found| Fitted::new(all, found)))
+    pub fn together(&self, fit: &Joint, problem: &Problem) -> Result<Option<&Fitted>, CalibrateError> {
+        if self.together.get().is_none() {
+            let mut all = problem.clone();
+            all.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
+            let found = Joint::together(&all, [fit, &self.fitted.fit()?])?.map(|together| together.found);
+            let _ = self.together.set(found.map(|found| Fitted::new(all, found)));
+        }
+        Ok(self.together.get().and_then(Option::as_ref))
     }
 }
 
