@@ -79,6 +79,12 @@ pub fn of_problem(problem: &Problem) -> Vec<String> {
             significant(angle.to_degrees(), 2)
         ));
     }
+    if let Some(angle) = nuisances.clamp_angle {
+        words.push(format!(
+            "the angle of the clamp is fitted, to {} degrees",
+            significant(angle.to_degrees(), 2)
+        ));
+    }
     if let Some(offset) = nuisances.offset {
         words.push(format!("the place of each marker is fitted, to {} mm", significant(1e3 * offset, 2)));
     }

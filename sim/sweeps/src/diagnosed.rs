@@ -65,6 +65,7 @@ impl Answer {
         let names = names.join(AND);
         match self.verdict {
             None => "no answer".to_owned(),
+            Some(Verdict::Misstated) => "misstated".to_owned(),
             Some(Verdict::NothingMissing) => "nothing".to_owned(),
             Some(Verdict::Unknown) if names.is_empty() => "unknown".to_owned(),
             Some(Verdict::Unknown) => format!("unknown, partly {names}"),

@@ -16,7 +16,7 @@ use tests::blind::answer::Answer;
 use tests::blind::case::{Case, Limits, kinds, limits, strangers};
 use tests::blind::files::with_hold;
 use tests::blind::truth::{self, TRUTH, Truth};
-use tests::blind::{decoyed, files, problem, tally};
+use tests::blind::{decoyed, files, problem, setup, tally};
 use tests::twin::drawn::Plan;
 use tests::twin::random::Random;
 
@@ -40,6 +40,9 @@ struct Words {
     /// Sets with two effects hidden.
     #[arg(long, default_value_t = 0)]
     pairs: u64,
+    /// Sets of each kind with something off in the setup, written as recordings and cleaned; these alone.
+    #[arg(long, value_name = "SETS")]
+    setup: Option<u64>,
     /// Size, in what is typical; drawn between one and a hundred detection limits if not given.
     #[arg(long)]
     size: Option<f64>,
@@ -73,6 +76,10 @@ struct Words {
 fn main() -> ExitCode {
     let words = Words::parse();
     let begin = Instant::now();
+    if let Some(sets) = words.setup {
+        setups(&words, sets);
+        return ExitCode::SUCCESS;
+    }
     let answers = match (&words.score, &words.write) {
         (Some(folder), _) => {
             scored(folder, words.swept.clone().unwrap_or_else(|| folder.join("swept")).as_path())
@@ -106,6 +113,28 @@ fn foreseen(words: &Words, plan: impl Fn(&Case) -> Plan) -> (Vec<(Case, Option<L
     let own = |case: &Case| case.hidden.first().and_then(|(name, _)| limits.get(name)).copied();
     let cases = cases(words, &limits).into_iter().map(|case| (case.clone(), own(&case))).collect();
     (cases, noise(&nominal))
+}
+
+/// Asks what is off in setups, and counts what is named.
+fn setups(words: &Words, sets: u64) {
+    let folder = std::env::temp_dir().join(format!("blind-bench-{}", std::process::id()));
+    let mut seeds = words.seed..;
+    for (kind, (name, _)) in setup::KINDS.iter().enumerate() {
+        if !words.kinds.is_empty() && !words.kinds.iter().any(|own| own == name) {
+            continue;
+        }
+        let ask = |seed| setup::ask(setup::hidden(kind, seed), seed, &folder.join(format!("{seed}")));
+        let told = |answer: &Result<setup::Answer, String>| match answer {
+            Ok(answer) => println!("{}", answer.told()),
+            Err(why) => println!("{name}: {why}"),
+        };
+        let answers: Vec<_> =
+            seeds.by_ref().take(sets as usize).map(ask).inspect(told).filter_map(Result::ok).collect();
+        let right = answers.iter().filter(|answer| answer.is_right()).count();
+        println!("{name}: named {right} of {}", answers.len());
+    }
+    // What is left is of no use to anybody.
+    let _ = fs::remove_dir_all(folder);
 }
 
 /// Asks the diagnosis here.

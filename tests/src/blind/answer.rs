@@ -128,6 +128,7 @@ impl Answer {
         let names = self.named().join(" + ");
         let members: Vec<&str> = self.diagnosis.members.iter().map(|member| member.effect.as_str()).collect();
         match self.diagnosis.verdict {
+            Verdict::Misstated => "misstated".to_owned(),
             Verdict::NothingMissing => "nothing".to_owned(),
             Verdict::Unknown if names.is_empty() => "unknown".to_owned(),
             Verdict::Unknown => format!("unknown, partly {names}"),

@@ -72,7 +72,11 @@ impl Case {
 
 /// Names of effects that are hidden alone: those of the catalogue that no baseline fits.
 pub fn kinds() -> impl Iterator<Item = &'static str> {
-    hidden::all(1.0).into_iter().take(IN_CATALOGUE).map(|(name, _)| name).filter(|name| *name != "frame_tilt")
+    hidden::all(1.0)
+        .into_iter()
+        .take(IN_CATALOGUE)
+        .map(|(name, _)| name)
+        .filter(|name| !["frame_tilt", "clamp_tilt"].contains(name))
 }
 
 /// Names of effects that no catalogue holds.

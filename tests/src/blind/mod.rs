@@ -4,6 +4,7 @@
 pub mod answer;
 pub mod case;
 pub mod files;
+pub mod setup;
 pub mod tally;
 pub mod truth;
 

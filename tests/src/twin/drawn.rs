@@ -237,7 +237,8 @@ impl Plan {
             self.hidden.iter().map(|own| own.times(about(self.unrepeated.hidden, random))).collect();
         let wander = Wander::drawn(self.unrepeated.drift, random);
         let (bending_stiffness, tip) = (beam.bending_stiffness, beam.bodies[0].center);
-        let held = angle - base + self.priors.hold_angle * random.normal();
+        let clamp: f64 = base + hidden.iter().map(Hidden::clamp_tilt).sum::<f64>();
+        let held = angle - clamp + self.priors.hold_angle * random.normal();
         let late = self.priors.instant * random.normal();
         let first = random.share() / self.rate;
         let held_samples = (self.hold * self.rate).round();

@@ -92,6 +92,8 @@ pub enum Hidden {
     DampingOverPressure { /** b, s */ beta: f64, /** a, 1/s */ alpha: f64, /** p_ref, Pa */ reference: f64 },
     /// Moment `EI c₃ κ̇³`.
     StrainRateCubed { /** c₃, s³ m² */ coefficient: f64 },
+    /// The clamp stands turned, from x towards z, and the rod is held at the stated angle nevertheless.
+    ClampTilt { /** rad */ angle: f64 },
     /// What is seen is turned about the clamp, from x towards z.
     FrameTilt { /** rad */ angle: f64 },
     /// What is seen is larger.
@@ -115,7 +117,7 @@ use Hidden::*;
 
 /// Every effect at `x` times a typical size, with its name; those of no catalogue last.
 #[rustfmt::skip]
-pub fn all(x: f64) -> [(&'static str, Hidden); 35] {
+pub fn all(x: f64) -> [(&'static str, Hidden); 36] {
     [
         ("air_drag", AirDrag { drag_coefficient: 1.1 * x }),
         ("tip_drag", TipDrag { drag_area: 2e-3 * x }),
@@ -145,6 +147,7 @@ pub fn all(x: f64) -> [(&'static str, Hidden); 35] {
         ("damping_over_pressure", DampingOverPressure { beta: 1e-3 * x, alpha: 0.06 * x, reference: 1e5 }),
         ("strain_rate_cubed", StrainRateCubed { coefficient: 1e-7 * x }),
         ("frame_tilt", FrameTilt { angle: 2e-3 * x }),
+        ("clamp_tilt", ClampTilt { angle: 2e-3 * x }),
         ("scale", Scale { excess: 2e-3 * x }),
         ("marker_offset", MarkerOffset { along: 1e-3 * x, across: 0.5e-3 * x }),
         ("clock", Clock { excess: 1e-3 * x }),
@@ -155,8 +158,8 @@ pub fn all(x: f64) -> [(&'static str, Hidden); 35] {
     ]
 }
 
-/// How many of [`all`] a diagnosis may know.
-pub const IN_CATALOGUE: usize = 32;
+/// How many of [`all`] a diagnosis may know; the clamp's tilt is no effect, but a stated angle.
+pub const IN_CATALOGUE: usize = 33;
 
 impl Hidden {
     /// The effect of a name at `x` times its typical size.
@@ -209,6 +212,7 @@ impl Hidden {
             | DampingOverPressure { beta: strength, .. }
             | StrainRateCubed { coefficient: strength }
             | FrameTilt { angle: strength }
+            | ClampTilt { angle: strength }
             | Scale { excess: strength }
             | MarkerOffset { along: strength, .. }
             | OutOfPlane { share: strength }
@@ -228,9 +232,8 @@ impl Hidden {
     pub fn beside(&self) -> Option<(&'static str, f64)> {
         match *self {
             Dahl { yield_curvature, .. } => Some(("yield_curvature", yield_curvature)),
-            Viscoelastic { relaxation_time, .. } | Creep { relaxation_time, .. } => {
-                Some(("relaxation_time", relaxation_time))
-            }
+            Viscoelastic { relaxation_time, .. } => Some(("relaxation_time", relaxation_time)),
+            Creep { relaxation_time, .. } => Some(("creep_time", relaxation_time)),
             HandRelease { time, .. } => Some(("release_time", time)),
             _ => None,
         }

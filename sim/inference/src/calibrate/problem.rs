@@ -86,6 +86,8 @@ pub struct Nuisances {
     pub release_instant: bool,
     /// Standard deviation of the angle at which the straight rod is held, rad, about the model's.
     pub hold_angle: Option<f64>,
+    /// Standard deviation of the clamp's angle, rad, about the model's.
+    pub clamp_angle: Option<f64>,
     /// Standard deviation of a constant offset of each track in x and z, m.
     pub offset: Option<f64>,
     /// Standard deviations by which each may be off at most.
@@ -93,11 +95,12 @@ pub struct Nuisances {
 }
 
 impl Default for Nuisances {
-    /// Instant, half a degree of angle, half a millimetre of offset.
+    /// Instant, half a degree of the held angle, half a millimetre of offset.
     fn default() -> Self {
         Self {
             release_instant: true,
             hold_angle: Some(0.5f64.to_radians()),
+            clamp_angle: None,
             offset: Some(5e-4),
             farthest: f64::INFINITY,
         }

@@ -4,6 +4,7 @@
 //! [calibrate]                     # all may be left out; then EI and Rayleigh's two losses are found
 //! release_instant = true          # unknown of each recording, fitted with it; or false
 //! hold_angle = "0.5 deg"          # likewise, its standard deviation; "0 deg" takes it as given
+//! clamp_angle = "0.5 deg"         # likewise; taken as given if left out
 //! offset = "0.5 mm"               # likewise, of each track
 //! repeatability = "0.2 mm"        # root mean square distance of a release from a right model; else from repeats
 //! mesh = "removed"                # or "kept": the parameters then belong to the mesh
@@ -74,7 +75,15 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
     };
     let section = experiment.section("calibrate")?;
     let read = || -> Result<_, ScenarioError> {
-        section.only(&["parameter", "release_instant", "hold_angle", "offset", "mesh", "repeatability"])?;
+        section.only(&[
+            "parameter",
+            "release_instant",
+            "hold_angle",
+            "clamp_angle",
+            "offset",
+            "mesh",
+            "repeatability",
+        ])?;
         let has_pressures = trials.iter().all(|trial| trial.release.pressure.is_some());
         let usual = if has_pressures { Scope::PerPressure } else { Scope::Shared };
         let tables = section.tables("parameter")?;
@@ -132,6 +141,7 @@ fn nuisances(section: &Keys) -> Result<Nuisances, ScenarioError> {
     Ok(Nuisances {
         release_instant: section.flag("release_instant")?.unwrap_or(usual.release_instant),
         hold_angle: deviation("hold_angle", "rad", usual.hold_angle)?,
+        clamp_angle: deviation("clamp_angle", "rad", usual.clamp_angle)?,
         offset: deviation("offset", "m", usual.offset)?,
         ..usual
     })

@@ -12,6 +12,7 @@ use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial, is_same_pre
 /// Names of what is unknown of a release.
 pub const RELEASE_INSTANT: &str = "release instant";
 pub(crate) const HOLD_ANGLE: &str = "hold angle";
+pub(crate) const CLAMP_ANGLE: &str = "clamp angle";
 
 /// One number to be found.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,8 @@ pub(crate) enum Kind {
     Instant,
     /// Angle at which it was held, over the model's.
     HoldAngle,
+    /// Angle of its clamp, over the model's.
+    ClampAngle,
     /// A component of the load by which a hand holds the rod before its release.
     Pull,
     /// Offset of a track along an axis.
@@ -153,6 +156,29 @@ const FARTHEST_INSTANT: f64 = 5.0;
 /// Smallest uncertainty of a release instant, s.
 const LEAST_INSTANT: f64 = 1e-4;
 
+impl Unknown {
+    /// What is unknown of a release beside the model's parameters, about zero and so many deviations off at most.
+    pub fn nuisance(
+        kind: Kind,
+        name: &str,
+        unit: &'static str,
+        group: Group,
+        deviation: f64,
+        farthest: f64,
+    ) -> Self {
+        Self {
+            kind,
+            name: name.to_owned(),
+            unit,
+            group,
+            scaled: Scaled::By(deviation),
+            bounds: (-farthest, farthest),
+            prior: Some(Prior { mean: 0.0, deviation }),
+            start: 0.0,
+        }
+    }
+}
+
 impl Unknowns {
     pub fn of(problem: &Problem) -> Result<Self, CalibrateError> {
         if problem.trials.iter().all(|trial| trial.release.held_out) {
@@ -197,19 +223,9 @@ impl Unknowns {
         let nuisances = &problem.nuisances;
         let mut add = |kind, acts, name: &str, unit, deviation: f64, farthest: f64| {
             self.of_trial[t].push(Local { unknown: self.list.len(), acts });
-            self.list.push(Unknown {
-                kind,
-                name: name.to_owned(),
-                unit,
-                group: Group::Release(t),
-                scaled: Scaled::By(deviation),
-                bounds: (-farthest, farthest),
-                prior: Some(Prior { mean: 0.0, deviation }),
-                start: match acts {
-                    Acts::Theta(k) => trial.model.theta[k],
-                    _ => 0.0,
-                },
-            });
+            let unknown = Unknown::nuisance(kind, name, unit, Group::Release(t), deviation, farthest);
+            let start = if let Acts::Theta(k) = acts { trial.model.theta[k] } else { 0.0 };
+            self.list.push(Unknown { start, ..unknown });
         };
         if nuisances.release_instant {
             let deviation = trial.release.release_uncertainty.max(LEAST_INSTANT);
@@ -219,6 +235,11 @@ impl Unknowns {
         if let Some(deviation) = nuisances.hold_angle.filter(|_| trial.is_straight() && !angle_is_fitted) {
             let acts = Acts::OnTheta(index(trial, RELEASE_ANGLE)?);
             add(Kind::HoldAngle, acts, HOLD_ANGLE, "rad", deviation, nuisances.farthest);
+        }
+        let clamp_is_fitted = problem.parameters.iter().any(|parameter| parameter.path == BASE_ANGLE);
+        if let Some(deviation) = nuisances.clamp_angle.filter(|_| !clamp_is_fitted) {
+            let acts = Acts::OnTheta(index(trial, BASE_ANGLE)?);
+            add(Kind::ClampAngle, acts, CLAMP_ANGLE, "rad", deviation, nuisances.farthest);
         }
         if trial.is_held() {
             let sizes = hold::sizes(&trial.model).map_err(|error| of_model(trial, error))?;
@@ -243,6 +264,7 @@ impl Unknowns {
 }
 
 const RELEASE_ANGLE: &str = "release.angle";
+const BASE_ANGLE: &str = "rod.base_angle";
 
 impl Group {
     /// Whether both are the same, pressures to a thousandth.

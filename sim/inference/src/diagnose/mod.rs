@@ -58,6 +58,7 @@ use constancy::{INCONSTANT, inconstant};
 use curve::curves;
 use first_swings::FirstSwings;
 use round::{Best, RoundOutcome, RoundRequest, round};
+use setup::Lift;
 use share::Step;
 use validation::{Agreement, HeldOut, agreement, gaps, is_astray};
 use verdict::{Added, Evidence, Gap};
@@ -158,6 +159,9 @@ pub fn diagnose(
     };
     listener.began();
     let mut course = Course::new(&before, settings, listener, diagnosis);
+    if let Some(alone) = course.misstated_alone()? {
+        return alone.conclude();
+    }
     course.search()?;
     let is_unknown = course.diagnosis.verdict == Verdict::Unknown && settings.most_effects > 0;
     if is_unknown && has_several_pressures(problem) && !course.is_stopped() {
@@ -184,6 +188,10 @@ struct Course<'a> {
     cost: f64,
     after: Agreement,
     added: Vec<Best>,
+    /// The baseline with each belief lifted that stands at its limit.
+    lifts: Vec<Lift>,
+    /// How the model meets held-out releases with a belief lifted for good.
+    lifted_held_out: Option<HeldOut>,
     /// The model after each of them.
     steps: Vec<Step>,
     /// Whether effects of the rod's material have a strength for each pressure.
@@ -233,6 +241,8 @@ impl<'a> Course<'a> {
             cost: before.cost,
             after: before.fitted.clone(),
             added: Vec::new(),
+            lifts: Vec::new(),
+            lifted_held_out: None,
             steps: Vec::new(),
             is_widened: false,
             diagnosis,
@@ -366,6 +376,7 @@ impl<'a> Course<'a> {
         };
         let mut wider = Self::new(self.before, self.settings, self.listener, diagnosis);
         wider.is_widened = true;
+        wider.lifts.clone_from(&self.lifts);
         wider.search()?;
         if wider.added.is_empty() || wider.diagnosis.verdict == Verdict::Unknown {
             for evidence in wider.diagnosis.evidence.iter_mut().skip(self.diagnosis.evidence.len()) {
@@ -408,8 +419,9 @@ impl<'a> Course<'a> {
         Ok(inconstant.is_empty() && !is_astray(&self.gaps().0))
     }
 
-    /// How the model with all that was added meets held-out releases.
+    /// How the model with all that was added or lifted meets held-out releases.
     fn held_out(&self) -> Option<&HeldOut> {
-        self.added.last().map_or(self.before.held_out.as_ref(), |best| best.held_out.as_ref())
+        let before = || self.lifted_held_out.as_ref().or(self.before.held_out.as_ref());
+        self.added.last().map_or_else(before, |best| best.held_out.as_ref())
     }
 }

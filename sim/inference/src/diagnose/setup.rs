@@ -2,19 +2,25 @@
 //!
 //! In a search no belief gives way by more than [`FARTHEST`] deviations. Without that limit a model that lacks an effect
 //! takes an impossible setup instead, and from there a fit with the effect finds no way back. Where the baseline or the
-//! answer needs a belief at its limit, that belief alone is lifted in the model without any effect. If that does as well
-//! for its unknowns, what is stated is wrong, or nobody can tell.
+//! answer needs a belief at its limit, that belief alone is lifted in the model without any effect. If nothing is missing
+//! then, the statement is wrong, and no effect is looked for. If it does as well for its unknowns as the effects that were
+//! found, the statement is wrong, or nobody can tell.
+
+use rayon::prelude::*;
 
 use super::Course;
 use super::section::FARTHEST;
 use super::stop::ending_by;
-use super::verdict::Contradiction;
+use super::validation::{HeldOut, agreement, is_astray};
+use super::verdict::{Contradiction, Verdict};
 use super::warnings::{contradictions, deviations_off};
-use crate::calibrate::joint::{Estimate, Joint};
-use crate::calibrate::search::STAGE_SHARE;
-use crate::calibrate::unknowns::Kind;
+use crate::calibrate::joint::{Estimate, Fitted, Joint};
+use crate::calibrate::unknowns::{CLAMP_ANGLE, Group, Kind, Unknown};
 use crate::calibrate::{CalibrateError, Problem};
 
+/// Standard deviation of what is believed of a clamp's angle where nothing is said of it, rad: set by eye, or with a
+/// protractor.
+const USUAL_CLAMP: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// How much less is believed of a marker's place or of an angle that is lifted.
 const LIFTED: f64 = 25.0;
 
@@ -39,6 +45,7 @@ pub(super) fn limit_beliefs(problem: &mut Problem) {
 fn lifted(problem: &Problem, known: &Estimate) -> Problem {
     let mut problem = problem.clone();
     match known.unknown.kind {
+        Kind::ClampAngle => problem.nuisances.clamp_angle = Some(LIFTED * USUAL_CLAMP),
         Kind::HoldAngle => problem.nuisances.hold_angle.iter_mut().for_each(|own| *own *= LIFTED),
         Kind::Offset { .. } => problem.nuisances.offset.iter_mut().for_each(|own| *own *= LIFTED),
         _ => {
@@ -50,54 +57,107 @@ fn lifted(problem: &Problem, known: &Estimate) -> Problem {
     problem
 }
 
-impl Course<'_> {
+/// A model without any effect and with one belief lifted.
+#[derive(Clone)]
+pub(super) struct Lift {
+    /// The belief.
+    own: Estimate,
+    /// What the model costs; infinite where it cannot be run.
+    cost: f64,
+    known: Vec<Estimate>,
+}
+
+impl Lift {
+    /// What it says of the parameter that was believed to be otherwise.
+    fn contradictions(&self) -> Vec<Contradiction> {
+        let found = self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name);
+        contradictions(found.map(|found| (found, &self.own)))
+    }
+}
+
+/// What of the beliefs stands at its limit, each name once.
+fn at_limit<'a>(known: impl Iterator<Item = &'a Estimate>) -> Vec<&'a Estimate> {
+    let mut all: Vec<&Estimate> = known.filter(|own| deviations_off(own, own).is_some()).collect();
+    all.sort_by(|a, b| a.unknown.name.cmp(&b.unknown.name));
+    all.dedup_by_key(|own| &own.unknown.name);
+    all
+}
+
+/// The clamp's angle as it is stated, where nothing is said of its error.
+fn stated_clamp(problem: &Problem) -> Option<Estimate> {
+    let is_believed = problem.nuisances.clamp_angle.is_some();
+    let unknown =
+        Unknown::nuisance(Kind::ClampAngle, CLAMP_ANGLE, "rad", Group::All, USUAL_CLAMP, f64::INFINITY);
+    (!is_believed).then_some(Estimate { unknown, x: 0.0 })
+}
+
+impl<'a> Course<'a> {
+    /// The course on which nothing is missing but that one statement is wrong, if there is one: asked before any effect,
+    /// since a search beside a wrong statement names what stands in for it.
+    pub(super) fn misstated_alone(&mut self) -> Result<Option<Self>, CalibrateError> {
+        let clamp = stated_clamp(&self.problem);
+        let mut asked = at_limit(self.before.known.iter());
+        if !asked.is_empty() {
+            asked.extend(&clamp);
+        }
+        self.lifts = asked.into_par_iter().map(|own| self.lift(own)).collect::<Result<_, _>>()?;
+        let best = self.lifts.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let Some(best) = best.filter(|best| best.cost < self.cost) else { return Ok(None) };
+        let problem = lifted(&self.problem, &best.own);
+        let stopped = ending_by(&problem, &self.listener.stop());
+        let Some(fit) = Joint::follow(&stopped, &best.known, &|_| ())? else { return Ok(None) };
+        let mut alone = Self::new(self.before, self.settings, self.listener, self.diagnosis.clone());
+        (alone.after, alone.cost) = (agreement(&fit), fit.cost());
+        if !alone.is_within_noise() {
+            return Ok(None);
+        }
+        let (known, found) = (fit.known(), fit.found);
+        alone.lifted_held_out = HeldOut::meet(&problem, &known)?;
+        (alone.model, alone.problem) = (Fitted::new(problem.clone(), found), problem);
+        alone.add_all()?;
+        let is_all = alone.added.is_empty() && alone.diagnosis.verdict == Verdict::NothingMissing;
+        if !is_all || alone.diagnosis.cut_short_in_round.is_some() || is_astray(&alone.gaps().0) {
+            return Ok(None);
+        }
+        alone.diagnosis.verdict = Verdict::Misstated;
+        alone.diagnosis.contradictions = Lift { known, ..best.clone() }.contradictions();
+        Ok(Some(alone))
+    }
+
+    /// The model without any effect and with a belief lifted. From the start, since a belief at its limit may have lost the
+    /// phase of the swing. What mesh and step do is known from the baseline, unless that misses the first swings.
+    fn lift(&self, own: &Estimate) -> Result<Lift, CalibrateError> {
+        self.listener.doing(&format!("test of the stated {}", own.unknown.name));
+        let (baseline, stop) = (self.before.model.fit()?, self.listener.stop());
+        let (problem, view) =
+            (ending_by(&lifted(&self.before.model.problem, own), &stop), &baseline.found.view);
+        let fit = match view.corrections {
+            Some(_) => Joint::search_like(&problem, view, 0.0),
+            None => Joint::search(&problem, &|_| ()).map(Some),
+        };
+        let fit = match fit {
+            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => None,
+            fit => fit?.map(|fit| (fit.cost(), fit.known())),
+        };
+        let (cost, known) = fit.unwrap_or((f64::INFINITY, Vec::new()));
+        Ok(Lift { own: own.clone(), cost, known })
+    }
+
     /// What alone would have to be otherwise than stated, if that does as well as what was added; empty where nothing does.
     pub(super) fn misstated(&self) -> Result<Vec<Contradiction>, CalibrateError> {
         if self.added.is_empty() || self.is_stopped() {
             return Ok(Vec::new());
         }
-        // What stood at its limit before an effect gave way may be what the effect stands in for.
-        let known = self.model.fit()?.known();
-        let all = self.before.known.iter().chain(&known);
-        let mut at_limit: Vec<&Estimate> = all.filter(|own| deviations_off(own, own).is_some()).collect();
-        at_limit.sort_by(|a, b| a.unknown.name.cmp(&b.unknown.name));
-        at_limit.dedup_by_key(|own| &own.unknown.name);
         let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
         let penalty: f64 = self.added.iter().map(|best| best.penalty).sum();
-        let mut least = self.cost + 0.5 * variance_inflation * penalty;
-        let (baseline, stop) = (self.before.model.fit()?, self.listener.stop());
-        // From the start, since a belief at its limit may have lost the phase of the swing. What mesh and step do is known
-        // from the baseline, unless that misses the first swings.
-        let view = &baseline.found.view;
-        let without = |problem: Problem, share: f64| {
-            let problem = ending_by(&problem, &stop);
-            let fit = match view.corrections {
-                Some(_) => Joint::search_like(&problem, view, share),
-                None => Joint::search(&problem, &|_| ()).map(Some),
-            };
-            match fit {
-                Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
-                fit => Ok(fit?.map(|fit| (fit.cost(), fit.known()))),
-            }
-        };
-        // Where all of them together do less well, none of them does as well alone.
-        if at_limit.len() > 1 {
-            self.listener.doing("test of what is stated");
-            let all = at_limit.iter().fold(self.problem.clone(), |problem, own| lifted(&problem, own));
-            if without(all, STAGE_SHARE)?.is_some_and(|(cost, _)| (1.0 - STAGE_SHARE) * cost >= least) {
-                return Ok(Vec::new());
-            }
-        }
-        let mut misstated = Vec::new();
-        for own in at_limit {
-            self.listener.doing(&format!("test of the stated {}", own.unknown.name));
-            let Some((cost, found)) = without(lifted(&self.problem, own), 0.0)? else { continue };
-            if cost < least {
-                least = cost;
-                let of_it = found.iter().filter(|other| other.unknown.name == own.unknown.name);
-                misstated = contradictions(of_it.map(|other| (other, own)));
-            }
-        }
-        Ok(misstated)
+        let least = self.cost + 0.5 * variance_inflation * penalty;
+        // What stood at its limit before an effect gave way may be what the effect stands in for.
+        let known = self.model.fit()?.known();
+        let is_new =
+            |own: &&Estimate| self.lifts.iter().all(|lift| lift.own.unknown.name != own.unknown.name);
+        let new = at_limit(known.iter()).into_par_iter().filter(is_new).map(|own| self.lift(own));
+        let lifts = [self.lifts.clone(), new.collect::<Result<_, _>>()?].concat();
+        let best = lifts.iter().filter(|lift| lift.cost < least).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        Ok(best.map_or(Vec::new(), Lift::contradictions))
     }
 }

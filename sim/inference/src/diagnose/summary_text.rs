@@ -1,5 +1,6 @@
 //! The answer in words.
 
+use std::collections::HashSet;
 use std::fmt::Write;
 
 use models::effects::by_name;
@@ -25,6 +26,11 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and repeatability explain.".to_owned()),
             remains(diagnosis),
             apart(diagnosis),
+        ],
+        Verdict::Misstated => vec![
+            contradicted(diagnosis).map(|told| format!("A stated value is wrong: {told}. With it so, nothing else is missing that these recordings could show. Measure it again, or state it otherwise.")),
+            removed(diagnosis),
+            remains(diagnosis),
         ],
         Verdict::Named | Verdict::Class => vec![
             contradicted(diagnosis).map(|told| format!("A stated value may be wrong: {told}. Check it first.")),
@@ -56,10 +62,11 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
     sentences.into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 
-/// What of the setup a fit moved to its limit or beyond: the worst two.
+/// What of the setup a fit moved to its limit or beyond: the worst two, each parameter once.
 fn contradicted(diagnosis: &Diagnosis) -> Option<String> {
-    let told = diagnosis.contradictions.iter().map(Contradiction::told);
-    let worst: Vec<String> = told.take(2).collect();
+    let mut seen = HashSet::new();
+    let of_each = diagnosis.contradictions.iter().filter(|own| seen.insert(&own.parameter));
+    let worst: Vec<String> = of_each.map(Contradiction::told).take(2).collect();
     (!worst.is_empty()).then(|| listed(&worst))
 }
 
@@ -221,7 +228,8 @@ fn removed(diagnosis: &Diagnosis) -> Option<String> {
 fn remains(diagnosis: &Diagnosis) -> Option<String> {
     let shares = diagnosis.shares.as_ref()?;
     let [before, left] = [shares.before_mm, shares.left_mm].map(|distance| significant(distance, 2));
-    let distances = match diagnosis.effects.is_empty() {
+    let is_as_before = diagnosis.effects.is_empty() && diagnosis.verdict != Verdict::Misstated;
+    let distances = match is_as_before {
         true => format!("Simulation and recordings differ by {left} mm"),
         false => format!("The difference of simulation and recordings falls from {before} to {left} mm"),
     };

@@ -5,7 +5,7 @@
 //! give way. The gap that is shown is another one: everything that all releases share is held as it was found,
 //! and only what belongs to a pressure or a release is fitted to them.
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use super::curve::{Path, paths};
 use super::verdict::Gap;
@@ -30,7 +30,7 @@ pub(super) struct HeldOut {
     /// What belongs to the held-out releases alone, fitted to them.
     fitted: Fitted,
     /// The model fitted to them and to what it was fitted to; none where that cannot be run.
-    together: OnceCell<Option<Fitted>>,
+    together: OnceLock<Option<Fitted>>,
 }
 
 impl HeldOut {
@@ -63,7 +63,7 @@ impl HeldOut {
         match fit(&held_out) {
             Ok(fit) => {
                 let (agreement, found) = (agreement(&fit), fit.found);
-                Ok(Some(Self { agreement, fitted: Fitted::new(held_out, found), together: OnceCell::new() }))
+                Ok(Some(Self { agreement, fitted: Fitted::new(held_out, found), together: OnceLock::new() }))
             }
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
             Err(error) => Err(error),

@@ -56,7 +56,10 @@ impl Contradiction {
     /// In words.
     pub(super) fn told(&self) -> String {
         let Self { parameter, value, unit, deviations } = self;
-        let value = stated(*value, unit);
+        let value = match unit.as_str() {
+            "rad" => stated(value.to_degrees(), "deg"),
+            unit => stated(*value, unit),
+        };
         format!("{parameter} = {value} is {deviations:.0} standard deviations from its prior")
     }
 }

@@ -51,6 +51,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Named => "Verdict: named",
         Verdict::Incomplete => "Verdict: named, incomplete",
         Verdict::Class => "Verdict: ambiguous",
+        Verdict::Misstated => "Verdict: a stated value is wrong",
         Verdict::NothingMissing => "Verdict: nothing missing",
         Verdict::Unknown => "Verdict: unknown",
     }

@@ -24,6 +24,7 @@ impl Hidden {
                 beam.bodies.push(Body { mass, center: beam.bodies[0].center, inertia: 0.0 });
             }
             AxialCompliance { compliance } => beam.axial_compliance += compliance,
+            ClampTilt { angle } => beam.incline += angle,
             ReleaseDrift { change } => beam.bending_stiffness *= 1.0 + change * occasion.drift,
             DampingOverPressure { beta, alpha, reference } => {
                 beam.alpha += alpha * occasion.pressure / reference;
@@ -38,6 +39,11 @@ impl Hidden {
     /// Compliance of the clamp, rad/(N m).
     pub fn clamp_compliance(&self) -> f64 {
         if let ClampCompliance { compliance } = *self { compliance } else { 0.0 }
+    }
+
+    /// How far the clamp stands turned, rad.
+    pub fn clamp_tilt(&self) -> f64 {
+        if let ClampTilt { angle } = *self { angle } else { 0.0 }
     }
 
     /// Angular velocity with which the straight rod is let go, rad/s.
