@@ -2,6 +2,7 @@
 //! escaped here; only pictures go in as they are.
 
 mod around;
+mod family;
 mod script;
 
 use std::fmt::Write;
@@ -12,6 +13,7 @@ use crate::picture::{Picture, Rods};
 pub(crate) use script::stripped;
 
 pub use around::{BeforeUse, Masked, extrapolated};
+pub use family::Family;
 
 /// The page of a folder.
 pub const REPORT: &str = "report.html";
@@ -170,6 +172,19 @@ impl Page {
         );
     }
 
+    /// Sliders that choose among the cases of the page, for all charts and rods below them; nothing without a choice.
+    pub fn family(&mut self, family: &Family) {
+        if family.is_empty() {
+            return;
+        }
+        self.is_live = true;
+        let data = script::family(family);
+        let _ = writeln!(
+            self.body,
+            "<div class=\"family\" role=\"group\" aria-label=\"Cases of this page\" hidden>\n{data}</div>"
+        );
+    }
+
     /// The page.
     pub fn finish(mut self) -> String {
         if !self.sections.is_empty() {
@@ -228,13 +243,18 @@ mod tests {
                 Picture { name: String::new(), title: String::new(), caption: String::new(), drawing };
             let mut page = Page::new("a", "b", "c");
             page.figure(&picture);
+            page.family(
+                &Family::default()
+                    .by(text, text, &[1.0, 2.0])
+                    .by_words(text, &[text.to_owned(), String::new()]),
+            );
             page.finish()
         };
         let (evil, plain) = (page("</script><script>alert('&')</script>"), page("plain"));
         for sign in ["<", ">", "<script"] {
             assert_eq!(evil.matches(sign).count(), plain.matches(sign).count(), "{sign}");
         }
-        assert!(plain.matches("<script").count() == 3 && plain.contains("script-src 'sha256-"));
+        assert!(plain.matches("<script").count() == 4 && plain.contains("script-src 'sha256-"));
         let without = Page::new("a", "b", "c").finish();
         assert!(!without.contains("<script") && !without.contains("script-src"));
     }

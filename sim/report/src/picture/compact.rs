@@ -77,10 +77,14 @@ fn path(points: &[Point]) -> String {
     text
 }
 
-/// Without the points that lie within [`OFF`] of the line through what is kept.
+fn simplified(points: &[Point]) -> Vec<Point> {
+    points.iter().zip(kept(points)).filter(|(_, is_kept)| *is_kept).map(|(point, _)| *point).collect()
+}
+
+/// Which points are needed, in fine pixels: the others lie within an eighth of a pixel of the line through these.
 ///
 /// Source: Douglas and Peucker (1973), Algorithms for the reduction of the number of points.
-fn simplified(points: &[Point]) -> Vec<Point> {
+pub fn kept(points: &[Point]) -> Vec<bool> {
     let mut is_kept = vec![false; points.len()];
     let mut parts = vec![(0, points.len().saturating_sub(1))];
     while let Some((first, last)) = parts.pop() {
@@ -93,7 +97,7 @@ fn simplified(points: &[Point]) -> Vec<Point> {
             parts.extend([(first, far), (far, last)]);
         }
     }
-    points.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(point, _)| *point).collect()
+    is_kept
 }
 
 /// Distance of a point from a piece of a line.
