@@ -161,6 +161,13 @@ impl Page {
         );
     }
 
+    /// Rods in motion of several releases, beside one another as far as there is room.
+    pub fn all_rods(&mut self, all: &[Rods]) {
+        self.body += "<div class=\"figures\">\n";
+        all.iter().for_each(|rods| self.rods(rods));
+        self.body += "</div>\n";
+    }
+
     /// Rods in motion, which only a script can show.
     pub fn rods(&mut self, rods: &Rods) {
         self.is_live = true;

@@ -124,7 +124,7 @@ class Rods {
       on.arc(...at([marker.x[near], marker.z[near]]), 5.5, 0, 7);
       on.stroke();
     }
-    this.said.textContent = `${this.time.toFixed(3)} s`;
+    this.said.textContent = `${this.time.toFixed(3).replace('-', '\u2212')} s`;
   }
 
   /** Shows these cases of the page's family before all others, or all alike. */
