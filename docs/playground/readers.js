@@ -28,7 +28,7 @@ function named(text) {
 
 /** `tip_x_mm`, `tip x (mm)`, `x[m]`: marker, axis and unit. */
 function column(text) {
-  const words = text.trim().toLowerCase().replace(/["'()[\]]/g, ' ').trim().split(/[\s_/]+/);
+  const words = text.trim().toLowerCase().replace(/["'()[\]]/g, ' ').trim().split(/[\s_/.:]+/);
   const last = words.at(-1);
   const unit = words.length > 1 && (last in LENGTHS || last in TIMES) ? words.pop() : null;
   if (/^(t|time|times|zeit|seconds)$/.test(words.join(' '))) return { kind: 'time', factor: TIMES[unit] ?? 1 };

@@ -7,7 +7,7 @@ mod script;
 
 use std::fmt::Write;
 
-use crate::picture::{Picture, Rods};
+use crate::picture::{Picture, Rods, dotted};
 
 #[cfg(test)]
 pub(crate) use script::stripped;
@@ -122,10 +122,12 @@ impl Page {
             self.body += "<tr>";
             for (k, cell) in row.iter().enumerate() {
                 let text = escaped(cell);
-                self.body += &match (k, cell.parse::<f64>()) {
+                // A number, or the two ends of an interval.
+                let is_number = cell.split(" to ").all(|part| part.parse::<f64>().is_ok());
+                self.body += &match (k, is_number) {
                     (0, _) => format!("<th scope=\"row\">{text}</th>"),
-                    (_, Ok(_)) => format!("<td class=\"number\">{text}</td>"),
-                    (_, Err(_)) => format!("<td>{text}</td>"),
+                    (_, true) => format!("<td class=\"number\">{text}</td>"),
+                    (_, false) => format!("<td>{text}</td>"),
                 };
             }
             self.body += "</tr>\n";
@@ -150,8 +152,11 @@ impl Page {
     /// A picture.
     pub fn figure(&mut self, picture: &Picture) {
         let (title, caption) = (escaped(&picture.title), escaped(&picture.caption));
-        let svg =
-            picture.svg().trim().replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{title}\" "), 1);
+        let svg = dotted(picture.svg().trim()).replacen(
+            "<svg ",
+            &format!("<svg role=\"img\" aria-label=\"{title}\" "),
+            1,
+        );
         let (data, choice) = script::charts(&picture.drawing.charts);
         self.is_live |= !data.is_empty();
         let choice = if choice { " data-choice" } else { "" };

@@ -41,6 +41,7 @@ use panel::{Axis, Drawn, Key, Panel, Stroke, equal_scale, heading, padded, plot_
 pub use against_markers::against_markers;
 pub use analysed::{analysed, recordings};
 pub use calibrated::{calibrated, over_pressure};
+pub use compact::dotted;
 pub use diagnosed::diagnosed;
 pub use drawing::Drawing;
 pub use fitted::fitted;
