@@ -95,6 +95,6 @@ mod tests {
         assert_eq!(axes[0]["places"], json!({ "unit": 1.0, "from": 2, "step": -1, "count": 3 }));
         assert_eq!(axes[1]["values"], json!(["consistent", "paper"]));
         assert_eq!(axes[1]["places"]["steps"], json!([0, 1, -1]));
-        assert!(Family::default().by("x", "", &vec![1.0; 5]).is_empty());
+        assert!(Family::default().by("x", "", &[1.0; 5]).is_empty());
     }
 }
