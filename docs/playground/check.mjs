@@ -151,8 +151,11 @@ async function fit() {
   const stiffness = found['rod.bending_stiffness'];
   // The same recording by the program.
   const experiment = join(scratch, 'experiment.toml');
-  writeFileSync(experiment, `[muscle]\nname = "garbulinski-2022"\n[effects.rayleigh_mass]\nalpha = "1 1/s"\n[effects.rayleigh_stiffness]\nbeta = "2 ms"\n`
-    + `[[recording]]\nfile = ${JSON.stringify(resolve(RECORDING))}\npressure = "15 psi"\ntip = "tip"\nangle = "0 deg"\n`);
+  // By the experiment that the page saves, beside the recording.
+  writeFileSync(join(scratch, '15psi-1.csv'), readFileSync(resolve(RECORDING)));
+  await page.run(`globalThis.kept = null; playground.recording.saved = text => { globalThis.kept = text; }; document.getElementById('save-experiment').click()`);
+  await page.until('globalThis.kept !== null');
+  writeFileSync(experiment, await page.run('globalThis.kept'));
   execFileSync(EFAM, ['calibrate', experiment, '--json', '--out', join(scratch, 'calibration')], { stdio: ['ignore', 'ignore', 'ignore'] });
   const text = readFileSync(join(scratch, 'calibration', 'muscle.toml'), 'utf8');
   const columns = JSON.parse(text.match(/^columns = (\[.*\])/m)[1]);

@@ -261,7 +261,18 @@ const library = new Library(catalogue, setup, () => { showControls(); changed();
 const recording = new Recording(() => state.setups[0], later, fitted => {
   state.setups[0] = fitted;
   everything();
+}, text => {
+  save(text, 'experiment.toml');
+  recording.say('Saved as experiment.toml: put it beside the recording.');
 });
+function save(text, name) {
+  const link = Object.assign(document.createElement('a'), {
+    href: URL.createObjectURL(new Blob([text], { type: 'application/toml' })), download: name,
+  });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
 
 byId('muscle').append(...catalogue.muscles.map(({ name }) => new Option(name, name)), new Option('plain rod without a muscle', ''));
 byId('muscle').addEventListener('change', ({ target }) => {
@@ -295,12 +306,7 @@ byId('reset').addEventListener('click', () => {
   everything();
 });
 byId('save').addEventListener('click', () => {
-  const text = ask({ ask: 'scenario', setup: setup() });
-  const link = Object.assign(document.createElement('a'), {
-    href: URL.createObjectURL(new Blob([text], { type: 'application/toml' })), download: 'playground.toml',
-  });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  save(ask({ ask: 'scenario', setup: setup() }), 'playground.toml');
   byId('kept').textContent = 'Saved as playground.toml.';
 });
 byId('share').addEventListener('click', async () => {

@@ -20,15 +20,21 @@ export function read(name, buffer) {
   return recording;
 }
 
+/** The marker of a column as the program names it: `Tip 1_x_mm` is of `Tip 1`, `x` of `point`. */
+function named(text) {
+  const stem = text.trim().replace(/^["']|["']$/g, '').replace(/[ _]*[([][^([]*[)\]]$/, '').replace(/_(m|mm|cm|in)$/i, '');
+  return stem.match(/^(.*)[_.: ][xyz]$/i)?.[1] ?? 'point';
+}
+
 /** `tip_x_mm`, `tip x (mm)`, `x[m]`: marker, axis and unit. */
 function column(text) {
-  const words = text.trim().toLowerCase().replace(/["'()[\]]/g, ' ').trim().split(/[\s_/]+/);
+  const words = text.trim().toLowerCase().replace(/["'()[\]]/g, ' ').trim().split(/[\s_/.:]+/);
   const last = words.at(-1);
   const unit = words.length > 1 && (last in LENGTHS || last in TIMES) ? words.pop() : null;
   if (/^(t|time|times|zeit|seconds)$/.test(words.join(' '))) return { kind: 'time', factor: TIMES[unit] ?? 1 };
   const axis = words.pop();
   if (!/^[xyz]$/.test(axis)) return { kind: 'other' };
-  return { kind: 'position', marker: words.join(' ') || 'tip', axis, factor: LENGTHS[unit] ?? null };
+  return { kind: 'position', marker: words.join(' ') || 'tip', own: named(text), axis, factor: LENGTHS[unit] ?? null };
 }
 
 function table(text) {
@@ -45,19 +51,21 @@ function table(text) {
     return row;
   });
   const findings = [], markers = new Map();
+  let assumed = null;
   heads.forEach((head, k) => {
     if (head.kind !== 'position') return;
     const values = rows.map(row => row[k] ?? NaN);
     let factor = head.factor;
     if (factor === null) {
       factor = values.some(value => Math.abs(value) > FAR) ? 1e-3 : 1;
+      assumed = factor === 1 ? 'm' : 'mm';
       findings.push(`${head.marker} ${head.axis} states no unit; ${factor === 1 ? 'm' : 'mm'} is assumed`);
     }
-    const marker = markers.get(head.marker) ?? { name: head.marker, axes: {} };
+    const marker = markers.get(head.marker) ?? { name: head.marker, own: [head.own], axes: {} };
     marker.axes[head.axis] = values.map(value => value * factor);
     markers.set(head.marker, marker);
   });
-  return { time: rows.map(row => row[clock] * heads[clock].factor), markers: [...markers.values()], findings };
+  return { time: rows.map(row => row[clock] * heads[clock].factor), markers: [...markers.values()], findings, unit: assumed };
 }
 
 // Source: The C3D File Format, User Guide, Motion Lab Systems (2008).
@@ -80,6 +88,7 @@ function c3d(bytes) {
   if (!(unit in LENGTHS)) throw new Error(`this C3D file has positions in ${unit}, which is not known here`);
   const labels = parameters.get('POINT:LABELS')?.texts ?? [];
   const markers = Array.from({ length: points }, (_, k) => ({ name: labels[k]?.replace(/\p{C}/gu, '') || `point ${k + 1}`, axes: { x: [], y: [], z: [] } }));
+  markers.forEach(marker => { marker.own = [marker.name]; });
   const value = at => (size === 4 ? view.getFloat32(at, true) : scale * view.getInt16(at, true));
   for (let frame = 0; frame < frames; frame++) {
     markers.forEach(({ axes }, point) => {
@@ -135,6 +144,6 @@ function means(markers) {
     for (const axis of Object.keys(group[0].axes)) {
       axes[axis] = group[0].axes[axis].map((_, k) => group.reduce((sum, marker) => sum + (marker.axes[axis]?.[k] ?? NaN), 0) / group.length);
     }
-    return { name: `${name || 'all'}, mean of ${group.length}`, axes };
+    return { name: `${name || 'all'}, mean of ${group.length}`, own: group.flatMap(({ own }) => own), axes };
   });
 }

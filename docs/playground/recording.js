@@ -16,9 +16,9 @@ const MOST = 60;
 const at = id => document.getElementById(id);
 
 export class Recording {
-  /** `current` gives the setup, `ask` reaches the helper, `taken` is called with a fitted setup. */
-  constructor(current, ask, taken) {
-    Object.assign(this, { current, ask, taken, raw: null, path: null });
+  /** `current` gives the setup, `ask` reaches the helper, `taken` is called with a fitted setup, `saved` with a text. */
+  constructor(current, ask, taken, saved) {
+    Object.assign(this, { current, ask, taken, saved, raw: null, path: null });
     this.over = new Chart(at('over'), { x: 'time since release / s', y: 'mm' });
     this.residuals = new Chart(at('residual'), { x: 'time since release / s', y: 'mm' });
     const drop = at('drop');
@@ -31,11 +31,13 @@ export class Recording {
     });
     at('file').addEventListener('change', event => event.target.files[0] && this.open(event.target.files[0]));
     at('fit').addEventListener('click', () => this.fit());
+    at('save-experiment').addEventListener('click', () => this.save());
   }
 
   async open(file) {
     try {
       this.raw = read(file.name, await file.arrayBuffer());
+      Object.assign(this, { file: file.name, fitted: [], isInstantKnown: false });
     } catch (error) {
       this.raw = this.path = null;
       at('measured').hidden = true;
@@ -89,7 +91,7 @@ export class Recording {
       type: 'number', step: 'any', id: 'choice-release', value: this.choice.release.toFixed(3),
     });
     instant.addEventListener('change', () => {
-      if (instant.value !== '' && instant.validity.valid) this.choice.release = Number(instant.value);
+      if (instant.value !== '' && instant.validity.valid) [this.choice.release, this.isInstantKnown] = [Number(instant.value), true];
       this.take();
     });
     const align = Object.assign(document.createElement('input'), { type: 'checkbox', checked: this.choice.align });
@@ -182,6 +184,8 @@ export class Recording {
       (setup.effects.rayleigh_mass ??= {}).alpha = value(ALPHA);
       (setup.effects.rayleigh_stiffness ??= {}).beta = value(BETA);
       this.choice.release -= value(OFFSET) ?? 0;
+      this.fitted = unknowns.filter(path => path !== OFFSET);
+      this.isInstantKnown ||= value(OFFSET) !== undefined;
       at('choice-release').value = this.choice.release.toFixed(4);
       this.report(fitted);
       this.taken(setup);
@@ -190,6 +194,21 @@ export class Recording {
       this.say(`The fit ended without a result: ${error.message}.`, true);
     } finally {
       at('fit').disabled = false;
+    }
+  }
+
+  /** The recording, what is known of it and the setup, as an experiment for the program. */
+  async save() {
+    const { marker, forward, up, release, align } = this.choice;
+    const axis = of => of.replace('−', '-').replace(/^(?=[xyz])/, '+');
+    const recording = {
+      file: this.file, tip: this.raw.markers.find(({ name }) => name === marker).own, along: axis(forward), up: axis(up),
+      unit: this.raw.unit ?? null, instant: this.isInstantKnown ? release : null, is_placed: align, fitted: this.fitted,
+    };
+    try {
+      this.saved(await this.ask({ ask: 'experiment', setup: this.current(), recording }));
+    } catch (error) {
+      this.say(`The experiment cannot be saved: ${error.message}.`, true);
     }
   }
 

@@ -12,12 +12,14 @@
 //! | [`Request::Release`] | a whole run, with the numbers of `efam simulate` |
 //! | [`Request::Fit`] | parameters fitted to a measured path of the tip |
 //! | [`Request::Scenario`] | the setup as a scenario for `efam simulate` |
+//! | [`Request::Experiment`] | setup and recording as an experiment for `efam calibrate` |
 //!
 //! All physics is that of `efam-core`; a new effect appears here by itself.
 
 pub mod catalogue;
 mod door;
 pub mod error;
+pub mod experiment;
 pub mod fit;
 pub mod live;
 pub mod release;
@@ -78,6 +80,13 @@ pub enum Request {
         /// What is let go.
         setup: Setup,
     },
+    /// A text for `efam calibrate`.
+    Experiment {
+        /// The model, with fitted values if there are any.
+        setup: Setup,
+        /// What was measured.
+        recording: experiment::Recording,
+    },
 }
 
 /// The rods that swing, by their numbers.
@@ -127,6 +136,7 @@ impl Playground {
             Request::Release { setup } => value(release::release(&setup)?),
             Request::Fit(fit) => value(fit.run()?),
             Request::Scenario { setup } => value(scenario::toml(&setup)?),
+            Request::Experiment { setup, recording } => value(experiment::toml(&setup, &recording)?),
         }
     }
 

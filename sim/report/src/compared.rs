@@ -167,7 +167,7 @@ fn pictures(runs: &[Reread], comparison: &Comparison) -> Vec<Picture> {
         let Kind::Simulation(of) = &run.kind else { continue };
         let rest = of.summary.rest.map(|rest| [rest.tip_x_m, rest.tip_z_m]);
         let name = format!("{}, {}", letter(k), run.name);
-        tips.push(Tip { name, times: &of.times, path: &of.tip, rest });
+        tips.push(Tip { name, times: &of.times, path: &of.tip, rest, case: None });
     }
     let mut pictures = tips_of_runs(&tips);
     let mut lines: BTreeMap<&str, Vec<Named>> = BTreeMap::new();

@@ -2,16 +2,18 @@
 //! escaped here; only pictures go in as they are.
 
 mod around;
+mod family;
 mod script;
 
 use std::fmt::Write;
 
-use crate::picture::{Picture, Rods};
+use crate::picture::{Picture, Rods, dotted};
 
 #[cfg(test)]
 pub(crate) use script::stripped;
 
 pub use around::{BeforeUse, Masked, extrapolated};
+pub use family::Family;
 
 /// The page of a folder.
 pub const REPORT: &str = "report.html";
@@ -120,10 +122,12 @@ impl Page {
             self.body += "<tr>";
             for (k, cell) in row.iter().enumerate() {
                 let text = escaped(cell);
-                self.body += &match (k, cell.parse::<f64>()) {
+                // A number, or the two ends of an interval.
+                let is_number = cell.split(" to ").all(|part| part.parse::<f64>().is_ok());
+                self.body += &match (k, is_number) {
                     (0, _) => format!("<th scope=\"row\">{text}</th>"),
-                    (_, Ok(_)) => format!("<td class=\"number\">{text}</td>"),
-                    (_, Err(_)) => format!("<td>{text}</td>"),
+                    (_, true) => format!("<td class=\"number\">{text}</td>"),
+                    (_, false) => format!("<td>{text}</td>"),
                 };
             }
             self.body += "</tr>\n";
@@ -148,8 +152,11 @@ impl Page {
     /// A picture.
     pub fn figure(&mut self, picture: &Picture) {
         let (title, caption) = (escaped(&picture.title), escaped(&picture.caption));
-        let svg =
-            picture.svg().trim().replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{title}\" "), 1);
+        let svg = dotted(picture.svg().trim()).replacen(
+            "<svg ",
+            &format!("<svg role=\"img\" aria-label=\"{title}\" "),
+            1,
+        );
         let (data, choice) = script::charts(&picture.drawing.charts);
         self.is_live |= !data.is_empty();
         let choice = if choice { " data-choice" } else { "" };
@@ -157,6 +164,13 @@ impl Page {
             self.body,
             "<figure{choice}>\n<figcaption><strong>{title}</strong> {caption}</figcaption>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Picture: {title}\">{svg}</div>\n{data}</figure>"
         );
+    }
+
+    /// Rods in motion of several releases, beside one another as far as there is room.
+    pub fn all_rods(&mut self, all: &[Rods]) {
+        self.body += "<div class=\"figures\">\n";
+        all.iter().for_each(|rods| self.rods(rods));
+        self.body += "</div>\n";
     }
 
     /// Rods in motion, which only a script can show.
@@ -167,6 +181,19 @@ impl Page {
         let _ = writeln!(
             self.body,
             "<figure class=\"motion\" hidden>\n<figcaption><strong>{title}</strong> {caption}</figcaption>\n{data}</figure>"
+        );
+    }
+
+    /// Sliders that choose among the cases of the page, for all charts and rods below them; nothing without a choice.
+    pub fn family(&mut self, family: &Family) {
+        if family.is_empty() {
+            return;
+        }
+        self.is_live = true;
+        let data = script::family(family);
+        let _ = writeln!(
+            self.body,
+            "<div class=\"family\" role=\"group\" aria-label=\"Cases of this page\" hidden>\n{data}</div>"
         );
     }
 
@@ -228,13 +255,18 @@ mod tests {
                 Picture { name: String::new(), title: String::new(), caption: String::new(), drawing };
             let mut page = Page::new("a", "b", "c");
             page.figure(&picture);
+            page.family(
+                &Family::default()
+                    .by(text, text, &[1.0, 2.0])
+                    .by_words(text, &[text.to_owned(), String::new()]),
+            );
             page.finish()
         };
         let (evil, plain) = (page("</script><script>alert('&')</script>"), page("plain"));
         for sign in ["<", ">", "<script"] {
             assert_eq!(evil.matches(sign).count(), plain.matches(sign).count(), "{sign}");
         }
-        assert!(plain.matches("<script").count() == 3 && plain.contains("script-src 'sha256-"));
+        assert!(plain.matches("<script").count() == 4 && plain.contains("script-src 'sha256-"));
         let without = Page::new("a", "b", "c").finish();
         assert!(!without.contains("<script") && !without.contains("script-src"));
     }

@@ -41,6 +41,7 @@ use panel::{Axis, Drawn, Key, Panel, Stroke, equal_scale, heading, padded, plot_
 pub use against_markers::against_markers;
 pub use analysed::{analysed, recordings};
 pub use calibrated::{calibrated, over_pressure};
+pub use compact::dotted;
 pub use diagnosed::diagnosed;
 pub use drawing::Drawing;
 pub use fitted::fitted;
@@ -52,7 +53,7 @@ pub use predicted::predicted;
 pub use pressures::{PASCAL_PER_PSI, PressureRow, pressures};
 pub use recording::recording;
 pub use released::{in_motion, released};
-pub use rods::{Rods, of_calibration, of_diagnosis};
+pub use rods::{Rod, Rods, of_calibration, of_diagnosis, of_family, rod_of_case, rod_of_run};
 pub use swept::swept_pictures;
 pub use tips::{Tip, over_pressure_and_amplitude, over_pressures, tips, tips_of_runs};
 
@@ -63,6 +64,8 @@ const BLUE: RGBColor = RGBColor(0, 114, 178);
 const VERMILION: RGBColor = RGBColor(213, 94, 0);
 const GREEN: RGBColor = RGBColor(0, 158, 115);
 const ORANGE: RGBColor = RGBColor(230, 159, 0);
+/// Of what is drawn only while a reader chooses it. Source: Tol (2021), muted scheme.
+const CHOSEN: RGBColor = RGBColor(136, 34, 85);
 
 const MILLI: f64 = 1e3;
 /// Folder of the pictures that a page shows.

@@ -7,12 +7,14 @@ use efam_core::trajectory::{Status, Trajectory};
 use efam_experiments::summary::{Cycle, Mode, Summary};
 use efam_store::StoreError;
 use efam_store::folder::Folder;
+use models::model::Model;
 use models::quantity::format_si;
 use serde_json::json;
 
-use crate::page::{BeforeUse, Page, REPORT, Table, extrapolated};
+use crate::page::{BeforeUse, Family, Page, REPORT, Table, extrapolated};
 use crate::picture::{
-    PASCAL_PER_PSI, Picture, PressureRow, Rods, Tip, over_pressure_and_amplitude, pressures, tips,
+    PASCAL_PER_PSI, Picture, PressureRow, Rod, Rods, Tip, of_family, over_pressure_and_amplitude, pressures,
+    rod_of_run, tips,
 };
 use crate::quantities::quantities;
 use crate::report::{short, significant};
@@ -32,19 +34,37 @@ pub struct Member {
     pub times: Vec<f64>,
     /// Positions of the tip, m.
     pub tip: Vec<[f64; 2]>,
+    /// How it moves, on the page of its set.
+    pub rod: Option<Rod>,
 }
 
 impl Member {
     /// What a set keeps of a run.
     pub fn new(summary: Summary, pressure: Option<f64>, trajectory: Trajectory) -> Self {
-        Self { summary, pressure, times: trajectory.times, tip: trajectory.tip }
+        Self { summary, pressure, times: trajectory.times, tip: trajectory.tip, rod: None }
     }
 
-    /// The path of its tip, as pictures over pressure show it.
-    pub fn path(&self) -> Tip<'_> {
-        let name = self.pressure.map_or(self.summary.name.clone(), psi);
+    /// The same of the `case`-th run of a set, with its motion.
+    pub fn of_set(
+        case: usize,
+        summary: Summary,
+        pressure: Option<f64>,
+        model: &Model,
+        trajectory: Trajectory,
+    ) -> Self {
+        let rod = rod_of_run(case, &summary.name, model, &trajectory);
+        Self { rod, ..Self::new(summary, pressure, trajectory) }
+    }
+
+    /// What stands for it in pictures and tables over pressure.
+    fn name(&self) -> String {
+        self.pressure.map_or(self.summary.name.clone(), psi)
+    }
+
+    /// The path of its tip, as pictures over pressure show it; `case` is its place in the set.
+    pub fn path(&self, case: usize) -> Tip<'_> {
         let rest = self.summary.rest.map(|rest| [rest.tip_x_m, rest.tip_z_m]);
-        Tip { name, times: &self.times, path: &self.tip, rest }
+        Tip { name: self.name(), times: &self.times, path: &self.tip, rest, case: Some(case) }
     }
 }
 
@@ -53,12 +73,14 @@ pub fn psi(pascal: f64) -> String {
     format!("{} psi", (1e3 * pascal / PASCAL_PER_PSI).round() / 1e3)
 }
 
-/// Writes what a set of runs has in common into its folder: one summary, one page, pictures over pressure.
+/// Writes what a set of runs has in common into its folder: one summary, one page, pictures over pressure. `model` is
+/// that of one of them.
 /// # Errors
 /// [`StoreError::Write`].
 pub fn write_set(
     folder: &Folder,
     request: &Request,
+    model: &Model,
     members: &[Member],
     remarks: Option<&str>,
 ) -> Result<(), StoreError> {
@@ -72,18 +94,20 @@ pub fn write_set(
         caption: "By the paper's method from each swing, and of the first mode. Of the paper's own curves only what its text says is written in.".to_owned(),
         drawing: over,
     }];
-    let paths: Vec<Tip> = members.iter().map(Member::path).collect();
+    let paths: Vec<Tip> = members.iter().enumerate().map(|(k, member)| member.path(k)).collect();
     pictures.extend(tips(&paths));
     let cycles: Vec<(String, &[Cycle])> = members
         .iter()
-        .map(|member| (member.path().name, member.summary.cycles.as_deref().unwrap_or_default()))
+        .zip(&paths)
+        .map(|(member, path)| (path.name.clone(), member.summary.cycles.as_deref().unwrap_or_default()))
         .collect();
     pictures.extend(over_pressure_and_amplitude(&cycles));
     for picture in &pictures[1..] {
         folder.write(&picture.file(), picture.svg().as_bytes())?;
     }
     let written = SystemTime::now();
-    let html = set_page(request, members, &pictures, remarks, written);
+    let rods = of_family(model, members.iter().filter_map(|member| member.rod.clone()).collect());
+    let html = set_page(request, members, (rods, &pictures), remarks, written);
     folder.write(REPORT, html.as_bytes())?;
     let run = |member: &Member| json!({ "pressure_pa": member.pressure, "run": member.summary });
     let runs: Vec<_> = members.iter().map(run).collect();
@@ -93,7 +117,7 @@ pub fn write_set(
 fn set_page(
     request: &Request,
     members: &[Member],
-    pictures: &[Picture],
+    (rods, pictures): (Option<Rods>, &[Picture]),
     remarks: Option<&str>,
     written: SystemTime,
 ) -> String {
@@ -125,9 +149,15 @@ fn set_page(
         warnings.extend(own.map(|warning| format!("{}: {warning}", member.summary.name)));
     }
     page.section("Over pressure");
+    let pressures: Vec<f64> = members.iter().filter_map(|member| member.pressure).collect();
+    if pressures.len() == members.len() {
+        let in_psi: Vec<f64> = pressures.iter().map(|pressure| pressure / PASCAL_PER_PSI).collect();
+        page.family(&Family::default().by("pressure", "psi", &in_psi));
+    }
     for picture in &pictures[..1] {
         page.figure(picture);
     }
+    rods.iter().for_each(|rods| page.rods(rods));
     if let Some(remarks) = remarks {
         page.list(&remarks.lines().map(str::to_owned).collect::<Vec<_>>());
     }
@@ -149,7 +179,7 @@ fn set_table(members: &[Member]) -> Table<'static> {
         };
         let rest = summary.rest;
         vec![
-            member.path().name,
+            member.name(),
             number(rest.map(|rest| 1e3 * rest.tip_x_m), 4),
             number(rest.map(|rest| 1e3 * rest.tip_z_m), 4),
             number(summary.damped_frequency_hz, 4),

@@ -11,6 +11,7 @@
 //! ```
 
 mod diagnosed;
+mod family;
 mod page;
 mod planned;
 
@@ -69,10 +70,12 @@ pub fn write_swept(plan: &Plan, request: &Request, merged: &Merged, kept: &Kept)
     put(NUMBERS, &text)?;
     let is_grid = matches!(&plan.head.work, Work::Simulate(own) if own.design == Design::Grid);
     let pictures = swept_pictures(merged, kept, is_grid);
+    let family = family::family(plan, kept);
+    let rods = family::rods(plan);
     for picture in &pictures {
         put(&format!("{}.svg", picture.name), picture.svg())?;
     }
-    put(REPORT, &page::page(request, (&plan.head, merged), &pictures, SystemTime::now()))?;
+    put(REPORT, &page::page(request, (&plan.head, merged), (&family, rods, &pictures), SystemTime::now()))?;
     put(MARK, &swept_mark(request))
 }
 

@@ -154,12 +154,15 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
             None => told(&own, &case.model, &case.run, &run).summary,
         };
         console.detail(integrated(&summary));
-        done.push(Member::new(summary, case.pressure, run));
+        done.push(match is_sweep {
+            true => Member::of_set(done.len(), summary, case.pressure, &case.model, run),
+            false => Member::new(summary, case.pressure, run),
+        });
     }
     if let (Some(folder), true) = (&folder, is_sweep) {
         let remarks = is_the_papers(&scenario).then(|| beside_the_paper(&done));
         let request = Request { wall_time_s, ..request };
-        write_set(folder, &request, &done, remarks.as_deref())?;
+        write_set(folder, &request, &cases[0].model, &done, remarks.as_deref())?;
     }
     let folder = folder.map(Folder::finish).transpose()?;
     let folder = folder.as_deref();

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use efam_report::picture::dotted;
 use serde_json::Value;
 
 /// The program that is tested: the one that was built, or another that EFAM_PROGRAM names, such as an older one that a
@@ -20,8 +21,10 @@ pub fn without_scripts(page: &str) -> String {
         let (inside, after) = after.split_once("</script>").expect("a script ends");
         match tag {
             "" => run += 1,
-            " type=\"application/json\" class=\"charts\"" | " type=\"application/json\" class=\"rods\"" => {
-                assert!(!inside.contains(['<', '>', '&']), "{}", &inside[..200]);
+            " type=\"application/json\" class=\"charts\""
+            | " type=\"application/json\" class=\"rods\""
+            | " type=\"application/json\" class=\"family\"" => {
+                assert!(!inside.contains(['<', '>', '&']), "{inside}");
                 serde_json::from_str::<Value>(inside).expect("data is JSON");
             }
             other => panic!("<script{other}>"),
@@ -37,6 +40,12 @@ pub fn without_scripts(page: &str) -> String {
 pub struct Bench(pub PathBuf);
 
 impl Bench {
+    /// The picture of a file as a page shows it, without its first word.
+    pub fn picture(&self, name: &str) -> String {
+        let svg = dotted(self.text(name).trim());
+        svg.trim().split_once(' ').expect("an element").1.to_owned()
+    }
+
     /// Empty; `name` is unique among the tests of the program.
     pub fn new(name: &str) -> Bench {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);

@@ -80,7 +80,7 @@ fn pages(bench: &Bench) -> Vec<&'static str> {
     let several = ["--pressure", "15psi,20psi", "--payload", "0g..80g:3", "--out", "grid"];
     bench.json(&[&predict[..3], &predict[5..], &several].concat());
     bench.file("sweep.toml", SWEEP);
-    bench.json(&["sweep", "sweep.toml", "--json", "--out", "sweep"]);
+    bench.json(&["sweep", "sweep.toml", "--json", "--csv", "--out", "sweep"]);
     bench.json(&["report", "run", "short", "calibration", "diagnosis", "--json", "--out", "report"]);
     bench.json(&["figures", "--json", "--set", "run.duration=\"5 s\"", "--out", "figures"]);
     let simulated = ["run", "short", "rows"];

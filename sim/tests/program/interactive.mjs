@@ -2,6 +2,7 @@
 // off, zooms, hides, plays. Says what is broken.
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
@@ -129,6 +130,62 @@ async function chosen() {
   await kept(page);
 }
 
+/** Pixels of a canvas of which a colour is true. */
+const inked = (page, canvas, isInk) => page.run(`(() => {
+  const canvas = ${canvas}, isInk = ${isInk};
+  const all = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+  let count = 0;
+  for (let k = 0; k < all.length; k += 4) if (isInk(all.slice(k, k + 4))) count++;
+  return count;
+})()`);
+
+/** By keyboard, the sliders of a sweep choose a point: its numbers are those of its row, and its rod stands out. */
+async function slid() {
+  const page = await opened('sweep');
+  const solid = () => inked(page, 'efam.rods[0].canvas', '([r, g, b, a]) => a > 250 && b > 150 && r < 60');
+  await page.run(`(() => { const own = efam.rods[0].slider; own.value = 0.3; own.oninput(); })()`);
+  const before = await solid();
+  for (const [axis, count] of [[0, 1], [1, 3]]) {
+    await page.run(`efam.family.axes[${axis}].slider.focus()`);
+    for (let k = 0; k < count; k++) await page.key('ArrowRight', 'ArrowRight', 39);
+  }
+  await wait();
+  assert.deepEqual(await page.run('efam.family.axes.map(axis => axis.said.textContent)'), ['103.4 kPa', '80 g']);
+  assert.equal(await page.run(`efam.family.axes[1].slider.getAttribute('aria-valuetext')`), '80 g');
+  const [heads, ...rows] = readFileSync(resolve(folder, 'sweep', 'sweep.csv'), 'utf8').trim().split('\n').map(line => line.split(','));
+  const of = name => heads.findIndex(head => head.startsWith(name));
+  const row = rows.find(row => Math.abs(row[of('muscle_pressure')] - 103421) < 1 && Math.abs(row[of('effects_payload_mass')] - 0.08) < 1e-9);
+  const said = await page.run(`efam.charts.filter(chart => chart.of.title === 'Frequency as released').map(chart => chart.said.textContent)`);
+  assert.equal(said.length, 2, said.join(' | '));
+  for (const text of said) {
+    const value = Number(text.match(/([\d.]+) Hz$/)[1]);
+    assert.ok(Math.abs(value / row[of('frequency_hz')] - 1) < 1e-3, `${text} where the row has ${row[of('frequency_hz')]} Hz`);
+  }
+  const after = await solid();
+  assert.ok(before > 500 && after > 50 && after < 0.6 * before, `${before} pixels of all rods, ${after} of the chosen one`);
+  await page.run(`efam.family.all.click()`);
+  await wait();
+  assert.equal(await solid(), before, 'all are as they were');
+  await page.media('print');
+  assert.equal(await page.run('efam.family.root.offsetHeight'), 0);
+  await kept(page);
+}
+
+/** A run of a set that no picture shows is drawn once it is chosen. */
+async function called() {
+  const page = await opened('rows');
+  const chart = await of(page, 'Height of the tip');
+  const ink = () => inked(page, `efam.charts[${chart}].plot.ctx.canvas`, '([r, g, b, a]) => a > 200 && r > 110 && r < 160 && g < 60 && b < 110');
+  const before = await ink();
+  await page.run(`(() => { const own = efam.family.axes[0].slider; own.value = 3; own.oninput(); })()`);
+  await wait();
+  assert.equal(await page.run('efam.family.axes[0].said.textContent'), '20 psi');
+  const after = await ink();
+  assert.ok(after > 300 && before < 0.1 * after, `${before} pixels of its colour, then ${after}`);
+  assert.deepEqual(await page.run(`efam.charts[${chart}].marks.filter(mark => efam.charts[${chart}].isChosen(mark)).map(mark => mark.case)`), [3]);
+  await kept(page);
+}
+
 /** In print, and without scripts, one sees pictures. */
 async function printed() {
   const page = await opened('run');
@@ -138,7 +195,7 @@ async function printed() {
 }
 
 const all = { readOff, zoomed, hidden, played: () => played('run', 1), 'with markers': () => played('calibration', 1),
-  'before and after': () => played('diagnosis', 2), chosen, printed };
+  'before and after': () => played('diagnosis', 2), chosen, slid, called, printed };
 let broken = 0;
 for (const [name, check] of Object.entries(all)) {
   try {

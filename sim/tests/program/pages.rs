@@ -45,8 +45,8 @@ fn a_simulation_leaves_a_page_with_its_numbers_and_what_it_takes_for_granted() {
     holds("taken to be absent: ");
     holds(run["inputs_sha256"]["scenario.resolved.toml"].as_str().expect("a hash"));
     for picture in ["height", "spectrum", "trajectory", "postures", "phase", "energy"] {
-        let svg = bench.text(&format!("o<b>/pictures/{picture}.svg"));
-        holds(svg.trim().split_once(' ').expect("an element").1);
+        let svg = bench.picture(&format!("o<b>/pictures/{picture}.svg"));
+        holds(&svg);
     }
 }
 
@@ -202,8 +202,8 @@ fn the_figures_hold_what_the_paper_s_tables_say() {
     let page = bench.text("out/report.html");
     for of in value["figures"].as_array().expect("rows") {
         let number = &of["number"];
-        let svg = bench.text(&format!("out/figure-{number}.svg"));
-        assert!(page.contains(svg.trim().split_once(' ').expect("an element").1), "figure {number}");
+        let svg = bench.picture(&format!("out/figure-{number}.svg"));
+        assert!(page.contains(&svg), "figure {number}");
         assert!(bench.0.join(format!("out/figure-{number}.csv")).is_file());
     }
     assert!(page.contains("goes beyond straight down here, too"));
@@ -271,8 +271,8 @@ fn the_figures_of_an_experiment_show_its_recordings() {
     }
     assert!(!page.contains("imulated"), "nothing is simulated here");
     for number in 4..=9 {
-        let svg = bench.text(&format!("out/figure-{number}.svg"));
-        assert!(page.contains(svg.trim().split_once(' ').expect("an element").1), "figure {number}");
+        let svg = bench.picture(&format!("out/figure-{number}.svg"));
+        assert!(page.contains(&svg), "figure {number}");
     }
     assert!(bench.0.join("out/experiment.toml").is_file() && !bench.0.join("out/scenario.toml").exists());
 

@@ -28,7 +28,7 @@ pub(super) fn page(
     page.section("Parameters");
     parameters(&mut page, calibration);
     page.section("Residuals of each release");
-    of_calibration(problem, outcome).iter().for_each(|rods| page.rods(rods));
+    page.all_rods(&of_calibration(problem, outcome));
     page.figures(of("fit-"));
     fits(&mut page, calibration);
     misfits(&mut page, calibration);

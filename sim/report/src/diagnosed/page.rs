@@ -31,7 +31,7 @@ pub(super) fn page(
     gaps(&mut page, diagnosis);
     if !over_time.is_empty() {
         page.section("Residuals over time");
-        of_diagnosis(outcome).iter().for_each(|rods| page.rods(rods));
+        page.all_rods(&of_diagnosis(outcome));
         page.figures(over_time);
     }
     page.section("Residual patterns");

@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use efam_store::sha::sha256_in_base64;
 use serde_json::Value;
 
+use crate::page::Family;
 use crate::picture::Rods;
 use crate::picture::chart::{self, Chart};
 
@@ -15,11 +16,14 @@ const UPLOT: &str = include_str!("uplot/uPlot.iife.min.js");
 const LICENCE: &str = include_str!("uplot/LICENSE");
 /// How its charts look.
 pub const STYLE: &str = include_str!("uplot/uPlot.min.css");
-/// Our own, from both files.
+/// Our own, from all files.
 const OWN: &str = concat!(
     "(() => {\n'use strict';\n",
+    include_str!("script/marks.js"),
     include_str!("script/charts.js"),
+    include_str!("script/figures.js"),
     include_str!("script/rods.js"),
+    include_str!("script/family.js"),
     "})();\n"
 );
 
@@ -55,6 +59,11 @@ pub fn charts(charts: &[Chart]) -> (String, bool) {
     let has_same_axes = |pair: &[Chart]| pair[0].x == pair[1].x && pair[0].y == pair[1].y;
     let is_choice = charts.len() > 1 && charts.windows(2).all(has_same_axes);
     (data("charts", &all), is_choice)
+}
+
+/// Data of the cases of a page.
+pub fn family(family: &Family) -> String {
+    data("family", &family.json())
 }
 
 /// Data of rods in motion.

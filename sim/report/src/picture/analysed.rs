@@ -25,7 +25,7 @@ pub fn recordings(cleaned: &Cleaned) -> Vec<Picture> {
         Picture {
             name: format!("recording-{:02}", k + 1),
             title: format!("Recording {}", of.name),
-            caption: "Above: the tip over time, what is masked, where releases are cut. Below: its path in the plane of the swing, and its way out of it.".to_owned(),
+            caption: "The tip over time, with masked samples and the cut of each release; its path in the plane of the swing; its distance from that plane.".to_owned(),
             drawing: recording(of, &releases),
         }
     };
@@ -42,7 +42,7 @@ pub fn analysed(all: &[Analysed]) -> Vec<Picture> {
         pictures.push(Picture {
             name: format!("release-{:02}-swing", k + 1),
             title: format!("Swing and spectrum: {name}"),
-            caption: "Above: the coordinate that was analysed, its upper peaks, and eq. 6 fitted to them. Below: its amplitude spectrum.".to_owned(),
+            caption: "The coordinate that was analysed, with its upper peaks and eq. 6 fitted to them; its amplitude spectrum.".to_owned(),
             drawing: drawn((760, 760), |page| {
                 let (above, below) = page.split_vertically(page.dim_in_pixel().1 / 2);
                 swing(measured, &above)?;

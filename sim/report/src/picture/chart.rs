@@ -3,6 +3,7 @@
 
 mod json;
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use plotters::prelude::*;
@@ -28,6 +29,8 @@ pub struct Chart {
     pub rows: Option<Rows>,
     /// What is drawn, in this order.
     pub marks: Vec<Mark>,
+    /// The cases of the page's family that marks belong to, by the marks' places.
+    pub cases: BTreeMap<usize, Cases>,
     /// Why it shows nothing.
     pub why: Option<String>,
 }
@@ -48,6 +51,17 @@ pub struct Rows {
     pub rows: Vec<Row>,
     /// Width, pixels.
     pub names: f64,
+}
+
+/// The cases that a mark belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cases {
+    /// One.
+    One(usize),
+    /// One, and the mark is only there while a reader chooses it: a picture that cannot be asked leaves it out.
+    Chosen(usize),
+    /// One for each of its points.
+    Each(Vec<usize>),
 }
 
 /// A point of a chart.

@@ -37,6 +37,42 @@ pub fn compact(svg: &str) -> String {
     out
 }
 
+/// The same picture for a page, which may have thousands of dots: filled circles that follow one another with one look
+/// become the round ends of a path without length.
+pub fn dotted(svg: &str) -> String {
+    let mut out = String::with_capacity(svg.len());
+    let mut lines = svg.lines().peekable();
+    while let Some(line) = lines.next() {
+        let Some((look, at)) = dot(line) else {
+            out += line;
+            out.push('\n');
+            continue;
+        };
+        let mut all = vec![at];
+        while let Some((_, at)) = lines.peek().and_then(|line| dot(line)).filter(|(next, _)| *next == look) {
+            all.push(at);
+            lines.next();
+        }
+        let (width, color) = look;
+        let data: String = all.iter().map(|[x, y]| format!("M{x} {y}h0")).collect();
+        let _ = writeln!(
+            out,
+            "<path fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-linecap=\"round\" d=\"{data}\"/>"
+        );
+    }
+    out
+}
+
+/// Diameter and colour, and the place, of a filled circle that hides what is below it.
+fn dot(line: &str) -> Option<((u32, &str), [i32; 2])> {
+    let rest = line.strip_prefix("<circle cx=\"")?.strip_suffix("\" stroke=\"none\" stroke-width=\"1\"/>")?;
+    let (x, rest) = rest.split_once("\" cy=\"")?;
+    let (y, rest) = rest.split_once("\" r=\"")?;
+    let (radius, color) = rest.split_once("\" fill=\"")?;
+    let radius: u32 = radius.parse().ok()?;
+    Some(((2 * radius, color), [x.parse().ok()?, y.parse().ok()?]))
+}
+
 /// A tag without what goes without saying, and with the font once for the whole picture.
 fn shorter(tag: &str) -> String {
     let font = format!(" font-family=\"{FONT}\"");
@@ -77,10 +113,14 @@ fn path(points: &[Point]) -> String {
     text
 }
 
-/// Without the points that lie within [`OFF`] of the line through what is kept.
+fn simplified(points: &[Point]) -> Vec<Point> {
+    points.iter().zip(kept(points)).filter(|(_, is_kept)| *is_kept).map(|(point, _)| *point).collect()
+}
+
+/// Which points are needed, in fine pixels: the others lie within an eighth of a pixel of the line through these.
 ///
 /// Source: Douglas and Peucker (1973), Algorithms for the reduction of the number of points.
-fn simplified(points: &[Point]) -> Vec<Point> {
+pub fn kept(points: &[Point]) -> Vec<bool> {
     let mut is_kept = vec![false; points.len()];
     let mut parts = vec![(0, points.len().saturating_sub(1))];
     while let Some((first, last)) = parts.pop() {
@@ -93,7 +133,7 @@ fn simplified(points: &[Point]) -> Vec<Point> {
             parts.extend([(first, far), (far, last)]);
         }
     }
-    points.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(point, _)| *point).collect()
+    is_kept
 }
 
 /// Distance of a point from a piece of a line.
@@ -125,6 +165,24 @@ mod tests {
         let expected = "<svg>\n<path fill=\"none\" stroke=\"#1\" d=\"M0 0l4 0 4-4M9 9l-2-1\"/>\n<circle/>\n\
                         <path fill=\"none\" stroke=\"#1\" d=\"M1 1l1 1\"/>\n";
         assert_eq!(compact(&svg.concat()), expected);
+    }
+
+    #[test]
+    fn dots_of_one_look_become_one_path() {
+        let dot = |x: i32, color: &str| {
+            format!(
+                "<circle cx=\"{x}\" cy=\"7\" r=\"9\" fill=\"{color}\" stroke=\"none\" stroke-width=\"1\"/>\n"
+            )
+        };
+        let ring = "<circle cx=\"1\" cy=\"7\" r=\"9\" fill=\"none\" stroke=\"#1\" stroke-width=\"4\"/>\n";
+        let path = |color: &str, data: &str| {
+            format!(
+                "<path fill=\"none\" stroke=\"{color}\" stroke-width=\"18\" stroke-linecap=\"round\" d=\"{data}\"/>\n"
+            )
+        };
+        let svg = [dot(1, "#1"), dot(-2, "#1"), dot(3, "#2"), ring.to_owned(), dot(4, "#2")].concat();
+        let due = [path("#1", "M1 7h0M-2 7h0"), path("#2", "M3 7h0"), ring.to_owned(), path("#2", "M4 7h0")];
+        assert_eq!(dotted(&svg), due.concat());
     }
 
     /// A turn stays, a point on the way goes, and so does one that was there already.

@@ -9,7 +9,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::picture::chart::{Chart, Key, Mark, Row, Shape, Stroke};
+use crate::picture::chart::{Cases, Chart, Key, Mark, Row, Shape, Stroke};
 use crate::picture::compact::compact;
 use crate::picture::panel::tick;
 use crate::picture::text::{shortened, wrapped};
@@ -122,7 +122,9 @@ fn chart(area: &Area, of: &Chart) -> Drawn {
         return without_data(area, &of.title, why);
     }
     let mut axes = if of.rows.is_some() { rows(area, of)? } else { axes(area, of)? };
-    of.marks.iter().try_for_each(|own| mark(&mut axes, own))
+    let is_always = |k: &usize| !matches!(of.cases.get(k), Some(Cases::Chosen(_)));
+    let all = of.marks.iter().enumerate().filter(|(k, _)| is_always(k));
+    all.map(|(_, own)| own).try_for_each(|own| mark(&mut axes, own))
 }
 
 fn axes<'a>(area: &Area<'a>, of: &Chart) -> Drawn<Axes<'a>> {

@@ -6,7 +6,8 @@ use efam_inference::predict::grid::{Cell, Grid, PastStraightDown};
 use models::digits::significant;
 use plotters::prelude::RGBColor;
 
-use crate::picture::panel::{Axis, Drawn, Key, Panel, Stroke, heading, padded, px};
+use crate::picture::chart::Cases;
+use crate::picture::panel::{Axis, Drawn, Key, Panel, Stroke, heading, padded, plot_size, px};
 use crate::picture::{Area, BLACK, BLUE, Drawing, GREEN, GREY, MILLI, ORANGE, Picture, VERMILION, drawn};
 
 /// Numbers that are drawn: name, title, label of its axis, factor to its unit.
@@ -22,6 +23,8 @@ const NUMBERS: [Number; 6] = [
 const LEGIBLE: usize = 12;
 /// Share of the range from which on a cell is so dark that white is read better on it.
 const DARK: f64 = 0.68;
+/// Width of a digit in a cell, pixels.
+const DIGIT: f64 = 7.5;
 /// Steps of the colour bar.
 const SHADES: usize = 5;
 /// Lines in one panel at most.
@@ -97,16 +100,18 @@ fn value(cell: &Cell, (name, .., factor): &Number) -> Option<f64> {
 fn map(area: &Area, grid: &Grid, number: &Number) -> Drawn {
     let x = (edges(&grid.pressures_pa, 1e-3), "pressure, kPa");
     let y = (edges(&grid.payloads_kg, MILLI), "payload, g");
-    painted(area, number, x, y, &|i, j| value(&grid.cells[i * grid.payloads_kg.len() + j], number))
+    let place = |i: usize, j: usize| i * grid.payloads_kg.len() + j;
+    painted(area, number, x, y, &|i, j| value(&grid.cells[place(i, j)], number), &|i, j| Some(place(i, j)))
 }
 
-/// Cells between edges, darker where there is more of a number.
+/// Cells between edges, darker where there is more of a number; each is a case of the page's family.
 pub(super) fn painted(
     area: &Area,
     number: &Number,
     (x, x_label): (Vec<f64>, &str),
     (y, y_label): (Vec<f64>, &str),
     value: &dyn Fn(usize, usize) -> Option<f64>,
+    case: &dyn Fn(usize, usize) -> Option<usize>,
 ) -> Drawn {
     let title = format!("{}, {}", number.1, number.2.rsplit(", ").next().unwrap_or_default());
     let title = if number.2.contains(", ") { title } else { number.1.to_owned() };
@@ -127,15 +132,26 @@ pub(super) fn painted(
     let keys: Vec<Key> = (0..SHADES).map(step).collect();
     let (x_axis, y_axis) = (Axis(whole(&x), x_label), Axis(whole(&y), y_label));
     let mut panel = Panel::new(area, &title, &x_axis, &y_axis, &keys)?;
+    let per_unit = plot_size(area, &keys).0 / (x[columns] - x[0]);
     let is_legible = columns <= LEGIBLE && rows <= LEGIBLE;
     for (i, j) in all() {
         let Some(value) = value(i, j) else { continue };
         let share = (value - range.start) / (range.end - range.start);
-        panel.cell(x[i]..x[i + 1], y[j]..y[j + 1], shade(share), value)?;
+        panel.of_cases(case(i, j).map(Cases::One)).cell(
+            x[i]..x[i + 1],
+            y[j]..y[j + 1],
+            shade(share),
+            value,
+        )?;
+        panel.of_cases(None);
         if is_legible {
             let middle = (0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1]));
             let ink = if share > DARK { RGBColor(255, 255, 255) } else { BLACK };
-            panel.number(middle, &significant(value, 3).replace('-', "\u{2212}"), &ink)?;
+            let text = significant(value, 3).replace('-', "\u{2212}");
+            let room = (x[i + 1] - x[i]) * per_unit;
+            if DIGIT * text.chars().count() as f64 <= room {
+                panel.number(middle, &text, &ink)?;
+            }
         }
     }
     Ok(())
@@ -213,7 +229,11 @@ fn curves(
                 )?;
             }
             panel.line(own().filter_map(point), &stroke)?;
-            panel.dots(own().filter_map(point), &stroke, 2.6)?;
+            let cases =
+                grid.cells.iter().enumerate().filter(|(_, cell)| of(cell) == *line && point(cell).is_some());
+            let cases = Some(Cases::Each(cases.map(|(k, _)| k).collect()));
+            panel.of_cases(cases).dots(own().filter_map(point), &stroke, 2.6)?;
+            panel.of_cases(None);
         }
         Ok(())
     };

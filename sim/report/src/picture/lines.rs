@@ -1,7 +1,8 @@
 //! Several lines in one panel, told apart without colour: by dash, width and mark.
 
+use crate::picture::chart::Cases;
 use crate::picture::panel::{Axis, Key, Panel, Stroke, padded};
-use crate::picture::{Area, BLACK, BLUE, Drawn, GREEN, GREY, ORANGE, VERMILION};
+use crate::picture::{Area, BLACK, BLUE, CHOSEN, Drawn, GREEN, GREY, ORANGE, VERMILION};
 
 /// Lines of a picture, at most: more cannot be told apart.
 pub(super) const MOST_LINES: usize = 8;
@@ -54,7 +55,22 @@ pub(super) struct Lines<'a> {
 impl Lines<'_> {
     /// The first [`MOST_LINES`] lines that have points.
     pub fn draw(&self, area: &Area, lines: &[Named]) -> Drawn {
-        let lines: Vec<&Named> = lines.iter().filter(|line| !line.1.is_empty()).take(MOST_LINES).collect();
+        let lines: Vec<_> = lines.iter().map(|line| (None, line.clone())).collect();
+        self.draw_cases(area, &lines, &[])
+    }
+
+    /// The same, each with the case of the page's family that it stands for; `others` only while they are chosen.
+    pub fn draw_cases(
+        &self,
+        area: &Area,
+        lines: &[(Option<usize>, Named)],
+        others: &[(usize, Named)],
+    ) -> Drawn {
+        let (cases, lines): (Vec<Option<usize>>, Vec<&Named>) = (lines.iter())
+            .filter(|(_, line)| !line.1.is_empty())
+            .take(MOST_LINES)
+            .map(|(case, line)| (*case, line))
+            .unzip();
         if lines.is_empty() {
             return Panel::without_data(area, self.title, self.why);
         }
@@ -62,17 +78,24 @@ impl Lines<'_> {
         let looks = looks();
         let keys: Vec<Key> =
             (lines.iter().zip(looks)).map(|(line, look)| Key::line(look, line.0.clone())).collect();
-        let all = || lines.iter().flat_map(|line| &line.1);
+        let all = || lines.iter().flat_map(|line| &line.1).chain(others.iter().flat_map(|(_, line)| &line.1));
         let x = padded(all().map(|point| point.0), 0.04);
         let y = padded(all().map(|point| point.1), 0.08);
         let y = if self.from_zero && y.end > 0.0 { y.start.min(0.0).max(-0.02 * y.end)..y.end } else { y };
         let mut panel = Panel::new(area, self.title, &Axis(x, self.x), &Axis(y, self.y), &keys)?;
         for (k, (line, look)) in lines.iter().zip(looks).enumerate() {
-            panel.line(means(&line.1).into_iter(), &look)?;
+            panel.of_cases(cases[k].map(Cases::One)).line(means(&line.1).into_iter(), &look)?;
             match (self.marks, is_ringed(k)) {
                 (false, _) => {}
                 (true, true) => panel.rings(line.1.iter().copied(), &Stroke { dash: None, ..look }, 4.0)?,
                 (true, false) => panel.dots(line.1.iter().copied(), &look, 2.8)?,
+            }
+        }
+        let look = Stroke::new(CHOSEN, 2.2);
+        for (case, line) in others {
+            panel.of_cases(Some(Cases::Chosen(*case))).line(means(&line.1).into_iter(), &look)?;
+            if self.marks {
+                panel.dots(line.1.iter().copied(), &look, 2.8)?;
             }
         }
         Ok(())

@@ -2,12 +2,13 @@
 //! drawn when the page is full.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::rc::Rc;
 
 use plotters::prelude::RGBColor;
 
-use crate::picture::chart::{Chart, Mark, Point, Rows, Scale};
+use crate::picture::chart::{Cases, Chart, Mark, Point, Rows, Scale};
 pub use crate::picture::chart::{Key, Row, Stroke};
 pub use crate::picture::drawing::{Drawn, FONT, heading, plot_size, px};
 use crate::picture::drawing::{Placed, Sheet};
@@ -25,6 +26,7 @@ impl Axis<'_> {
 pub struct Panel<'a> {
     placed: Rc<RefCell<Vec<Placed<'a>>>>,
     place: usize,
+    cases: Option<Cases>,
 }
 
 impl<'a> Panel<'a> {
@@ -41,6 +43,7 @@ impl<'a> Panel<'a> {
             keys: keys.to_vec(),
             rows: None,
             marks: Vec::new(),
+            cases: BTreeMap::new(),
             why: None,
         };
         Ok(Self::of(area, chart))
@@ -73,7 +76,7 @@ impl<'a> Panel<'a> {
         let placed = Rc::clone(&area.placed);
         let place = placed.borrow().len();
         placed.borrow_mut().push(Placed { area: area.area.clone(), chart });
-        Self { placed, place }
+        Self { placed, place, cases: None }
     }
 
     fn chart(&self, change: impl FnOnce(&mut Chart)) {
@@ -81,8 +84,18 @@ impl<'a> Panel<'a> {
     }
 
     fn mark(&mut self, mark: Mark) -> Drawn {
-        self.chart(|chart| chart.marks.push(mark));
+        let cases = self.cases.clone();
+        self.chart(|chart| {
+            chart.cases.extend(cases.map(|cases| (chart.marks.len(), cases)));
+            chart.marks.push(mark);
+        });
         Ok(())
+    }
+
+    /// What is drawn from here on belongs to these cases.
+    pub fn of_cases(&mut self, cases: Option<Cases>) -> &mut Self {
+        self.cases = cases;
+        self
     }
 
     /// A line through points.

@@ -58,7 +58,7 @@ fn picture(number: usize, title: &str, caption: &str, drawing: Drawing) -> Pictu
 }
 
 fn tip(of: &Pressure) -> Tip<'_> {
-    Tip { name: psi(of.pressure), times: &of.times, path: &of.path, rest: of.tip_at_rest }
+    Tip { name: psi(of.pressure), times: &of.times, path: &of.path, rest: of.tip_at_rest, case: None }
 }
 
 /// Two texts, one for figures of recordings and one for figures of simulations.
@@ -69,7 +69,7 @@ fn either(all: &[Pressure], recorded: &'static str, simulated: &'static str) -> 
 fn figure_4(all: &[Pressure]) -> Picture {
     let tips: Vec<Tip> = every_other(all).into_iter().map(tip).collect();
     let title = either(all, "Paths of the tip, recorded", "Paths of the tip, simulated");
-    let drawing = drawn((900, 760), |page| trajectories(page, title, &tips.iter().collect::<Vec<_>>()));
+    let drawing = drawn((900, 760), |page| trajectories(page, title, &tips.iter().collect::<Vec<_>>(), &[]));
     let caption = either(
         all,
         "Recorded paths of the tip and its rests. Paths begin where they are named; masked samples are left out.",

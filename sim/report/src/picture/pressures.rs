@@ -5,6 +5,7 @@
 //!
 //! Source: Bending Properties of an Extensile Fluidic Artificial Muscle, Results, on Figure 9.
 
+use crate::picture::chart::Cases;
 use crate::picture::panel::{Axis, Key, Panel, Stroke, heading, padded, px};
 use crate::picture::{Area, BLACK, BLUE, Drawing, Drawn, Summary, VERMILION, drawn};
 
@@ -54,6 +55,12 @@ fn points(rows: &[PressureRow], of: impl Fn(&PressureRow) -> Option<f64>) -> Poi
     rows.iter().filter_map(|row| Some((row.pressure / PASCAL_PER_PSI, of(row)?))).collect()
 }
 
+/// The rows that have it are the cases of its dots.
+fn cases(rows: &[PressureRow], of: impl Fn(&PressureRow) -> Option<f64>) -> Option<Cases> {
+    let has = rows.iter().enumerate().filter(|(_, row)| of(row).is_some());
+    Some(Cases::Each(has.map(|(k, _)| k).collect()))
+}
+
 fn frequency(rows: &[PressureRow], area: &Area) -> Drawn {
     let swing = points(rows, |row| row.natural_frequency);
     let mode = points(rows, |row| row.mode_frequency);
@@ -75,8 +82,8 @@ fn frequency(rows: &[PressureRow], area: &Area) -> Drawn {
     panel.text((30.0, lower), "lowest at 30 to 40 psi, then a linear rise")?;
     panel.line(swing.iter().copied(), &line)?;
     panel.line(mode.iter().copied(), &small)?;
-    panel.dots(swing, &line, 3.5)?;
-    panel.rings(mode, &Stroke::new(VERMILION, 1.4), 5.0)
+    panel.of_cases(cases(rows, |row| row.natural_frequency)).dots(swing, &line, 3.5)?;
+    panel.of_cases(cases(rows, |row| row.mode_frequency)).rings(mode, &Stroke::new(VERMILION, 1.4), 5.0)
 }
 
 fn damping(rows: &[PressureRow], area: &Area) -> Drawn {
@@ -103,7 +110,7 @@ fn damping(rows: &[PressureRow], area: &Area) -> Drawn {
     panel.text((5.0, upper), "paper: rises about 4.5 times from 5 to 100 psi,")?;
     panel.text((30.0, lower), "two thirds of its maximum by 30 psi")?;
     panel.line(swing.iter().copied(), &line)?;
-    panel.dots(swing, &line, 3.5)
+    panel.of_cases(cases(rows, |row| row.damping_ratio)).dots(swing, &line, 3.5)
 }
 
 /// Axes with room for two lines of words above the data, and their range of y.

@@ -3,10 +3,9 @@
 
 use efam_experiments::summary::Cycle;
 use models::digits::significant;
-use models::system::System;
 
 use crate::picture::panel::{Axis, Key, Panel, Stroke, equal_scale, padded, plot_size};
-use crate::picture::rods::{Frame, Rod, Rods};
+use crate::picture::rods::{Rod, Rods, frames_until};
 use crate::picture::{
     Area, BLACK, BLUE, Drawn, GREEN, MILLI, Picture, Release, VERMILION, base_angle, clamp, drawn, in_milli,
 };
@@ -116,16 +115,7 @@ pub fn in_motion(of: &Release) -> Option<Rods> {
     let trajectory = of.trajectory;
     let settled =
         of.summary.settling_2_percent_s.map_or(f64::INFINITY, |time| crate::picture::SETTLED_TIMES * time);
-    let mut system = System::new(of.model);
-    let count = trajectory.times.iter().take_while(|time| **time <= settled).count();
-    let frames: Vec<Frame> = (0..count)
-        .map(|sample| {
-            let state = trajectory.state(sample);
-            let mut nodes = system.assembly.posture(&state.q, &state.v).nodes;
-            nodes.push(trajectory.tip[sample]);
-            (trajectory.times[sample], nodes)
-        })
-        .collect();
+    let frames = frames_until(of.model, trajectory, settled);
     let rest = of.rest.map(|rest| [&rest.nodes[..], &[rest.tip]].concat());
     let rod = Rod::new("simulated", Stroke::new(BLUE, 2.2), frames)?;
     Some(Rods {

@@ -4,10 +4,12 @@ use std::ops::ControlFlow;
 
 use efam_core::forward::{Run, forward};
 use efam_core::quantile::usual_step;
+use efam_core::trajectory::Trajectory;
 use efam_inference::calibrate::unknowns::RELEASE_INSTANT;
 use efam_inference::calibrate::{Outcome as Calibrated, Problem, Trial};
 use efam_inference::diagnose::Outcome as Diagnosed;
 use models::model::Model;
+use models::system::System;
 use serde_json::{Value, json};
 
 use crate::picture::chart::{Stroke, column, column_in, look};
@@ -15,6 +17,11 @@ use crate::picture::{BLACK, BLUE, MILLI, VERMILION, base_angle};
 
 /// Nodes of a rod that are kept at most, beside its tip.
 const NODES: usize = 33;
+/// The same of a rod of a family.
+const NODES_OF_CASE: usize = 12;
+/// Time over which a family moves, s, and by how much a place of it may be off, mm.
+const MOST_TIME: f64 = 8.0;
+const OFF_OF_CASE: f64 = 1.0;
 /// Unit of the places, mm.
 const UNIT: f64 = 0.1;
 /// By how much a place may be off when it is interpolated between two frames, mm.
@@ -56,6 +63,8 @@ pub struct Rod {
     name: String,
     stroke: Stroke,
     frames: Vec<Frame>,
+    /// Which case of the page's family it is.
+    case: Option<usize>,
 }
 
 /// Where a marker was seen.
@@ -74,15 +83,25 @@ pub struct Marker {
 impl Rod {
     /// Thinned to what is needed to draw it; nothing without two frames.
     pub fn new(name: &str, stroke: Stroke, frames: Vec<Frame>) -> Option<Self> {
+        Self::of_nodes((NODES, OFF), name, stroke, frames)
+    }
+
+    /// A case of a family, with fewer nodes: a page has many of them.
+    fn of_case(case: usize, name: &str, frames: Vec<Frame>) -> Option<Self> {
+        let rod = Self::of_nodes((NODES_OF_CASE, OFF_OF_CASE), name, Stroke::new(BLUE, 2.0), frames)?;
+        Some(Self { case: Some(case), ..rod })
+    }
+
+    fn of_nodes((most, off): (usize, f64), name: &str, stroke: Stroke, frames: Vec<Frame>) -> Option<Self> {
         let nodes = frames.first()?.1.len();
-        let every = (nodes - 1).div_ceil(NODES).max(1);
+        let every = (nodes - 1).div_ceil(most).max(1);
         let is_kept = |k: usize| k.is_multiple_of(every) || k + 2 >= nodes;
         let kept = |(time, nodes): Frame| {
             let own = nodes.into_iter().enumerate().filter(|(k, _)| is_kept(*k)).map(|(_, at)| at);
             (time, own.collect())
         };
-        let frames = thinned(frames.into_iter().map(kept).collect());
-        (frames.len() > 1).then(|| Self { name: name.to_owned(), stroke, frames })
+        let frames = thinned(frames.into_iter().map(kept).collect(), off);
+        (frames.len() > 1).then(|| Self { name: name.to_owned(), stroke, frames, case: None })
     }
 
     fn places(&self) -> impl Iterator<Item = &[f64; 2]> {
@@ -99,7 +118,8 @@ impl Rod {
             json!([axis(0), axis(1)])
         };
         let nodes: Vec<Value> = (0..self.frames[0].1.len()).map(node).collect();
-        json!({ "name": self.name, "look": look(&self.stroke), "times": column(&times), "nodes": nodes })
+        let (name, look, times) = (&self.name, look(&self.stroke), column(&times));
+        json!({ "name": name, "look": look, "times": times, "nodes": nodes, "case": self.case })
     }
 }
 
@@ -176,15 +196,52 @@ pub fn of_diagnosis(outcome: &Diagnosed) -> Vec<Rods> {
     outcome.baseline.trials.iter().zip(&outcome.repaired.trials).take(RELEASES).filter_map(one).collect()
 }
 
+/// The frames of a run until then, s.
+pub(super) fn frames_until(model: &Model, trajectory: &Trajectory, end: f64) -> Vec<Frame> {
+    let mut system = System::new(model);
+    let count = trajectory.times.iter().take_while(|time| **time <= end).count();
+    let frame = |sample: usize| {
+        let state = trajectory.state(sample);
+        let mut nodes = system.assembly.posture(&state.q, &state.v).nodes;
+        nodes.push(trajectory.tip[sample]);
+        (trajectory.times[sample], nodes)
+    };
+    (0..count).map(frame).collect()
+}
+
+/// A run as a case of a family; nothing of a run without samples.
+pub fn rod_of_run(case: usize, name: &str, model: &Model, trajectory: &Trajectory) -> Option<Rod> {
+    Rod::of_case(case, name, frames_until(model, trajectory, MOST_TIME))
+}
+
+/// The same of a case that is simulated for it.
+pub fn rod_of_case(case: usize, name: &str, model: &Model, run: &Run) -> Option<Rod> {
+    Rod::of_case(case, name, frames(model, run, run.duration.min(MOST_TIME), 0.0))
+}
+
+/// All rods of a family, of which one may be chosen; nothing without rods. The clamp is that of `model`.
+pub fn of_family(model: &Model, rods: Vec<Rod>) -> Option<Rods> {
+    (!rods.is_empty()).then(|| Rods {
+        title: "The rods in motion".to_owned(),
+        caption: "All cases at one time; the sliders choose among them, and charts over time show the same instant."
+            .to_owned(),
+        clock: SINCE_RELEASE,
+        angle: base_angle(model),
+        rest: None,
+        rods,
+        markers: Vec::new(),
+    })
+}
+
 /// Frames between which all places can be interpolated.
-fn thinned(frames: Vec<Frame>) -> Vec<Frame> {
+fn thinned(frames: Vec<Frame>, most: f64) -> Vec<Frame> {
     let is_between = |from: usize, to: usize| {
         let (first, last) = (&frames[from], &frames[to]);
         frames[from + 1..to].iter().all(|(time, nodes)| {
             let share = (time - first.0) / (last.0 - first.0);
             nodes.iter().zip(&first.1).zip(&last.1).all(|((at, a), b)| {
                 let off = |k: usize| at[k] - a[k] - share * (b[k] - a[k]);
-                MILLI * off(0).hypot(off(1)) <= OFF
+                MILLI * off(0).hypot(off(1)) <= most
             })
         })
     };
@@ -244,10 +301,10 @@ mod tests {
     fn frames_that_can_be_interpolated_are_left_out() {
         let frame = |time: f64, z: f64| (time, vec![[0.0, 0.0], [0.1, z]]);
         let straight: Vec<Frame> = (0..11).map(|k| frame(f64::from(k), 0.01 * f64::from(k))).collect();
-        assert_eq!(thinned(straight).len(), 2);
+        assert_eq!(thinned(straight, OFF).len(), 2);
         let kinked: Vec<Frame> =
             (0..11).map(|k| frame(f64::from(k), 0.01 * f64::from((k - 5i32).abs()))).collect();
-        let times: Vec<f64> = thinned(kinked).iter().map(|frame| frame.0).collect();
+        let times: Vec<f64> = thinned(kinked, OFF).iter().map(|frame| frame.0).collect();
         assert_eq!(times, [0.0, 5.0, 10.0]);
     }
 

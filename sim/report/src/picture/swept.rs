@@ -2,6 +2,7 @@
 
 use efam_sweeps::merge::{Kept, Merged, Spread};
 
+use crate::picture::chart::Cases;
 use crate::picture::grid::{Number, edges, painted, panels_of_numbers};
 use crate::picture::panel::{Axis, Drawn, Panel, Stroke, padded};
 use crate::picture::{Area, BLUE, Picture};
@@ -45,15 +46,16 @@ fn label(parameter: &Spread) -> String {
 fn dots(area: &Area, kept: &Kept, along: &[f64], label: &str, number: &Number) -> Drawn {
     let (name, title, y_label, factor) = number;
     let values = kept.numbers(name).unwrap_or_default();
-    let points = along.iter().zip(values).map(|(x, y)| (*x, factor * y));
-    let points: Vec<(f64, f64)> = points.filter(|(_, y)| y.is_finite()).collect();
+    let points = along.iter().zip(values).map(|(x, y)| (*x, factor * y)).enumerate();
+    let (cases, points): (Vec<usize>, Vec<(f64, f64)>) = points.filter(|(_, (_, y))| y.is_finite()).unzip();
     if points.is_empty() {
         return Panel::without_data(area, title, "no point has it");
     }
     let x = Axis(padded(points.iter().map(|point| point.0), 0.04), label);
     let y = Axis(padded(points.iter().map(|point| point.1), 0.06), y_label);
     let size = if points.len() > MANY { 1.4 } else { 2.4 };
-    Panel::new(area, title, &x, &y, &[])?.dots(points, &Stroke::new(BLUE, 1.0), size)
+    let mut panel = Panel::new(area, title, &x, &y, &[])?;
+    panel.of_cases(Some(Cases::Each(cases))).dots(points, &Stroke::new(BLUE, 1.0), size)
 }
 
 /// Six maps, where each pair of values is one point.
@@ -79,8 +81,9 @@ fn maps(merged: &Merged, kept: &Kept, x: &Spread, y: &Spread) -> Option<Picture>
             let value = number.3 * values.get(points[i * ys.len() + j]?)?;
             value.is_finite().then_some(value)
         };
+        let case = |i: usize, j: usize| points[i * ys.len() + j];
         let x = (edges(&xs, readable(&x.unit).0), x_label.as_str());
-        painted(area, number, x, (edges(&ys, readable(&y.unit).0), y_label.as_str()), &value)
+        painted(area, number, x, (edges(&ys, readable(&y.unit).0), y_label.as_str()), &value, &case)
     });
     Some(Picture {
         name: "maps".to_owned(),

@@ -9,7 +9,7 @@ use efam_inference::predict::{Cycle, Prediction};
 use crate::Request;
 use crate::grid::answers;
 use crate::interval::{with_ends, with_interval};
-use crate::page::{BeforeUse, Page, Table};
+use crate::page::{BeforeUse, Family, Page, Table};
 use crate::picture::Picture;
 use crate::report::{readable, significant};
 
@@ -75,6 +75,14 @@ pub(crate) fn of_several(
     page.section("Summary of the cases");
     page.list(&answers(grid));
     page.section("Pictures");
+    let payloads: Vec<f64> = grid.cells.iter().map(|cell| 1e3 * cell.payload_kg).collect();
+    let pressures: Vec<f64> = grid.cells.iter().filter_map(|cell| Some(1e-3 * cell.pressure_pa?)).collect();
+    let family = if pressures.len() == payloads.len() {
+        Family::default().by("pressure", "kPa", &pressures)
+    } else {
+        Family::default()
+    };
+    page.family(&family.by("payload", "g", &payloads));
     pictures.iter().for_each(|picture| page.figure(picture));
     page.section("Numbers of each case");
     for (k, (name, _)) in units().enumerate() {

@@ -7,8 +7,8 @@ use efam_sweeps::plan::Head;
 use efam_sweeps::work::Work;
 
 use crate::Request;
-use crate::page::{BeforeUse, Page, Table, extrapolated};
-use crate::picture::Picture;
+use crate::page::{BeforeUse, Family, Page, Table, extrapolated};
+use crate::picture::{Picture, Rods};
 use crate::swept::{HEADS, diagnosed, told};
 
 /// What any sweep over a scenario takes for granted.
@@ -25,7 +25,7 @@ const OF_DIAGNOSES: [&str; 1] = [
 pub(crate) fn page(
     request: &Request,
     (head, merged): (&Head, &Merged),
-    pictures: &[Picture],
+    (family, rods, pictures): (&Family, Option<Rods>, &[Picture]),
     written: SystemTime,
 ) -> String {
     let (points, failed, done) = (merged.points, merged.failed, head.work.done());
@@ -54,7 +54,12 @@ pub(crate) fn page(
             page.section("Pictures");
             match pictures {
                 [] => page.text("No number varies."),
-                all => all.iter().for_each(|picture| page.figure(picture)),
+                all => {
+                    page.family(family);
+                    all.iter().take(1).for_each(|picture| page.figure(picture));
+                    rods.iter().for_each(|rods| page.rods(rods));
+                    all.iter().skip(1).for_each(|picture| page.figure(picture));
+                }
             }
         }
     }

@@ -1,9 +1,10 @@
 // Charts of a page: from the JSON in a figure to axes that can be read off, zoomed and thinned out. uPlot has the
 // axes and the cursor; the marks are those that the SVG was drawn from. Without this script the SVG is what one sees.
 
-const FONT = '12px system-ui, "Helvetica Neue", Arial, sans-serif';
 /** Pixels within which a dot or a path is under the cursor; height of the axes; width of a narrow chart. */
 const NEAR = 24, LOW = 230, NARROW = 460;
+/** Opacity of what belongs to cases that are not chosen. */
+const FAINT = 0.14;
 
 /** Numbers that are kept as whole multiples of a unit, each less the one before. */
 const column = of => {
@@ -68,7 +69,7 @@ const read = chart => {
     if (!mark.look) return mark;
     x = mark.x === 'same' ? x : column(mark.x);
     const isOrdered = x.every((value, k) => k === 0 || value >= x[k - 1]);
-    const more = { times: mark.times && column(mark.times), upper: mark.upper && column(mark.upper) };
+    const more = { times: mark.times && column(mark.times), upper: mark.upper && column(mark.upper), cases: mark.cases && column(mark.cases).map(Math.round) };
     return { ...mark, x, y: column(mark.y), isOrdered, ...more };
   });
 };
@@ -92,7 +93,7 @@ const sample = key => {
 
 class Chart {
   constructor(of, figure) {
-    Object.assign(this, { of, figure, marks: read(of), hidden: new Set(), x: null });
+    Object.assign(this, { of, figure, marks: read(of), hidden: new Set(), x: null, chosen: null });
     this.isPlane = of.equal || this.marks.some(mark => mark.kind === 'line' && !mark.isOrdered);
     this.isTimed = isTime(of.x.label) && !this.isPlane;
     this.whole = { x: of.x.range, y: of.y.range };
@@ -241,7 +242,33 @@ class Chart {
   }
 
   isShown(mark) {
-    return mark.key === undefined || !this.hidden.has(mark.key);
+    return (mark.key === undefined || !this.hidden.has(mark.key)) && (!mark.chosen || this.isChosen(mark));
+  }
+
+  /** Whether a mark belongs to a chosen case alone. */
+  isChosen(mark) {
+    return mark.case !== undefined && this.chosen !== null && this.chosen.has(mark.case);
+  }
+
+  /** Shows these cases of the page's family before all others, or all alike; and the values of a single one. */
+  choose(chosen) {
+    if (!this.marks.some(mark => mark.case !== undefined || mark.cases)) return;
+    this.chosen = chosen;
+    this.at = null;
+    this.plot.redraw(false);
+    const [one] = chosen?.size === 1 ? this.ofChosen() : [];
+    this.point(one ? one.at.x : this.isTimed ? this.x : null);
+  }
+
+  /** Dots and cells of the chosen cases, with their places. */
+  ofChosen() {
+    if (this.chosen === null) return [];
+    return this.marks.filter(mark => this.isShown(mark)).flatMap(mark => {
+      const middle = ([low, high]) => (low + high) / 2;
+      if (mark.kind === 'cell') return this.isChosen(mark) ? [{ mark, at: { x: middle(mark.x), y: middle(mark.y) } }] : [];
+      const places = (mark.cases ?? []).flatMap((own, k) => (this.chosen.has(own) ? [k] : []));
+      return places.map(k => ({ key: mark.key, mark, at: { x: mark.x[k], y: mark.y[k] } }));
+    });
   }
 
   /** Height of a mark at x, or nothing. */
@@ -271,16 +298,19 @@ class Chart {
 
   atX(x) {
     if (x === null) return [];
-    const all = [];
+    // Where the cursor is not, the values are those of the chosen case.
+    const all = this.at ? [] : this.ofChosen().filter(own => own.at.x === x);
+    if (all.length) return all;
     this.keys.forEach((key, k) => {
       if (this.hidden.has(k)) return;
       // A dot says more than the line through it.
-      const values = key.marks.map(mark => ({ mark, at: this.value(mark, x) })).filter(own => own.at);
+      const values = key.marks.filter(mark => this.isShown(mark)).map(mark => ({ mark, at: this.value(mark, x) })).filter(own => own.at);
       const best = values.find(own => own.mark.kind !== 'line') ?? values[0];
       if (best) all.push({ key: k, ...best });
     });
-    if (this.keys.length === 0) {
-      const values = this.marks.filter(mark => mark.look).map(mark => ({ mark, at: this.value(mark, x) }));
+    const isNameless = mark => mark.look && mark.key === undefined && (this.keys.length === 0 || this.isChosen(mark));
+    if (this.marks.some(isNameless)) {
+      const values = this.marks.filter(isNameless).map(mark => ({ mark, at: this.value(mark, x) }));
       all.push(...values.filter(own => own.at).slice(0, 1));
     }
     const cell = this.at && this.cell();
@@ -315,7 +345,8 @@ class Chart {
       if (first.at.time !== undefined) text += ` at ${told(first.at.time)} s`;
     } else if (!this.isPlane && x !== null) {
       text = `${quantity(ofX.label)} ${told(x)} ${unit(ofX.label)}`;
-      if (this.keys.length === 0 && first) text += `: ${told(first.at.y)} ${unit(ofY.label)}`;
+      const nameless = found.find(own => own.key === undefined);
+      if (nameless) text += `: ${told(nameless.at.y)} ${unit(ofY.label)}`;
     }
     if (this.said.textContent !== text) this.said.textContent = text;
     this.keys.forEach((key, k) => {
@@ -350,6 +381,13 @@ class Chart {
       on.setLineDash([]);
     }
     for (const { mark, at } of found) if (mark.look && at.upper === undefined) dot(at.x, at.y, mark.look.color);
+    Object.assign(on, { strokeStyle: '#000', lineWidth: 2 });
+    for (const { mark, at } of this.ofChosen()) {
+      on.beginPath();
+      if (mark.kind === 'cell') on.rect(...box(mark, x => plot.valToPos(x, 'x'), y => plot.valToPos(y, 'y')));
+      else on.arc(plot.valToPos(at.x, 'x'), plot.valToPos(at.y, 'y'), 7, 0, 7);
+      on.stroke();
+    }
     if (this.time === undefined) return;
     for (const mark of this.marks.filter(own => own.times && this.isShown(own))) {
       const k = before(mark.times, this.time);
@@ -366,95 +404,22 @@ class Chart {
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
     ctx.lineJoin = 'round';
-    for (const mark of this.marks) if (this.isShown(mark)) {
+    // What is chosen comes last, above all others.
+    const isOther = mark => this.chosen !== null && mark.case !== undefined && mark.kind !== 'cell' && !this.isChosen(mark);
+    const marks = this.marks.filter(mark => this.isShown(mark));
+    const isAbove = mark => mark.kind !== 'cell' && this.isChosen(mark);
+    let room = Infinity;
+    for (const mark of [...marks.filter(mark => !isAbove(mark)), ...marks.filter(isAbove)]) {
+      if (mark.kind === 'cell') room = X(mark.x[1]) - X(mark.x[0]);
       ctx.save();
       if (mark.look) {
         const { color, width, dash = [], alpha = 1 } = mark.look;
-        Object.assign(ctx, { strokeStyle: color, fillStyle: color, lineWidth: width * ratio, globalAlpha: alpha });
+        Object.assign(ctx, { strokeStyle: color, fillStyle: color, lineWidth: width * (this.isChosen(mark) ? 1.5 : 1) * ratio, globalAlpha: isOther(mark) ? FAINT : alpha });
         ctx.setLineDash(dash.map(length => length * ratio));
       }
-      DRAW[mark.kind](ctx, mark, X, Y, ratio);
+      DRAW[mark.kind](ctx, mark, X, Y, ratio, room, [bbox.left, bbox.left + bbox.width]);
       ctx.restore();
     }
     ctx.restore();
   }
-}
-
-const path = (on, { x, y }, X, Y) => x.forEach((at, k) => on[k ? 'lineTo' : 'moveTo'](X(at), Y(y[k])));
-const box = ({ x, y }, X, Y) => [X(x[0]), Y(y[1]), X(x[1]) - X(x[0]), Y(y[0]) - Y(y[1])];
-const DRAW = {
-  line: (on, mark, X, Y) => {
-    on.beginPath();
-    path(on, mark, X, Y);
-    on.stroke();
-  },
-  band: (on, mark, X, Y) => {
-    on.beginPath();
-    path(on, mark, X, Y);
-    for (let k = mark.x.length - 1; k >= 0; k--) on.lineTo(X(mark.x[k]), Y(mark.upper[k]));
-    on.fill();
-  },
-  dots: (on, mark, X, Y, ratio) => mark.x.forEach((x, k) => {
-    on.beginPath();
-    on.arc(X(x), Y(mark.y[k]), mark.radius * ratio, 0, 7);
-    on.fill();
-  }),
-  rings: (on, mark, X, Y, ratio) => mark.x.forEach((x, k) => {
-    on.beginPath();
-    on.arc(X(x), Y(mark.y[k]), mark.radius * ratio, 0, 7);
-    on.stroke();
-  }),
-  strip: (on, mark, X, Y) => {
-    on.fillStyle = 'rgba(110, 110, 110, 0.18)';
-    on.fillRect(...box(mark, X, Y));
-  },
-  cell: (on, mark, X, Y) => {
-    Object.assign(on, { fillStyle: mark.color, strokeStyle: '#fff' });
-    on.fillRect(...box(mark, X, Y));
-    on.strokeRect(...box(mark, X, Y));
-  },
-  number: (on, { at, text, color }, X, Y, ratio) => {
-    Object.assign(on, { fillStyle: color, textAlign: 'center', textBaseline: 'middle', font: FONT.replace('12', 12 * ratio) });
-    on.fillText(text, X(at[0]), Y(at[1]));
-  },
-  text: (on, { at, text }, X, Y, ratio) => {
-    Object.assign(on, { fillStyle: '#000', textBaseline: 'middle', font: FONT.replace('12', 12 * ratio) });
-    on.fillText(text, X(at[0]), Y(at[1]));
-  },
-};
-
-/** Charts of one figure, in place of its SVG. */
-function figure(root, data) {
-  const all = JSON.parse(data.textContent);
-  const own = { charts: [], timed: root.dataset.clock };
-  const live = element('div', { className: all.length > 2 ? 'live many' : 'live' });
-  for (const chart of all) {
-    if (chart.why) live.append(element('p', { className: 'why' }, element('strong', { textContent: chart.title }), ` ${chart.why}`));
-    else {
-      own.charts.push(new Chart(chart, own));
-      live.append(own.charts.at(-1).root);
-    }
-  }
-  root.append(live);
-  // One title is enough.
-  const title = root.querySelector('figcaption strong')?.textContent;
-  own.charts.forEach(chart => { chart.title.hidden = chart.of.title === title; });
-  if (root.dataset.choice !== undefined && own.charts.length > 1) choice(live, own.charts);
-  root.classList.add('is-live');
-  own.charts.forEach(chart => chart.open());
-}
-
-/** One chart after the other at one place, so that what differs moves. */
-function choice(live, charts) {
-  const buttons = [...charts.map(chart => chart.of.title), 'All'].map((name, k) => {
-    const button = element('button', { type: 'button', textContent: name });
-    button.onclick = () => choose(k);
-    return button;
-  });
-  const choose = chosen => {
-    buttons.forEach((button, k) => button.setAttribute('aria-pressed', String(k === chosen)));
-    charts.forEach((chart, k) => { chart.root.hidden = chosen < charts.length && k !== chosen; });
-  };
-  live.prepend(element('div', { className: 'choice' }, ...buttons));
-  choose(charts.length);
 }

@@ -7,7 +7,7 @@ const TRAIL = 0.6;
 
 class Rods {
   constructor(root, of) {
-    Object.assign(this, { root, of, hidden: new Set(), speed: 1, isPlaying: false });
+    Object.assign(this, { root, of, hidden: new Set(), speed: 1, isPlaying: false, chosen: null });
     this.rods = of.rods.map(rod => {
       const times = column(rod.times);
       return { ...rod, times, frames: rod.nodes.map(node => [column(node[0]), column(node[1])]) };
@@ -36,7 +36,8 @@ class Rods {
     this.speeds = element('select', {}, ...SPEEDS.map(speed => element('option', { value: speed, textContent: speed === 1 ? 'real time' : `${speed} of it` })));
     this.speeds.onchange = () => { this.speed = Number(this.speeds.value); };
     const speeds = element('label', {}, 'Speed ', this.speeds);
-    const keys = [...this.rods, ...this.markers, ...(this.of.rest ? [{ name: 'rest', look: { color: '#6e6e6e', width: 1.4, dash: [5, 4] }, shape: 'line', isRest: true }] : [])];
+    // Cases of a family are chosen by its sliders.
+    const keys = [...this.rods.filter(rod => rod.case === null), ...this.markers, ...(this.of.rest ? [{ name: 'rest', look: { color: '#6e6e6e', width: 1.4, dash: [5, 4] }, shape: 'line', isRest: true }] : [])];
     const buttons = keys.map(own => {
       const button = element('button', { type: 'button' }, sample({ shape: own.shape ?? 'line', look: own.look }), element('span', { textContent: own.name }));
       const name = own.isRest ? 'rest' : own;
@@ -103,7 +104,9 @@ class Rods {
     };
     this.scenery(line);
     if (of.rest && !this.hidden.has('rest')) line(of.rest, { color: '#6e6e6e', width: 1.4, dash: [5, 4] });
-    for (const rod of this.rods.filter(own => !this.hidden.has(own))) {
+    const isOther = rod => this.chosen !== null && rod.case !== null && !this.chosen.has(rod.case);
+    for (const rod of this.rods.filter(isOther)) line(this.posture(rod), { ...rod.look, alpha: FAINT });
+    for (const rod of this.rods.filter(own => !this.hidden.has(own) && !isOther(own))) {
       const from = this.time - TRAIL, tip = rod.frames.at(-1), trail = [];
       rod.times.forEach((time, k) => { if (time >= from && time <= this.time) trail.push([tip[0][k], tip[1][k]]); });
       const nodes = this.posture(rod);
@@ -121,7 +124,13 @@ class Rods {
       on.arc(...at([marker.x[near], marker.z[near]]), 5.5, 0, 7);
       on.stroke();
     }
-    this.said.textContent = `${this.time.toFixed(3)} s`;
+    this.said.textContent = `${this.time.toFixed(3).replace('-', '\u2212')} s`;
+  }
+
+  /** Shows these cases of the page's family before all others, or all alike. */
+  choose(chosen) {
+    this.chosen = chosen;
+    this.draw();
   }
 
   /** The wall that the rod is clamped in, and a bar of 50 mm. */
@@ -138,7 +147,3 @@ class Rods {
     on.fillText('50 mm', ...this.place([left, low + 0.02 * (z[1] - z[0])]));
   }
 }
-
-globalThis.efam = { charts: [], rods: [], clocks };
-document.querySelectorAll('figure > script.charts').forEach(data => figure(data.parentElement, data));
-document.querySelectorAll('figure > script.rods').forEach(data => new Rods(data.parentElement, JSON.parse(data.textContent)));

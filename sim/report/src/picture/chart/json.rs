@@ -4,7 +4,7 @@
 use plotters::prelude::RGBColor;
 use serde_json::{Map, Value, json};
 
-use crate::picture::chart::{Chart, Key, Mark, Point, Scale, Shape, Stroke};
+use crate::picture::chart::{Cases, Chart, Key, Mark, Point, Scale, Shape, Stroke};
 
 /// Least number of units in the range of a column.
 const FINE: f64 = 1e4;
@@ -15,7 +15,20 @@ pub fn json(of: &Chart) -> Value {
         return json!({ "title": of.title, "why": why });
     }
     let mut last: Option<Vec<f64>> = None;
-    let marks: Vec<Value> = of.marks.iter().map(|own| mark(of, own, &mut last)).collect();
+    let of_cases = |k: usize, mut mark: Value| {
+        match of.cases.get(&k) {
+            None => {}
+            Some(Cases::One(case)) => mark["case"] = json!(case),
+            Some(Cases::Chosen(case)) => (mark["case"], mark["chosen"]) = (json!(case), json!(true)),
+            Some(Cases::Each(all)) => {
+                let all: Vec<f64> = all.iter().map(|case| *case as f64).collect();
+                mark["cases"] = column_in(&all, 1.0);
+            }
+        }
+        mark
+    };
+    let marks: Vec<Value> =
+        of.marks.iter().enumerate().map(|(k, own)| of_cases(k, mark(of, own, &mut last))).collect();
     let keys: Vec<Value> = of
         .keys
         .iter()
@@ -156,6 +169,8 @@ fn mark(of: &Chart, mark: &Mark, last: &mut Option<Vec<f64>>) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::drawn;
+    use crate::picture::panel::{Axis, Panel};
     use crate::picture::tests::chart;
 
     /// Numbers as the script reads them.
@@ -185,6 +200,27 @@ mod tests {
             assert!(off <= 0.5e-4 * range.max(3e-2), "{off} of {range}");
         }
         assert_eq!(column(&[0.0, 0.01, 0.02, 0.03])["count"], 4);
+    }
+
+    /// A mark tells its case, or that of each of its points; a picture leaves out what is there only while chosen.
+    #[test]
+    fn marks_tell_their_cases() {
+        let line = Stroke::new(RGBColor(0, 114, 178), 1.0);
+        let drawing = drawn((400, 300), |page| {
+            let mut panel = Panel::new(page, "", &Axis(0.0..2.0, "x"), &Axis(0.0..2.0, "y"), &[])?;
+            let points = || [(0.0, 0.5), (2.0, 1.0)].into_iter();
+            panel.of_cases(Some(Cases::One(3))).line(points(), &line)?;
+            let wine = Stroke::new(RGBColor(136, 34, 85), 1.0);
+            panel.of_cases(Some(Cases::Chosen(4))).line(points(), &wine)?;
+            panel.of_cases(Some(Cases::Each(vec![7, 5]))).dots(points(), &line, 2.0)?;
+            panel.of_cases(None).line(points(), &line)
+        });
+        let value = json(&drawing.charts[0]);
+        let of = |name: &str| -> Vec<Value> { (0..4).map(|k| value["marks"][k][name].clone()).collect() };
+        assert_eq!(of("case"), [json!(3), json!(4), Value::Null, Value::Null]);
+        assert_eq!(of("chosen"), [Value::Null, json!(true), Value::Null, Value::Null]);
+        assert_eq!(numbers(&value["marks"][2]["cases"]), [7.0, 5.0]);
+        assert!(drawing.svg.contains("#0072B2") && !drawing.svg.contains("#882255"));
     }
 
     /// What is drawn is what the JSON says: each mark, in its order, with its points, its look and its key.
