@@ -17,6 +17,7 @@ use efam_experiments::kind::Kind;
 use efam_experiments::scenario::{Case, Scenario};
 use efam_experiments::summary::Summary;
 use efam_report::Request;
+use efam_report::aligned::{Aligned, Side};
 use efam_report::beside_the_paper::beside_the_paper;
 use efam_report::report::report;
 use efam_report::simulated::{Member, write_set};
@@ -329,19 +330,16 @@ fn is_the_papers(scenario: &Scenario) -> bool {
 }
 
 /// A line a run.
-fn over_pressure(done: &[Member]) -> String {
-    let line = |name: &str, cells: [String; 4]| {
-        let [pressure, frequency, ratio, steps] = cells;
-        format!("{name:24}{pressure:>12}{frequency:>12}{ratio:>16}{steps:>10}\n")
-    };
-    let mut table = line("", ["pressure", "frequency", "damping ratio", "steps"].map(str::to_owned));
+fn over_pressure(done: &[Member]) -> Aligned {
+    let numbers = ["pressure", "frequency", "damping ratio", "steps"].map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&[&[("", Side::Words)], &numbers[..]].concat());
     for Member { summary, pressure, .. } in done {
         let text =
             |value: Option<f64>, unit: &str| value.map_or("-".to_owned(), |value| format_si(value, unit));
         let ratio = summary.damping_ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.4}"));
         let frequency = text(summary.damped_frequency_hz, "Hz");
-        table +=
-            &line(&summary.name, [text(*pressure, "Pa"), frequency, ratio, summary.effort.steps.to_string()]);
+        let steps = summary.effort.steps.to_string();
+        table.row([summary.name.clone(), text(*pressure, "Pa"), frequency, ratio, steps]);
     }
     table
 }

@@ -10,24 +10,16 @@ use efam_experiments::analysis::decay::Cycle;
 use efam_experiments::cleaning::Cleaned;
 use models::quantity::format_si;
 
+use crate::aligned::{Aligned, Side};
+
 /// A line for each release.
 /// # Errors
 /// As it is written.
 pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
-    let wide = cleaned.releases.iter().map(|of| of.release.name.chars().count()).max().unwrap_or(0).max(8);
-    writeln!(
-        out,
-        "{:wide$}{:>12}{:>20}{:>9}{:>9}{:>9}{:>10}{:>14}{:>10}  ",
-        "release",
-        "pressure",
-        "instant s",
-        "hold deg",
-        "drop mm",
-        "samples",
-        "masked %",
-        "out mm (%)",
-        "noise mm"
-    )?;
+    let heads =
+        ["pressure", "instant s", "hold deg", "drop mm", "samples", "masked %", "out mm (%)", "noise mm"]
+            .map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&[&[("release", Side::Words)], &heads[..], &[("", Side::Name)]].concat());
     for of in &cleaned.releases {
         let s = &of.statistics;
         let pressure = of.release.pressure.map_or("-".to_owned(), |p| format_si(p, "Pa"));
@@ -39,18 +31,20 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
             (None, false, true) if cleaned.releases.len() > 1 => "kept, representative".to_owned(),
             (None, false, _) => "kept".to_owned(),
         };
-        writeln!(
-            out,
-            "{:wide$}{pressure:>12}{instant:>20}{:>9.1}{:>9.2}{:>9}{:>10.2}{out_of_plane:>14}{:>10.4}  {kept}",
-            of.release.name,
-            s.hold_angle.to_degrees(),
-            1e3 * s.static_drop,
-            s.samples,
-            1e2 * s.masked_share,
-            1e3 * s.noise
-        )?;
+        table.row([
+            of.release.name.clone(),
+            pressure,
+            instant,
+            format!("{:.1}", s.hold_angle.to_degrees()),
+            format!("{:.2}", 1e3 * s.static_drop),
+            s.samples.to_string(),
+            format!("{:.2}", 1e2 * s.masked_share),
+            out_of_plane,
+            format!("{:.4}", 1e3 * s.noise),
+            kept,
+        ]);
     }
-    Ok(())
+    write!(out, "{table}")
 }
 
 /// Every decision with the key that decides otherwise.
@@ -145,14 +139,14 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     if one.at_rest.is_empty() {
         return Ok(());
     }
-    writeln!(
-        out,
-        "  {:<22}{:>14}{:>14}{:>10}{:>12}{:>14}",
-        "EI from the tip, N m^2", "Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"
-    )?;
+    let heads =
+        ["Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"].map(|head| (head, Side::Number));
+    let mut table =
+        Aligned::new(&[&[("EI from the tip, N m^2", Side::Name)], &heads[..]].concat()).indented(2);
     if let Some(why) = &one.no_beam {
-        line(out, "  Euler-Bernoulli", why.clone())?;
+        line(out, "Euler-Bernoulli", why.clone())?;
     }
+    let mut wrong = Vec::new();
     let ei = |fit: &Result<StiffnessFit, AnalysisError>| {
         fit.as_ref().map_or("-".to_owned(), |fit| format_si(fit.bending_stiffness, ""))
     };
@@ -170,10 +164,11 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
         let counts = format!("{} / {}", count(fits.0), count(fits.1));
         let error = one.rest.and_then(|rest| row.relative_error(rest.error));
         let error = error.map_or("-".to_owned(), |error| format!("{:.2}", 100.0 * error));
-        writeln!(out, "  {name:<22}{:>14}{:>14}{error:>10}{off:>12}{counts:>14}", ei(fits.0), ei(fits.1))?;
         if let (Err(error), Err(_)) = fits {
-            writeln!(out, "    {error}")?;
+            wrong.push(format!("{}: {error}", name.trim()));
         }
+        table.row([name, ei(fits.0), ei(fits.1), error, off, counts]);
     }
-    Ok(())
+    write!(out, "{table}")?;
+    wrong.iter().try_for_each(|line| writeln!(out, "    {line}"))
 }
