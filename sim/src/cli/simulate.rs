@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use efam_core::accuracy::Settled;
 use efam_core::forward::{Run, Sample, forward};
 use efam_core::trajectory::{Status, Trajectory};
@@ -21,6 +21,7 @@ use efam_report::aligned::{Aligned, Side};
 use efam_report::beside_the_paper::beside_the_paper;
 use efam_report::report::report;
 use efam_report::simulated::{Member, write_set};
+use efam_report::table::{Series, Table};
 use efam_report::told::told;
 use efam_store::Folder;
 use efam_store::memory;
@@ -46,6 +47,7 @@ const HELP: &str = "Examples:
   efam simulate scenarios/payload-80g.toml --set effects.payload.mass=\"50 g\"
   efam simulate scenarios/release-15psi.toml --muscle muscle.toml --json
   efam simulate scenarios/release-15psi.toml --no-files --json
+  efam simulate scenarios/release-15psi.toml --no-files --json --trajectory
   efam simulate scenarios/undamped.toml --out outputs/undamped --overwrite -v
   efam simulate scenarios/release-15psi.toml --set run.duration=\"24 h\"
     --rerun serve --watch-only
@@ -71,6 +73,16 @@ pub struct Simulate {
     /// Write nothing: the table or JSON is all that is left of the run.
     #[arg(long, conflicts_with_all = ["out", "overwrite", "csv", "open", "rerun"])]
     no_files: bool,
+    /// With --json: print the samples, too; `nodes` adds the position and velocity of each node.
+    #[arg(
+        long,
+        value_name = "OF",
+        requires = "json",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "tip"
+    )]
+    trajectory: Option<Of>,
     /// Leave out the runs on a coarser mesh and with longer steps that
     /// estimate the errors of the tip and choose mesh and tolerance.
     #[arg(long)]
@@ -83,6 +95,15 @@ pub struct Simulate {
     watch_only: bool,
 }
 
+/// Of what the samples are printed.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Of {
+    /// Time, tip, end body and energies.
+    Tip,
+    /// The nodes, too.
+    Nodes,
+}
+
 /// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
@@ -91,7 +112,17 @@ pub struct Printed<'a> {
     /// Where the results are; none with `--no-files`.
     folder: Option<&'a Path>,
     /// Each run; several where all rows of a muscle were asked for.
-    runs: Vec<&'a Summary>,
+    runs: Vec<OfRun<'a>>,
+}
+
+/// A run.
+#[derive(Serialize, JsonSchema)]
+struct OfRun<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    /// The samples with `--trajectory`: a list for each column of `trajectory.parquet`; null where there is no number.
+    #[schemars(with = "Option<BTreeMap<String, Vec<Option<f64>>>>")]
+    trajectory: Option<&'a Series>,
 }
 
 pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
@@ -135,6 +166,7 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     let wall_time_s = begin.elapsed().as_secs_f64();
     progress.finish_and_clear();
     let mut done: Vec<Member> = Vec::with_capacity(runs.len());
+    let mut series = Vec::new();
     for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
         let run: Settled = run?;
         let warnings = simulate::warnings(case, &run);
@@ -155,6 +187,9 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
             None => told(&own, &case.model, &case.run, &run).summary,
         };
         console.detail(integrated(&summary));
+        let nodes = args.trajectory == Some(Of::Nodes);
+        let of_run = || Table::new(&case.model, &run, case.run.energy).series(nodes);
+        series.push(args.trajectory.map(|_| of_run()));
         done.push(Member::new(summary, case.pressure, run));
     }
     if let (Some(folder), true) = (&folder, is_sweep) {
@@ -167,7 +202,14 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(folder) = folder {
         console.detail(format!("written to {}", folder.display()));
     }
-    tell(args, console, &scenario, folder, &done)?;
+    if args.output.form.json {
+        let series = series.iter().map(Option::as_ref);
+        let runs = done.iter().zip(series);
+        let runs = runs.map(|(member, trajectory)| OfRun { summary: &member.summary, trajectory }).collect();
+        print(&Printed { scenario: &scenario.name, folder, runs })?;
+    } else {
+        tell(console, &scenario, folder, &done)?;
+    }
     if let Some(folder) = folder {
         browser::show(args.output.open, folder, console);
     }
@@ -297,16 +339,11 @@ pub fn admit(cases: &[Case]) -> Result<(), Failure> {
 const OF_A_SAMPLE: usize = 15;
 
 fn tell(
-    args: &Simulate,
     console: &Console,
     scenario: &Scenario,
     folder: Option<&Path>,
     done: &[Member],
 ) -> Result<(), Failure> {
-    if args.output.form.json {
-        let runs = done.iter().map(|member| &member.summary).collect();
-        return print(&Printed { scenario: &scenario.name, folder, runs });
-    }
     if console.quiet {
         return Ok(());
     }
