@@ -8,8 +8,10 @@ use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Row, Tabl
 const WIDTH: u16 = 80;
 /// Letters between two columns.
 const GAP: u16 = 2;
-/// Letters that a column of words keeps at least.
+/// Letters that a column of words keeps at least, if it has as many.
 const LEAST: u16 = 16;
+/// Letters of a word, such as a key, that is never broken, at most.
+const WHOLE: usize = 40;
 
 /// How the cells of a column stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +38,8 @@ pub struct Aligned {
     table: Table,
     indent: u16,
     widths: Option<Vec<u16>>,
+    /// Letters of the longest word of each column.
+    longest: Vec<u16>,
 }
 
 impl Aligned {
@@ -46,7 +50,8 @@ impl Aligned {
         if heads.iter().any(|head| !head.0.is_empty()) {
             table.set_header(heads.iter().map(|head| head.0));
         }
-        Self { sides: heads.iter().map(|head| head.1).collect(), table, indent: 0, widths: None }
+        let longest = heads.iter().map(|head| longest_word(head.0)).collect();
+        Self { sides: heads.iter().map(|head| head.1).collect(), table, indent: 0, widths: None, longest }
     }
 
     /// With so many spaces before each line.
@@ -62,6 +67,9 @@ impl Aligned {
     /// One more row; cells that it lacks are empty.
     pub fn row<T: ToString>(&mut self, cells: impl IntoIterator<Item = T>) {
         let cells: Vec<String> = cells.into_iter().map(|own| own.to_string()).collect();
+        for (longest, cell) in self.longest.iter_mut().zip(&cells) {
+            *longest = longest_word(cell).max(*longest);
+        }
         self.table.add_row(Row::from(cells));
     }
 
@@ -78,12 +86,13 @@ impl Aligned {
         let last = self.sides.len().saturating_sub(1);
         let gap = |k: usize| if k == last { 0 } else { GAP };
         let needed = |(k, (side, content)): (usize, (&Side, &u16))| match side {
-            Side::Words => (*content).min(LEAST) + gap(k),
+            Side::Words => (*content).min(LEAST.max(self.longest[k])) + gap(k),
             _ => content.saturating_add(gap(k)),
         };
-        let needed = self.sides.iter().zip(&of_content).enumerate().map(needed).fold(0, u16::saturating_add);
+        let needed: Vec<u16> = self.sides.iter().zip(&of_content).enumerate().map(needed).collect();
+        let all = needed.iter().fold(0, |sum: u16, own| sum.saturating_add(*own));
         let given = self.widths.iter().flatten().fold(0, |sum: u16, own| sum.saturating_add(*own));
-        table.set_width(needed.max(given).max(WIDTH.saturating_sub(self.indent)));
+        table.set_width(all.max(given).max(WIDTH.saturating_sub(self.indent)));
         for (k, column) in table.column_iter_mut().enumerate() {
             column.set_padding((0, gap(k)));
             let side = self.sides.get(k).copied().unwrap_or(Side::Words);
@@ -97,11 +106,21 @@ impl Aligned {
                 None if side != Side::Words => {
                     column.set_constraint(ColumnConstraint::ContentWidth);
                 }
-                None => {}
+                None => {
+                    if let Some(needed) = needed.get(k) {
+                        column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(*needed)));
+                    }
+                }
             }
         }
         table
     }
+}
+
+/// Letters of the longest word, as far as it is kept whole.
+fn longest_word(text: &str) -> u16 {
+    let letters = text.split_whitespace().map(|word| word.chars().count());
+    letters.max().unwrap_or(0).min(WHOLE) as u16
 }
 
 impl fmt::Display for Aligned {
@@ -143,13 +162,28 @@ mod tests {
         assert_eq!(lines[1], "  15 psi      5.12 ± 0.03  tip     held out");
         assert_eq!(
             lines[2],
-            "  b        123456.7 ± 0.1  body:1  kept, for it is the one that stands for all of"
+            "  b        123456.7 ± 0.1  body:1  kept, for it is the one that stands for all"
         );
         assert!(lines[3].trim().starts_with("of its condition"), "{text}");
         // Words give way, numbers do not.
         let text = table("a release with a name that alone takes as much as a whole line of a terminal has");
         assert!(text.lines().all(|line| line.chars().count() <= usize::from(WIDTH)), "{text}");
         assert!(text.contains("123456.7 ± 0.1  body:1  kept"), "{text}");
+    }
+
+    /// Keys of 34 letters beside 40 letters of a value leave none for more, and stay whole.
+    #[test]
+    fn a_word_is_not_broken() {
+        let mut table = Aligned::new(&[("", Side::Words), ("", Side::Words), ("", Side::Number)]);
+        let key = "effects.enclosed_air.inner_diameter";
+        table.row([
+            key,
+            "the diameter of the air within the muscle, which the braid surrounds",
+            "0.024892 m",
+        ]);
+        let text = table.to_string();
+        assert!(text.starts_with(&format!("{key}  the diameter of the air")), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= usize::from(WIDTH)), "{text}");
     }
 
     /// Ten numbers of twelve letters take more than a line: none is broken, and the name stays readable.

@@ -121,6 +121,7 @@ struct OfRun<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
     /// The samples with `--trajectory`: a list for each column of `trajectory.parquet`; null where there is no number.
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<BTreeMap<String, Vec<Option<f64>>>>")]
     trajectory: Option<&'a Series>,
 }

@@ -62,14 +62,15 @@ pub fn decisions(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
 /// As it is written.
 pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     writeln!(out, "\n{}", one.of.release.name)?;
-    let line = |out: &mut dyn Write, name: &str, text: String| writeln!(out, "  {name:<22}{text}");
+    let mut facts = Aligned::new(&[("", Side::Name), ("", Side::Words)]).indented(2);
+    let mut line = |name: &str, text: String| facts.row([name, &text]);
     let error = one.rest.map_or(String::new(), |rest| format!(" ± {:.2}", 1e3 * rest.error[1]));
-    line(out, "static drop", format!("{:.2}{error} mm", 1e3 * one.static_drop()))?;
+    line("static drop", format!("{:.2}{error} mm", 1e3 * one.static_drop()));
     if let Some(warning) = one.rest_warning() {
-        line(out, "  warning", warning)?;
+        line("  warning", warning);
     }
     match &one.measured {
-        Err(error) => line(out, "frequency", error.to_string())?,
+        Err(error) => line("frequency", error.to_string()),
         Ok(measured) => {
             match &measured.damped_frequency {
                 Ok(omega) => {
@@ -78,54 +79,50 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                         .map_or(String::new(), |error| format!(", cycles agree to {:.2} %", 1e2 * error));
                     let letter = measured.coordinate.name();
                     line(
-                        out,
                         "damped frequency",
                         format!("{:.3} Hz, spectrum of {letter}(t){error}", omega / TAU),
-                    )?;
+                    );
                 }
-                Err(why) => line(out, "damped frequency", why.clone())?,
+                Err(why) => line("damped frequency", why.clone()),
             }
             if let Ok(decay) = &measured.decay {
                 let (natural, ratio) = (decay.natural_frequency / TAU, decay.damping_ratio);
                 let count = measured.peaks.len();
-                line(out, "natural frequency", format!("{natural:.3} Hz by eq. 7"))?;
+                line("natural frequency", format!("{natural:.3} Hz by eq. 7"));
                 let residual = 1e3 * decay.rms_residual;
                 line(
-                    out,
                     "damping ratio",
                     format!("{ratio:.4} by eq. 6 on {count} upper peaks, which leave {residual:.3} mm rms"),
-                )?;
+                );
             }
             if let Ok([first, .., last]) = measured.cycles.as_deref() {
                 let at =
                     |cycle: &Cycle| format!("{:.4} at {:.2} mm", cycle.damping_ratio, 1e3 * cycle.amplitude);
-                line(out, "  cycle by cycle", format!("{} to {}", at(first), at(last)))?;
+                line("  cycle by cycle", format!("{} to {}", at(first), at(last)));
             }
             if measured.since > 0.0 {
                 let text = "the first, large swings have another frequency";
-                line(out, "  counted from", format!("{:.2} s on: {text}", measured.since))?;
+                line("  counted from", format!("{:.2} s on: {text}", measured.since));
             }
             let bridged = &measured.bridged;
             if bridged.filled > 0 {
                 let longest = 1e3 * bridged.longest;
                 line(
-                    out,
                     "bridged",
                     format!(
                         "{} samples, gaps of up to {longest:.0} ms, for the spectrum and peaks only",
                         bridged.filled
                     ),
-                )?;
+                );
             }
             if let Some(at) = bridged.cut_at {
-                line(out, "left out", format!("all after {at:.2} s, where a gap is too long to be bridged"))?;
+                line("left out", format!("all after {at:.2} s, where a gap is too long to be bridged"));
             }
         }
     }
     match &one.in_motion {
         None => {}
         Some(Ok(found)) => line(
-            out,
             "EI from the frequency",
             format!(
                 "{} ({:.2} % for each % of frequency; a swing of this size is {:.2} % slower than the mode)",
@@ -133,9 +130,13 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                 found.sensitivity,
                 100.0 * (1.0 - found.swing_over_mode)
             ),
-        )?,
-        Some(Err(error)) => line(out, "EI from the frequency", error.to_string())?,
+        ),
+        Some(Err(error)) => line("EI from the frequency", error.to_string()),
     }
+    if let Some(why) = one.no_beam.as_ref().filter(|_| !one.at_rest.is_empty()) {
+        line("Euler-Bernoulli", why.clone());
+    }
+    write!(out, "{facts}")?;
     if one.at_rest.is_empty() {
         return Ok(());
     }
@@ -143,9 +144,6 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
         ["Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"].map(|head| (head, Side::Number));
     let mut table =
         Aligned::new(&[&[("EI from the tip, N m^2", Side::Name)], &heads[..]].concat()).indented(2);
-    if let Some(why) = &one.no_beam {
-        line(out, "Euler-Bernoulli", why.clone())?;
-    }
     let mut wrong = Vec::new();
     let ei = |fit: &Result<StiffnessFit, AnalysisError>| {
         fit.as_ref().map_or("-".to_owned(), |fit| format_si(fit.bending_stiffness, ""))
