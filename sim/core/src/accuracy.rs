@@ -231,7 +231,9 @@ pub fn settle(
     goal: &Goal,
     see: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Settled, ForwardError> {
-    let (mut model, mut run) = begin(model, run, goal, LARGE_ERRORS)?;
+    // The steps of Verlet's method become shorter with the edges, and a mesh too fine costs more than an attempt.
+    let errors = if run.method.of(model) == Method::Verlet { USUAL_ERRORS } else { LARGE_ERRORS };
+    let (mut model, mut run) = begin(model, run, goal, errors)?;
     let (mut last, mut stalled) = (f64::INFINITY, 0);
     let mut attempts = 0;
     loop {
