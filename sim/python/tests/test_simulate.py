@@ -88,6 +88,12 @@ parameters.c = { unit = "kg/m^3", default = 0.6, range = [0, 10] }
 MUSCLE = {"name": "garbulinski-2022", "pressure": "15 psi"}
 
 
+def test_a_number_for_a_law_of_an_experiment_is_si(scenario):
+    file = scenario.parent / "diagnosis" / "nothing" / "experiment.toml"
+    experiment = efam.Experiment(file, laws={"my_drag": LAW}, effects={"my_drag": {"c": 0.8}})
+    assert 'effects.my_drag.c="0.8 kg/m^3"' in experiment.settings
+
+
 def test_a_pressure_over_time(scenario):
     rows = [[0, 1e5], [1.0, 2e5]]
     by_number = efam.Model(scenario, pressure=rows)
