@@ -154,8 +154,9 @@ const MOST_WORK: f64 = 3e6;
 /// Edges and tolerance of a first attempt, from releases of the paper's muscle at all its pressures: there the error
 /// of the mesh is at most `2.6 A / edges⁴`, that of the steps some ten times the tolerance times `A`, where `A` is the
 /// swing or the length of the rod, whichever is less.
-const MESH_ERROR: f64 = 2.6;
-const STEP_ERROR: f64 = 10.0;
+const USUAL_ERRORS: [f64; 2] = [2.6, 10.0];
+/// The same for a run whose errors are estimated: few need a second attempt, which costs three runs.
+const LARGE_ERRORS: [f64; 2] = [7.0, 40.0];
 const FEWEST_EDGES: usize = 7;
 const MOST_FIRST_EDGES: usize = 60;
 const TOLERANCES: [f64; 2] = [1e-11, 1e-4];
@@ -176,17 +177,27 @@ pub struct Settled {
 /// # Errors
 /// As [`Run::on_mesh`].
 pub fn first(model: &Model, run: &Run, goal: &Goal) -> Result<(Model, Run), ForwardError> {
+    begin(model, run, goal, USUAL_ERRORS)
+}
+
+/// The same, where mesh and steps have these errors as in [`USUAL_ERRORS`].
+fn begin(
+    model: &Model,
+    run: &Run,
+    goal: &Goal,
+    [of_mesh, of_steps]: [f64; 2],
+) -> Result<(Model, Run), ForwardError> {
     let swing = expected_swing(model, run)?;
     let accuracy = goal.accuracy.unwrap_or_else(|| usual(model, swing));
     let swing = swing.clamp(FINEST * model.rod().length, model.rod().length);
     let mut run = run.clone();
     if goal.chooses_tolerance {
-        run.tolerance = tolerance(AIM * accuracy / (STEP_ERROR * swing));
+        run.tolerance = tolerance(AIM * accuracy / (of_steps * swing));
     }
     if !goal.chooses_mesh {
         return Ok((model.clone(), run));
     }
-    let edges = (MESH_ERROR * swing / (AIM * accuracy)).powf(0.25).ceil() as usize;
+    let edges = (of_mesh * swing / (AIM * accuracy)).powf(0.25).ceil() as usize;
     Ok(run.on_mesh(model, edges.clamp(FEWEST_EDGES, MOST_FIRST_EDGES) + 1)?)
 }
 
@@ -220,7 +231,9 @@ pub fn settle(
     goal: &Goal,
     see: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Settled, ForwardError> {
-    let (mut model, mut run) = first(model, run, goal)?;
+    // The steps of Verlet's method become shorter with the edges, and a mesh too fine costs more than an attempt.
+    let errors = if run.method.of(model) == Method::Verlet { USUAL_ERRORS } else { LARGE_ERRORS };
+    let (mut model, mut run) = begin(model, run, goal, errors)?;
     let (mut last, mut stalled) = (f64::INFINITY, 0);
     let mut attempts = 0;
     loop {

@@ -61,7 +61,7 @@ use models::muscle::Known;
 use document::Document;
 pub use error::{At, Problem, ScenarioError};
 pub(crate) use laws::LAWS;
-pub use laws::{parse_laws, read_laws};
+pub use laws::{effects_of, parse_laws, read_laws};
 use plan::Plan;
 pub use release::ReleaseOptions;
 pub use units::unit_of;

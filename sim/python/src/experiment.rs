@@ -11,7 +11,7 @@ use sim::failure::Failure;
 
 use crate::failure::exception;
 use crate::model::source;
-use crate::overrides::tables;
+use crate::overrides::{Laws, tables};
 use crate::recording::RecordingData;
 use crate::watch::watched;
 
@@ -59,7 +59,7 @@ fn shared(held: Vec<Held>) -> Vec<(PathBuf, std::sync::Arc<efam_recordings::Reco
 
 /// Tables as the text of a file.
 fn written(of: &Bound<'_, PyDict>) -> PyResult<String> {
-    let lines = tables(of)?;
+    let lines = tables(of, &Laws::default())?;
     let is_key = |line: &String| {
         let path = line.split('=').next().unwrap_or_default();
         path.split('.').all(|key| {
@@ -82,16 +82,18 @@ impl ExperimentData {
     fn new(of: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>, held: Vec<Held>) -> PyResult<Self> {
         let held = shared(held);
         if let Ok(dict) = of.cast::<PyDict>() {
-            let text = written(dict)?;
-            return Self::of(PathBuf::from(NAME), text, tables(options)?, held);
+            let (path, text) = (PathBuf::from(NAME), written(dict)?);
+            let set = tables(options, &Laws::of(&path, &text, &[]))?;
+            return Self::of(path, text, set, held);
         }
         let (path, text) = source(of, NAME)?;
-        Self::of(path, text, tables(options)?, held)
+        let set = tables(options, &Laws::of(&path, &text, &[]))?;
+        Self::of(path, text, set, held)
     }
 
     /// The same with more set over it. What is set again replaces what was set.
     fn replace(&self, options: &Bound<'_, PyDict>, held: Vec<Held>) -> PyResult<Self> {
-        let more = tables(options)?;
+        let more = tables(options, &Laws::of(&self.path, &self.text, &self.overrides))?;
         let key = |set: &String| set.split('=').next().unwrap_or_default().to_owned();
         let again: Vec<String> = more.iter().map(key).collect();
         let kept = self.overrides.iter().filter(|own| !again.contains(&key(own))).cloned();

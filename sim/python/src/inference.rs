@@ -28,7 +28,7 @@ use sim::failure::Failure;
 use crate::answer::{AnswerData, request_of};
 use crate::experiment::ExperimentData;
 use crate::failure::exception;
-use crate::overrides::overrides;
+use crate::overrides::{Laws, overrides};
 use crate::watch::{Progress, followed};
 
 /// Says on the thread of the call what a search does, and can end it.
@@ -197,7 +197,7 @@ pub fn predict(
     tell: Option<Py<PyAny>>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<AnswerData> {
-    let set = overrides(options)?;
+    let set = overrides(options, &Laws::default())?;
     let work = |_: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
         let begin = Instant::now();
         let mut asked = asked(&of)?;

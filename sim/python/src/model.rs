@@ -11,12 +11,12 @@ use pyo3::types::{PyDict, PyString};
 use sim::failure::Failure;
 
 use crate::failure::exception;
-use crate::overrides::{overrides, tables};
+use crate::overrides::{Laws, overrides, tables};
 use crate::run::{self, RunData};
 use crate::swing::Swing;
 
-/// What a pickle holds: the path that files are relative to, the text, and what is set over it.
-type Parts = (PathBuf, String, Vec<String>);
+/// The path that files are relative to, the text, and what is set over it: what a pickle holds.
+pub type Parts = (PathBuf, String, Vec<String>);
 
 /// A rod with its clamp, effects and release: a scenario of one run.
 #[pyclass(frozen, module = "efam._efam")]
@@ -68,21 +68,23 @@ impl Model {
     #[new]
     #[pyo3(signature = (source, /, **options))]
     fn new(source: &Bound<'_, PyAny>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let set = overrides(options)?;
         if let Ok(model) = source.cast::<Model>() {
-            return model.get().with(set);
+            return model.get().with(overrides(options, &model.get().laws())?);
         }
         if let Ok(dict) = source.cast::<PyDict>() {
-            return Self::of(PathBuf::from("scenario"), String::new(), [tables(dict)?, set].concat());
+            let (path, own) = (PathBuf::from("scenario"), tables(dict, &Laws::default())?);
+            let set = overrides(options, &Laws::of(&path, "", &own))?;
+            return Self::of(path, String::new(), [own, set].concat());
         }
         let (path, text) = self::source(source, "scenario")?;
+        let set = overrides(options, &Laws::of(&path, &text, &[]))?;
         Self::of(path, text, set)
     }
 
     /// The same model with something else.
     #[pyo3(signature = (**options))]
     fn replace(&self, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        self.with(overrides(options)?)
+        self.with(overrides(options, &self.laws())?)
     }
 
     /// Simulates it.
@@ -166,6 +168,16 @@ impl Model {
 }
 
 impl Model {
+    /// The path that its files are relative to, its text, and what is set over that.
+    pub fn source(&self) -> Parts {
+        (self.path.clone(), self.text.clone(), self.overrides.clone())
+    }
+
+    /// Its laws as text.
+    fn laws(&self) -> Laws<'_> {
+        Laws::of(&self.path, &self.text, &self.overrides)
+    }
+
     /// The same with more set over it. What is set again replaces what was set, so that a loop does not grow.
     pub fn with(&self, more: Vec<String>) -> PyResult<Self> {
         let key = |set: &String| set.split('=').next().unwrap_or_default().to_owned();

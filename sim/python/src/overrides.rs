@@ -1,7 +1,11 @@
 //! Keyword arguments as what `--set` and the options of the program say: texts with units, or numbers in SI.
 
-use efam_experiments::scenario::{ReleaseOptions, unit_of};
+use std::cell::OnceCell;
+use std::path::Path;
+
+use efam_experiments::scenario::{ReleaseOptions, effects_of, unit_of};
 use efam_store::escape::toml_string;
+use models::effects::Catalogue;
 use models::quantity::Quantity;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -16,10 +20,64 @@ const DEEPEST: usize = 8;
 /// Options of the program that are one key of a scenario.
 const KEYS: [(&str, &str); 2] = [("muscle", "muscle.file"), ("pressure", "muscle.pressure")];
 
+/// The laws as text of the scenario or experiment that arguments are for: their parameters have units, too.
+#[derive(Default)]
+pub struct Laws<'a> {
+    path: Option<&'a Path>,
+    text: &'a str,
+    /// What is set over the text, of the laws alone.
+    set: Vec<String>,
+    /// Read where a number needs them.
+    catalogue: OnceCell<Catalogue>,
+}
+
+impl<'a> Laws<'a> {
+    /// Those of a text and of what is set over it.
+    pub fn of(path: &'a Path, text: &'a str, set: &[String]) -> Self {
+        let is_law = |own: &&String| is_law(own);
+        let set = set.iter().filter(is_law).cloned().collect();
+        Self { path: Some(path), text, set, catalogue: OnceCell::new() }
+    }
+
+    /// The same with those that are among the arguments.
+    fn and(&self, given: &Bound<'_, PyDict>) -> PyResult<Laws<'a>> {
+        let mut set = self.set.clone();
+        for (key, value) in given.iter() {
+            let key: String = key.extract()?;
+            if is_law(&key) {
+                flatten(&key, &value, DEEPEST, &Laws::default(), &mut set)?;
+            }
+        }
+        Ok(Laws { path: self.path, text: self.text, set, catalogue: OnceCell::new() })
+    }
+
+    /// The SI unit of a key.
+    fn unit_of(&self, key: &str) -> Option<&'static str> {
+        let read = || {
+            let path = self.path.unwrap_or(Path::new("scenario"));
+            // What is wrong with a law is said where the whole is read.
+            effects_of(path, self.text, &self.set).unwrap_or_default()
+        };
+        unit_of(key, &Catalogue::default()).or_else(|| {
+            let may_have_one = key.contains("effects.") && (self.text.contains(LAWS) || !self.set.is_empty());
+            may_have_one.then(|| unit_of(key, self.catalogue.get_or_init(read))).flatten()
+        })
+    }
+}
+
+/// The table of laws.
+const LAWS: &str = "laws";
+
+/// Whether a key is of a law.
+fn is_law(key: &str) -> bool {
+    key.strip_prefix(LAWS).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
 /// All keyword arguments as `path=value`: the options of the program by their names, keys of a scenario by their
 /// paths.
-pub fn overrides(given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
+pub fn overrides(given: Option<&Bound<'_, PyDict>>, laws: &Laws) -> PyResult<Vec<String>> {
     let Some(given) = given else { return Ok(Vec::new()) };
+    let laws = &laws.and(given)?;
     let mut release = ReleaseOptions::default();
     let mut set = Vec::new();
     for (key, value) in given.iter() {
@@ -35,8 +93,8 @@ pub fn overrides(given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
         };
         match (slot, KEYS.iter().find(|(name, _)| *name == key)) {
             (Some((slot, unit)), _) => *slot = Some(quantity(&key, &value, unit)?),
-            (None, Some((_, path))) => flatten(path, &value, DEEPEST, &mut set)?,
-            (None, None) => flatten(&key, &value, DEEPEST, &mut set)?,
+            (None, Some((_, path))) => flatten(path, &value, DEEPEST, laws, &mut set)?,
+            (None, None) => flatten(&key, &value, DEEPEST, laws, &mut set)?,
         }
     }
     if release.payload.is_some_and(|mass| mass < 0.0) {
@@ -45,11 +103,12 @@ pub fn overrides(given: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<String>> {
     Ok([release.overrides(), set].concat())
 }
 
-/// A scenario as tables of Python.
-pub fn tables(of: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
+/// A scenario or an experiment as tables of Python, or what is set over one.
+pub fn tables(of: &Bound<'_, PyDict>, laws: &Laws) -> PyResult<Vec<String>> {
+    let laws = &laws.and(of)?;
     let mut set = Vec::new();
     for (key, value) in of.iter() {
-        flatten(&key.extract::<String>()?, &value, DEEPEST, &mut set)?;
+        flatten(&key.extract::<String>()?, &value, DEEPEST, laws, &mut set)?;
     }
     Ok(set)
 }
@@ -64,25 +123,31 @@ pub fn quantity(name: &str, value: &Bound<'_, PyAny>, unit: &str) -> PyResult<f6
     value.extract::<f64>().map_err(|_| wrong(name, value))
 }
 
-fn flatten(path: &str, value: &Bound<'_, PyAny>, deepest: usize, set: &mut Vec<String>) -> PyResult<()> {
+fn flatten(
+    path: &str,
+    value: &Bound<'_, PyAny>,
+    deepest: usize,
+    laws: &Laws,
+    set: &mut Vec<String>,
+) -> PyResult<()> {
     let Ok(table) = value.cast::<PyDict>() else {
-        set.push(format!("{path}={}", written(path, value, deepest)?));
+        set.push(format!("{path}={}", written(path, value, deepest, laws)?));
         return Ok(());
     };
     if deepest == 0 {
         return Err(PyTypeError::new_err(format!("{path}: tables within one another, too deep")));
     }
     for (key, value) in table.iter() {
-        flatten(&format!("{path}.{}", key.extract::<String>()?), &value, deepest - 1, set)?;
+        flatten(&format!("{path}.{}", key.extract::<String>()?), &value, deepest - 1, laws, set)?;
     }
     Ok(())
 }
 
 /// A value as TOML has it.
-fn written(path: &str, value: &Bound<'_, PyAny>, deepest: usize) -> PyResult<String> {
+fn written(path: &str, value: &Bound<'_, PyAny>, deepest: usize, laws: &Laws) -> PyResult<String> {
     // Arrays and numbers of numpy.
     if value.hasattr("tolist")? {
-        return written(path, &value.call_method0("tolist")?, deepest.saturating_sub(1));
+        return written(path, &value.call_method0("tolist")?, deepest.saturating_sub(1), laws);
     }
     if let Ok(flag) = value.cast::<PyBool>() {
         return Ok(flag.is_true().to_string());
@@ -110,7 +175,7 @@ fn written(path: &str, value: &Bound<'_, PyAny>, deepest: usize) -> PyResult<Str
                 }
                 _ => path,
             };
-            items.push(written(own, &item, deepest - 1)?);
+            items.push(written(own, &item, deepest - 1, laws)?);
         }
         return Ok(format!("[{}]", items.join(", ")));
     }
@@ -121,12 +186,12 @@ fn written(path: &str, value: &Bound<'_, PyAny>, deepest: usize) -> PyResult<Str
         let mut entries = Vec::new();
         for (key, value) in table.iter() {
             let key: String = key.extract()?;
-            let value = written(&format!("{path}.{key}"), &value, deepest - 1)?;
+            let value = written(&format!("{path}.{key}"), &value, deepest - 1, laws)?;
             entries.push(format!("{} = {value}", toml_string(&key)));
         }
         return Ok(format!("{{ {} }}", entries.join(", ")));
     }
-    match unit_of(path) {
+    match laws.unit_of(path) {
         None if value.is_instance_of::<PyInt>() => Ok(value.str()?.to_string_lossy().into_owned()),
         unit => {
             let is_number = value.is_instance_of::<PyFloat>() || value.hasattr("__float__")?;

@@ -19,7 +19,7 @@ use sim::failure::Failure;
 
 use crate::failure::exception;
 use crate::model::source;
-use crate::overrides::tables;
+use crate::overrides::{Laws, tables};
 use crate::watch::{Progress, followed};
 
 /// What is printed as JSON and for people, where it is, and all columns.
@@ -47,7 +47,8 @@ pub fn sweep<'py>(
         Ok(_) => (PathBuf::from("sweep"), String::new()),
         Err(_) => source(of, "sweep")?,
     };
-    let of_tables = of.cast::<PyDict>().map(tables).unwrap_or_else(|_| Ok(Vec::new()))?;
+    let tables = |of: &Bound<'_, PyDict>| self::tables(of, &Laws::default());
+    let of_tables = of.cast::<PyDict>().map(&tables).unwrap_or_else(|_| Ok(Vec::new()))?;
     let set = [of_tables, tables(options)?].concat();
     let work =
         |cancel: Cancel, progress: &Progress| -> Result<(String, String, PathBuf, Vec<Found>), Failure> {

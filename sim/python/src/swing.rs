@@ -11,7 +11,7 @@ use sim::failure::Failure;
 
 use crate::failure::exception;
 use crate::model::Model;
-use crate::overrides::{overrides, quantity};
+use crate::overrides::{Laws, overrides, quantity};
 
 /// Time, coordinates, rates, and memory of the effects.
 type Numbers = (f64, Vec<f64>, Vec<f64>, Vec<f64>);
@@ -70,7 +70,9 @@ impl Swing {
     /// Changes pressure, payload or any parameter; the rod keeps its place and velocity.
     #[pyo3(signature = (**options))]
     fn set(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        let more = overrides(options)?;
+        // Another thread may step it, and wait for the global lock.
+        let (path, text, set) = py.detach(|| self.inner().model.source());
+        let more = overrides(options, &Laws::of(&path, &text, &set))?;
         py.detach(|| {
             let mut inner = self.inner();
             let model = inner.model.with(more)?;

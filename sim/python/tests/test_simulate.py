@@ -55,6 +55,45 @@ def test_a_model_of_tables_is_that_of_its_text():
     assert by_tables["rod.mass"] == 0.03 and by_tables.units["rod.mass"] == "kg"
 
 
+LAW = {
+    "place": "flow",
+    "force": "-c * v_n * abs(v_n) * diameter",
+    "parameters": {"c": {"unit": "kg/m^3", "default": 0.6, "range": [0, 10]}},
+}
+
+
+def test_a_number_for_a_law_as_text_is_si(scenario):
+    text = scenario.read_text() + """
+[laws.my_drag]
+place = "flow"
+force = "-c * v_n * abs(v_n) * diameter"
+parameters.c = { unit = "kg/m^3", default = 0.6, range = [0, 10] }
+"""
+    path = "effects.my_drag.c"
+    by_text = efam.Model(text, **{path: "800 g/m^3"})
+    by_number = efam.Model(text, **{path: np.float64(0.8)})
+    assert by_number.text == by_text.text and by_number[path] == 0.8
+    # Of the model that it replaces, of tables, and of arguments beside it.
+    assert by_text.replace(**{path: 1})[path] == 1.0
+    of_tables = efam.Model({"laws": {"my_drag": LAW}, "effects": {"my_drag": {"c": 0.8}}, "muscle": MUSCLE})
+    assert of_tables[path] == 0.8 and of_tables.replace(effects={"my_drag": {"c": 0.5}})[path] == 0.5
+    beside = efam.Model(scenario, effects={"my_drag": {"c": 0.8}}, laws={"my_drag": LAW})
+    assert beside[path] == 0.8
+    swing = by_text.start()
+    swing.set(**{path: 2.0})
+    with pytest.raises(efam.ScenarioError, match="laws.my_drag"):
+        efam.Model(text.replace("abs(v_n)", "abs(v_m)"), **{path: 0.8})
+
+
+MUSCLE = {"name": "garbulinski-2022", "pressure": "15 psi"}
+
+
+def test_a_number_for_a_law_of_an_experiment_is_si(scenario):
+    file = scenario.parent / "diagnosis" / "nothing" / "experiment.toml"
+    experiment = efam.Experiment(file, laws={"my_drag": LAW}, effects={"my_drag": {"c": 0.8}})
+    assert 'effects.my_drag.c="0.8 kg/m^3"' in experiment.settings
+
+
 def test_a_pressure_over_time(scenario):
     rows = [[0, 1e5], [1.0, 2e5]]
     by_number = efam.Model(scenario, pressure=rows)

@@ -27,6 +27,7 @@ use efam_store::escape::cell;
 use efam_store::folder::Folder;
 use serde_json::json;
 
+use crate::aligned::{Aligned, Side};
 use crate::interval::with_ends;
 use crate::page::REPORT;
 use crate::picture::{against_markers, calibrated, fitted, over_pressure};
@@ -119,8 +120,9 @@ fn repeats_in_words(repeats: &Repeats) -> String {
 
 /// A calibration as a table for people.
 pub fn table(calibration: &Calibration) -> String {
-    let mut text = String::new();
-    let _ = writeln!(text, "{:58} {:>14} {:>10}   95 % interval", "", "value", "error");
+    let numbers = ["value", "error"].map(|head| (head, Side::Number));
+    let heads = [&[("", Side::Words)], &numbers[..], &[("95 % interval", Side::Name)]].concat();
+    let mut parameters = Aligned::new(&heads);
     for found in &calibration.parameters {
         let error = match found.relative_error() {
             Some(error) if error < 1.0 => format!("{} %", significant(100.0 * error, 2)),
@@ -130,29 +132,25 @@ pub fn table(calibration: &Calibration) -> String {
         let (value, ends) = with_ends(found.value, found.interval_95, 1.0);
         let interval =
             ends.map_or("not determined".to_owned(), |[low, high]| format!("{low} to {high} {}", found.unit));
-        let _ = writeln!(text, "{:58} {value:>14} {error:>10}   {interval}", found.label());
+        parameters.row([found.label(), value, error, interval]);
     }
-    text.push('\n');
-    let _ = writeln!(
-        text,
-        "{:34} {:20} {:>8} {:>10} {:>10} {:>8} {:>10}",
-        "release", "marker", "samples", "rms, mm", "noise, mm", "chi2", "held back"
-    );
+    let numbers = ["samples", "rms, mm", "noise, mm", "chi2", "held back"].map(|head| (head, Side::Number));
+    let heads = [("release", Side::Words), ("marker", Side::Words)];
+    let mut releases = Aligned::new(&[&heads, &numbers[..]].concat());
     for release in &calibration.releases {
         for track in &release.tracks {
-            let _ = writeln!(
-                text,
-                "{:34} {:20} {:>8} {:>10} {:>10} {:>8} {:>10}",
-                release.name,
-                track.marker,
-                track.samples,
+            releases.row([
+                release.name.clone(),
+                track.marker.clone(),
+                track.samples.to_string(),
                 significant(track.rms_mm, 3),
                 significant(track.stated_noise_mm, 3),
                 significant(track.reduced_chi_squared, 3),
-                track.held_back
-            );
+                track.held_back.to_string(),
+            ]);
         }
     }
+    let mut text = format!("{parameters}\n{releases}");
     if let Some(repeats) = &calibration.repeats {
         let _ = writeln!(text, "\n{}", repeats_in_words(repeats));
     }

@@ -16,6 +16,7 @@ use efam_store::StoreError;
 use efam_store::folder::Folder;
 use serde_json::json;
 
+use crate::aligned::{Aligned, Side};
 use crate::calibrated::EXPERIMENT;
 use crate::interval::with_ends;
 use crate::page::{BeforeUse, Page, REPORT, Table};
@@ -51,12 +52,11 @@ pub fn check_table(check: &Check) -> String {
     let mut text = format!("{}\n", answer(check));
     for release in &check.releases {
         let _ = writeln!(text, "\n{}", heading(release));
-        let [name, measured, predicted, interval, holds] = HEADS;
-        let _ = writeln!(text, "  {name:36}{measured:>16}{predicted:>12}  {interval:28}{holds}");
-        for number in &release.numbers {
-            let [name, measured, predicted, interval, holds] = cells(number);
-            let _ = writeln!(text, "  {name:36}{measured:>16}{predicted:>12}  {interval:28}{holds}");
-        }
+        let sides = [Side::Words, Side::Number, Side::Number, Side::Name, Side::Name];
+        let heads: Vec<_> = HEADS.into_iter().zip(sides).collect();
+        let mut table = Aligned::new(&heads).indented(2);
+        release.numbers.iter().for_each(|number| table.row(cells(number)));
+        let _ = write!(text, "{table}");
         for warning in &release.warnings {
             let _ = writeln!(text, "  warning: {warning}");
         }

@@ -24,6 +24,7 @@ use efam_store::StoreError;
 use efam_store::folder::Folder;
 use serde_json::json;
 
+use crate::aligned::{Aligned, Side};
 use crate::calibrated::EXPERIMENT;
 use crate::page::REPORT;
 use crate::picture::diagnosed;
@@ -93,48 +94,63 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
         if shapes.peek().is_some() {
             let _ = writeln!(out, "\nround {}: residual patterns", round + 1);
         }
+        let numbers = ["score", "threshold", "mm", "at amplitude, %"].map(|head| (head, Side::Number));
+        let mut patterns =
+            Aligned::new(&[&[("pattern", Side::Words)], &numbers[..], &[("", Side::Name)]].concat());
         for shape in shapes {
-            let stands_out = if shape.score > shape.threshold { "  above the threshold" } else { "" };
-            let _ = writeln!(
-                out,
-                "  {:44}{:>8.2} of {:.2}{:>9.3} mm at {:>3.0} % of the amplitude{stands_out}",
-                shape.what,
-                shape.score,
-                shape.threshold,
-                shape.size_mm,
-                100.0 * shape.at_amplitude
-            );
+            let stands_out = if shape.score > shape.threshold { "above" } else { "" };
+            patterns.row([
+                shape.what.clone(),
+                format!("{:.2}", shape.score),
+                format!("{:.2}", shape.threshold),
+                format!("{:.3}", shape.size_mm),
+                format!("{:.0}", 100.0 * shape.at_amplitude),
+                stands_out.to_owned(),
+            ]);
+        }
+        if !patterns.is_empty() {
+            let _ = write!(out, "{}", patterns.indented(2));
         }
         let _ = writeln!(
             out,
             "\nround {}: threshold of the score {threshold:.2}; predicted and fitted: decrease of χ²",
             round + 1
         );
-        let _ = writeln!(
-            out,
-            "  {:34}{:>8}{:>10}{:>10} {:>12}",
-            "candidate", "score", "predicted", "fitted", "strength"
-        );
+        let numbers = ["score", "predicted", "fitted", "strength"].map(|head| (head, Side::Number));
+        let mut candidates =
+            Aligned::new(&[&[("candidate", Side::Words)], &numbers[..]].concat()).indented(2);
+        // Candidates that are rejected for the same reason, in their order.
+        let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
         let own: Vec<&Evidence> =
             diagnosis.evidence.iter().filter(|evidence| evidence.round == round + 1).collect();
         for evidence in own.iter().take(SHOWN) {
             let keeps = evidence.realised_decrease.map_or("-".to_owned(), |keeps| format!("{keeps:.1}"));
-            let _ = writeln!(
-                out,
-                "  {:34}{:>8.2}{:>10.1}{keeps:>10} {:>12}  {}",
+            candidates.row([
                 evidence.asked(),
-                evidence.score,
-                evidence.predicted_decrease,
+                format!("{:.2}", evidence.score),
+                format!("{:.1}", evidence.predicted_decrease),
+                keeps,
                 significant(evidence.strength, 3),
-                evidence.rejected.as_deref().unwrap_or("")
-            );
+            ]);
+            let Some(why) = evidence.rejected.as_deref() else { continue };
+            match reasons.iter_mut().find(|own| own.0 == why) {
+                Some((_, all)) => all.push(evidence.asked()),
+                None => reasons.push((why, vec![evidence.asked()])),
+            }
+        }
+        let _ = write!(out, "{candidates}");
+        for (why, all) in reasons {
+            let _ = writeln!(out, "  {}: {why}", all.join(", "));
         }
     }
-    out += "\nrms residual / noise      before     after\n";
+    let numbers = ["before", "after"].map(|head| (head, Side::Number));
+    let heads = [&[("rms residual / noise", Side::Words)], &numbers[..], &[("", Side::Name)]].concat();
+    let mut gaps = Aligned::new(&heads);
     for Gap { release, held_out, before, after, .. } in &diagnosis.gap {
-        let part = if *held_out { "  (held out)" } else { "" };
-        let _ = writeln!(out, "  {release:22}{before:>8.3}{after:>10.3}{part}");
+        let part = if *held_out { "(held out)" } else { "" };
+        gaps.row([release, &format!("{before:.3}"), &format!("{after:.3}"), part]);
     }
+    let _ = write!(out, "\n{gaps}");
     for warning in &diagnosis.warnings {
         let _ = writeln!(out, "warning: {warning}");
     }
@@ -143,30 +159,30 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
 
 /// What a planned experiment could show, as a person reads it.
 pub fn plan_table(prospects: &[Prospect], releases: usize) -> String {
-    let mut out = format!(
-        "{releases} release{} could show\n  {:24}{:24}{:>12}{:>14}  {:24}{:>10}\n",
-        if releases == 1 { "" } else { "s" },
-        "effect",
-        "parameter",
-        "detectable",
-        "separable",
-        "most similar",
-        "plausible"
-    );
+    let plural = if releases == 1 { "" } else { "s" };
+    let heads = [
+        ("effect", Side::Words),
+        ("parameter", Side::Words),
+        ("detectable", Side::Number),
+        ("separable", Side::Number),
+        ("most similar", Side::Words),
+        ("plausible", Side::Number),
+        ("", Side::Name),
+    ];
+    let mut table = Aligned::new(&heads).indented(2);
     for prospect in prospects {
         let number = |value: f64| if value.is_finite() { significant(value, 2) } else { "never".to_owned() };
-        let _ = writeln!(
-            out,
-            "  {:24}{:24}{:>12}{:>14}  {:24}{:>10} {}",
-            prospect.effect,
-            prospect.parameter,
+        table.row([
+            prospect.effect.clone(),
+            prospect.parameter.clone(),
             number(prospect.detectable_from),
             number(prospect.separable_from),
-            prospect.nearest.as_deref().unwrap_or("-"),
+            prospect.nearest.clone().unwrap_or("-".to_owned()),
             prospect.largest_plausible.map_or("-".to_owned(), |most| significant(most, 2)),
-            prospect.unit,
-        );
+            prospect.unit.clone(),
+        ]);
     }
+    let mut out = format!("{releases} release{plural} could show\n{table}");
     out += "detectable, separable: smallest value at 5 standard deviations, for small effects; plausible: largest expected value\n";
     out
 }

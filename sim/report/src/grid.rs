@@ -21,6 +21,7 @@ use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile};
 use efam_store::folder::Folder;
 use serde_json::json;
 
+use crate::aligned::{Aligned, Side};
 use crate::interval::with_interval;
 use crate::page::REPORT;
 use crate::picture::{PASCAL_PER_PSI, grid_pictures};
@@ -95,23 +96,17 @@ const ROWS: usize = 40;
 
 /// A grid as a table for people.
 pub fn grid_table(grid: &Grid) -> String {
-    let mut text = format!("{}\n{:>7} {:>7} {:>7}", grid.name, "psi", "kPa", "g");
-    for (_, head) in SHOWN {
-        let _ = write!(text, " {head:>15}");
-    }
-    text.push('\n');
+    let heads =
+        ["psi", "kPa", "g"].into_iter().chain(SHOWN.map(|own| own.1)).map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&heads.chain([("", Side::Words)]).collect::<Vec<_>>());
     for cell in grid.cells.iter().take(ROWS) {
         let pressure =
             |unit: f64| cell.pressure_pa.map_or("-".to_owned(), |pressure| significant(pressure / unit, 4));
-        let _ = write!(
-            text,
-            "{:>7} {:>7} {:>7}",
-            pressure(PASCAL_PER_PSI),
-            pressure(1e3),
-            significant(1e3 * cell.payload_kg, 4)
-        );
+        let mut row = vec![pressure(PASCAL_PER_PSI), pressure(1e3), significant(1e3 * cell.payload_kg, 4)];
         if let Some(why) = &cell.failed {
-            let _ = writeln!(text, " {why}");
+            row.extend(SHOWN.map(|_| "-".to_owned()));
+            row.push(why.clone());
+            table.row(row);
             continue;
         }
         for (name, _) in SHOWN {
@@ -122,14 +117,12 @@ pub fn grid_table(grid: &Grid) -> String {
                 let [low, high] = quantity.interval_95?;
                 Some(format!("±{}", significant(0.5 * readable(&quantity.unit).0 * (high - low), 2)))
             });
-            let _ = write!(
-                text,
-                " {:>15}",
-                format!("{}{}", shown.unwrap_or("-".to_owned()), half.unwrap_or_default())
-            );
+            row.push(format!("{}{}", shown.unwrap_or("-".to_owned()), half.unwrap_or_default()));
         }
-        text += if cell.extrapolated == Some(true) { " *\n" } else { "\n" };
+        row.push(if cell.extrapolated == Some(true) { "*" } else { "" }.to_owned());
+        table.row(row);
     }
+    let mut text = format!("{}\n{table}", grid.name);
     if grid.cells.len() > ROWS {
         let _ = writeln!(text, "… and {} more, in {CSV}", grid.cells.len() - ROWS);
     }

@@ -13,6 +13,7 @@
 //! [`write()`] makes the folder: complete, or not at all. Many runs go into one by [`begin`] and
 //! [`write_run`]. [`report`](report::report) says the same in a dozen lines.
 
+pub mod aligned;
 mod assumed;
 pub mod beside_the_paper;
 pub mod calibrated;

@@ -19,6 +19,7 @@ use efam_store::StoreError;
 use efam_store::folder::Folder;
 use serde_json::json;
 
+use crate::aligned::{Aligned, Side};
 use crate::interval::with_ends;
 use crate::page::REPORT;
 use crate::picture::predicted;
@@ -46,26 +47,31 @@ pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -
 
 /// A prediction as a table for people.
 pub fn prediction_table(prediction: &Prediction) -> String {
-    let mut text = format!("{:40}{:>12}   95 % interval\n", prediction.name, "");
+    let mut table = Aligned::new(&[
+        (prediction.name.as_str(), Side::Name),
+        ("", Side::Number),
+        ("95 % interval", Side::Words),
+    ]);
     for quantity in &prediction.quantities {
         let (factor, unit) = readable(&quantity.unit);
         let Some(value) = quantity.value else {
             let why = quantity.missing.as_deref().unwrap_or("there is none");
-            let _ = writeln!(text, "{:40}{:>12}   {why}", quantity.meaning, "-");
+            table.row([quantity.meaning.as_str(), "-", why]);
             continue;
         };
         let (value, interval) = with_ends(value, quantity.interval_95, factor);
         let interval = interval.map_or(String::new(), |[low, high]| format!("{low} to {high} "));
-        let _ = writeln!(text, "{:40}{value:>12}   {interval}{unit}", quantity.meaning);
+        table.row([quantity.meaning.clone(), value, format!("{interval}{unit}")]);
     }
     if let (Some(first), Some(last)) = (prediction.cycles.first(), prediction.cycles.last()) {
         for cycle in [first, last] {
             let name = format!("damping ratio at {} mm", significant(1e3 * cycle.amplitude_m, 3));
             let (ratio, interval) = with_ends(cycle.damping_ratio, cycle.damping_ratio_95, 1.0);
             let interval = interval.map_or(String::new(), |[low, high]| format!("{low} to {high}"));
-            let _ = writeln!(text, "{name:40}{ratio:>12}   {interval}");
+            table.row([name, ratio, interval]);
         }
     }
+    let mut text = table.to_string();
     if prediction.draws > 0 {
         let _ = writeln!(
             text,

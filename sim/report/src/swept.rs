@@ -26,6 +26,7 @@ use efam_sweeps::request::Design;
 use efam_sweeps::work::Work;
 use serde_json::json;
 
+use crate::aligned::{Aligned, Side};
 use crate::page::REPORT;
 use crate::picture::swept_pictures;
 use crate::report::{readable, significant};
@@ -111,22 +112,15 @@ pub fn swept_table(merged: &Merged) -> String {
 
 /// A line for each number that varies or is shown.
 fn spreads(merged: &Merged) -> String {
-    let mut text = String::new();
-    let mut line = |name: &str, cells: &[&str]| {
-        let _ = write!(text, "{name:40}");
-        cells.iter().for_each(|cell| {
-            let _ = write!(text, "{cell:>11}");
-        });
-        text.push('\n');
-    };
-    line("", &HEADS);
+    let numbers = HEADS.map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&[&[("", Side::Words)], &numbers[..]].concat());
     let shown = merged.numbers.iter().filter(|own| SHOWN.contains(&own.column.as_str()));
     for spread in merged.parameters.iter().chain(shown) {
         let (cells, unit) = told(spread);
         let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
-        line(&format!("{}{unit}", spread.name), &cells.each_ref().map(String::as_str));
+        table.row([format!("{}{unit}", spread.name)].into_iter().chain(cells));
     }
-    text
+    table.to_string()
 }
 
 /// What is told of a spread after its name.

@@ -14,11 +14,26 @@ use efam_core::trajectory::Trajectory;
 use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile};
 use models::model::Model;
 use models::system::System;
+use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// Numbers held at once while writing; a row group has as many.
 const MOST_CELLS: usize = 1 << 22;
 /// Columns whose values only a run that follows its energy has.
 const FOLLOWED: [&str; 3] = ["dissipated_J", "supplied_J", "total_J"];
+
+/// Columns of a node: two coordinates and their rates.
+const OF_A_NODE: usize = 4;
+
+/// A trajectory column by column. In JSON it is an object of lists, in the order of the table.
+pub struct Series(Vec<(String, Vec<f64>)>);
+
+impl Serialize for Series {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(self.0.len()))?;
+        self.0.iter().try_for_each(|(name, numbers)| map.serialize_entry(name, numbers))?;
+        map.end()
+    }
+}
 
 /// A trajectory, row by row.
 pub struct Table<'a> {
@@ -48,6 +63,16 @@ impl<'a> Table<'a> {
         let mut numbers = Vec::with_capacity(samples * self.columns.len());
         (0..samples).for_each(|sample| self.row(&mut system, sample, &mut numbers));
         numbers
+    }
+
+    /// Its columns one by one, without those that hold nothing, and with those of nodes where they are wanted.
+    pub fn series(&self, nodes: bool) -> Series {
+        let (numbers, width) = (self.numbers(), self.columns.len());
+        let shown = if nodes { width } else { width - OF_A_NODE * (self.model.edges + 1) };
+        let column = |k: usize| numbers.iter().skip(k).step_by(width).copied().collect();
+        let holds = |(_, own): &(usize, &Column)| own.holds != Holds::Nothing;
+        let named = |(k, own): (usize, &Column)| (own.name.clone(), column(k));
+        Series(self.columns[..shown].iter().enumerate().filter(holds).map(named).collect())
     }
 
     /// Writes Parquet; `about` becomes the file's key-value metadata.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
 use efam_experiments::scenario::read_laws;
+use efam_report::aligned::{Aligned, Side};
 use models::check::{TESTS, is_mirrored};
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::{alike, offer};
@@ -176,7 +176,7 @@ fn list(json: bool, console: &Console) -> Result<ExitCode, Failure> {
         for about in abouts().filter(|about| about.kind == kind) {
             writeln!(out, "  {:longest$}  {}", about.name, about.meaning)?;
             if !about.parameters.is_empty() {
-                writeln!(out, "{}", table(about.parameters, widths).trim_fmt())?;
+                write!(out, "{}", table(about.parameters, widths))?;
             }
         }
         writeln!(out)?;
@@ -253,13 +253,9 @@ fn rust(file: &Path) -> Result<ExitCode, Failure> {
 }
 
 /// The parameters of an effect; all effects have columns of the same widths.
-fn table(parameters: &[Parameter], widths: [u16; 5]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
-    table.add_rows(parameters.iter().map(of_parameter));
-    for (column, width) in table.column_iter_mut().zip(widths) {
-        column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(width))).set_padding((0, GAP));
-    }
+fn table(parameters: &[Parameter], widths: [u16; 5]) -> Aligned {
+    let mut table = Aligned::new(&[("", Side::Words); 5]).with_widths(&widths);
+    parameters.iter().for_each(|own| table.row(of_parameter(own)));
     table
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use efam_report::aligned::{Aligned, Side};
 use efam_report::export::{ExportError, Format, Stored, export, has_letters, read};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -105,9 +106,9 @@ pub fn run(args: &Export, console: &Console) -> Result<ExitCode, Failure> {
         print(&Printed { file: &file, format, tables })?;
     } else if !console.quiet {
         let mut out = stdout();
-        for table in tables {
-            writeln!(out, "{:40}{} rows, {} columns", table.name, table.rows, table.columns)?;
-        }
+        let mut all = Aligned::new(&[("", Side::Words), ("rows", Side::Number), ("columns", Side::Number)]);
+        tables.iter().for_each(|own| all.row([own.name, &own.rows.to_string(), &own.columns.to_string()]));
+        write!(out, "{all}")?;
         writeln!(out, "\nwritten to {}", file.display())?;
     }
     Ok(ExitCode::SUCCESS)

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use efam_experiments::kind::Kind;
 use efam_recordings::{Length, Marker, ReadOptions, Recording, read};
+use efam_report::aligned::{Aligned, Side};
 use efam_store::escape::escaped;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -41,8 +42,6 @@ pub struct Inspect {
 
 /// Markers in a table; all are in the JSON.
 const MOST_ROWS: usize = 100;
-/// Letters of a marker's name in a table.
-const NAME: usize = 24;
 
 /// The JSON output.
 #[derive(Serialize, JsonSchema)]
@@ -131,36 +130,22 @@ fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {
         decimals(duration(recording), Some(3)),
         recording.markers.len()
     )?;
-    let head = ["lost", "longest gap", "x mm", "y mm", "z mm", "noise mm"];
-    let width = recording.markers.iter().take(MOST_ROWS).map(|marker| marker.name.chars().count());
-    let width = width.max().unwrap_or(0).clamp(6, NAME);
-    write!(out, "  {:width$}{:>9}{:>20}", "marker", head[0], head[1])?;
-    writeln!(out, "{:>10}{:>10}{:>10}{:>10}", head[2], head[3], head[4], head[5])?;
+    let heads = ["lost", "longest gap", "x mm", "y mm", "z mm", "noise mm"].map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&[&[("marker", Side::Words)], &heads[..]].concat()).indented(2);
     for marker in recording.markers.iter().take(MOST_ROWS) {
         let quality = marker.quality();
-        let name: String = marker.name.chars().take(width).collect();
         let lost = format!("{:.2} %", 100.0 * quality.lost as f64 / samples as f64);
         let gap = match quality.longest_gap {
             0 => "-".to_owned(),
             gap => format!("{gap} ({} s)", decimals(gap as f64 / recording.rate_hz, Some(3))),
         };
-        write!(out, "  {name:width$}{lost:>9}{gap:>20}")?;
-        match quality.extent {
-            None => write!(out, "{:>10}{:>10}{:>10}", "-", "-", "-")?,
-            Some(extent) => {
-                for [low, high] in extent {
-                    write!(out, "{:>10}", decimals(1e3 * (high - low), Some(2)))?;
-                }
-            }
-        }
-        match quality.noise {
-            None => writeln!(out, "{:>10}", "-")?,
-            Some(noise) => {
-                let worst = 1e3 * noise.into_iter().fold(0.0, f64::max);
-                writeln!(out, "{:>10}", decimals(worst, Some(4)))?
-            }
-        }
+        let none = || "-".to_owned();
+        let of_axis = |[low, high]: [f64; 2]| decimals(1e3 * (high - low), Some(2));
+        let [x, y, z] = quality.extent.map_or([(); 3].map(|()| none()), |extent| extent.map(of_axis));
+        let worst = |noise: [f64; 3]| decimals(1e3 * noise.into_iter().fold(0.0, f64::max), Some(4));
+        table.row([marker.name.clone(), lost, gap, x, y, z, quality.noise.map_or_else(none, worst)]);
     }
+    write!(out, "{table}")?;
     if recording.markers.len() > MOST_ROWS {
         writeln!(out, "  and {} more markers; --json has all", recording.markers.len() - MOST_ROWS)?;
     }

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use clap::Args;
 use efam_report::Request;
+use efam_report::aligned::{Aligned, Side};
 use efam_report::compared::{Comparison, compare, write_comparison};
 use efam_report::reread::{Reread, RereadError, reread};
 use efam_store::folder::MARK;
@@ -88,22 +89,35 @@ fn tell(out: &mut impl Write, comparison: &Comparison) -> io::Result<()> {
     for run in &comparison.runs {
         writeln!(out, "{}  {}, {}", run.letter, run.name, run.kind)?;
     }
+    let letters = || comparison.runs.iter().map(|run| run.letter.as_str());
+    let with_heads = |side: Side| {
+        let own = letters().map(|letter| (letter, side));
+        Aligned::new(
+            &[("", Side::Words)].into_iter().chain(own).chain([("", Side::Name)]).collect::<Vec<_>>(),
+        )
+    };
+    let mut differences = with_heads(Side::Words);
     for of in &comparison.differences {
-        let values: Vec<&str> = of.values.iter().map(|value| value.as_deref().unwrap_or("-")).collect();
-        writeln!(out, "{:40}{}", of.key, values.join(" | "))?;
+        let values = of.values.iter().map(|value| value.as_deref().unwrap_or("-"));
+        differences.row([of.key.as_str()].into_iter().chain(values));
     }
+    if !comparison.differences.is_empty() {
+        write!(out, "\n{differences}")?;
+    }
+    let mut numbers = with_heads(Side::Number);
     let rows =
         [&comparison.quantities, &comparison.over_pressure, &comparison.predictions, &comparison.analyses];
     for row in rows.into_iter().flatten() {
         let value = |value: &Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 4));
-        let values: Vec<String> = row.values.iter().map(|own| format!("{:>12}", value(own))).collect();
-        writeln!(out, "{:40}{}  {}", row.name, values.join(""), row.unit)?;
+        let values = row.values.iter().map(value);
+        numbers.row([row.name.clone()].into_iter().chain(values).chain([row.unit.clone()]));
     }
     for one in &comparison.parameters {
         let value = |value: &Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 5));
-        let values: Vec<String> = one.values.iter().map(|own| format!("{:>14}", value(own))).collect();
-        writeln!(out, "{:58}{}  {}", one.name, values.join(""), one.unit)?;
+        let values = one.values.iter().map(value);
+        numbers.row([one.name.clone()].into_iter().chain(values).chain([one.unit.clone()]));
     }
+    write!(out, "\n{numbers}")?;
     for of in &comparison.verdicts {
         writeln!(out, "{}  {}: {}", of.letter, of.verdict, of.effects.join(", "))?;
     }

@@ -7,6 +7,7 @@ use clap::Args;
 use efam_core::rest::{rest, root_moment, slipping_modes};
 use efam_experiments::kind::Kind;
 use efam_experiments::scenario::{Case, ReleaseOptions, Scenario};
+use efam_report::aligned::{Aligned, Side};
 use models::quantity::format_si;
 use models::statics::equilibrium;
 use models::system::System;
@@ -153,20 +154,19 @@ pub fn statics(args: &Statics, console: &Console) -> Result<ExitCode, Failure> {
     if console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    let mut out = stdout();
-    writeln!(out, "{:24}{:>12}{:>12}{:>14}{:>16}", "", "tip x", "tip z", "end angle", "root moment")?;
+    let numbers = ["tip x", "tip z", "end angle", "root moment"].map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&[&[("", Side::Words)], &numbers[..], &[("", Side::Name)]].concat());
     for row in rows {
-        let angle = format!("{:.2} deg", row.tip_angle_rad.to_degrees());
-        writeln!(
-            out,
-            "{:24}{:>12}{:>12}{angle:>14}{:>16}{}",
+        table.row([
             row.name,
             format_si(row.tip_x_m, "m"),
             format_si(row.tip_z_m, "m"),
+            format!("{:.2} deg", row.tip_angle_rad.to_degrees()),
             format_si(row.root_moment_n_m, "N m"),
-            if row.stable { "" } else { "  not stable" }
-        )?;
+            if row.stable { "" } else { "not stable" }.to_owned(),
+        ]);
     }
+    write!(stdout(), "{table}")?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -197,23 +197,23 @@ pub fn modes(args: &Modes, console: &Console) -> Result<ExitCode, Failure> {
     if console.quiet {
         return Ok(ExitCode::SUCCESS);
     }
-    let mut out = stdout();
-    writeln!(out, "{:24}{:>6}{:>14}{:>16}", "", "mode", "frequency", "damping ratio")?;
+    let numbers = ["mode", "frequency", "damping ratio"].map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&[&[("", Side::Words)], &numbers[..], &[("", Side::Name)]].concat());
     for row in rows {
-        writeln!(
-            out,
-            "{:24}{:>6}{:>14}{:>16.4}{}",
+        let friction = match row.friction {
+            Some(Friction::Sticks) => "friction sticks",
+            Some(Friction::Slips) => "friction slips",
+            None => "",
+        };
+        table.row([
             row.name,
-            row.mode,
+            row.mode.to_string(),
             format_si(row.frequency_hz, "Hz"),
-            row.damping_ratio,
-            match row.friction {
-                Some(Friction::Sticks) => "  friction sticks",
-                Some(Friction::Slips) => "  friction slips",
-                None => "",
-            }
-        )?;
+            format!("{:.4}", row.damping_ratio),
+            friction.to_owned(),
+        ]);
     }
+    write!(stdout(), "{table}")?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use efam_core::accuracy::Settled;
 use efam_core::forward::{Run, Sample, forward};
 use efam_core::trajectory::{Status, Trajectory};
@@ -17,9 +17,11 @@ use efam_experiments::kind::Kind;
 use efam_experiments::scenario::{Case, Scenario};
 use efam_experiments::summary::Summary;
 use efam_report::Request;
+use efam_report::aligned::{Aligned, Side};
 use efam_report::beside_the_paper::beside_the_paper;
 use efam_report::report::report;
 use efam_report::simulated::{Member, write_set};
+use efam_report::table::{Series, Table};
 use efam_report::told::told;
 use efam_store::Folder;
 use efam_store::memory;
@@ -45,6 +47,7 @@ const HELP: &str = "Examples:
   efam simulate scenarios/payload-80g.toml --set effects.payload.mass=\"50 g\"
   efam simulate scenarios/release-15psi.toml --muscle muscle.toml --json
   efam simulate scenarios/release-15psi.toml --no-files --json
+  efam simulate scenarios/release-15psi.toml --no-files --json --trajectory
   efam simulate scenarios/undamped.toml --out outputs/undamped --overwrite -v
   efam simulate scenarios/release-15psi.toml --set run.duration=\"24 h\"
     --rerun serve --watch-only
@@ -70,6 +73,16 @@ pub struct Simulate {
     /// Write nothing: the table or JSON is all that is left of the run.
     #[arg(long, conflicts_with_all = ["out", "overwrite", "csv", "open", "rerun"])]
     no_files: bool,
+    /// With --json: print the samples, too; `nodes` adds the position and velocity of each node.
+    #[arg(
+        long,
+        value_name = "OF",
+        requires = "json",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "tip"
+    )]
+    trajectory: Option<Of>,
     /// Leave out the runs on a coarser mesh and with longer steps that
     /// estimate the errors of the tip and choose mesh and tolerance.
     #[arg(long)]
@@ -82,6 +95,15 @@ pub struct Simulate {
     watch_only: bool,
 }
 
+/// Of what the samples are printed.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Of {
+    /// Time, tip, end body and energies.
+    Tip,
+    /// The nodes, too.
+    Nodes,
+}
+
 /// The JSON output.
 #[derive(Serialize, JsonSchema)]
 pub struct Printed<'a> {
@@ -90,7 +112,18 @@ pub struct Printed<'a> {
     /// Where the results are; none with `--no-files`.
     folder: Option<&'a Path>,
     /// Each run; several where all rows of a muscle were asked for.
-    runs: Vec<&'a Summary>,
+    runs: Vec<OfRun<'a>>,
+}
+
+/// A run.
+#[derive(Serialize, JsonSchema)]
+struct OfRun<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    /// The samples with `--trajectory`: a list for each column of `trajectory.parquet`; null where there is no number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<BTreeMap<String, Vec<Option<f64>>>>")]
+    trajectory: Option<&'a Series>,
 }
 
 pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
@@ -134,6 +167,7 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     let wall_time_s = begin.elapsed().as_secs_f64();
     progress.finish_and_clear();
     let mut done: Vec<Member> = Vec::with_capacity(runs.len());
+    let mut series = Vec::new();
     for (case, (run, wall_time_s)) in cases.iter().zip(runs) {
         let run: Settled = run?;
         let warnings = simulate::warnings(case, &run);
@@ -154,6 +188,9 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
             None => told(&own, &case.model, &case.run, &run).summary,
         };
         console.detail(integrated(&summary));
+        let nodes = args.trajectory == Some(Of::Nodes);
+        let of_run = || Table::new(&case.model, &run, case.run.energy).series(nodes);
+        series.push(args.trajectory.map(|_| of_run()));
         done.push(match is_sweep {
             true => Member::of_set(done.len(), summary, case.pressure, &case.model, run),
             false => Member::new(summary, case.pressure, run),
@@ -169,7 +206,14 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(folder) = folder {
         console.detail(format!("written to {}", folder.display()));
     }
-    tell(args, console, &scenario, folder, &done)?;
+    if args.output.form.json {
+        let series = series.iter().map(Option::as_ref);
+        let runs = done.iter().zip(series);
+        let runs = runs.map(|(member, trajectory)| OfRun { summary: &member.summary, trajectory }).collect();
+        print(&Printed { scenario: &scenario.name, folder, runs })?;
+    } else {
+        tell(console, &scenario, folder, &done)?;
+    }
     if let Some(folder) = folder {
         browser::show(args.output.open, folder, console);
     }
@@ -299,16 +343,11 @@ pub fn admit(cases: &[Case]) -> Result<(), Failure> {
 const OF_A_SAMPLE: usize = 15;
 
 fn tell(
-    args: &Simulate,
     console: &Console,
     scenario: &Scenario,
     folder: Option<&Path>,
     done: &[Member],
 ) -> Result<(), Failure> {
-    if args.output.form.json {
-        let runs = done.iter().map(|member| &member.summary).collect();
-        return print(&Printed { scenario: &scenario.name, folder, runs });
-    }
     if console.quiet {
         return Ok(());
     }
@@ -332,19 +371,16 @@ fn is_the_papers(scenario: &Scenario) -> bool {
 }
 
 /// A line a run.
-fn over_pressure(done: &[Member]) -> String {
-    let line = |name: &str, cells: [String; 4]| {
-        let [pressure, frequency, ratio, steps] = cells;
-        format!("{name:24}{pressure:>12}{frequency:>12}{ratio:>16}{steps:>10}\n")
-    };
-    let mut table = line("", ["pressure", "frequency", "damping ratio", "steps"].map(str::to_owned));
+fn over_pressure(done: &[Member]) -> Aligned {
+    let numbers = ["pressure", "frequency", "damping ratio", "steps"].map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&[&[("", Side::Words)], &numbers[..]].concat());
     for Member { summary, pressure, .. } in done {
         let text =
             |value: Option<f64>, unit: &str| value.map_or("-".to_owned(), |value| format_si(value, unit));
         let ratio = summary.damping_ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.4}"));
         let frequency = text(summary.damped_frequency_hz, "Hz");
-        table +=
-            &line(&summary.name, [text(*pressure, "Pa"), frequency, ratio, summary.effort.steps.to_string()]);
+        let steps = summary.effort.steps.to_string();
+        table.row([summary.name.clone(), text(*pressure, "Pa"), frequency, ratio, steps]);
     }
     table
 }

@@ -6,7 +6,7 @@ use efam_inference::predict::errors::Errors;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
-use super::key::{self, Kind};
+use super::key::{Kind, Varying};
 use super::point::case;
 use super::request::{Design, OfScenario, Value, Values};
 use super::work::Point;
@@ -38,8 +38,9 @@ impl<'a> Sampler<'a> {
         if asked.design == Design::Posterior {
             let first = sampler.to_draw_from(&sampler.varied(0))?;
             let known = first.1.known().expect("a posterior was requested with a calibration");
+            let keys = Varying::of(&asked.scenario, &asked.scenario_text)?;
             for (path, _) in Errors::new(known, &first.0).values(0, 0) {
-                if !matches!(key::kind(&path), Some(Kind::Quantity(_))) || asked.varies(&path) {
+                if !matches!(keys.kind(&path), Some(Kind::Quantity(_))) || asked.varies(&path) {
                     let message =
                         format!("{path} is drawn from the calibration; leave it out of the parameters");
                     return Err(ScenarioError { at: None, problem: Problem::Other { message }.into() });
@@ -145,7 +146,7 @@ mod tests {
         let paths = ["effects.payload.mass", "muscle.pressure", "rod.nodes"];
         let parameter = |(path, values): (&&str, &Values)| Parameter {
             path: (*path).to_owned(),
-            kind: key::kind(path).unwrap(),
+            kind: Varying::default().kind(path).unwrap(),
             values: values.clone(),
         };
         OfScenario {

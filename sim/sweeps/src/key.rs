@@ -1,7 +1,10 @@
 //! Keys of a scenario that a sweep may vary, and what their values are.
 
+use std::path::Path;
+
 use efam_experiments::scenario::plan::ROD;
-use models::effects::CATALOGUE;
+use efam_experiments::scenario::{ScenarioError, effects_of};
+use models::effects::Catalogue;
 
 /// What the values of a key are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,25 +41,42 @@ const OTHERS: [(&str, Kind); 20] = [
     ("integrator.fixed_step", Kind::Quantity("s")),
 ];
 
-/// What the values of a key are; none of one that does not vary.
-pub fn kind(path: &str) -> Option<Kind> {
-    all().find(|(key, _)| key == path).map(|(_, kind)| kind)
-}
+/// Before a key of the rod or of an effect: what it has while it is held.
+const HOLD: &str = "release.hold.";
 
-/// Every key that may vary.
-pub fn all() -> impl Iterator<Item = (String, Kind)> {
-    let others = OTHERS.iter().map(|(key, kind)| ((*key).to_owned(), *kind));
-    others.chain(["", "release.hold."].into_iter().flat_map(of_the_rod))
-}
+/// Keys that may vary: those of every scenario, and parameters of the laws as text of one.
+#[derive(Clone, Debug, Default)]
+pub struct Varying(Catalogue);
 
-/// Keys of a rod and of effects, those of a hold behind its prefix.
-fn of_the_rod(prefix: &'static str) -> impl Iterator<Item = (String, Kind)> {
-    let rod = ROD.iter().map(move |(key, unit)| (format!("{prefix}rod.{key}"), Kind::Quantity(unit)));
-    let effects = CATALOGUE.iter().map(|effect| effect.about()).flat_map(move |about| {
-        let key = move |name: &str| format!("{prefix}effects.{}.{name}", about.name);
-        about.parameters.iter().map(move |own| (key(own.name), Kind::Quantity(own.unit)))
-    });
-    rod.chain(effects)
+impl Varying {
+    /// Those of a scenario.
+    /// # Errors
+    /// [`ScenarioError`] for a text that is none, or a law that cannot be.
+    pub fn of(scenario: &Path, text: &str) -> Result<Varying, ScenarioError> {
+        effects_of(scenario, text, &[]).map(Varying)
+    }
+
+    /// What the values of a key are; none of one that does not vary.
+    pub fn kind(&self, path: &str) -> Option<Kind> {
+        if let Some((_, kind)) = OTHERS.iter().find(|(key, _)| *key == path) {
+            return Some(*kind);
+        }
+        let path = path.strip_prefix(HOLD).unwrap_or(path);
+        let of_rod = |own: &str| ROD.iter().find(|(key, _)| *key == own).map(|(_, unit)| *unit);
+        let unit = match path.strip_prefix("rod.") {
+            Some(own) => of_rod(own),
+            None => self.0.parameter(path).map(|own| own.unit),
+        };
+        unit.map(Kind::Quantity)
+    }
+
+    /// Every key that may vary.
+    pub fn all(&self) -> impl Iterator<Item = String> {
+        let others = OTHERS.iter().map(|(key, _)| (*key).to_owned());
+        let of_rod = || ROD.iter().map(|(key, _)| format!("rod.{key}")).chain(self.0.paths());
+        let held = of_rod().map(|key| format!("{HOLD}{key}"));
+        others.chain(of_rod()).chain(held)
+    }
 }
 
 /// A key as the name of a column, with its unit: `muscle.pressure` in Pa is `muscle_pressure_pa`.
@@ -75,13 +95,32 @@ mod tests {
 
     #[test]
     fn keys_have_kinds_and_columns_of_their_own() {
-        assert_eq!(kind("effects.payload.mass"), Some(Kind::Quantity("kg")));
-        assert_eq!(kind("release.hold.rod.bending_stiffness"), Some(Kind::Quantity("N m^2")));
-        assert_eq!((kind("rod.nodes"), kind("muscle.file")), (Some(Kind::Count), None));
+        let keys = Varying::default();
+        assert_eq!(keys.kind("effects.payload.mass"), Some(Kind::Quantity("kg")));
+        assert_eq!(keys.kind("release.hold.rod.bending_stiffness"), Some(Kind::Quantity("N m^2")));
+        assert_eq!((keys.kind("rod.nodes"), keys.kind("muscle.file")), (Some(Kind::Count), None));
+        let others =
+            ["release.hold.run.rate", "release.hold.rod.nodes", "effects.no.mass", "effects.payload"];
+        assert_eq!(others.map(|key| keys.kind(key)), [None; 4]);
         assert_eq!(column("rod.bending_stiffness", "N m^2"), "rod_bending_stiffness_n_m2");
         assert_eq!(column("effects.rayleigh_mass.alpha", "1/s"), "effects_rayleigh_mass_alpha_1_s");
-        let unit = |kind| if let Kind::Quantity(unit) = kind { unit } else { "" };
-        let names: Vec<String> = all().map(|(key, kind)| column(&key, unit(kind))).collect();
+        let unit = |key: &str| match keys.kind(key) {
+            Some(Kind::Quantity(unit)) => unit,
+            kind => kind.map(|_| "").expect("it varies"),
+        };
+        let names: Vec<String> = keys.all().map(|key| column(&key, unit(&key))).collect();
         assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "no two have one column");
+    }
+
+    #[test]
+    fn a_law_as_text_has_keys_with_its_units() {
+        let law = "[laws.my_drag]\nplace = \"flow\"\nforce = \"-c * v_n * abs(v_n) * diameter\"\n\
+            parameters.c = { unit = \"kg/m^3\", default = 0.6, range = [0, 10] }\n";
+        let keys = Varying::of(Path::new("s.toml"), law).unwrap();
+        let path = "effects.my_drag.c";
+        assert_eq!(keys.kind(path), Some(Kind::Quantity("kg/m^3")));
+        assert_eq!(keys.kind("release.hold.effects.my_drag.c"), Some(Kind::Quantity("kg/m^3")));
+        assert!(keys.all().any(|key| key == path));
+        assert_eq!(Varying::default().kind(path), None);
     }
 }

@@ -9,7 +9,7 @@ use efam_inference::predict::quantity::{meanings, units};
 use efam_inference::predict::simulated::{Simulated, simulate};
 use efam_store::columns::{Cell, Column, Holds};
 
-use super::key::{self, Kind};
+use super::key::{self, Kind, Varying};
 use super::request::Value;
 use super::work::{Point, Row, fault, joined};
 
@@ -42,16 +42,17 @@ pub fn case(
     paths: &[String],
     point: &Point,
 ) -> Result<(Case, Scenario), ScenarioError> {
+    let keys = Varying::of(scenario, text)?;
     let mut all = set.to_vec();
-    all.extend(paths.iter().zip(&point.values).map(|(path, value)| setting(path, value)));
+    all.extend(paths.iter().zip(&point.values).map(|(path, value)| setting(keys.kind(path), path, value)));
     let scenario = Scenario::parse(scenario, text, &all)?;
     let case = scenario.cases()?.swap_remove(0).begun();
     Ok((case, scenario))
 }
 
 /// A value as it is set: a number to its last bit.
-pub fn setting(path: &str, value: &Value) -> String {
-    match (value, key::kind(path)) {
+pub fn setting(kind: Option<Kind>, path: &str, value: &Value) -> String {
+    match (value, kind) {
         (Value::Number(number), Some(Kind::Quantity(unit))) if !unit.is_empty() => {
             format!("{path}=\"{number:?} {unit}\"")
         }
@@ -90,11 +91,11 @@ fn told(simulated: &Simulated) -> Vec<Option<f64>> {
 }
 
 /// The columns that a point has before it is run: its number, its seed, and the values of these keys.
-pub(super) fn given(paths: &[String]) -> Vec<Column> {
+pub(super) fn given(keys: &Varying, paths: &[String]) -> Vec<Column> {
     let column = |name: String, unit, holds| Column { name, unit, holds };
     let mut all =
         vec![column("point".to_owned(), "", Holds::Counts), column("seed".to_owned(), "", Holds::Counts)];
-    all.extend(paths.iter().map(|path| match key::kind(path) {
+    all.extend(paths.iter().map(|path| match keys.kind(path) {
         Some(Kind::Quantity(unit)) => column(key::column(path, unit), unit, Holds::Numbers),
         Some(Kind::Count) => column(key::column(path, ""), "", Holds::Counts),
         _ => column(key::column(path, ""), "", Holds::Texts),

@@ -25,7 +25,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::experiments::{self, OfExperiments};
-use super::key::{self, Kind};
+use super::key::{Kind, Varying};
 use super::point::setting;
 
 /// Points of a sweep, at most.
@@ -223,9 +223,10 @@ impl OfScenario {
             let must = "be 64 tables at most";
             return Err(sweep.wrong("parameter", Problem::Must { must }));
         }
+        let keys = Varying::of(&scenario, &scenario_text)?;
         let mut parameters = Vec::new();
         for table in &tables {
-            parameters.push(parameter(table, design)?);
+            parameters.push(parameter(table, design, &keys)?);
             if design == Design::Grid {
                 // Before the values of the next are made.
                 points(sweep, design, &parameters)?;
@@ -260,7 +261,7 @@ impl OfScenario {
     fn take_in_files(&mut self, sweep: &Keys) -> Result<Vec<String>, ScenarioError> {
         let mut warnings = Vec::new();
         // What varies need not stand in the scenario.
-        let first = |own: &Parameter| setting(&own.path, &own.values.at(0.0, own.kind));
+        let first = |own: &Parameter| setting(Some(own.kind), &own.path, &own.values.at(0.0, own.kind));
         let varied: Vec<String> = self.parameters.iter().map(first).collect();
         let scenario = Scenario::parse(&self.scenario, &self.scenario_text, &varied)?;
         self.set = scenario.without_files();
@@ -324,13 +325,13 @@ fn points(sweep: &Keys, design: Design, parameters: &[Parameter]) -> Result<usiz
     }
 }
 
-fn parameter(table: &Keys, design: Design) -> Result<Parameter, ScenarioError> {
+fn parameter(table: &Keys, design: Design, keys: &Varying) -> Result<Parameter, ScenarioError> {
     table.only(&["path", "range", "values", "steps", "scale"])?;
     let Some((path, _)) = table.text("path")? else {
         return Err(table.missing("path", "path = \"effects.payload.mass\""));
     };
-    let Some(kind) = key::kind(path) else {
-        let known: Vec<String> = key::all().map(|(key, _)| key).collect();
+    let Some(kind) = keys.kind(path) else {
+        let known: Vec<String> = keys.all().collect();
         let nearest = nearest(path, known.iter().map(String::as_str)).map(str::to_owned);
         let known = vec!["keys of scenarios but files".to_owned(), "parameters of `efam effects`".to_owned()];
         return Err(table.wrong("path", Problem::UnknownWord { nearest, known }));

@@ -3,12 +3,15 @@
 //! A row begins with what the plan says of the point, goes on with `status` and `reason`, and ends with the answers of
 //! its kind of work. Plan, shards, merge and cluster know no more of either kind than this.
 
+use std::path::Path;
+
 use efam_experiments::scenario::{Case, ScenarioError};
 use efam_store::columns::{Cell, Cells, Column, Holds};
 use efam_store::escape::{cell, from_cell};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::key::Varying;
 use super::request::{Design, Value};
 use super::{diagnosed, point};
 
@@ -102,7 +105,7 @@ impl Work {
     /// Columns that a point has before anything is done: its number first.
     pub fn given(&self) -> Vec<Column> {
         match self {
-            Work::Simulate(own) => point::given(&own.parameters),
+            Work::Simulate(own) => point::given(&own.keys(), &own.parameters),
             Work::Diagnose(_) => diagnosed::given(),
         }
     }
@@ -204,11 +207,17 @@ impl Work {
 }
 
 impl Simulate {
+    /// Keys that may vary.
+    fn keys(&self) -> Varying {
+        // A plan is made of a scenario that can be read; what was altered since is refused by its hash.
+        Varying::of(Path::new(&self.scenario), &self.scenario_text).unwrap_or_default()
+    }
+
     /// The case of a point.
     /// # Errors
     /// [`ScenarioError`] for what the scenario, the muscle or the model refuses.
     pub fn case(&self, own: &Point) -> Result<Case, ScenarioError> {
-        let scenario = std::path::Path::new(&self.scenario);
+        let scenario = Path::new(&self.scenario);
         Ok(point::case(scenario, &self.scenario_text, &self.set, &self.parameters, own)?.0)
     }
 }

@@ -1,6 +1,7 @@
 //! The first commands of somebody new: a file to begin with, a run without files, the page in the browser.
 //!
-//! Goal: what `efam init` writes runs as it stands; `--no-files` leaves nothing; `--open` starts the browser that BROWSER
+//! Goal: what `efam init` writes runs as it stands; `--no-files` leaves nothing; `--trajectory` prints
+//! every sample; `--open` starts the browser that BROWSER
 //! names with the page, and its lack changes nothing but a warning.
 
 use std::fs;
@@ -57,6 +58,42 @@ fn a_run_without_files_says_the_same_and_leaves_nothing() {
     let (code, _, stderr) = bench.run(&["simulate", "s.toml", "--no-files", "--out", "there"]);
     assert_eq!(code, 2);
     assert!(stderr.contains("cannot be used with"), "{stderr}");
+}
+
+/// What MATLAB reads by `jsondecode` is what a folder would hold, number by number.
+#[test]
+fn the_samples_are_printed_as_the_folder_has_them() {
+    let bench = Bench::new("trajectory");
+    bench.file("s.toml", SHORT);
+    let all = ["simulate", "s.toml", "--json", "--no-files", "--trajectory=nodes"];
+    let before = bench.left();
+    let run = bench.json(&all)["runs"][0].clone();
+    assert_eq!(bench.left(), before);
+    bench.json(&["simulate", "s.toml", "--json", "--csv", "--out", "out"]);
+    let table = bench.text("out/trajectory.csv");
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let printed = run["trajectory"].as_object().expect("an object of lists");
+    assert_eq!(printed.len(), rows[0].len());
+    assert_eq!(run["samples"], rows.len() - 1);
+    for (k, name) in rows[0].iter().enumerate() {
+        let written: Vec<f64> = rows[1..].iter().map(|row| row[k].parse().expect("a number")).collect();
+        let list = printed[*name].as_array().unwrap_or_else(|| panic!("{name}"));
+        assert_eq!(list.len(), written.len(), "{name}");
+        for (own, due) in list.iter().zip(written) {
+            // The JSON reader of these tests may miss the last bit.
+            let own = own.as_f64().expect("a number");
+            assert!((own - due).abs() <= 4e-16 * due.abs(), "{name}: {own} {due}");
+        }
+    }
+    // Nodes take most of it, and are printed only where they are wanted.
+    let tip = bench.json(&["simulate", "s.toml", "--json", "--no-files", "--trajectory"]);
+    let tip = tip["runs"][0]["trajectory"].as_object().expect("an object of lists").clone();
+    assert_eq!(tip["tip_z_m"], printed["tip_z_m"]);
+    assert!(tip.contains_key("total_J") && !tip.contains_key("x_00_m"), "{:?}", tip.keys());
+    assert!(bench.json(&["simulate", "s.toml", "--json", "--no-files"])["runs"][0]["trajectory"].is_null());
+    let (code, _, stderr) = bench.run(&["simulate", "s.toml", "--no-files", "--trajectory"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("--json"), "{stderr}");
 }
 
 #[cfg(unix)]

@@ -140,7 +140,7 @@ fn every_text_format_is_told_with_rate_unit_markers_and_losses() {
         assert!(stdout.contains(&head), "{head} in\n{stdout}");
     }
     // A third of the samples, one of 20 ms at a time.
-    assert!(stdout.contains("\n  Tip     33.33 %         1 (0.020 s)      5.00      0.00"), "{stdout}");
+    assert!(stdout.contains("\n  Tip     33.33 %  1 (0.020 s)  5.00  0.00"), "{stdout}");
 }
 
 #[test]

@@ -167,3 +167,19 @@ fn friction_in_modes() {
     let (told, _) = run(&bench, &muscle("5 ms", ""), &["--set", "run.duration=0.1 s"]);
     assert!(told.get("slipping_modes").is_none());
 }
+
+/// A name of 31 letters took more than its column of 24, and stood against the number behind it.
+#[test]
+fn a_long_name_stands_apart_from_the_numbers() {
+    let bench = Bench::new("says-long-name");
+    let name = "a-release-of-a-long-name-15-psi";
+    let file = format!("{name}.toml");
+    bench.file(&file, &muscle("5 ms", ""));
+    for command in ["modes", "statics"] {
+        let (code, table, stderr) = bench.run(&[command, &file]);
+        assert_eq!(code, 0, "{stderr}");
+        let rows: Vec<&str> = table.lines().skip(1).collect();
+        assert!(!rows.is_empty() && rows.iter().all(|row| row.starts_with(&format!("{name}  "))), "{table}");
+        assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+    }
+}

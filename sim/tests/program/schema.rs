@@ -130,7 +130,7 @@ fn what_is_printed_fits_its_schema() {
         assert_eq!(bench.json(&[&["schema"], &words[..]].concat()), *schema);
     };
     try_one("simulate", &at("s.toml"));
-    try_one("simulate", &at("short.toml"));
+    try_one("simulate", &[&at("short.toml")[..], &["--trajectory=nodes"]].concat());
     try_one("simulate", &["s.toml", "--set", "muscle.pressure=all rows", "--set", "run.duration=0.1 s"]);
     try_one("calibrate", &[&nothing, "--profile", "--set", "rod.nodes=16"]);
     try_one("diagnose", &[&[drag.as_str(), "--most", "1"], &without[..]].concat());

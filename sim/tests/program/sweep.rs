@@ -137,6 +137,50 @@ fn a_row_is_a_run() {
     assert_eq!(bench.text("out/summary.json").matches("\"kind\": \"sweep\"").count(), 1);
 }
 
+/// The air drag of the catalogue and the same law as text give the same rows over its coefficient.
+#[test]
+fn a_parameter_of_a_law_as_text_varies() {
+    let bench = bench("sweep-law");
+    let law = "[effects.my_drag]\nc = \"0.6 kg/m^3\"\n[laws.my_drag]\nplace = \"flow\"\n\
+        force = \"-c * v_n * abs(v_n) * diameter\"\n\
+        parameters.c = { unit = \"kg/m^3\", default = 0.6, range = [0, 10] }\n";
+    bench.file("law.toml", &format!("{}{law}", bench.text("s.toml")));
+    let sweep = |scenario: &str, path: &str, values: &str| {
+        format!(
+            "[sweep]\nscenario = \"{scenario}\"\ndesign = \"grid\"\n\
+             [[sweep.parameter]]\npath = \"{path}\"\nvalues = [{values}]\n"
+        )
+    };
+    let c = "\"0 kg/m^3\", \"1.2 kg/m^3\", \"6000 g/m^3\"";
+    bench.file("text.toml", &sweep("law.toml", "effects.my_drag.c", c));
+    // Half the density of air times the coefficient.
+    let coefficients = "\"0\", \"2\", \"10\"";
+    bench.file("own.toml", &sweep("s.toml", "effects.air_drag.drag_coefficient", coefficients));
+    bench.json(&["sweep", "plan", "text.toml", "--points-per-shard", "1", "--json", "--out", "text"]);
+    bench.json(&["sweep", "run", "--plan", "text", "--json"]);
+    bench.json(&["sweep", "merge", "--plan", "text", "--csv", "--json"]);
+    bench.json(&["sweep", "own.toml", "--csv", "--json", "--out", "own"]);
+    let [text, own] = ["text", "own"].map(|name| rows(&bench.text(&format!("{name}/sweep.csv"))));
+    assert_eq!(text[0][2], "effects_my_drag_c_kg_m3");
+    let column = |table: &[Vec<String>], name: &str| -> Vec<f64> {
+        let k = table[0].iter().position(|own| own == name).unwrap_or_else(|| panic!("{name}"));
+        table[1..].iter().map(|row| row[k].parse().expect("a number")).collect()
+    };
+    assert_eq!(column(&text, "effects_my_drag_c_kg_m3"), [0.0, 1.2, 6.0]);
+    for name in ["lowest_z_m", "peak_speed_m_s"] {
+        let [text, own] = [&text, &own].map(|table| column(table, name));
+        assert!(
+            text.iter().zip(&own).all(|(a, b)| (a - b).abs() < 1e-6 * b.abs()),
+            "{name}: {text:?} {own:?}"
+        );
+        assert!((text[2] - text[0]).abs() > 1e-4 * text[0].abs(), "{name}: {text:?}");
+    }
+    bench.file("wrong.toml", &sweep("law.toml", "effects.my_drag.d", c));
+    let (code, _, stderr) = bench.run(&["sweep", "wrong.toml", "--out", "wrong"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("did you mean `effects.my_drag.c`"), "{stderr}");
+}
+
 #[test]
 fn a_point_that_cannot_be_simulated_is_a_row() {
     let bench = bench("sweep-failed");

@@ -43,7 +43,7 @@ const DOORS: [(&str, &[&str]); 33] = [
             "sim/tests/program/names.rs",
         ],
     ),
-    ("comfy_table", &["sim/src/cli/effects.rs"]),
+    ("comfy_table", &["sim/report/src/aligned.rs"]),
     ("diffsol", &["sim/core/src/integrate/diffsol.rs", "sim/core/src/integrate/diffsol/"]),
     ("gif", &["sim/report/src/export/animated.rs", "sim/tests/program/slides.rs"]),
     ("glob", &["sim/sweeps/src/experiments.rs"]),

@@ -39,6 +39,13 @@ pub fn parse_laws(path: &Path, text: &str) -> Result<Vec<Definition>, ScenarioEr
     laws_of(&Document::parse(path, text, &[])?)
 }
 
+/// The effects that there are for a scenario or an experiment: those of the catalogue, and its own laws.
+/// # Errors
+/// As [`read_laws`].
+pub fn effects_of(path: &Path, text: &str, overrides: &[String]) -> Result<Catalogue, ScenarioError> {
+    catalogue(&Document::parse(path, text, overrides)?)
+}
+
 fn laws_of(document: &Document) -> Result<Vec<Definition>, ScenarioError> {
     document.keys().only(&[LAWS])?;
     let definitions = definitions(document)?;

@@ -39,7 +39,8 @@ const RECORDING: [(&str, &str); 14] = [
 const RELEASE: [(&str, &str); 3] = [("release.angle", "rad"), ("release.instant", "s"), ("noise", "m")];
 
 /// The SI unit of a key, such as `kg` of `effects.payload.mass`; none for a key that takes words, counts or bare numbers.
-pub fn unit_of(path: &str) -> Option<&'static str> {
+/// The catalogue has the laws as text, too, if there are any.
+pub fn unit_of(path: &str, catalogue: &Catalogue) -> Option<&'static str> {
     if let Some((_, unit)) = KEYS.iter().find(|(key, _)| *key == path) {
         return Some(unit);
     }
@@ -55,7 +56,7 @@ pub fn unit_of(path: &str) -> Option<&'static str> {
     let path = path.strip_prefix("release.hold.").unwrap_or(path);
     let unit = match path.strip_prefix("rod.") {
         Some(own) => ROD.iter().find(|(key, _)| *key == own)?.1,
-        None => Catalogue::default().parameter(path)?.unit,
+        None => catalogue.parameter(path)?.unit,
     };
     (!unit.is_empty()).then_some(unit)
 }
@@ -83,9 +84,10 @@ mod tests {
 
     #[test]
     fn keys_have_the_units_that_their_reader_asks_for() {
+        let unit = |path| unit_of(path, &Catalogue::default());
         let units =
             ["effects.payload.mass", "release.hold.rod.length", "run.rate", "rod.nodes", "effects.no.mass"]
-                .map(unit_of);
+                .map(unit);
         assert_eq!(units, [Some("kg"), Some("m"), Some("Hz"), None, None]);
         let of_recordings = [
             "recording[2].pressure",
@@ -95,7 +97,7 @@ mod tests {
             "recording[1].keep",
             "recording",
         ]
-        .map(unit_of);
+        .map(unit);
         assert_eq!(of_recordings, [Some("Pa"), Some("kg"), Some("rad"), Some("s"), None, None]);
     }
 }

@@ -10,24 +10,16 @@ use efam_experiments::analysis::decay::Cycle;
 use efam_experiments::cleaning::Cleaned;
 use models::quantity::format_si;
 
+use crate::aligned::{Aligned, Side};
+
 /// A line for each release.
 /// # Errors
 /// As it is written.
 pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
-    let wide = cleaned.releases.iter().map(|of| of.release.name.chars().count()).max().unwrap_or(0).max(8);
-    writeln!(
-        out,
-        "{:wide$}{:>12}{:>20}{:>9}{:>9}{:>9}{:>10}{:>14}{:>10}  ",
-        "release",
-        "pressure",
-        "instant s",
-        "hold deg",
-        "drop mm",
-        "samples",
-        "masked %",
-        "out mm (%)",
-        "noise mm"
-    )?;
+    let heads =
+        ["pressure", "instant s", "hold deg", "drop mm", "samples", "masked %", "out mm (%)", "noise mm"]
+            .map(|head| (head, Side::Number));
+    let mut table = Aligned::new(&[&[("release", Side::Words)], &heads[..], &[("", Side::Name)]].concat());
     for of in &cleaned.releases {
         let s = &of.statistics;
         let pressure = of.release.pressure.map_or("-".to_owned(), |p| format_si(p, "Pa"));
@@ -39,18 +31,20 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
             (None, false, true) if cleaned.releases.len() > 1 => "kept, representative".to_owned(),
             (None, false, _) => "kept".to_owned(),
         };
-        writeln!(
-            out,
-            "{:wide$}{pressure:>12}{instant:>20}{:>9.1}{:>9.2}{:>9}{:>10.2}{out_of_plane:>14}{:>10.4}  {kept}",
-            of.release.name,
-            s.hold_angle.to_degrees(),
-            1e3 * s.static_drop,
-            s.samples,
-            1e2 * s.masked_share,
-            1e3 * s.noise
-        )?;
+        table.row([
+            of.release.name.clone(),
+            pressure,
+            instant,
+            format!("{:.1}", s.hold_angle.to_degrees()),
+            format!("{:.2}", 1e3 * s.static_drop),
+            s.samples.to_string(),
+            format!("{:.2}", 1e2 * s.masked_share),
+            out_of_plane,
+            format!("{:.4}", 1e3 * s.noise),
+            kept,
+        ]);
     }
-    Ok(())
+    write!(out, "{table}")
 }
 
 /// Every decision with the key that decides otherwise.
@@ -68,14 +62,15 @@ pub fn decisions(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
 /// As it is written.
 pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     writeln!(out, "\n{}", one.of.release.name)?;
-    let line = |out: &mut dyn Write, name: &str, text: String| writeln!(out, "  {name:<22}{text}");
+    let mut facts = Aligned::new(&[("", Side::Name), ("", Side::Words)]).indented(2);
+    let mut line = |name: &str, text: String| facts.row([name, &text]);
     let error = one.rest.map_or(String::new(), |rest| format!(" ± {:.2}", 1e3 * rest.error[1]));
-    line(out, "static drop", format!("{:.2}{error} mm", 1e3 * one.static_drop()))?;
+    line("static drop", format!("{:.2}{error} mm", 1e3 * one.static_drop()));
     if let Some(warning) = one.rest_warning() {
-        line(out, "  warning", warning)?;
+        line("  warning", warning);
     }
     match &one.measured {
-        Err(error) => line(out, "frequency", error.to_string())?,
+        Err(error) => line("frequency", error.to_string()),
         Ok(measured) => {
             match &measured.damped_frequency {
                 Ok(omega) => {
@@ -84,54 +79,50 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                         .map_or(String::new(), |error| format!(", cycles agree to {:.2} %", 1e2 * error));
                     let letter = measured.coordinate.name();
                     line(
-                        out,
                         "damped frequency",
                         format!("{:.3} Hz, spectrum of {letter}(t){error}", omega / TAU),
-                    )?;
+                    );
                 }
-                Err(why) => line(out, "damped frequency", why.clone())?,
+                Err(why) => line("damped frequency", why.clone()),
             }
             if let Ok(decay) = &measured.decay {
                 let (natural, ratio) = (decay.natural_frequency / TAU, decay.damping_ratio);
                 let count = measured.peaks.len();
-                line(out, "natural frequency", format!("{natural:.3} Hz by eq. 7"))?;
+                line("natural frequency", format!("{natural:.3} Hz by eq. 7"));
                 let residual = 1e3 * decay.rms_residual;
                 line(
-                    out,
                     "damping ratio",
                     format!("{ratio:.4} by eq. 6 on {count} upper peaks, which leave {residual:.3} mm rms"),
-                )?;
+                );
             }
             if let Ok([first, .., last]) = measured.cycles.as_deref() {
                 let at =
                     |cycle: &Cycle| format!("{:.4} at {:.2} mm", cycle.damping_ratio, 1e3 * cycle.amplitude);
-                line(out, "  cycle by cycle", format!("{} to {}", at(first), at(last)))?;
+                line("  cycle by cycle", format!("{} to {}", at(first), at(last)));
             }
             if measured.since > 0.0 {
                 let text = "the first, large swings have another frequency";
-                line(out, "  counted from", format!("{:.2} s on: {text}", measured.since))?;
+                line("  counted from", format!("{:.2} s on: {text}", measured.since));
             }
             let bridged = &measured.bridged;
             if bridged.filled > 0 {
                 let longest = 1e3 * bridged.longest;
                 line(
-                    out,
                     "bridged",
                     format!(
                         "{} samples, gaps of up to {longest:.0} ms, for the spectrum and peaks only",
                         bridged.filled
                     ),
-                )?;
+                );
             }
             if let Some(at) = bridged.cut_at {
-                line(out, "left out", format!("all after {at:.2} s, where a gap is too long to be bridged"))?;
+                line("left out", format!("all after {at:.2} s, where a gap is too long to be bridged"));
             }
         }
     }
     match &one.in_motion {
         None => {}
         Some(Ok(found)) => line(
-            out,
             "EI from the frequency",
             format!(
                 "{} ({:.2} % for each % of frequency; a swing of this size is {:.2} % slower than the mode)",
@@ -139,20 +130,21 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                 found.sensitivity,
                 100.0 * (1.0 - found.swing_over_mode)
             ),
-        )?,
-        Some(Err(error)) => line(out, "EI from the frequency", error.to_string())?,
+        ),
+        Some(Err(error)) => line("EI from the frequency", error.to_string()),
     }
+    if let Some(why) = one.no_beam.as_ref().filter(|_| !one.at_rest.is_empty()) {
+        line("Euler-Bernoulli", why.clone());
+    }
+    write!(out, "{facts}")?;
     if one.at_rest.is_empty() {
         return Ok(());
     }
-    writeln!(
-        out,
-        "  {:<22}{:>14}{:>14}{:>10}{:>12}{:>14}",
-        "EI from the tip, N m^2", "Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"
-    )?;
-    if let Some(why) = &one.no_beam {
-        line(out, "  Euler-Bernoulli", why.clone())?;
-    }
+    let heads =
+        ["Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"].map(|head| (head, Side::Number));
+    let mut table =
+        Aligned::new(&[&[("EI from the tip, N m^2", Side::Name)], &heads[..]].concat()).indented(2);
+    let mut wrong = Vec::new();
     let ei = |fit: &Result<StiffnessFit, AnalysisError>| {
         fit.as_ref().map_or("-".to_owned(), |fit| format_si(fit.bending_stiffness, ""))
     };
@@ -170,10 +162,11 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
         let counts = format!("{} / {}", count(fits.0), count(fits.1));
         let error = one.rest.and_then(|rest| row.relative_error(rest.error));
         let error = error.map_or("-".to_owned(), |error| format!("{:.2}", 100.0 * error));
-        writeln!(out, "  {name:<22}{:>14}{:>14}{error:>10}{off:>12}{counts:>14}", ei(fits.0), ei(fits.1))?;
         if let (Err(error), Err(_)) = fits {
-            writeln!(out, "    {error}")?;
+            wrong.push(format!("{}: {error}", name.trim()));
         }
+        table.row([name, ei(fits.0), ei(fits.1), error, off, counts]);
     }
-    Ok(())
+    write!(out, "{table}")?;
+    wrong.iter().try_for_each(|line| writeln!(out, "    {line}"))
 }

@@ -4,7 +4,6 @@
 //! first holds the pixels that changed.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::io::{self, Write};
 
 use ::gif::{DisposalMethod, Encoder, Frame, Repeat};
@@ -174,19 +173,15 @@ pub(super) fn write(motion: &Motion, font: Option<&Font>, to: impl Write) -> io:
     let bytes: Vec<u8> = palette.iter().flatten().copied().collect();
     let mut file = Encoder::new(to, WIDTH as u16, height, &bytes).map_err(io::Error::other)?;
     file.set_repeat(Repeat::Infinite).map_err(io::Error::other)?;
-    let mut known = HashMap::new();
-    let mut before: Vec<u8> = Vec::new();
+    let mut film = Film::new(palette);
     for image in 0..images {
         let begin = image * delay;
         let time = first + begin as f64 / 100.0;
         let canvas = drawn(motion, &view, font, first, time);
         let canvas = canvas.ok_or_else(|| io::Error::other("no memory for an image"))?;
-        let colors: Vec<u8> =
-            canvas.colors().map(|own| *known.entry(own).or_insert_with(|| nearest(&palette, own))).collect();
         let delay = delay.min(hundredths - begin) as u16;
-        let frame = Frame { delay, dispose: DisposalMethod::Keep, ..changed(&before, &colors) };
+        let frame = Frame { delay, dispose: DisposalMethod::Keep, ..film.next(canvas.pixels()) };
         file.write_frame(&frame).map_err(io::Error::other)?;
-        before = colors;
     }
     file.into_inner().map_err(io::Error::other)?.flush()
 }
@@ -238,29 +233,81 @@ fn nearest(palette: &[[u8; 3]], color: [u8; 3]) -> u8 {
     best.map_or(0, |(index, _)| index as u8)
 }
 
-/// What differs from the image before, within the smallest rectangle.
-fn changed(before: &[u8], now: &[u8]) -> Frame<'static> {
-    let width = WIDTH as usize;
-    if before.len() != now.len() {
-        let buffer = Cow::Owned(now.to_vec());
-        let height = (now.len() / width) as u16;
-        return Frame { width: WIDTH as u16, height, buffer, ..Frame::default() };
+/// The image before, and the colours that were met.
+struct Film {
+    palette: Vec<[u8; 3]>,
+    /// The index of each colour by its 24 bits, [`SAME`] where it was not met yet.
+    known: Vec<u8>,
+    /// Red, green, blue and opacity of each pixel; none before the first image.
+    pixels: Vec<u8>,
+    /// The index of each pixel.
+    indices: Vec<u8>,
+}
+
+/// Bytes of a pixel.
+const PIXEL: usize = 4;
+/// Pixels that are compared at once, of which a row has a whole number: most stay as they were.
+const AT_ONCE: usize = 32;
+
+impl Film {
+    fn new(palette: Vec<[u8; 3]>) -> Self {
+        Self { palette, known: vec![SAME; 1 << 24], pixels: Vec::new(), indices: Vec::new() }
     }
-    let places = || (0..now.len()).filter(|k| before[*k] != now[*k]).map(|k| (k % width, k / width));
-    let [left, top] =
-        [places().map(|at| at.0).min(), places().map(|at| at.1).min()].map(|at| at.unwrap_or(0));
-    let [right, bottom] =
-        [places().map(|at| at.0).max(), places().map(|at| at.1).max()].map(|at| at.unwrap_or(0));
-    let rows = (top..=bottom).flat_map(|row| row * width + left..=row * width + right);
-    let buffer = rows.map(|k| if before[k] == now[k] { SAME } else { now[k] }).collect();
-    Frame {
-        left: left as u16,
-        top: top as u16,
-        width: (right - left + 1) as u16,
-        height: (bottom - top + 1) as u16,
-        transparent: Some(SAME),
-        buffer: Cow::Owned(buffer),
-        ..Frame::default()
+
+    /// The index of a pixel's colour.
+    fn index(&mut self, pixel: &[u8]) -> u8 {
+        let color = [pixel[0], pixel[1], pixel[2]];
+        let [red, green, blue] = color.map(usize::from);
+        let place = red << 16 | green << 8 | blue;
+        if self.known[place] == SAME {
+            self.known[place] = nearest(&self.palette, color);
+        }
+        self.known[place]
+    }
+
+    /// The next image: what differs from the one before, within the smallest rectangle.
+    fn next(&mut self, pixels: &[u8]) -> Frame<'static> {
+        let width = WIDTH as usize;
+        let count = pixels.len() / PIXEL;
+        let is_first = self.pixels.is_empty();
+        if is_first {
+            // Of a colour that none has.
+            self.pixels = vec![0; pixels.len()];
+            self.indices = vec![SAME; count];
+        }
+        let mut fresh = vec![SAME; count];
+        // Left, top, right and bottom of what differs.
+        let mut box_of: Option<[usize; 4]> = None;
+        for (part, now) in pixels.chunks(AT_ONCE * PIXEL).enumerate() {
+            let first = part * AT_ONCE;
+            if *now == self.pixels[PIXEL * first..][..now.len()] {
+                continue;
+            }
+            for (k, pixel) in (first..).zip(now.chunks_exact(PIXEL)) {
+                if *pixel == self.pixels[PIXEL * k..][..PIXEL] {
+                    continue;
+                }
+                let index = self.index(pixel);
+                if index != self.indices[k] {
+                    (fresh[k], self.indices[k]) = (index, index);
+                    let (x, y) = (k % width, k / width);
+                    let [left, top, right, bottom] = box_of.unwrap_or([x, y, x, y]);
+                    box_of = Some([left.min(x), top.min(y), right.max(x), bottom.max(y)]);
+                }
+            }
+        }
+        self.pixels.copy_from_slice(pixels);
+        let [left, top, right, bottom] = box_of.unwrap_or_default();
+        let rows = (top..=bottom).map(|row| &fresh[row * width + left..=row * width + right]);
+        Frame {
+            left: left as u16,
+            top: top as u16,
+            width: (right - left + 1) as u16,
+            height: (bottom - top + 1) as u16,
+            transparent: (!is_first).then_some(SAME),
+            buffer: Cow::Owned(rows.collect::<Vec<_>>().concat()),
+            ..Frame::default()
+        }
     }
 }
 
@@ -270,17 +317,28 @@ mod tests {
 
     #[test]
     fn an_image_holds_what_changed_and_every_colour_is_in_the_palette() {
-        let mut now = vec![0; WIDTH as usize * 4];
-        let before = now.clone();
-        let whole = changed(&[], &now);
+        let mut film = Film::new(palette());
+        let mut now = [255; PIXEL].repeat(4 * WIDTH as usize);
+        let whole = film.next(&now);
         assert_eq!((whole.width, whole.height, whole.transparent), (640, 4, None));
-        now[WIDTH as usize + 7] = 3;
-        now[2 * WIDTH as usize + 9] = 4;
-        let part = changed(&before, &now);
-        assert_eq!((part.left, part.top, part.width, part.height), (7, 1, 3, 2));
-        assert_eq!(&part.buffer[..], [3, SAME, SAME, SAME, SAME, 4]);
-        let same = changed(&now, &now);
+        assert!(whole.buffer.iter().all(|own| *own == 0), "white");
+        let mut put = |x: usize, y: usize, color: [u8; 3]| {
+            let k = PIXEL * (y * WIDTH as usize + x);
+            now[k..k + 3].copy_from_slice(&color);
+            film.next(&now)
+        };
+        // What no index tells apart does not differ.
+        let same = put(300, 3, [255, 255, 254]);
         assert_eq!((same.width, same.height, &same.buffer[..]), (1, 1, &[SAME][..]));
+        let one = put(7, 1, ROD);
+        let rod = 2 * SHADES as u8;
+        assert_eq!((one.left, one.top, &one.buffer[..]), (7, 1, &[rod][..]));
+        assert_eq!(one.transparent, Some(SAME));
+        now[PIXEL * (WIDTH as usize + 7)..][..3].copy_from_slice(&[255; 3]);
+        now[PIXEL * (2 * WIDTH as usize + 9)..][..3].copy_from_slice(&ROD);
+        let part = film.next(&now);
+        assert_eq!((part.left, part.top, part.width, part.height), (7, 1, 3, 2));
+        assert_eq!(&part.buffer[..], [0, SAME, SAME, SAME, SAME, rod]);
         let palette = palette();
         assert_eq!(palette.len(), 256);
         for color in COLORS {

@@ -120,9 +120,9 @@ impl Canvas {
         self.pixels.fill_path(&path, &ink.paint(), FillRule::Winding, to_pixels, None);
     }
 
-    /// Red, green and blue of each pixel, row by row.
-    pub fn colors(&self) -> impl Iterator<Item = [u8; 3]> {
-        self.pixels.pixels().iter().map(|pixel| [pixel.red(), pixel.green(), pixel.blue()])
+    /// Red, green, blue and opacity of each pixel, row by row.
+    pub fn pixels(&self) -> &[u8] {
+        self.pixels.data()
     }
 
     /// As PNG; nothing if that cannot be made.

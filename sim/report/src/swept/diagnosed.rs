@@ -1,11 +1,10 @@
 //! What many diagnoses say, as a table for a terminal and as a part of a page.
 
-use std::fmt::Write;
-
 use efam_sweeps::answers::{Answers, Often};
 use efam_sweeps::diagnosed::Answer;
 use models::digits::significant;
 
+use crate::aligned::{Aligned, Side};
 use crate::page::{Page, Table};
 
 /// What is told of each experiment after its name.
@@ -13,22 +12,21 @@ const HEADS: [&str; 4] = ["answer", "gap", "held-out gap", "s"];
 
 /// As a table for people.
 pub(super) fn table(answers: &Answers) -> String {
-    let mut text = String::new();
-    for often in &answers.said {
-        let _ = writeln!(text, "{:6}  {}", often.points, often.what);
-    }
-    text.push('\n');
-    let wide = |of: &dyn Fn(&Answer) -> usize| answers.experiments.iter().map(of).max().unwrap_or(0);
-    let name = wide(&|own| own.experiment.chars().count()).max(10);
-    let said = wide(&|own| own.said().chars().count()).clamp(10, 50);
+    let mut said = Aligned::new(&[("", Side::Number), ("", Side::Words)]);
+    answers.said.iter().for_each(|often| said.row([often.points.to_string(), often.what.clone()]));
     let [what, gap, held_out, seconds] = HEADS;
-    let _ = writeln!(text, "{:name$}  {what:said$}  {gap:14}{held_out:14}{seconds:>8}", "experiment");
-    for own in &answers.experiments {
-        let [what, gap, held_out, seconds] = told(own);
-        let line = format!("{:name$}  {what:said$}  {gap:14}{held_out:14}{seconds:>8}", own.experiment);
-        let _ = writeln!(text, "{}", line.trim_end());
-    }
-    text
+    let mut table = Aligned::new(&[
+        ("experiment", Side::Words),
+        (what, Side::Words),
+        (gap, Side::Name),
+        (held_out, Side::Name),
+        (seconds, Side::Number),
+    ]);
+    answers
+        .experiments
+        .iter()
+        .for_each(|own| table.row([own.experiment.clone()].into_iter().chain(told(own))));
+    format!("{said}\n{table}")
 }
 
 /// As a part of a page.
