@@ -2,14 +2,15 @@
 //!
 //! In a search no belief gives way by more than [`FARTHEST`] deviations. Without that limit a model that lacks an effect
 //! takes an impossible setup instead, and from there a fit with the effect finds no way back. Where the baseline or the
-//! answer needs a belief at its limit, that belief alone is lifted in the model without any effect. If nothing is missing
-//! then, the statement is wrong, and no effect is looked for. If it does as well for its unknowns as the effects that were
-//! found, the statement is wrong, or nobody can tell.
+//! answer needs a belief at its limit, that belief alone is lifted in the model without any effect. Where it is one of the
+//! setup, such as an angle, and nothing is missing then, the statement is wrong, and no effect is looked for. If a lifted
+//! belief does as well for its unknowns as the effects that were found, it is wrong, or nobody can tell.
 
 use rayon::prelude::*;
 
 use super::Course;
-use super::section::FARTHEST;
+use super::refit::prefix;
+use super::section::{FARTHEST, TILT};
 use super::stop::ending_by;
 use super::validation::{HeldOut, agreement, is_astray};
 use super::verdict::{Contradiction, Verdict};
@@ -83,6 +84,12 @@ fn at_limit<'a>(known: impl Iterator<Item = &'a Estimate>) -> Vec<&'a Estimate> 
     all
 }
 
+/// Whether it says how something stands or was let go. What is stated of the rod and its masses is the subject of most effects,
+/// such as a weight that nobody told of, and competes with these.
+fn is_of_setup(own: &Estimate) -> bool {
+    own.unknown.is_nuisance() || own.unknown.name.starts_with(&prefix(TILT))
+}
+
 /// The clamp's angle as it is stated, where nothing is said of its error.
 fn stated_clamp(problem: &Problem) -> Option<Estimate> {
     let is_believed = problem.nuisances.clamp_angle.is_some();
@@ -92,7 +99,7 @@ fn stated_clamp(problem: &Problem) -> Option<Estimate> {
 }
 
 impl<'a> Course<'a> {
-    /// The course on which nothing is missing but that one statement is wrong, if there is one: asked before any effect,
+    /// The course on which nothing is missing but that one statement of the setup is wrong, if there is one: asked before any effect,
     /// since a search beside a wrong statement names what stands in for it.
     pub(super) fn misstated_alone(&mut self) -> Result<Option<Self>, CalibrateError> {
         let clamp = stated_clamp(&self.problem);
@@ -100,6 +107,7 @@ impl<'a> Course<'a> {
         if !asked.is_empty() {
             asked.extend(&clamp);
         }
+        asked.retain(|own| is_of_setup(own));
         self.lifts = asked.into_par_iter().map(|own| self.lift(own)).collect::<Result<_, _>>()?;
         let best = self.lifts.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         let Some(best) = best.filter(|best| best.cost < self.cost) else { return Ok(None) };
@@ -153,9 +161,10 @@ impl<'a> Course<'a> {
         let least = self.cost + 0.5 * variance_inflation * penalty;
         // What stood at its limit before an effect gave way may be what the effect stands in for.
         let known = self.model.fit()?.known();
+        let known = self.before.known.iter().chain(&known);
         let is_new =
             |own: &&Estimate| self.lifts.iter().all(|lift| lift.own.unknown.name != own.unknown.name);
-        let new = at_limit(known.iter()).into_par_iter().filter(is_new).map(|own| self.lift(own));
+        let new = at_limit(known).into_par_iter().filter(is_new).map(|own| self.lift(own));
         let lifts = [self.lifts.clone(), new.collect::<Result<_, _>>()?].concat();
         let best = lifts.iter().filter(|lift| lift.cost < least).min_by(|a, b| a.cost.total_cmp(&b.cost));
         Ok(best.map_or(Vec::new(), Lift::contradictions))
