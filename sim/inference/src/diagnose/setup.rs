@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::Course;
 use super::refit::prefix;
 use super::section::{FARTHEST, TILT};
+use super::shortlist::penalty;
 use super::stop::ending_by;
 use super::validation::{HeldOut, agreement, is_astray};
 use super::verdict::{Contradiction, Verdict};
@@ -109,7 +110,9 @@ impl<'a> Course<'a> {
         }
         asked.retain(|own| is_of_setup(own));
         self.lifts = asked.into_par_iter().map(|own| self.lift(own)).collect::<Result<_, _>>()?;
-        let best = self.lifts.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let each = penalty(&self.before.model.fit()?, 1.0);
+        let worth = |lift: &Lift| self.worth(lift.cost, &lift.known, each);
+        let best = self.lifts.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)));
         let Some(best) = best.filter(|best| best.cost < self.cost) else { return Ok(None) };
         let problem = lifted(&self.problem, &best.own);
         let stopped = ending_by(&problem, &self.listener.stop());
@@ -130,6 +133,12 @@ impl<'a> Course<'a> {
         alone.diagnosis.verdict = Verdict::Misstated;
         alone.diagnosis.contradictions = Lift { known, ..best.clone() }.contradictions();
         Ok(Some(alone))
+    }
+
+    /// A cost with what each unknown takes that the baseline has not, such as the clamp's angles.
+    fn worth(&self, cost: f64, known: &[Estimate], each: f64) -> f64 {
+        let more = known.len().saturating_sub(self.before.known.len());
+        cost + 0.5 * each * more as f64
     }
 
     /// The model without any effect and with a belief lifted. From the start, since a belief at its limit may have lost the
@@ -157,16 +166,19 @@ impl<'a> Course<'a> {
             return Ok(Vec::new());
         }
         let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
-        let penalty: f64 = self.added.iter().map(|best| best.penalty).sum();
-        let least = self.cost + 0.5 * variance_inflation * penalty;
+        let fit = self.model.fit()?;
+        let (known, each) = (fit.known(), penalty(&fit, variance_inflation));
+        drop(fit);
+        let each = variance_inflation * each;
+        let least = self.worth(self.cost, &known, each);
         // What stood at its limit before an effect gave way may be what the effect stands in for.
-        let known = self.model.fit()?.known();
         let known = self.before.known.iter().chain(&known);
         let is_new =
             |own: &&Estimate| self.lifts.iter().all(|lift| lift.own.unknown.name != own.unknown.name);
         let new = at_limit(known).into_par_iter().filter(is_new).map(|own| self.lift(own));
         let lifts = [self.lifts.clone(), new.collect::<Result<_, _>>()?].concat();
-        let best = lifts.iter().filter(|lift| lift.cost < least).min_by(|a, b| a.cost.total_cmp(&b.cost));
-        Ok(best.map_or(Vec::new(), Lift::contradictions))
+        let worth = |lift: &Lift| self.worth(lift.cost, &lift.known, each);
+        let best = lifts.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)));
+        Ok(best.filter(|best| worth(best) < least).map_or(Vec::new(), Lift::contradictions))
     }
 }
