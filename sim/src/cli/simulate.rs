@@ -188,10 +188,9 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
             None => told(&own, &case.model, &case.run, &run).summary,
         };
         console.detail(integrated(&summary));
-        let nodes = args.trajectory == Some(Of::Nodes);
-        let of_run = || Table::new(&case.model, &run, case.run.energy).series(nodes);
-        series.push(args.trajectory.map(|_| of_run()));
-        done.push(match is_sweep {
+        let table = || Table::new(&case.model, &run, case.run.energy);
+        series.push(args.trajectory.map(|of| table().series(of == Of::Nodes)));
+        done.push(match is_sweep && folder.is_some() {
             true => Member::of_set(done.len(), summary, case.pressure, &case.model, run),
             false => Member::new(summary, case.pressure, run),
         });

@@ -56,6 +56,14 @@ impl Varying {
         effects_of(scenario, text, &[]).map(Varying)
     }
 
+    /// Those of a scenario, which is read only where one of these keys is not of every scenario.
+    /// # Errors
+    /// As [`Varying::of`].
+    pub fn with(scenario: &Path, text: &str, keys: &[String]) -> Result<Varying, ScenarioError> {
+        let usual = Varying::default();
+        if keys.iter().all(|key| usual.kind(key).is_some()) { Ok(usual) } else { Varying::of(scenario, text) }
+    }
+
     /// What the values of a key are; none of one that does not vary.
     pub fn kind(&self, path: &str) -> Option<Kind> {
         if let Some((_, kind)) = OTHERS.iter().find(|(key, _)| *key == path) {

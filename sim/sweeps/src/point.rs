@@ -42,7 +42,7 @@ pub fn case(
     paths: &[String],
     point: &Point,
 ) -> Result<(Case, Scenario), ScenarioError> {
-    let keys = Varying::of(scenario, text)?;
+    let keys = Varying::with(scenario, text, paths)?;
     let mut all = set.to_vec();
     all.extend(paths.iter().zip(&point.values).map(|(path, value)| setting(keys.kind(path), path, value)));
     let scenario = Scenario::parse(scenario, text, &all)?;

@@ -210,7 +210,7 @@ impl Simulate {
     /// Keys that may vary.
     fn keys(&self) -> Varying {
         // A plan is made of a scenario that can be read; what was altered since is refused by its hash.
-        Varying::of(Path::new(&self.scenario), &self.scenario_text).unwrap_or_default()
+        Varying::with(Path::new(&self.scenario), &self.scenario_text, &self.parameters).unwrap_or_default()
     }
 
     /// The case of a point.
