@@ -48,19 +48,6 @@ impl Candidate {
         self.effect.about().name
     }
 
-    /// Whether a fit of another candidate may end at this one: it differs in what is fitted alone.
-    pub fn is_fitted_as(&self, other: &Self) -> bool {
-        let held = |of: &Self| {
-            of.tried
-                .iter()
-                .filter(|(own, _)| own.plausible.is_none())
-                .map(|(_, value)| *value)
-                .collect::<Vec<_>>()
-        };
-        let names = |of: &Self| (of.name(), of.strength.name);
-        names(self) == names(other) && held(self) == held(other)
-    }
-
     /// Whether one of its parameters is where it is not believed to be; the strength apart, which says how much there is.
     pub fn is_beyond_belief(&self, values: &[Value]) -> bool {
         self.tried.iter().filter(|(own, _)| own.plausible.is_some()).any(|(own, _)| {

@@ -106,12 +106,11 @@ pub fn plan(
     let gram = gram(&fit, &columns);
     let traces: Vec<Trace> =
         candidates.iter().enumerate().map(|(c, candidate)| Trace::of(candidate, c, &columns)).collect();
-    let rivals = rivals(&traces);
     let prospect = |trace: &Trace| {
         let size = unit_distance(&gram, &trace.columns, &[]);
-        let others = rivals.iter().filter(|(other, _)| other.name() != trace.candidate.name());
+        let others = traces.iter().filter(|other| other.candidate.name() != trace.candidate.name());
         let nearest = others
-            .map(|(other, columns)| (other, unit_distance(&gram, &trace.columns, columns)))
+            .map(|other| (other, unit_distance(&gram, &trace.columns, &other.columns)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let (low, high) = trace.candidate.believed();
         let off = trace.candidate.off;
@@ -122,7 +121,7 @@ pub fn plan(
             tried: trace.candidate.tried.iter().map(|(own, value)| (own.name.to_owned(), *value)).collect(),
             detectable_from: APART / size,
             separable_from: APART / nearest.as_ref().map_or(size, |(_, apart)| *apart),
-            nearest: nearest.map(|(other, _)| other.name().to_owned()),
+            nearest: nearest.map(|(other, _)| other.candidate.name().to_owned()),
             largest_plausible: trace.candidate.strength.plausible.map(|_| (high - off).max(off - low)),
         }
     };
@@ -157,19 +156,6 @@ impl<'a> Trace<'a> {
     fn of(candidate: &'a Candidate, place: usize, columns: &[Column]) -> Self {
         Self { candidate, columns: (0..columns.len()).filter(|k| columns[*k].of == place).collect() }
     }
-}
-
-/// What another effect has to be told from: a candidate with all columns of its kind. A parameter of which several values are
-/// tried and that is fitted in the end can be between them, and columns at all tries stand for what it can do.
-fn rivals<'a>(traces: &[Trace<'a>]) -> Vec<(&'a Candidate, Vec<usize>)> {
-    let mut rivals: Vec<(&Candidate, Vec<usize>)> = Vec::new();
-    for trace in traces {
-        match rivals.iter_mut().find(|(other, _)| trace.candidate.is_fitted_as(other)) {
-            Some((_, columns)) => columns.extend(&trace.columns),
-            None => rivals.push((trace.candidate, trace.columns.clone())),
-        }
-    }
-    rivals
 }
 
 #[cfg(test)]
