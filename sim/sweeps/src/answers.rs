@@ -15,7 +15,7 @@ use super::shard::seconds;
 /// Answers and how often each was given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Answers {
-    /// Verdicts, the most frequent first: `named`, `class`, `nothing_missing`, `unknown`.
+    /// Verdicts, the most frequent first: `named`, `incomplete`, `class`, `misstated`, `nothing_missing`, `unknown`.
     pub verdicts: Vec<Often>,
     /// Answers, likewise: names, a class, nothing, unknown.
     pub said: Vec<Often>,

@@ -46,7 +46,7 @@ impl Answer {
     pub fn is_right(&self) -> bool {
         let own = match self.hidden.0 {
             "frame_tilt" => "effects.frame_tilt.angle",
-            "clamp_tilt" => "clamp angle",
+            "clamp_tilt" => "error of the clamp angle",
             effect => effect,
         };
         self.named() == Some(own)

@@ -13,7 +13,7 @@ use super::search::Found;
 use super::uncertainty::Uncertainty;
 use crate::normal::NORMAL_95;
 
-/// Predicted decrease of the cost at which the others have followed, which moves its root by a hundredth of that.
+/// Predicted decrease of the cost at which the others have followed: the root of the rise is off by half of that.
 const TOLERANCE: f64 = 1e-2;
 const MOST_POINTS: usize = 6;
 /// How near the root of the rise has to come to the wanted one: a fiftieth of the interval's half width.

@@ -12,7 +12,7 @@ use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial, is_same_pre
 /// Names of what is unknown of a release.
 pub const RELEASE_INSTANT: &str = "release instant";
 pub(crate) const HOLD_ANGLE: &str = "hold angle";
-pub(crate) const CLAMP_ANGLE: &str = "clamp angle";
+pub(crate) const CLAMP_ANGLE: &str = "error of the clamp angle";
 
 /// One number to be found.
 #[derive(Clone, Debug, PartialEq)]

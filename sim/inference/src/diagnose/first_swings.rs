@@ -288,6 +288,8 @@ impl Course<'_> {
             let mut finer = self.problem.clone();
             if finer.trials.iter_mut().try_for_each(|trial| trial.refine(factor)).is_ok() {
                 self.problem = finer;
+                // They were fitted on the mesh before.
+                self.lifts.clear();
             }
         }
         self.diagnosis.numerics = numerics.clone();

@@ -85,10 +85,12 @@ fn at_limit<'a>(known: impl Iterator<Item = &'a Estimate>) -> Vec<&'a Estimate> 
     all
 }
 
-/// Whether it says how something stands or was let go. What is stated of the rod and its masses is the subject of most effects,
-/// such as a weight that nobody told of, and competes with these.
+/// Whether it says how something stands: the clamp, a camera, a marker. What is stated of the rod, of its masses and of its start
+/// competes with effects, such as a weight that nobody told of, or a hand that pushes: a rod that is pushed upwards swings
+/// as one that was held higher.
 fn is_of_setup(own: &Estimate) -> bool {
-    own.unknown.is_nuisance() || own.unknown.name.starts_with(&prefix(TILT))
+    matches!(own.unknown.kind, Kind::ClampAngle | Kind::Offset { .. })
+        || own.unknown.name.starts_with(&prefix(TILT))
 }
 
 /// The clamp's angle as it is stated, where nothing is said of its error.
@@ -100,8 +102,8 @@ fn stated_clamp(problem: &Problem) -> Option<Estimate> {
 }
 
 impl<'a> Course<'a> {
-    /// The course on which nothing is missing but that one statement of the setup is wrong, if there is one: asked before any effect,
-    /// since a search beside a wrong statement names what stands in for it.
+    /// The course on which nothing is missing but one statement of the setup is wrong, if there is one. It is asked before any
+    /// effect, since a search beside a wrong statement names what stands in for it.
     pub(super) fn misstated_alone(&mut self) -> Result<Option<Self>, CalibrateError> {
         let clamp = stated_clamp(&self.problem);
         let mut asked = at_limit(self.before.known.iter());
@@ -146,8 +148,7 @@ impl<'a> Course<'a> {
     fn lift(&self, own: &Estimate) -> Result<Lift, CalibrateError> {
         self.listener.doing(&format!("test of the stated {}", own.unknown.name));
         let (baseline, stop) = (self.before.model.fit()?, self.listener.stop());
-        let (problem, view) =
-            (ending_by(&lifted(&self.before.model.problem, own), &stop), &baseline.found.view);
+        let (problem, view) = (ending_by(&lifted(&self.problem, own), &stop), &baseline.found.view);
         let fit = match view.corrections {
             Some(_) => Joint::search_like(&problem, view, 0.0),
             None => Joint::search(&problem, &|_| ()).map(Some),
@@ -167,9 +168,8 @@ impl<'a> Course<'a> {
         }
         let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
         let fit = self.model.fit()?;
-        let (known, each) = (fit.known(), penalty(&fit, variance_inflation));
+        let (known, each) = (fit.known(), variance_inflation * penalty(&fit, variance_inflation));
         drop(fit);
-        let each = variance_inflation * each;
         let least = self.worth(self.cost, &known, each);
         // What stood at its limit before an effect gave way may be what the effect stands in for.
         let known = self.before.known.iter().chain(&known);
@@ -180,5 +180,29 @@ impl<'a> Course<'a> {
         let worth = |lift: &Lift| self.worth(lift.cost, &lift.known, each);
         let best = lifts.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)));
         Ok(best.filter(|best| worth(best) < least).map_or(Vec::new(), Lift::contradictions))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rod that a hand has pushed upwards swings as one that was held higher: such a start is no wrong statement.
+    #[test]
+    fn the_start_and_the_rod_are_not_asked_before_the_effects() {
+        let of = |kind: Kind, name: &str| {
+            let unknown = Unknown::nuisance(kind, name, "", Group::All, 1.0, f64::INFINITY);
+            is_of_setup(&Estimate { unknown, x: 0.0 })
+        };
+        assert!(of(Kind::ClampAngle, CLAMP_ANGLE) && of(Kind::Offset { track: 0, axis: 1 }, "offset"));
+        assert!(of(Kind::Parameter(0), "effects.frame_tilt.angle"));
+        for (kind, name) in [
+            (Kind::HoldAngle, "hold angle"),
+            (Kind::Instant, "release instant"),
+            (Kind::Parameter(0), "rod.mass"),
+            (Kind::Parameter(0), "effects.tip_mass.mass"),
+        ] {
+            assert!(!of(kind, name), "{name}");
+        }
     }
 }

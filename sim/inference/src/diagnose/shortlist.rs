@@ -255,8 +255,10 @@ pub(super) fn choose(
         shortlist.iter_mut().for_each(|entry| entry.reject(LITTLE));
         return Ok(RoundOutcome::Nothing);
     }
-    // Of equals those come first whose parameters are where they are believed to be: two laws may be one with other times.
-    shortlist.sort_by_key(Entry::is_beyond_belief);
+    // Of those that fit alike those come first whose parameters are where they are believed to be: two laws may be one with
+    // other times.
+    let alike = shortlist.iter().take_while(|entry| of(entry) - least < LEAD).count();
+    shortlist[..alike].sort_by_key(Entry::is_beyond_belief);
     // Equals are validated in turn until one stands.
     for lead in 0..shortlist.len() {
         let entry = &mut shortlist[lead];

@@ -20,7 +20,7 @@ pub enum Verdict {
     Incomplete,
     /// Several effects that these recordings cannot separate.
     Class,
-    /// A value that is stated of the rod or of the setup is wrong; with another one nothing is missing.
+    /// A value that is stated of the setup is wrong; with another one nothing is missing.
     Misstated,
     /// Nothing that these recordings could show.
     #[default]
