@@ -7,7 +7,8 @@ use std::time::Instant;
 
 use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
-use efam_inference::diagnose::{Diagnosis, Settings, Verdict, diagnose, problem};
+use efam_inference::calibrate::Problem;
+use efam_inference::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose, problem};
 
 use crate::twin::lab::Lab;
 use crate::twin::random::Random;
@@ -18,7 +19,7 @@ pub const KINDS: [(&str, [f64; 2]); 3] =
     [("frame_tilt", [17.5, 43.5]), ("clamp_tilt", [17.5, 43.5]), ("initial_velocity", [4.0, 10.0])];
 
 /// One experiment with something off.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Answer {
     /// What is off, and its size.
     pub hidden: (&'static str, f64),
@@ -26,6 +27,8 @@ pub struct Answer {
     pub seed: u64,
     /// What was said.
     pub diagnosis: Diagnosis,
+    /// The models with it.
+    pub repaired: Problem,
     /// How long it took, s.
     pub seconds: f64,
 }
@@ -92,5 +95,6 @@ pub fn ask(hidden: (&'static str, f64), seed: u64, folder: &Path) -> Result<Answ
     let begin = Instant::now();
     let outcome =
         diagnose(&problem, &Settings::default(), &|_: &str| ()).map_err(|error| error.to_string())?;
-    Ok(Answer { hidden, seed, diagnosis: outcome.diagnosis, seconds: begin.elapsed().as_secs_f64() })
+    let (Outcome { diagnosis, repaired, .. }, seconds) = (outcome, begin.elapsed().as_secs_f64());
+    Ok(Answer { hidden, seed, diagnosis, repaired, seconds })
 }

@@ -130,6 +130,12 @@ fn a_clamp_that_stands_otherwise_than_stated_is_named() {
     let truth = Hidden::named(hidden.0, hidden.1).expect("it is known").strength();
     let off = answer.diagnosis.contradictions.iter().map(|own| (own.value / truth - 1.0).abs());
     assert!(off.fold(0.0, f64::max) < 0.2, "{}", answer.diagnosis.summary);
+    // So does the clamp of every model that is given back, of held-out releases as well.
+    let stated = [0.0, -25.0f64.to_radians()];
+    for (k, trial) in answer.repaired.trials.iter().enumerate() {
+        let clamp = trial.model.theta[trial.model.index("rod.base_angle").expect("a rod has one")];
+        assert!((clamp - stated[k % 2] - truth).abs() < 0.2 * truth.abs(), "{clamp} rad of release {k}");
+    }
 }
 
 /// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.

@@ -264,7 +264,7 @@ impl Unknowns {
 }
 
 const RELEASE_ANGLE: &str = "release.angle";
-const BASE_ANGLE: &str = "rod.base_angle";
+pub(crate) const BASE_ANGLE: &str = "rod.base_angle";
 
 impl Group {
     /// Whether both are the same, pressures to a thousandth.

@@ -6,7 +6,7 @@ use super::candidate::Candidate;
 use super::describe::describe;
 use super::refit::errors;
 use super::share::Shares;
-use super::validation::{HeldOut, set};
+use super::validation::{HeldOut, set, turn_clamps};
 use super::verdict::{Added, Verdict};
 use super::warnings::{contradictions, warnings};
 use super::{Course, Outcome, first_swings, misfit, summary_text};
@@ -59,9 +59,11 @@ impl Course<'_> {
         let (mut baseline, mut repaired) = (self.problem, self.model.problem);
         for known in [&before, &self.before.known] {
             set(&mut baseline, known);
+            turn_clamps(&mut baseline, known);
         }
         for known in [&after, &known] {
             set(&mut repaired, known);
+            turn_clamps(&mut repaired, known);
         }
         Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
     }

@@ -12,6 +12,7 @@ use super::verdict::Gap;
 use crate::calibrate::alignment::ghosts;
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::prediction::Slopes;
+use crate::calibrate::unknowns::{BASE_ANGLE, Group, Kind};
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
@@ -170,6 +171,20 @@ pub(super) fn set(problem: &mut Problem, known: &[Estimate]) {
                 let (model, initial) = trial.with(&[(k, known.value())]);
                 (trial.model, trial.run.initial) = (model, initial);
             }
+        }
+    }
+}
+
+/// Turns the clamps of models by the errors of their angles that were found, for one who simulates them; a fit has these errors
+/// beside its models.
+pub(super) fn turn_clamps(problem: &mut Problem, known: &[Estimate]) {
+    let found = |known: &&Estimate| known.unknown.kind == Kind::ClampAngle;
+    for known in known.iter().filter(found) {
+        let Group::Release(t) = known.unknown.group else { continue };
+        let trial = &mut problem.trials[t];
+        if let Ok(k) = trial.model.index(BASE_ANGLE) {
+            let (model, initial) = trial.with(&[(k, trial.model.theta[k] + known.value())]);
+            (trial.model, trial.run.initial) = (model, initial);
         }
     }
 }
