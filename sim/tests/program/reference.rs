@@ -50,7 +50,13 @@ fn printed(bench: &Bench, arguments: &[&str]) -> String {
 
 /// Text for a cell of a table.
 fn cell(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|").replace('<', "&lt;")
+    text.split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
+        .replace('|', "\\|")
+        .replace('<', "&lt;")
+        .replace("[`", "`")
+        .replace("`]", "`")
 }
 
 fn texts(value: &Value) -> impl Iterator<Item = &str> {
@@ -306,4 +312,66 @@ fn known(message: &str) -> Vec<String> {
     let flat = message.split_whitespace().collect::<Vec<_>>().join(" ");
     let list = flat.split("known here are ").nth(1).unwrap_or_default();
     list.split(", ").map(str::to_owned).filter(|own| !own.is_empty()).collect()
+}
+
+/// A number of the inference that is chosen and not computed: where it stands, its name, its value, and why.
+struct Chosen {
+    file: String,
+    name: String,
+    value: String,
+    why: String,
+}
+
+/// The numbers of a file, without those of its tests. One without words of its own has those of the line before.
+fn chosen(file: &str, text: &str) -> Vec<Chosen> {
+    let mut all: Vec<Chosen> = Vec::new();
+    let mut why: Vec<&str> = Vec::new();
+    for line in text.lines().take_while(|line| !line.starts_with("#[cfg(test)]")).map(str::trim) {
+        if let Some(words) = line.strip_prefix("///") {
+            why.push(words.trim());
+            continue;
+        }
+        let number = line.split_once("const ").and_then(|(_, rest)| {
+            let (name, rest) = rest.split_once(": ")?;
+            let (kind, value) = rest.strip_suffix(';')?.split_once(" = ")?;
+            ["f64", "usize", "u32", "i32"].contains(&kind).then_some((name, value))
+        });
+        if let Some((name, value)) = number {
+            let before = || all.last().map_or(String::new(), |before| before.why.clone());
+            let why = if why.is_empty() { before() } else { why.join(" ") };
+            let [file, name, value] = [file, name, value].map(str::to_owned);
+            all.push(Chosen { file, name, value, why });
+        }
+        why.clear();
+    }
+    all
+}
+
+/// Every number of the calibration and the diagnosis that somebody chose, with its reason.
+#[test]
+fn the_page_of_chosen_numbers_is_that_of_the_code() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("inference/src");
+    let mut all = Vec::new();
+    for folder in ["calibrate", "diagnose"] {
+        let entries = fs::read_dir(root.join(folder)).expect("a folder").flatten();
+        let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        files.sort();
+        for file in files.iter().filter(|file| file.is_file()) {
+            let name = format!("{folder}/{}", file.file_name().expect("a name").to_string_lossy());
+            all.extend(chosen(&name, &fs::read_to_string(file).expect("a file")));
+        }
+    }
+    let without: Vec<_> = all.iter().filter(|own| own.why.is_empty()).map(|own| &own.name).collect();
+    assert!(without.is_empty(), "numbers without a reason: {without:?}");
+    let says = format!(
+        "Calibration and diagnosis have {} numbers that are chosen and not computed: thresholds, limits of a search, \
+         tolerances. Each has its reason in the code, from physics or statistics.",
+        all.len()
+    );
+    let mut text = head("Chosen numbers", &says);
+    text.push_str("\n| where | number | value | what it is, and why |\n|---|---|---|---|\n");
+    for Chosen { file, name, value, why } in &all {
+        let _ = writeln!(text, "| `{file}` | `{name}` | {} | {} |", cell(value), cell(why));
+    }
+    settle("chosen-numbers.md", &text);
 }

@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use efam_inference::calibrate::Problem;
+use efam_inference::diagnose::verdict::Gap;
 use efam_inference::diagnose::{Settings, diagnose};
 use efam_sweeps::answers::Answers;
 use efam_sweeps::plan::Plan as SweepPlan;
@@ -302,6 +303,16 @@ fn report(answer: &Answer) {
 fn details(answer: &Answer) {
     let diagnosis = &answer.diagnosis;
     println!("      {}", diagnosis.summary);
+    if let Some(repeats) = &diagnosis.repeats {
+        println!("      repeats to {:.3} mm, {repeats:?}", repeats.distance_mm);
+    }
+    for Gap { release, held_out, before_mm, after_mm, before, after, .. } in &diagnosis.gap {
+        let of = if *held_out { "held out" } else { "fitted" };
+        println!(
+            "      {release} {of}: {before_mm:.3} to {after_mm:.3} mm, {before:.2} to {after:.2} of the noise"
+        );
+    }
+    diagnosis.warnings.iter().for_each(|warning| println!("      {warning}"));
     for shape in diagnosis.shapes.iter().filter(|shape| shape.score > shape.threshold) {
         println!(
             "      round {}: {}: {:.2} of {:.2}, {:.3} mm at {:.2} of the amplitude",

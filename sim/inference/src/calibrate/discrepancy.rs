@@ -17,9 +17,16 @@
 //! Source: Kennedy and O'Hagan (2001), Journal of the Royal Statistical Society B 63, 425-464, for a discrepancy beside
 //! the noise; Bayley and Hammersley (1946), Supplement to the same, 8, 184-197, for w.
 
+use efam_experiments::release::Track;
+
 use super::autocorrelation::{Autocovariance, products};
+use super::joint::Joint;
 use super::objective::{Objective, Series};
+use super::problem::Problem;
 use super::search::Found;
+
+/// Times that samples are weighed anew by what a fit misses.
+pub(crate) const MOST_WEIGHINGS: usize = 4;
 
 /// Change of the deviation of a track's samples that is worth another fit.
 const CHANGED: f64 = 0.1;
@@ -74,24 +81,49 @@ fn on_grid(series: &Series, samples: &[usize], value: impl Fn(usize) -> [f64; 2]
 /// more; whether that changes it.
 pub(super) fn hear(objective: &mut Objective, found: &Found) -> bool {
     let mut has_changed = false;
-    for (r, block) in found.at.carried.blocks.iter().enumerate() {
-        let places = objective.places(r, 0);
-        let is_sought = |column: &usize| !objective.part.unknowns[places[*column]].is_nuisance();
-        let sought: Vec<usize> = (0..places.len()).filter(is_sought).collect();
-        let (trial, measured) = (objective.part.members[r], &mut objective.measured[r]);
-        for ((t, series), track) in block.iter().enumerate().zip(&trial.release.tracks) {
-            let before = measured.noise[t];
-            let missed = missed(series, &measured.samples, before);
-            let of_slopes = |column: &usize| {
-                missed.shared(&on_grid(series, &measured.samples, |k| series.slopes[k][*column]))
-            };
-            let shared = sought.iter().map(of_slopes).fold(0.0, f64::max);
-            let beyond = (missed.deviation * shared.sqrt()).max(track.discrepancy);
-            measured.noise[t] = measured.camera_noise[t].hypot(beyond);
+    for r in 0..objective.measured.len() {
+        let beyond = beyond(objective, found, r);
+        let measured = &mut objective.measured[r];
+        for (t, beyond) in beyond.into_iter().enumerate() {
+            let before = std::mem::replace(&mut measured.noise[t], measured.camera_noise[t].hypot(beyond));
             has_changed |= (measured.noise[t] / before).ln().abs() > CHANGED;
         }
     }
     has_changed
+}
+
+/// A problem whose samples are weighed by what a fit of it misses; none where that changes nothing.
+pub(crate) fn heard(problem: &Problem, fit: &Joint) -> Option<Problem> {
+    let (mut problem, mut has_changed) = (problem.clone(), false);
+    for (r, trial) in fit.objective.part.trials.iter().enumerate() {
+        let measured = &fit.objective.measured[r];
+        let tracks = problem.trials[*trial].release.tracks.iter_mut().enumerate();
+        for ((t, track), beyond) in tracks.zip(beyond(&fit.objective, &fit.found, r)) {
+            let change = measured.camera_noise[t].hypot(beyond) / measured.noise[t];
+            has_changed |= change.ln().abs() > CHANGED;
+            track.discrepancy = beyond;
+        }
+    }
+    has_changed.then_some(problem)
+}
+
+/// Standard deviation of a coordinate of each track of a release beside the camera's noise, as a sample of its own has it,
+/// m.
+fn beyond(objective: &Objective, found: &Found, r: usize) -> Vec<f64> {
+    let places = objective.places(r, 0);
+    let is_sought = |column: &usize| !objective.part.unknowns[places[*column]].is_nuisance();
+    let sought: Vec<usize> = (0..places.len()).filter(is_sought).collect();
+    let (trial, measured) = (objective.part.members[r], &objective.measured[r]);
+    let tracks = found.at.carried.blocks[r].iter().enumerate().zip(&trial.release.tracks);
+    let of_track = |((t, series), track): ((usize, &Series), &Track)| {
+        let missed = missed(series, &measured.samples, measured.noise[t]);
+        let of_slopes = |column: &usize| {
+            missed.shared(&on_grid(series, &measured.samples, |k| series.slopes[k][*column]))
+        };
+        let shared = sought.iter().map(of_slopes).fold(0.0, f64::max);
+        (missed.deviation * shared.sqrt()).max(track.discrepancy)
+    };
+    tracks.map(of_track).collect()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use super::problem::Scale;
 use super::search::Found;
 use super::uncertainty::{Uncertainty, pseudo_inverse};
 
-/// Correlation from which on two parameters are said to be told apart badly.
+/// Correlation from which on two parameters are said to be badly separated.
 const TOGETHER: f64 = 0.95;
 /// Relative standard error that is worth words.
 const VAGUE: f64 = 0.1;

@@ -4,11 +4,11 @@
 //! and which parameters, [`calibrate()`] finds them, [`Calibration`] is what is written. Where the data
 //! cannot tell parameters apart it is said in words, with the experiment that would.
 
-pub(crate) mod alignment;
 mod autocorrelation;
 pub mod calibration;
-mod discrepancy;
+pub(crate) mod discrepancy;
 mod error;
+pub(crate) mod ghosts;
 pub(crate) mod hold;
 mod identifiability;
 pub(crate) mod joint;
@@ -21,6 +21,7 @@ pub(crate) mod part;
 pub(crate) mod prediction;
 pub mod problem;
 pub(crate) mod profile;
+mod pure_error;
 pub(crate) mod refine;
 pub mod repeats;
 pub mod residuals;
@@ -42,6 +43,7 @@ pub use search::Stage;
 pub use section::{SectionError, problem, repeatability};
 pub(crate) use section::{marker_error, trial};
 
+use discrepancy::MOST_WEIGHINGS;
 use numerics::Correction;
 use objective::Objective;
 use part::{Part, parts};
@@ -138,9 +140,6 @@ pub fn calibrate(
     outcome.calibration.repeats = repeats;
     Ok(outcome)
 }
-
-/// Times that samples are weighed anew by what the fit misses.
-const MOST_WEIGHINGS: usize = 4;
 
 fn fit<'a>(
     part: Part<'a>,

@@ -144,8 +144,6 @@ fn correlations(fit: &Fitted, own: &[Calibrated], places: &[usize]) -> Correlati
     }
 }
 
-const MILLI: f64 = 1e3;
-
 fn release_fit(problem: &Problem, fit: &Fitted, r: usize, curves: &[Curve]) -> ReleaseFit {
     let t = fit.objective.part.trials[r];
     let (release, measured) = (&problem.trials[t].release, &fit.objective.measured[r]);
@@ -154,14 +152,14 @@ fn release_fit(problem: &Problem, fit: &Fitted, r: usize, curves: &[Curve]) -> R
         marker: release.tracks[k].marker.clone(),
         samples: found.samples,
         held_back: found.held_back,
-        rms_mm: MILLI * found.rms,
-        stated_noise_mm: MILLI * measured.camera_noise[k],
-        noise_mm: MILLI * found.noise,
+        rms_mm: 1e3 * found.rms,
+        stated_noise_mm: 1e3 * measured.camera_noise[k],
+        noise_mm: 1e3 * found.noise,
         reduced_chi_squared: found.reduced_chi_squared,
         autocorrelation: found.autocorrelation,
     };
     let of_numerics = |of: fn(&super::Correction) -> &Vec<f64>| {
-        fit.numerics.as_ref().map_or(0.0, |numerics| MILLI * of(numerics)[r])
+        fit.numerics.as_ref().map_or(0.0, |numerics| 1e3 * of(numerics)[r])
     };
     ReleaseFit {
         name: release.name.clone(),

@@ -50,7 +50,7 @@ pub(crate) enum Slopes {
 /// leaves 1e-6 m, its curvature 1e-5 of the slope.
 const DIFFERENCE: f64 = 1e-5;
 /// The same with friction. Where it turns round on given steps jumps with the parameters, by some 1e-6 m at the tolerance of
-/// a fit: over a change of 1e-5 that would be a slope larger than the true one.
+/// a fit. Over a change of 1e-5 that would be a slope larger than the true one.
 const DIFFERENCE_WITH_FRICTION: f64 = 1e-3;
 
 /// Predicted positions of every track, without offsets.

@@ -141,12 +141,17 @@ impl Problem {
     }
 }
 
-/// Pressures this close to one another, relative, are one.
-const SAME_PRESSURE: f64 = 1e-3;
+/// Stated numbers this close to one another, relative, are one.
+const SAME: f64 = 1e-3;
+
+/// Whether two stated numbers are one.
+pub(crate) fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.abs().max(b.abs())
+}
 
 /// Whether two pressures, Pa, are one.
 pub fn is_same_pressure(a: f64, b: f64) -> bool {
-    (a - b).abs() <= SAME_PRESSURE * a.abs().max(b.abs())
+    is_same(a, b)
 }
 
 /// Whether what belongs to a pressure, or to all, belongs to a release at another, Pa.

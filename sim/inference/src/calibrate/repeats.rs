@@ -9,12 +9,14 @@
 use efam_experiments::release::Release;
 use models::digits::significant;
 use models::effects::tip_hold::PULL;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::alignment::{Difference, difference, known};
+use super::ghosts::known;
 use super::hold;
-use super::problem::{Problem, Scope, Trial};
+use super::problem::{Problem, Scope, Trial, is_same};
+use super::pure_error::{Difference, differences};
 
 /// How well an experiment repeats.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -65,11 +67,9 @@ impl Repeats {
         if let Some(stated) = stated {
             return of(stated, Source::Stated, 0, 0.0);
         }
-        let mut differences = Vec::new();
-        for (k, first) in trials.iter().enumerate() {
-            let others = trials[k + 1..].iter().filter(|other| is_one_condition(first, other));
-            differences.extend(others.filter_map(|other| difference(&first.release, &other.release)));
-        }
+        let conditions: Vec<Vec<usize>> = conditions(trials).collect();
+        let differences: Vec<Difference> =
+            conditions.par_iter().flat_map(|places| differences(problem, places)).collect();
         if !differences.is_empty() {
             let pairs = differences.len();
             // Each of two has half the variance of their difference.
@@ -82,7 +82,9 @@ impl Repeats {
             let is_noise = distance < noise * (1.0 + NORMAL / (2.0 * samples).sqrt());
             return match is_noise {
                 true => of(noise, Source::Measured, pairs, 0.0),
-                false => of(distance, Source::Measured, pairs, deviation(|own| own.stretch * own.stretch)),
+                false => {
+                    of(distance, Source::Measured, pairs, deviation(|own| (0.5 * own.stiffness).powi(2)))
+                }
             };
         }
         let [only] = &trials[..] else { return None };
@@ -161,8 +163,17 @@ fn quantile_of_f(over: f64, under: f64) -> f64 {
     ((half + (half * half - square * rest).sqrt()) / square).powi(3)
 }
 
-/// Share of a parameter within which two releases have the same one.
-const SAME: f64 = 1e-3;
+/// Places of releases of one condition, of each condition that was repeated.
+fn conditions(trials: &[Trial]) -> impl Iterator<Item = Vec<usize>> {
+    let mut conditions: Vec<Vec<usize>> = Vec::new();
+    for (k, trial) in trials.iter().enumerate() {
+        match conditions.iter_mut().find(|own| is_one_condition(&trials[own[0]], trial)) {
+            Some(own) => own.push(k),
+            None => conditions.push(vec![k]),
+        }
+    }
+    conditions.into_iter().filter(|own| own.len() > 1)
+}
 
 /// Whether two releases are of one rod, pressure, payload and posture: whether their models differ in nothing but how
 /// they are let go.
@@ -175,7 +186,7 @@ fn is_one_condition(a: &Trial, b: &Trial) -> bool {
             path if path.starts_with("release.") => true,
             path if path.starts_with("effects.tip_hold.") => is_same_hand(a, path, one - other),
             // A rod that states no diameter has none.
-            _ => (one - other).abs() <= SAME * one.abs() || one.is_nan() && other.is_nan(),
+            _ => is_same(one, other) || one.is_nan() && other.is_nan(),
         }
     };
     let count = a.model.parameters.len();
@@ -199,12 +210,9 @@ fn motion(release: &Release) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use efam_core::example::muscle_at_15_psi;
-    use efam_core::forward::Run;
-
     use super::*;
     use crate::calibrate::Nuisances;
-    use crate::calibrate::alignment::tests::release;
+    use crate::calibrate::pure_error::tests::released;
 
     /// From tables of the distribution.
     #[test]
@@ -215,7 +223,7 @@ mod tests {
         }
     }
 
-    /// A quarter of the square of 0.1 mm is the camera's: the rest is four numbers that 400 samples of two coordinates
+    /// A quarter of the square of 0.1 mm is the camera's: the rest is four numbers that 401 samples of two coordinates
     /// share, and alone grows by the F test.
     #[test]
     fn what_does_not_repeat_is_few_numbers() {
@@ -226,16 +234,12 @@ mod tests {
             pairs: 1,
             frequency_share: 0.0,
         };
-        let trial = Trial {
-            release: release(0.0, 0.0, 0.0),
-            model: muscle_at_15_psi(),
-            run: Run::release(4.0, 100.0),
-        };
+        let trial = released(&[], 0.0, 1);
         let problem =
             Problem { trials: vec![trial], parameters: Vec::new(), nuisances: Nuisances::default() };
         let heard = repeats.heard_in(&problem);
         let found = heard.trials[0].release.tracks[0].discrepancy;
-        assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.0).sqrt()).abs() < 1e-12, "{found}");
+        assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.5).sqrt()).abs() < 1e-12, "{found}");
         let most = (0.0025 + quantile_of_f(8.0, 4.0) * 0.0075).sqrt();
         assert!((repeats.largest_mm(2) - most).abs() < 1e-12);
         // A rod without a diameter is the same rod.

@@ -6,15 +6,18 @@ use super::candidate::Candidate;
 use super::describe::describe;
 use super::refit::errors;
 use super::share::Shares;
-use super::validation::{HeldOut, set, turn_clamps};
+use super::validation::{HeldOut, agreement, set, turn_clamps};
 use super::verdict::{Added, Verdict};
 use super::warnings::{contradictions, warnings};
 use super::{Course, Outcome, first_swings, misfit, summary_text};
 use crate::calibrate::CalibrateError;
+use crate::calibrate::discrepancy::{MOST_WEIGHINGS, heard};
+use crate::calibrate::joint::{Fitted, Joint};
 
 impl Course<'_> {
     /// Says what it all comes to.
     pub(super) fn conclude(mut self) -> Result<Outcome, CalibrateError> {
+        self.weigh()?;
         let (known, errors) = {
             let fit = self.model.fit()?;
             (fit.known(), errors(&fit))
@@ -66,6 +69,29 @@ impl Course<'_> {
             turn_clamps(&mut repaired, known);
         }
         Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
+    }
+
+    /// Fits an answer that misses more than noise and what does not repeat anew, with its samples weighed by what it
+    /// misses: a fit to that as to noise would move the strengths.
+    fn weigh(&mut self) -> Result<(), CalibrateError> {
+        if self.added.is_empty() || self.is_stopped() || self.is_within_noise() {
+            return Ok(());
+        }
+        for _ in 0..MOST_WEIGHINGS {
+            let fit = self.model.fit()?;
+            let Some(problem) = heard(&self.model.problem, &fit) else { break };
+            let known = fit.known();
+            drop(fit);
+            let Some(fit) = Joint::follow(&problem, &known, &|_| ())? else { break };
+            let found = fit.found;
+            self.model = Fitted::new(problem, found);
+        }
+        let fit = self.model.fit()?;
+        let effects = self.added.iter().map(|best| Added::of(&fit, &best.candidate)).collect();
+        let after = agreement(&fit);
+        drop(fit);
+        (self.diagnosis.effects, self.after) = (effects, after);
+        Ok(())
     }
 
     /// Bounds of what is badly known, from the profile of the likelihood.

@@ -20,7 +20,7 @@ pub(super) const INCONSTANT: &str = "its strength would have to differ between r
 /// Share of a column's square that must be left: slopes are good to a few thousandths.
 const OWN: f64 = 1e-3;
 /// Share of what an effect explains of χ² that its differences between releases have to be worth: a fifth in size. Right
-/// names were seen up to a seventh, cousins from a quarter on.
+/// names were seen up to a seventh, similar effects from a quarter on.
 const UNLIKE: f64 = 0.04;
 
 /// The effects of a fit that would have to differ from release to release, by more than noise would have it, a fifth

@@ -30,10 +30,8 @@ pub struct Description {
 }
 
 const MOMENT: &str = "latent_moment";
-/// Terms at most.
+/// Terms at most, and those that are fitted before the best of them is taken: what is large scores as similar terms do.
 const MOST_TERMS: usize = 3;
-/// Terms that are fitted before the best is taken: what is large scores as its cousins do.
-const TERMS_TRIED: usize = 3;
 /// Share of the gap beyond the noise that a term has to take.
 const WORTH_A_TERM: f64 = 0.1;
 
@@ -70,7 +68,7 @@ fn with_another(
     let loud = |(_, score): &(&Candidate, &Score)| score.size > scores.threshold;
     let mut each: Vec<(&Candidate, &Score)> = candidates.iter().zip(&scores.each).filter(loud).collect();
     each.sort_by(|a, b| b.1.size.total_cmp(&a.1.size));
-    each.truncate(TERMS_TRIED);
+    each.truncate(MOST_TERMS);
     tell(&format!("description: a moment of {} terms", terms.len() + 1));
     let tried: Vec<Option<Rough>> = each
         .par_iter()

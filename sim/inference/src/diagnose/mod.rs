@@ -57,9 +57,10 @@ use candidate::has_several_pressures;
 use constancy::{INCONSTANT, inconstant};
 use curve::curves;
 use first_swings::FirstSwings;
-use round::{Best, RoundOutcome, RoundRequest, round};
+use round::{Best, Round, RoundOutcome, RoundRequest, round};
 use setup::Lift;
 use share::Step;
+use shortlist::LEAD;
 use validation::{Agreement, HeldOut, agreement, gaps, is_astray};
 use verdict::{Added, Evidence, Gap};
 
@@ -192,6 +193,8 @@ struct Course<'a> {
     lifts: Vec<Lift>,
     /// How the model meets held-out releases with a belief lifted for good.
     lifted_held_out: Option<HeldOut>,
+    /// The first round, where it was made to compare a wrong statement with effects.
+    first_round: Option<Round>,
     /// The model after each of them.
     steps: Vec<Step>,
     /// Whether effects of the rod's material have a strength for each pressure.
@@ -243,6 +246,7 @@ impl<'a> Course<'a> {
             added: Vec::new(),
             lifts: Vec::new(),
             lifted_held_out: None,
+            first_round: None,
             steps: Vec::new(),
             is_widened: false,
             diagnosis,
@@ -263,10 +267,11 @@ impl<'a> Course<'a> {
             self.prune()?;
         }
         let misstated = self.misstated()?;
-        let is_within = !self.added.is_empty() && self.is_within_repeats();
-        self.diagnosis.verdict = match (misstated.is_empty(), self.diagnosis.verdict) {
+        let is_within = !self.added.is_empty() && self.is_within_repeats()?;
+        let is_wrong = misstated.as_ref().is_some_and(|(_, by)| *by >= LEAD);
+        self.diagnosis.verdict = match (is_wrong, self.diagnosis.verdict) {
             // What is stated may be wrong, and then nothing is missing.
-            (false, _) => Verdict::Unknown,
+            (true, _) => Verdict::Unknown,
             _ if is_within => Verdict::Named,
             // What was not asked may be what is missing.
             _ if is_cut_short => Verdict::Unknown,
@@ -283,13 +288,17 @@ impl<'a> Course<'a> {
                 }
             }
         };
-        self.diagnosis.contradictions = misstated;
+        if misstated.is_some() && self.diagnosis.verdict == Verdict::Named {
+            // Either may be so.
+            self.diagnosis.verdict = Verdict::Class;
+        }
+        self.diagnosis.contradictions = misstated.map_or(Vec::new(), |(own, _)| own);
         Ok(())
     }
 
     fn add_all(&mut self) -> Result<(), CalibrateError> {
         for place in self.added.len()..=self.settings.most_effects {
-            if !self.added.is_empty() && self.is_within_repeats() {
+            if !self.added.is_empty() && self.is_within_repeats()? {
                 return Ok(());
             }
             let (number, is_last) =
@@ -299,11 +308,10 @@ impl<'a> Course<'a> {
                 self.diagnosis.cut_short(number);
                 return Ok(());
             }
-            let ending = self.ending();
-            let (fit, held_out) = (ending.fit()?, self.held_out());
-            let found =
-                round(&fit, &ending.problem, held_out, &self.added, request, self.settings, self.listener);
-            drop(fit);
+            let found = match self.first_round.take() {
+                Some(found) => Ok(found),
+                None => self.round(request),
+            };
             if self.is_stopped() {
                 self.diagnosis.cut_short(number);
             }
@@ -339,6 +347,14 @@ impl<'a> Course<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Looks for one more effect.
+    fn round(&self, request: RoundRequest) -> Result<Round, CalibrateError> {
+        let ending = self.ending();
+        let fit = ending.fit()?;
+        let (held_out, settings) = (self.held_out(), self.settings);
+        round(&fit, &ending.problem, held_out, &self.added, request, settings, self.listener)
     }
 
     fn add(&mut self, best: Box<Best>) -> Result<(), CalibrateError> {
@@ -416,7 +432,14 @@ impl<'a> Course<'a> {
         }
         let warning = |effect| format!("{effect} fits, but {INCONSTANT}: it stands in for another effect");
         self.diagnosis.warnings.extend(inconstant.iter().map(warning));
-        Ok(inconstant.is_empty() && !is_astray(&self.gaps().0))
+        Ok(inconstant.is_empty() && !self.is_astray()?)
+    }
+
+    /// Whether held-out releases are missed by more than the model that is right would miss.
+    fn is_astray(&self) -> Result<bool, CalibrateError> {
+        let Some(held_out) = self.held_out() else { return Ok(false) };
+        let squares = held_out.mean_squares(&self.model.fit()?, &self.model.problem)?;
+        Ok(squares.is_some_and(is_astray))
     }
 
     /// How the model with all that was added or lifted meets held-out releases.

@@ -56,7 +56,7 @@ impl Weight {
     }
 }
 
-/// Standard deviations from which on two effects are told apart, and below which they are one.
+/// Standard deviations from which on two effects are separated, and below which they are one.
 pub(super) const APART: f64 = 5.0;
 pub(super) const ONE: f64 = 2.0;
 

@@ -99,16 +99,20 @@ impl Course<'_> {
         });
     }
 
-    /// Whether what the model misses is no more than what two releases differ by. Before anything is added that is asked
-    /// only where the experiment itself tells how well it repeats.
-    pub(super) fn is_within_repeats(&self) -> bool {
-        let Some(repeats) = &self.diagnosis.repeats else { return false };
-        let is_asked = repeats.is_known() || !self.added.is_empty();
-        is_asked
-            && [Some(&self.after), self.held_out().map(|held_out| &held_out.agreement)]
-                .into_iter()
-                .flatten()
-                .all(|met| of_all(met)[0].sqrt() <= repeats.largest_mm(met.gaps.len()))
+    /// Whether what the model misses of all releases together is no more than what two of them differ by. Before anything
+    /// is added that is asked only where the experiment itself tells how well it repeats.
+    pub(super) fn is_within_repeats(&self) -> Result<bool, CalibrateError> {
+        let Some(repeats) = &self.diagnosis.repeats else { return Ok(false) };
+        if !repeats.is_known() && self.added.is_empty() {
+            return Ok(false);
+        }
+        let is_within = |met: &Agreement| of_all(met)[0].sqrt() <= repeats.largest_mm(met.gaps.len());
+        if !is_within(&self.after) {
+            return Ok(false);
+        }
+        let Some(held_out) = self.held_out() else { return Ok(true) };
+        let met = held_out.met_together(&self.model.fit()?, &self.model.problem)?;
+        Ok(is_within(&met.unwrap_or_else(|| held_out.agreement.clone())))
     }
 
     /// Whether what the model misses of what it was fitted to is noise, or no more than what two releases differ by.

@@ -26,7 +26,7 @@ pub(super) const LEAD: f64 = 12.0;
 /// Automatic Control 19, 716-723.
 const FAIR: f64 = 2.0;
 /// Share of what an effect explains of the fitted releases by which it has to better held-out releases, or else by
-/// more than noise gives: one that is there betters both, though EI of a held-out pressure may do most of its work
+/// more than noise gives. One that is there betters both, though EI of a held-out pressure may do most of its work
 /// there.
 const AGREES: f64 = 0.1;
 /// χ², in what noise gives, below which effects of which none is believed are not there at all.

@@ -20,11 +20,12 @@ pub struct ModelFile {
 /// Parameters that a muscle file has columns for.
 const COLUMNS: [(&str, &str); 3] = [
     (STIFFNESS, "bending_stiffness_calibrated"),
-    ("effects.rayleigh_mass.alpha", "rayleigh_mass"),
-    ("effects.rayleigh_stiffness.beta", "rayleigh_stiffness"),
+    (LOSSES[0], "rayleigh_mass"),
+    (LOSSES[1], "rayleigh_stiffness"),
 ];
 
 const STIFFNESS: &str = "rod.bending_stiffness";
+const LOSSES: [&str; 2] = ["effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
 /// Parameters for which it has a constant.
 const ROD_MASS: &str = "rod.mass";
 const END_FITTING_MASS: &str = "effects.end_fitting.mass";
@@ -129,19 +130,25 @@ pub fn rod_files(
     files
 }
 
-/// How far the model is from releases, root mean square; none without any.
-fn misfit<'a>(releases: impl Iterator<Item = &'a ReleaseFit>) -> Option<Misfit> {
+/// How far the model is from releases, root mean square; none without any. A stiffness fits one frequency and a loss one
+/// damping ratio: a release that took no part is farther off than those that were fitted, by the degrees of freedom.
+fn misfit<'a>(
+    releases: impl Iterator<Item = &'a ReleaseFit>,
+    [stiffnesses, losses]: [usize; 2],
+) -> Option<Misfit> {
     let releases: Vec<_> = releases.collect();
-    let mean = |of: &dyn Fn(&ReleaseFit) -> Option<f64>| {
+    let mean = |fitted: usize, of: &dyn Fn(&ReleaseFit) -> Option<f64>| {
         let values: Vec<f64> = releases.iter().filter_map(|release| of(release)).collect();
-        (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+        // As many numbers as releases are met exactly, and say nothing.
+        let degrees = if values.len() > fitted { values.len() - fitted } else { values.len().max(1) };
+        (values.iter().map(|value| value * value).sum::<f64>() / degrees as f64).sqrt()
     };
     let frequencies = || releases.iter().filter_map(|release| release.misfit.frequency_hz);
     (!releases.is_empty()).then(|| Misfit {
-        distance: mean(&|release| Some(1e-3 * release.misfit.distance_mm / release.excursion_m)),
-        rest: mean(&|release| Some(1e-3 * release.misfit.rest_mm / release.excursion_m)),
-        frequency: mean(&|release| release.misfit.frequency),
-        damping_ratio: mean(&|release| release.misfit.damping_ratio),
+        distance: mean(0, &|release| Some(1e-3 * release.misfit.distance_mm / release.excursion_m)),
+        rest: mean(0, &|release| Some(1e-3 * release.misfit.rest_mm / release.excursion_m)),
+        frequency: mean(stiffnesses, &|release| release.misfit.frequency),
+        damping_ratio: mean(losses, &|release| release.misfit.damping_ratio),
         frequency_hz: frequencies().next().map(|_| Known::span(frequencies())),
     })
 }
@@ -168,14 +175,46 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
         correlations: own.iter().map(|other| correlation(one, other)).collect(),
     };
     let fitted = || calibration.releases.iter().filter(|release| !release.held_out);
+    let [stiffnesses, losses] = [&[STIFFNESS][..], &LOSSES]
+        .map(|paths| calibration.parameters.iter().filter(|one| paths.contains(&one.name.as_str())).count());
     Known {
         releases: fitted().count(),
         pressure_pa: Known::span(fitted().filter_map(|release| release.pressure_pa)),
         payload_kg: Known::span(fitted().map(|release| release.payload_kg)),
         excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
         nodes,
-        misfit: misfit(fitted().filter(|release| release.excursion_m > 0.0)),
+        misfit: misfit(fitted().filter(|release| release.excursion_m > 0.0), [stiffnesses, losses]),
         interpolation: Vec::new(),
         parameter: own.iter().map(parameter).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Five releases of two pressures, whose frequencies are 1 % off: three degrees of freedom are left beside two
+    /// stiffnesses. One release and one stiffness leave none.
+    #[test]
+    fn what_was_fitted_is_met_more_nearly_than_what_was_not() {
+        let release = |frequency: f64| ReleaseFit {
+            name: "made-up".to_owned(),
+            pressure_pa: None,
+            payload_kg: 0.0,
+            excursion_m: 0.1,
+            held_out: false,
+            duration_s: 8.0,
+            tracks: Vec::new(),
+            misfit: efam_inference::calibrate::misfit::Misfit {
+                frequency: Some(frequency),
+                ..Default::default()
+            },
+            numerical_error_mm: 0.0,
+            numerical_error_left_mm: 0.0,
+        };
+        let five = [0.01, -0.01, 0.01, -0.01, 0.01].map(release);
+        let found = misfit(five.iter(), [2, 2]).unwrap().frequency;
+        assert!((found / (0.01 * (5f64 / 3.0).sqrt()) - 1.0).abs() < 1e-12, "{found}");
+        assert!((misfit(five[..1].iter(), [1, 2]).unwrap().frequency - 0.01).abs() < 1e-12);
     }
 }
