@@ -38,9 +38,19 @@ pub fn find(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<bool> {
     for _ in 0..12 {
         let errors = prediction_errors(time, &path, step);
         let bends = bends(time, &path, step);
+        let stand_alone = |of: &[usize]| stands_alone(time, &path, step, of, sigma);
+        // Two with a sample between them hide one another.
+        let second = |i: usize| {
+            let beside = [i.checked_sub(SPOILT), Some(i + SPOILT)].into_iter().flatten();
+            beside.filter(|&j| j < path.len() && path[j].is_some()).find(|&j| stand_alone(&[i, j]))
+        };
+        let of = |i: usize| match stand_alone(&[i]) {
+            true => vec![i],
+            false => second(i).map_or(Vec::new(), |j| vec![i, j]),
+        };
         let far: Vec<usize> = (0..path.len())
             .filter(|&i| is_far(&errors, &bends, i, sigma) && is_top(&errors, i))
-            .filter(|&i| stands_alone(time, &path, step, i, sigma))
+            .flat_map(of)
             .collect();
         if far.is_empty() {
             break;
@@ -65,16 +75,17 @@ fn is_far(errors: &[Option<f64>], bends: &[Option<f64>], i: usize, sigma: f64) -
     error > noise.max(MOST_LOCAL * nearby(errors, 0.75)) + MOST_BEND * nearby(bends, 0.9)
 }
 
-/// Whether the samples beside one agree once it is gone. At the edge of a burst they do not, and nobody
+/// Whether the samples beside some agree once these are gone. At the edge of a burst they do not, and nobody
 /// can tell from a few samples which side is the marker.
-fn stands_alone(time: &[f64], path: &[Option<[f64; 3]>], step: f64, i: usize, sigma: f64) -> bool {
-    let low = i.saturating_sub(2 * NEARBY);
-    let high = (i + 2 * NEARBY + 1).min(path.len());
+fn stands_alone(time: &[f64], path: &[Option<[f64; 3]>], step: f64, of: &[usize], sigma: f64) -> bool {
+    let (first, last) = of.iter().fold((path.len(), 0), |(first, last), i| (first.min(*i), last.max(*i)));
+    let low = first.saturating_sub(2 * NEARBY);
+    let high = (last + 2 * NEARBY + 1).min(path.len());
     let mut without = path[low..high].to_vec();
-    without[i - low] = None;
+    of.iter().for_each(|i| without[i - low] = None);
     let errors = prediction_errors(&time[low..high], &without, step);
     let bends = bends(&time[low..high], &without, step);
-    let beside = (i - low).saturating_sub(SPOILT)..(i - low + SPOILT + 1).min(high - low);
+    let beside = (first - low).saturating_sub(SPOILT)..(last - low + SPOILT + 1).min(high - low);
     beside.into_iter().all(|k| !is_far(&errors, &bends, k, sigma))
 }
 
@@ -154,7 +165,8 @@ mod tests {
                 (0..3).for_each(|k| point[k] += sigma * noise.normal());
             }
             assert!(!find(&time, &path, 0.01).contains(&true), "nothing is wrong at {sigma}");
-            let ghosts = [(40, 0.2), (122, 0.03), (123 + 40, -0.05), (300, 0.01), (511, 0.15)];
+            let ghosts =
+                [(40, 0.2), (122, 0.03), (163, -0.05), (300, 0.01), (397, 0.08), (399, 0.17), (511, 0.15)];
             for (i, off) in ghosts {
                 path[i].as_mut().unwrap()[2] += off;
             }
