@@ -53,7 +53,7 @@ const own = (name, key, label, reach, display) => {
   const p = effect(name, key);
   return {
     label, unit: p.unit, range: p.range, reach, display, hint: p.meaning,
-    get: () => setup().effects[name]?.[key] ?? p.off ?? p.default,
+    get: () => setup().effects[name]?.[key] ?? p.null_value ?? p.default,
     set: value => { (setup().effects[name] ??= {})[key] = value; },
   };
 };

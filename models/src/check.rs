@@ -52,8 +52,8 @@ fn base(effect: &'static dyn Effect) -> Result<ModelSpec, String> {
 fn with(effect: &'static dyn Effect, off: impl Fn(&Parameter) -> bool) -> Result<Model, String> {
     let about = effect.about();
     let values = about.parameters.iter().map(|p| {
-        let on = if Some(p.default) == p.off || p.default == 0.0 { half_scale(p) } else { p.default };
-        (p.name.to_owned(), p.off.filter(|_| off(p)).unwrap_or(on))
+        let on = if Some(p.default) == p.null_value || p.default == 0.0 { half_scale(p) } else { p.default };
+        (p.name.to_owned(), p.null_value.filter(|_| off(p)).unwrap_or(on))
     });
     let mut spec = base(effect)?;
     spec.effects.push((about.name.to_owned(), values.collect()));
@@ -147,7 +147,7 @@ fn parameters(effect: &'static dyn Effect) -> Result<(), String> {
 
 fn off_and_on(effect: &'static dyn Effect) -> Result<(), String> {
     let about = effect.about();
-    let switches = || about.parameters.iter().filter(|p| p.off.is_some());
+    let switches = || about.parameters.iter().filter(|p| p.null_value.is_some());
     let without = |model: &Model| {
         let mut without = model.clone();
         without.effects.retain(|active| active.effect.about().name != about.name);
@@ -200,7 +200,7 @@ fn beside(model: &Model, effect: &'static dyn Effect, off: &[&str]) -> Result<Mo
 
 fn sensitive_at_off(effect: &'static dyn Effect) -> Result<(), String> {
     let about = effect.about();
-    for p in about.parameters.iter().filter(|p| p.off.is_some()) {
+    for p in about.parameters.iter().filter(|p| p.null_value.is_some()) {
         // All others on; of parts, all off.
         let model = with(effect, |other| other.name == p.name || (p.is_part && other.is_part))?;
         let path = format!("effects.{}.{}", about.name, p.name);

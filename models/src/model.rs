@@ -41,7 +41,7 @@ pub struct ModelParameter {
     /// A typical size.
     pub scale: f64,
     /// Value at which its effect vanishes.
-    pub off: Option<f64>,
+    pub null_value: Option<f64>,
 }
 
 /// An effect that is part of a model.
@@ -219,7 +219,7 @@ impl Model {
                 unit: p.unit,
                 range: p.range,
                 scale: p.scale,
-                off: p.off,
+                null_value: p.null_value,
             });
             self.theta.push(p.default);
         }
@@ -347,7 +347,7 @@ impl Model {
         let mut slips = false;
         for active in self.effects.iter().filter(|active| !self.is_off(active)) {
             for (p, k) in active.effect.about().parameters.iter().zip(active.theta.clone()) {
-                if let (true, Some(off)) = (p.is_friction, p.off) {
+                if let (true, Some(off)) = (p.is_friction, p.null_value) {
                     slipping.theta[k] = off;
                     slips = true;
                 }
@@ -412,5 +412,5 @@ impl Model {
 }
 
 fn rod_parameter((path, meaning, unit, range, scale): RodParameter) -> ModelParameter {
-    ModelParameter { path: path.to_owned(), meaning, unit, range, scale, off: None }
+    ModelParameter { path: path.to_owned(), meaning, unit, range, scale, null_value: None }
 }

@@ -69,7 +69,7 @@ pub struct OwnParameter {
     /// A typical size; none for that of the default.
     pub scale: Option<f64>,
     /// Value at which the law is off; none to take it from the formulas.
-    pub off: Option<f64>,
+    pub null_value: Option<f64>,
     /// Whether it scales one term of several.
     pub is_part: bool,
     /// Whether it is the size of a friction.

@@ -21,7 +21,7 @@ fn model_with(scheme: Scheme, chosen: impl Fn(&About) -> bool) -> Model {
             // Friction turns round smoothly here: sharply it is a step to central differences.
             let value = match p.default {
                 _ if p.name == "creep_rate" => 20.0,
-                default if Some(default) == p.off || default == 0.0 => 0.5 * p.scale,
+                default if Some(default) == p.null_value || default == 0.0 => 0.5 * p.scale,
                 default => default,
             };
             (p.name.to_owned(), value)

@@ -33,7 +33,7 @@ impl Law for MyCubicStiffness {
             default: 0.001,
             range: (-1.0, 1.0),
             scale: 0.001,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-0.003, 0.003)),
             ..Parameter::PLAIN
         }],

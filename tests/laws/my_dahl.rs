@@ -41,7 +41,7 @@ impl Law for MyDahl {
                 default: 0.0005,
                 range: (0.0, 100.0),
                 scale: 0.0005,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 is_friction: true,
                 plausible: Some((0.0, 0.1)),
                 per: Per::WeightMoment,

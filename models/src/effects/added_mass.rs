@@ -34,7 +34,7 @@ impl Law for AddedMass {
             default: 7e-4,
             range: (0.0, 1e3),
             scale: 1e-3,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((0.0, 2e-3)),
             ..Parameter::PLAIN
         }],

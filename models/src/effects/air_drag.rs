@@ -28,7 +28,7 @@ pub(super) const AIR_DENSITY: Parameter = Parameter {
     default: 1.2,
     range: (0.0, 2000.0),
     scale: 1.2,
-    off: Some(0.0),
+    null_value: Some(0.0),
     ..Parameter::PLAIN
 };
 
@@ -48,7 +48,7 @@ impl Law for AirDrag {
                 default: 1.1,
                 range: (0.0, 10.0),
                 scale: 1.0,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 plausible: Some((0.0, 6.0)),
                 ..Parameter::PLAIN
             },

@@ -39,7 +39,7 @@ impl Law for AxialCompliance {
             default: 1e-3,
             range: (0.0, 1e3),
             scale: 1e-3,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((0.0, 0.01)),
             ..Parameter::PLAIN
         }],

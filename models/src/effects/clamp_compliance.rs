@@ -33,7 +33,7 @@ impl Law for ClampCompliance {
             default: 0.1,
             range: (0.0, 1e6),
             scale: 0.1,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((0.0, 1.0)),
             ..Parameter::PLAIN
         }],

@@ -33,7 +33,7 @@ impl Law for Clock {
                 default: 1e-3,
                 range: (-0.5, 1.0),
                 scale: 1e-3,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 is_part: true,
                 plausible: Some((-0.01, 0.01)),
                 ..Parameter::PLAIN
@@ -45,7 +45,7 @@ impl Law for Clock {
                 default: 0.0,
                 range: (-10.0, 10.0),
                 scale: 0.01,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 is_part: true,
                 ..Parameter::PLAIN
             },

@@ -39,7 +39,7 @@ impl Law for Creep {
                 default: 0.05,
                 range: (0.0, 100.0),
                 scale: 0.05,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 plausible: Some((0.0, 0.15)),
                 ..Parameter::PLAIN
             },

@@ -43,7 +43,7 @@ impl Law for DampingOverPressure {
                 default: 1e-3,
                 range: (0.0, 1e3),
                 scale: 1e-3,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 is_part: true,
                 plausible: Some((0.0, 0.05)),
                 ..Parameter::PLAIN
@@ -55,7 +55,7 @@ impl Law for DampingOverPressure {
                 default: 0.0,
                 range: (0.0, 1e6),
                 scale: 0.5,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 is_part: true,
                 plausible: Some((0.0, 5.0)),
                 ..Parameter::PLAIN

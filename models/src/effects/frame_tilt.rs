@@ -32,7 +32,7 @@ impl Law for FrameTilt {
             default: 0.01,
             range: (-6.3, 6.3),
             scale: 0.01,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-0.05, 0.05)),
             ..Parameter::PLAIN
         }],

@@ -33,7 +33,7 @@ impl Law for Gravity {
             default: STANDARD,
             range: (0.0, 1000.0),
             scale: STANDARD,
-            off: Some(0.0),
+            null_value: Some(0.0),
             ..Parameter::PLAIN
         }],
         looks_like: "the rod sags, and swings about the sagged posture",

@@ -39,7 +39,7 @@ impl Law for HandRelease {
                 default: 0.05,
                 range: (-1e3, 1e3),
                 scale: 0.05,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 plausible: Some((-0.5, 0.5)),
                 ..Parameter::PLAIN
             },

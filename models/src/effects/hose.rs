@@ -49,7 +49,7 @@ impl Law for Hose {
                 default: 0.1,
                 range: (0.0, 1e6),
                 scale: 0.1,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 plausible: Some((0.0, 0.3)),
                 ..Parameter::PLAIN
             },

@@ -52,7 +52,7 @@ impl Law for Hysteresis {
                 default: 0.03,
                 range: (0.0, 1.0),
                 scale: 0.03,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 is_friction: true,
                 plausible: Some((0.0, 0.1)),
                 ..Parameter::PLAIN

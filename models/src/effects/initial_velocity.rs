@@ -34,7 +34,7 @@ impl Law for InitialVelocity {
             default: 0.5,
             range: (-1e3, 1e3),
             scale: 0.5,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-1.5, 1.5)),
             ..Parameter::PLAIN
         }],

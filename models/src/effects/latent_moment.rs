@@ -30,8 +30,8 @@ pub struct LatentMoment;
 /// A term, off at 0; a typical size makes a hundredth of the moment of a bend of 3/m that turns at 20/(m s).
 const fn term(name: &'static str, meaning: &'static str, unit: &'static str, scale: f64) -> Parameter {
     let (default, range) = (scale, (-1e3 * scale, 1e3 * scale));
-    let off = Some(0.0);
-    Parameter { name, meaning, unit, default, range, scale, off, is_part: true, ..Parameter::PLAIN }
+    let null_value = Some(0.0);
+    Parameter { name, meaning, unit, default, range, scale, null_value, is_part: true, ..Parameter::PLAIN }
 }
 
 impl Law for LatentMoment {

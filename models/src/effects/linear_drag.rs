@@ -32,7 +32,7 @@ impl Law for LinearDrag {
             default: 0.01,
             range: (0.0, 1e4),
             scale: 0.01,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((0.0, 0.03)),
             ..Parameter::PLAIN
         }],

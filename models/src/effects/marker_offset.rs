@@ -27,7 +27,7 @@ const fn offset(name: &'static str, meaning: &'static str, default: f64) -> Para
         default,
         range: (-1.0, 1.0),
         scale: 1e-3,
-        off: Some(0.0),
+        null_value: Some(0.0),
         is_part: true,
         plausible: Some((-5e-3, 5e-3)),
         ..Parameter::PLAIN

@@ -26,7 +26,7 @@ pub(super) const FRICTION_MOMENT: Parameter = Parameter {
     default: 5e-4,
     range: (0.0, 100.0),
     scale: 5e-4,
-    off: Some(0.0),
+    null_value: Some(0.0),
     is_friction: true,
     plausible: Some((0.0, 0.1)),
     per: Per::WeightMoment,

@@ -163,7 +163,7 @@ pub struct Parameter {
     /// Value at which the effect is exactly zero, if this parameter alone can switch it off, or its
     /// share of the effect, if it [is a part](Self::is_part).
     /// A diagnosis tries an effect by the first of its parameters that has one.
-    pub off: Option<f64>,
+    pub null_value: Option<f64>,
     /// Whether the effect is a sum in which this parameter scales one term: then the effect is off
     /// where all such parameters are, and not where one of them is.
     pub is_part: bool,
@@ -191,7 +191,7 @@ impl Parameter {
         default: 0.0,
         range: (0.0, 0.0),
         scale: 1.0,
-        off: None,
+        null_value: None,
         is_part: false,
         is_friction: false,
         plausible: None,
@@ -304,7 +304,7 @@ impl About {
     /// Whether the effect is exactly zero at these values of its parameters, in their order.
     pub fn is_off(&self, values: &[f64]) -> bool {
         let both = || self.parameters.iter().zip(values);
-        let stands_off = |(p, value): (&Parameter, &f64)| p.off == Some(*value);
+        let stands_off = |(p, value): (&Parameter, &f64)| p.null_value == Some(*value);
         let mut parts = both().filter(|(p, _)| p.is_part).peekable();
         both().any(|(p, value)| !p.is_part && stands_off((p, value)))
             || (parts.peek().is_some() && parts.all(stands_off))

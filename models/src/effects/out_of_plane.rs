@@ -31,7 +31,7 @@ impl Law for OutOfPlane {
             default: 0.01,
             range: (0.0, 1.0),
             scale: 0.01,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((0.0, 0.05)),
             ..Parameter::PLAIN
         }],

@@ -38,7 +38,7 @@ impl Law for PressureVolume {
             default: 1e-3,
             range: (-1.0, 1.0),
             scale: 1e-3,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-3e-3, 3e-3)),
             ..Parameter::PLAIN
         }],

@@ -33,7 +33,7 @@ impl Law for QuadraticStiffness {
             default: 5e-3,
             range: (-10.0, 10.0),
             scale: 5e-3,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-0.02, 0.02)),
             ..Parameter::PLAIN
         }],

@@ -31,7 +31,7 @@ impl Law for RayleighMass {
             default: 0.0,
             range: (0.0, 1e6),
             scale: 1.0,
-            off: Some(0.0),
+            null_value: Some(0.0),
             ..Parameter::PLAIN
         }],
         looks_like: "a straight line of log amplitude over time, of the same slope for every mode",

@@ -40,7 +40,7 @@ impl Law for RayleighStiffness {
             default: 0.0,
             range: (0.0, 1e3),
             scale: 0.01,
-            off: Some(0.0),
+            null_value: Some(0.0),
             ..Parameter::PLAIN
         }],
         looks_like: "higher modes die first; log amplitude falls on a straight line, steeper the faster the mode",

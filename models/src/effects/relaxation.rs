@@ -50,7 +50,7 @@ impl Law for Relaxation {
                 default: 0.1,
                 range: (0.0, 100.0),
                 scale: 0.1,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 plausible: Some((0.0, 3.0)),
                 ..Parameter::PLAIN
             },

@@ -32,7 +32,7 @@ impl Law for ReleaseDrift {
             default: 0.01,
             range: (-0.9, 100.0),
             scale: 0.01,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-0.03, 0.03)),
             ..Parameter::PLAIN
         }],

@@ -30,7 +30,7 @@ impl Law for Scale {
             default: 0.01,
             range: (-0.9, 10.0),
             scale: 0.01,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-0.02, 0.02)),
             ..Parameter::PLAIN
         }],

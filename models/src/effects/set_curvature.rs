@@ -36,7 +36,7 @@ impl Law for SetCurvature {
                 default: 0.1,
                 range: (-100.0, 100.0),
                 scale: 0.1,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 is_part: true,
                 plausible: Some((-0.15, 0.15)),
                 per: Per::Curvature,
@@ -49,7 +49,7 @@ impl Law for SetCurvature {
                 default: 0.0,
                 range: (-1e-3, 1e-3),
                 scale: 1e-6,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 is_part: true,
                 plausible: Some((-1e-6, 1e-6)),
                 ..Parameter::PLAIN

@@ -35,7 +35,7 @@ impl Law for StiffnessDrift {
             default: 1e-3,
             range: (-0.1, 0.1),
             scale: 1e-3,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-0.01, 0.01)),
             ..Parameter::PLAIN
         }],

@@ -34,7 +34,7 @@ impl Law for StiffnessTaper {
             // At two the softer end would have none left.
             range: (-1.9, 1.9),
             scale: 0.1,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-0.3, 0.3)),
             ..Parameter::PLAIN
         }],

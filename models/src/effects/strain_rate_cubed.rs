@@ -33,7 +33,7 @@ impl Law for StrainRateCubed {
             default: 1e-7,
             range: (0.0, 1.0),
             scale: 1e-7,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((0.0, 1e-6)),
             ..Parameter::PLAIN
         }],

@@ -60,7 +60,7 @@ impl Law for StructuralDamping {
                 default: 0.05,
                 range: (0.0, 0.3),
                 scale: 0.05,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 plausible: Some((0.0, 0.3)),
                 ..Parameter::PLAIN
             },

@@ -36,7 +36,7 @@ impl Law for TipDrag {
                 default: 1e-3,
                 range: (0.0, 10.0),
                 scale: 1e-3,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 plausible: Some((0.0, 0.1)),
                 per: Per::LengthSquared,
                 ..Parameter::PLAIN

@@ -38,7 +38,16 @@ pub const PULL: [&str; 5] = [
 ];
 
 const fn component(name: &'static str, meaning: &'static str, unit: &'static str, scale: f64) -> Parameter {
-    Parameter { name, meaning, unit, default: 0.0, range: (-1e6, 1e6), scale, off: None, ..Parameter::PLAIN }
+    Parameter {
+        name,
+        meaning,
+        unit,
+        default: 0.0,
+        range: (-1e6, 1e6),
+        scale,
+        null_value: None,
+        ..Parameter::PLAIN
+    }
 }
 
 impl Law for TipHold {
@@ -57,7 +66,7 @@ impl Law for TipHold {
                 default: 0.0,
                 range: (0.0, 1.0),
                 scale: 1.0,
-                off: None,
+                null_value: None,
                 ..Parameter::PLAIN
             },
             component("force_x", "force of the hand along x", "N", 0.1),

@@ -31,7 +31,7 @@ impl Law for TipInertia {
             default: 2e-5,
             range: (0.0, 100.0),
             scale: 1e-5,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((0.0, 1e-4)),
             ..Parameter::PLAIN
         }],

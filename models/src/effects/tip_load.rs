@@ -16,7 +16,16 @@ use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad};
 pub struct TipForce;
 
 const fn component(name: &'static str, meaning: &'static str, unit: &'static str, scale: f64) -> Parameter {
-    Parameter { name, meaning, unit, default: 0.0, range: (-1e6, 1e6), scale, off: None, ..Parameter::PLAIN }
+    Parameter {
+        name,
+        meaning,
+        unit,
+        default: 0.0,
+        range: (-1e6, 1e6),
+        scale,
+        null_value: None,
+        ..Parameter::PLAIN
+    }
 }
 
 impl Law for TipForce {

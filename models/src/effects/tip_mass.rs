@@ -35,7 +35,7 @@ impl Law for TipMass {
                 default: 5e-3,
                 range: (0.0, 100.0),
                 scale: 5e-3,
-                off: Some(0.0),
+                null_value: Some(0.0),
                 plausible: Some((0.0, 1.0)),
                 per: Per::Mass,
                 ..Parameter::PLAIN

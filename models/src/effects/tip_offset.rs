@@ -32,7 +32,7 @@ impl Law for TipOffset {
             default: 1e-3,
             range: (-1.0, 1.0),
             scale: 1e-3,
-            off: Some(0.0),
+            null_value: Some(0.0),
             plausible: Some((-5e-3, 5e-3)),
             ..Parameter::PLAIN
         }],

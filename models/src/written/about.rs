@@ -138,7 +138,7 @@ fn check_parameter(own: &OwnParameter) -> Result<(), LawError> {
     if !(low.is_finite() && high.is_finite() && low < high) {
         return Err(wrong(&key("range"), LawProblem::NoRange));
     }
-    for (name, value) in [("default", Some(own.default)), ("off", own.off)] {
+    for (name, value) in [("default", Some(own.default)), ("off", own.null_value)] {
         if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
             return Err(wrong(&key(name), LawProblem::Range { value, low, high }));
         }
@@ -287,7 +287,7 @@ fn about(definition: &Definition, terms: &Terms) -> &'static About {
         default: own.default,
         range: own.range,
         scale: own.scale.unwrap_or(if own.default == 0.0 { 1.0 } else { own.default.abs() }),
-        off: own.off.or_else(|| {
+        null_value: own.null_value.or_else(|| {
             let can_be = own.range.0 <= 0.0 && 0.0 <= own.range.1;
             (can_be && acts().all(|term| vanishes(term, &own.name))).then_some(0.0)
         }),

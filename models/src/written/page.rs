@@ -48,7 +48,7 @@ impl Definition {
         }
         out.push('\n');
         let off: Vec<String> =
-            about.parameters.iter().filter_map(|p| Some(format!("{} = {}", p.name, p.off?))).collect();
+            about.parameters.iter().filter_map(|p| Some(format!("{} = {}", p.name, p.null_value?))).collect();
         let off = if off.is_empty() { "Never.".to_owned() } else { format!("{}.", off.join(", ")) };
         let note = |k: usize| {
             let own = self.notes[k].as_deref().unwrap_or("Its author does not say.");

@@ -245,8 +245,8 @@ fn parameter(own: &Parameter) -> String {
     put("default", format!("{:?}", own.default));
     put("range", pair(own.range));
     put("scale", format!("{:?}", own.scale));
-    if let Some(off) = own.off {
-        put("off", format!("Some({off:?})"));
+    if let Some(off) = own.null_value {
+        put("null_value", format!("Some({off:?})"));
     }
     if own.is_part {
         put("is_part", "true".to_owned());

@@ -80,7 +80,7 @@ fn fields(own: &OwnParameter) -> String {
     if let Some(scale) = own.scale {
         put("scale", number(scale));
     }
-    if let Some(off) = own.off {
+    if let Some(off) = own.null_value {
         put("off", number(off));
     }
     if own.is_part {

@@ -68,7 +68,7 @@ pub struct ParameterEntry {
     /// Value when its effect is switched on.
     pub default: f64,
     /// Value at which its effect vanishes.
-    pub off: Option<f64>,
+    pub null_value: Option<f64>,
     /// Admissible values.
     pub range: (f64, f64),
     /// Values that a slider offers.
@@ -132,7 +132,7 @@ fn of_rod(key: &'static str, model: &Model) -> Option<ParameterEntry> {
         meaning,
         unit,
         default,
-        off: None,
+        null_value: None,
         range,
         slider: (0.1 * default, REACH[1] * default),
     })
@@ -148,7 +148,7 @@ fn of_effect(p: &Parameter, rod: &Rod<f64>) -> ParameterEntry {
     };
     // Where it starts and where it vanishes are always in reach.
     let within = |value: f64| value.clamp(p.range.0, p.range.1);
-    let all = [low, high, p.default, p.off.unwrap_or(p.default)].map(within);
+    let all = [low, high, p.default, p.null_value.unwrap_or(p.default)].map(within);
     let slider =
         (all.into_iter().fold(f64::INFINITY, f64::min), all.into_iter().fold(f64::NEG_INFINITY, f64::max));
     ParameterEntry {
@@ -156,7 +156,7 @@ fn of_effect(p: &Parameter, rod: &Rod<f64>) -> ParameterEntry {
         meaning: p.meaning,
         unit: p.unit,
         default: p.default,
-        off: p.off,
+        null_value: p.null_value,
         range: p.range,
         slider,
     }

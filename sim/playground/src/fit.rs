@@ -228,7 +228,7 @@ impl Fit {
 fn with_effect_off(model: &Model, name: &str) -> Result<Model, PlaygroundError> {
     let parameters =
         efam_core::models::effects::by_name(name).map_or(&[][..], |effect| effect.about().parameters);
-    let off: Vec<_> = parameters.iter().filter_map(|p| Some((p.name, p.off?))).collect();
+    let off: Vec<_> = parameters.iter().filter_map(|p| Some((p.name, p.null_value?))).collect();
     Ok(model.with_effect(name, &off)?)
 }
 

@@ -127,7 +127,7 @@ fn the_catalogue_offers_every_effect() {
         for p in effect["parameters"].as_array().unwrap() {
             let [low, high] = [0, 1].map(|k| p["slider"][k].as_f64().unwrap());
             let inside = |value: &Value| value.as_f64().is_none_or(|value| (low..=high).contains(&value));
-            assert!(low < high && inside(&p["default"]) && inside(&p["off"]), "{p}");
+            assert!(low < high && inside(&p["default"]) && inside(&p["null_value"]), "{p}");
         }
     }
 }

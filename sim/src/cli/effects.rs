@@ -122,7 +122,7 @@ struct OfEffect {
     /// Smallest and largest admissible value.
     range: [f64; 2],
     /// Value at which it does nothing, if there is one.
-    off: Option<f64>,
+    null_value: Option<f64>,
 }
 
 pub fn run(args: &Effects, console: &Console) -> Result<ExitCode, Failure> {
@@ -276,7 +276,7 @@ fn of_parameter(p: &Parameter) -> [String; 5] {
     let bare = |value: f64| format_si(value, "");
     let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
     let range = format!("{} to {}{unit}", bare(p.range.0), bare(p.range.1));
-    let off = p.off.map_or(String::new(), |off| format!("off at {}", bare(off)));
+    let off = p.null_value.map_or(String::new(), |off| format!("off at {}", bare(off)));
     [format!("    {}", p.name), p.meaning.to_owned(), format_si(p.default, p.unit), range, off]
 }
 
@@ -287,7 +287,7 @@ fn of_about(about: &'static About) -> Effect {
         unit: p.unit,
         default: p.default,
         range: [p.range.0, p.range.1],
-        off: p.off,
+        null_value: p.null_value,
     };
     Effect {
         name: about.name,

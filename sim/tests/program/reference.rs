@@ -120,12 +120,14 @@ fn effect_section(page: &mut String, bench: &Bench, effect: &Value) {
     write!(page, "\n### {name}\n\n").expect("a string");
     let parameters = effect["parameters"].as_array().expect("a list");
     if !parameters.is_empty() {
-        page.push_str("| parameter | meaning | unit | default | range | off |\n|---|---|---|---|---|---|\n");
+        page.push_str(
+            "| parameter | meaning | unit | default | range | null value |\n|---|---|---|---|---|---|\n",
+        );
     }
     for own in parameters {
         let text = |key: &str| cell(own[key].as_str().expect("a text"));
         let range = format!("{} to {}", number(&own["range"][0]), number(&own["range"][1]));
-        let (default, off) = (number(&own["default"]), number(&own["off"]));
+        let (default, off) = (number(&own["default"]), number(&own["null_value"]));
         let row = [&format!("`{}`", text("name")), &text("meaning"), &text("unit"), &default, &range, &off];
         writeln!(page, "| {} |", row.map(String::as_str).join(" | ")).expect("a string");
     }

@@ -38,13 +38,14 @@ pub fn find(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<bool> {
     for _ in 0..12 {
         let errors = prediction_errors(time, &path, step);
         let bends = bends(time, &path, step);
-        let stand_alone = |of: &[usize]| stands_alone(time, &path, step, of, sigma);
-        // Two with a sample between them hide one another.
+        // Two that spoil the predictions of the same samples hide one another.
         let second = |i: usize| {
-            let beside = [i.checked_sub(SPOILT), Some(i + SPOILT)].into_iter().flatten();
-            beside.filter(|&j| j < path.len() && path[j].is_some()).find(|&j| stand_alone(&[i, j]))
+            let beside = i.saturating_sub(2 * SPOILT)..(i + 2 * SPOILT + 1).min(path.len());
+            beside
+                .filter(|&j| j != i && path[j].is_some())
+                .find(|&j| are_both_far(time, &path, step, [i, j], sigma))
         };
-        let of = |i: usize| match stand_alone(&[i]) {
+        let of = |i: usize| match stands_alone(time, &path, step, i, sigma) {
             true => vec![i],
             false => second(i).map_or(Vec::new(), |j| vec![i, j]),
         };
@@ -75,18 +76,38 @@ fn is_far(errors: &[Option<f64>], bends: &[Option<f64>], i: usize, sigma: f64) -
     error > noise.max(MOST_LOCAL * nearby(errors, 0.75)) + MOST_BEND * nearby(bends, 0.9)
 }
 
-/// Whether the samples beside some agree once these are gone. At the edge of a burst they do not, and nobody
-/// can tell from a few samples which side is the marker.
-fn stands_alone(time: &[f64], path: &[Option<[f64; 3]>], step: f64, of: &[usize], sigma: f64) -> bool {
-    let (first, last) = of.iter().fold((path.len(), 0), |(first, last), i| (first.min(*i), last.max(*i)));
+/// Of the samples beside some, once these are gone, whether they are far; none where nobody can tell.
+fn beside(
+    time: &[f64],
+    path: &[Option<[f64; 3]>],
+    step: f64,
+    gone: &[usize],
+    sigma: f64,
+) -> Vec<(usize, Option<bool>)> {
+    let (first, last) = gone.iter().fold((path.len(), 0), |(first, last), i| (first.min(*i), last.max(*i)));
     let low = first.saturating_sub(2 * NEARBY);
     let high = (last + 2 * NEARBY + 1).min(path.len());
-    let mut without = path[low..high].to_vec();
-    of.iter().for_each(|i| without[i - low] = None);
-    let errors = prediction_errors(&time[low..high], &without, step);
-    let bends = bends(&time[low..high], &without, step);
-    let beside = (first - low).saturating_sub(SPOILT)..(last - low + SPOILT + 1).min(high - low);
-    beside.into_iter().all(|k| !is_far(&errors, &bends, k, sigma))
+    let mut left = path[low..high].to_vec();
+    gone.iter().for_each(|i| left[i - low] = None);
+    let errors = prediction_errors(&time[low..high], &left, step);
+    let bends = bends(&time[low..high], &left, step);
+    let all = (first - low).saturating_sub(SPOILT)..(last - low + SPOILT + 1).min(high - low);
+    let told = |k: usize| (k + low, errors[k].map(|_| is_far(&errors, &bends, k, sigma)));
+    all.filter(|k| left[*k].is_some()).map(told).collect()
+}
+
+/// Whether the samples beside one agree once it is gone. At the edge of a burst they do not, and nobody
+/// can tell from a few samples which side is the marker.
+fn stands_alone(time: &[f64], path: &[Option<[f64; 3]>], step: f64, i: usize, sigma: f64) -> bool {
+    beside(time, path, step, &[i], sigma).iter().all(|(_, is_far)| *is_far != Some(true))
+}
+
+/// Whether each of two is far from where its neighbours put it without the other, and all beside them agree without
+/// both.
+fn are_both_far(time: &[f64], path: &[Option<[f64; 3]>], step: f64, [i, j]: [usize; 2], sigma: f64) -> bool {
+    beside(time, path, step, &[j], sigma).contains(&(i, Some(true)))
+        && beside(time, path, step, &[i], sigma).contains(&(j, Some(true)))
+        && beside(time, path, step, &[i, j], sigma).iter().all(|(_, is_far)| *is_far == Some(false))
 }
 
 fn is_top(errors: &[Option<f64>], i: usize) -> bool {
@@ -165,8 +186,17 @@ mod tests {
                 (0..3).for_each(|k| point[k] += sigma * noise.normal());
             }
             assert!(!find(&time, &path, 0.01).contains(&true), "nothing is wrong at {sigma}");
-            let ghosts =
-                [(40, 0.2), (122, 0.03), (163, -0.05), (300, 0.01), (397, 0.08), (399, 0.17), (511, 0.15)];
+            let ghosts = [
+                (40, 0.2),
+                (122, 0.03),
+                (163, -0.05),
+                (300, 0.01),
+                (397, 0.08),
+                (399, 0.17),
+                (430, 0.12),
+                (431, -0.07),
+                (511, 0.15),
+            ];
             for (i, off) in ghosts {
                 path[i].as_mut().unwrap()[2] += off;
             }

@@ -222,8 +222,9 @@ impl Builder<'_> {
             }
             let parameters =
                 self.plan.catalogue.by_name(name).map_or(&[][..], |effect| effect.about().parameters);
-            let off: Vec<_> =
-                (parameters.iter()).filter_map(|p| p.off.map(|off| (p.name.to_owned(), off))).collect();
+            let off: Vec<_> = (parameters.iter())
+                .filter_map(|p| p.null_value.map(|off| (p.name.to_owned(), off)))
+                .collect();
             let is_zero = parameters.iter().all(|p| p.default == 0.0);
             if off.is_empty() && !is_zero {
                 let message = format!("say what it is after the release; add [effects.{name}]");

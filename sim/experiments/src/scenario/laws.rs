@@ -168,7 +168,7 @@ fn parameter(name: &str, keys: &Keys) -> Result<OwnParameter, ScenarioError> {
         default,
         range,
         scale: value("scale")?,
-        off: value("off")?,
+        null_value: value("off")?,
         is_part: keys.flag("part")?.unwrap_or_default(),
         is_friction: keys.flag("friction")?.unwrap_or_default(),
         plausible: pair("plausible")?,

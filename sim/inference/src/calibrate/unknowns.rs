@@ -305,18 +305,18 @@ fn unknown(
     of_model: f64,
 ) -> Result<Unknown, CalibrateError> {
     let path = || parameter.path.clone();
-    let ModelParameter { unit, range: (least, most), scale: size, off, .. } = *known;
+    let ModelParameter { unit, range: (least, most), scale: size, null_value, .. } = *known;
     let (low, high) = parameter.bounds.unwrap_or((least, most));
     if !(low >= least && high <= most && low < high) {
         return Err(CalibrateError::Bounds { path: path(), low, high, least, most, unit });
     }
     // What may vanish has no logarithm there. Rayleigh's two losses also trade against one another
     // along a straight line, which would be a curved valley in their logarithms.
-    let usual = if low >= 0.0 && off.is_none() { Scale::Logarithmic } else { Scale::Linear };
+    let usual = if low >= 0.0 && null_value.is_none() { Scale::Logarithmic } else { Scale::Linear };
     let is_logarithmic = parameter.scale.unwrap_or(usual) == Scale::Logarithmic;
     let start = match parameter.start {
         Some(start) => start,
-        None if (is_logarithmic || off.is_some()) && of_model <= 0.0 => size.clamp(low, high),
+        None if (is_logarithmic || null_value.is_some()) && of_model <= 0.0 => size.clamp(low, high),
         None => of_model.clamp(low, high),
     };
     if !(low..=high).contains(&start) {

@@ -18,7 +18,7 @@ pub(super) struct Candidate {
     /// The parameter that switches it off.
     pub strength: &'static EffectParameter,
     /// Where that vanishes.
-    pub off: f64,
+    pub null_value: f64,
     /// Parameters of which several values are tried, at one of them.
     /// Those of which a diagnosis knows what to believe are fitted in the end, the others stay there.
     pub tried: Vec<(&'static EffectParameter, f64)>,
@@ -75,23 +75,28 @@ impl Candidate {
         let (low, high) = self.believed();
         let side = if self.is_widened() {
             0.0 // more at one pressure is less at another
-        } else if low >= self.off {
+        } else if low >= self.null_value {
             1.0
-        } else if high <= self.off {
+        } else if high <= self.null_value {
             -1.0
         } else {
             0.0
         };
         // Differences on the same steps are good to some 1e-5.
-        Subject { off: self.off, side, own: 1e-9, believed: self.belief().map(|belief| belief.deviation) }
+        Subject {
+            null_value: self.null_value,
+            side,
+            own: 1e-9,
+            believed: self.belief().map(|belief| belief.deviation),
+        }
     }
 
     /// What is believed of the strength of a release, where each has its own.
     fn belief(&self) -> Option<Prior> {
         let (low, high) = self.believed();
-        let widest = (high - self.off).max(self.off - low);
+        let widest = (high - self.null_value).max(self.null_value - low);
         let is_own = self.scope == Scope::PerRelease && widest.is_finite();
-        is_own.then_some(Prior { mean: self.off, deviation: 0.5 * widest })
+        is_own.then_some(Prior { mean: self.null_value, deviation: 0.5 * widest })
     }
 
     /// Widens the believed range of each of its parameters that a fit ended at, tenfold and up to what is admissible;
@@ -106,7 +111,7 @@ impl Candidate {
                 known.iter().filter(|known| known.unknown.name == path && known.unknown.is_at_bound(known.x))
             {
                 let value = known.value();
-                if Some(value) == of.off {
+                if Some(value) == of.null_value {
                     continue;
                 }
                 let wider = match value - low < high - value {
@@ -178,10 +183,10 @@ impl Candidate {
             return Ok(problem);
         }
         for trial in &mut problem.trials {
-            *trial = self.on(trial, self.off)?;
+            *trial = self.on(trial, self.null_value)?;
         }
         problem.parameters.push(Parameter {
-            start: Some(if scope == Scope::PerRelease { self.off } else { estimate.clamp(low, high) }),
+            start: Some(if scope == Scope::PerRelease { self.null_value } else { estimate.clamp(low, high) }),
             bounds: Some((low, high)),
             prior: self.belief(),
             scale: Some(Scale::Linear),
@@ -221,7 +226,7 @@ fn believed(parameter: &EffectParameter, rod: &Rod<f64>) -> (f64, f64) {
 /// What switches an effect off, with the value that does: the first such parameter, or each of those that are
 /// parts of it, beside which the others are fitted. A part that grows with the pressure shows itself at several.
 fn strengths(about: &About, is_pressure_varied: bool) -> Vec<(&'static EffectParameter, f64)> {
-    let switches = about.parameters.iter().filter_map(|parameter| Some((parameter, parameter.off?)));
+    let switches = about.parameters.iter().filter_map(|parameter| Some((parameter, parameter.null_value?)));
     let is_shown = |part: &EffectParameter| is_pressure_varied || !part.unit.contains("Pa");
     let is_believed =
         |(part, _): &(&EffectParameter, f64)| part.is_part && part.plausible.is_some() && is_shown(part);
@@ -265,7 +270,7 @@ pub(super) fn candidates(problem: &Problem, settings: &Settings) -> Vec<Candidat
             settings.ranges.iter().find(|(stated, _)| *stated == path).map(|(_, range)| (own.name, *range))
         };
         let stated: Vec<(&'static str, (f64, f64))> = about.parameters.iter().filter_map(stated).collect();
-        for (strength, off) in strengths.clone() {
+        for (strength, null_value) in strengths.clone() {
             let parts = strengths.iter().copied().filter(|(part, _)| part.name != strength.name);
             let with_parts = |tried: &Vec<_>| tried.iter().copied().chain(parts.clone()).collect();
             let tried = tried.iter().map(with_parts);
@@ -277,7 +282,7 @@ pub(super) fn candidates(problem: &Problem, settings: &Settings) -> Vec<Candidat
             all.extend(tried.map(|tried| Candidate {
                 effect,
                 strength,
-                off,
+                null_value,
                 tried,
                 scope,
                 rod,

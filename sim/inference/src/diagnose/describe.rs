@@ -100,7 +100,7 @@ fn others(terms: &[&str], problem: &Problem) -> Vec<Candidate> {
     let of = |strength: &'static Parameter| {
         let rest = all().filter(is_new).filter(|term| term.name != strength.name);
         let tried = rest.map(|term| (term, 0.0)).collect();
-        Candidate { effect, strength, off: 0.0, tried, scope: Scope::Shared, rod, stated: Vec::new() }
+        Candidate { effect, strength, null_value: 0.0, tried, scope: Scope::Shared, rod, stated: Vec::new() }
     };
     all().filter(is_new).map(of).collect()
 }

@@ -128,7 +128,7 @@ fn first_step(candidate: &Candidate) -> f64 {
 /// How far the strength may go from off, with its sign.
 fn room(candidate: &Candidate) -> f64 {
     let (low, high) = candidate.believed();
-    if high > candidate.off { high - candidate.off } else { low - candidate.off }
+    if high > candidate.null_value { high - candidate.null_value } else { low - candidate.null_value }
 }
 
 /// Derivatives of what is seen of a release by the strength, in units of the noise, and the step that they were
@@ -141,7 +141,7 @@ fn movement(
     mut step: f64,
 ) -> Option<(Vec<Vec<[f64; 2]>>, f64)> {
     let member = fit.objective.part.members[r];
-    let on = |step: f64| candidate.on(member, candidate.off + step).ok();
+    let on = |step: f64| candidate.on(member, candidate.null_value + step).ok();
     let mut aside = run(fit, &on(step)?, r, None)?;
     // A memory that turns round within a step halves it: what it is compared with takes the same steps.
     let is_halved = aside.steps.len() != off.steps.len();

@@ -113,7 +113,7 @@ pub fn plan(
             .map(|other| (other, unit_distance(&gram, &trace.columns, &other.columns)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let (low, high) = trace.candidate.believed();
-        let off = trace.candidate.off;
+        let null_value = trace.candidate.null_value;
         Prospect {
             effect: trace.candidate.name().to_owned(),
             parameter: trace.candidate.strength.name.to_owned(),
@@ -122,7 +122,11 @@ pub fn plan(
             detectable_from: APART / size,
             separable_from: APART / nearest.as_ref().map_or(size, |(_, apart)| *apart),
             nearest: nearest.map(|(other, _)| other.candidate.name().to_owned()),
-            largest_plausible: trace.candidate.strength.plausible.map(|_| (high - off).max(off - low)),
+            largest_plausible: trace
+                .candidate
+                .strength
+                .plausible
+                .map(|_| (high - null_value).max(null_value - low)),
         }
     };
     let mut prospects: Vec<Prospect> = traces.iter().map(prospect).collect();

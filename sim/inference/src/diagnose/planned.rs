@@ -160,7 +160,7 @@ impl Pair<'_> {
         let columns = columns(&fit, &off, &self.of, &|_| ());
         let of = |c: usize| (0..columns.len()).filter(|k| columns[*k].of == c).collect::<Vec<_>>();
         let (first, second) = (of(0), of(1));
-        let strengths = vec![self.strength - self.of[0].off; first.len()];
+        let strengths = vec![self.strength - self.of[0].null_value; first.len()];
         let distance = distance(&gram(&fit, &columns), &first, &second, &strengths);
         Some(distance * (f64::from(times) / self.variance_inflation).sqrt())
     }
@@ -215,7 +215,7 @@ impl Course<'_> {
         }
         let (nearest, other) = &best.members[0];
         let of = [best.candidate.clone(), other.clone()];
-        let strength = best.refit.values.first().map_or(best.candidate.off, |value| value.value);
+        let strength = best.refit.values.first().map_or(best.candidate.null_value, |value| value.value);
         self.listener.doing("recordings that separate the candidates");
         let (problem, variance_inflation, now) = (&self.problem, best.variance_inflation, nearest.distance);
         self.diagnosis.separating_experiment =

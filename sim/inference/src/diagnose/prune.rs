@@ -33,7 +33,7 @@ pub(super) fn pruned(
 ) -> Result<Option<Lean>, CalibrateError> {
     for left_out in 0..added.len().saturating_sub(1) {
         let others = || (0..added.len()).filter(|k| *k != left_out).map(|k| &added[k].candidate);
-        let with = |problem: Problem, other: &Candidate| other.added_to(&problem, other.off);
+        let with = |problem: Problem, other: &Candidate| other.added_to(&problem, other.null_value);
         let Ok(lean) = others().try_fold(problem.clone(), with) else { continue };
         let Some(fit) = Joint::follow(&lean, known, &|_| ())? else { continue };
         let loss = 2.0 * (fit.cost() - cost) / added[left_out].variance_inflation;

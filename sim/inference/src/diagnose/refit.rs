@@ -77,7 +77,7 @@ pub(super) fn rough(
     let has_own_steps = candidate.effect.about().memory > 0;
     let (known, view, most_steps) = (without.known(), &without.found.view, most_steps(without));
     let mut best: Option<Rough> = None;
-    for strength in [estimate, candidate.off] {
+    for strength in [estimate, candidate.null_value] {
         if best.as_ref().is_some_and(|best| best.cost <= without.cost()) {
             break;
         }

@@ -28,7 +28,7 @@ use crate::normal::normal;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Subject {
     /// Where its strength vanishes.
-    pub off: f64,
+    pub null_value: f64,
     /// The admissible side of that, 1 or -1; 0 for both.
     pub side: f64,
     /// Share of a column's square that must be left when the fit has had its way: below that it is made of
@@ -79,7 +79,7 @@ impl Subject {
 
     /// Whether a strength is on its side.
     fn admits(&self, columns: usize, estimate: f64) -> bool {
-        columns > 1 || self.side == 0.0 || self.side * (estimate - self.off) > 0.0
+        columns > 1 || self.side == 0.0 || self.side * (estimate - self.null_value) > 0.0
     }
 }
 
@@ -280,7 +280,7 @@ fn score(
     let mean = |of: fn(f64) -> f64| estimates.iter().map(|x| of(*x)).sum::<f64>() / estimates.len() as f64;
     let estimate = match subject.believed {
         Some(_) if columns.len() > 1 => mean(|x| x * x).sqrt(),
-        _ => subject.off + mean(|x| x),
+        _ => subject.null_value + mean(|x| x),
     };
     let is_admissible = subject.admits(columns.len(), estimate);
     Score {
@@ -329,7 +329,7 @@ fn threshold(
         let score_vector = &root * DVector::from_fn(variance.nrows(), |_, _| normal(random));
         let of = |(c, score): (usize, &Score)| {
             let own = DVector::from_fn(score.columns.len(), |a, _| score_vector[score.columns[a]]);
-            let estimate = subjects[c].off + own.iter().next().copied().unwrap_or(0.0);
+            let estimate = subjects[c].null_value + own.iter().next().copied().unwrap_or(0.0);
             if !subjects[c].admits(own.len(), estimate) {
                 return 0.0;
             }

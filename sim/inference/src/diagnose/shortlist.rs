@@ -238,7 +238,8 @@ pub(super) fn choose(
         };
         let behind = worth(refit) - least;
         entry.realised = Some(2.0 * (null - refit.cost) / variance_inflation);
-        let vanishes = |strength: f64| strength == entry.candidate.off && !entry.candidate.is_widened();
+        let vanishes =
+            |strength: f64| strength == entry.candidate.null_value && !entry.candidate.is_widened();
         if entry.strength().is_none_or(vanishes) {
             entry.reject("its strength is zero in the full fit");
         } else if behind.min(fair(refit) - fairest) >= LEAD && distance >= ONE {
@@ -329,7 +330,7 @@ fn least_inflation(shortlist: &[Entry], linear: f64) -> Result<f64, CalibrateErr
 fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
     let strengths = match first.strength() {
         Some(strength) if first.score.columns.len() == 1 && !first.candidate.is_widened() => {
-            vec![strength - first.candidate.off]
+            vec![strength - first.candidate.null_value]
         }
         _ => first.score.estimates.clone(),
     };

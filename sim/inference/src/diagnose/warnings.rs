@@ -100,7 +100,8 @@ const STANDING: [&str; 5] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", T
 fn had(problem: &Problem) -> Vec<&'static str> {
     let all = problem.trials.first().map(|trial| trial.model.catalogue.clone()).unwrap_or_default();
     let causes = all.iter().map(|effect| effect.about()).filter(|about| about.kind != Kind::Description);
-    let could = causes.filter(|about| about.parameters.iter().any(|parameter| parameter.off.is_some()));
+    let could =
+        causes.filter(|about| about.parameters.iter().any(|parameter| parameter.null_value.is_some()));
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     could.map(|about| about.name).filter(|name| !STANDING.contains(name) && has(name)).collect()
 }

@@ -21,7 +21,7 @@ use super::cases;
 
 /// A value between off and the farthest that one would believe.
 fn value(parameter: &Parameter, share: f64) -> f64 {
-    let Some(off) = parameter.off else { return parameter.default };
+    let Some(off) = parameter.null_value else { return parameter.default };
     let (low, high) = parameter.plausible.unwrap_or((-parameter.scale, parameter.scale));
     let (low, high) = (low.max(parameter.range.0), high.min(parameter.range.1));
     let far = if high - off >= off - low { high } else { low };
@@ -33,7 +33,7 @@ fn movers() -> Vec<&'static About> {
     let all = CATALOGUE.iter().map(|effect| effect.about());
     all.filter(|about| {
         !matches!(about.kind, Kind::Description | Kind::Measurement)
-            && about.parameters.iter().any(|parameter| parameter.off.is_some())
+            && about.parameters.iter().any(|parameter| parameter.null_value.is_some())
     })
     .collect()
 }

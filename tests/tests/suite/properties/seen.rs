@@ -19,7 +19,7 @@ fn sensors() -> impl Iterator<Item = Model> {
     of_sensor.map(|effect| {
         let mut spec = paper_spec(15.0, 12, &[("rayleigh_mass.alpha", 1.0)]);
         let values = effect.about().parameters.iter().map(|p| {
-            let on = if Some(p.default) == p.off { 0.5 * p.scale } else { p.default };
+            let on = if Some(p.default) == p.null_value { 0.5 * p.scale } else { p.default };
             (p.name.to_owned(), on)
         });
         spec.effects.push((effect.about().name.to_owned(), values.collect()));

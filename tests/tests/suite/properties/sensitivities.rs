@@ -20,7 +20,8 @@ fn everything() -> Model {
     for effect in CATALOGUE {
         let about = effect.about();
         let values = about.parameters.iter().filter(|_| about.name != "end_fitting").map(|p| {
-            let value = if Some(p.default) == p.off || p.default == 0.0 { 0.1 * p.scale } else { p.default };
+            let value =
+                if Some(p.default) == p.null_value || p.default == 0.0 { 0.1 * p.scale } else { p.default };
             (p.name.to_owned(), value)
         });
         spec.effects.push((about.name.to_owned(), values.collect()));
