@@ -16,8 +16,9 @@ use super::prediction::{Fidelity, Slopes};
 use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
 
-/// Predicted decrease, for residuals of unit spread, at which the search stops.
-const TOLERANCE: f64 = 2e-2;
+/// Predicted decrease, for residuals of unit spread, at which the search stops: half the square of a fiftieth of a standard
+/// error.
+const TOLERANCE: f64 = 2e-4;
 /// Rounds in which the threshold of the loss follows the residuals.
 const MOST_ROUNDS: usize = 4;
 /// The same as a share of the cost, where mesh and step were removed at another place.
