@@ -19,6 +19,7 @@
 //! Silent:   After the release, but for the posture in which it leaves the rod.
 //! Source:   The static equilibrium of a cantilever under a dead load at its end.
 
+use super::tip_load::component;
 use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad};
 
 /// A hand that holds the end.
@@ -36,19 +37,6 @@ pub const PULL: [&str; 5] = [
     "effects.tip_hold.rate_z",
     "effects.tip_hold.moment",
 ];
-
-const fn component(name: &'static str, meaning: &'static str, unit: &'static str, scale: f64) -> Parameter {
-    Parameter {
-        name,
-        meaning,
-        unit,
-        default: 0.0,
-        range: (-1e6, 1e6),
-        scale,
-        null_value: None,
-        ..Parameter::PLAIN
-    }
-}
 
 impl Law for TipHold {
     const ABOUT: About = About {

@@ -15,17 +15,14 @@ use super::{About, Kind, Law, Parameter, Place, Reach, Real, Tip, TipLoad};
 /// A dead load at the tip.
 pub struct TipForce;
 
-const fn component(name: &'static str, meaning: &'static str, unit: &'static str, scale: f64) -> Parameter {
-    Parameter {
-        name,
-        meaning,
-        unit,
-        default: 0.0,
-        range: (-1e6, 1e6),
-        scale,
-        null_value: None,
-        ..Parameter::PLAIN
-    }
+/// A component of a load, of either sign.
+pub(super) const fn component(
+    name: &'static str,
+    meaning: &'static str,
+    unit: &'static str,
+    scale: f64,
+) -> Parameter {
+    Parameter { name, meaning, unit, default: 0.0, range: (-1e6, 1e6), scale, ..Parameter::PLAIN }
 }
 
 impl Law for TipForce {

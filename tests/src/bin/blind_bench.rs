@@ -304,7 +304,8 @@ fn details(answer: &Answer) {
     let diagnosis = &answer.diagnosis;
     println!("      {}", diagnosis.summary);
     if let Some(repeats) = &diagnosis.repeats {
-        println!("      repeats to {:.3} mm, {repeats:?}", repeats.distance_mm);
+        let (distance, share) = (repeats.distance_mm, repeats.frequency_share);
+        println!("      repeats to {distance:.3} mm, frequencies to {share:.1e}, by {} pairs", repeats.pairs);
     }
     for Gap { release, held_out, before_mm, after_mm, before, after, .. } in &diagnosis.gap {
         let of = if *held_out { "held out" } else { "fitted" };

@@ -100,10 +100,10 @@ fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
     assert!((value("mass") / MASS - 1.0).abs() < 0.15, "{}", found.summary);
 }
 
-/// A rod whose EI is stated a quarter too large, as exactly as if it had been measured, and nothing is missing: an effect
-/// that does as well does not take the blame alone, and the statement heads the answer.
+/// A rod whose EI is stated a quarter too large, as exactly as if it had been measured, and nothing is missing: no effect
+/// takes the blame.
 #[test]
-fn a_wrong_statement_is_named_before_an_effect() {
+fn a_wrong_statement_is_named_instead_of_an_effect() {
     let plan = Plan { pressures: vec![40.0], angles: vec![0.0], duration: 3.0, ..Plan::usual(&[]) };
     let drawn = plan.draw(913);
     let mut problem = all_fitted(&drawn);
@@ -112,12 +112,11 @@ fn a_wrong_statement_is_named_before_an_effect() {
     own.expect("it is fitted").prior = Some(Prior { mean: 1.25 * truth, deviation: 0.01 * truth });
     let found = diagnose(&problem, &only(&["tip_mass"]), &|_: &str| ()).expect("it can be diagnosed");
     let found = found.diagnosis;
-    assert_eq!(found.verdict, Verdict::Class, "{}", found.summary);
+    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
     let first = found.contradictions.first().expect("EI is not as stated");
     assert_eq!(first.parameter, "rod.bending_stiffness", "{}", found.summary);
     assert!((first.value / truth - 1.0).abs() < 0.02, "{} of {truth}", first.value);
-    let head = "A stated value may be wrong: rod.bending_stiffness";
-    assert!(found.summary.starts_with(head), "{}", found.summary);
+    assert!(found.summary.contains("or a stated value is wrong: rod.bending_stiffness"), "{}", found.summary);
 }
 
 /// A clamp that stands a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a

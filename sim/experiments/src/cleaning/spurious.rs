@@ -76,22 +76,23 @@ fn is_far(errors: &[Option<f64>], bends: &[Option<f64>], i: usize, sigma: f64) -
     error > noise.max(MOST_LOCAL * nearby(errors, 0.75)) + MOST_BEND * nearby(bends, 0.9)
 }
 
-/// Of the samples beside some, once these are gone, whether they are far; none where nobody can tell.
+/// Of the samples from one to another and of those beside them, once some are gone, whether they are far; none where
+/// nobody can tell.
 fn beside(
     time: &[f64],
     path: &[Option<[f64; 3]>],
     step: f64,
+    (from, to): (usize, usize),
     gone: &[usize],
     sigma: f64,
 ) -> Vec<(usize, Option<bool>)> {
-    let (first, last) = gone.iter().fold((path.len(), 0), |(first, last), i| (first.min(*i), last.max(*i)));
-    let low = first.saturating_sub(2 * NEARBY);
-    let high = (last + 2 * NEARBY + 1).min(path.len());
+    let low = from.saturating_sub(2 * NEARBY);
+    let high = (to + 2 * NEARBY + 1).min(path.len());
     let mut left = path[low..high].to_vec();
     gone.iter().for_each(|i| left[i - low] = None);
     let errors = prediction_errors(&time[low..high], &left, step);
     let bends = bends(&time[low..high], &left, step);
-    let all = (first - low).saturating_sub(SPOILT)..(last - low + SPOILT + 1).min(high - low);
+    let all = (from - low).saturating_sub(SPOILT)..(to - low + SPOILT + 1).min(high - low);
     let told = |k: usize| (k + low, errors[k].map(|_| is_far(&errors, &bends, k, sigma)));
     all.filter(|k| left[*k].is_some()).map(told).collect()
 }
@@ -99,15 +100,16 @@ fn beside(
 /// Whether the samples beside one agree once it is gone. At the edge of a burst they do not, and nobody
 /// can tell from a few samples which side is the marker.
 fn stands_alone(time: &[f64], path: &[Option<[f64; 3]>], step: f64, i: usize, sigma: f64) -> bool {
-    beside(time, path, step, &[i], sigma).iter().all(|(_, is_far)| *is_far != Some(true))
+    beside(time, path, step, (i, i), &[i], sigma).iter().all(|(_, is_far)| *is_far != Some(true))
 }
 
 /// Whether each of two is far from where its neighbours put it without the other, and all beside them agree without
 /// both.
 fn are_both_far(time: &[f64], path: &[Option<[f64; 3]>], step: f64, [i, j]: [usize; 2], sigma: f64) -> bool {
-    beside(time, path, step, &[j], sigma).contains(&(i, Some(true)))
-        && beside(time, path, step, &[i], sigma).contains(&(j, Some(true)))
-        && beside(time, path, step, &[i, j], sigma).iter().all(|(_, is_far)| *is_far == Some(false))
+    let without = |gone: &[usize]| beside(time, path, step, (i.min(j), i.max(j)), gone, sigma);
+    without(&[j]).contains(&(i, Some(true)))
+        && without(&[i]).contains(&(j, Some(true)))
+        && without(&[i, j]).iter().all(|(_, is_far)| *is_far == Some(false))
 }
 
 fn is_top(errors: &[Option<f64>], i: usize) -> bool {
@@ -195,6 +197,8 @@ mod tests {
                 (399, 0.17),
                 (430, 0.12),
                 (431, -0.07),
+                (461, 0.1),
+                (465, 0.1),
                 (511, 0.15),
             ];
             for (i, off) in ghosts {

@@ -47,8 +47,9 @@ use discrepancy::MOST_WEIGHINGS;
 use numerics::Correction;
 use objective::Objective;
 use part::{Part, parts};
+use pure_error::differences;
 use refine::{refine, shift};
-use repeats::{Repeats, Source};
+use repeats::{Repeats, conditions};
 use search::{Found, go_on, search};
 use uncertainty::{Uncertainty, uncertainty};
 use unknowns::Unknowns;
@@ -122,11 +123,10 @@ pub fn calibrate(
     if problem.parameters.is_empty() {
         return Err(CalibrateError::NoParameters);
     }
-    let repeats = Repeats::of(problem, settings.repeatability).filter(Repeats::is_known);
     // What releases of one condition differ by is in the residuals of their fit, but for what angles and instants of
     // their own explain.
-    let stated = repeats.as_ref().filter(|repeats| repeats.source == Source::Stated);
-    let heard = stated.map(|repeats| repeats.heard_in(problem));
+    let stated = settings.repeatability.map(|distance| Repeats::stated(problem, distance));
+    let heard = stated.as_ref().map(|repeats| repeats.heard_in(problem));
     let problem = heard.as_ref().unwrap_or(problem);
     let unknowns = Unknowns::of(problem)?;
     let parts = parts(problem, &unknowns);
@@ -137,7 +137,9 @@ pub fn calibrate(
         .into_iter()
         .collect::<Result<_, _>>()?;
     let mut outcome = outcome::outcome(problem, &unknowns, &fitted);
-    outcome.calibration.repeats = repeats;
+    let fits: Vec<_> = fitted.iter().map(|fit| (&fit.objective, &fit.found)).collect();
+    let measured = || Repeats::measured(problem, &differences(&fits, &conditions(problem)));
+    outcome.calibration.repeats = stated.or_else(measured);
     Ok(outcome)
 }
 

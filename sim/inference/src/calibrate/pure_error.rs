@@ -29,45 +29,62 @@ pub(super) struct Difference {
 struct Left {
     /// What is its own, scaled.
     own: Vec<f64>,
-    /// The place of its bending stiffness among that.
-    stiffness: usize,
-    /// How that is scaled.
-    scaled: Scaled,
+    /// The place of its bending stiffness among that, and how that is scaled; none where it was not fitted.
+    stiffness: Option<(usize, Scaled)>,
     /// Times after the release, s, and residuals of its tip, m.
     path: Vec<(f64, [f64; 2])>,
     /// Derivatives of each prediction by what is its own, m.
     slopes: Vec<Vec<[f64; 2]>>,
 }
 
-/// Every two of some releases of a problem, given by their places; nothing where they cannot be fitted.
-pub(super) fn differences(problem: &Problem, places: &[usize]) -> Vec<Difference> {
-    let left = left(problem, places).unwrap_or_default();
-    let pairs = left.iter().enumerate().flat_map(|(k, a)| left[k + 1..].iter().map(move |b| (a, b)));
-    pairs.filter_map(|(a, b)| difference(a, b)).collect()
+/// Every two releases of each condition, given by their places, as fits have them; nothing of what was not fitted.
+pub(super) fn differences(fits: &[(&Objective, &Found)], conditions: &[Vec<usize>]) -> Vec<Difference> {
+    let left = |place: &usize| {
+        fits.iter().find_map(|(objective, found)| {
+            let r = objective.part.trials.iter().position(|own| own == place)?;
+            Some(of_release(objective, found, r))
+        })
+    };
+    let of_condition = |places: &Vec<usize>| -> Vec<Difference> {
+        let left: Vec<Left> = places.iter().filter_map(left).collect();
+        let pairs = left.iter().enumerate().flat_map(|(k, a)| left[k + 1..].iter().map(move |b| (a, b)));
+        pairs.filter_map(|(a, b)| difference(a, b)).collect()
+    };
+    conditions.iter().flat_map(of_condition).collect()
 }
 
-fn left(problem: &Problem, places: &[usize]) -> Option<Vec<Left>> {
-    let mut own =
-        Problem { trials: places.iter().map(|k| problem.trials[*k].clone()).collect(), ..problem.clone() };
-    own.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
+/// The same by a fit of these releases alone, held out or not; nothing where they cannot be fitted.
+pub(super) fn fitted_apart(problem: &Problem, conditions: &[Vec<usize>]) -> Vec<Difference> {
+    let mut own = problem.clone();
+    for (place, trial) in own.trials.iter_mut().enumerate() {
+        trial.release.held_out = !conditions.iter().flatten().any(|own| *own == place);
+    }
     let is_stiffness = |parameter: &&mut Parameter| parameter.path == STIFFNESS;
     match own.parameters.iter_mut().find(is_stiffness) {
         Some(parameter) => parameter.scope = Scope::PerRelease,
         None => own.parameters.push(Parameter::new(STIFFNESS, Scope::PerRelease)),
     }
-    let objective = Objective::new(whole(&own, Unknowns::of(&own).ok()?)).ok()?;
-    let found = search(&objective, &objective.start(), &|_, _| ())?;
-    (0..places.len()).map(|r| of_release(&objective, &found, r)).collect()
+    let unknowns = if conditions.is_empty() { None } else { Unknowns::of(&own).ok() };
+    let objective = unknowns.and_then(|unknowns| Objective::new(whole(&own, unknowns)).ok());
+    let found = objective.and_then(|objective| {
+        let found = search(&objective, &objective.start(), &|_, _| ())?;
+        Some(differences(&[(&objective, &found)], conditions))
+    });
+    found.unwrap_or_default()
 }
 
 const STIFFNESS: &str = "rod.bending_stiffness";
 
-fn of_release(objective: &Objective, found: &Found, r: usize) -> Option<Left> {
+fn of_release(objective: &Objective, found: &Found, r: usize) -> Left {
     let unknown = |local: &usize| objective.places(r, 0)[*local];
-    let is_own = |local: &usize| objective.part.unknowns[unknown(local)].group == Group::Release(r);
+    let trial = objective.part.trials[r];
+    let is_own = |local: &usize| {
+        let unknown = &objective.part.unknowns[unknown(local)];
+        unknown.group == Group::Release(trial) || unknown.name == STIFFNESS
+    };
     let locals: Vec<usize> = (0..objective.part.locals[r].len()).filter(is_own).collect();
     let unknowns: Vec<_> = locals.iter().map(|local| &objective.part.unknowns[unknown(local)]).collect();
-    let stiffness = unknowns.iter().position(|own| own.name == STIFFNESS)?;
+    let stiffness = unknowns.iter().position(|own| own.name == STIFFNESS);
     let own: Vec<f64> = locals.iter().map(|local| found.x[unknown(local)]).collect();
     let instant = unknowns.iter().zip(&own).find(|(unknown, _)| unknown.kind == Kind::Instant);
     let instant = instant.map_or(0.0, |(unknown, x)| unknown.scaled.value(*x));
@@ -82,7 +99,7 @@ fn of_release(objective: &Objective, found: &Found, r: usize) -> Option<Left> {
         path.push((time, series.residual[k].map(|own| own * noise)));
         slopes.push(locals.iter().map(|local| series.slopes[k][*local].map(|own| own * noise)).collect());
     }
-    Some(Left { own, stiffness, scaled: unknowns[stiffness].scaled, path, slopes })
+    Left { own, stiffness: stiffness.map(|k| (k, unknowns[k].scaled)), path, slopes }
 }
 
 fn difference(a: &Left, b: &Left) -> Option<Difference> {
@@ -112,9 +129,9 @@ fn difference(a: &Left, b: &Left) -> Option<Difference> {
     let off = DVector::from_fn(2 * kept.len(), |row, _| kept[row / 2].1[row % 2]);
     let more = slopes.clone().svd(true, true).solve(&off, f64::EPSILON).ok()?;
     let square = (off - slopes * &more).norm_squared() / kept.len() as f64;
-    let value = |x: f64| a.scaled.value(x);
-    let stiffness = value(a.own[a.stiffness] + more[a.stiffness]) / value(b.own[b.stiffness]);
-    (stiffness > 0.0).then(|| Difference { square, stiffness: stiffness.ln() })
+    let ratio =
+        a.stiffness.map_or(1.0, |(k, scaled)| scaled.value(a.own[k] + more[k]) / scaled.value(b.own[k]));
+    (ratio > 0.0).then(|| Difference { square, stiffness: ratio.ln() })
 }
 
 /// A path between its samples, by the cubic through the nearest four, and the variance of its noise over that of a
@@ -196,7 +213,7 @@ pub mod tests {
             parameters: parameters.map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
             nuisances: Nuisances::default(),
         };
-        differences(&problem, &[0, 1]).pop().unwrap()
+        fitted_apart(&problem, &[vec![0, 1]]).pop().unwrap()
     }
 
     /// Noise of two recordings, of two coordinates.

@@ -1,22 +1,20 @@
 //! How well an experiment repeats: below that no model can be told right from wrong.
 //!
 //! Two releases of one condition differ by the noise of the camera and by what no model of either predicts: the hand,
-//! the clamp, what the material remembers. Their root mean square distance over √2, aligned in time, frequency, size and
-//! place, is what one of them deviates from a right model: pure error beside lack of fit. Frequencies that differ are a
-//! bending stiffness of each release, which has a law (`release_drift`): what a law describes need not be taken for error.
-//! Source: Draper and Smith (1998), Applied Regression Analysis, third edition, section 2.1.
+//! the clamp, what the material remembers. Their root mean square distance over √2, beside the stiffness, start, instant
+//! and place of each (`pure_error.rs`), is what one of them deviates from a right model. Stiffnesses that differ have a
+//! law (`release_drift`): what a law describes need not be taken for error.
 
 use efam_experiments::release::Release;
 use models::digits::significant;
 use models::effects::tip_hold::PULL;
-use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::ghosts::known;
 use super::hold;
 use super::problem::{Problem, Scope, Trial, is_same};
-use super::pure_error::{Difference, differences};
+use super::pure_error::{Difference, fitted_apart};
 
 /// How well an experiment repeats.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -57,38 +55,43 @@ impl Repeats {
     /// Of the releases of a problem, unless it is stated, m; none where neither releases of one condition nor the motion
     /// of a single one tell.
     pub(crate) fn of(problem: &Problem, stated: Option<f64>) -> Option<Self> {
-        let trials = &problem.trials;
-        let tracks = trials.iter().map(|trial| &trial.release.tracks[trial.release.leading_track()]);
-        let noise = (2.0 * tracks.map(|tip| tip.noise * tip.noise).sum::<f64>() / trials.len() as f64).sqrt();
-        let of = |distance: f64, source: Source, pairs: usize, frequency_share: f64| {
-            let (distance_mm, noise_mm) = (1e3 * distance, 1e3 * noise.min(distance));
-            Some(Self { distance_mm, noise_mm, source, pairs, frequency_share })
-        };
         if let Some(stated) = stated {
-            return of(stated, Source::Stated, 0, 0.0);
+            return Some(Self::stated(problem, stated));
         }
-        let conditions: Vec<Vec<usize>> = conditions(trials).collect();
-        let differences: Vec<Difference> =
-            conditions.par_iter().flat_map(|places| differences(problem, places)).collect();
-        if !differences.is_empty() {
-            let pairs = differences.len();
-            // Each of two has half the variance of their difference.
-            let deviation = |square: fn(&Difference) -> f64| {
-                (differences.iter().map(square).sum::<f64>() / (2 * pairs) as f64).sqrt()
-            };
-            let distance = deviation(|own| own.square);
-            // Two recordings of one path differ by their noise, which has a spread of its own, and have one frequency.
-            let samples = trials.iter().map(|trial| known(&trial.release).len()).sum::<usize>() as f64;
-            let is_noise = distance < noise * (1.0 + NORMAL / (2.0 * samples).sqrt());
-            return match is_noise {
-                true => of(noise, Source::Measured, pairs, 0.0),
-                false => {
-                    of(distance, Source::Measured, pairs, deviation(|own| (0.5 * own.stiffness).powi(2)))
-                }
-            };
+        let measured = || Self::measured(problem, &fitted_apart(problem, &conditions(problem)));
+        measured().or_else(|| {
+            let [only] = &problem.trials[..] else { return None };
+            Some(Self::new(problem, ASSUMED * motion(&only.release), Source::Assumed))
+        })
+    }
+
+    /// As it is stated, m.
+    pub(super) fn stated(problem: &Problem, distance: f64) -> Self {
+        Self::new(problem, distance, Source::Stated)
+    }
+
+    /// By what releases of one condition differ by; none without any.
+    pub(super) fn measured(problem: &Problem, differences: &[Difference]) -> Option<Self> {
+        if differences.is_empty() {
+            return None;
         }
-        let [only] = &trials[..] else { return None };
-        of(ASSUMED * motion(&only.release), Source::Assumed, 0, 0.0)
+        let pairs = differences.len();
+        // Each of two has half the variance of their difference.
+        let deviation = |square: fn(&Difference) -> f64| {
+            (differences.iter().map(square).sum::<f64>() / (2 * pairs) as f64).sqrt()
+        };
+        let (distance, noise) = (deviation(|own| own.square), noise(problem));
+        // Two recordings of one path differ by their noise, which has a spread of its own, and have one frequency.
+        let samples = problem.trials.iter().map(|trial| known(&trial.release).len()).sum::<usize>() as f64;
+        let is_noise = distance < noise * (1.0 + NORMAL / (2.0 * samples).sqrt());
+        let frequency_share = if is_noise { 0.0 } else { deviation(|own| (0.5 * own.stiffness).powi(2)) };
+        let distance = if is_noise { noise } else { distance };
+        Some(Self { pairs, frequency_share, ..Self::new(problem, distance, Source::Measured) })
+    }
+
+    fn new(problem: &Problem, distance: f64, source: Source) -> Self {
+        let (distance_mm, noise_mm) = (1e3 * distance, 1e3 * noise(problem).min(distance));
+        Self { distance_mm, noise_mm, source, pairs: 0, frequency_share: 0.0 }
     }
 
     /// Distance of a right model from so many releases that is exceeded once in twenty times, mm: the F test of lack of
@@ -163,8 +166,15 @@ fn quantile_of_f(over: f64, under: f64) -> f64 {
     ((half + (half * half - square * rest).sqrt()) / square).powi(3)
 }
 
+/// Root mean square distance of a tip from its path by the cameras' noise, m.
+fn noise(problem: &Problem) -> f64 {
+    let tracks = problem.trials.iter().map(|trial| &trial.release.tracks[trial.release.leading_track()]);
+    (2.0 * tracks.map(|tip| tip.noise * tip.noise).sum::<f64>() / problem.trials.len() as f64).sqrt()
+}
+
 /// Places of releases of one condition, of each condition that was repeated.
-fn conditions(trials: &[Trial]) -> impl Iterator<Item = Vec<usize>> {
+pub(super) fn conditions(problem: &Problem) -> Vec<Vec<usize>> {
+    let trials = &problem.trials;
     let mut conditions: Vec<Vec<usize>> = Vec::new();
     for (k, trial) in trials.iter().enumerate() {
         match conditions.iter_mut().find(|own| is_one_condition(&trials[own[0]], trial)) {
@@ -172,7 +182,8 @@ fn conditions(trials: &[Trial]) -> impl Iterator<Item = Vec<usize>> {
             None => conditions.push(vec![k]),
         }
     }
-    conditions.into_iter().filter(|own| own.len() > 1)
+    conditions.retain(|own| own.len() > 1);
+    conditions
 }
 
 /// Whether two releases are of one rod, pressure, payload and posture: whether their models differ in nothing but how

@@ -6,7 +6,8 @@ use super::candidate::Candidate;
 use super::describe::describe;
 use super::refit::errors;
 use super::share::Shares;
-use super::validation::{HeldOut, agreement, set, turn_clamps};
+use super::stop::ending_by;
+use super::validation::{HeldOut, set, turn_clamps};
 use super::verdict::{Added, Verdict};
 use super::warnings::{contradictions, warnings};
 use super::{Course, Outcome, first_swings, misfit, summary_text};
@@ -77,21 +78,22 @@ impl Course<'_> {
         if self.added.is_empty() || self.is_stopped() || self.is_within_noise() {
             return Ok(());
         }
+        let stop = self.listener.stop();
         for _ in 0..MOST_WEIGHINGS {
             let fit = self.model.fit()?;
             let Some(problem) = heard(&self.model.problem, &fit) else { break };
             let known = fit.known();
             drop(fit);
-            let Some(fit) = Joint::follow(&problem, &known, &|_| ())? else { break };
+            let stopped = ending_by(&problem, &stop);
+            let Some(fit) = Joint::follow(&stopped, &known, &|_| ())? else { break };
             let found = fit.found;
             self.model = Fitted::new(problem, found);
         }
-        let fit = self.model.fit()?;
-        let effects = self.added.iter().map(|best| Added::of(&fit, &best.candidate)).collect();
-        let after = agreement(&fit);
-        drop(fit);
-        (self.diagnosis.effects, self.after) = (effects, after);
-        Ok(())
+        let known = self.model.fit()?.known();
+        if let Some(last) = self.added.last_mut() {
+            last.held_out = HeldOut::meet(&self.model.problem, &known)?;
+        }
+        self.tell()
     }
 
     /// Bounds of what is badly known, from the profile of the likelihood.

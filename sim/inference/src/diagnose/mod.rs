@@ -60,8 +60,7 @@ use first_swings::FirstSwings;
 use round::{Best, Round, RoundOutcome, RoundRequest, round};
 use setup::Lift;
 use share::Step;
-use shortlist::LEAD;
-use validation::{Agreement, HeldOut, agreement, gaps, is_astray};
+use validation::{Agreement, HeldOut, agreement, gaps};
 use verdict::{Added, Evidence, Gap};
 
 /// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
@@ -140,6 +139,7 @@ pub fn diagnose(
     settings: &Settings,
     listener: &dyn Listener,
 ) -> Result<Outcome, CalibrateError> {
+    listener.doing("releases of one condition");
     let repeats = Repeats::of(problem, settings.repeatability);
     let heard =
         repeats.as_ref().filter(|repeats| repeats.is_known()).map(|repeats| repeats.heard_in(problem));
@@ -268,10 +268,9 @@ impl<'a> Course<'a> {
         }
         let misstated = self.misstated()?;
         let is_within = !self.added.is_empty() && self.is_within_repeats()?;
-        let is_wrong = misstated.as_ref().is_some_and(|(_, by)| *by >= LEAD);
-        self.diagnosis.verdict = match (is_wrong, self.diagnosis.verdict) {
+        self.diagnosis.verdict = match (misstated.is_empty(), self.diagnosis.verdict) {
             // What is stated may be wrong, and then nothing is missing.
-            (true, _) => Verdict::Unknown,
+            (false, _) => Verdict::Unknown,
             _ if is_within => Verdict::Named,
             // What was not asked may be what is missing.
             _ if is_cut_short => Verdict::Unknown,
@@ -288,11 +287,7 @@ impl<'a> Course<'a> {
                 }
             }
         };
-        if misstated.is_some() && self.diagnosis.verdict == Verdict::Named {
-            // Either may be so.
-            self.diagnosis.verdict = Verdict::Class;
-        }
-        self.diagnosis.contradictions = misstated.map_or(Vec::new(), |(own, _)| own);
+        self.diagnosis.contradictions = misstated;
         Ok(())
     }
 
@@ -308,7 +303,7 @@ impl<'a> Course<'a> {
                 self.diagnosis.cut_short(number);
                 return Ok(());
             }
-            let found = match self.first_round.take() {
+            let found = match self.first_round.take().filter(|_| number == 1) {
                 Some(found) => Ok(found),
                 None => self.round(request),
             };
@@ -367,12 +362,18 @@ impl<'a> Course<'a> {
             best.widen(self.added.remove(place));
         }
         self.added.push(*best);
-        let fit = self.model.fit()?;
-        let candidates = self.added.iter().map(|best| &best.candidate);
-        (self.diagnosis.effects, self.after) =
-            (candidates.map(|candidate| Added::of(&fit, candidate)).collect(), agreement(&fit));
-        drop(fit);
+        self.tell()?;
         self.remember();
+        Ok(())
+    }
+
+    /// Says which values the effects have in the model as it is, and how it meets what it was fitted to.
+    fn tell(&mut self) -> Result<(), CalibrateError> {
+        let fit = self.model.fit()?;
+        let effects = self.added.iter().map(|best| Added::of(&fit, &best.candidate)).collect();
+        let after = agreement(&fit);
+        drop(fit);
+        (self.diagnosis.effects, self.after) = (effects, after);
         Ok(())
     }
 
@@ -433,13 +434,6 @@ impl<'a> Course<'a> {
         let warning = |effect| format!("{effect} fits, but {INCONSTANT}: it stands in for another effect");
         self.diagnosis.warnings.extend(inconstant.iter().map(warning));
         Ok(inconstant.is_empty() && !self.is_astray()?)
-    }
-
-    /// Whether held-out releases are missed by more than the model that is right would miss.
-    fn is_astray(&self) -> Result<bool, CalibrateError> {
-        let Some(held_out) = self.held_out() else { return Ok(false) };
-        let squares = held_out.mean_squares(&self.model.fit()?, &self.model.problem)?;
-        Ok(squares.is_some_and(is_astray))
     }
 
     /// How the model with all that was added or lifted meets held-out releases.

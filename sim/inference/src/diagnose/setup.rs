@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::Course;
 use super::refit::prefix;
-use super::round::{RoundOutcome, RoundRequest};
+use super::round::{Best, RoundOutcome, RoundRequest};
 use super::section::{FARTHEST, TILT};
 use super::shortlist::{LEAD, penalty};
 use super::stop::ending_by;
@@ -71,12 +71,6 @@ pub(super) struct Lift {
 }
 
 impl Lift {
-    /// Its cost with what the unknowns take that it has free.
-    fn worth(&self, each: f64) -> f64 {
-        let free = self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name).count();
-        self.cost + 0.5 * each * free as f64
-    }
-
     /// What it says of the parameter that was believed to be otherwise.
     fn contradictions(&self) -> Vec<Contradiction> {
         let found = self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name);
@@ -120,19 +114,12 @@ impl<'a> Course<'a> {
         asked.retain(|own| is_of_setup(own));
         self.lifts = asked.into_par_iter().map(|own| self.lift(own)).collect::<Result<_, _>>()?;
         let each = penalty(&self.before.model.fit()?, 1.0);
-        let worth = |lift: &Lift| lift.worth(each);
+        let worth = |lift: &Lift| self.worth(lift.cost, &lift.known, each);
         let best = self.lifts.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)));
         // A belief at its limit that hardly costs anything is a caveat, and no answer.
         let leads = |best: &&Lift| 2.0 * (self.cost - worth(best)) >= LEAD;
         let Some(best) = best.filter(leads).cloned() else { return Ok(None) };
-        let by_statement = worth(&best);
-        // Angles of many releases describe what one effect does as well.
-        let request = RoundRequest { number: 1, is_last: self.settings.most_effects == 0, is_widened: false };
-        let round = self.round(request)?;
-        if let RoundOutcome::Effect(effect) = &round.outcome
-            && self.worth(effect.refit.cost, &effect.refit.known, each) < by_statement
-        {
-            self.first_round = Some(round);
+        if self.is_explained_by_an_effect(worth(&best), each)? {
             return Ok(None);
         }
         let problem = lifted(&self.problem, &best.own);
@@ -156,7 +143,28 @@ impl<'a> Course<'a> {
         Ok(Some(alone))
     }
 
-    /// A cost with what each unknown takes that the baseline has not.
+    /// Whether the best effect beside what is stated costs less than a wrong statement: angles of many releases describe
+    /// what one effect does as well. A baseline that misses the first swings has no scores, and is not asked.
+    fn is_explained_by_an_effect(&mut self, statement: f64, each: f64) -> Result<bool, CalibrateError> {
+        if self.before.first_swings.is_some() {
+            return Ok(false);
+        }
+        let request = RoundRequest { number: 1, is_last: self.settings.most_effects == 0, is_widened: false };
+        let round = match self.round(request) {
+            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) if self.is_stopped() => {
+                return Ok(false);
+            }
+            round => round?,
+        };
+        let worth = |effect: &Best| self.worth(effect.refit.cost, &effect.refit.known, each);
+        let is_explained =
+            matches!(&round.outcome, RoundOutcome::Effect(effect) if worth(effect) < statement);
+        // The search goes on from here.
+        self.first_round = Some(round);
+        Ok(is_explained)
+    }
+
+    /// A cost with what each unknown takes that the baseline has not, such as the clamp's angles.
     fn worth(&self, cost: f64, known: &[Estimate], each: f64) -> f64 {
         let more = known.len().saturating_sub(self.before.known.len());
         cost + 0.5 * each * more as f64
@@ -180,11 +188,10 @@ impl<'a> Course<'a> {
         Ok(Lift { own: own.clone(), cost, known })
     }
 
-    /// What alone would have to be otherwise than stated, and χ² by which that describes the recordings better than what
-    /// was added; none where it does not come near.
-    pub(super) fn misstated(&self) -> Result<Option<(Vec<Contradiction>, f64)>, CalibrateError> {
+    /// What alone would have to be otherwise than stated, if that does as well as what was added; empty where nothing does.
+    pub(super) fn misstated(&self) -> Result<Vec<Contradiction>, CalibrateError> {
         if self.added.is_empty() || self.is_stopped() {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
         let fit = self.model.fit()?;
@@ -197,10 +204,9 @@ impl<'a> Course<'a> {
             |own: &&Estimate| self.lifts.iter().all(|lift| lift.own.unknown.name != own.unknown.name);
         let new = at_limit(known).into_par_iter().filter(is_new).map(|own| self.lift(own));
         let lifts = [self.lifts.clone(), new.collect::<Result<_, _>>()?].concat();
-        let worth = |lift: &Lift| lift.worth(each);
+        let worth = |lift: &Lift| self.worth(lift.cost, &lift.known, each);
         let best = lifts.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)));
-        let by = |best: &Lift| 2.0 * (least - worth(best)) / variance_inflation;
-        Ok(best.map(|best| (best.contradictions(), by(best))).filter(|(_, by)| *by > -LEAD))
+        Ok(best.filter(|best| worth(best) < least).map_or(Vec::new(), Lift::contradictions))
     }
 }
 

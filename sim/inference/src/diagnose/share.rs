@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Course;
-use super::validation::Agreement;
+use super::validation::{Agreement, is_astray};
 use super::verdict::{Added, Evidence, Gap, Verdict};
 use crate::calibrate::CalibrateError;
 use crate::calibrate::joint::Fitted;
@@ -113,6 +113,13 @@ impl Course<'_> {
         let Some(held_out) = self.held_out() else { return Ok(true) };
         let met = held_out.met_together(&self.model.fit()?, &self.model.problem)?;
         Ok(is_within(&met.unwrap_or_else(|| held_out.agreement.clone())))
+    }
+
+    /// Whether held-out releases are missed by more than the model that is right would miss.
+    pub(super) fn is_astray(&self) -> Result<bool, CalibrateError> {
+        let Some(held_out) = self.held_out() else { return Ok(false) };
+        let squares = held_out.mean_squares(&self.model.fit()?, &self.model.problem)?;
+        Ok(squares.is_some_and(is_astray))
     }
 
     /// Whether what the model misses of what it was fitted to is noise, or no more than what two releases differ by.
