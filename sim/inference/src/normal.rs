@@ -5,6 +5,12 @@ use rand_xoshiro::rand_core::RngCore;
 /// Its 97.5 % point: so many standard deviations to each side hold 95 %.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
+/// Its 95 % point.
+pub const NORMAL_95_ONE_SIDED: f64 = 1.644_853_626_951_472_7;
+
+/// Standard deviations from which on a difference is taken for one: one in 370 is larger by chance.
+pub const CLEAR: f64 = 3.0;
+
 /// A number from 0 to below 1, of 53 bits.
 pub fn uniform(random: &mut impl RngCore) -> f64 {
     (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64

@@ -363,6 +363,12 @@ fn the_page_of_chosen_numbers_is_that_of_the_code() {
             all.extend(chosen(&name, &fs::read_to_string(file).expect("a file")));
         }
     }
+    let normal = chosen("normal.rs", &fs::read_to_string(root.join("normal.rs")).expect("a file"));
+    all.extend(normal.into_iter().filter(|own| !own.name.starts_with("NORMAL")));
+    // What is computed from others is not chosen.
+    let names: Vec<String> = all.iter().map(|own| own.name.clone()).collect();
+    let word = |c: char| !(c.is_alphanumeric() || c == '_');
+    all.retain(|own| !own.value.split(word).any(|part| names.iter().any(|name| name == part)));
     let without: Vec<_> = all.iter().filter(|own| own.why.is_empty()).map(|own| &own.name).collect();
     assert!(without.is_empty(), "numbers without a reason: {without:?}");
     let says = format!(

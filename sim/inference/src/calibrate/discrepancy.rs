@@ -23,13 +23,8 @@ use super::autocorrelation::{Autocovariance, products};
 use super::joint::Joint;
 use super::objective::{Objective, Series};
 use super::problem::Problem;
+use super::refine::CHANGED;
 use super::search::Found;
-
-/// Times that samples are weighed anew by what a fit misses.
-pub(crate) const MOST_WEIGHINGS: usize = 4;
-
-/// Change of the deviation of a track's samples that is worth another fit.
-const CHANGED: f64 = 0.1;
 
 /// What a fit misses of a track.
 #[derive(Clone, Debug, Default, PartialEq)]

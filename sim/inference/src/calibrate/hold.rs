@@ -15,6 +15,7 @@ use models::model::Model;
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::Trial;
+use super::search::{MOST_EVALUATIONS, STAGE_SHARE, STAGE_TOLERANCE};
 
 /// Time before the release in which the hand that holds the rod hardly moves, s.
 pub(super) const LATE_HOLD: f64 = 0.1;
@@ -23,12 +24,6 @@ const PLACE: f64 = 3e-3;
 /// Nodes of the rod while its load is looked for: the places of sixteen edges are within a tenth of [`PLACE`] of the
 /// limit of fine meshes.
 const NODES: usize = 17;
-const MOST_EVALUATIONS: usize = 60;
-/// Predicted decrease of half the squared residuals below which the load is found: a tenth of a standard error.
-const SETTLED: f64 = 5e-3;
-/// The same as a share of half the squared residuals, for markers that no load brings to where they are: a tenth of the
-/// distance that is left.
-const SETTLED_APART: f64 = 0.2;
 
 /// Sizes of what a hand does: forces that bend the rod by its length and bear what it weighs, rates that change them in
 /// the time in which the end falls by that length, the moment of such a force.
@@ -127,8 +122,8 @@ fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
     let search = Search {
         bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); unknowns],
         longest: vec![1.0; unknowns],
-        tolerance: SETTLED,
-        relative: SETTLED_APART,
+        tolerance: STAGE_TOLERANCE,
+        relative: STAGE_SHARE,
         most_evaluations: MOST_EVALUATIONS,
         first_damping: FIRST_DAMPING,
         lends_slopes: false,

@@ -4,6 +4,8 @@
 //! Source: Huber (1964), Annals of Mathematical Statistics 35, 73-101; applied to the length of the
 //! residual in the plane, so that no direction is preferred.
 
+use std::f64::consts::LN_2;
+
 /// Huber's loss of a residual of given length, in units of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Huber {
@@ -14,8 +16,6 @@ pub(crate) struct Huber {
 /// At three standard deviations of a plane's normal noise one sample in ninety counts as far, and
 /// the estimate loses less than a per cent of its precision.
 const THRESHOLD: f64 = 3.0;
-/// Median length of a plane's normal residual of unit deviation: `√(2 ln 2)`.
-const MEDIAN_LENGTH: f64 = 1.177_410_022_515_474_7;
 
 impl Huber {
     /// The loss for residuals of a spread, in units of the noise; never below the noise itself.
@@ -37,14 +37,15 @@ impl Huber {
     }
 }
 
-/// Standard deviation of each coordinate, from the median length: blind to a minority of ghosts.
+/// Standard deviation of each coordinate, from the median length, which is `√(2 ln 2)` deviations in a plane of normal
+/// residuals: blind to a minority of ghosts.
 pub(crate) fn spread(mut lengths: Vec<f64>) -> f64 {
     if lengths.is_empty() {
         return 0.0;
     }
     let middle = lengths.len() / 2;
     let (_, median, _) = lengths.select_nth_unstable_by(middle, f64::total_cmp);
-    *median / MEDIAN_LENGTH
+    *median / (2.0 * LN_2).sqrt()
 }
 
 #[cfg(test)]

@@ -43,12 +43,11 @@ pub use search::Stage;
 pub use section::{SectionError, problem, repeatability};
 pub(crate) use section::{marker_error, trial};
 
-use discrepancy::MOST_WEIGHINGS;
 use numerics::Correction;
 use objective::Objective;
 use part::{Part, parts};
 use pure_error::differences;
-use refine::{refine, shift};
+use refine::{MOST_ROUNDS, refine, shift};
 use repeats::{Repeats, conditions};
 use search::{Found, go_on, search};
 use uncertainty::{Uncertainty, uncertainty};
@@ -175,7 +174,7 @@ fn fit<'a>(
     };
     // Mesh and step swing as the rod does: what a model misses is only seen without them.
     let mut numerics = refined(&objective, &mut found);
-    for _ in 0..MOST_WEIGHINGS {
+    for _ in 0..MOST_ROUNDS {
         if !discrepancy::hear(&mut objective, &found) {
             break;
         }

@@ -14,6 +14,7 @@ use super::error::CalibrateError;
 use super::hold::LATE_HOLD;
 use super::problem::{Trial, refine};
 use super::unknowns::{Acts, Local, Unknown};
+use crate::normal::CLEAR;
 
 /// The samples of a release that are fitted.
 #[derive(Clone, Debug)]
@@ -67,10 +68,8 @@ pub(crate) struct Prediction {
     pub steps_in_all: usize,
 }
 
-/// Standard errors of the release instant that are left out after it.
-const CLEAR_OF_RELEASE: f64 = 3.0;
-/// Fewest samples that can be fitted.
-const LEAST_SAMPLES: usize = 5;
+/// Fewest samples that say something.
+pub(crate) const LEAST_SAMPLES: usize = 5;
 /// Noise that is assumed of a track at least, m: no camera is better.
 const LEAST_NOISE: f64 = 1e-7;
 /// Noise of a track that does not say, m.
@@ -97,7 +96,7 @@ impl Measured {
         // The posture in the hand is known from the end of the hold.
         let clear = match trial.is_held() {
             true => -LATE_HOLD,
-            false => CLEAR_OF_RELEASE * release.release_uncertainty,
+            false => CLEAR * release.release_uncertainty,
         };
         let is_seen = |k: &usize| release.tracks.iter().any(|track| track.position[*k].is_some());
         let samples: Vec<usize> =

@@ -9,15 +9,17 @@ use efam_core::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
 use nalgebra::DVector;
 
 use super::objective::{Evaluation, Objective};
+use super::refine::RESOLUTION;
 use super::search::Found;
 use super::uncertainty::Uncertainty;
 use crate::normal::NORMAL_95;
 
+/// How near the root of the rise has to come to the wanted one, 1.96.
+const NEAR: f64 = 2.0 * RESOLUTION;
 /// Predicted decrease of the cost at which the others have followed: the root of the rise is off by half of that.
-const TOLERANCE: f64 = 1e-2;
+const TOLERANCE: f64 = 0.25 * NEAR;
+/// Points at which the profile is looked at, at most.
 const MOST_POINTS: usize = 6;
-/// How near the root of the rise has to come to the wanted one: a fiftieth of the interval's half width.
-const NEAR: f64 = 0.04;
 
 /// Bounds of the scaled unknown; none where the data do not bound it.
 pub(crate) fn profile(

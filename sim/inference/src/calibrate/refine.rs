@@ -15,20 +15,22 @@ use super::objective::{Evaluation, Objective, View};
 use super::prediction::{Fidelity, Slopes};
 use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
+use crate::normal::CLEAR;
 
-/// Predicted decrease, for residuals of unit spread, at which the search stops: half the square of a fiftieth of a standard
-/// error.
-const TOLERANCE: f64 = 2e-4;
-/// Rounds in which the threshold of the loss follows the residuals.
-const MOST_ROUNDS: usize = 4;
+/// Share of a standard error to which a fit is found, and half of that to which the ends of an interval are.
+pub(super) const RESOLUTION: f64 = 0.02;
+/// Predicted decrease, for residuals of unit spread, at which the search stops.
+const TOLERANCE: f64 = 0.5 * RESOLUTION * RESOLUTION;
+/// Rounds in which the loss and the weights follow what a fit misses.
+pub(crate) const MOST_ROUNDS: usize = 4;
+/// Change of the spread of what is missed that is worth another round.
+pub(super) const CHANGED: f64 = 0.1;
 /// The same as a share of the cost, where mesh and step were removed at another place.
 const UNCORRECTED_SHARE: f64 = 1e-3;
 /// How finely the last word is spoken. Alpha and beta do almost the same, and a swing tells them apart by what
 /// is left when one has done what it can for the other, a fiftieth of its slope: an error of four
 /// thousandths of the slopes, which steps of the usual size leave, turns that by half.
 pub(crate) const LAST: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
-/// Standard errors by which a fit may move without changing what mesh and step do.
-const FAR: f64 = 3.0;
 
 /// Follows a fit to its end, one of [`LAST`] fidelity being near it, without the errors of the step, and of the mesh unless that is kept; says
 /// what they did.
@@ -55,7 +57,7 @@ pub(crate) fn refine(
         let moved = (&better.x - &found.x).zip_map(&errors, |x, error| x / error.max(1e-300).sqrt());
         found.go_to(better, view.clone());
         numerics = Some(finer);
-        if share == 0.0 && moved.amax() < FAR {
+        if share == 0.0 && moved.amax() < CLEAR {
             break;
         }
     }
@@ -77,7 +79,7 @@ fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> O
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
         let solution = minimise_in(objective, x, lent, view, TOLERANCE, share)?;
         let now = solution.at.carried.spreads();
-        let settled = |(before, now): (&f64, &f64)| (before.max(1.0) / now.max(1.0)).ln().abs() < 0.1;
+        let settled = |(before, now): (&f64, &f64)| (before.max(1.0) / now.max(1.0)).ln().abs() < CHANGED;
         let is_settled = spreads.iter().zip(&now).all(settled);
         best = Some(solution);
         if is_settled {

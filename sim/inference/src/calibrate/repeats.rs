@@ -15,6 +15,7 @@ use super::ghosts::known;
 use super::hold;
 use super::problem::{Problem, Scope, Trial, is_same};
 use super::pure_error::{Difference, fitted_apart};
+use crate::normal::NORMAL_95_ONE_SIDED;
 
 /// How well an experiment repeats.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -83,7 +84,7 @@ impl Repeats {
         let (distance, noise) = (deviation(|own| own.square), noise(problem));
         // Two recordings of one path differ by their noise, which has a spread of its own, and have one frequency.
         let samples = problem.trials.iter().map(|trial| known(&trial.release).len()).sum::<usize>() as f64;
-        let is_noise = distance < noise * (1.0 + NORMAL / (2.0 * samples).sqrt());
+        let is_noise = distance < noise * (1.0 + NORMAL_95_ONE_SIDED / (2.0 * samples).sqrt());
         let frequency_share = if is_noise { 0.0 } else { deviation(|own| (0.5 * own.stiffness).powi(2)) };
         let distance = if is_noise { noise } else { distance };
         Some(Self { pairs, frequency_share, ..Self::new(problem, distance, Source::Measured) })
@@ -153,16 +154,13 @@ pub(crate) const DRIFT: &str = "release_drift";
 /// Numbers that a release differs by from another, beside its frequency: size and phase of its swing in each coordinate.
 const NUMBERS: f64 = 4.0;
 
-/// The 95 % point of the normal distribution.
-const NORMAL: f64 = 1.645;
-
 /// The 95 % point of the F distribution.
 /// Source: Paulson (1942), Annals of Mathematical Statistics 13, 233: the cube root is nearly normal.
 fn quantile_of_f(over: f64, under: f64) -> f64 {
     let [a, b] = [over, under].map(|degrees| 2.0 / (9.0 * degrees));
-    let square = (1.0 - b).powi(2) - NORMAL * NORMAL * b;
+    let square = (1.0 - b).powi(2) - NORMAL_95_ONE_SIDED * NORMAL_95_ONE_SIDED * b;
     let half = (1.0 - a) * (1.0 - b);
-    let rest = (1.0 - a).powi(2) - NORMAL * NORMAL * a;
+    let rest = (1.0 - a).powi(2) - NORMAL_95_ONE_SIDED * NORMAL_95_ONE_SIDED * a;
     ((half + (half * half - square * rest).sqrt()) / square).powi(3)
 }
 

@@ -69,10 +69,11 @@ const SLIPPED: f64 = 0.7;
 const GROWTH: f64 = 4.0;
 const LEAST_GROWTH: f64 = 1.2;
 /// Predicted decrease, for residuals of unit spread, at which a stage stops.
-const STAGE_TOLERANCE: f64 = 5e-2;
+pub(super) const STAGE_TOLERANCE: f64 = 5e-2;
 /// The same as a share of the cost.
 pub(crate) const STAGE_SHARE: f64 = 3e-3;
-const MOST_EVALUATIONS: usize = 30;
+/// Evaluations after which a search is given up.
+pub(super) const MOST_EVALUATIONS: usize = 30;
 
 /// Finds the best fit of a part; `tell` hears of each stage, and where it ended.
 pub(crate) fn search(

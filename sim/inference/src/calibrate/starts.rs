@@ -14,16 +14,13 @@ use super::unknowns::Kind;
 
 /// Swings by which starts are compared: one, and a little so that its upper peak is seen.
 pub(super) const FIRST_SWINGS: f64 = 1.25;
-/// Points for each parameter that is spread, and at most.
-const PER_PARAMETER: usize = 10;
-const MOST_POINTS: usize = 40;
+/// Points beside the start.
+const POINTS: usize = 40;
 /// Factors around the start: what describes the rod itself is known better than losses.
 const ROD_SPREAD: f64 = 1.7;
 const EFFECT_SPREAD: f64 = 4.0;
 /// Time of a swing where the model has no rest to swing about, as a share of the recording.
 const UNKNOWN_SWING: f64 = 0.1;
-/// Releases at one pressure by which starts are compared.
-const REPEATS: usize = 2;
 
 /// Time of one small swing of each release about its rest, s.
 pub(super) fn swing_times(objective: &Objective, x: &DVector<f64>) -> Vec<f64> {
@@ -80,7 +77,7 @@ pub(super) fn ranked(objective: &Objective, start: &DVector<f64>) -> Vec<DVector
 fn leave_out_repeats(objective: &Objective, counts: &mut [usize]) {
     let pressure = |r: usize| objective.part.members[r].release.pressure;
     for r in 0..counts.len() {
-        if (0..r).filter(|other| pressure(*other) == pressure(r)).count() >= REPEATS {
+        if (0..r).any(|other| pressure(other) == pressure(r)) {
             counts[r] = 0;
         }
     }
@@ -104,7 +101,7 @@ fn spread(objective: &Objective, start: &DVector<f64>) -> Vec<DVector<f64>> {
     }
     const BASES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
     spread_out.truncate(BASES.len());
-    let count = (PER_PARAMETER * spread_out.len()).min(MOST_POINTS);
+    let count = if spread_out.is_empty() { 0 } else { POINTS };
     let mut points = vec![start.clone()];
     for point in 1..=count {
         let mut x = start.clone();

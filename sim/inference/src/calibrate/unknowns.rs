@@ -151,8 +151,10 @@ impl Unknown {
 
 /// A bound at zero on a logarithmic scale stands this far below the typical size.
 const NEARLY_ZERO: f64 = 1e-4;
-/// Farthest that a release instant may be off, standard deviations.
-const FARTHEST_INSTANT: f64 = 5.0;
+/// Standard deviations by which the setup may be off what is stated of it: one recording in 16 000 is, by chance. Without
+/// a limit a model that lacks an effect takes the setup instead, from where a fit with the effect finds no way back. A
+/// release instant is limited in a calibration too.
+pub(crate) const FARTHEST: f64 = 4.0;
 /// Smallest uncertainty of a release instant, s.
 const LEAST_INSTANT: f64 = 1e-4;
 
@@ -229,7 +231,7 @@ impl Unknowns {
         };
         if nuisances.release_instant {
             let deviation = trial.release.release_uncertainty.max(LEAST_INSTANT);
-            add(Kind::Instant, Acts::Instant, RELEASE_INSTANT, "s", deviation, FARTHEST_INSTANT);
+            add(Kind::Instant, Acts::Instant, RELEASE_INSTANT, "s", deviation, FARTHEST);
         }
         let angle_is_fitted = problem.parameters.iter().any(|parameter| parameter.path == RELEASE_ANGLE);
         if let Some(deviation) = nuisances.hold_angle.filter(|_| trial.is_straight() && !angle_is_fitted) {

@@ -2,6 +2,7 @@
 
 use super::Fitted;
 use super::calibration::{Calibrated, ReleaseFit};
+use crate::normal::CLEAR;
 
 /// Variance over that of the stated noise from which on something is missing.
 const MISFIT: f64 = 1.5;
@@ -9,8 +10,6 @@ const MISFIT: f64 = 1.5;
 const HELD_BACK: f64 = 0.04;
 /// Share of the noise that the errors of mesh and step may have.
 const NUMERICS: f64 = 0.1;
-/// Deviations from which on a value contradicts what was believed of it.
-const CONTRADICTS: f64 = 3.0;
 
 pub(super) fn of_search(fit: &Fitted) -> Option<String> {
     let names: Vec<_> = fit.objective.part.members.iter().map(|trial| trial.release.name.as_str()).collect();
@@ -57,7 +56,7 @@ pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
 pub(super) fn of_beliefs<'a>(all: impl Iterator<Item = &'a Calibrated>) -> Vec<String> {
     let off = |own: &Calibrated| own.prior.map(|prior| ((own.value - prior.mean) / prior.deviation).abs());
     let mut contradicted: Vec<(f64, &Calibrated)> =
-        all.filter_map(|own| Some((off(own)?, own))).filter(|(off, _)| *off > CONTRADICTS).collect();
+        all.filter_map(|own| Some((off(own)?, own))).filter(|(off, _)| *off > CLEAR).collect();
     contradicted.sort_by(|a, b| b.0.total_cmp(&a.0));
     let words = |(off, own): (f64, &Calibrated)| {
         format!(

@@ -6,9 +6,9 @@ use models::muscle::Known;
 
 use super::Settings;
 use super::score::Subject;
-use super::section::FARTHEST;
 use super::verdict::Value;
 use crate::calibrate::joint::Estimate;
+use crate::calibrate::unknowns::FARTHEST;
 use crate::calibrate::{CalibrateError, Parameter, Prior, Problem, Scale, Scope, Trial};
 
 /// An effect with what it depends on nonlinearly held at one value.

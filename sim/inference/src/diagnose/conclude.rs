@@ -12,8 +12,9 @@ use super::verdict::{Added, Verdict};
 use super::warnings::{contradictions, warnings};
 use super::{Course, Outcome, first_swings, misfit, summary_text};
 use crate::calibrate::CalibrateError;
-use crate::calibrate::discrepancy::{MOST_WEIGHINGS, heard};
+use crate::calibrate::discrepancy::heard;
 use crate::calibrate::joint::{Fitted, Joint};
+use crate::calibrate::refine::MOST_ROUNDS;
 
 impl Course<'_> {
     /// Says what it all comes to.
@@ -79,7 +80,7 @@ impl Course<'_> {
             return Ok(());
         }
         let stop = self.listener.stop();
-        for _ in 0..MOST_WEIGHINGS {
+        for _ in 0..MOST_ROUNDS {
             let fit = self.model.fit()?;
             let Some(problem) = heard(&self.model.problem, &fit) else { break };
             let known = fit.known();

@@ -11,14 +11,12 @@ use super::design_matrix::{Column, of_releases};
 use super::mesh_check::LAW;
 use super::refit::prefix;
 use super::round::{Best, RARER};
-use super::score::{Subject, scores};
+use super::score::{RESOLVED, Subject, scores};
 use crate::calibrate::joint::Joint;
 
 /// Why an effect is not believed that would have to differ from release to release.
 pub(super) const INCONSTANT: &str = "its strength would have to differ between releases";
 
-/// Share of a column's square that must be left: slopes are good to a few thousandths.
-const OWN: f64 = 1e-3;
 /// Share of what an effect explains of χ² that its differences between releases have to be worth: a fifth in size. Right
 /// names were seen up to a seventh, similar effects from a quarter on.
 const UNLIKE: f64 = 0.04;
@@ -37,7 +35,7 @@ fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static s
         of_releases(fit, |name| name.starts_with(&prefix), place)
     };
     let columns: Vec<Column> = added.iter().enumerate().flat_map(of).collect();
-    let subjects = vec![Subject { own: OWN, ..Subject::default() }; added.len()];
+    let subjects = vec![Subject { own: RESOLVED, ..Subject::default() }; added.len()];
     let scores = scores(fit, &subjects, &columns, level);
     let negligible = LAW * LAW * added.iter().map(|(_, gain)| gain).sum::<f64>();
     let pairs = added.iter().zip(&scores.each);

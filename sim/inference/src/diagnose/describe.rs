@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::candidate::Candidate;
 use super::design_matrix::predictions;
+use super::mesh_check::LAW;
 use super::refit::{Rough, rough};
 use super::score::{Score, scores_of};
 use super::validation::{Agreement, agreement};
@@ -32,8 +33,6 @@ pub struct Description {
 const MOMENT: &str = "latent_moment";
 /// Terms at most, and those that are fitted before the best of them is taken: what is large scores as similar terms do.
 const MOST_TERMS: usize = 3;
-/// Share of the gap beyond the noise that a term has to take.
-const WORTH_A_TERM: f64 = 0.1;
 
 /// Describes what is left at a fit; nothing where no term scores.
 pub(super) fn describe(
@@ -79,7 +78,7 @@ fn with_another(
     let Some((candidate, rough)) = best else { return Ok(None) };
     let Some(fit) = Joint::follow(&rough.problem, &rough.known, &|_| ())? else { return Ok(None) };
     let share = beyond(&agreement(&fit)) / left.gap;
-    if left.share - share < WORTH_A_TERM {
+    if left.share - share < LAW {
         return Ok(None);
     }
     let mut moment = Added::of(&fit, candidate);

@@ -11,7 +11,7 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, candidates};
-use super::mesh_check::{self, Numerics};
+use super::mesh_check::{self, LAW, Numerics};
 use super::refit::{Refit, most_steps, within_steps};
 use super::round::{Best, NO_MORE};
 use super::shortlist::{LEAD, falls_behind, not_run, penalty};
@@ -29,8 +29,6 @@ use crate::calibrate::{CalibrateError, Problem};
 const SWINGS: f64 = 2.0;
 /// Residuals of this share of the motion, over all of these swings, are those of a phase that is lost.
 const LOST: f64 = 0.2;
-/// Share of the cost that a candidate has to explain.
-const MET: f64 = 0.9;
 /// Those that leave more than so many times the least are not fitted to the whole recordings.
 const WORSE: f64 = 3.0;
 
@@ -91,9 +89,9 @@ impl FirstSwings {
         Ok(Met { candidate, end })
     }
 
-    /// What a candidate has to explain, as a score.
+    /// What a candidate has to explain, as a score: all but the error of a law.
     fn threshold(&self) -> f64 {
-        (2.0 * MET * self.cost).sqrt()
+        (2.0 * (1.0 - LAW) * self.cost).sqrt()
     }
 }
 

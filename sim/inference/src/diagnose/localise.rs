@@ -15,7 +15,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::design_matrix::{Column, in_noise};
-use super::score::{Subject, scores};
+use super::score::{RESOLVED, Subject, scores};
 use super::swing::{share_of_largest, swing};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
@@ -81,11 +81,6 @@ const PATTERNS: [Pattern; 9] = [
 /// Basis functions over the logarithm of the amplitude, from the largest down to a share of it.
 const BASIS: usize = 4;
 const SMALLEST_AMPLITUDE: f64 = 0.05;
-/// Size of a shape, m: shapes are linear, it only scales their numbers.
-const SIZE: f64 = 1e-3;
-
-/// Share of a shape's square that must be left: amplitude and phase are known to a few per cent.
-const OWN: f64 = 3e-3;
 
 /// Scores all shapes at a fit whose predictions are given.
 pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm: f64) -> Vec<Shape> {
@@ -95,8 +90,12 @@ pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm:
         .enumerate()
         .flat_map(|(f, pattern)| of_pattern(fit, off, &swings, f, pattern))
         .collect();
-    let scores =
-        scores(fit, &[Subject { own: OWN, ..Subject::default() }; PATTERNS.len()], &columns, false_alarm);
+    let scores = scores(
+        fit,
+        &[Subject { own: RESOLVED, ..Subject::default() }; PATTERNS.len()],
+        &columns,
+        false_alarm,
+    );
     let mut shapes = Vec::new();
     for (pattern, score) in PATTERNS.iter().zip(&scores.each) {
         if score.columns.is_empty() {
@@ -119,7 +118,7 @@ pub(super) fn shapes(fit: &Joint, off: &[Prediction], round: usize, false_alarm:
             score: score.size,
             threshold: scores.threshold,
             at_amplitude,
-            size_mm: 1e3 * SIZE * size * swinging,
+            size_mm: 1e3 * size * swinging,
         });
     }
     shapes
@@ -151,7 +150,7 @@ fn of_pattern(
         let over_pressure = if pattern.over_pressure { (pressures[r] - mean) / widest } else { 1.0 };
         // A phase is nothing where nothing swings.
         let swinging = if pattern.harmonic == 0 { 1.0 } else { amplitude };
-        SIZE * over_pressure
+        over_pressure
             * swinging
             * harmonic
             * basis(amplitude, part % BASIS)

@@ -12,7 +12,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::curve::{Curve, Sample};
+use crate::calibrate::prediction::LEAST_SAMPLES;
 use crate::calibrate::problem::is_same_pressure;
+use crate::normal::CLEAR;
 
 /// Something that a simulation does wrong.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -52,12 +54,8 @@ pub enum Wrong {
 
 /// Bounds of large, middle and small swings, as shares of the largest amplitude.
 pub const BANDS: [[f64; 2]; 3] = [[0.4, 1.0], [0.15, 0.4], [0.05, 0.15]];
-/// Standard errors from which on something is said, and from which on it is said of one pressure.
+/// Standard errors from which on something is said.
 const SAID: f64 = 6.0;
-const SAID_OF_ONE: f64 = 3.0;
-/// Fewest samples and fewest cycles that say something.
-const LEAST_SAMPLES: usize = 6;
-const LEAST_CYCLES: usize = 2;
 
 /// One cycle of a release: what the measured swing is beside the simulated one.
 struct Cycle {
@@ -160,7 +158,8 @@ fn swept(samples: &[&Sample]) -> f64 {
 fn slope(pressure: f64, cycles: &[Cycle], [low, high]: [f64; 2]) -> Option<Slope> {
     let own: Vec<&Cycle> =
         cycles.iter().filter(|cycle| cycle.amplitude >= low && cycle.amplitude < high).collect();
-    if own.len() < LEAST_CYCLES {
+    // A slope takes two.
+    if own.len() < 2 {
         return None;
     }
     let weight = |cycle: &Cycle| cycle.variance.recip();
@@ -192,7 +191,7 @@ fn misfit(slopes: &[Slope], amplitudes: [f64; 2], kind: usize) -> Option<Misfit>
     there.dedup_by(|a, b| is_same_pressure(*a, *b));
     let is_seen = |pressure: &f64| {
         let own = slopes.iter().filter(|slope| is_same_pressure(slope.pressure, *pressure));
-        pooled(own, kind).is_some_and(|(own, error)| own * value.signum() > SAID_OF_ONE * error)
+        pooled(own, kind).is_some_and(|(own, error)| own * value.signum() > CLEAR * error)
     };
     let median = |of: fn(&Slope) -> f64| {
         let mut all: Vec<f64> = slopes.iter().map(of).collect();

@@ -100,15 +100,16 @@ pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit
     let mut known = rough.known.clone();
     let fitted = candidate.within_ranges(rough.problem.clone(), |problem| {
         let limited = within_steps(problem, rough.most_steps);
-        let Some(mut fit) = Joint::follow(&limited, &known, &|_| ())? else { return Ok(None) };
-        // The way from the fit without it may end beside the best: friction changes the phase.
-        if candidate.strength.is_friction
-            && !fit.is_explained()
-            && let Ok(other) = Joint::search(&limited, &|_| ())
-            && other.cost() < fit.cost()
-        {
-            fit = other;
-        }
+        let followed = Joint::follow(&limited, &known, &|_| ())?;
+        // The way from the fit without it may end beside the best, for friction changes the phase, or where no run
+        // ends: that says nothing of the effect.
+        let is_met = |fit: &Joint| !candidate.strength.is_friction || fit.is_explained();
+        let searched = match followed.as_ref().is_some_and(is_met) {
+            true => None,
+            false => Joint::search(&limited, &|_| ()).ok(),
+        };
+        let by_cost = |a: &Joint, b: &Joint| a.cost().total_cmp(&b.cost());
+        let Some(fit) = followed.into_iter().chain(searched).min_by(by_cost) else { return Ok(None) };
         known = fit.known();
         let found = fit.found;
         Ok(Some((Fitted::new(problem.clone(), found), known.clone())))

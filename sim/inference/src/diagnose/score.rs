@@ -56,6 +56,9 @@ impl Weight {
     }
 }
 
+/// Share of a column's square that must be left beside the fit for it to be heard: amplitude, phase and slopes are known to a
+/// few per cent.
+pub(super) const RESOLVED: f64 = 3e-3;
 /// Standard deviations from which on two effects are separated, and below which they are one.
 pub(super) const APART: f64 = 5.0;
 pub(super) const ONE: f64 = 2.0;

@@ -9,6 +9,7 @@ use models::statics::{equilibrium, modes};
 
 use super::setup::limit_beliefs;
 use crate::calibrate::problem::is_same_pressure;
+use crate::calibrate::unknowns::FARTHEST;
 use crate::calibrate::{
     Parameter, Prior, Problem, Scope, SectionError, Trial, problem as calibration_problem,
 };
@@ -99,10 +100,6 @@ pub fn admit_tilt(problem: &mut Problem, deviation: f64) {
         *problem = tilted;
     }
 }
-
-/// Standard deviations by which the setup may be off what is stated of it: one recording in 16 000 is, by chance. Without
-/// a limit a model that lacks an effect takes the setup instead, from where a fit with the effect finds no way back.
-pub(super) const FARTHEST: f64 = 4.0;
 
 /// The effect of a frame that is not level.
 pub(super) const TILT: &str = "frame_tilt";

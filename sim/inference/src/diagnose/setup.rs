@@ -11,14 +11,14 @@ use rayon::prelude::*;
 use super::Course;
 use super::refit::prefix;
 use super::round::{Best, RoundOutcome, RoundRequest};
-use super::section::{FARTHEST, TILT};
+use super::section::TILT;
 use super::shortlist::{LEAD, penalty};
 use super::stop::ending_by;
 use super::validation::{HeldOut, agreement};
 use super::verdict::{Contradiction, Verdict};
 use super::warnings::{contradictions, deviations_off};
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
-use crate::calibrate::unknowns::{CLAMP_ANGLE, Group, Kind, Unknown};
+use crate::calibrate::unknowns::{CLAMP_ANGLE, FARTHEST, Group, Kind, Unknown};
 use crate::calibrate::{CalibrateError, Problem};
 
 /// Standard deviation of what is believed of a clamp's angle where nothing is said of it, rad: set by eye, or with a

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
+use super::mesh_check::LAW;
 use super::refit::{Refit, Rough, refit, rough};
 use super::round::{Best, RoundOutcome};
 use super::score::{APART, ONE, Score, Scores, distance};
@@ -18,17 +19,11 @@ use crate::calibrate::{CalibrateError, Problem};
 const SHORTLIST: usize = 6;
 /// Share of the largest promised decrease from which on a candidate is fitted.
 const WORTH_FITTING: f64 = 0.3;
-/// Share of the best candidate's gain within which another, whose rough fit ended early, is fitted in full.
-const NEAR: f64 = 0.1;
 /// χ² by which the best may lead without standing alone.
 pub(super) const LEAD: f64 = 12.0;
 /// χ² that an unknown takes away where it means nothing, and as much again: Akaike (1974), IEEE Transactions on
 /// Automatic Control 19, 716-723.
 const FAIR: f64 = 2.0;
-/// Share of what an effect explains of the fitted releases by which it has to better held-out releases, or else by
-/// more than noise gives. One that is there betters both, though EI of a held-out pressure may do most of its work
-/// there.
-const AGREES: f64 = 0.1;
 /// χ², in what noise gives, below which effects of which none is believed are not there at all.
 const CHANCE: f64 = 3.0;
 /// Why one is not named that is too small beside what was found.
@@ -177,7 +172,7 @@ pub(super) fn fit_all(
     };
     // A search near its end was seen to gain up to a quarter of what it is behind, and by half it would not catch up.
     let near = STAGE_SHARE * least + 2.0 * LEAD * scores.variance_inflation;
-    let farther = near.max(NEAR * (fit.cost() - least));
+    let farther = near.max(LAW * (fit.cost() - least));
     let fitted = shortlist.par_iter_mut().zip(&roughs).zip(distances);
     fitted.try_for_each(|((entry, rough), distance)| {
         let room = |rough: &Rough| if rough.is_near { near } else { farther };
@@ -278,7 +273,7 @@ pub(super) fn choose(
             let pair = before.zip(after);
             entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / variance_inflation);
         }
-        if entry.held_out.is_some_and(|decrease| decrease < noise.min(AGREES * own)) {
+        if entry.held_out.is_some_and(|decrease| decrease < noise.min(LAW * own)) {
             entry.reject("held-out releases do not agree");
             continue;
         }

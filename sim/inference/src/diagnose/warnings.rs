@@ -4,12 +4,13 @@ use models::effects::Kind;
 
 use super::mesh_check;
 use super::refit::prefix;
-use super::section::{FARTHEST, LEAST_NOISE, TILT};
+use super::section::{LEAST_NOISE, TILT};
 use super::stop;
 use super::verdict::{Contradiction, Diagnosis, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Estimate;
 use crate::calibrate::repeats::DRIFT;
+use crate::calibrate::unknowns::FARTHEST;
 use models::digits::significant;
 
 /// All that concern a diagnosis as it stands, its problem, and where its fit ended.
@@ -23,14 +24,11 @@ pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Estima
     words
 }
 
-/// Standard deviations by which what was believed of the setup may be off before a warning says so: what ends at its limit
-/// is so far off at least.
-const BELIEVABLE: f64 = FARTHEST * (1.0 - 1e-6);
-
-/// Standard deviations by which a value is off what was `believed`; none where that is believable.
+/// Standard deviations by which a value is off what was `believed`; none where it is not so far off as the setup may be, but
+/// for rounding.
 pub(super) fn deviations_off(found: &Estimate, believed: &Estimate) -> Option<f64> {
     let prior = believed.unknown.prior?;
-    Some(((found.value() - prior.mean) / prior.deviation).abs()).filter(|off| *off > BELIEVABLE)
+    Some(((found.value() - prior.mean) / prior.deviation).abs()).filter(|off| *off > FARTHEST * (1.0 - 1e-6))
 }
 
 /// Whether the fit needs a setup as far off as it may be.
