@@ -23,7 +23,7 @@ export class Library {
 
   /** The list of names, as far as they hold a word. */
   index(word) {
-    const has = effect => [effect.title, effect.name, effect.meaning, effect.looks_like].join(' ').toLowerCase()
+    const has = effect => [effect.title, effect.name, effect.meaning, effect.signature].join(' ').toLowerCase()
       .includes(word.trim().toLowerCase());
     const rows = [this.entry({ name: '', title: 'The rod itself' }, false)];
     for (const [kind, head] of Object.entries(KINDS)) {
@@ -75,7 +75,7 @@ export class Library {
   }
 
   page(effect, setup) {
-    const parts = [text('h3', effect.title), text('p', `In a recording: ${effect.looks_like}.`, 'note')];
+    const parts = [text('h3', effect.title), text('p', `In a recording: ${effect.signature}.`, 'note')];
     if (effect.kind === UNSEEN) parts.push(text('p', 'It changes what is recorded, not how the rod swings.', 'note'));
     const sliders = text('div', '', 'sliders');
     for (const p of effect.parameters) {

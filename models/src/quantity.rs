@@ -13,7 +13,7 @@ use std::fmt::{self, Display};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use thiserror::Error;
 
-use kind::Kind;
+use kind::QuantityKind;
 pub use unit::{Dimension, Unit};
 
 /// A number with its unit, as it was written.
@@ -256,7 +256,7 @@ fn kind_of(unit: &str) -> String {
     if unit.is_empty() {
         return "a plain number".to_string();
     }
-    match Kind::of(unit).map(|kind| kind.name) {
+    match QuantityKind::of(unit).map(|kind| kind.name) {
         Some(name) if name.starts_with(['a', 'e', 'i', 'o', 'u']) => format!("an {name}"),
         Some(name) => format!("a {name}"),
         None => format!("a value in `{unit}`"),
@@ -265,7 +265,7 @@ fn kind_of(unit: &str) -> String {
 
 /// "a unit of pressure", or "the unit `kg m^5`" where its kind has no name.
 fn unit_of(due: &str) -> String {
-    Kind::of(due).map_or(format!("the unit `{due}`"), |kind| format!("a unit of {}", kind.name))
+    QuantityKind::of(due).map_or(format!("the unit `{due}`"), |kind| format!("a unit of {}", kind.name))
 }
 
 /// `, such as "15 psi" or "15 kPa"`, with the number that was written.
@@ -273,7 +273,7 @@ fn such_as(number: &str, due: &str) -> String {
     if due.is_empty() {
         return format!(", such as {number}");
     }
-    let units = Kind::of(due).map_or(vec![due], |kind| kind.units.to_vec());
+    let units = QuantityKind::of(due).map_or(vec![due], |kind| kind.units.to_vec());
     let forms: Vec<String> = units.iter().map(|unit| format!("\"{number} {unit}\"")).collect();
     format!(", such as {}", forms.join(" or "))
 }

@@ -39,7 +39,7 @@ pub struct Definition {
     /// Its formulas, each with the number of what it gives in [`names::OUTPUTS`].
     pub formulas: Vec<(usize, String)>,
     /// What it looks like in a recording.
-    pub looks_like: String,
+    pub signature: String,
     /// Effects with which recordings confound it.
     pub confounded_with: Vec<String>,
     /// What tells it from those.

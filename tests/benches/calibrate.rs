@@ -5,7 +5,9 @@ use divan::Bencher;
 use efam_core::forward::Run;
 use efam_core::trajectory::Trajectory;
 use efam_experiments::release::{Point, Release, Track};
-use efam_inference::calibrate::{Nuisances, Parameter, Problem, Scope, Settings, Trial, calibrate};
+use efam_inference::calibrate::{
+    CalibrationSettings, FittedParameter, Nuisances, Problem, Scope, Trial, calibrate,
+};
 use models::model::Model;
 use tests::{PSI, paper, simulate};
 
@@ -58,7 +60,7 @@ fn six_releases(bencher: Bencher) {
                 run: Run::release(20.0, 100.0),
             })
             .collect(),
-        parameters: paths.map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
+        parameters: paths.map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
         nuisances: Nuisances {
             release_instant: true,
             hold_angle: None,
@@ -66,5 +68,6 @@ fn six_releases(bencher: Bencher) {
             ..Nuisances::default()
         },
     };
-    bencher.bench_local(|| calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a fit"));
+    bencher
+        .bench_local(|| calibrate(&problem, &CalibrationSettings::default(), &|_: &str| ()).expect("a fit"));
 }

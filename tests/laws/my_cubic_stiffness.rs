@@ -37,7 +37,7 @@ impl Law for MyCubicStiffness {
             plausible: Some((-0.003, 0.003)),
             ..Parameter::PLAIN
         }],
-        looks_like: "",
+        signature: "",
         confounded_with: &["pressure_volume", "quadratic_stiffness", "dahl"],
         separated_by: &[Separator::Angles, Separator::BodyMarkers],
         reach: Reach::Muscle,

@@ -88,7 +88,7 @@ impl Law for MyDahl {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "",
+        signature: "",
         confounded_with: &["braid_friction", "clamp_friction", "cubic_stiffness"],
         separated_by: &[Separator::Angles],
         reach: Reach::Muscle,

@@ -52,7 +52,7 @@ pub fn found(seed: u64, asked: &[f64]) -> Vec<Found> {
         let text = format!(
             "seed {seed}: asked {} mm, true {:.5}, mesh {:.5}, steps {:.5}, energy {:.5?}; {} nodes, {:.0e}, \
              {} attempts, {seconds:.3} s; {scenario}",
-            1e3 * errors.asked_m,
+            1e3 * errors.requested_m,
             1e3 * off,
             1e3 * errors.mesh_m,
             1e3 * errors.step_m,
@@ -62,7 +62,7 @@ pub fn found(seed: u64, asked: &[f64]) -> Vec<Found> {
             errors.attempts,
         );
         let warned = !errors.warnings(run, model, &goal(None)).is_empty();
-        Found { ratio: off / errors.asked_m, warned, text }
+        Found { ratio: off / errors.requested_m, warned, text }
     };
     settled.iter().map(one).collect()
 }

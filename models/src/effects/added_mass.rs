@@ -38,7 +38,7 @@ impl Law for AddedMass {
             plausible: Some((0.0, 2e-3)),
             ..Parameter::PLAIN
         }],
-        looks_like: "lowers the frequency and leaves the rest posture where it is",
+        signature: "lowers the frequency and leaves the rest posture where it is",
         confounded_with: &["clock", "tip_offset", "tip_inertia"],
         separated_by: &[Separator::Payload, Separator::Metrology],
         reach: Reach::Muscle,

@@ -54,7 +54,7 @@ impl Law for AirDrag {
             },
             AIR_DENSITY,
         ],
-        looks_like: "the first large swings lose more than the later ones: loss per cycle in proportion to amplitude",
+        signature: "the first large swings lose more than the later ones: loss per cycle in proportion to amplitude",
         confounded_with: &["tip_drag", "rayleigh_mass"],
         separated_by: &[Separator::TipPlate, Separator::BodyMarkers, Separator::Angles],
         reach: Reach::Muscle,

@@ -43,7 +43,7 @@ impl Law for AxialCompliance {
             plausible: Some((0.0, 0.01)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the tip swings on a wider path at the bottom of the swing, where the pull is largest",
+        signature: "the tip swings on a wider path at the bottom of the swing, where the pull is largest",
         confounded_with: &["stretch", "tip_offset"],
         separated_by: &[Separator::BodyMarkers, Separator::ThirdAxis],
         reach: Reach::Muscle,

@@ -27,7 +27,7 @@ impl Law for Bending {
         memory: 0,
         timed: false,
         parameters: &[],
-        looks_like: "sets the rest posture and, with the masses, the frequency of the swing",
+        signature: "sets the rest posture and, with the masses, the frequency of the swing",
         confounded_with: &["end_fitting", "payload"],
         separated_by: &[],
         reach: Reach::Muscle,

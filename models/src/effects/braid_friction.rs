@@ -39,7 +39,7 @@ impl Law for BraidFriction {
             Parameter { meaning: "friction moment of a cross-section", ..FRICTION_MOMENT },
             CREEP_RATE,
         ],
-        looks_like: "amplitude falls on a straight line to an early stop, away from the rest that weight alone would give",
+        signature: "amplitude falls on a straight line to an early stop, away from the rest that weight alone would give",
         confounded_with: &["hysteresis", "clamp_friction", "dahl"],
         separated_by: &[Separator::Angles, Separator::BodyMarkers],
         reach: Reach::Muscle,

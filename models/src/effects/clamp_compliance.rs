@@ -37,7 +37,7 @@ impl Law for ClampCompliance {
             plausible: Some((0.0, 1.0)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the whole rod turns about the clamp as if it were hinged: markers near the root move too much",
+        signature: "the whole rod turns about the clamp as if it were hinged: markers near the root move too much",
         confounded_with: &["bend"],
         separated_by: &[Separator::BodyMarkers],
         reach: Reach::Muscle,

@@ -60,7 +60,7 @@ impl Law for ClampFriction {
             },
             CREEP_RATE,
         ],
-        looks_like: "amplitude falls on a straight line to an early stop, with an offset that sits at the root",
+        signature: "amplitude falls on a straight line to an early stop, with an offset that sits at the root",
         confounded_with: &["braid_friction", "dahl"],
         separated_by: &[Separator::BodyMarkers],
         reach: Reach::Muscle,

@@ -50,7 +50,7 @@ impl Law for Clock {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "phase runs away in proportion to time, at every amplitude and pressure alike",
+        signature: "phase runs away in proportion to time, at every amplitude and pressure alike",
         confounded_with: &["bend", "added_mass", "tip_inertia", "initial_velocity"],
         separated_by: &[Separator::Payload, Separator::Metrology],
         reach: Reach::Muscle,

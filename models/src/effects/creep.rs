@@ -55,7 +55,7 @@ impl Law for Creep {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "the mean of the swing sinks slowly, long after the release and after the swing",
+        signature: "the mean of the swing sinks slowly, long after the release and after the swing",
         confounded_with: &["set_curvature", "viscoelastic", "relaxation", "stiffness_drift"],
         separated_by: &[Separator::LongRecord],
         reach: Reach::Muscle,

@@ -38,7 +38,7 @@ impl Law for CubicStiffness {
             plausible: Some((-3e-3, 3e-3)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the frequency depends on the amplitude, and the rest posture on another stiffness than the swing",
+        signature: "the frequency depends on the amplitude, and the rest posture on another stiffness than the swing",
         confounded_with: &["pressure_volume", "quadratic_stiffness", "dahl"],
         separated_by: &[Separator::Angles, Separator::BodyMarkers],
         reach: Reach::Muscle,

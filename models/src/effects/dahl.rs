@@ -73,7 +73,7 @@ impl Law for Dahl {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "small swings are faster and lose less than friction would; the rest depends on where the swing came from",
+        signature: "small swings are faster and lose less than friction would; the rest depends on where the swing came from",
         confounded_with: &["braid_friction", "clamp_friction", "cubic_stiffness"],
         separated_by: &[Separator::Angles],
         reach: Reach::Muscle,

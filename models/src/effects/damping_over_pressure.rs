@@ -70,7 +70,7 @@ impl Law for DampingOverPressure {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "the damping ratio rises with the pressure, along a straight line",
+        signature: "the damping ratio rises with the pressure, along a straight line",
         confounded_with: &["rayleigh_stiffness", "rayleigh_mass", "braid_friction"],
         separated_by: &[Separator::Pressures],
         reach: Reach::Muscle,

@@ -50,7 +50,7 @@ impl Law for EnclosedAir {
             scale: 0.01,
             ..Parameter::PLAIN
         }],
-        looks_like: "lowers the frequency and the rest posture a little, more at higher pressures",
+        signature: "lowers the frequency and the rest posture a little, more at higher pressures",
         confounded_with: &["bend", "added_mass"],
         separated_by: &[Separator::Metrology],
         reach: Reach::Muscle,

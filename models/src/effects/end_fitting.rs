@@ -27,7 +27,7 @@ impl Law for EndFitting {
         memory: 0,
         timed: false,
         parameters: BODY_PARAMETERS,
-        looks_like: "lowers frequency and rest posture together",
+        signature: "lowers frequency and rest posture together",
         confounded_with: &["bend"],
         separated_by: &[],
         reach: Reach::Muscle,

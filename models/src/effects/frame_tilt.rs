@@ -36,7 +36,7 @@ impl Law for FrameTilt {
             plausible: Some((-0.05, 0.05)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the whole path lies turned, by the same angle at rest and in motion",
+        signature: "the whole path lies turned, by the same angle at rest and in motion",
         confounded_with: &["set_curvature", "marker_offset", "clamp_compliance"],
         separated_by: &[Separator::Metrology, Separator::BodyMarkers],
         reach: Reach::Muscle,

@@ -60,7 +60,7 @@ impl Law for FrictionOverPressure {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "amplitude falls on a straight line to an early stop, the steeper the higher the pressure",
+        signature: "amplitude falls on a straight line to an early stop, the steeper the higher the pressure",
         confounded_with: &["braid_friction", "damping_over_pressure", "dahl"],
         separated_by: &[Separator::Pressures],
         reach: Reach::Muscle,

@@ -36,7 +36,7 @@ impl Law for Gravity {
             null_value: Some(0.0),
             ..Parameter::PLAIN
         }],
-        looks_like: "the rod sags, and swings about the sagged posture",
+        signature: "the rod sags, and swings about the sagged posture",
         confounded_with: &["bend"],
         separated_by: &[],
         reach: Reach::Muscle,

@@ -55,7 +55,7 @@ impl Law for HandRelease {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "the first quarter of the first swing is late; from there on all is shifted in time",
+        signature: "the first quarter of the first swing is late; from there on all is shifted in time",
         confounded_with: &["initial_velocity"],
         separated_by: &[Separator::Video, Separator::Repeats],
         reach: Reach::Release,

@@ -72,7 +72,7 @@ impl Law for Hose {
                 &[-0.3, 0.0, 0.3],
             ),
         ],
-        looks_like: "a frequency and a rest that no stiffness and mass explain together, the same pull at every pressure",
+        signature: "a frequency and a rest that no stiffness and mass explain together, the same pull at every pressure",
         confounded_with: &["pressure_volume", "tip_inertia", "tip_load"],
         separated_by: &[Separator::Hose],
         reach: Reach::Muscle,

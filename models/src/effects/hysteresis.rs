@@ -59,7 +59,7 @@ impl Law for Hysteresis {
             },
             CREEP_RATE,
         ],
-        looks_like: "about a straight rest log amplitude falls on a straight line over the cycles; about a bent rest amplitude falls on a straight line, as with friction",
+        signature: "about a straight rest log amplitude falls on a straight line over the cycles; about a bent rest amplitude falls on a straight line, as with friction",
         confounded_with: &["rayleigh_stiffness", "braid_friction"],
         separated_by: &[Separator::Pressures, Separator::Payload],
         reach: Reach::Muscle,

@@ -38,7 +38,7 @@ impl Law for InitialVelocity {
             plausible: Some((-1.5, 1.5)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the first quarter of the first swing runs ahead or behind; later only the phase shows it",
+        signature: "the first quarter of the first swing runs ahead or behind; later only the phase shows it",
         confounded_with: &["hand_release", "clock"],
         separated_by: &[Separator::Video, Separator::Repeats],
         reach: Reach::Release,

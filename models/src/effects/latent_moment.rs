@@ -52,7 +52,7 @@ impl Law for LatentMoment {
             term("square_rate", "with the rate of curvature and the square of the curvature", "m^2 s", 2e-4),
             term("drift", "growing with the time", "1/(m s)", 3e-3),
         ],
-        looks_like: "whatever it is given to look like",
+        signature: "whatever it is given to look like",
         confounded_with: &["cubic_stiffness", "quadratic_stiffness", "set_curvature", "braid_friction"],
         separated_by: &[],
         reach: Reach::Muscle,

@@ -36,7 +36,7 @@ impl Law for LinearDrag {
             plausible: Some((0.0, 0.03)),
             ..Parameter::PLAIN
         }],
-        looks_like: "a straight line of log amplitude over time, less steep with a payload",
+        signature: "a straight line of log amplitude over time, less steep with a payload",
         confounded_with: &["rayleigh_mass"],
         separated_by: &[Separator::Payload],
         reach: Reach::Muscle,

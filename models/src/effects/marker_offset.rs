@@ -46,7 +46,7 @@ impl Law for MarkerOffset {
             offset("across", "offset across the end body, towards +z where it lies along x", 1e-3),
             offset("along", "offset along the end body, outwards", 0.0),
         ],
-        looks_like: "the path of the tip lies beside that of the model by a distance that turns with it",
+        signature: "the path of the tip lies beside that of the model by a distance that turns with it",
         confounded_with: &["scale", "frame_tilt", "tip_offset"],
         separated_by: &[Separator::Metrology, Separator::Angles],
         reach: Reach::Muscle,

@@ -291,7 +291,7 @@ pub struct About {
     /// Its parameters, in the order in which laws receive them.
     pub parameters: &'static [Parameter],
     /// What it looks like in a recording.
-    pub looks_like: &'static str,
+    pub signature: &'static str,
     /// Names of effects with which recordings confound it.
     pub confounded_with: &'static [&'static str],
     /// What tells it from those.

@@ -35,7 +35,7 @@ impl Law for OutOfPlane {
             plausible: Some((0.0, 0.05)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the rod seems shorter the more it lies along the horizontal",
+        signature: "the rod seems shorter the more it lies along the horizontal",
         confounded_with: &["scale", "axial_compliance"],
         separated_by: &[Separator::ThirdAxis],
         reach: Reach::Muscle,

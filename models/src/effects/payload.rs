@@ -43,7 +43,7 @@ impl Law for Payload {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "lowers frequency and rest posture together",
+        signature: "lowers frequency and rest posture together",
         confounded_with: &["bend"],
         separated_by: &[],
         reach: Reach::Muscle,

@@ -42,7 +42,7 @@ impl Law for PressureVolume {
             plausible: Some((-3e-3, 3e-3)),
             ..Parameter::PLAIN
         }],
-        looks_like: "large swings are faster than small ones, by the same share all along the rod",
+        signature: "large swings are faster than small ones, by the same share all along the rod",
         confounded_with: &["cubic_stiffness", "hose"],
         separated_by: &[Separator::Valve, Separator::Pressures],
         reach: Reach::Muscle,

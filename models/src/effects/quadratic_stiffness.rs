@@ -37,7 +37,7 @@ impl Law for QuadraticStiffness {
             plausible: Some((-0.02, 0.02)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the swing has a mean that moves with its amplitude, and a second harmonic",
+        signature: "the swing has a mean that moves with its amplitude, and a second harmonic",
         confounded_with: &["pressure_volume", "cubic_stiffness"],
         separated_by: &[Separator::Angles, Separator::BodyMarkers],
         reach: Reach::Muscle,

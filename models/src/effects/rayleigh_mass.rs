@@ -34,7 +34,7 @@ impl Law for RayleighMass {
             null_value: Some(0.0),
             ..Parameter::PLAIN
         }],
-        looks_like: "a straight line of log amplitude over time, of the same slope for every mode",
+        signature: "a straight line of log amplitude over time, of the same slope for every mode",
         confounded_with: &["rayleigh_stiffness"],
         separated_by: &[],
         reach: Reach::Muscle,

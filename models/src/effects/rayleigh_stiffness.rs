@@ -43,7 +43,7 @@ impl Law for RayleighStiffness {
             null_value: Some(0.0),
             ..Parameter::PLAIN
         }],
-        looks_like: "higher modes die first; log amplitude falls on a straight line, steeper the faster the mode",
+        signature: "higher modes die first; log amplitude falls on a straight line, steeper the faster the mode",
         confounded_with: &["rayleigh_mass", "viscoelastic"],
         separated_by: &[],
         reach: Reach::Muscle,

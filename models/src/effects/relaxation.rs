@@ -77,7 +77,7 @@ impl Law for Relaxation {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "the rod is stiffer in motion than at rest, loses energy at every frequency, and its mean sinks long after the release",
+        signature: "the rod is stiffer in motion than at rest, loses energy at every frequency, and its mean sinks long after the release",
         confounded_with: &["viscoelastic", "creep", "structural_damping"],
         separated_by: &[Separator::LongRecord, Separator::Payload],
         reach: Reach::Muscle,

@@ -36,7 +36,7 @@ impl Law for ReleaseDrift {
             plausible: Some((-0.03, 0.03)),
             ..Parameter::PLAIN
         }],
-        looks_like: "releases that should be equal differ in frequency and rest, each constant in itself",
+        signature: "releases that should be equal differ in frequency and rest, each constant in itself",
         confounded_with: &["bend"],
         separated_by: &[Separator::Repeats],
         reach: Reach::Release,

@@ -34,7 +34,7 @@ impl Law for Scale {
             plausible: Some((-0.02, 0.02)),
             ..Parameter::PLAIN
         }],
-        looks_like: "every point is too far from the clamp by the same share, at rest and in motion",
+        signature: "every point is too far from the clamp by the same share, at rest and in motion",
         confounded_with: &["axial_compliance", "marker_offset", "out_of_plane"],
         separated_by: &[Separator::Metrology, Separator::BodyMarkers],
         reach: Reach::Muscle,

@@ -55,7 +55,7 @@ impl Law for SetCurvature {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "the rod hangs higher or lower than its stiffness says, and swings as if it did not",
+        signature: "the rod hangs higher or lower than its stiffness says, and swings as if it did not",
         confounded_with: &["creep", "quadratic_stiffness", "stiffness_taper", "frame_tilt"],
         separated_by: &[Separator::Pressures, Separator::BodyMarkers],
         reach: Reach::Muscle,

@@ -39,7 +39,7 @@ impl Law for StiffnessDrift {
             plausible: Some((-0.01, 0.01)),
             ..Parameter::PLAIN
         }],
-        looks_like: "frequency and mean drift with time, whatever the amplitude",
+        signature: "frequency and mean drift with time, whatever the amplitude",
         confounded_with: &["creep"],
         separated_by: &[Separator::LongRecord],
         reach: Reach::Muscle,

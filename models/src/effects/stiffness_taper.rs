@@ -38,7 +38,7 @@ impl Law for StiffnessTaper {
             plausible: Some((-0.3, 0.3)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the shape of rest and swing differs: more of the bending sits near one end",
+        signature: "the shape of rest and swing differs: more of the bending sits near one end",
         confounded_with: &["clamp_compliance", "bend"],
         separated_by: &[Separator::BodyMarkers],
         reach: Reach::Muscle,

@@ -37,7 +37,7 @@ impl Law for StrainRateCubed {
             plausible: Some((0.0, 1e-6)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the first large swings lose much more than the later ones: loss per cycle with the square of amplitude",
+        signature: "the first large swings lose much more than the later ones: loss per cycle with the square of amplitude",
         confounded_with: &["air_drag", "tip_drag"],
         separated_by: &[Separator::Angles],
         reach: Reach::Muscle,

@@ -26,7 +26,7 @@ impl Law for Stretch {
         memory: 0,
         timed: false,
         parameters: &[],
-        looks_like: "the tip swings on a slightly wider path at the bottom of the swing, where the pull is largest",
+        signature: "the tip swings on a slightly wider path at the bottom of the swing, where the pull is largest",
         confounded_with: &[],
         separated_by: &[],
         reach: Reach::Muscle,

@@ -74,7 +74,7 @@ impl Law for StructuralDamping {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "log amplitude falls by the same amount in each cycle, at every amplitude, and by the same share at every frequency",
+        signature: "log amplitude falls by the same amount in each cycle, at every amplitude, and by the same share at every frequency",
         confounded_with: &["rayleigh_mass", "rayleigh_stiffness", "viscoelastic", "relaxation"],
         separated_by: &[Separator::Pressures, Separator::Payload],
         reach: Reach::Muscle,

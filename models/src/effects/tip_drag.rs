@@ -43,7 +43,7 @@ impl Law for TipDrag {
             },
             AIR_DENSITY,
         ],
-        looks_like: "the first large swings lose more than the later ones: one over the amplitude grows on a straight line",
+        signature: "the first large swings lose more than the later ones: one over the amplitude grows on a straight line",
         confounded_with: &["air_drag", "strain_rate_cubed"],
         separated_by: &[Separator::TipPlate],
         reach: Reach::Muscle,

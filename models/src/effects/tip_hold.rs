@@ -63,7 +63,7 @@ impl Law for TipHold {
             component("rate_x", "rate of the force along x at the release", "N/s", 1.0),
             component("rate_z", "rate of the force along z at the release", "N/s", 1.0),
         ],
-        looks_like: "a bent posture at the release",
+        signature: "a bent posture at the release",
         confounded_with: &["set_curvature"],
         separated_by: &[],
         reach: Reach::Release,

@@ -35,7 +35,7 @@ impl Law for TipInertia {
             plausible: Some((0.0, 1e-4)),
             ..Parameter::PLAIN
         }],
-        looks_like: "the frequency falls and the rest stays; the second mode falls more",
+        signature: "the frequency falls and the rest stays; the second mode falls more",
         confounded_with: &["added_mass", "tip_mass", "end_fitting"],
         separated_by: &[Separator::Payload, Separator::Metrology],
         reach: Reach::Muscle,

@@ -38,7 +38,7 @@ impl Law for TipForce {
             component("force_z", "force along z, up", "N", 0.1),
             component("moment", "moment on the end fitting, from x towards z", "N m", 0.01),
         ],
-        looks_like: "shifts the rest posture; leaves no loss",
+        signature: "shifts the rest posture; leaves no loss",
         confounded_with: &["payload"],
         separated_by: &[],
         reach: Reach::Muscle,

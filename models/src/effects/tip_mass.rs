@@ -64,7 +64,7 @@ impl Law for TipMass {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "lowers frequency and rest posture together, as a softer rod would",
+        signature: "lowers frequency and rest posture together, as a softer rod would",
         confounded_with: &["bend", "end_fitting", "payload", "tip_inertia"],
         separated_by: &[Separator::Metrology, Separator::Payload],
         reach: Reach::Muscle,

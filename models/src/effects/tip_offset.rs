@@ -36,7 +36,7 @@ impl Law for TipOffset {
             plausible: Some((-5e-3, 5e-3)),
             ..Parameter::PLAIN
         }],
-        looks_like: "lowers the frequency and the rest posture a little; the second mode moves most",
+        signature: "lowers the frequency and the rest posture a little; the second mode moves most",
         confounded_with: &["tip_inertia", "added_mass", "clock", "bend"],
         separated_by: &[Separator::Payload, Separator::Metrology],
         reach: Reach::Muscle,

@@ -55,7 +55,7 @@ impl Law for Viscoelastic {
                 ..Parameter::PLAIN
             },
         ],
-        looks_like: "the rod is stiffer in motion than at rest, and loses most at frequencies near 1/τ",
+        signature: "the rod is stiffer in motion than at rest, and loses most at frequencies near 1/τ",
         confounded_with: &["rayleigh_stiffness", "bend", "relaxation"],
         separated_by: &[Separator::Pressures, Separator::Payload],
         reach: Reach::Muscle,

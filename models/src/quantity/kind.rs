@@ -3,16 +3,16 @@
 use super::unit::{Dimension, Unit};
 
 /// A kind of quantity.
-pub(super) struct Kind {
+pub(super) struct QuantityKind {
     /// Noun without article.
     pub name: &'static str,
     /// What people write it in; the first has the dimension of the kind, others fit it.
     pub units: &'static [&'static str],
 }
 
-impl Kind {
+impl QuantityKind {
     /// The kind of what is measured in `unit`, if it has a name.
-    pub fn of(unit: &str) -> Option<&'static Kind> {
+    pub fn of(unit: &str) -> Option<&'static QuantityKind> {
         let dimension = Unit::parse(unit).ok()?.dimension;
         let exact = KINDS.iter().find(|kind| kind.dimension() == dimension);
         exact.or_else(|| (KINDS.iter()).find(|kind| dimension.fits(kind.dimension())))
@@ -24,7 +24,7 @@ impl Kind {
     }
 }
 
-const KINDS: &[Kind] = &[
+const KINDS: &[QuantityKind] = &[
     kind("ratio", &["%"]),
     kind("length", &["mm", "in"]),
     kind("mass", &["g", "kg"]),
@@ -56,8 +56,8 @@ const KINDS: &[Kind] = &[
     kind("bending viscosity", &["N m^2 s"]),
 ];
 
-const fn kind(name: &'static str, units: &'static [&'static str]) -> Kind {
-    Kind { name, units }
+const fn kind(name: &'static str, units: &'static [&'static str]) -> QuantityKind {
+    QuantityKind { name, units }
 }
 
 #[cfg(test)]

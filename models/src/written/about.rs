@@ -313,7 +313,7 @@ fn about(definition: &Definition, terms: &Terms) -> &'static About {
         memory: usize::from(terms[out::MEMORY].is_some()),
         timed: all(&|name| name == "time"),
         parameters: Box::leak(parameters.into_boxed_slice()),
-        looks_like: leak(&definition.looks_like),
+        signature: leak(&definition.signature),
         confounded_with: Box::leak(confounded.into_boxed_slice()),
         separated_by: Box::leak(definition.separated_by.clone().into_boxed_slice()),
         reach: definition.reach,

@@ -218,7 +218,7 @@ fn about_of(about: &About) -> String {
     let confounded = about.confounded_with.iter().map(|name| format!("{name:?}")).collect();
     format!(
         "About {{\n        name: {:?},\n        meaning: {:?},\n        kind: Kind::{:?},\n        places: {},\n        \
-         memory: {},\n        timed: {},\n        parameters: &[\n{parameters}        ],\n        looks_like: {:?},\n        \
+         memory: {},\n        timed: {},\n        parameters: &[\n{parameters}        ],\n        signature: {:?},\n        \
          confounded_with: {},\n        separated_by: {},\n        reach: Reach::{:?},\n    }}",
         about.name,
         about.meaning,
@@ -226,7 +226,7 @@ fn about_of(about: &About) -> String {
         list(about.places.iter().map(|place| format!("Place::{place:?}")).collect()),
         about.memory,
         about.timed,
-        about.looks_like,
+        about.signature,
         list(confounded),
         list(separators),
         about.reach,

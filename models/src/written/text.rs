@@ -44,8 +44,8 @@ impl Definition {
         if self.reach != Reach::Muscle {
             put("reach", quoted(word(&REACHES, self.reach)));
         }
-        if !self.looks_like.is_empty() {
-            put("looks_like", quoted(&self.looks_like));
+        if !self.signature.is_empty() {
+            put("signature", quoted(&self.signature));
         }
         if !self.confounded_with.is_empty() {
             put("confounded_with", list(self.confounded_with.iter().map(String::as_str)));

@@ -55,7 +55,7 @@ fn expected_swing(model: &Model, run: &Run) -> Result<f64, ForwardError> {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
     /// Accuracy that was requested, or the usual one.
-    pub asked_m: f64,
+    pub requested_m: f64,
     /// Largest distance of the tip from where a rod without mesh would have it.
     pub mesh_m: f64,
     /// When that is, after release.
@@ -82,15 +82,15 @@ impl Errors {
 
     /// Whether the path of the tip is as accurate as was asked.
     pub fn is_reached(&self) -> bool {
-        self.tip_m() <= self.asked_m && self.fails.is_none()
+        self.tip_m() <= self.requested_m && self.fails.is_none()
     }
 
     /// What to know before the run is used.
     pub fn warnings(&self, run: &Run, model: &Model, goal: &Goal) -> Vec<String> {
         let mut warnings = Vec::new();
-        let asked = millimetres(self.asked_m);
-        let misses = self.tip_m() > self.asked_m;
-        if misses && self.mesh_m > SHARE * self.asked_m {
+        let asked = millimetres(self.requested_m);
+        let misses = self.tip_m() > self.requested_m;
+        if misses && self.mesh_m > SHARE * self.requested_m {
             let next = match self.mesh_nodes(model) {
                 Some(nodes) if goal.chooses_mesh => format!("rod.nodes = {nodes} may do, and takes longer"),
                 Some(nodes) if model.scheme == Scheme::Paper => {
@@ -116,14 +116,14 @@ impl Errors {
         };
         if let Some(why) = &self.fails {
             warnings.push(format!("with longer steps the run fails: {why}; {next}"));
-        } else if misses && self.step_m > SHARE * self.asked_m {
+        } else if misses && self.step_m > SHARE * self.requested_m {
             warnings.push(format!(
                 "the steps put the tip wrong by some {} mm at {:.2} s, {asked} mm was asked; {next}",
                 millimetres(self.step_m),
                 self.step_time_s
             ));
         }
-        if let Some(energy) = self.energy_m.filter(|energy| *energy > self.asked_m) {
+        if let Some(energy) = self.energy_m.filter(|energy| *energy > self.requested_m) {
             warnings.push(format!(
                 "the energy fails to close by what {} mm of the swing are worth, {asked} mm was asked; {next}",
                 millimetres(energy)
@@ -134,7 +134,7 @@ impl Errors {
 
     /// Nodes that would reach what was asked.
     fn mesh_nodes(&self, model: &Model) -> Option<usize> {
-        let edges = finer(model, self.mesh_m / (AIM * self.asked_m));
+        let edges = finer(model, self.mesh_m / (AIM * self.requested_m));
         (edges < MOST_EDGES).then_some(edges + 1)
     }
 }
@@ -245,7 +245,7 @@ pub fn settle(
         let errors = estimate(&model, &run, &trajectory, goal, attempts)?;
         let Some(errors) = errors else { return Ok(Settled { model, run, trajectory, errors }) };
         let wrong = [errors.mesh_m, errors.step_m.max(errors.energy_m.unwrap_or(0.0))]
-            .map(|error| error / errors.asked_m);
+            .map(|error| error / errors.requested_m);
         // What longer steps change says nothing of the mesh, whose coarser run takes steps of its own.
         let is_known = errors.mesh_m > errors.step_m || wrong[1] <= SHARE;
         let may = [goal.chooses_mesh, goal.chooses_tolerance && run.method.of(&model) != Method::Verlet];
@@ -329,7 +329,7 @@ fn estimate(
         if coarse_fails.is_some() || ratio <= 1.0 { 1.0 } else { 1.0 / (ratio.powf(order(model)) - 1.0) };
     let closure = trajectory.closure();
     Ok(Some(Errors {
-        asked_m: goal.accuracy.unwrap_or_else(|| usual(model, swing)),
+        requested_m: goal.accuracy.unwrap_or_else(|| usual(model, swing)),
         mesh_m: mesh * per_mesh,
         mesh_time_s,
         coarse_nodes,

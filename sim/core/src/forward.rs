@@ -200,7 +200,7 @@ pub fn forward(
         if end >= duration {
             break;
         }
-        if run.cancel.is_asked() {
+        if run.cancel.is_requested() {
             trajectory.status = Status::CutShort { time: end };
             trajectory.cut();
             return Ok(trajectory);

@@ -97,7 +97,7 @@ impl Cancel {
     }
 
     /// Whether the flag is set.
-    pub fn is_asked(&self) -> bool {
+    pub fn is_requested(&self) -> bool {
         self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 }

@@ -16,7 +16,7 @@ const OF_SCENARIOS: [&str; 2] = ["run", "release"];
 
 /// A kind of file, as commands take them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FileKind {
     /// What is simulated.
     Scenario,
     /// Recordings and facts about them.
@@ -33,55 +33,55 @@ pub enum Kind {
     Run,
 }
 
-impl Kind {
+impl FileKind {
     /// The kind of a file; none where it is not plain.
-    pub fn of(path: &Path) -> Option<Kind> {
+    pub fn of(path: &Path) -> Option<FileKind> {
         if path.is_dir() {
-            return path.join(MARK).is_file().then_some(Kind::Run);
+            return path.join(MARK).is_file().then_some(FileKind::Run);
         }
         // What can be read once only, such as a pipe, has been read.
         if !path.is_file() {
             return None;
         }
         if may_be_recording(path) {
-            return read(path, &ReadOptions::default()).is_ok().then_some(Kind::Recording);
+            return read(path, &ReadOptions::default()).is_ok().then_some(FileKind::Recording);
         }
         of_text(&input::text(path).ok()?)
     }
 
     /// Why a file of this kind is of no use where another one is due, and which command takes it.
-    pub fn instead_of(self, due: Kind, path: &Path) -> String {
+    pub fn instead_of(self, due: FileKind, path: &Path) -> String {
         let shown = path.display();
         format!("{shown}: is {self}, and {due} is due; {}", self.command(&shell_word(path)))
     }
 
     fn command(self, file: &str) -> String {
         match self {
-            Kind::Scenario => format!("`efam simulate {file}` takes it"),
-            Kind::Experiment => format!("`efam diagnose {file}` takes it, as calibrate and analyse do"),
-            Kind::Sweep => format!("`efam sweep {file}` takes it"),
-            Kind::Muscle => format!("`efam predict --muscle {file} --pressure 40psi` takes it"),
-            Kind::Laws => format!("`efam effects --check {file}` takes it"),
-            Kind::Recording => {
+            FileKind::Scenario => format!("`efam simulate {file}` takes it"),
+            FileKind::Experiment => format!("`efam diagnose {file}` takes it, as calibrate and analyse do"),
+            FileKind::Sweep => format!("`efam sweep {file}` takes it"),
+            FileKind::Muscle => format!("`efam predict --muscle {file} --pressure 40psi` takes it"),
+            FileKind::Laws => format!("`efam effects --check {file}` takes it"),
+            FileKind::Recording => {
                 format!(
                     "`efam experiment init {file}` writes an experiment from it, `efam inspect {file}` summarises it"
                 )
             }
-            Kind::Run => format!("`efam report {file}` takes it"),
+            FileKind::Run => format!("`efam report {file}` takes it"),
         }
     }
 }
 
-impl Display for Kind {
+impl Display for FileKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Kind::Scenario => "a scenario",
-            Kind::Experiment => "an experiment",
-            Kind::Sweep => "a sweep",
-            Kind::Muscle => "a muscle file",
-            Kind::Laws => "a file of laws",
-            Kind::Recording => "a recording",
-            Kind::Run => "the folder of a run",
+            FileKind::Scenario => "a scenario",
+            FileKind::Experiment => "an experiment",
+            FileKind::Sweep => "a sweep",
+            FileKind::Muscle => "a muscle file",
+            FileKind::Laws => "a file of laws",
+            FileKind::Recording => "a recording",
+            FileKind::Run => "the folder of a run",
         })
     }
 }
@@ -93,21 +93,21 @@ pub fn may_be_recording(path: &Path) -> bool {
 }
 
 /// The kind of a text of TOML, by keys that only that kind has.
-fn of_text(text: &str) -> Option<Kind> {
+fn of_text(text: &str) -> Option<FileKind> {
     let table: Table = text.parse().ok()?;
     let has = |key: &str| table.contains_key(key);
     let has_pressure =
         table.get("muscle").and_then(Value::as_table).is_some_and(|own| own.contains_key("pressure"));
     Some(if has("recording") {
-        Kind::Experiment
+        FileKind::Experiment
     } else if has("sweep") {
-        Kind::Sweep
+        FileKind::Sweep
     } else if has("rest") && has("table") {
-        Kind::Muscle
+        FileKind::Muscle
     } else if has_pressure || OF_SCENARIOS.into_iter().any(has) {
-        Kind::Scenario
+        FileKind::Scenario
     } else if has("laws") && table.len() == 1 {
-        Kind::Laws
+        FileKind::Laws
     } else {
         return None;
     })
@@ -120,12 +120,12 @@ mod tests {
     #[test]
     fn texts_are_told_apart_by_keys_that_only_their_kind_has() {
         for (text, kind) in [
-            ("[muscle]\nname = \"m\"\npressure = \"1 psi\"", Some(Kind::Scenario)),
-            ("[rod]\nlength = \"1 m\"\n[run]\nduration = \"1 s\"", Some(Kind::Scenario)),
-            ("[muscle]\nname = \"m\"\n[[recording]]\nfile = \"a.csv\"", Some(Kind::Experiment)),
-            ("[sweep]\nscenario = \"s.toml\"", Some(Kind::Sweep)),
-            ("[laws.mine]\nplace = \"flow\"", Some(Kind::Laws)),
-            (models::muscle::BUILT_IN[0].1, Some(Kind::Muscle)),
+            ("[muscle]\nname = \"m\"\npressure = \"1 psi\"", Some(FileKind::Scenario)),
+            ("[rod]\nlength = \"1 m\"\n[run]\nduration = \"1 s\"", Some(FileKind::Scenario)),
+            ("[muscle]\nname = \"m\"\n[[recording]]\nfile = \"a.csv\"", Some(FileKind::Experiment)),
+            ("[sweep]\nscenario = \"s.toml\"", Some(FileKind::Sweep)),
+            ("[laws.mine]\nplace = \"flow\"", Some(FileKind::Laws)),
+            (models::muscle::BUILT_IN[0].1, Some(FileKind::Muscle)),
             // Of either of two kinds, or of none.
             ("[muscle]\nname = \"m\"", None),
             ("[muscle", None),

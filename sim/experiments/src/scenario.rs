@@ -59,7 +59,7 @@ use models::model::Model;
 use models::muscle::Known;
 
 use document::Document;
-pub use error::{At, Problem, ScenarioError};
+pub use error::{At, ScenarioError, ScenarioProblem};
 pub(crate) use laws::LAWS;
 pub use laws::{effects_of, parse_laws, read_laws};
 use plan::Plan;

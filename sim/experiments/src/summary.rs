@@ -89,9 +89,9 @@ pub struct Summary {
     /// Simulated over wall-clock time.
     pub real_time_factor: Option<f64>,
     /// How it was run.
-    pub settings: Settings,
+    pub settings: RunSettings,
     /// Every parameter of the model, SI, by its path.
-    pub parameters: BTreeMap<String, Parameter>,
+    pub parameters: BTreeMap<String, RunParameter>,
     /// SHA-256 of what was read, by name.
     pub inputs_sha256: BTreeMap<String, String>,
     /// What wrote this.
@@ -173,7 +173,7 @@ pub struct EnergyBalance {
 
 /// How a model was run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Settings {
+pub struct RunSettings {
     /// Integrator that made the run.
     pub method: Method,
     /// Error admitted in a step, relative.
@@ -202,7 +202,7 @@ pub struct Settings {
 
 /// A parameter's value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Parameter {
+pub struct RunParameter {
     /// SI.
     pub value: f64,
     /// Empty if dimensionless.
@@ -403,7 +403,7 @@ fn energy(run: &Run, trajectory: &Trajectory) -> Result<EnergyBalance, String> {
     })
 }
 
-fn settings(model: &Model, run: &Run) -> Settings {
+fn settings(model: &Model, run: &Run) -> RunSettings {
     let initial = match run.initial {
         Initial::Straight => "straight",
         Initial::Equilibrium { .. } => "equilibrium",
@@ -413,7 +413,7 @@ fn settings(model: &Model, run: &Run) -> Settings {
         Scheme::Consistent => "consistent",
         Scheme::Paper => "paper",
     };
-    Settings {
+    RunSettings {
         method: run.method.of(model),
         tolerance: run.tolerance,
         fixed_step_s: run.steps.fixed(),
@@ -428,9 +428,9 @@ fn settings(model: &Model, run: &Run) -> Settings {
     }
 }
 
-fn parameters(model: &Model) -> BTreeMap<String, Parameter> {
+fn parameters(model: &Model) -> BTreeMap<String, RunParameter> {
     let value = |(p, &value): (&models::model::ModelParameter, &f64)| {
-        (p.path.clone(), Parameter { value, unit: p.unit.to_owned() })
+        (p.path.clone(), RunParameter { value, unit: p.unit.to_owned() })
     };
     model.parameters.iter().zip(&model.theta).map(value).collect()
 }

@@ -49,7 +49,7 @@ pub struct EffectEntry {
     /// Whether every model has it.
     pub is_baseline: bool,
     /// What it looks like in a recording.
-    pub looks_like: &'static str,
+    pub signature: &'static str,
     /// Its page.
     pub page: String,
     /// Its parameters.
@@ -95,7 +95,7 @@ pub fn catalogue() -> Result<Catalogue, PlaygroundError> {
             meaning: about.meaning,
             kind: format!("{:?}", about.kind).to_lowercase(),
             is_baseline: BASELINE.contains(&about.name),
-            looks_like: about.looks_like,
+            signature: about.signature,
             page,
             parameters: about.parameters.iter().map(|p| of_effect(p, &model.rod())).collect(),
         }

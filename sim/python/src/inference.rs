@@ -9,7 +9,7 @@ use efam_experiments::analysis::static_stiffness::NODES;
 use efam_inference::calibrate as calibration;
 use efam_inference::diagnose as diagnosis;
 use efam_inference::predict as prediction;
-use efam_inference::predict::Settings;
+use efam_inference::predict::PredictionSettings;
 use efam_inference::predict::check::{check, fitted_files};
 use efam_inference::predict::request::CaseRequest;
 use efam_report::Request;
@@ -114,7 +114,7 @@ pub fn calibrate(
         progress.say("reading and cleaning the recordings");
         let (mut problem, settings) = calibration::problem(&own.own, &own.cleaned()?)?;
         problem.trials.iter_mut().for_each(|trial| trial.run.cancel = cancel.clone());
-        let settings = calibration::Settings { profile, ..settings };
+        let settings = calibration::CalibrationSettings { profile, ..settings };
         let outcome = calibration::calibrate(&problem, &settings, &Listener(cancel, progress))?;
         let found = &outcome.calibration;
         let files = models(&own.own, &problem, &settings, found);
@@ -150,11 +150,11 @@ pub fn diagnose(
     let work = |cancel: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
         let begin = Instant::now();
         progress.say("reading and cleaning the recordings");
-        let settings = diagnosis::Settings {
+        let settings = diagnosis::DiagnosisSettings {
             false_alarm,
             most_effects: most,
             excluded: without,
-            ..diagnosis::Settings::default()
+            ..diagnosis::DiagnosisSettings::default()
         }
         .stated(&own.own)?;
         let problem = diagnosis::problem(&own.own, &own.cleaned()?)?;
@@ -169,7 +169,7 @@ pub fn diagnose(
 }
 
 /// The rod that is asked about: a scenario by its text or path, or a muscle.
-fn asked(of: &str) -> Result<CaseRequest, Failure> {
+fn request(of: &str) -> Result<CaseRequest, Failure> {
     let is_built_in = BUILT_IN.iter().any(|(name, _)| *name == of);
     if is_built_in || Path::new(of).file_name().is_some_and(|name| name == "muscle.toml") {
         return Ok(CaseRequest::muscle(of));
@@ -200,10 +200,10 @@ pub fn predict(
     let set = overrides(options, &Laws::default())?;
     let work = |_: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
         let begin = Instant::now();
-        let mut asked = asked(&of)?;
-        asked.set = set;
-        let (case, known) = asked.case(None, None)?;
-        let settings = Settings { draws, seed };
+        let mut request = request(&of)?;
+        request.set = set;
+        let (case, known) = request.case(None, None)?;
+        let settings = PredictionSettings { draws, seed };
         progress.expect(known.as_ref().map_or(0, |_| draws));
         let outcome = prediction::predict(&case, known.as_ref(), &settings, &|| progress.step());
         let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
@@ -237,15 +237,15 @@ pub fn compare(
         let (experiment, known) = match &of {
             None => (own.own.clone(), own.own.known().cloned()),
             Some(of) => {
-                let mut asked = asked(of)?;
-                asked.set = own.overrides().to_vec();
-                asked.in_experiment(&own.own)?
+                let mut request = request(of)?;
+                request.set = own.overrides().to_vec();
+                request.in_experiment(&own.own)?
             }
         };
         let rod = of.as_ref().filter(|of| !of.contains('\n')).map(PathBuf::from);
         let fitted = rod.as_deref().map(fitted_files).unwrap_or_default();
         let cleaned = efam_experiments::cleaning::clean(&experiment)?;
-        let settings = Settings { draws, seed };
+        let settings = PredictionSettings { draws, seed };
         let found = check(&experiment, &cleaned, known.as_ref(), &fitted, &settings)?;
         let request = request_of(own, &found.warnings, begin.elapsed().as_secs_f64());
         let request = Request { name: format!("{} predicted", request.name), ..request };

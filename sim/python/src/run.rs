@@ -171,7 +171,7 @@ pub fn tips_of_many<'py>(
         let mut tips = vec![f64::NAN; 2 * times.len() * cases.len()];
         let width = 2 * times.len();
         let one = |(place, (row, case)): (usize, (&mut [f64], &&Case))| {
-            if cancel.is_asked() {
+            if cancel.is_requested() {
                 return None;
             }
             let samples: Vec<f64> = times.iter().copied().filter(|time| *time <= case.run.duration).collect();

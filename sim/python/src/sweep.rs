@@ -74,7 +74,7 @@ pub fn sweep<'py>(
                 }
             };
             run_all(&plan, &due, &cancel, &told)?;
-            if cancel.is_asked() {
+            if cancel.is_requested() {
                 return Err(Failure::Interrupted);
             }
             let (merged, kept) = merge(&plan, csv, &|| ())?;

@@ -17,7 +17,7 @@ use parameters::Parameters;
 use super::Marker;
 use super::clock::plain;
 use super::draft::{Draft, Unit};
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::format::Format;
 use super::layout::distinct;
 use super::length::Length;
@@ -51,8 +51,8 @@ struct Shape {
 }
 
 /// Reads a file.
-pub(super) fn read(bytes: &[u8]) -> Result<Draft, Problem> {
-    let broken = |text: String| Problem::C3d(text);
+pub(super) fn read(bytes: &[u8]) -> Result<Draft, RecordingProblem> {
+    let broken = |text: String| RecordingProblem::C3d(text);
     if bytes.len() < BLOCK {
         return Err(broken(format!("it has {} bytes, less than its header of {BLOCK}", bytes.len())));
     }

@@ -2,7 +2,7 @@
 
 use csv::{Reader, ReaderBuilder, StringRecord};
 
-use super::error::Problem;
+use super::error::RecordingProblem;
 
 /// Lines that are looked at to find the delimiter.
 const SAMPLE: usize = 16;
@@ -12,7 +12,7 @@ const SHOWN: usize = 60;
 const LOST: [&str; 9] = ["na", "n/a", "#n/a", "null", "none", "-", "--", "#value!", "missing"];
 
 /// Bytes as text; with what is to be said about its encoding.
-pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), Problem> {
+pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), RecordingProblem> {
     let wide = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
         let words: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| from([pair[0], pair[1]])).collect();
         (String::from_utf16_lossy(&words), Some("encoding: UTF-16, as its first bytes say".to_owned()))
@@ -28,7 +28,7 @@ pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), Pro
     let is_text =
         |byte: u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\r' | b'\n' | 0x0c | 0x1a);
     if let Some(offset) = bytes.iter().position(|byte| !is_text(*byte)) {
-        return Err(Problem::NotText { offset, byte: bytes[offset] });
+        return Err(RecordingProblem::NotText { offset, byte: bytes[offset] });
     }
     // In its place: a long recording is not held twice.
     match String::from_utf8(bytes) {
@@ -76,11 +76,11 @@ impl<'t> Rows<'t> {
     }
 
     /// Goes on to the next row that is not an empty line; false at the end.
-    pub(super) fn read(&mut self) -> Result<bool, Problem> {
+    pub(super) fn read(&mut self) -> Result<bool, RecordingProblem> {
         if std::mem::take(&mut self.is_held) {
             return Ok(true);
         }
-        let unreadable = |error: csv::Error| Problem::Unreadable(std::io::Error::other(error));
+        let unreadable = |error: csv::Error| RecordingProblem::Unreadable(std::io::Error::other(error));
         let is_row = self.reader.read_record(&mut self.record).map_err(unreadable)?;
         if is_row {
             self.line = self.find_line();
@@ -89,7 +89,7 @@ impl<'t> Rows<'t> {
     }
 
     /// Goes on to the next row that is not blank; false at the end.
-    pub(super) fn read_filled(&mut self) -> Result<bool, Problem> {
+    pub(super) fn read_filled(&mut self) -> Result<bool, RecordingProblem> {
         while self.read()? {
             if !self.is_blank() {
                 return Ok(true);
@@ -225,10 +225,10 @@ impl Numbers {
     }
 
     /// What is to be said about decimal signs.
-    pub(super) fn finding(self) -> Result<Option<String>, Problem> {
+    pub(super) fn finding(self) -> Result<Option<String>, RecordingProblem> {
         match (self.point, self.comma) {
             (Some((point_line, point)), Some((comma_line, comma))) => {
-                Err(Problem::MixedDecimals { point, point_line, comma, comma_line })
+                Err(RecordingProblem::MixedDecimals { point, point_line, comma, comma_line })
             }
             (None, Some((line, value))) => {
                 Ok(Some(format!("decimal sign: a comma, as in `{value}` in line {line}")))

@@ -1,6 +1,6 @@
 //! When samples were taken: from times, from frame numbers, or from the rate alone.
 
-use super::error::Problem;
+use super::error::RecordingProblem;
 
 /// Share of a step by which times may be off before they count as uneven.
 const EVEN: f64 = 0.02;
@@ -31,9 +31,9 @@ impl Stated<'_> {
         wanted: Option<f64>,
         place: &dyn Fn(usize) -> String,
         findings: &mut Vec<String>,
-    ) -> Result<Clock, Problem> {
+    ) -> Result<Clock, RecordingProblem> {
         if let Some(value) = wanted.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
-            return Err(Problem::Rate { value });
+            return Err(RecordingProblem::Rate { value });
         }
         if !self.frames.is_empty() {
             ascending(self.frames, "frame", place)?;
@@ -64,7 +64,7 @@ impl Stated<'_> {
                 findings.push(format!("rate: {} Hz, {source}", plain(rate)));
                 Clock { rate_hz: rate, time }
             }
-            (None, None) => return Err(Problem::NoRate),
+            (None, None) => return Err(RecordingProblem::NoRate),
         };
         // Rates beyond all measure can leave no difference between times.
         ascending(&clock.time, "time in s", place)?;
@@ -73,7 +73,7 @@ impl Stated<'_> {
         Ok(clock)
     }
 
-    fn by_times(&self, findings: &mut Vec<String>) -> Result<Clock, Problem> {
+    fn by_times(&self, findings: &mut Vec<String>) -> Result<Clock, RecordingProblem> {
         let shown = rate_of(self.times);
         let (rate_hz, finding) = match self.rate {
             None => (shown, format!("{} Hz, as the times show", plain(shown))),
@@ -88,18 +88,20 @@ impl Stated<'_> {
         findings.push(format!("rate: {finding}"));
         match rate_hz.is_finite() && rate_hz > 0.0 {
             true => Ok(Clock { rate_hz, time: self.times.to_vec() }),
-            false => Err(Problem::NoRate),
+            false => Err(RecordingProblem::NoRate),
         }
     }
 }
 
 impl Clock {
     /// Whether its times have digits enough to tell a step: a number has 53 binary ones.
-    fn resolves(&self) -> Result<(), Problem> {
+    fn resolves(&self) -> Result<(), RecordingProblem> {
         let largest = self.time.iter().fold(0.0, |largest: f64, time| largest.max(time.abs()));
         match f64::EPSILON * largest * self.rate_hz <= EVEN {
             true => Ok(()),
-            false => Err(Problem::Unresolved { time: plain(largest), step: plain(self.rate_hz.recip()) }),
+            false => {
+                Err(RecordingProblem::Unresolved { time: plain(largest), step: plain(self.rate_hz.recip()) })
+            }
         }
     }
 
@@ -144,11 +146,15 @@ impl Clock {
     }
 }
 
-fn ascending(values: &[f64], what: &'static str, place: &dyn Fn(usize) -> String) -> Result<(), Problem> {
+fn ascending(
+    values: &[f64],
+    what: &'static str,
+    place: &dyn Fn(usize) -> String,
+) -> Result<(), RecordingProblem> {
     // What is no number does not ascend, either.
     let ascends = |pair: &[f64]| pair[1] > pair[0];
     let Some(at) = values.windows(2).position(|pair| !ascends(pair)) else { return Ok(()) };
-    Err(Problem::Order { place: place(at + 1), what, before: values[at], after: values[at + 1] })
+    Err(RecordingProblem::Order { place: place(at + 1), what, before: values[at], after: values[at + 1] })
 }
 
 /// Samples a second: whole steps over the time that they take, where most steps agree on one.

@@ -11,7 +11,7 @@ use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderB
 use parquet::file::metadata::ParquetMetaData;
 
 use super::draft::Draft;
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::format::Format;
 use super::layout::{Columns, Layout};
 use super::tidy;
@@ -24,19 +24,19 @@ pub(super) use efam_store::footer::MAGIC;
 pub(super) const MOST_EXPANSION: usize = 1000;
 
 /// Reads a file.
-pub(super) fn read(bytes: Vec<u8>) -> Result<Draft, Problem> {
+pub(super) fn read(bytes: Vec<u8>) -> Result<Draft, RecordingProblem> {
     // What is known to make the reader of pages panic is refused before; this is for the rest.
     let read = std::panic::catch_unwind(|| read_checked(bytes));
-    read.unwrap_or_else(|_| Err(Problem::Parquet("its pages do not hold together".to_owned())))
+    read.unwrap_or_else(|_| Err(RecordingProblem::Parquet("its pages do not hold together".to_owned())))
 }
 
-fn read_checked(bytes: Vec<u8>) -> Result<Draft, Problem> {
+fn read_checked(bytes: Vec<u8>) -> Result<Draft, RecordingProblem> {
     if !bytes.starts_with(MAGIC) {
         let start: Vec<String> = bytes.iter().take(4).map(|byte| format!("{byte:#04x}")).collect();
-        return Err(Problem::Parquet(format!("it begins with {}, not with PAR1", start.join(" "))));
+        return Err(RecordingProblem::Parquet(format!("it begins with {}, not with PAR1", start.join(" "))));
     }
-    let broken = |error: &dyn std::fmt::Display| Problem::Parquet(error.to_string());
-    look_through(&bytes, false).map_err(Problem::Parquet)?;
+    let broken = |error: &dyn std::fmt::Display| RecordingProblem::Parquet(error.to_string());
+    look_through(&bytes, false).map_err(RecordingProblem::Parquet)?;
     let length = bytes.len();
     let most = length.saturating_mul(MOST_EXPANSION);
     // The schema of Arrow that may stand beside that of Parquet adds nothing here, and its reader
@@ -51,7 +51,7 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, Problem> {
     let rows = rows(builder.metadata(), length)?;
     if rows.saturating_mul(8 * wanted.len()) > most {
         let columns = wanted.len();
-        return Err(Problem::Parquet(format!(
+        return Err(RecordingProblem::Parquet(format!(
             "it states {rows} rows of {columns} columns, which it cannot hold"
         )));
     }
@@ -75,18 +75,20 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, Problem> {
         let batch = batch.map_err(|error| broken(&error))?;
         add(&layout, &batch, &mut draft)?;
         if draft.places.len() > rows {
-            return Err(Problem::Parquet(format!("it has more rows than the {rows} that it states")));
+            return Err(RecordingProblem::Parquet(format!(
+                "it has more rows than the {rows} that it states"
+            )));
         }
     }
     if draft.places.is_empty() {
-        return Err(Problem::Parquet("it has no rows".to_owned()));
+        return Err(RecordingProblem::Parquet("it has no rows".to_owned()));
     }
     Ok(draft)
 }
 
 /// Rows that are stated, with all places of columns checked against the length of the file.
-fn rows(metadata: &ParquetMetaData, length: usize) -> Result<usize, Problem> {
-    let broken = |what: &str| Problem::Parquet(format!("its {what} is beyond its end"));
+fn rows(metadata: &ParquetMetaData, length: usize) -> Result<usize, RecordingProblem> {
+    let broken = |what: &str| RecordingProblem::Parquet(format!("its {what} is beyond its end"));
     let within = |value: i64| usize::try_from(value).ok().filter(|value| *value <= length);
     let mut rows = 0_usize;
     for group in metadata.row_groups() {
@@ -108,7 +110,7 @@ fn rows(metadata: &ParquetMetaData, length: usize) -> Result<usize, Problem> {
 }
 
 /// Whether columns hold numbers.
-fn check(schema: &Schema, wanted: &BTreeSet<usize>) -> Result<(), Problem> {
+fn check(schema: &Schema, wanted: &BTreeSet<usize>) -> Result<(), RecordingProblem> {
     for column in wanted {
         let field = schema.field(*column);
         let is_number = matches!(
@@ -117,13 +119,13 @@ fn check(schema: &Schema, wanted: &BTreeSet<usize>) -> Result<(), Problem> {
         );
         if !is_number {
             let (column, kind) = (field.name().clone(), field.data_type().to_string());
-            return Err(Problem::ColumnType { column, kind });
+            return Err(RecordingProblem::ColumnType { column, kind });
         }
     }
     Ok(())
 }
 
-fn add(layout: &Layout, batch: &RecordBatch, draft: &mut Draft) -> Result<(), Problem> {
+fn add(layout: &Layout, batch: &RecordBatch, draft: &mut Draft) -> Result<(), RecordingProblem> {
     let columns: Vec<Vec<Option<f64>>> = batch.columns().iter().map(|column| numbers(column)).collect();
     let schema = batch.schema();
     layout.rows(&|column| schema.field(column).name().clone(), &columns, draft)

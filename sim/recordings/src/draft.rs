@@ -6,7 +6,7 @@ use efam_store::escape::{escaped, is_hidden};
 
 use super::cells::short;
 use super::clock::{self, Clock};
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::format::Format;
 use super::layout::distinct;
 use super::length::{Length, TOO_FAR};
@@ -54,10 +54,10 @@ impl Draft {
     }
 
     /// Makes the recording.
-    pub(super) fn finish(self, source: &Path, options: &ReadOptions) -> Result<Recording, Problem> {
+    pub(super) fn finish(self, source: &Path, options: &ReadOptions) -> Result<Recording, RecordingProblem> {
         let Draft { format, unit, mut rate, frames, times, places, place, mut markers, findings: met } = self;
         if places.len() < 2 {
-            return Err(Problem::OneSample);
+            return Err(RecordingProblem::OneSample);
         }
         let mut findings = Vec::new();
         let unit = unit.settle(options.unit, &mut findings)?;
@@ -74,7 +74,7 @@ impl Draft {
         findings.extend(met);
 
         if markers.iter().all(|marker| marker.position.iter().all(Option::is_none)) {
-            return Err(Problem::AllLost { markers: markers.len(), samples: time.len() });
+            return Err(RecordingProblem::AllLost { markers: markers.len(), samples: time.len() });
         }
         if unit != Length::Metre {
             let positions = markers.iter_mut().flat_map(|marker| marker.position.iter_mut().flatten());
@@ -115,16 +115,16 @@ fn name_visibly(markers: &mut [Marker], findings: &mut Vec<String>) {
 
 impl Unit {
     /// As a file states it: its word, if there is one, and where that stands; else `silent`.
-    pub(super) fn stated(word: Option<&str>, place: &str, silent: Unit) -> Result<Unit, Problem> {
+    pub(super) fn stated(word: Option<&str>, place: &str, silent: Unit) -> Result<Unit, RecordingProblem> {
         let Some(word) = word.filter(|word| !word.is_empty()) else { return Ok(silent) };
-        let unknown = || Problem::UnknownUnit { place: place.to_owned(), value: short(word) };
+        let unknown = || RecordingProblem::UnknownUnit { place: place.to_owned(), value: short(word) };
         let length = Length::named(word).ok_or_else(unknown)?;
         Ok(Unit::Stated(length, place.to_owned()))
     }
 
-    fn settle(self, wanted: Option<Length>, findings: &mut Vec<String>) -> Result<Length, Problem> {
+    fn settle(self, wanted: Option<Length>, findings: &mut Vec<String>) -> Result<Length, RecordingProblem> {
         let (length, finding) = match (wanted, self) {
-            (None, Unit::Silent(place)) => return Err(Problem::NoUnit { place }),
+            (None, Unit::Silent(place)) => return Err(RecordingProblem::NoUnit { place }),
             (None, Unit::Stated(length, place)) => {
                 (length, format!("{}, as {place} states", length.symbol()))
             }

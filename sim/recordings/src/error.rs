@@ -12,13 +12,13 @@ pub struct RecordingError {
     /// The file.
     pub file: PathBuf,
     /// What is wrong.
-    pub problem: Problem,
+    pub problem: RecordingProblem,
 }
 
 /// What is wrong with a recording. Lines, frames and columns count as the file's own programs count
 /// them: lines and columns from 1.
 #[derive(Debug, thiserror::Error)]
-pub enum Problem {
+pub enum RecordingProblem {
     /// The file system refused.
     #[error("cannot be read: {0}; check the path and its permissions")]
     Unreadable(io::Error),

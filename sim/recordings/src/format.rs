@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::cells::Rows;
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::tidy;
 
 /// Who wrote a recording.
@@ -73,7 +73,7 @@ pub(super) const NEXUS_SECTIONS: [&str; 6] =
     ["Trajectories", "Model Outputs", "Devices", "Segments", "Joints", "Events"];
 
 /// The format of a text, told from the first cells of its first rows.
-pub(super) fn of_text(rows: &mut Rows) -> Result<Format, Problem> {
+pub(super) fn of_text(rows: &mut Rows) -> Result<Format, RecordingProblem> {
     let mut first = None;
     let mut looked_at = 0;
     while looked_at < HEAD && rows.read_filled()? {
@@ -95,10 +95,10 @@ pub(super) fn of_text(rows: &mut Rows) -> Result<Format, Problem> {
         }
     }
     match first {
-        None => Err(Problem::Empty),
+        None => Err(RecordingProblem::Empty),
         Some((line, text)) => {
             let known = Format::READ.map(Format::name).join(", ");
-            Err(Problem::UnknownFormat { line, text, known })
+            Err(RecordingProblem::UnknownFormat { line, text, known })
         }
     }
 }

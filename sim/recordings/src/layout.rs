@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::Marker;
 use super::cells::{NotANumber, Numbers, Rows, short};
 use super::draft::{Draft, Unit};
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::format::Format;
 use super::length::Length;
 
@@ -51,7 +51,7 @@ struct Tally {
 
 impl Layout {
     /// Reads all rows that follow.
-    pub(super) fn read(self, rows: &mut Rows) -> Result<Draft, Problem> {
+    pub(super) fn read(self, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         let header_line = rows.line();
         let mut numbers = Numbers::default();
         let mut tally = Tally::default();
@@ -75,11 +75,11 @@ impl Layout {
             let samples = draft.places.len();
             if samples * self.points.len() > rows.length() {
                 let (markers, bytes) = (self.points.len(), rows.length());
-                return Err(Problem::ShortRows { markers, samples, bytes });
+                return Err(RecordingProblem::ShortRows { markers, samples, bytes });
             }
         }
         if draft.places.is_empty() {
-            return Err(Problem::HeaderOnly { line: header_line });
+            return Err(RecordingProblem::HeaderOnly { line: header_line });
         }
         draft.findings.extend(numbers.finding()?);
         self.say(&tally, &mut draft);
@@ -92,12 +92,12 @@ impl Layout {
         name: &dyn Fn(usize) -> String,
         columns: &[Vec<Option<f64>>],
         draft: &mut Draft,
-    ) -> Result<(), Problem> {
+    ) -> Result<(), RecordingProblem> {
         for row in 0..columns.first().map_or(0, Vec::len) {
             let place = draft.places.len() as u64 + 1;
             draft.places.push(place);
             let clock = |column: usize| {
-                let wrong = || Problem::NotANumber {
+                let wrong = || RecordingProblem::NotANumber {
                     line: place,
                     column: column + 1,
                     name: name(column),
@@ -135,10 +135,10 @@ impl Layout {
         numbers: &mut Numbers,
         draft: &mut Draft,
         tally: &mut Tally,
-    ) -> Result<(), Problem> {
+    ) -> Result<(), RecordingProblem> {
         let mut number = |column: usize, name: &dyn Fn() -> String| {
             let cell = rows.cell(column);
-            let wrong = |NotANumber| Problem::NotANumber {
+            let wrong = |NotANumber| RecordingProblem::NotANumber {
                 line,
                 column: column + 1,
                 name: name(),
@@ -254,23 +254,23 @@ pub(super) fn unit_quaternion(q: [f64; 4]) -> Option<[f64; 4]> {
     ((norm - 1.0).abs() < 0.1).then(|| q.map(|value| value / norm))
 }
 
-fn wrong_clock(rows: &Rows, line: u64, column: usize, name: &str) -> Problem {
+fn wrong_clock(rows: &Rows, line: u64, column: usize, name: &str) -> RecordingProblem {
     let value = short(rows.cell(column));
-    Problem::NotANumber { line, column: column + 1, name: name.to_owned(), value }
+    RecordingProblem::NotANumber { line, column: column + 1, name: name.to_owned(), value }
 }
 
 /// The one unit of positions whose columns state their own.
 pub(super) fn one_unit<'a>(
     stated: impl IntoIterator<Item = (&'a str, Length)>,
     place: &str,
-) -> Result<Option<Unit>, Problem> {
+) -> Result<Option<Unit>, RecordingProblem> {
     let mut first: Option<(&str, Length)> = None;
     for (name, unit) in stated {
         match first {
             None => first = Some((name, unit)),
             Some((before, length)) if length != unit => {
                 let (first, other) = (before.to_owned(), name.to_owned());
-                return Err(Problem::MixedUnits { first, other, units: [length, unit] });
+                return Err(RecordingProblem::MixedUnits { first, other, units: [length, unit] });
             }
             Some(_) => {}
         }

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::error::Problem;
+use super::error::RecordingProblem;
 
 /// A unit of length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,10 +91,10 @@ impl Length {
 }
 
 impl FromStr for Length {
-    type Err = Problem;
+    type Err = RecordingProblem;
 
-    fn from_str(word: &str) -> Result<Self, Problem> {
-        let unknown = || Problem::UnknownUnit { place: "unit".to_owned(), value: word.to_owned() };
+    fn from_str(word: &str) -> Result<Self, RecordingProblem> {
+        let unknown = || RecordingProblem::UnknownUnit { place: "unit".to_owned(), value: word.to_owned() };
         Length::named(word).ok_or_else(unknown)
     }
 }

@@ -29,7 +29,7 @@ mod vicon;
 
 use std::path::PathBuf;
 
-pub use error::{Problem, RecordingError};
+pub use error::{RecordingError, RecordingProblem};
 pub use format::Format;
 pub use length::{Length, TOO_FAR};
 pub use quality::Quality;

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 
 use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::format::Format;
 use super::layout::{Columns, Layout, distinct};
 use super::length::Length;
@@ -25,7 +25,7 @@ use super::length::Length;
 const MOST_ROWS: usize = 12;
 
 /// Reads an export.
-pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
+pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     rows.read_filled()?;
     let pairs = rows.keep();
     let value = |key: &str| {
@@ -40,7 +40,7 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
     loop {
         if !rows.read_filled()? || above.len() > MOST_ROWS {
             let (line, expected) = (rows.line(), "a row `Frame,Time (Seconds),X,Y,Z,…`".to_owned());
-            return Err(Problem::Header { line, expected, met: "none".to_owned() });
+            return Err(RecordingProblem::Header { line, expected, met: "none".to_owned() });
         }
         if rows.cell(0) == "Frame" {
             break;
@@ -52,7 +52,7 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
     let kinds = above.last().filter(|row| row.iter().any(|cell| cell == "Position"));
     let Some(kinds) = kinds.filter(|_| row("Name").is_some()) else {
         let (line, expected) = (rows.line(), "rows of names and of Rotation or Position above it".to_owned());
-        return Err(Problem::Header { line, expected, met: "others".to_owned() });
+        return Err(RecordingProblem::Header { line, expected, met: "others".to_owned() });
     };
 
     let (mut bodies, mut index) = (Vec::<Body>::new(), HashMap::new());
@@ -68,14 +68,14 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
         let place = if kind == "Position" { &mut bodies[body].position } else { &mut bodies[body].rotation };
         if let Some(first) = place[axis].replace(at) {
             let what = format!("{} {} of `{}`", kind.to_lowercase(), rows.cell(at), key.1);
-            return Err(Problem::Twice { first: first + 1, second: at + 1, what });
+            return Err(RecordingProblem::Twice { first: first + 1, second: at + 1, what });
         }
     }
     let mut findings =
         vec!["axes: Motive's own have y upwards, unless others were chosen in the export".to_owned()];
     let points = points(&bodies, &mut findings)?;
     if points.is_empty() {
-        return Err(Problem::NoMarkers { met: format!("`{}`", rows.start()) });
+        return Err(RecordingProblem::NoMarkers { met: format!("`{}`", rows.start()) });
     }
     let time = rows.cell(1).to_lowercase().starts_with("time").then_some((1, 1.0));
     Layout {
@@ -101,14 +101,14 @@ struct Body<'a> {
     rotation: [Option<usize>; 4],
 }
 
-fn points(bodies: &[Body], findings: &mut Vec<String>) -> Result<Vec<Columns>, Problem> {
+fn points(bodies: &[Body], findings: &mut Vec<String>) -> Result<Vec<Columns>, RecordingProblem> {
     let names = distinct(bodies.iter().map(|body| body.name.to_owned()), findings);
     let (mut points, mut euler) = (Vec::new(), 0);
     for (body, name) in bodies.iter().zip(names) {
         let [x, y, z, _] = body.position;
         if let Some(axis) = [x, y, z].iter().position(Option::is_none) {
             let axis = ["x", "y", "z"][axis];
-            return Err(Problem::MissingAxis { marker: name, axis, remedy: "export it again" });
+            return Err(RecordingProblem::MissingAxis { marker: name, axis, remedy: "export it again" });
         }
         let orientation = match body.rotation {
             [Some(x), Some(y), Some(z), Some(w)] => Some([w, x, y, z]),

@@ -5,19 +5,19 @@ use std::collections::HashMap;
 
 use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::format::Format;
 use super::layout::{Columns, Layout, distinct};
 use super::length::Length;
 
 /// Reads an export of 3D data.
-pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
+pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     let mut keys = HashMap::<String, Vec<String>>::new();
     let mut columns = None;
     let mut line = 1;
     loop {
         if !rows.read_filled()? {
-            return Err(Problem::HeaderOnly { line });
+            return Err(RecordingProblem::HeaderOnly { line });
         }
         line = rows.line();
         if rows.is_numeric() {
@@ -36,18 +36,18 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
     let included = keys.get("DATA_INCLUDED").and_then(|values| values.first()).map_or("3D", String::as_str);
     if included != "3D" || keys.contains_key("BODY_NAMES") {
         let what = format!("{included} data of Qualisys");
-        return Err(Problem::NotRead { what, remedy: "export 3D data of markers as TSV, or C3D" });
+        return Err(RecordingProblem::NotRead { what, remedy: "export 3D data of markers as TSV, or C3D" });
     }
     let Some(names) = keys.get("MARKER_NAMES") else {
         let expected = "a line MARKER_NAMES above the samples".to_owned();
-        return Err(Problem::Header { line, expected, met: "none".to_owned() });
+        return Err(RecordingProblem::Header { line, expected, met: "none".to_owned() });
     };
     let mut names: Vec<String> = names.clone();
     while names.last().is_some_and(String::is_empty) {
         names.pop();
     }
     if names.is_empty() {
-        return Err(Problem::NoMarkers { met: "an empty line MARKER_NAMES".to_owned() });
+        return Err(RecordingProblem::NoMarkers { met: "an empty line MARKER_NAMES".to_owned() });
     }
 
     let mut findings = Vec::new();
@@ -66,7 +66,7 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
                 2 => (Some(0), Some(1), 2),
                 _ => {
                     let expected = format!("3 numbers for each of {} markers", names.len());
-                    return Err(Problem::Header { line, expected, met: format!("{width} cells") });
+                    return Err(RecordingProblem::Header { line, expected, met: format!("{width} cells") });
                 }
             }
         }

@@ -7,7 +7,7 @@ use std::path::Path;
 use efam_store::memory;
 
 use super::cells::{Rows, decode};
-use super::error::{Problem, RecordingError};
+use super::error::{RecordingError, RecordingProblem};
 use super::format::{self, Format};
 use super::length::Length;
 use super::{Recording, c3d, columnar, motive, qualisys, tidy, trc, vicon};
@@ -43,7 +43,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingEr
 pub fn parse(bytes: Vec<u8>, source: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
     let extension = source.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let draft = if bytes.is_empty() {
-        Err(Problem::Empty)
+        Err(RecordingProblem::Empty)
     } else if bytes.starts_with(columnar::MAGIC) || matches!(&*extension, "parquet" | "pq") {
         columnar::read(bytes)
     } else if c3d::is_c3d(&bytes) || extension == "c3d" {
@@ -55,30 +55,30 @@ pub fn parse(bytes: Vec<u8>, source: &Path, options: &ReadOptions) -> Result<Rec
     recording.map_err(|problem| RecordingError { file: source.to_owned(), problem })
 }
 
-fn load(path: &Path) -> Result<Vec<u8>, Problem> {
-    let metadata = std::fs::metadata(path).map_err(Problem::Unreadable)?;
+fn load(path: &Path) -> Result<Vec<u8>, RecordingProblem> {
+    let metadata = std::fs::metadata(path).map_err(RecordingProblem::Unreadable)?;
     if !metadata.is_file() {
-        return Err(Problem::NotAFile);
+        return Err(RecordingProblem::NotAFile);
     }
     admit(metadata.len(), memory::available())?;
     let mut bytes = Vec::with_capacity(metadata.len() as usize);
     // A file that still grows is read up to where it was.
-    let file = File::open(path).map_err(Problem::Unreadable)?;
-    file.take(metadata.len()).read_to_end(&mut bytes).map_err(Problem::Unreadable)?;
+    let file = File::open(path).map_err(RecordingProblem::Unreadable)?;
+    file.take(metadata.len()).read_to_end(&mut bytes).map_err(RecordingProblem::Unreadable)?;
     Ok(bytes)
 }
 
 /// Whether a file of a length is read where so much memory is free, if that is known.
-fn admit(bytes: u64, free: Option<u64>) -> Result<(), Problem> {
+fn admit(bytes: u64, free: Option<u64>) -> Result<(), RecordingProblem> {
     let needed = MEMORY * bytes;
     match free {
-        _ if bytes > MOST_BYTES => Err(Problem::TooLarge { bytes, most: MOST_BYTES }),
-        Some(free) if needed > free => Err(Problem::NoMemory { bytes, needed, free }),
+        _ if bytes > MOST_BYTES => Err(RecordingProblem::TooLarge { bytes, most: MOST_BYTES }),
+        Some(free) if needed > free => Err(RecordingProblem::NoMemory { bytes, needed, free }),
         _ => Ok(()),
     }
 }
 
-fn text(bytes: Vec<u8>) -> Result<super::draft::Draft, Problem> {
+fn text(bytes: Vec<u8>) -> Result<super::draft::Draft, RecordingProblem> {
     let (text, finding) = decode(bytes)?;
     let format = format::of_text(&mut Rows::new(&text))?;
     let rows = &mut Rows::new(&text);
@@ -107,6 +107,6 @@ mod tests {
             "has 1.07 GB, which takes some 8.59 GB of memory, and 2.15 GB are free; cut it into shorter pieces, \
              or record it anew at a lower rate"
         );
-        assert!(matches!(admit(MOST_BYTES + 1, None), Err(Problem::TooLarge { .. })));
+        assert!(matches!(admit(MOST_BYTES + 1, None), Err(RecordingProblem::TooLarge { .. })));
     }
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 use super::Recording;
 use super::cells::Rows;
 use super::draft::{Draft, Unit};
-use super::error::{Problem, RecordingError};
+use super::error::{RecordingError, RecordingProblem};
 use super::format::Format;
 use super::layout::{Columns, Layout, one_unit, some};
 use super::length::Length;
@@ -35,14 +35,14 @@ enum Column {
 }
 
 /// Reads a table from its first line.
-pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
+pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     while rows.read_filled()? {
         if !rows.cell(0).starts_with('#') {
             let names = rows.keep();
             return layout(&names, Format::Tidy)?.read(rows);
         }
     }
-    Err(Problem::Empty)
+    Err(RecordingProblem::Empty)
 }
 
 /// Columns that a program has in memory, all of one length, by the names that such a table has: numbers, or the type of
@@ -71,7 +71,7 @@ pub fn table(
         let numbers = |(k, column): (usize, &Result<Vec<f64>, String>)| match column {
             Ok(numbers) => Ok(numbers.iter().map(finite).collect()),
             Err(kind) if wanted.contains(&k) => {
-                Err(Problem::ColumnType { column: names[k].clone(), kind: kind.clone() })
+                Err(RecordingProblem::ColumnType { column: names[k].clone(), kind: kind.clone() })
             }
             Err(_) => Ok(vec![None; first]),
         };
@@ -88,7 +88,7 @@ pub(super) fn is_header(rows: &Rows) -> bool {
 }
 
 /// Where things stand, by the names of the columns; those without a name have none.
-pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Problem> {
+pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, RecordingProblem> {
     let columns: Vec<Column> = names.iter().map(|name| column(name)).collect();
     let with_unit = columns.iter().zip(names).filter_map(|(column, name)| match column {
         Column::Position { unit: Some(unit), .. } => Some((name.as_str(), *unit)),
@@ -117,7 +117,7 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Problem
                 });
                 if let Some(first) = points[point].position[axis].replace(at) {
                     let what = format!("{} of marker `{}`", AXES[axis], points[point].name);
-                    return Err(Problem::Twice { first: first + 1, second: at + 1, what });
+                    return Err(RecordingProblem::Twice { first: first + 1, second: at + 1, what });
                 }
             }
             Column::Orientation { body, part } => bodies.push((body, part, at)),
@@ -127,7 +127,7 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Problem
     }
     orient(&mut points, &index, &bodies, names, &mut passed_over);
     if points.is_empty() {
-        return Err(Problem::NoMarkers { met: some(names) });
+        return Err(RecordingProblem::NoMarkers { met: some(names) });
     }
     flat(&points, &mut findings)?;
     if !passed_over.is_empty() {
@@ -178,18 +178,18 @@ fn orient(
 }
 
 /// Checks that x and z are there, and says where y is not.
-fn flat(points: &[Columns], findings: &mut Vec<String>) -> Result<(), Problem> {
+fn flat(points: &[Columns], findings: &mut Vec<String>) -> Result<(), RecordingProblem> {
     for Columns { name, position, .. } in points {
         let marker = name.clone();
         match position {
             [Some(_), _, Some(_)] => {}
             [Some(_), Some(_), None] => {
                 let remedy = "in a plane, z is the height: call it so";
-                return Err(Problem::MissingAxis { marker, axis: "z", remedy });
+                return Err(RecordingProblem::MissingAxis { marker, axis: "z", remedy });
             }
             _ => {
                 let axis = if position[0].is_none() { "x" } else { "z" };
-                return Err(Problem::MissingAxis { marker, axis, remedy: "add the column" });
+                return Err(RecordingProblem::MissingAxis { marker, axis, remedy: "add the column" });
             }
         }
     }

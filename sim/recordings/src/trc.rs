@@ -3,15 +3,15 @@
 
 use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::format::Format;
 use super::layout::{Columns, Layout, distinct};
 
 /// Reads a file.
-pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
+pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     let next = |rows: &mut Rows| match rows.read_filled()? {
         true => Ok(rows.keep()),
-        false => Err(Problem::HeaderOnly { line: rows.line() }),
+        false => Err(RecordingProblem::HeaderOnly { line: rows.line() }),
     };
     next(rows)?;
     let keys = next(rows)?;
@@ -28,7 +28,11 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
     let first = names.first().map_or("", String::as_str);
     if !first.to_lowercase().starts_with("frame") {
         let expected = "a row `Frame#`, `Time` and names".to_owned();
-        return Err(Problem::Header { line: rows.line(), expected, met: format!("`{}`", rows.start()) });
+        return Err(RecordingProblem::Header {
+            line: rows.line(),
+            expected,
+            met: format!("`{}`", rows.start()),
+        });
     }
     let axes = next(rows)?;
     let is_named = |at: &usize| names.get(*at).is_some_and(|name| !name.is_empty());
@@ -43,7 +47,7 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, Problem> {
         false => all.take_while(has_axes).collect(),
     };
     if starts.is_empty() {
-        return Err(Problem::NoMarkers { met: format!("`{}`", rows.start()) });
+        return Err(RecordingProblem::NoMarkers { met: format!("`{}`", rows.start()) });
     }
     let mut findings = Vec::new();
     if let Some(stated) = number("NumMarkers").filter(|stated| *stated != starts.len() as f64) {

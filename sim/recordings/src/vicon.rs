@@ -13,7 +13,7 @@
 
 use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
-use super::error::Problem;
+use super::error::RecordingProblem;
 use super::format::{Format, NEXUS_SECTIONS};
 use super::layout::{Columns, Layout, distinct, one_unit, some};
 use super::length::Length;
@@ -21,7 +21,7 @@ use super::length::Length;
 const CONVENTION: &str = "Vicon writes millimetres";
 
 /// Reads an export of Nexus.
-pub(super) fn nexus(rows: &mut Rows) -> Result<Draft, Problem> {
+pub(super) fn nexus(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     let mut before = Vec::new();
     while rows.read_filled()? {
         let title = rows.cell(0);
@@ -38,38 +38,38 @@ pub(super) fn nexus(rows: &mut Rows) -> Result<Draft, Problem> {
             before.push(title.to_owned());
         }
     }
-    Err(Problem::NoTrajectories { sections: some(&before) })
+    Err(RecordingProblem::NoTrajectories { sections: some(&before) })
 }
 
 /// Reads an export of an older program.
-pub(super) fn legacy(rows: &mut Rows) -> Result<Draft, Problem> {
+pub(super) fn legacy(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     while rows.read_filled()? {
         if rows.cell(0) == "TRAJECTORIES" {
             return section(rows, Format::ViconLegacy)?.read(rows);
         }
     }
-    Err(Problem::Empty)
+    Err(RecordingProblem::Empty)
 }
 
 /// The header of a section of trajectories, whose title has been read.
-fn section(rows: &mut Rows, format: Format) -> Result<Layout, Problem> {
+fn section(rows: &mut Rows, format: Format) -> Result<Layout, RecordingProblem> {
     let is_nexus = format == Format::ViconNexus;
-    let expected = |rows: &Rows, expected: &str| Problem::Header {
+    let expected = |rows: &Rows, expected: &str| RecordingProblem::Header {
         line: rows.line(),
         expected: expected.to_owned(),
         met: format!("`{}`", rows.start()),
     };
     if !rows.read()? {
-        return Err(Problem::HeaderOnly { line: rows.line() });
+        return Err(RecordingProblem::HeaderOnly { line: rows.line() });
     }
     let rate = in_header(rows.cell(0));
     let rate = rate.ok_or_else(|| expected(rows, "the sampling rate, such as 100"))?;
     if !rows.read()? {
-        return Err(Problem::HeaderOnly { line: rows.line() });
+        return Err(RecordingProblem::HeaderOnly { line: rows.line() });
     }
     let names = rows.keep();
     if !rows.read_filled()? {
-        return Err(Problem::HeaderOnly { line: rows.line() });
+        return Err(RecordingProblem::HeaderOnly { line: rows.line() });
     }
     let first = if is_nexus { "Frame" } else { "Field #" };
     if !rows.cell(0).eq_ignore_ascii_case(first) {
@@ -83,7 +83,7 @@ fn section(rows: &mut Rows, format: Format) -> Result<Layout, Problem> {
     };
     let starts: Vec<usize> = (1..axes.len()).filter(is_point).collect();
     if starts.is_empty() {
-        return Err(Problem::Header {
+        return Err(RecordingProblem::Header {
             line: axes_line,
             expected: "columns X,Y,Z".to_owned(),
             met: format!("`{}`", rows.start()),
@@ -135,7 +135,7 @@ fn section(rows: &mut Rows, format: Format) -> Result<Layout, Problem> {
 }
 
 /// The one unit of all positions, from the row of units.
-fn units(rows: &Rows, starts: &[usize], names: &[String]) -> Result<Unit, Problem> {
+fn units(rows: &Rows, starts: &[usize], names: &[String]) -> Result<Unit, RecordingProblem> {
     let mut stated = Vec::new();
     for start in starts {
         for column in *start..start + 3 {
@@ -144,7 +144,7 @@ fn units(rows: &Rows, starts: &[usize], names: &[String]) -> Result<Unit, Proble
                 continue;
             }
             let name = names.get(*start).map_or("", String::as_str);
-            let unknown = || Problem::UnknownUnit {
+            let unknown = || RecordingProblem::UnknownUnit {
                 place: format!("line {}, column {} ({name})", rows.line(), column + 1),
                 value: super::cells::short(cell),
             };

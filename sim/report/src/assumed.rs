@@ -1,7 +1,7 @@
 //! What is taken to be so and was not measured, in plain words.
 
 use efam_experiments::summary::Summary;
-use efam_inference::calibrate::{Parameter, Problem, Scope, Trial};
+use efam_inference::calibrate::{FittedParameter, Problem, Scope, Trial};
 use models::effects::{CATALOGUE, Kind};
 
 use crate::report::short;
@@ -48,7 +48,7 @@ pub fn of_problem(problem: &Problem) -> Vec<String> {
         let model = &problem.trials.first()?.model;
         Some(model.parameters[model.index(path).ok()?].unit)
     };
-    let fitted = |parameter: &Parameter| {
+    let fitted = |parameter: &FittedParameter| {
         let scope = match parameter.scope {
             Scope::Shared => "one value for all releases",
             Scope::PerPressure => "one value for each pressure",

@@ -21,7 +21,7 @@ use std::time::SystemTime;
 
 use efam_inference::calibrate::calibration::Calibrated;
 use efam_inference::calibrate::repeats::{Repeats, Source};
-use efam_inference::calibrate::{Calibration, Outcome, Problem};
+use efam_inference::calibrate::{Calibration, CalibrationOutcome, Problem};
 use efam_store::StoreError;
 use efam_store::escape::cell;
 use efam_store::folder::Folder;
@@ -52,7 +52,7 @@ pub fn write_calibration(
     folder: &Folder,
     request: &Request,
     problem: &Problem,
-    outcome: &Outcome,
+    outcome: &CalibrationOutcome,
     models: &[ModelFile],
 ) -> Result<(), StoreError> {
     let calibration = &outcome.calibration;
@@ -85,7 +85,7 @@ pub fn write_calibration(
     write_mark(folder, request, "calibration", written, json!({ "parameters": parameters }))
 }
 
-fn residuals(outcome: &Outcome) -> String {
+fn residuals(outcome: &CalibrationOutcome) -> String {
     let mut text = String::from("release,marker,time_s,x_m,z_m,fitted_x_m,fitted_z_m\n");
     let quoted = |name: &str| format!("\"{}\"", cell(name).replace('"', "\"\""));
     for curve in &outcome.curves {

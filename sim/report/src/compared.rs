@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 use crate::page::REPORT;
 use crate::picture::{Named, Picture, Tip, over_pressures, tips_of_runs};
 use crate::quantities::quantities;
-use crate::reread::{Kind, Reread};
+use crate::reread::{Reread, RunKind};
 use crate::simulated::psi;
 use crate::{Request, write_mark};
 
@@ -41,7 +41,7 @@ pub struct Comparison {
     /// Frequency and damping of sets, by pressure.
     pub over_pressure: Vec<Row>,
     /// Parameters of calibrations.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<ComparedParameter>,
     /// Answers of diagnoses.
     pub verdicts: Vec<Verdict>,
     /// Numbers of predictions, with their intervals.
@@ -87,7 +87,7 @@ pub struct Difference {
 
 /// A parameter of calibrations.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
-pub struct Parameter {
+pub struct ComparedParameter {
     /// Path, and what it belongs to.
     pub name: String,
     /// SI unit.
@@ -164,7 +164,7 @@ pub fn write_comparison(
 fn pictures(runs: &[Reread], comparison: &Comparison) -> Vec<Picture> {
     let mut tips = Vec::new();
     for (k, run) in runs.iter().enumerate() {
-        let Kind::Simulation(of) = &run.kind else { continue };
+        let RunKind::Simulation(of) = &run.kind else { continue };
         let rest = of.summary.rest.map(|rest| [rest.tip_x_m, rest.tip_z_m]);
         let name = format!("{}, {}", letter(k), run.name);
         tips.push(Tip { name, times: &of.times, path: &of.tip, rest, case: None });
@@ -172,7 +172,7 @@ fn pictures(runs: &[Reread], comparison: &Comparison) -> Vec<Picture> {
     let mut pictures = tips_of_runs(&tips);
     let mut lines: BTreeMap<&str, Vec<Named>> = BTreeMap::new();
     for (k, run) in runs.iter().enumerate() {
-        let Kind::Set(members) = &run.kind else { continue };
+        let RunKind::Set(members) = &run.kind else { continue };
         let name = format!("{}, {}", letter(k), comparison.runs[k].name);
         let points = |of: fn(&efam_experiments::summary::Summary) -> Option<f64>| {
             let all = members.iter();
@@ -191,7 +191,7 @@ fn of_simulations(runs: &[Reread]) -> Vec<Row> {
     let own: Vec<Option<Vec<crate::quantities::Quantity>>> = runs
         .iter()
         .map(|run| match &run.kind {
-            Kind::Simulation(of) => Some(quantities(&of.summary)),
+            RunKind::Simulation(of) => Some(quantities(&of.summary)),
             _ => None,
         })
         .collect();
@@ -235,7 +235,7 @@ fn of_sets(runs: &[Reread]) -> Vec<Row> {
     ];
     let mut pressures: Vec<f64> = Vec::new();
     for run in runs {
-        if let Kind::Set(members) = &run.kind {
+        if let RunKind::Set(members) = &run.kind {
             pressures.extend(members.iter().filter_map(|(pressure, _)| *pressure));
         }
     }
@@ -245,7 +245,7 @@ fn of_sets(runs: &[Reread]) -> Vec<Row> {
     for (name, unit, of) in OF {
         for pressure in &pressures {
             let value = |run: &Reread| {
-                let Kind::Set(members) = &run.kind else { return None };
+                let RunKind::Set(members) = &run.kind else { return None };
                 let is_it = |own: &Option<f64>| own.is_some_and(|own| (own - pressure).abs() < 1.0);
                 members.iter().find(|(own, _)| is_it(own)).and_then(|(_, summary)| of(summary))
             };
@@ -260,17 +260,17 @@ fn of_sets(runs: &[Reread]) -> Vec<Row> {
     rows
 }
 
-fn of_calibrations(runs: &[Reread]) -> Vec<Parameter> {
+fn of_calibrations(runs: &[Reread]) -> Vec<ComparedParameter> {
     let found = |run: &Reread| -> Vec<(String, Calibrated)> {
         match &run.kind {
-            Kind::Calibration(of) => of.parameters.iter().map(|own| (own.label(), own.clone())).collect(),
+            RunKind::Calibration(of) => of.parameters.iter().map(|own| (own.label(), own.clone())).collect(),
             _ => Vec::new(),
         }
     };
     let all: Vec<Vec<(String, Calibrated)>> = runs.iter().map(found).collect();
     let row = |(name, same): (&str, Vec<Option<&(String, Calibrated)>>)| {
         let same: Vec<Option<&Calibrated>> = same.into_iter().map(|own| own.map(|(_, own)| own)).collect();
-        Parameter {
+        ComparedParameter {
             unit: same.iter().flatten().next().map_or(String::new(), |one| one.unit.clone()),
             values: same.iter().map(|own| Some(own.as_ref()?.value)).collect(),
             errors: same.iter().map(|own| own.as_ref()?.standard_error).collect(),
@@ -283,7 +283,7 @@ fn of_calibrations(runs: &[Reread]) -> Vec<Parameter> {
 fn of_diagnoses(runs: &[Reread]) -> Vec<Verdict> {
     let mut verdicts = Vec::new();
     for (k, run) in runs.iter().enumerate() {
-        let Kind::Diagnosis(of) = &run.kind else { continue };
+        let RunKind::Diagnosis(of) = &run.kind else { continue };
         let gap = |held_out: bool| {
             let own: Vec<_> = of.gap.iter().filter(|gap| gap.held_out == held_out).collect();
             let count = own.len() as f64;
@@ -338,7 +338,7 @@ fn interval(value: &Value) -> Option<[f64; 2]> {
 
 fn of_predictions(runs: &[Reread]) -> Vec<Row> {
     let own = |run: &Reread| -> Vec<Said> {
-        let Kind::Prediction(of) = &run.kind else { return Vec::new() };
+        let RunKind::Prediction(of) = &run.kind else { return Vec::new() };
         let said = |one: &Value| {
             let text = |key: &str| one[key].as_str().map(str::to_owned);
             let unit = text("unit").unwrap_or_default();
@@ -351,7 +351,7 @@ fn of_predictions(runs: &[Reread]) -> Vec<Row> {
 
 fn of_analyses(runs: &[Reread]) -> Vec<Row> {
     let own = |run: &Reread| -> Vec<Said> {
-        let Kind::Analysis(of) = &run.kind else { return Vec::new() };
+        let RunKind::Analysis(of) = &run.kind else { return Vec::new() };
         let mut said = Vec::new();
         for one in of["analysis"].as_array().into_iter().flatten() {
             let Some(name) = one["name"].as_str() else { continue };

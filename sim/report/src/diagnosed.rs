@@ -19,7 +19,7 @@ use efam_experiments::scenario::resolved::plain;
 use efam_inference::calibrate::problem::is_of_pressure;
 use efam_inference::diagnose::plan::Prospect;
 use efam_inference::diagnose::verdict::{Evidence, Gap};
-use efam_inference::diagnose::{Diagnosis, Outcome};
+use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome};
 use efam_store::StoreError;
 use efam_store::folder::Folder;
 use serde_json::json;
@@ -37,7 +37,11 @@ pub const DIAGNOSIS: &str = "diagnosis.json";
 /// Writes a diagnosis into an open folder; `request.resolved_scenario` is the experiment's text.
 /// # Errors
 /// [`StoreError::Write`].
-pub fn write_diagnosis(folder: &Folder, request: &Request, outcome: &Outcome) -> Result<(), StoreError> {
+pub fn write_diagnosis(
+    folder: &Folder,
+    request: &Request,
+    outcome: &DiagnosisOutcome,
+) -> Result<(), StoreError> {
     let diagnosis = &outcome.diagnosis;
     let text = serde_json::to_string_pretty(diagnosis).expect("a diagnosis has nothing that JSON has not");
     folder.write(DIAGNOSIS, text.as_bytes())?;
@@ -126,7 +130,7 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
         for evidence in own.iter().take(SHOWN) {
             let keeps = evidence.realised_decrease.map_or("-".to_owned(), |keeps| format!("{keeps:.1}"));
             candidates.row([
-                evidence.asked(),
+                evidence.label(),
                 format!("{:.2}", evidence.score),
                 format!("{:.1}", evidence.predicted_decrease),
                 keeps,
@@ -134,8 +138,8 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
             ]);
             let Some(why) = evidence.rejected.as_deref() else { continue };
             match reasons.iter_mut().find(|own| own.0 == why) {
-                Some((_, all)) => all.push(evidence.asked()),
-                None => reasons.push((why, vec![evidence.asked()])),
+                Some((_, all)) => all.push(evidence.label()),
+                None => reasons.push((why, vec![evidence.label()])),
             }
         }
         let _ = write!(out, "{candidates}");

@@ -104,7 +104,7 @@ impl Picture {
 
 /// What the picture of a run shows.
 #[derive(Clone, Copy)]
-pub struct Release<'a> {
+pub struct ReleasePicture<'a> {
     /// The model.
     pub model: &'a Model,
     /// Its run.
@@ -120,7 +120,7 @@ pub struct Release<'a> {
 }
 
 /// Four panels of one run: shapes, height of the tip, energies, spectrum.
-pub fn release(of: &Release) -> Drawing {
+pub fn release(of: &ReleasePicture) -> Drawing {
     drawn((1200, 820), |page| {
         heading(page, &title(of.summary))?;
         let panels = page.below(px(34.0)).split_evenly((2, 2));
@@ -146,7 +146,7 @@ fn title(summary: &Summary) -> String {
     format!("{}{status}{swing}", summary.name)
 }
 
-fn shapes(of: &Release, area: &Area) -> Drawn {
+fn shapes(of: &ReleasePicture, area: &Area) -> Drawn {
     let trajectory = of.trajectory;
     let title = "Shape in the first swing";
     if trajectory.times.len() < 2 {
@@ -232,7 +232,7 @@ fn clamp(panel: &mut Panel, model: &Model, length: f64) -> Drawn {
     Ok(())
 }
 
-fn height(of: &Release, area: &Area) -> Drawn {
+fn height(of: &ReleasePicture, area: &Area) -> Drawn {
     let trajectory = of.trajectory;
     let settled = of.summary.settling_2_percent_s.map_or(f64::INFINITY, |time| SETTLED_TIMES * time);
     let end = of.summary.simulated_s.min(settled);
@@ -282,7 +282,7 @@ fn height(of: &Release, area: &Area) -> Drawn {
     panel.dots(peaks, &top, 3.5)
 }
 
-fn energies(of: &Release, area: &Area) -> Drawn {
+fn energies(of: &ReleasePicture, area: &Area) -> Drawn {
     let trajectory = of.trajectory;
     let period = of.summary.damped_frequency_hz.map_or(f64::INFINITY, f64::recip);
     let end = of.summary.simulated_s.min(ENERGY_SWINGS * period);
@@ -326,7 +326,7 @@ fn energies(of: &Release, area: &Area) -> Drawn {
     Ok(())
 }
 
-fn spectrum(of: &Release, area: &Area) -> Drawn {
+fn spectrum(of: &ReleasePicture, area: &Area) -> Drawn {
     let title = "Amplitude spectrum of z(t)";
     let (Some(spectrum), Some(damped)) = (&of.swing.spectrum, of.summary.damped_frequency_hz) else {
         let why = of.summary.missing.get("damped_frequency_hz").map_or("no spectrum", String::as_str);
@@ -364,7 +364,7 @@ pub(crate) mod tests {
         let rest = rest(&model, duration, MODES);
         let (mut summary, swing) = summarise(&model, &run, &trajectory, &rest);
         summary.name = "15 psi <release>".to_owned();
-        release(&Release {
+        release(&ReleasePicture {
             model: &model,
             trajectory: &trajectory,
             energy_followed: true,

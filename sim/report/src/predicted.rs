@@ -14,7 +14,7 @@ pub(super) mod page;
 use std::fmt::Write;
 use std::time::SystemTime;
 
-use efam_inference::predict::{Outcome, Prediction};
+use efam_inference::predict::{Prediction, PredictionOutcome};
 use efam_store::StoreError;
 use efam_store::folder::Folder;
 use serde_json::json;
@@ -34,7 +34,11 @@ pub const PICTURE: &str = "prediction.svg";
 /// Writes a prediction into an open folder.
 /// # Errors
 /// [`StoreError::Write`].
-pub fn write_prediction(folder: &Folder, request: &Request, outcome: &Outcome) -> Result<(), StoreError> {
+pub fn write_prediction(
+    folder: &Folder,
+    request: &Request,
+    outcome: &PredictionOutcome,
+) -> Result<(), StoreError> {
     let prediction = &outcome.prediction;
     let text = serde_json::to_string_pretty(prediction).expect("a prediction has nothing that JSON has not");
     folder.write(PREDICTION, text.as_bytes())?;

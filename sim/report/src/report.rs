@@ -8,7 +8,7 @@ pub use models::digits::{short, significant};
 use efam_core::accuracy::Errors;
 use efam_core::trajectory::Status;
 use efam_experiments::summary::Summary;
-use efam_experiments::summary::{Cycle, Mode, Settings};
+use efam_experiments::summary::{Cycle, Mode, RunSettings};
 
 /// Width that no line exceeds, save a folder's or a reason's own length.
 const WIDTH: usize = 80;
@@ -172,9 +172,9 @@ fn run(summary: &Summary) -> String {
     }
 }
 
-fn tip_error(errors: &Errors, settings: &Settings) -> String {
+fn tip_error(errors: &Errors, settings: &RunSettings) -> String {
     let [mesh, step, asked] =
-        [errors.mesh_m, errors.step_m, errors.asked_m].map(|error| rounded(1e3 * error, 2));
+        [errors.mesh_m, errors.step_m, errors.requested_m].map(|error| rounded(1e3 * error, 2));
     let steps = match settings.fixed_step_s {
         Some(step) => format!("{} s each", rounded(step, 2)),
         None => format!("tolerance {:.0e}", settings.tolerance),
@@ -197,7 +197,7 @@ fn effort(summary: &Summary) -> String {
 /// To a tenth of a millimetre, or to the last digit that is a few times what the tip may be wrong by; a zero has no
 /// sign.
 fn millimetres(metres: f64, errors: Option<&Errors>) -> String {
-    let last = errors.map_or(0.1, |errors| LAST_DIGIT * 1e3 * errors.asked_m);
+    let last = errors.map_or(0.1, |errors| LAST_DIGIT * 1e3 * errors.requested_m);
     let decimals = (-last.log10()).floor().clamp(1.0, 9.0) as usize;
     unsigned_zero(format!("{:.decimals$}", 1e3 * metres))
 }

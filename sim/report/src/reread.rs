@@ -66,7 +66,7 @@ pub struct Reread {
     /// Name of the run.
     pub name: String,
     /// What was done, with its numbers.
-    pub kind: Kind,
+    pub kind: RunKind,
     /// What it warned of.
     pub warnings: Vec<String>,
     /// The command.
@@ -83,7 +83,7 @@ pub struct Reread {
 
 /// What a run is.
 #[derive(Clone, Debug)]
-pub enum Kind {
+pub enum RunKind {
     /// A simulation.
     Simulation(Box<Simulated>),
     /// Simulations over pressure, each with its pressure, Pa.
@@ -111,22 +111,22 @@ pub struct Simulated {
     pub tip: Vec<[f64; 2]>,
 }
 
-impl Kind {
+impl RunKind {
     /// Whether it comes from recordings, and its keys are those of an experiment.
     pub fn is_of_experiment(&self) -> bool {
-        matches!(self, Kind::Calibration(_) | Kind::Diagnosis(_) | Kind::Analysis(_))
+        matches!(self, RunKind::Calibration(_) | RunKind::Diagnosis(_) | RunKind::Analysis(_))
     }
 
     /// What it is, in a word.
     pub fn word(&self) -> &str {
         match self {
-            Kind::Simulation(_) => "simulation",
-            Kind::Set(_) => "set of simulations",
-            Kind::Calibration(_) => "calibration",
-            Kind::Diagnosis(_) => "diagnosis",
-            Kind::Prediction(_) => "prediction",
-            Kind::Analysis(_) => "analysis",
-            Kind::Other(word) => word,
+            RunKind::Simulation(_) => "simulation",
+            RunKind::Set(_) => "set of simulations",
+            RunKind::Calibration(_) => "calibration",
+            RunKind::Diagnosis(_) => "diagnosis",
+            RunKind::Prediction(_) => "prediction",
+            RunKind::Analysis(_) => "analysis",
+            RunKind::Other(word) => word,
         }
     }
 }
@@ -152,19 +152,19 @@ pub fn reread(folder: &Path) -> Result<Reread, RereadError> {
     let hashes = mark["inputs_sha256"].as_object().into_iter().flatten().filter_map(hash).collect();
     let (kind, keys) = match (mark["kind"].as_str(), mark["runs"].as_array()) {
         (Some("calibration"), _) => {
-            (Kind::Calibration(json(&folder.join(CALIBRATION))?), keys(&folder.join(EXPERIMENT))?)
+            (RunKind::Calibration(json(&folder.join(CALIBRATION))?), keys(&folder.join(EXPERIMENT))?)
         }
         (Some("diagnosis"), _) => {
-            (Kind::Diagnosis(json(&folder.join(DIAGNOSIS))?), keys(&folder.join(EXPERIMENT))?)
+            (RunKind::Diagnosis(json(&folder.join(DIAGNOSIS))?), keys(&folder.join(EXPERIMENT))?)
         }
         (Some("prediction"), _) => {
-            (Kind::Prediction(json(&folder.join(PREDICTION))?), keys(&folder.join(SCENARIO))?)
+            (RunKind::Prediction(json(&folder.join(PREDICTION))?), keys(&folder.join(SCENARIO))?)
         }
-        (Some("analysis"), _) => (Kind::Analysis(mark.clone()), keys(&folder.join(EXPERIMENT))?),
+        (Some("analysis"), _) => (RunKind::Analysis(mark.clone()), keys(&folder.join(EXPERIMENT))?),
         (Some("set") | None, Some(runs)) => set(folder, &file, runs)?,
-        (Some(other), _) => (Kind::Other(other.to_owned()), BTreeMap::new()),
+        (Some(other), _) => (RunKind::Other(other.to_owned()), BTreeMap::new()),
         (None, None) => {
-            (Kind::Simulation(Box::new(simulated(folder, &mark)?)), keys(&folder.join(SCENARIO))?)
+            (RunKind::Simulation(Box::new(simulated(folder, &mark)?)), keys(&folder.join(SCENARIO))?)
         }
     };
     let (mut warnings, argv, mut keys) = (list("warnings"), list("argv"), keys);
@@ -174,7 +174,7 @@ pub fn reread(folder: &Path) -> Result<Reread, RereadError> {
         let set = pairs.filter_map(|pair| pair[1].split_once('='));
         keys.extend(set.map(|(key, value)| (key.to_owned(), value.trim_matches('"').to_owned())));
     }
-    if let Kind::Set(runs) = &kind {
+    if let RunKind::Set(runs) = &kind {
         let own = |(_, summary): &(Option<f64>, Summary)| summary.warnings.clone();
         warnings = runs.iter().flat_map(own).collect();
         warnings.dedup();
@@ -223,7 +223,11 @@ fn simulated(folder: &Path, mark: &Value) -> Result<Simulated, RereadError> {
 }
 
 /// A set, and the keys that its runs share.
-fn set(folder: &Path, file: &Path, runs: &[Value]) -> Result<(Kind, BTreeMap<String, String>), RereadError> {
+fn set(
+    folder: &Path,
+    file: &Path,
+    runs: &[Value],
+) -> Result<(RunKind, BTreeMap<String, String>), RereadError> {
     let mut members: Vec<(Option<f64>, Summary)> = Vec::new();
     let mut shared: Option<BTreeMap<String, String>> = None;
     for run in runs {
@@ -234,7 +238,7 @@ fn set(folder: &Path, file: &Path, runs: &[Value]) -> Result<(Kind, BTreeMap<Str
         shared.retain(|key, value| own.get(key) == Some(value));
         members.push((run["pressure_pa"].as_f64(), summary));
     }
-    Ok((Kind::Set(members), shared.unwrap_or_default()))
+    Ok((RunKind::Set(members), shared.unwrap_or_default()))
 }
 
 /// A TOML file as one value for each path; nothing where it is not there.

@@ -371,7 +371,7 @@ fn numbers(page: &mut Page, summary: &Summary) {
             rows: [rows(&summary.modes, sticks), slipping].concat(),
         },
     );
-    let parameter = |(path, own): (&String, &efam_experiments::summary::Parameter)| {
+    let parameter = |(path, own): (&String, &efam_experiments::summary::RunParameter)| {
         vec![path.clone(), short(own.value), own.unit.clone(), format_si(own.value, &own.unit)]
     };
     page.folded(

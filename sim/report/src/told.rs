@@ -54,8 +54,8 @@ impl Told {
         model: &'a Model,
         run: &Run,
         trajectory: &'a Trajectory,
-    ) -> picture::Release<'a> {
-        picture::Release {
+    ) -> picture::ReleasePicture<'a> {
+        picture::ReleasePicture {
             model,
             trajectory,
             energy_followed: run.energy,

@@ -145,7 +145,7 @@ fn quantity(option: &str, value: Option<&String>, unit: &str) -> Result<Option<f
 
 /// The release, over what a scenario says; the payload's mass stands with each command, because some take several.
 #[derive(Args)]
-pub struct Release {
+pub struct ReleaseArguments {
     /// Centre of mass of the payload beyond the active length [default: the scenario's, or at its end].
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub payload_center: Option<String>,
@@ -164,7 +164,7 @@ pub struct Release {
     pub duration: Option<String>,
 }
 
-impl Release {
+impl ReleaseArguments {
     /// With a payload, such as `80g`, and beside what is set over the scenario.
     pub fn options(&self, mass: Option<&String>, set: &[String]) -> Result<ReleaseOptions, Failure> {
         let one = |option: &str, value: &Option<String>, key: &str, unit: &str| {

@@ -7,7 +7,9 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use clap::Args;
-use efam_inference::calibrate::{Calibration, Outcome, Problem, Settings, calibrate, problem};
+use efam_inference::calibrate::{
+    Calibration, CalibrationOutcome, CalibrationSettings, Problem, calibrate, problem,
+};
 use efam_report::Request;
 use efam_report::calibrated::{models, table, write_calibration};
 use efam_report::experiment::input_hashes;
@@ -65,10 +67,10 @@ pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
         LiveFit::fit(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
-    let work = || -> Result<(Problem, Settings, Outcome), Failure> {
+    let work = || -> Result<(Problem, CalibrationSettings, CalibrationOutcome), Failure> {
         let cleaned = read(&experiment, &stages)?;
         let (problem, settings) = problem(&experiment, &cleaned)?;
-        let settings = Settings { profile: args.profile, ..settings };
+        let settings = CalibrationSettings { profile: args.profile, ..settings };
         let outcome =
             calibrate(&problem, &settings, &Watcher { stages: &stages, live: live.as_ref(), ending: None })?;
         Ok((problem, settings, outcome))

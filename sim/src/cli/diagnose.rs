@@ -7,10 +7,12 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use efam_experiments::kind::Kind;
+use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::Scenario;
 use efam_inference::diagnose::plan::Prospect;
-use efam_inference::diagnose::{Diagnosis, Outcome, Settings, diagnose, known_effects, plan, problem};
+use efam_inference::diagnose::{
+    Diagnosis, DiagnosisOutcome, DiagnosisSettings, diagnose, known_effects, plan, problem,
+};
 use efam_report::Request;
 use efam_report::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
 use efam_report::experiment::input_hashes;
@@ -131,11 +133,11 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     let experiment = load(&args.of)?;
     known_effects(&args.without, &experiment.catalogue())
         .map_err(|wrong| Failure::Usage(format!("--without: {wrong}")))?;
-    let settings = Settings {
+    let settings = DiagnosisSettings {
         false_alarm: args.false_alarm,
         most_effects: args.most,
         excluded: args.without.clone(),
-        ..Settings::default()
+        ..DiagnosisSettings::default()
     }
     .stated(&experiment)?;
     let folder = claim(&experiment, &args.of, console)?;
@@ -147,7 +149,7 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
     let ending = Ending::after(args.budget);
-    let work = || -> Result<Outcome, Failure> {
+    let work = || -> Result<DiagnosisOutcome, Failure> {
         let cleaned = read(&experiment, &stages)?;
         let problem = problem(&experiment, &cleaned)?;
         let watcher = Watcher { stages: &stages, live: live.as_ref(), ending: Some(&ending) };
@@ -179,7 +181,7 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
         writeln!(out, "\nresults in {}", folder.display())?;
     }
     browser::show(args.of.output.open, &folder, console);
-    if interrupt::is_asked() {
+    if interrupt::is_requested() {
         say(format_args!("interrupted: the results up to then are saved"));
         return Ok(interrupt::exit_code().into());
     }
@@ -192,7 +194,7 @@ fn planned(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     let mut cases = Vec::new();
     for path in std::iter::once(&args.of.experiment).chain(&args.also) {
         let overrides = if path == &args.of.experiment { &args.of.set[..] } else { &[] };
-        cases.extend(of_kind(Kind::Scenario, path, Scenario::load(path, overrides))?.cases()?);
+        cases.extend(of_kind(FileKind::Scenario, path, Scenario::load(path, overrides))?.cases()?);
     }
     console.warn(cases.iter().flat_map(|case| &case.warnings));
     interrupt::listen();

@@ -103,7 +103,7 @@ pub struct Effect {
     /// Its parameters.
     parameters: Vec<OfEffect>,
     /// What one sees of it in a release.
-    looks_like: &'static str,
+    signature: &'static str,
     /// Effects that are easily taken for it.
     confounded_with: &'static [&'static str],
 }
@@ -294,7 +294,7 @@ fn of_about(about: &'static About) -> Effect {
         meaning: about.meaning,
         kind: format!("{:?}", about.kind).to_lowercase(),
         parameters: about.parameters.iter().map(parameter).collect(),
-        looks_like: about.looks_like,
+        signature: about.signature,
         confounded_with: about.confounded_with,
     }
 }

@@ -10,7 +10,7 @@ use clap::Args;
 use efam_experiments::cleaning::{Cleaned, Decision, clean};
 use efam_experiments::experiment::Experiment;
 use efam_experiments::init;
-use efam_experiments::kind::Kind;
+use efam_experiments::kind::FileKind;
 use efam_recordings::ReadOptions;
 use efam_report::Request;
 use efam_report::experiment::{Row, decisions, input_hashes, table, write};
@@ -107,7 +107,7 @@ pub fn init(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
         console.detail(format!("reading {}", file.display()));
         recordings.push((
             relative(file, out)?,
-            of_kind(Kind::Recording, file, efam_recordings::read(file, &ReadOptions::default()))?,
+            of_kind(FileKind::Recording, file, efam_recordings::read(file, &ReadOptions::default()))?,
         ));
     }
     let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());
@@ -226,7 +226,7 @@ pub fn open(args: &OfExperiment, console: &Console) -> Result<(Experiment, Folde
 /// Reads the experiment.
 pub fn load(args: &OfExperiment) -> Result<Experiment, Failure> {
     let read = Experiment::load_with(&args.experiment, &args.set, &args.law);
-    of_kind(Kind::Experiment, &args.experiment, read)
+    of_kind(FileKind::Experiment, &args.experiment, read)
 }
 
 /// Opens the folder of an experiment that was read.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use efam_experiments::kind::Kind;
+use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::ScenarioError;
 use efam_store::escape::{escaped, escaped_lines};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
@@ -28,12 +28,12 @@ fn code(failure: &Failure) -> u8 {
 
 /// What was read; or else, if the file is plainly of another kind than the one that is due, that it is, and the command
 /// that takes it.
-pub fn of_kind<T, E>(due: Kind, file: &Path, read: Result<T, E>) -> Result<T, Failure>
+pub fn of_kind<T, E>(due: FileKind, file: &Path, read: Result<T, E>) -> Result<T, Failure>
 where
     Failure: From<E>,
 {
-    read.map_err(|error| match Kind::of(file).filter(|found| *found != due) {
-        Some(found) if due == Kind::Recording => Failure::Data(found.instead_of(due, file)),
+    read.map_err(|error| match FileKind::of(file).filter(|found| *found != due) {
+        Some(found) if due == FileKind::Recording => Failure::Data(found.instead_of(due, file)),
         Some(found) => Failure::Usage(found.instead_of(due, file)),
         None => error.into(),
     })

@@ -11,7 +11,7 @@ use efam_core::trajectory::Status;
 use efam_experiments::analyse::{Analysed, analyse};
 use efam_experiments::analysis::static_stiffness::NODES;
 use efam_experiments::experiment::Experiment;
-use efam_experiments::kind::Kind;
+use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::{Case, Scenario};
 use efam_report::Request;
 use efam_report::figures::{Words, words, write_figures};
@@ -73,7 +73,7 @@ pub fn run(args: &Figures, console: &Console) -> Result<ExitCode, Failure> {
 /// From the recordings of an experiment.
 fn recorded(args: &Figures, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    let experiment = of_kind(Kind::Experiment, file, Experiment::load(file, &args.set))?;
+    let experiment = of_kind(FileKind::Experiment, file, Experiment::load(file, &args.set))?;
     admit_experiment(&experiment).map_err(refused)?;
     interrupt::listen();
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use efam_experiments::kind::Kind;
+use efam_experiments::kind::FileKind;
 use efam_recordings::{Length, Marker, ReadOptions, Recording, read};
 use efam_report::aligned::{Aligned, Side};
 use efam_store::escape::escaped;
@@ -115,8 +115,8 @@ pub fn run(args: &Inspect, console: &Console) -> Result<ExitCode, Failure> {
 
 /// What a file is that cannot be read as a recording, and the command that takes it.
 fn another_kind(file: &Path) -> Option<String> {
-    let found = Kind::of(file).filter(|found| *found != Kind::Recording)?;
-    Some(found.instead_of(Kind::Recording, file))
+    let found = FileKind::of(file).filter(|found| *found != FileKind::Recording)?;
+    Some(found.instead_of(FileKind::Recording, file))
 }
 
 fn table(out: &mut impl Write, recording: &Recording) -> io::Result<()> {

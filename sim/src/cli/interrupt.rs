@@ -81,7 +81,7 @@ pub fn make_long_files_an_error() {
 }
 
 /// Whether an end was requested.
-pub fn is_asked() -> bool {
+pub fn is_requested() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
@@ -100,7 +100,7 @@ pub fn exit_code() -> u8 {
 
 /// Stops a command that was interrupted while it wrote, before its folder gets its name.
 pub fn check() -> Result<(), Failure> {
-    if is_asked() { Err(Failure::Interrupted) } else { Ok(()) }
+    if is_requested() { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
 /// Does what takes long. On a signal, `kept` is dropped, such as a folder that is not finished, and the program
@@ -142,7 +142,7 @@ impl Ending {
     fn takes_signal(&self) -> bool {
         let has_answer = self.has_answer.load(Ordering::SeqCst);
         let is_over = self.until.is_some_and(|until| Instant::now() >= until);
-        if is_over || (has_answer && is_asked()) {
+        if is_over || (has_answer && is_requested()) {
             self.stop.store(true, Ordering::SeqCst);
         }
         has_answer
@@ -202,7 +202,7 @@ fn wait_for<K, T: Send>(
         // The channel breaks when the work is over, also when it panics.
         while wait.recv_timeout(NOTICED) == Err(RecvTimeoutError::Timeout) {
             let is_taken = ending.is_some_and(Ending::takes_signal);
-            if is_asked() && !is_taken {
+            if is_requested() && !is_taken {
                 stages.clear();
                 drop(kept);
                 last_words();

@@ -163,7 +163,7 @@ mod with_rerun {
             self.0.ranked(threshold, candidates).map_err(failure)
         }
 
-        pub fn found(&mut self, outcome: &diagnose::Outcome) -> Result<(), Failure> {
+        pub fn found(&mut self, outcome: &diagnose::DiagnosisOutcome) -> Result<(), Failure> {
             self.0.found(outcome).map_err(failure)
         }
     }
@@ -181,7 +181,11 @@ mod with_rerun {
             self.0.fitted(progress).map_err(failure)
         }
 
-        pub fn found(&mut self, problem: &Problem, outcome: &calibrate::Outcome) -> Result<(), Failure> {
+        pub fn found(
+            &mut self,
+            problem: &Problem,
+            outcome: &calibrate::CalibrationOutcome,
+        ) -> Result<(), Failure> {
             self.0.found(problem, outcome).map_err(failure)
         }
     }
@@ -201,7 +205,7 @@ mod with_rerun {
     impl<D> Recording for Live<Stream<D>> {
         fn finish(self, hold: bool) -> Result<(), Failure> {
             if hold {
-                self.0.hold(interrupt::is_asked);
+                self.0.hold(interrupt::is_requested);
             }
             match self.0.finish() {
                 Err(error @ RerunError::ViewerLost { .. }) => {
@@ -262,8 +266,8 @@ mod without {
     /// There is none in a program that was built without Rerun.
     pub struct Live<S = ()>(Never, PhantomData<S>);
 
-    pub type LiveSearch = Live<diagnose::Outcome>;
-    pub type LiveFit = Live<calibrate::Outcome>;
+    pub type LiveSearch = Live<diagnose::DiagnosisOutcome>;
+    pub type LiveFit = Live<calibrate::CalibrationOutcome>;
     pub type LiveEnsemble = Live<Member>;
 
     impl Live {
@@ -289,7 +293,7 @@ mod without {
             match self.0 {}
         }
 
-        pub fn found(&mut self, _: &diagnose::Outcome) -> Result<(), Failure> {
+        pub fn found(&mut self, _: &diagnose::DiagnosisOutcome) -> Result<(), Failure> {
             match self.0 {}
         }
     }
@@ -307,7 +311,7 @@ mod without {
             match self.0 {}
         }
 
-        pub fn found(&mut self, _: &Problem, _: &calibrate::Outcome) -> Result<(), Failure> {
+        pub fn found(&mut self, _: &Problem, _: &calibrate::CalibrationOutcome) -> Result<(), Failure> {
             match self.0 {}
         }
     }

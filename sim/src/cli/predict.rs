@@ -13,7 +13,7 @@ use efam_inference::predict::ensemble::{Member, ensemble};
 use efam_inference::predict::grid::{Cell, Grid, grid, runs};
 use efam_inference::predict::request::CaseRequest;
 use efam_inference::predict::span::values;
-use efam_inference::predict::{Prediction, Settings, predict};
+use efam_inference::predict::{Prediction, PredictionSettings, predict};
 use efam_report::Request;
 use efam_report::grid::{grid_table, write_grid};
 use efam_report::predicted::{prediction_table, write_prediction};
@@ -24,7 +24,7 @@ use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::arguments::{Output, Release, argv, once};
+use super::arguments::{Output, ReleaseArguments, argv, once};
 use super::browser;
 use super::console::{Console, print};
 use super::failure::Failure;
@@ -71,7 +71,7 @@ pub struct Predict {
     #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
     payload: Option<String>,
     #[command(flatten)]
-    release: Release,
+    release: ReleaseArguments,
     /// Override a value of the scenario, such as effects.air_drag.drag_coefficient=1.1; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
@@ -80,10 +80,10 @@ pub struct Predict {
     #[arg(long, value_name = "EXPERIMENT", conflicts_with_all = CASE)]
     check: Option<PathBuf>,
     /// Number of draws from the errors of the calibration, for one case.
-    #[arg(long, value_name = "COUNT", default_value_t = efam_inference::predict::Settings::default().draws)]
+    #[arg(long, value_name = "COUNT", default_value_t = efam_inference::predict::PredictionSettings::default().draws)]
     draws: usize,
     /// Of the random numbers.
-    #[arg(long, default_value_t = efam_inference::predict::Settings::default().seed)]
+    #[arg(long, default_value_t = efam_inference::predict::PredictionSettings::default().seed)]
     seed: u64,
     /// Show the ensemble of rods in Rerun: save, spawn, connect, connect=URL or serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse)]
@@ -128,7 +128,7 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         return Err(Failure::Usage("--muscle needs --pressure, such as --pressure 40psi".to_owned()));
     }
     let begin = Instant::now();
-    let (asked, input_hashes) = asked(args)?;
+    let (cases, input_hashes) = case_request(args)?;
     once("--pressure", args.pressure.as_ref(), "muscle.pressure", &args.set)?;
     once("--payload", args.payload.as_ref(), "effects.payload.mass", &args.set)?;
     let pressures = several("--pressure", &args.pressure, "Pa")?;
@@ -137,14 +137,14 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         let payload = args.payload.as_deref().unwrap_or_default();
         return Err(Failure::Usage(format!("--payload {payload}: it must not be negative")));
     }
-    if !pressures.is_empty() && !asked.has_muscle() {
+    if !pressures.is_empty() && !cases.has_muscle() {
         return Err(Failure::Usage(
             "--pressure: the scenario's rod is no muscle, and is the same at every pressure; leave it out"
                 .to_owned(),
         ));
     }
     // What the scenario refuses is said before a folder is opened.
-    let (mut case, known) = asked.case(pressures.first().copied(), payloads.first().copied())?;
+    let (mut case, known) = cases.case(pressures.first().copied(), payloads.first().copied())?;
     let is_grid = pressures.len() > 1 || payloads.len() > 1;
     let name = title(args, &case.name);
     case.name = name.clone();
@@ -168,7 +168,7 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
     };
     if is_grid {
         let payloads = if payloads.is_empty() { vec![0.0] } else { payloads };
-        let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
+        let make = |pressure, payload| Ok(cases.case(pressure, Some(payload))?.0);
         let cases = pressures.len().max(1) * payloads.len();
         let stages = console.steps(cases, &format!("cases of {} runs", runs(known.as_ref())));
         let step = || stages.step();
@@ -188,7 +188,7 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         })?;
         Recording::shown(viewer, args.rerun.as_ref())?;
     } else {
-        let settings = Settings { draws: args.draws, seed: args.seed };
+        let settings = PredictionSettings { draws: args.draws, seed: args.seed };
         let stages = console.steps(known.as_ref().map_or(0, |_| args.draws), "draws");
         let step = || stages.step();
         let work = || predict(&case, known.as_ref(), &settings, &step);
@@ -259,7 +259,7 @@ fn title(args: &Predict, case: &str) -> String {
 }
 
 /// The rod that is asked about, and the hash of its file.
-fn asked(args: &Predict) -> Result<(CaseRequest, BTreeMap<String, String>), Failure> {
+fn case_request(args: &Predict) -> Result<(CaseRequest, BTreeMap<String, String>), Failure> {
     let mut hashes = BTreeMap::new();
     let mut read = |file: &Path, what: &str| {
         let text = input::text(file).map_err(|error| {
@@ -268,7 +268,7 @@ fn asked(args: &Predict) -> Result<(CaseRequest, BTreeMap<String, String>), Fail
         hashes.insert(file.display().to_string(), efam_store::sha::sha256(text.as_bytes()));
         Ok::<_, Failure>(text)
     };
-    let mut asked = match (&args.scenario, &args.muscle) {
+    let mut request = match (&args.scenario, &args.muscle) {
         (Some(scenario), _) => CaseRequest::scenario(
             scenario,
             read(scenario, "a scenario, such as the rod.toml of a calibration")?,
@@ -284,9 +284,9 @@ fn asked(args: &Predict) -> Result<(CaseRequest, BTreeMap<String, String>), Fail
             CaseRequest::muscle(muscle)
         }
     };
-    asked.release = args.release.options(None, &args.set)?;
-    asked.set.clone_from(&args.set);
-    Ok((asked, hashes))
+    request.release = args.release.options(None, &args.set)?;
+    request.set.clone_from(&args.set);
+    Ok((request, hashes))
 }
 
 /// Names of the built-in muscles.

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use efam_core::rest::{rest, root_moment, slipping_modes};
-use efam_experiments::kind::Kind;
+use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::{Case, ReleaseOptions, Scenario};
 use efam_report::aligned::{Aligned, Side};
 use models::quantity::format_si;
@@ -221,7 +221,7 @@ fn cases(source: &Source, mass: Option<&String>, console: &Console) -> Result<Ve
     let load = ReleaseOptions { payload: payload(mass, &source.set)?, ..ReleaseOptions::default() };
     let overrides = [load.overrides(), source.overrides()?].concat();
     let scenario = Scenario::load(&source.scenario, &overrides);
-    let cases = of_kind(Kind::Scenario, &source.scenario, scenario)?.cases()?;
+    let cases = of_kind(FileKind::Scenario, &source.scenario, scenario)?.cases()?;
     console.detail(format!("{}: {} to show", source.scenario.display(), cases.len()));
     console.warn(cases.iter().flat_map(|case| &case.warnings));
     Ok(cases)

@@ -13,7 +13,7 @@ use clap::{Args, ValueEnum};
 use efam_core::accuracy::Settled;
 use efam_core::forward::{Run, Sample, forward};
 use efam_core::trajectory::{Status, Trajectory};
-use efam_experiments::kind::Kind;
+use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::{Case, Scenario};
 use efam_experiments::summary::Summary;
 use efam_report::Request;
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::arguments::{Output, Release, Source, argv};
+use super::arguments::{Output, ReleaseArguments, Source, argv};
 use super::browser;
 use super::console::{Console, print};
 use super::failure::{Failure, of_kind};
@@ -64,7 +64,7 @@ pub struct Simulate {
     #[arg(long, value_name = "MASS", allow_hyphen_values = true)]
     payload: Option<String>,
     #[command(flatten)]
-    release: Release,
+    release: ReleaseArguments,
     #[command(flatten)]
     output: Output,
     /// Also write CSV.
@@ -129,8 +129,11 @@ struct OfRun<'a> {
 pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     let release = args.release.options(args.payload.as_ref(), &args.source.set)?;
     let overrides = [release.overrides(), args.source.overrides()?].concat();
-    let scenario =
-        of_kind(Kind::Scenario, &args.source.scenario, Scenario::load(&args.source.scenario, &overrides))?;
+    let scenario = of_kind(
+        FileKind::Scenario,
+        &args.source.scenario,
+        Scenario::load(&args.source.scenario, &overrides),
+    )?;
     let cases = scenario.cases()?;
     let is_sweep = scenario.is_all_rows();
     if is_sweep && args.rerun.is_some() {
@@ -314,7 +317,7 @@ pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Traj
 /// One sample more, unless nobody wants it any more.
 fn counted(progress: &ProgressBar) -> ControlFlow<()> {
     progress.inc(1);
-    if interrupt::is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }
 
 /// Whether memory holds all trajectories, and the table of each that is written; asked before hours are spent.

@@ -103,7 +103,7 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
     }
     let mut seen: BTreeMap<String, Seen> = BTreeMap::new();
     let mut is_open = args.open;
-    while !interrupt::is_asked() {
+    while !interrupt::is_requested() {
         let ready = look(&whole, &mut seen);
         let is_news = !ready.is_empty();
         for file in ready {
@@ -114,14 +114,14 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
         }
         let good: Vec<String> =
             seen.iter().filter(|(_, own)| own.is_good).map(|(file, _)| file.clone()).collect();
-        if is_news && !good.is_empty() && !interrupt::is_asked() {
+        if is_news && !good.is_empty() && !interrupt::is_requested() {
             match page(&facts, &whole, &good, &out) {
                 Ok(()) => browser::show(std::mem::take(&mut is_open), &out, console),
                 Err(failure) => console.warn([failure]),
             }
         }
         let until = Instant::now() + args.every;
-        while Instant::now() < until && !interrupt::is_asked() {
+        while Instant::now() < until && !interrupt::is_requested() {
             sleep(NOTICED.min(args.every));
         }
     }

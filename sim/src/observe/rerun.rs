@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use ::rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError, RecordingStreamResult};
 use efam_inference::calibrate::{self, Problem, Progress};
-use efam_inference::diagnose::Outcome;
+use efam_inference::diagnose::DiagnosisOutcome;
 use efam_inference::diagnose::verdict::Evidence;
 use efam_inference::predict::ensemble::Member;
 use models::snapshot::Snapshot;
@@ -209,7 +209,7 @@ impl SearchStream {
     /// Shows the answer, and every release before and after.
     /// # Errors
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
-    pub fn found(&mut self, outcome: &Outcome) -> Result<(), RerunError> {
+    pub fn found(&mut self, outcome: &DiagnosisOutcome) -> Result<(), RerunError> {
         self.show("the answer", |search, recording| search.found(recording, outcome))
     }
 }
@@ -239,7 +239,11 @@ impl FitStream {
     /// Shows the answer, and every release as fitted.
     /// # Errors
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
-    pub fn found(&mut self, problem: &Problem, outcome: &calibrate::Outcome) -> Result<(), RerunError> {
+    pub fn found(
+        &mut self,
+        problem: &Problem,
+        outcome: &calibrate::CalibrationOutcome,
+    ) -> Result<(), RerunError> {
         self.show("the answer", |fit, recording| fit.found(recording, problem, outcome))
     }
 }

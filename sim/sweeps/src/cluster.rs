@@ -18,7 +18,9 @@ const NONE: &str = "undefined";
 /// The shard that a scheduler asks for, and the variable that says so.
 /// # Errors
 /// What is wrong with it.
-pub fn asked(variable: impl Fn(&str) -> Option<String>) -> Result<Option<(usize, &'static str)>, String> {
+pub fn array_place(
+    variable: impl Fn(&str) -> Option<String>,
+) -> Result<Option<(usize, &'static str)>, String> {
     for (name, first) in PLACES {
         let Some(text) = variable(name).filter(|text| text != NONE && !text.is_empty()) else { continue };
         let place = text.parse::<usize>().ok().and_then(|place| place.checked_sub(first));
@@ -107,7 +109,7 @@ mod tests {
     #[test]
     fn a_task_finds_its_shard_whatever_the_scheduler() {
         let asks = |name: &'static str, value: &'static str| {
-            asked(|own| (own == name).then(|| value.to_owned())).map(|place| place.map(|place| place.0))
+            array_place(|own| (own == name).then(|| value.to_owned())).map(|place| place.map(|place| place.0))
         };
         assert_eq!(asks("SLURM_ARRAY_TASK_ID", "7"), Ok(Some(7)));
         assert_eq!(asks("PBS_ARRAY_INDEX", "0"), Ok(Some(0)));

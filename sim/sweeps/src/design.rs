@@ -1,14 +1,14 @@
 //! The points of a design: each the same whoever asks for it, and whatever others are asked for.
 
-use efam_experiments::scenario::{Case, Problem, Scenario, ScenarioError};
+use efam_experiments::scenario::{Case, Scenario, ScenarioError, ScenarioProblem};
 use efam_inference::normal::uniform;
 use efam_inference::predict::errors::Errors;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
-use super::key::{Kind, Varying};
+use super::key::{ValueKind, Varying};
 use super::point::case;
-use super::request::{Design, OfScenario, Value, Values};
+use super::request::{Design, DesignValue, OfScenario, Values};
 use super::work::Point;
 
 /// Where points come from.
@@ -40,10 +40,13 @@ impl<'a> Sampler<'a> {
             let known = first.1.known().expect("a posterior was requested with a calibration");
             let keys = Varying::of(&asked.scenario, &asked.scenario_text)?;
             for (path, _) in Errors::new(known, &first.0).values(0, 0) {
-                if !matches!(keys.kind(&path), Some(Kind::Quantity(_))) || asked.varies(&path) {
+                if !matches!(keys.kind(&path), Some(ValueKind::Quantity(_))) || asked.varies(&path) {
                     let message =
                         format!("{path} is drawn from the calibration; leave it out of the parameters");
-                    return Err(ScenarioError { at: None, problem: Problem::Other { message }.into() });
+                    return Err(ScenarioError {
+                        at: None,
+                        problem: ScenarioProblem::Other { message }.into(),
+                    });
                 }
                 sampler.paths.push(path);
             }
@@ -68,7 +71,7 @@ impl<'a> Sampler<'a> {
             };
             let known = scenario.known().expect("a posterior was requested with a calibration");
             let drawn = Errors::new(known, case).values(point.seed, 0);
-            point.values.extend(drawn.into_iter().map(|(_, value)| Value::Number(value)));
+            point.values.extend(drawn.into_iter().map(|(_, value)| DesignValue::Number(value)));
         }
         Ok(point)
     }
@@ -140,11 +143,11 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::request::Parameter;
+    use crate::request::DesignParameter;
 
     fn asked(design: Design, points: usize, values: &[Values]) -> OfScenario {
         let paths = ["effects.payload.mass", "muscle.pressure", "rod.nodes"];
-        let parameter = |(path, values): (&&str, &Values)| Parameter {
+        let parameter = |(path, values): (&&str, &Values)| DesignParameter {
             path: (*path).to_owned(),
             kind: Varying::default().kind(path).unwrap(),
             values: values.clone(),
@@ -167,8 +170,8 @@ mod tests {
 
     fn numbers(points: &[Point], k: usize) -> Vec<f64> {
         let number = |point: &Point| match point.values[k] {
-            Value::Number(number) => number,
-            Value::Word(_) => panic!("a number"),
+            DesignValue::Number(number) => number,
+            DesignValue::Word(_) => panic!("a number"),
         };
         points.iter().map(number).collect()
     }
@@ -177,7 +180,7 @@ mod tests {
 
     #[test]
     fn the_last_of_a_grid_varies_fastest() {
-        let list = |all: &[f64]| Values::List(all.iter().map(|value| Value::Number(*value)).collect());
+        let list = |all: &[f64]| Values::List(all.iter().map(|value| DesignValue::Number(*value)).collect());
         let grid = points(&asked(Design::Grid, 6, &[list(&[0.0, 1.0]), list(&[5.0, 6.0, 7.0])]));
         assert_eq!(numbers(&grid, 0), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
         assert_eq!(numbers(&grid, 1), [5.0, 6.0, 7.0, 5.0, 6.0, 7.0]);
@@ -213,13 +216,13 @@ mod tests {
     #[test]
     fn logarithms_counts_and_words_are_spread_as_they_should() {
         let logarithmic = Values::Range { low: 0.1, high: 1000.0, logarithmic: true };
-        let kind = Kind::Quantity("m");
-        assert_eq!(logarithmic.at(0.0, kind), Value::Number(0.1));
-        let Value::Number(middle) = logarithmic.at(0.5, kind) else { panic!() };
+        let kind = ValueKind::Quantity("m");
+        assert_eq!(logarithmic.at(0.0, kind), DesignValue::Number(0.1));
+        let DesignValue::Number(middle) = logarithmic.at(0.5, kind) else { panic!() };
         assert!((middle - 10.0).abs() < 1e-12);
-        assert_eq!(RANGE.at(0.3, Kind::Count), Value::Number(3.0));
-        let words = Values::List(["a", "b"].map(|word| Value::Word(word.to_owned())).to_vec());
-        assert_eq!(words.at(0.49, Kind::Word), Value::Word("a".to_owned()));
-        assert_eq!(words.at(0.999, Kind::Word), Value::Word("b".to_owned()));
+        assert_eq!(RANGE.at(0.3, ValueKind::Count), DesignValue::Number(3.0));
+        let words = Values::List(["a", "b"].map(|word| DesignValue::Word(word.to_owned())).to_vec());
+        assert_eq!(words.at(0.49, ValueKind::Word), DesignValue::Word("a".to_owned()));
+        assert_eq!(words.at(0.999, ValueKind::Word), DesignValue::Word("b".to_owned()));
     }
 }

@@ -6,14 +6,14 @@ use std::path::Path;
 use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
 use efam_inference::diagnose::verdict::{Added, Gap};
-use efam_inference::diagnose::{Diagnosis, Settings, Verdict, diagnose, problem};
+use efam_inference::diagnose::{Diagnosis, DiagnosisSettings, Verdict, diagnose, problem};
 use efam_store::columns::{Cell, Cells, Column, Holds};
 use efam_store::input;
 use efam_store::sha::sha256;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::request::Value;
+use super::request::DesignValue;
 use super::work::{Diagnose, Point, Row, fault, joined};
 
 /// What stands between names of a list.
@@ -155,19 +155,19 @@ fn said(work: &Diagnose, point: &Point) -> Result<Diagnosis, String> {
     let experiment = experiment?;
     let cleaned = clean(&experiment).map_err(|error| error.to_string())?;
     let problem = problem(&experiment, &cleaned).map_err(|error| error.to_string())?;
-    let settings = Settings {
-        false_alarm: work.false_alarm.parse().unwrap_or(Settings::default().false_alarm),
+    let settings = DiagnosisSettings {
+        false_alarm: work.false_alarm.parse().unwrap_or(DiagnosisSettings::default().false_alarm),
         most_effects: work.most,
         excluded: without.split(AND).filter(|name| !name.is_empty()).map(str::to_owned).collect(),
-        ..Settings::default()
+        ..DiagnosisSettings::default()
     };
     let settings = settings.stated(&experiment).map_err(|error| error.to_string())?;
     let outcome = diagnose(&problem, &settings, &|_: &str| ()).map_err(|error| error.to_string())?;
     Ok(outcome.diagnosis)
 }
 
-fn word(value: &Value) -> &str {
-    if let Value::Word(word) = value { word } else { "" }
+fn word(value: &DesignValue) -> &str {
+    if let DesignValue::Word(word) = value { word } else { "" }
 }
 
 /// The hash of an experiment with all that it names, and the experiment itself or what is wrong with it.

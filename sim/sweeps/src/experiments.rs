@@ -14,14 +14,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use efam_experiments::scenario::document::Keys;
-use efam_experiments::scenario::{Problem, ScenarioError};
-use efam_inference::diagnose::{self, Settings};
+use efam_experiments::scenario::{ScenarioError, ScenarioProblem};
+use efam_inference::diagnose::{self, DiagnosisSettings};
 use efam_store::escape::is_hidden;
 use models::effects::Catalogue;
 use rayon::prelude::*;
 
 use super::diagnosed::{AND, look};
-use super::request::Value;
+use super::request::DesignValue;
 use super::work::{Diagnose, Point};
 
 /// Keys of a sweep over experiments.
@@ -39,14 +39,14 @@ pub struct OfExperiments {
 impl OfExperiments {
     /// A point.
     pub(super) fn point(&self, index: usize) -> Point {
-        Point { index, seed: 0, values: self.all[index].clone().map(Value::Word).to_vec() }
+        Point { index, seed: 0, values: self.all[index].clone().map(DesignValue::Word).to_vec() }
     }
 
     /// Reads it from the section of a file that lies in `folder`; says what should be known beforehand, too.
     pub(super) fn read(sweep: &Keys, folder: &Path) -> Result<(OfExperiments, Vec<String>), ScenarioError> {
         let diagnosed = sweep.table("diagnose")?;
         diagnosed.only(&["false_alarm", "most", "without"])?;
-        let usual = Settings::default();
+        let usual = DiagnosisSettings::default();
         let must = "lie between 0 and 1, such as 0.01";
         let false_alarm = diagnosed
             .quantity_that("false_alarm", "", must, |share| share > 0.0 && share < 1.0)?
@@ -92,7 +92,7 @@ impl OfExperiments {
             if count == of {
                 let message = format!("none of {of} can be diagnosed, the first because of this: {first}");
                 let key = if sweep.has("experiments") { "experiments" } else { "experiment" };
-                return Err(sweep.wrong(key, Problem::Other { message }));
+                return Err(sweep.wrong(key, ScenarioProblem::Other { message }));
             }
             warnings.push(format!("{count} of {of} experiments cannot be diagnosed, and will be rows that say so; the first because of this: {first}"));
         }
@@ -112,13 +112,13 @@ fn text<'a>(table: &Keys, key: &str, folder: &'a Path) -> Result<&'a str, Scenar
         let message = format!(
             "the folder {folder} has bytes that are not UTF-8 in its path, so no plan can name it; rename it"
         );
-        table.wrong(key, Problem::Other { message })
+        table.wrong(key, ScenarioProblem::Other { message })
     })
 }
 
 /// The files that are like the patterns of a key, relative to a folder.
 fn matching(table: &Keys, key: &str, folder: &Path) -> Result<Vec<String>, ScenarioError> {
-    let wrong = |message| table.wrong(key, Problem::Other { message });
+    let wrong = |message| table.wrong(key, ScenarioProblem::Other { message });
     let base = PathBuf::from(glob::Pattern::escape(text(table, key, folder)?));
     let mut found = Vec::new();
     for pattern in table.texts(key)?.unwrap_or_default() {
@@ -144,7 +144,9 @@ fn matching(table: &Keys, key: &str, folder: &Path) -> Result<Vec<String>, Scena
         }
     }
     if found.is_empty() && table.has(key) {
-        return Err(table.wrong(key, Problem::Must { must: "name one file at least, or a pattern of names" }));
+        return Err(
+            table.wrong(key, ScenarioProblem::Must { must: "name one file at least, or a pattern of names" })
+        );
     }
     Ok(found)
 }

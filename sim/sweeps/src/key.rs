@@ -8,7 +8,7 @@ use models::effects::Catalogue;
 
 /// What the values of a key are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueKind {
     /// Quantities in this SI unit, empty if dimensionless.
     Quantity(&'static str),
     /// Whole numbers.
@@ -18,27 +18,27 @@ pub enum Kind {
 }
 
 /// Keys beside those of a rod and of effects.
-const OTHERS: [(&str, Kind); 20] = [
-    ("muscle.name", Kind::Word),
-    ("muscle.pressure", Kind::Quantity("Pa")),
-    ("muscle.stiffness", Kind::Word),
-    ("muscle.mass", Kind::Word),
-    ("rod.nodes", Kind::Count),
-    ("rod.scheme", Kind::Word),
-    ("rod.base_angle", Kind::Quantity("rad")),
-    ("rod.tip", Kind::Quantity("m")),
-    ("release.from", Kind::Word),
-    ("release.angle", Kind::Quantity("rad")),
-    ("release.angular_velocity", Kind::Quantity("rad/s")),
-    ("release.hold.pressure", Kind::Quantity("Pa")),
-    ("release.history.hung", Kind::Quantity("s")),
-    ("release.history.raised", Kind::Quantity("s")),
-    ("release.history.held", Kind::Quantity("s")),
-    ("run.duration", Kind::Quantity("s")),
-    ("run.rate", Kind::Quantity("Hz")),
-    ("integrator.method", Kind::Word),
-    ("integrator.tolerance", Kind::Quantity("")),
-    ("integrator.fixed_step", Kind::Quantity("s")),
+const OTHERS: [(&str, ValueKind); 20] = [
+    ("muscle.name", ValueKind::Word),
+    ("muscle.pressure", ValueKind::Quantity("Pa")),
+    ("muscle.stiffness", ValueKind::Word),
+    ("muscle.mass", ValueKind::Word),
+    ("rod.nodes", ValueKind::Count),
+    ("rod.scheme", ValueKind::Word),
+    ("rod.base_angle", ValueKind::Quantity("rad")),
+    ("rod.tip", ValueKind::Quantity("m")),
+    ("release.from", ValueKind::Word),
+    ("release.angle", ValueKind::Quantity("rad")),
+    ("release.angular_velocity", ValueKind::Quantity("rad/s")),
+    ("release.hold.pressure", ValueKind::Quantity("Pa")),
+    ("release.history.hung", ValueKind::Quantity("s")),
+    ("release.history.raised", ValueKind::Quantity("s")),
+    ("release.history.held", ValueKind::Quantity("s")),
+    ("run.duration", ValueKind::Quantity("s")),
+    ("run.rate", ValueKind::Quantity("Hz")),
+    ("integrator.method", ValueKind::Word),
+    ("integrator.tolerance", ValueKind::Quantity("")),
+    ("integrator.fixed_step", ValueKind::Quantity("s")),
 ];
 
 /// Before a key of the rod or of an effect: what it has while it is held.
@@ -65,7 +65,7 @@ impl Varying {
     }
 
     /// What the values of a key are; none of one that does not vary.
-    pub fn kind(&self, path: &str) -> Option<Kind> {
+    pub fn kind(&self, path: &str) -> Option<ValueKind> {
         if let Some((_, kind)) = OTHERS.iter().find(|(key, _)| *key == path) {
             return Some(*kind);
         }
@@ -75,7 +75,7 @@ impl Varying {
             Some(own) => of_rod(own),
             None => self.0.parameter(path).map(|own| own.unit),
         };
-        unit.map(Kind::Quantity)
+        unit.map(ValueKind::Quantity)
     }
 
     /// Every key that may vary.
@@ -104,16 +104,16 @@ mod tests {
     #[test]
     fn keys_have_kinds_and_columns_of_their_own() {
         let keys = Varying::default();
-        assert_eq!(keys.kind("effects.payload.mass"), Some(Kind::Quantity("kg")));
-        assert_eq!(keys.kind("release.hold.rod.bending_stiffness"), Some(Kind::Quantity("N m^2")));
-        assert_eq!((keys.kind("rod.nodes"), keys.kind("muscle.file")), (Some(Kind::Count), None));
+        assert_eq!(keys.kind("effects.payload.mass"), Some(ValueKind::Quantity("kg")));
+        assert_eq!(keys.kind("release.hold.rod.bending_stiffness"), Some(ValueKind::Quantity("N m^2")));
+        assert_eq!((keys.kind("rod.nodes"), keys.kind("muscle.file")), (Some(ValueKind::Count), None));
         let others =
             ["release.hold.run.rate", "release.hold.rod.nodes", "effects.no.mass", "effects.payload"];
         assert_eq!(others.map(|key| keys.kind(key)), [None; 4]);
         assert_eq!(column("rod.bending_stiffness", "N m^2"), "rod_bending_stiffness_n_m2");
         assert_eq!(column("effects.rayleigh_mass.alpha", "1/s"), "effects_rayleigh_mass_alpha_1_s");
         let unit = |key: &str| match keys.kind(key) {
-            Some(Kind::Quantity(unit)) => unit,
+            Some(ValueKind::Quantity(unit)) => unit,
             kind => kind.map(|_| "").expect("it varies"),
         };
         let names: Vec<String> = keys.all().map(|key| column(&key, unit(&key))).collect();
@@ -126,8 +126,8 @@ mod tests {
             parameters.c = { unit = \"kg/m^3\", default = 0.6, range = [0, 10] }\n";
         let keys = Varying::of(Path::new("s.toml"), law).unwrap();
         let path = "effects.my_drag.c";
-        assert_eq!(keys.kind(path), Some(Kind::Quantity("kg/m^3")));
-        assert_eq!(keys.kind("release.hold.effects.my_drag.c"), Some(Kind::Quantity("kg/m^3")));
+        assert_eq!(keys.kind(path), Some(ValueKind::Quantity("kg/m^3")));
+        assert_eq!(keys.kind("release.hold.effects.my_drag.c"), Some(ValueKind::Quantity("kg/m^3")));
         assert!(keys.all().any(|key| key == path));
         assert_eq!(Varying::default().kind(path), None);
     }

@@ -9,8 +9,8 @@ use efam_inference::predict::quantity::{meanings, units};
 use efam_inference::predict::simulated::{Simulated, simulate};
 use efam_store::columns::{Cell, Column, Holds};
 
-use super::key::{self, Kind, Varying};
-use super::request::Value;
+use super::key::{self, ValueKind, Varying};
+use super::request::DesignValue;
 use super::work::{Point, Row, fault, joined};
 
 /// What the energies and the effort of a run are called, with their units and what they are.
@@ -51,14 +51,14 @@ pub fn case(
 }
 
 /// A value as it is set: a number to its last bit.
-pub fn setting(kind: Option<Kind>, path: &str, value: &Value) -> String {
+pub fn setting(kind: Option<ValueKind>, path: &str, value: &DesignValue) -> String {
     match (value, kind) {
-        (Value::Number(number), Some(Kind::Quantity(unit))) if !unit.is_empty() => {
+        (DesignValue::Number(number), Some(ValueKind::Quantity(unit))) if !unit.is_empty() => {
             format!("{path}=\"{number:?} {unit}\"")
         }
-        (Value::Number(number), Some(Kind::Count)) => format!("{path}={number}"),
-        (Value::Number(number), _) => format!("{path}={number:?}"),
-        (Value::Word(word), _) => format!("{path}=\"{word}\""),
+        (DesignValue::Number(number), Some(ValueKind::Count)) => format!("{path}={number}"),
+        (DesignValue::Number(number), _) => format!("{path}={number:?}"),
+        (DesignValue::Word(word), _) => format!("{path}=\"{word}\""),
     }
 }
 
@@ -96,8 +96,8 @@ pub(super) fn given(keys: &Varying, paths: &[String]) -> Vec<Column> {
     let mut all =
         vec![column("point".to_owned(), "", Holds::Counts), column("seed".to_owned(), "", Holds::Counts)];
     all.extend(paths.iter().map(|path| match keys.kind(path) {
-        Some(Kind::Quantity(unit)) => column(key::column(path, unit), unit, Holds::Numbers),
-        Some(Kind::Count) => column(key::column(path, ""), "", Holds::Counts),
+        Some(ValueKind::Quantity(unit)) => column(key::column(path, unit), unit, Holds::Numbers),
+        Some(ValueKind::Count) => column(key::column(path, ""), "", Holds::Counts),
         _ => column(key::column(path, ""), "", Holds::Texts),
     }));
     all

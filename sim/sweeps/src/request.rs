@@ -18,14 +18,14 @@
 use std::path::{Path, PathBuf};
 
 use efam_experiments::scenario::document::{Document, Keys};
-use efam_experiments::scenario::{Problem, Scenario, ScenarioError, plan};
+use efam_experiments::scenario::{Scenario, ScenarioError, ScenarioProblem, plan};
 use efam_store::input;
 use models::nearest::nearest;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::experiments::{self, OfExperiments};
-use super::key::{Kind, Varying};
+use super::key::{ValueKind, Varying};
 use super::point::setting;
 
 /// Points of a sweep, at most.
@@ -57,7 +57,7 @@ pub enum Design {
 
 /// A value of a parameter: SI, or a word.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value {
+pub enum DesignValue {
     /// A number.
     Number(f64),
     /// A word.
@@ -68,7 +68,7 @@ pub enum Value {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
     /// One of these.
-    List(Vec<Value>),
+    List(Vec<DesignValue>),
     /// Any between two.
     Range {
         /// The lower end.
@@ -82,11 +82,11 @@ pub enum Values {
 
 /// What varies.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
+pub struct DesignParameter {
     /// Key of the scenario.
     pub path: String,
     /// What its values are.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// Which.
     pub values: Values,
 }
@@ -129,7 +129,7 @@ pub struct OfScenario {
     /// Of the random numbers.
     pub seed: u64,
     /// What varies.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<DesignParameter>,
     /// What is set over the scenario at every point: whatever other files say.
     pub set: Vec<String>,
 }
@@ -171,7 +171,7 @@ impl SweepRequest {
                         .to_owned()
                 }
             };
-            return Err(sweep.wrong(key, Problem::Other { message }));
+            return Err(sweep.wrong(key, ScenarioProblem::Other { message }));
         }
         let (subject, warnings) = if of_experiments.is_some() {
             let folder = path.parent().unwrap_or(Path::new(""));
@@ -206,7 +206,7 @@ impl OfScenario {
         let scenario = document.file(place, scenario);
         let scenario_text = input::text(&scenario).map_err(|error| {
             let file = scenario.display().to_string();
-            sweep.wrong("scenario", Problem::Unreadable { file, reason: error.to_string() })
+            sweep.wrong("scenario", ScenarioProblem::Unreadable { file, reason: error.to_string() })
         })?;
         let designs = [
             ("grid", Design::Grid),
@@ -220,8 +220,7 @@ impl OfScenario {
         let tables = sweep.tables("parameter")?;
         // Before their values are made.
         if tables.len() > MOST_PARAMETERS {
-            let must = "be 64 tables at most";
-            return Err(sweep.wrong("parameter", Problem::Must { must }));
+            return Err(sweep.wrong("parameter", ScenarioProblem::Must { must: "be 64 tables at most" }));
         }
         let keys = Varying::of(&scenario, &scenario_text)?;
         let mut parameters = Vec::new();
@@ -235,7 +234,7 @@ impl OfScenario {
         for (k, own) in parameters.iter().enumerate() {
             if parameters[..k].iter().any(|other| other.path == own.path) {
                 let message = "is varied already; keep one of the two".to_owned();
-                return Err(tables[k].wrong("path", Problem::Other { message }));
+                return Err(tables[k].wrong("path", ScenarioProblem::Other { message }));
             }
         }
         if parameters.is_empty() && design != Design::Posterior {
@@ -261,7 +260,7 @@ impl OfScenario {
     fn take_in_files(&mut self, sweep: &Keys) -> Result<Vec<String>, ScenarioError> {
         let mut warnings = Vec::new();
         // What varies need not stand in the scenario.
-        let first = |own: &Parameter| setting(Some(own.kind), &own.path, &own.values.at(0.0, own.kind));
+        let first = |own: &DesignParameter| setting(Some(own.kind), &own.path, &own.values.at(0.0, own.kind));
         let varied: Vec<String> = self.parameters.iter().map(first).collect();
         let scenario = Scenario::parse(&self.scenario, &self.scenario_text, &varied)?;
         self.set = scenario.without_files();
@@ -273,7 +272,7 @@ impl OfScenario {
                 "asks for all rows of its muscle; give muscle.pressure as a [[sweep.parameter]], or \
                            another scenario"
                     .to_owned();
-            return Err(sweep.wrong("scenario", Problem::Other { message }));
+            return Err(sweep.wrong("scenario", ScenarioProblem::Other { message }));
         }
         if self.design == Design::Posterior {
             let Some(known) = scenario.known() else {
@@ -281,7 +280,7 @@ impl OfScenario {
                     "has no [calibration] to draw from; give a scenario with the muscle.toml or rod.toml \
                                of a calibration"
                         .to_owned();
-                return Err(sweep.wrong("scenario", Problem::Other { message }));
+                return Err(sweep.wrong("scenario", ScenarioProblem::Other { message }));
             };
             warnings.extend(known.nodes.is_none().then(|| MESH.to_owned()));
         }
@@ -300,18 +299,18 @@ impl OfScenario {
     }
 }
 
-fn points(sweep: &Keys, design: Design, parameters: &[Parameter]) -> Result<usize, ScenarioError> {
+fn points(sweep: &Keys, design: Design, parameters: &[DesignParameter]) -> Result<usize, ScenarioError> {
     let given = sweep.count("points")?;
     if design == Design::Grid {
         if given.is_some() {
             let message = "a grid has as many points as its values give; leave it out".to_owned();
-            return Err(sweep.wrong("points", Problem::Other { message }));
+            return Err(sweep.wrong("points", ScenarioProblem::Other { message }));
         }
-        let count = |own: &Parameter| if let Values::List(all) = &own.values { all.len() } else { 1 };
+        let count = |own: &DesignParameter| if let Values::List(all) = &own.values { all.len() } else { 1 };
         let all = parameters.iter().try_fold(1usize, |all, own| all.checked_mul(count(own)));
         return all.filter(|all| *all <= MOST_POINTS).ok_or_else(|| {
             let must = "give ten million points at most; give fewer values or steps";
-            sweep.wrong("parameter", Problem::Must { must })
+            sweep.wrong("parameter", ScenarioProblem::Must { must })
         });
     }
     let Some(given) = given else { return Err(sweep.missing("points", "points = 256")) };
@@ -321,11 +320,11 @@ fn points(sweep: &Keys, design: Design, parameters: &[Parameter]) -> Result<usiz
     };
     match (1..=most).contains(&given) {
         true => Ok(given),
-        false => Err(sweep.wrong("points", Problem::Must { must })),
+        false => Err(sweep.wrong("points", ScenarioProblem::Must { must })),
     }
 }
 
-fn parameter(table: &Keys, design: Design, keys: &Varying) -> Result<Parameter, ScenarioError> {
+fn parameter(table: &Keys, design: Design, keys: &Varying) -> Result<DesignParameter, ScenarioError> {
     table.only(&["path", "range", "values", "steps", "scale"])?;
     let Some((path, _)) = table.text("path")? else {
         return Err(table.missing("path", "path = \"effects.payload.mass\""));
@@ -334,7 +333,7 @@ fn parameter(table: &Keys, design: Design, keys: &Varying) -> Result<Parameter, 
         let known: Vec<String> = keys.all().collect();
         let nearest = nearest(path, known.iter().map(String::as_str)).map(str::to_owned);
         let known = vec!["keys of scenarios but files".to_owned(), "parameters of `efam effects`".to_owned()];
-        return Err(table.wrong("path", Problem::UnknownWord { nearest, known }));
+        return Err(table.wrong("path", ScenarioProblem::UnknownWord { nearest, known }));
     };
     let steps = table.count("steps")?;
     let scale = table.word("scale", &[("linear", false), ("logarithmic", true)])?;
@@ -343,7 +342,7 @@ fn parameter(table: &Keys, design: Design, keys: &Varying) -> Result<Parameter, 
         (false, true) => list(table, kind)?,
         (true, true) => {
             let message = "values stand here already; keep one of values and range".to_owned();
-            return Err(table.wrong("range", Problem::Other { message }));
+            return Err(table.wrong("range", ScenarioProblem::Other { message }));
         }
         (false, false) => return Err(table.missing("range", "range = [\"0 g\", \"200 g\"], or values")),
     };
@@ -351,15 +350,12 @@ fn parameter(table: &Keys, design: Design, keys: &Varying) -> Result<Parameter, 
     for (key, is_used) in [("steps", is_stepped), ("scale", table.has("range"))] {
         if table.has(key) && !is_used {
             let message = "belongs to a range".to_owned() + if key == "steps" { " in a grid" } else { "" };
-            return Err(table.wrong(key, Problem::Other { message: message + "; leave it out" }));
+            return Err(table.wrong(key, ScenarioProblem::Other { message: message + "; leave it out" }));
         }
     }
     let values = match (steps, values) {
-        (Some(steps), Values::Range { .. }) if steps < 2 => {
-            return Err(table.wrong("steps", Problem::Must { must: "be at least 2" }));
-        }
-        (Some(steps), Values::Range { .. }) if steps > MOST_STEPS => {
-            return Err(table.wrong("steps", Problem::Must { must: "be at most 1000000" }));
+        (Some(steps), Values::Range { .. }) if !(2..=MOST_STEPS).contains(&steps) => {
+            return Err(table.wrong("steps", ScenarioProblem::Must { must: "lie in 2..=1000000" }));
         }
         (Some(steps), range) => stepped(&range, steps, kind),
         (None, Values::Range { .. }) if is_stepped => {
@@ -367,16 +363,16 @@ fn parameter(table: &Keys, design: Design, keys: &Varying) -> Result<Parameter, 
         }
         (None, values) => values,
     };
-    Ok(Parameter { path: path.to_owned(), kind, values })
+    Ok(DesignParameter { path: path.to_owned(), kind, values })
 }
 
-fn range(table: &Keys, kind: Kind, logarithmic: bool) -> Result<Values, ScenarioError> {
+fn range(table: &Keys, kind: ValueKind, logarithmic: bool) -> Result<Values, ScenarioError> {
     let ends = match kind {
-        Kind::Quantity(unit) => table.quantities("range", unit)?,
-        Kind::Count => table.counts("range")?.map(|all| all.iter().map(|count| *count as f64).collect()),
-        Kind::Word => {
+        ValueKind::Quantity(unit) => table.quantities("range", unit)?,
+        ValueKind::Count => table.counts("range")?.map(|all| all.iter().map(|count| *count as f64).collect()),
+        ValueKind::Word => {
             let message = "words have no range; write values = [\"…\", \"…\"]".to_owned();
-            return Err(table.wrong("range", Problem::Other { message }));
+            return Err(table.wrong("range", ScenarioProblem::Other { message }));
         }
     };
     match ends.as_deref() {
@@ -385,38 +381,40 @@ fn range(table: &Keys, kind: Kind, logarithmic: bool) -> Result<Values, Scenario
         }
         _ if logarithmic => {
             let must = "be two positive values, the lower one first; scale = \"linear\" admits zero";
-            Err(table.wrong("range", Problem::Must { must }))
+            Err(table.wrong("range", ScenarioProblem::Must { must }))
         }
-        _ => Err(table.wrong("range", Problem::Must { must: "be two values, the lower one first" })),
+        _ => Err(table.wrong("range", ScenarioProblem::Must { must: "be two values, the lower one first" })),
     }
 }
 
-fn list(table: &Keys, kind: Kind) -> Result<Values, ScenarioError> {
-    let numbers = |all: Vec<f64>| all.into_iter().map(Value::Number).collect();
-    let all: Vec<Value> = match kind {
-        Kind::Quantity(unit) => table.quantities("values", unit)?.map(numbers),
-        Kind::Count => table.counts("values")?.map(|all| numbers(all.iter().map(|n| *n as f64).collect())),
-        Kind::Word => {
+fn list(table: &Keys, kind: ValueKind) -> Result<Values, ScenarioError> {
+    let numbers = |all: Vec<f64>| all.into_iter().map(DesignValue::Number).collect();
+    let all: Vec<DesignValue> = match kind {
+        ValueKind::Quantity(unit) => table.quantities("values", unit)?.map(numbers),
+        ValueKind::Count => {
+            table.counts("values")?.map(|all| numbers(all.iter().map(|n| *n as f64).collect()))
+        }
+        ValueKind::Word => {
             let words = table.texts("values")?;
             let is_word = |word: &&str| word.chars().all(|c| c.is_alphanumeric() || "-_.+".contains(c));
             if words.as_ref().is_some_and(|words| !words.iter().all(is_word)) {
                 let must = "be words of letters, digits and - _ + .";
-                return Err(table.wrong("values", Problem::Must { must }));
+                return Err(table.wrong("values", ScenarioProblem::Must { must }));
             }
-            words.map(|words| words.into_iter().map(|word| Value::Word(word.to_owned())).collect())
+            words.map(|words| words.into_iter().map(str::to_owned).map(DesignValue::Word).collect())
         }
     }
     .unwrap_or_default();
-    match all.is_empty() {
-        true => Err(table.wrong("values", Problem::Must { must: "be one value at least" })),
-        false => Ok(Values::List(all)),
+    if all.is_empty() {
+        return Err(table.wrong("values", ScenarioProblem::Must { must: "be one value at least" }));
     }
+    Ok(Values::List(all))
 }
 
 /// A range in steps, both ends included.
-fn stepped(range: &Values, steps: usize, kind: Kind) -> Values {
+fn stepped(range: &Values, steps: usize, kind: ValueKind) -> Values {
     let at = |k: usize| range.at(k as f64 / (steps - 1) as f64, kind);
-    let mut all: Vec<Value> = Vec::new();
+    let mut all: Vec<DesignValue> = Vec::new();
     for value in (0..steps).map(at) {
         // Whole numbers have fewer values than steps.
         if all.last() != Some(&value) {
@@ -428,7 +426,7 @@ fn stepped(range: &Values, steps: usize, kind: Kind) -> Values {
 
 impl Values {
     /// The value at a share of the way through them, from 0 to 1.
-    pub fn at(&self, share: f64, kind: Kind) -> Value {
+    pub fn at(&self, share: f64, kind: ValueKind) -> DesignValue {
         match self {
             Values::List(all) => {
                 let k = (share * all.len() as f64) as usize;
@@ -442,8 +440,8 @@ impl Values {
                     (false, share) => low + share * (high - low),
                     (true, share) => (low.ln() + share * (high.ln() - low.ln())).exp(),
                 };
-                let value = if kind == Kind::Count { value.round() } else { value };
-                Value::Number(value.clamp(*low, *high))
+                let value = if kind == ValueKind::Count { value.round() } else { value };
+                DesignValue::Number(value.clamp(*low, *high))
             }
         }
     }

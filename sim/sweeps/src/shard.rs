@@ -114,7 +114,7 @@ pub fn run_all(
     let next = || -> Option<Result<(usize, Vec<Point>), SweepError>> {
         let mut rest = rest.lock().unwrap_or_else(PoisonError::into_inner);
         let (points, due) = &mut *rest;
-        if stop.is_asked() {
+        if stop.is_requested() {
             return None;
         }
         due.next().map(|shard| points.of(*shard).map(|points| (*shard, points)))

@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::key::Varying;
-use super::request::{Design, Value};
+use super::request::{Design, DesignValue};
 use super::{diagnosed, point};
 
 /// What is done with each point.
@@ -63,7 +63,7 @@ pub struct Point {
     /// Of its own random numbers, below 2⁵³; 0 where there is nothing random.
     pub seed: u64,
     /// What differs from point to point, in the order of the plan.
-    pub values: Vec<Value>,
+    pub values: Vec<DesignValue>,
 }
 
 /// What came of a point.
@@ -132,9 +132,9 @@ impl Work {
 
     /// A point as a line of the plan has it.
     pub(super) fn line(&self, point: &Point) -> String {
-        let value = |value: &Value| match value {
-            Value::Number(number) => format!("{number:?}"),
-            Value::Word(word) => cell(word).into_owned(),
+        let value = |value: &DesignValue| match value {
+            DesignValue::Number(number) => format!("{number:?}"),
+            DesignValue::Word(word) => cell(word).into_owned(),
         };
         let fixed = [point.index as u64, point.seed].into_iter().take(self.fixed());
         let cells: Vec<String> =
@@ -151,8 +151,8 @@ impl Work {
         let (fixed, cells) = cells.split_at(self.fixed());
         let seed = fixed.get(1).map_or(Some(0), |seed| seed.parse().ok())?;
         let value = |(column, cell): (&Column, &&str)| match column.holds {
-            Holds::Texts => Some(Value::Word(from_cell(cell).to_owned())),
-            _ => cell.parse().ok().map(Value::Number),
+            Holds::Texts => Some(DesignValue::Word(from_cell(cell).to_owned())),
+            _ => cell.parse().ok().map(DesignValue::Number),
         };
         let values = given[self.fixed()..].iter().zip(cells).map(value).collect::<Option<_>>()?;
         Some(Point { index: fixed[0].parse().ok()?, seed, values })
@@ -174,9 +174,11 @@ impl Work {
             let fixed = [point.index as u64, point.seed].into_iter().take(self.fixed());
             let values =
                 columns[self.fixed()..].iter().zip(point.values).map(|(column, value)| match value {
-                    Value::Number(number) if column.holds == Holds::Counts => Cell::Count(number as i64),
-                    Value::Number(number) => Cell::Number(number),
-                    Value::Word(word) => Cell::Text(Some(word).filter(|word| !word.is_empty())),
+                    DesignValue::Number(number) if column.holds == Holds::Counts => {
+                        Cell::Count(number as i64)
+                    }
+                    DesignValue::Number(number) => Cell::Number(number),
+                    DesignValue::Word(word) => Cell::Text(Some(word).filter(|word| !word.is_empty())),
                 });
             let status = if row.is_failed() { FAILED } else { OK };
             let words = [Some(status.to_owned()), row.failed].map(Cell::Text);

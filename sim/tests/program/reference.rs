@@ -134,7 +134,7 @@ fn effect_section(page: &mut String, bench: &Bench, effect: &Value) {
     if !parameters.is_empty() {
         page.push('\n');
     }
-    writeln!(page, "Sign in a release: {}.", cell(effect["looks_like"].as_str().expect("a text")))
+    writeln!(page, "Sign in a release: {}.", cell(effect["signature"].as_str().expect("a text")))
         .expect("a string");
     let similar: Vec<String> = texts(&effect["confounded_with"]).map(|own| format!("`{own}`")).collect();
     if !similar.is_empty() {

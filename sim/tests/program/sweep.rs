@@ -338,7 +338,7 @@ fn what_is_wrong_with_a_sweep_is_said_and_nothing_is_written() {
         &grid.replace("= \"grid\"\n", "= \"grid\"\npoints = 3\n"),
         "a grid has as many points as its values give",
     );
-    says(&grid.replace("steps = 3", "steps = 1"), "must be at least 2");
+    says(&grid.replace("steps = 3", "steps = 1"), "must lie in 2..=1000000");
     says(
         &sweep("sobol", "points = 4\n").replace("\"]\n", "\"]\nsteps = 3\n"),
         "belongs to a range in a grid",

@@ -10,7 +10,7 @@ use std::time::Instant;
 use clap::Parser;
 use efam_inference::calibrate::Problem;
 use efam_inference::diagnose::verdict::Gap;
-use efam_inference::diagnose::{Settings, diagnose};
+use efam_inference::diagnose::{DiagnosisSettings, diagnose};
 use efam_sweeps::answers::Answers;
 use efam_sweeps::plan::Plan as SweepPlan;
 use tests::blind::answer::Answer;
@@ -266,7 +266,7 @@ fn ask(case: &Case, limits: Option<Limits>, usual: f64, words: &Words, begin: In
     if case.is_decoyed {
         decoyed(&mut problem);
     }
-    let settings = Settings { excluded: case.excluded(), ..Settings::default() };
+    let settings = DiagnosisSettings { excluded: case.excluded(), ..DiagnosisSettings::default() };
     let start = Instant::now();
     let outcome = match diagnose(&problem, &settings, &tell) {
         Ok(outcome) => outcome,

@@ -1,7 +1,7 @@
 //! An answer to a case, and what it is worth.
 
 use efam_inference::diagnose::verdict::{Member, Separation};
-use efam_inference::diagnose::{Curve, Diagnosis, Outcome, Verdict};
+use efam_inference::diagnose::{Curve, Diagnosis, DiagnosisOutcome, Verdict};
 use efam_sweeps::diagnosed;
 
 use super::case::Case;
@@ -32,7 +32,7 @@ pub struct Answer {
 
 impl Answer {
     /// Puts together what was said with what was drawn.
-    pub fn new(truth: Truth, drawn: &Drawn, outcome: Outcome, seconds: f64) -> Self {
+    pub fn new(truth: Truth, drawn: &Drawn, outcome: DiagnosisOutcome, seconds: f64) -> Self {
         let noise_free = [false, true].map(|held_out| noise_free(drawn, &outcome.curves, held_out));
         Self::of(truth, outcome.diagnosis, noise_free, seconds)
     }

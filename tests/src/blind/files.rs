@@ -7,7 +7,7 @@
 use std::fmt::Write;
 
 use efam_experiments::release::{Point, Release};
-use efam_inference::calibrate::{Parameter, Problem, Scale, Scope};
+use efam_inference::calibrate::{FittedParameter, Problem, Scale, Scope};
 
 use super::truth::Truth;
 use crate::twin::AS_DRAWN;
@@ -91,7 +91,7 @@ pub fn sweep(name: &str, all: &[(String, Truth)]) -> String {
     text
 }
 
-fn parameter(text: &mut String, own: &Parameter, problem: &Problem) {
+fn parameter(text: &mut String, own: &FittedParameter, problem: &Problem) {
     let mut known = problem.trials[0].model.parameters.iter();
     let unit = known.find(|known| known.path == own.path).map_or("", |known| known.unit);
     let scope = match own.scope {

@@ -11,7 +11,7 @@ pub mod truth;
 use efam_core::forward::Run;
 use efam_experiments::cleaning::spurious;
 use efam_experiments::release::Release;
-use efam_inference::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
+use efam_inference::calibrate::{FittedParameter, Nuisances, Prior, Problem, Scope, Trial};
 use efam_inference::diagnose::admit_tilt;
 use models::model::Model;
 
@@ -42,12 +42,12 @@ pub fn problem(drawn: &Drawn) -> Problem {
         let model = &trials[0].model;
         let mean = model.theta[model.index(path).expect("there")];
         let prior = Some(Prior { mean, deviation: 0.01 * mean / 3f64.sqrt() });
-        Parameter { prior, ..Parameter::new(path, Scope::Shared) }
+        FittedParameter { prior, ..FittedParameter::new(path, Scope::Shared) }
     };
     let parameters = vec![
-        Parameter::new("rod.bending_stiffness", Scope::PerPressure),
-        Parameter::new("effects.rayleigh_mass.alpha", Scope::Shared),
-        Parameter::new("effects.rayleigh_stiffness.beta", Scope::Shared),
+        FittedParameter::new("rod.bending_stiffness", Scope::PerPressure),
+        FittedParameter::new("effects.rayleigh_mass.alpha", Scope::Shared),
+        FittedParameter::new("effects.rayleigh_stiffness.beta", Scope::Shared),
         weighed("rod.mass"),
         weighed("effects.end_fitting.mass"),
     ];

@@ -8,7 +8,7 @@ use std::time::Instant;
 use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
 use efam_inference::calibrate::Problem;
-use efam_inference::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose, problem};
+use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome, DiagnosisSettings, Verdict, diagnose, problem};
 
 use crate::twin::lab::Lab;
 use crate::twin::random::Random;
@@ -93,8 +93,8 @@ pub fn ask(hidden: (&'static str, f64), seed: u64, folder: &Path) -> Result<Answ
     let cleaned = clean(&experiment).map_err(|error| error.to_string())?;
     let problem = problem(&experiment, &cleaned).map_err(|error| error.to_string())?;
     let begin = Instant::now();
-    let outcome =
-        diagnose(&problem, &Settings::default(), &|_: &str| ()).map_err(|error| error.to_string())?;
-    let (Outcome { diagnosis, repaired, .. }, seconds) = (outcome, begin.elapsed().as_secs_f64());
+    let outcome = diagnose(&problem, &DiagnosisSettings::default(), &|_: &str| ())
+        .map_err(|error| error.to_string())?;
+    let (DiagnosisOutcome { diagnosis, repaired, .. }, seconds) = (outcome, begin.elapsed().as_secs_f64());
     Ok(Answer { hidden, seed, diagnosis, repaired, seconds })
 }

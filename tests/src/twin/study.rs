@@ -6,7 +6,7 @@ use efam_core::forward::Run;
 use efam_experiments::experiment::Experiment;
 use efam_experiments::release::Release;
 use efam_inference::calibrate::{
-    Calibration, Nuisances, Parameter, Problem, Scope, Settings, Trial, calibrate,
+    Calibration, CalibrationSettings, FittedParameter, Nuisances, Problem, Scope, Trial, calibrate,
 };
 
 use super::beam::Beam;
@@ -69,14 +69,18 @@ pub fn fit(psi: f64, releases: Vec<Release>, start: [f64; 3]) -> Calibration {
         model: model.clone(),
         run: Run::release(1.0, 100.0),
     };
-    let parameter =
-        |(path, start): (&str, f64)| Parameter { start: Some(start), ..Parameter::new(path, Scope::Shared) };
+    let parameter = |(path, start): (&str, f64)| FittedParameter {
+        start: Some(start),
+        ..FittedParameter::new(path, Scope::Shared)
+    };
     let problem = Problem {
         trials: releases.into_iter().map(trial).collect(),
         parameters: PATHS.into_iter().zip(start).map(parameter).collect(),
         nuisances: Nuisances::default(),
     };
-    calibrate(&problem, &Settings::default(), &|_: &str| ()).expect("a problem that makes sense").calibration
+    calibrate(&problem, &CalibrationSettings::default(), &|_: &str| ())
+        .expect("a problem that makes sense")
+        .calibration
 }
 
 /// An estimate beside the truth.

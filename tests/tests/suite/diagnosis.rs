@@ -6,28 +6,29 @@
 
 use efam_inference::calibrate::repeats::Source;
 use efam_inference::calibrate::{Prior, Scope};
-use efam_inference::diagnose::{Diagnosis, Outcome, Settings, Verdict, diagnose};
+use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome, DiagnosisSettings, Verdict, diagnose};
 use models::effects::CATALOGUE;
 use tests::blind::{all_fitted, problem, setup};
 use tests::twin::drawn::{Drawn, Plan, Priors};
 use tests::twin::hidden::Hidden;
 
-fn diagnosed(hidden: &[Hidden], seed: u64, settings: &Settings) -> Outcome {
+fn diagnosed(hidden: &[Hidden], seed: u64, settings: &DiagnosisSettings) -> DiagnosisOutcome {
     let drawn = Plan { duration: 6.0, ..Plan::of_two_angles(hidden) }.draw(seed);
     diagnose(&problem(&drawn), settings, &|_: &str| ()).expect("it can be diagnosed")
 }
 
 /// Settings that ask some effects of the catalogue alone.
-fn only(asked: &[&str]) -> Settings {
+fn only(asked: &[&str]) -> DiagnosisSettings {
     let names = CATALOGUE.iter().map(|effect| effect.about().name);
     let excluded = names.filter(|name| !asked.contains(name)).map(str::to_owned).collect();
-    Settings { excluded, ..Settings::default() }
+    DiagnosisSettings { excluded, ..DiagnosisSettings::default() }
 }
 
 /// What is said without a catalogue: that something unknown is missing.
 fn robbed(hidden: Hidden, seed: u64) -> Diagnosis {
     let excluded = CATALOGUE.iter().map(|effect| effect.about().name.to_owned()).collect();
-    let found = diagnosed(&[hidden], seed, &Settings { excluded, ..Settings::default() }).diagnosis;
+    let found =
+        diagnosed(&[hidden], seed, &DiagnosisSettings { excluded, ..DiagnosisSettings::default() }).diagnosis;
     assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
     found
 }
@@ -38,7 +39,7 @@ fn worst_gap(diagnosis: &Diagnosis) -> f64 {
 
 #[test]
 fn where_nothing_is_hidden_nothing_is_named() {
-    let found = diagnosed(&[], 901, &Settings::default()).diagnosis;
+    let found = diagnosed(&[], 901, &DiagnosisSettings::default()).diagnosis;
     assert_eq!(found.verdict, Verdict::NothingMissing, "{} {:?}", found.summary, found.shapes);
     assert!(found.effects.is_empty());
     assert!(worst_gap(&found) < 1.1, "{:?}", found.gap);
@@ -49,7 +50,8 @@ fn where_nothing_is_hidden_nothing_is_named() {
 #[ignore = "a minute or more; the blind bench of CI has its kind"]
 fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
-    let Outcome { diagnosis: found, repaired, .. } = diagnosed(&[hidden], 902, &Settings::default());
+    let DiagnosisOutcome { diagnosis: found, repaired, .. } =
+        diagnosed(&[hidden], 902, &DiagnosisSettings::default());
     assert!(matches!(found.verdict, Verdict::Named | Verdict::Class), "{}", found.summary);
     let first = &found.effects[0];
     assert_eq!(first.effect, "viscoelastic", "{}", found.summary);
@@ -142,7 +144,7 @@ fn a_clamp_that_stands_otherwise_than_stated_is_named() {
 #[test]
 fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
-    let settings = Settings { most_effects: 0, ..only(&["viscoelastic", "air_drag"]) };
+    let settings = DiagnosisSettings { most_effects: 0, ..only(&["viscoelastic", "air_drag"]) };
     let found = diagnosed(&[hidden], 902, &settings).diagnosis;
     assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
     assert!(found.summary.contains("no effect was fitted"), "{}", found.summary);
@@ -173,7 +175,7 @@ fn with_stiffness_of_statics(asked: &[&str], seed: u64) -> Diagnosis {
     let plan = Plan { duration: 4.0, priors, ..usual };
     let mut problem = problem(&with_branches([1.0, 20.0, 20.0], &plan, seed));
     problem.parameters.retain(|parameter| parameter.path != "rod.bending_stiffness");
-    let settings = Settings { most_effects: 1, ..only(asked) };
+    let settings = DiagnosisSettings { most_effects: 1, ..only(asked) };
     let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
     assert!(found.misses_first_swings, "{}", found.summary);
     found
@@ -209,9 +211,9 @@ fn what_misses_the_first_swings_with_every_effect_is_unknown() {
 fn an_effect_of_another_size_at_each_pressure_is_found() {
     let plan = Plan { duration: 6.0, ..Plan::of_two_angles(&[]) };
     let all = with_branches([0.5, 1.0, 2.0], &plan, 905);
-    let settings = Settings { most_effects: 1, ..Settings::default() };
+    let settings = DiagnosisSettings { most_effects: 1, ..DiagnosisSettings::default() };
     let outcome = diagnose(&problem(&all), &settings, &|_: &str| ()).expect("it can be diagnosed");
-    let Outcome { diagnosis: found, repaired, .. } = outcome;
+    let DiagnosisOutcome { diagnosis: found, repaired, .. } = outcome;
     assert!(matches!(found.verdict, Verdict::Named | Verdict::Class), "{}", found.summary);
     assert!(
         found.summary.contains("Viscoelastic bending with a different strength at each pressure"),

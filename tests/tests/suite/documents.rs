@@ -16,7 +16,7 @@ use std::path::Path;
 use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
 use efam_experiments::scenario::Scenario;
-use efam_inference::diagnose::Settings;
+use efam_inference::diagnose::DiagnosisSettings;
 use efam_sweeps::request::SweepRequest;
 
 use pages::{Page, headings, links, pages, root};
@@ -75,7 +75,7 @@ fn diagnose(text: &str) -> Option<String> {
         Err(error) => return Some(error.to_string()),
         Ok(experiment) => experiment,
     };
-    Settings::default().stated(&experiment).err().map(|error| error.to_string())
+    DiagnosisSettings::default().stated(&experiment).err().map(|error| error.to_string())
 }
 
 /// What is to be calibrated, at the end of a worked example in place of its own.

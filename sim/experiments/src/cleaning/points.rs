@@ -9,7 +9,7 @@ use models::nearest::{nearest, offer};
 use super::decision::{Log, mm};
 use super::{bursts, noise, spurious};
 use crate::experiment::{Entry, Experiment, ExperimentError};
-use crate::scenario::Problem;
+use crate::scenario::ScenarioProblem;
 
 /// A point of the rod: a marker, or the centroid of several.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ impl<'a> ByName<'a> {
             list.push("…");
         }
         let message = format!("{file} has no marker `{name}`{meant}; it has {}", list.join(", "));
-        experiment.wrong(key, Problem::Other { message })
+        experiment.wrong(key, ScenarioProblem::Other { message })
     }
 }
 

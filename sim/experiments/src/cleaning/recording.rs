@@ -10,7 +10,7 @@ use super::points::{ByName, Seen, see};
 use super::release::{Context, LEAST_NOISE};
 use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise, release};
 use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
-use crate::scenario::Problem;
+use crate::scenario::ScenarioProblem;
 
 /// Samples that a release needs.
 const LEAST_SAMPLES: usize = 20;
@@ -114,7 +114,7 @@ fn check_geometry(
         if matches!(marker.at, At::Length(at) if at > rod.length) {
             let range = format!("0..={}, the rod's length", format_si(rod.length, "m"));
             let key = format!("{}.body[{}].at", entry.key, k + 1);
-            return Err(experiment.wrong(&key, Problem::OutOfRange { range }));
+            return Err(experiment.wrong(&key, ScenarioProblem::OutOfRange { range }));
         }
     }
     for (k, cut) in cuts.iter().enumerate() {

@@ -10,7 +10,7 @@ use models::effects::{Parameter, by_name};
 use super::direction::{AXES, Direction};
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::plan::EffectPlan;
-use crate::scenario::{Problem, ScenarioError};
+use crate::scenario::{ScenarioError, ScenarioProblem};
 
 /// A recording, and what is known of it beside its file.
 #[derive(Clone, Debug, PartialEq)]
@@ -190,7 +190,7 @@ impl Entry {
                 "a rod that is held bent has no angle, and release {} has one; {ONE_START}",
                 own.number
             );
-            return Err(keys.wrong("start", Problem::Other { message }));
+            return Err(keys.wrong("start", ScenarioProblem::Other { message }));
         }
         let whole = |key| keys.counts(key).and_then(|counts| from_one(keys, key, counts));
         Ok(Entry {
@@ -215,7 +215,7 @@ impl Entry {
             instants: match keys.quantities("instants", "s")? {
                 Some(list) if list.is_empty() || list.windows(2).any(|pair| pair[0] >= pair[1]) => {
                     let must = "have one instant at least, and each later than the one before";
-                    return Err(keys.wrong("instants", Problem::Must { must }));
+                    return Err(keys.wrong("instants", ScenarioProblem::Must { must }));
                 }
                 list => list,
             },
@@ -285,7 +285,7 @@ fn markers(keys: &Keys, key: &str) -> Result<Option<Vec<String>>, ScenarioError>
     let twice = names.iter().collect::<BTreeSet<_>>().len() < names.len();
     if twice || (names.is_empty() && key == "tip") {
         let must = "name at least one marker, and none twice";
-        return Err(keys.wrong(key, Problem::Must { must }));
+        return Err(keys.wrong(key, ScenarioProblem::Must { must }));
     }
     Ok(Some(names.into_iter().map(str::to_owned).collect()))
 }
@@ -323,10 +323,10 @@ fn body(keys: &Keys) -> Result<Vec<BodyMarker>, ScenarioError> {
         };
         match at {
             At::Share(share) if !(0.0..=1.0).contains(&share) => {
-                Err(table.wrong("at", Problem::Must { must: "be a length, or lie in 0..=1" }))
+                Err(table.wrong("at", ScenarioProblem::Must { must: "be a length, or lie in 0..=1" }))
             }
             At::Length(length) if length < 0.0 => {
-                Err(table.wrong("at", Problem::Must { must: "not be negative" }))
+                Err(table.wrong("at", ScenarioProblem::Must { must: "not be negative" }))
             }
             at => Ok(BodyMarker { marker, at }),
         }
@@ -342,20 +342,20 @@ fn direction(keys: &Keys, key: &str) -> Result<Option<Direction>, ScenarioError>
     let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
     match length > 0.0 && length.is_finite() {
         true => Ok(Some(Direction::Vector(vector.map(|x| x / length)))),
-        false => Err(keys.wrong(key, Problem::Must { must: "not be zero, nor beyond all numbers" })),
+        false => Err(keys.wrong(key, ScenarioProblem::Must { must: "not be zero, nor beyond all numbers" })),
     }
 }
 
 fn vector(keys: &Keys, key: &str, unit: &str) -> Result<Option<[f64; 3]>, ScenarioError> {
     match keys.quantities(key, unit)? {
         None => Ok(None),
-        Some(list) => {
-            match list[..] {
-                [x, y, z] => Ok(Some([x, y, z])),
-                _ => Err(keys
-                    .wrong(key, Problem::Must { must: "have three numbers: x, y, z of the file's frame" })),
-            }
-        }
+        Some(list) => match list[..] {
+            [x, y, z] => Ok(Some([x, y, z])),
+            _ => Err(keys.wrong(
+                key,
+                ScenarioProblem::Must { must: "have three numbers: x, y, z of the file's frame" },
+            )),
+        },
     }
 }
 
@@ -370,7 +370,7 @@ fn start(keys: &Keys) -> Result<Option<Start>, ScenarioError> {
     let start = keys.word("start", &[("straight", Start::Straight), ("held", Start::Held)])?;
     if start == Some(Start::Held) && keys.has("angle") {
         let message = format!("a rod that is held bent has no angle; {ONE_START}");
-        return Err(keys.wrong("start", Problem::Other { message }));
+        return Err(keys.wrong("start", ScenarioProblem::Other { message }));
     }
     Ok(start)
 }
@@ -379,7 +379,7 @@ fn start(keys: &Keys) -> Result<Option<Start>, ScenarioError> {
 fn instant_error(keys: &Keys) -> Result<Option<f64>, ScenarioError> {
     if keys.has("instant_error") && !keys.has("instants") && !keys.has("release") {
         let message = "belongs to instants that are given; give them too, or leave it out".to_owned();
-        return Err(keys.wrong("instant_error", Problem::Other { message }));
+        return Err(keys.wrong("instant_error", ScenarioProblem::Other { message }));
     }
     keys.quantity_that("instant_error", "s", "be positive", |error| error > 0.0)
 }
@@ -390,7 +390,8 @@ fn offset(keys: &Keys) -> Result<Option<Offset>, ScenarioError> {
     }
     match keys.quantities("offset", "m")?.as_deref() {
         Some([along, across]) => Ok(Some(Offset::Given([*along, *across]))),
-        _ => Err(keys.wrong("offset", Problem::Must { must: "have two lengths: along and across the rod" })),
+        _ => Err(keys
+            .wrong("offset", ScenarioProblem::Must { must: "have two lengths: along and across the rod" })),
     }
 }
 
@@ -400,13 +401,15 @@ fn mask(keys: &Keys) -> Result<Vec<[f64; 2]>, ScenarioError> {
     let rows = match rows {
         Some(rows) => rows,
         None if keys.has("mask") => {
-            return Err(keys.wrong("mask", Problem::WrongType { due: "rows of two times" }));
+            return Err(keys.wrong("mask", ScenarioProblem::WrongType { due: "rows of two times" }));
         }
         None => Vec::new(),
     };
     let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
     match rows.iter().any(|[from, to]| from > to) {
-        true => Err(keys.wrong("mask", Problem::Must { must: "have in each row the earlier time first" })),
+        true => {
+            Err(keys.wrong("mask", ScenarioProblem::Must { must: "have in each row the earlier time first" }))
+        }
         false => Ok(rows),
     }
 }
@@ -423,7 +426,7 @@ fn overrides(keys: &Keys) -> Result<Vec<Override>, ScenarioError> {
 
 fn from_one(keys: &Keys, key: &str, counts: Option<Vec<usize>>) -> Result<Option<Vec<usize>>, ScenarioError> {
     match counts.as_ref().is_some_and(|counts| counts.contains(&0)) {
-        true => Err(keys.wrong(key, Problem::Must { must: "count releases from 1" })),
+        true => Err(keys.wrong(key, ScenarioProblem::Must { must: "count releases from 1" })),
         false => Ok(counts),
     }
 }

@@ -52,7 +52,7 @@ use models::muscle::Known;
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::plan::{self, Plan};
 use crate::scenario::start::From;
-use crate::scenario::{Case, LAWS, Problem, case, read_laws};
+use crate::scenario::{Case, LAWS, ScenarioProblem, case, read_laws};
 
 pub use crate::error::ExperimentError;
 pub use direction::Direction;
@@ -235,13 +235,13 @@ impl Experiment {
                 None => Ok(Recording::clone(held)),
                 Some(key) => {
                     let message = format!("{key} is of a file, and this recording is in memory: make it so");
-                    Err(self.wrong(&format!("{}.{key}", entry.key), Problem::Other { message }))
+                    Err(self.wrong(&format!("{}.{key}", entry.key), ScenarioProblem::Other { message }))
                 }
             };
         }
         if let Err(error) = fs::metadata(&entry.file) {
             let file = entry.file.display().to_string();
-            let problem = Problem::Unreadable { file, reason: error.to_string() };
+            let problem = ScenarioProblem::Unreadable { file, reason: error.to_string() };
             return Err(self.document.error_of(&format!("{}.file", entry.key), problem).into());
         }
         let options = ReadOptions { unit: entry.unit, rate_hz: entry.rate };
@@ -256,7 +256,7 @@ impl Experiment {
     }
 
     /// The error that the value of a key, such as `recording[1].tip`, is wrong.
-    pub(crate) fn wrong(&self, key: &str, problem: Problem) -> ExperimentError {
+    pub(crate) fn wrong(&self, key: &str, problem: ScenarioProblem) -> ExperimentError {
         self.document.error_of(key, problem).into()
     }
 }

@@ -14,7 +14,7 @@ use models::quantity::{Quantity, format_si};
 use models::statics::held;
 
 use super::document::Document;
-use super::error::{Problem, ScenarioError};
+use super::error::{ScenarioError, ScenarioProblem};
 use super::plan::{MassPlan, MusclePlan, Plan, Pressure, ROD};
 use super::start::{From, Hold, Holder};
 use super::{Case, Scenario};
@@ -188,7 +188,7 @@ impl Builder<'_> {
         warnings: &mut Vec<String>,
     ) -> Result<AtPressure, ScenarioError> {
         let at = muscle.muscle.at(pressure, &muscle.stiffness, muscle.extrapolation);
-        let at = at.map_err(|error| self.document.error_of(key, Problem::Muscle(error)))?;
+        let at = at.map_err(|error| self.document.error_of(key, ScenarioProblem::Muscle(error)))?;
         if let Some(extrapolated) = at.extrapolated {
             warnings.push(format!("{key}: {extrapolated}"));
         }
@@ -207,7 +207,7 @@ impl Builder<'_> {
         warnings.dedup();
         PressureSchedule::new(muscle.muscle.clone(), &muscle.stiffness, muscle.extrapolation, rows)
             .map(Arc::new)
-            .map_err(|error| self.document.error_of("muscle.pressure", Problem::Muscle(error)))
+            .map_err(|error| self.document.error_of("muscle.pressure", ScenarioProblem::Muscle(error)))
     }
 
     /// Effects that only hold the rod are part of the model, but off, once it is let go.
@@ -229,7 +229,7 @@ impl Builder<'_> {
             if off.is_empty() && !is_zero {
                 let message = format!("say what it is after the release; add [effects.{name}]");
                 let path = format!("release.hold.effects.{name}");
-                return Err(self.document.error_of(&path, Problem::Other { message }));
+                return Err(self.document.error_of(&path, ScenarioProblem::Other { message }));
             }
             effects.push(((*name).to_owned(), off));
         }
@@ -293,7 +293,7 @@ impl Builder<'_> {
             );
             if stretch > STRETCH[1] {
                 let message = format!("{message}; give points of the whole active length, in metres");
-                return Err(self.document.error_of("release.posture", Problem::Other { message }));
+                return Err(self.document.error_of("release.posture", ScenarioProblem::Other { message }));
             }
             warnings.push(format!("release.posture: {message}"));
         }
@@ -312,20 +312,21 @@ impl Builder<'_> {
                 if unit == "rad" {
                     range += &format!(" ({:.0}..={:.0} deg)", low.to_degrees(), high.to_degrees());
                 }
-                let mut error = document.error_of(&key, Problem::OutOfRange { range: range.trim().into() });
+                let mut error =
+                    document.error_of(&key, ScenarioProblem::OutOfRange { range: range.trim().into() });
                 // Where the scenario does not say the value, the message does.
                 if let Some(at) = error.at.as_mut().filter(|at| at.text.is_empty()) {
                     at.key = format!("{key} = {value} {unit}").trim_end().to_owned();
                 }
                 error
             }
-            ModelError::Nodes { .. } => document.error_of("rod.nodes", Problem::Model(error)),
+            ModelError::Nodes { .. } => document.error_of("rod.nodes", ScenarioProblem::Model(error)),
             ModelError::DiameterMissing { effect } => {
                 let path = format!("effects.{effect}");
-                document.error_of(&path, Problem::Model(error))
+                document.error_of(&path, ScenarioProblem::Model(error))
             }
-            ModelError::Held { .. } => document.error_of("release.angle", Problem::Model(error)),
-            error => ScenarioError { at: None, problem: Problem::Model(error).into() },
+            ModelError::Held { .. } => document.error_of("release.angle", ScenarioProblem::Model(error)),
+            error => ScenarioError { at: None, problem: ScenarioProblem::Model(error).into() },
         }
     }
 }

@@ -13,7 +13,7 @@ use models::nearest::nearest;
 use models::quantity::Quantity;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{At, Problem, ScenarioError};
+use super::error::{At, ScenarioError, ScenarioProblem};
 use meant::meant;
 pub use value::Place;
 use value::{Entry, Item, Value, entries, of};
@@ -43,8 +43,8 @@ impl Document {
     /// Reads a file and sets `overrides` over it, each as `path=value`.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Document, ScenarioError> {
         let text = input::text(path).map_err(|error| {
-            let problem = Problem::Unreadable { file: path.display().to_string(), reason: error.to_string() };
-            ScenarioError { at: None, problem: problem.into() }
+            let (file, reason) = (path.display().to_string(), error.to_string());
+            ScenarioError { at: None, problem: ScenarioProblem::Unreadable { file, reason }.into() }
         })?;
         Document::parse(path, &text, overrides)
     }
@@ -72,7 +72,7 @@ impl Document {
             }
             Err(error) => {
                 let place = Place { source: 0, span: error.span().unwrap_or(0..0) };
-                Err(document.error(&place, "", Problem::Toml { message: error.message().to_owned() }))
+                Err(document.error(&place, "", ScenarioProblem::Toml { message: error.message().to_owned() }))
             }
         }
     }
@@ -100,7 +100,7 @@ impl Document {
             if own.iter().any(|known| known.key == entry.key) {
                 let message = "another file has one of this name; keep one of them, or rename it".to_owned();
                 let path = format!("{key}.{}", entry.key);
-                return Err(self.error(&entry.key_place, &path, Problem::Other { message }));
+                return Err(self.error(&entry.key_place, &path, ScenarioProblem::Other { message }));
             }
             own.push(entry);
         }
@@ -118,7 +118,7 @@ impl Document {
         let parts = argument.split_once('=').map(|(path, value)| (path.trim(), value));
         let is_path = |path: &str| path.split('.').all(is_key) && path.split('.').count() <= DEEPEST;
         let Some((path, value)) = parts.filter(|(path, _)| is_path(path)) else {
-            return Err(self.error(&whole, "", Problem::Override));
+            return Err(self.error(&whole, "", ScenarioProblem::Override));
         };
         let at = argument.len() - value.len();
         let place = Place { source, span: at..argument.len() };
@@ -133,7 +133,7 @@ impl Document {
         for part in keys {
             let (key, member) = split_index(part);
             let Value::Table(entries) = &mut table.value else {
-                return Err(self.error(&key_place, path, Problem::WrongType { due: "a table" }));
+                return Err(self.error(&key_place, path, ScenarioProblem::WrongType { due: "a table" }));
             };
             if let Some(member) = member {
                 let list =
@@ -144,7 +144,7 @@ impl Document {
                 };
                 let Some(item) = found else {
                     let message = format!("there is no {part}; members count from one");
-                    return Err(self.error(&key_place, "", Problem::Other { message }));
+                    return Err(self.error(&key_place, "", ScenarioProblem::Other { message }));
                 };
                 table = item;
                 continue;
@@ -158,7 +158,7 @@ impl Document {
             table = &mut entries[index].item;
         }
         let Value::Table(entries) = &mut table.value else {
-            return Err(self.error(&key_place, path, Problem::WrongType { due: "a table" }));
+            return Err(self.error(&key_place, path, ScenarioProblem::WrongType { due: "a table" }));
         };
         let pushed_out = |key: &str| {
             let of_one = |all: &[&str]| all.contains(&key) && all.contains(&last);
@@ -180,7 +180,7 @@ impl Document {
     }
 
     /// The error that something is wrong at a place.
-    pub fn error(&self, place: &Place, key: &str, problem: Problem) -> ScenarioError {
+    pub fn error(&self, place: &Place, key: &str, problem: ScenarioProblem) -> ScenarioError {
         let source = &self.sources[place.source];
         ScenarioError {
             at: Some(At {
@@ -194,7 +194,7 @@ impl Document {
     }
 
     /// The error that the value of `path` is wrong, wherever it comes from.
-    pub fn error_of(&self, path: &str, problem: Problem) -> ScenarioError {
+    pub fn error_of(&self, path: &str, problem: ScenarioProblem) -> ScenarioError {
         match self.find(path).map(|item| item.place.clone()) {
             Some(place) => self.error(&place, path, problem),
             None => ScenarioError {
@@ -215,7 +215,7 @@ impl Document {
         path: &str,
         text: &str,
         part: Range<usize>,
-        problem: Problem,
+        problem: ScenarioProblem,
     ) -> ScenarioError {
         let mut error = self.error_of(path, problem);
         if let Some(at) = error.at.as_mut()
@@ -299,7 +299,7 @@ impl<'a> Keys<'a> {
         }
         let path = self.path_of(key);
         let due = format!("a table is due; write [{path}] on a line of its own, and the keys under it");
-        Err(self.wrong(key, Problem::Other { message: due }))
+        Err(self.wrong(key, ScenarioProblem::Other { message: due }))
     }
 
     /// Refuses keys that are not known.
@@ -308,7 +308,7 @@ impl<'a> Keys<'a> {
         let Some(entry) = entries.iter().find(|entry| !known.contains(&entry.key.as_str())) else {
             return Ok(());
         };
-        let problem = Problem::UnknownKey {
+        let problem = ScenarioProblem::UnknownKey {
             nearest: meant(&self.path, entry, known),
             known: known.iter().map(|key| (*key).to_owned()).collect(),
         };
@@ -316,7 +316,7 @@ impl<'a> Keys<'a> {
     }
 
     /// The error that the value of a key is wrong.
-    pub fn wrong(&self, key: &str, problem: Problem) -> ScenarioError {
+    pub fn wrong(&self, key: &str, problem: ScenarioProblem) -> ScenarioError {
         match self.entry(key) {
             Some(entry) => self.document.error(&entry.item.place, &self.path_of(key), problem),
             None => self.document.error_of(&self.path_of(key), problem),
@@ -326,7 +326,7 @@ impl<'a> Keys<'a> {
     /// The error that a key is missing.
     pub fn missing(&self, key: &'static str, example: &'static str) -> ScenarioError {
         let place = self.key_place.clone().unwrap_or(Place { source: 0, span: 0..0 });
-        self.document.error(&place, &self.path_of(key), Problem::Missing { example })
+        self.document.error(&place, &self.path_of(key), ScenarioProblem::Missing { example })
     }
 
     /// A quantity in `unit`.
@@ -346,7 +346,7 @@ impl<'a> Keys<'a> {
         holds: impl Fn(f64) -> bool,
     ) -> Result<Option<f64>, ScenarioError> {
         match self.quantity(key, unit)? {
-            Some(value) if !holds(value) => Err(self.wrong(key, Problem::Must { must })),
+            Some(value) if !holds(value) => Err(self.wrong(key, ScenarioProblem::Must { must })),
             value => Ok(value),
         }
     }
@@ -356,12 +356,13 @@ impl<'a> Keys<'a> {
             Value::Text(text) | Value::Number(text) => text.as_str(),
             _ => {
                 let due = if unit.is_empty() { "a number" } else { "a number with its unit" };
-                return Err(self.document.error(&item.place, &self.path_of(key), Problem::WrongType { due }));
+                let problem = ScenarioProblem::WrongType { due };
+                return Err(self.document.error(&item.place, &self.path_of(key), problem));
             }
         };
         let quantity = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
         quantity.map_err(|problem| {
-            let problem = Problem::Quantity(problem);
+            let problem = ScenarioProblem::Quantity(problem);
             self.document.error(&item.place, &self.path_of(key), problem)
         })
     }
@@ -373,7 +374,7 @@ impl<'a> Keys<'a> {
             Value::Number(text) => text.parse().ok(),
             _ => None,
         };
-        count.map(Some).ok_or_else(|| self.wrong(key, Problem::WrongType { due: "a whole number" }))
+        count.map(Some).ok_or_else(|| self.wrong(key, ScenarioProblem::WrongType { due: "a whole number" }))
     }
 
     /// A text.
@@ -381,7 +382,7 @@ impl<'a> Keys<'a> {
         match self.entry(key).map(|entry| &entry.item) {
             None => Ok(None),
             Some(Item { value: Value::Text(text), place }) => Ok(Some((text, place))),
-            Some(_) => Err(self.wrong(key, Problem::WrongType { due: "a text in quotes" })),
+            Some(_) => Err(self.wrong(key, ScenarioProblem::WrongType { due: "a text in quotes" })),
         }
     }
 
@@ -394,7 +395,7 @@ impl<'a> Keys<'a> {
     fn meaning<T: Copy>(&self, key: &str, text: &str, words: &[(&str, T)]) -> Result<T, ScenarioError> {
         let found = words.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
         found.ok_or_else(|| {
-            let unknown = Problem::UnknownWord {
+            let unknown = ScenarioProblem::UnknownWord {
                 nearest: nearest(text, words.iter().map(|(word, _)| *word)).map(str::to_owned),
                 known: words.iter().map(|(word, _)| (*word).to_owned()).collect(),
             };
@@ -418,7 +419,7 @@ impl<'a> Keys<'a> {
                 row.iter().zip(units).map(|(item, unit)| self.quantity_of(item, key, unit)).collect()
             }
             _ => {
-                let problem = Problem::WrongType { due: form };
+                let problem = ScenarioProblem::WrongType { due: form };
                 Err(self.document.error(&row.place, &self.path_of(key), problem))
             }
         };

@@ -17,7 +17,7 @@ pub struct ScenarioError {
     /// Where; none if there is no text to point to.
     pub at: Option<At>,
     /// What.
-    pub problem: Box<Problem>,
+    pub problem: Box<ScenarioProblem>,
 }
 
 /// A place in the text of a scenario, or of a `--set`.
@@ -35,7 +35,7 @@ pub struct At {
 
 /// What is wrong.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum Problem {
+pub enum ScenarioProblem {
     /// The scenario, or a file that it names, cannot be read.
     #[error("{file}: cannot be read ({reason}); check the path")]
     Unreadable {
@@ -136,7 +136,7 @@ pub enum Problem {
 impl ScenarioError {
     /// Whether data are at fault, and not the scenario.
     pub fn is_data(&self) -> bool {
-        matches!(*self.problem, Problem::MuscleFile { .. } | Problem::PostureFile { .. })
+        matches!(*self.problem, ScenarioProblem::MuscleFile { .. } | ScenarioProblem::PostureFile { .. })
     }
 
     /// The message without its place.
@@ -145,19 +145,19 @@ impl ScenarioError {
         let Some(at) = self.at.as_ref().filter(|at| !at.key.is_empty()) else { return problem };
         let key = &at.key;
         match &*self.problem {
-            Problem::UnknownKey { .. }
-            | Problem::Missing { .. }
-            | Problem::Quantity(_)
-            | Problem::Law(_)
-            | Problem::Unreadable { .. }
-            | Problem::MuscleFile { .. }
-            | Problem::PostureFile { .. } => format!("{key}: {problem}"),
-            Problem::Model(error) => match problem.strip_prefix(key.as_str()) {
+            ScenarioProblem::UnknownKey { .. }
+            | ScenarioProblem::Missing { .. }
+            | ScenarioProblem::Quantity(_)
+            | ScenarioProblem::Law(_)
+            | ScenarioProblem::Unreadable { .. }
+            | ScenarioProblem::MuscleFile { .. }
+            | ScenarioProblem::PostureFile { .. } => format!("{key}: {problem}"),
+            ScenarioProblem::Model(error) => match problem.strip_prefix(key.as_str()) {
                 Some(_) => error.to_string(),
                 None => format!("{key}: {problem}"),
             },
             // A muscle names its pressure itself.
-            Problem::Muscle(_) => match problem.strip_prefix("pressure = ") {
+            ScenarioProblem::Muscle(_) => match problem.strip_prefix("pressure = ") {
                 Some(rest) => format!("{key} = {rest}"),
                 None => format!("{key}: {problem}"),
             },

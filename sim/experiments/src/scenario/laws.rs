@@ -7,7 +7,7 @@ use models::written::names::{OUTPUTS, PLACES};
 use models::written::{Definition, KINDS, LawError, NOTES, OwnParameter, PER, REACHES, SEPARATORS};
 
 use super::document::{Document, Keys};
-use super::error::{Problem, ScenarioError};
+use super::error::{ScenarioError, ScenarioProblem};
 
 /// The table of laws.
 pub(crate) const LAWS: &str = "laws";
@@ -20,7 +20,7 @@ const OWN: [&str; 9] = [
     "memory_unit",
     "kind",
     "reach",
-    "looks_like",
+    "signature",
     "confounded_with",
     "separated_by",
 ];
@@ -66,9 +66,9 @@ pub(super) fn catalogue(document: &Document) -> Result<Catalogue, ScenarioError>
     for definition in definitions(document)? {
         let key = format!("{LAWS}.{}", definition.name);
         let effect = effect(document, &definition)?;
-        catalogue = catalogue
-            .with(effect)
-            .map_err(|error| document.error_of(&key, Problem::Other { message: error.to_string() }))?;
+        catalogue = catalogue.with(effect).map_err(|error| {
+            document.error_of(&key, ScenarioProblem::Other { message: error.to_string() })
+        })?;
     }
     Ok(catalogue)
 }
@@ -81,8 +81,8 @@ fn effect(document: &Document, definition: &Definition) -> Result<&'static dyn E
         // A key that is not written is missing in its table.
         let path = [path, law].into_iter().find(|path| document.has(path)).unwrap_or_default();
         match span.zip(formula) {
-            Some((span, text)) => document.error_within(&path, text, span, Problem::Law(problem)),
-            None => document.error_of(&path, Problem::Law(problem)),
+            Some((span, text)) => document.error_within(&path, text, span, ScenarioProblem::Law(problem)),
+            None => document.error_of(&path, ScenarioProblem::Law(problem)),
         }
     })
 }
@@ -125,7 +125,7 @@ fn definition(name: &str, keys: &Keys) -> Result<Definition, ScenarioError> {
         parameters,
         memory_unit: text("memory_unit")?.unwrap_or_default(),
         formulas: given,
-        looks_like: text("looks_like")?.unwrap_or_default(),
+        signature: text("signature")?.unwrap_or_default(),
         confounded_with: confounded.into_iter().map(str::to_owned).collect(),
         separated_by: keys.words("separated_by", &SEPARATORS)?.unwrap_or_default(),
         reach: keys.word("reach", &REACHES)?.unwrap_or(Reach::Muscle),
@@ -154,9 +154,8 @@ fn parameter(name: &str, keys: &Keys) -> Result<OwnParameter, ScenarioError> {
         match keys.quantities(key, "")?.as_deref() {
             None => Ok(None),
             Some([low, high]) => Ok(Some((*low, *high))),
-            Some(_) => {
-                Err(keys.wrong(key, Problem::WrongType { due: "a list of two numbers, such as [0, 10]," }))
-            }
+            Some(_) => Err(keys
+                .wrong(key, ScenarioProblem::WrongType { due: "a list of two numbers, such as [0, 10]," })),
         }
     };
     let Some(default) = value("default")? else { return Err(keys.missing("default", "default = 0.6")) };

@@ -12,7 +12,7 @@ use models::model::Scheme;
 use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
 
 use super::document::{Document, Keys};
-use super::error::{Problem, ScenarioError};
+use super::error::{ScenarioError, ScenarioProblem};
 use super::laws::{self, LAWS};
 use super::start::{From, is_kinked, read_from};
 
@@ -106,7 +106,7 @@ impl Plan {
         let mut plan = Plan::of(document, true)?;
         if keys.has(CALIBRATION) {
             let known = Known::read(document.text());
-            plan.known = known.map_err(|error| keys.wrong(CALIBRATION, Problem::Muscle(error)))?;
+            plan.known = known.map_err(|error| keys.wrong(CALIBRATION, ScenarioProblem::Muscle(error)))?;
         }
         Ok(plan)
     }
@@ -142,7 +142,7 @@ impl Plan {
         let scheme = if rod.has("root") { "root" } else { "scheme" };
         if rod.has("root") && rod.has("scheme") {
             let message = "this is the old name of rod.scheme, which is given too; keep that".to_owned();
-            return Err(rod.wrong("root", Problem::Other { message }));
+            return Err(rod.wrong("root", ScenarioProblem::Other { message }));
         }
         let muscle = read_muscle(document, &keys.table("muscle")?, has_pressure)?;
         let base_angle = rod.quantity("base_angle", "rad")?.unwrap_or(0.0);
@@ -187,7 +187,7 @@ pub fn name(document: &Document, path: &Path, usual: &str) -> Result<String, Sce
     };
     if name.trim().is_empty() || name.starts_with('.') || !name.chars().all(fits_name) {
         let must = "be made of letters, digits and - _ + . because folders are named after it";
-        return Err(keys.wrong("name", Problem::Must { must }));
+        return Err(keys.wrong("name", ScenarioProblem::Must { must }));
     }
     Ok(name.to_owned())
 }
@@ -219,7 +219,7 @@ fn read_muscle(
         ["name"] => {
             let name = keys.text("name")?.map_or("", |name| name.0);
             // Asked for first, for its message with the names that there are.
-            Muscle::built_in(name).map_err(|error| keys.wrong("name", Problem::Muscle(error)))?;
+            Muscle::built_in(name).map_err(|error| keys.wrong("name", ScenarioProblem::Muscle(error)))?;
             models::muscle::BUILT_IN
                 .iter()
                 .find(|muscle| muscle.0 == name)
@@ -231,13 +231,13 @@ fn read_muscle(
         [] => return Err(keys.missing("name", "name = \"garbulinski-2022\", or file = \"mine.toml\"")),
         [_, second, ..] => {
             let message = "a muscle has one source; keep one of name, file and text".to_owned();
-            return Err(keys.wrong(second, Problem::Other { message }));
+            return Err(keys.wrong(second, ScenarioProblem::Other { message }));
         }
     };
     let muscle = Muscle::from_toml(&text).map_err(|error| {
         let file = keys.text(given[0]).ok().flatten().filter(|_| given[0] != "text");
         let file = file.map_or("its text".to_owned(), |file| file.0.to_owned());
-        let problem = Problem::MuscleFile { file, error };
+        let problem = ScenarioProblem::MuscleFile { file, error };
         document.error_of(&keys.path_of(given[0]), problem)
     })?;
     let sources: Vec<_> = muscle.stiffness_sources().collect();
@@ -252,7 +252,7 @@ fn read_muscle(
     let extrapolation = keys.word("extrapolation", &extrapolation)?.unwrap_or_default();
     let middle = muscle.pressures()[0];
     (muscle.at(middle, &stiffness, extrapolation))
-        .map_err(|error| keys.wrong("stiffness", Problem::Muscle(error)))?;
+        .map_err(|error| keys.wrong("stiffness", ScenarioProblem::Muscle(error)))?;
     let masses = [("conserved", MassPlan::Conserved), ("per_length", MassPlan::PerLength)];
     Ok(Some(MusclePlan {
         text,
@@ -270,7 +270,7 @@ fn elsewhere(keys: &Keys) -> Result<Pressure, ScenarioError> {
         false => Ok(Pressure::Elsewhere),
         true => {
             let message = "each [[recording]] has its own pressure; move it there".to_owned();
-            Err(keys.wrong("pressure", Problem::Other { message }))
+            Err(keys.wrong("pressure", ScenarioProblem::Other { message }))
         }
     }
 }
@@ -284,7 +284,7 @@ fn read_pressure(keys: &Keys) -> Result<Pressure, ScenarioError> {
         let rows: Vec<_> = rows.iter().map(|row| (row[0], row[1])).collect();
         if rows.is_empty() || rows.windows(2).any(|pair| pair[0].0 >= pair[1].0) {
             let must = "have one row at least, and each time later than the one before";
-            return Err(keys.wrong("pressure", Problem::Must { must }));
+            return Err(keys.wrong("pressure", ScenarioProblem::Must { must }));
         }
         return Ok(Pressure::Schedule(rows));
     }
@@ -328,7 +328,9 @@ fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
     let rate = run.quantity_that("rate", "Hz", "be positive", |rate| rate > 0.0)?;
     if duration * rate.unwrap_or(pace::DEFAULT_RATE) > MOST_SAMPLES {
         let must = "give no more than ten million samples; lower run.rate or run.duration";
-        return Err(run.wrong(if rate.is_some() { "rate" } else { "duration" }, Problem::Must { must }));
+        return Err(
+            run.wrong(if rate.is_some() { "rate" } else { "duration" }, ScenarioProblem::Must { must })
+        );
     }
     let must = "lie in 1e-9..=0.1 m";
     let accuracy = run.quantity_that("accuracy", "m", must, |accuracy| (1e-9..=0.1).contains(&accuracy))?;
@@ -343,7 +345,7 @@ fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
     settings.steps = fixed_step.map_or(Steps::Adaptive, Steps::Fixed);
     settings.most_steps = integrator.count("most_steps")?.unwrap_or(settings.most_steps);
     if settings.most_steps == 0 {
-        return Err(integrator.wrong("most_steps", Problem::Must { must: "be at least 1" }));
+        return Err(integrator.wrong("most_steps", ScenarioProblem::Must { must: "be at least 1" }));
     }
     settings.energy = true;
     let chooses_tolerance = tolerance.is_none() && fixed_step.is_none();
@@ -378,7 +380,7 @@ pub(super) fn read_file(
     match input::text(&document.file(place, name)) {
         Ok(text) => Ok((name.to_owned(), text)),
         Err(error) => {
-            let problem = Problem::Unreadable { file: name.to_owned(), reason: error.to_string() };
+            let problem = ScenarioProblem::Unreadable { file: name.to_owned(), reason: error.to_string() };
             Err(keys.wrong(key, problem))
         }
     }

@@ -1,14 +1,14 @@
 //! A posture from a file: points along the rod, with velocities if they are known.
 
-use super::error::Problem;
+use super::error::ScenarioProblem;
 
 /// Points with velocities, from lines `x_m,z_m` or `x_m,z_m,vx_m_s,vz_m_s`; a first line of names,
 /// empty lines and lines that begin with `#` are passed over.
-pub(super) fn read(file: &str, text: &str) -> Result<Vec<[f64; 4]>, Box<Problem>> {
+pub(super) fn read(file: &str, text: &str) -> Result<Vec<[f64; 4]>, Box<ScenarioProblem>> {
     let mut points = Vec::new();
     let mut lines = Vec::new();
     let wrong = |line: usize, message: String| {
-        Box::new(Problem::PostureFile { file: file.to_owned(), line, message })
+        Box::new(ScenarioProblem::PostureFile { file: file.to_owned(), line, message })
     };
     for (index, line) in text.lines().enumerate() {
         let line_number = index + 1;

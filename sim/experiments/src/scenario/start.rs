@@ -3,7 +3,7 @@
 use models::effects::Catalogue;
 
 use super::document::{Document, Keys};
-use super::error::{Problem, ScenarioError};
+use super::error::{ScenarioError, ScenarioProblem};
 use super::plan::{EffectPlan, ROD, read_effects, read_file, read_rod};
 use super::posture;
 
@@ -63,23 +63,23 @@ pub(super) fn read_from(
     let from = release.word("from", &starts)?;
     if hold.is_given() && from != Some(Start::Equilibrium) {
         let message = "only an equilibrium is held; write from = \"equilibrium\" in [release]".to_owned();
-        return Err(document.error_of("release.hold", Problem::Other { message }));
+        return Err(document.error_of("release.hold", ScenarioProblem::Other { message }));
     }
     if release.has("by") && matches!(from, Some(Start::Straight | Start::Equilibrium)) {
         let message = "only a rod that starts from = \"held\" is held by something".to_owned();
-        return Err(release.wrong("by", Problem::Other { message }));
+        return Err(release.wrong("by", ScenarioProblem::Other { message }));
     }
     if is_kinked && from == Some(Start::Straight) {
         let message = "a straight rod at another angle than rod.base_angle has a kink at its clamp, whose energy \
                        grows with every node; leave from out, or write from = \"held\": a string (by = \"hand\": a \
                        hand) holds the tip in the direction of release.angle, and the clamped rod bends to it"
             .to_owned();
-        return Err(release.wrong("from", Problem::Other { message }));
+        return Err(release.wrong("from", ScenarioProblem::Other { message }));
     }
     for key in ["posture", "nodes"] {
         if from.is_some() && release.has(key) {
             let message = "a release has one start; keep either this or from".to_owned();
-            return Err(release.wrong(key, Problem::Other { message }));
+            return Err(release.wrong(key, ScenarioProblem::Other { message }));
         }
     }
     if release.has("posture") {
@@ -89,11 +89,12 @@ pub(super) fn read_from(
     }
     if let Some(rows) = release.rows("nodes", &["m", "m", "m/s", "m/s"], "a row of x, z, vx, vz")? {
         let points: Vec<_> = rows.iter().map(|row| [row[0], row[1], row[2], row[3]]).collect();
-        posture::check(&points).map_err(|(_, message)| release.wrong("nodes", Problem::Other { message }))?;
+        posture::check(&points)
+            .map_err(|(_, message)| release.wrong("nodes", ScenarioProblem::Other { message }))?;
         return Ok(From::Points(points));
     }
     if release.has("nodes") {
-        return Err(release.wrong("nodes", Problem::WrongType { due: "rows of x, z, vx, vz" }));
+        return Err(release.wrong("nodes", ScenarioProblem::WrongType { due: "rows of x, z, vx, vz" }));
     }
     match from {
         Some(Start::Equilibrium) => {}
@@ -102,7 +103,7 @@ pub(super) fn read_from(
         None | Some(Start::Held) => {
             if release.has("angular_velocity") {
                 let message = "a rod that is held is at rest; leave it out".to_owned();
-                return Err(release.wrong("angular_velocity", Problem::Other { message }));
+                return Err(release.wrong("angular_velocity", ScenarioProblem::Other { message }));
             }
             let by = release.word("by", &[("string", Holder::String), ("hand", Holder::Hand)])?;
             return Ok(From::HeldBy(by.unwrap_or_default()));
@@ -111,7 +112,7 @@ pub(super) fn read_from(
     hold.only(&["pressure", "rod", "effects"])?;
     if hold.has("pressure") && !has_muscle {
         let message = "a rod without [muscle] has no pressure; give release.hold.rod instead".to_owned();
-        return Err(hold.wrong("pressure", Problem::Other { message }));
+        return Err(hold.wrong("pressure", ScenarioProblem::Other { message }));
     }
     let rod = hold.table("rod")?;
     rod.only(&ROD.map(|(key, _)| key))?;

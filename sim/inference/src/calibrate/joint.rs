@@ -11,7 +11,7 @@ use super::problem::{Problem, Trial};
 use super::refine::{LAST, refine};
 use super::search::{EXPLAINED, FIT, Found, common_cost, meet, minimise_in, search};
 use super::starts::{counts, swing_times};
-use super::unknowns::{Group, Kind, Unknown, Unknowns};
+use super::unknowns::{Group, Unknown, UnknownKind, Unknowns};
 
 /// A value of a scaled unknown.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ impl Estimate {
 
     /// Whether it is a parameter of a trial's model.
     pub fn is_of(&self, place: usize, trial: &Trial) -> bool {
-        let is_parameter = matches!(self.unknown.kind, Kind::Parameter(_));
+        let is_parameter = matches!(self.unknown.kind, UnknownKind::Parameter(_));
         is_parameter
             && match (self.unknown.group, trial.release.pressure) {
                 (Group::All, _) => true,

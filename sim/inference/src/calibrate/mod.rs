@@ -37,8 +37,8 @@ use rayon::prelude::*;
 
 pub use calibration::Calibration;
 pub use error::CalibrateError;
-pub use outcome::{Curve, Outcome};
-pub use problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
+pub use outcome::{CalibrationOutcome, Curve};
+pub use problem::{FittedParameter, Nuisances, Prior, Problem, Scale, Scope, Trial};
 pub use search::Stage;
 pub use section::{SectionError, problem, repeatability};
 pub(crate) use section::{marker_error, trial};
@@ -55,7 +55,7 @@ use unknowns::Unknowns;
 
 /// What is done beside the fit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct CalibrationSettings {
     /// Whether the errors of mesh and step are removed; without that the parameters belong to the
     /// mesh of the models.
     pub remove_mesh: bool,
@@ -65,7 +65,7 @@ pub struct Settings {
     pub repeatability: Option<f64>,
 }
 
-impl Default for Settings {
+impl Default for CalibrationSettings {
     fn default() -> Self {
         Self { remove_mesh: true, profile: false, repeatability: None }
     }
@@ -116,9 +116,9 @@ pub struct Progress {
 /// [`CalibrateError`] for a problem that makes no sense, and where no start leads to a fit.
 pub fn calibrate(
     problem: &Problem,
-    settings: &Settings,
+    settings: &CalibrationSettings,
     listener: &dyn Listener,
-) -> Result<Outcome, CalibrateError> {
+) -> Result<CalibrationOutcome, CalibrateError> {
     if problem.parameters.is_empty() {
         return Err(CalibrateError::NoParameters);
     }
@@ -144,7 +144,7 @@ pub fn calibrate(
 
 fn fit<'a>(
     part: Part<'a>,
-    settings: &Settings,
+    settings: &CalibrationSettings,
     listener: &dyn Listener,
 ) -> Result<Fitted<'a>, CalibrateError> {
     let mut objective = Objective::new(part)?;

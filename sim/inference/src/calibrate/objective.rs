@@ -332,7 +332,7 @@ mod tests {
     use super::*;
     use crate::calibrate::part::parts;
     use crate::calibrate::unknowns::Unknowns;
-    use crate::calibrate::{Nuisances, Parameter, Prior, Problem, Scope, Trial};
+    use crate::calibrate::{FittedParameter, Nuisances, Prior, Problem, Scope, Trial};
 
     /// Two releases that share EI and have a loss each, seen at the tip and half-way, with a ghost.
     fn problem() -> Problem {
@@ -366,13 +366,14 @@ mod tests {
             Trial { release, model: model.clone(), run: Run::release(1.0, 20.0) }
         };
         let prior = Some(Prior { mean: 0.008, deviation: 0.001 });
-        let stiffness = Parameter { prior, ..Parameter::new("rod.bending_stiffness", Scope::Shared) };
+        let stiffness =
+            FittedParameter { prior, ..FittedParameter::new("rod.bending_stiffness", Scope::Shared) };
         Problem {
             trials: vec![trial(1), trial(2)],
             parameters: vec![
                 stiffness,
-                Parameter::new("effects.rayleigh_mass.alpha", Scope::PerRelease),
-                Parameter::new("rod.base_angle", Scope::Shared),
+                FittedParameter::new("effects.rayleigh_mass.alpha", Scope::PerRelease),
+                FittedParameter::new("rod.base_angle", Scope::Shared),
             ],
             nuisances: Nuisances::default(),
         }

@@ -8,13 +8,13 @@ use super::identifiability;
 use super::misfit::Misfit;
 use super::problem::{Problem, Scale, Scope};
 use super::uncertainty::TrackStatistics;
-use super::unknowns::{Group, Kind, Scaled, Unknowns};
+use super::unknowns::{Group, Scaled, UnknownKind, Unknowns};
 use super::{Fitted, warnings};
 use crate::normal::NORMAL_95;
 
 /// What was found, and the curves to show.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct CalibrationOutcome {
     /// What is written.
     pub calibration: Calibration,
     /// Measurement and prediction of each track, in the order of the releases.
@@ -38,7 +38,7 @@ pub struct Curve {
     pub predicted: Vec<[f64; 2]>,
 }
 
-pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[Fitted]) -> Outcome {
+pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[Fitted]) -> CalibrationOutcome {
     let mut calibration = Calibration::default();
     let mut all: Vec<Option<Calibrated>> = vec![None; unknowns.list.len()];
     let mut fits: Vec<Option<ReleaseFit>> = vec![None; problem.trials.len()];
@@ -85,7 +85,7 @@ pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[Fitted])
     let contradictions = warnings::of_beliefs(believed);
     // What is stated and not so comes before all else.
     calibration.warnings.splice(..0, contradictions);
-    Outcome { calibration, curves: curves.into_iter().flatten().collect() }
+    CalibrationOutcome { calibration, curves: curves.into_iter().flatten().collect() }
 }
 
 fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
@@ -101,7 +101,7 @@ fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
         name: unknown.name.clone(),
         unit: unknown.unit.to_owned(),
         scope: match (unknown.kind, unknown.group) {
-            (Kind::Parameter(parameter), _) => problem.parameters[parameter].scope,
+            (UnknownKind::Parameter(parameter), _) => problem.parameters[parameter].scope,
             _ => Scope::PerRelease,
         },
         pressure_pa: match unknown.group {

@@ -12,7 +12,7 @@ pub struct Problem {
     /// The releases; those held out only validate.
     pub trials: Vec<Trial>,
     /// What is to be found.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<FittedParameter>,
     /// What is unknown of each recording, and of no interest.
     pub nuisances: Nuisances,
 }
@@ -31,7 +31,7 @@ pub struct Trial {
 
 /// A parameter to be found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
+pub struct FittedParameter {
     /// Its path in the model, such as `rod.bending_stiffness`.
     pub path: String,
     /// What shares one value.
@@ -122,11 +122,11 @@ impl Problem {
         }
         let trials = self.trials.iter().map(|trial| trial.with_effect(effect, &[(strength, 0.0)]));
         let mut problem = Self { trials: trials.collect::<Result<_, _>>().ok()?, ..self.clone() };
-        problem.parameters.push(Parameter {
+        problem.parameters.push(FittedParameter {
             start: Some(0.0),
             prior: Some(Prior { mean: 0.0, deviation }),
             scale: Some(Scale::Linear),
-            ..Parameter::new(&format!("effects.{effect}.{strength}"), scope)
+            ..FittedParameter::new(&format!("effects.{effect}.{strength}"), scope)
         });
         Some(problem)
     }
@@ -159,7 +159,7 @@ pub fn is_of_pressure(own: Option<f64>, pressure: Option<f64>) -> bool {
     own.is_none_or(|own| pressure.is_some_and(|pressure| is_same_pressure(own, pressure)))
 }
 
-impl Parameter {
+impl FittedParameter {
     /// A parameter with the registry's start, bounds and scale, and no prior.
     pub fn new(path: &str, scope: Scope) -> Self {
         Self { path: path.to_owned(), scope, start: None, bounds: None, prior: None, scale: None }

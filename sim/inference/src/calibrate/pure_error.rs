@@ -13,9 +13,9 @@ use nalgebra::{DMatrix, DVector};
 use super::ghosts::ghosts;
 use super::objective::Objective;
 use super::part::whole;
-use super::problem::{Parameter, Problem, Scope};
+use super::problem::{FittedParameter, Problem, Scope};
 use super::search::{Found, search};
-use super::unknowns::{Group, Kind, Scaled, Unknowns};
+use super::unknowns::{Group, Scaled, UnknownKind, Unknowns};
 
 /// How two releases of one condition differ.
 pub(super) struct Difference {
@@ -59,10 +59,10 @@ pub(super) fn fitted_apart(problem: &Problem, conditions: &[Vec<usize>]) -> Vec<
     for (place, trial) in own.trials.iter_mut().enumerate() {
         trial.release.held_out = !conditions.iter().flatten().any(|own| *own == place);
     }
-    let is_stiffness = |parameter: &&mut Parameter| parameter.path == STIFFNESS;
+    let is_stiffness = |parameter: &&mut FittedParameter| parameter.path == STIFFNESS;
     match own.parameters.iter_mut().find(is_stiffness) {
         Some(parameter) => parameter.scope = Scope::PerRelease,
-        None => own.parameters.push(Parameter::new(STIFFNESS, Scope::PerRelease)),
+        None => own.parameters.push(FittedParameter::new(STIFFNESS, Scope::PerRelease)),
     }
     let unknowns = if conditions.is_empty() { None } else { Unknowns::of(&own).ok() };
     let objective = unknowns.and_then(|unknowns| Objective::new(whole(&own, unknowns)).ok());
@@ -86,7 +86,7 @@ fn of_release(objective: &Objective, found: &Found, r: usize) -> Left {
     let unknowns: Vec<_> = locals.iter().map(|local| &objective.part.unknowns[unknown(local)]).collect();
     let stiffness = unknowns.iter().position(|own| own.name == STIFFNESS);
     let own: Vec<f64> = locals.iter().map(|local| found.x[unknown(local)]).collect();
-    let instant = unknowns.iter().zip(&own).find(|(unknown, _)| unknown.kind == Kind::Instant);
+    let instant = unknowns.iter().zip(&own).find(|(unknown, _)| unknown.kind == UnknownKind::Instant);
     let instant = instant.map_or(0.0, |(unknown, x)| unknown.scaled.value(*x));
     let (release, measured) = (&objective.part.members[r].release, &objective.measured[r]);
     let tip = release.leading_track();
@@ -210,7 +210,7 @@ pub mod tests {
         let parameters = ["rod.bending_stiffness", "effects.rayleigh_mass.alpha"];
         let problem = Problem {
             trials: vec![a, b],
-            parameters: parameters.map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
+            parameters: parameters.map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
             nuisances: Nuisances::default(),
         };
         fitted_apart(&problem, &[vec![0, 1]]).pop().unwrap()

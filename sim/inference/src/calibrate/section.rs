@@ -21,11 +21,11 @@
 use efam_experiments::cleaning::{CleanRelease, Cleaned};
 use efam_experiments::experiment::{Experiment, ExperimentError, Start};
 use efam_experiments::scenario::document::Keys;
-use efam_experiments::scenario::{Case, Problem as Wrong, ScenarioError};
+use efam_experiments::scenario::{Case, ScenarioError, ScenarioProblem};
 
 use super::hold::hold;
-use super::problem::{Nuisances, Parameter, Prior, Problem, Scale, Scope, Trial};
-use super::{CalibrateError, Settings};
+use super::problem::{FittedParameter, Nuisances, Prior, Problem, Scale, Scope, Trial};
+use super::{CalibrateError, CalibrationSettings};
 
 /// Why an experiment could not be made a problem.
 #[derive(Debug, thiserror::Error)]
@@ -61,7 +61,10 @@ const USUAL: [&str; 3] =
 /// The problem that an experiment and its cleaned releases make.
 /// # Errors
 /// [`SectionError`], with the place in the file where there is one.
-pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, Settings), SectionError> {
+pub fn problem(
+    experiment: &Experiment,
+    cleaned: &Cleaned,
+) -> Result<(Problem, CalibrationSettings), SectionError> {
     if !experiment.has_model() {
         return Err(SectionError::NoModel { experiment: experiment.path.display().to_string() });
     }
@@ -88,14 +91,18 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<(Problem, S
         let usual = if has_pressures { Scope::PerPressure } else { Scope::Shared };
         let tables = section.tables("parameter")?;
         let parameters = match tables.is_empty() {
-            true => USUAL.iter().map(|path| Parameter::new(path, usual)).collect(),
+            true => USUAL.iter().map(|path| FittedParameter::new(path, usual)).collect(),
             false => tables.iter().map(|table| parameter(table, first, usual)).collect::<Result<_, _>>()?,
         };
         let mesh = section.word("mesh", &[("removed", true), ("kept", false)])?;
         Ok((parameters, nuisances(&section)?, mesh.unwrap_or(true)))
     };
     let (parameters, nuisances, remove_mesh) = read().map_err(ExperimentError::from)?;
-    let settings = Settings { remove_mesh, repeatability: repeatability(experiment)?, ..Settings::default() };
+    let settings = CalibrationSettings {
+        remove_mesh,
+        repeatability: repeatability(experiment)?,
+        ..CalibrationSettings::default()
+    };
     Ok((Problem { trials, parameters, nuisances }, settings))
 }
 
@@ -147,7 +154,7 @@ fn nuisances(section: &Keys) -> Result<Nuisances, ScenarioError> {
     })
 }
 
-fn parameter(table: &Keys, trial: &Trial, usual: Scope) -> Result<Parameter, ScenarioError> {
+fn parameter(table: &Keys, trial: &Trial, usual: Scope) -> Result<FittedParameter, ScenarioError> {
     table.only(&["path", "scope", "start", "bounds", "prior", "deviation", "scale"])?;
     let Some((path, _)) = table.text("path")? else {
         return Err(table.missing("path", "path = \"rod.bending_stiffness\""));
@@ -157,7 +164,7 @@ fn parameter(table: &Keys, trial: &Trial, usual: Scope) -> Result<Parameter, Sce
         let paths = known.iter().map(|parameter| parameter.path.as_str());
         return Err(table.wrong(
             "path",
-            Wrong::UnknownWord {
+            ScenarioProblem::UnknownWord {
                 nearest: models::nearest::nearest(path, paths.clone()).map(str::to_owned),
                 known: paths.map(str::to_owned).collect(),
             },
@@ -172,7 +179,7 @@ fn parameter(table: &Keys, trial: &Trial, usual: Scope) -> Result<Parameter, Sce
         Some([low, high]) if low < high => Some((*low, *high)),
         Some(_) => {
             let must = "be two values, the lower one first";
-            return Err(table.wrong("bounds", Wrong::Must { must }));
+            return Err(table.wrong("bounds", ScenarioProblem::Must { must }));
         }
     };
     let deviation = table.quantity_that("deviation", unit, "be positive", |value| value > 0.0)?;
@@ -184,7 +191,7 @@ fn parameter(table: &Keys, trial: &Trial, usual: Scope) -> Result<Parameter, Sce
         }
         (None, Some(_)) => return Err(table.missing("prior", "prior = the value known beforehand")),
     };
-    Ok(Parameter {
+    Ok(FittedParameter {
         path: path.to_owned(),
         scope: table.word("scope", &scopes)?.unwrap_or(usual),
         start: table.quantity("start", unit)?,

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::loss::Huber;
 use super::objective::{Objective, View};
 use super::prediction::values;
-use super::unknowns::Kind;
+use super::unknowns::UnknownKind;
 
 /// Swings by which starts are compared: one, and a little so that its upper peak is seen.
 pub(super) const FIRST_SWINGS: f64 = 1.25;
@@ -90,7 +90,7 @@ fn spread(objective: &Objective, start: &DVector<f64>) -> Vec<DVector<f64>> {
     let unknowns = &objective.part.unknowns;
     let mut spread_out: Vec<usize> = Vec::new();
     for unknown in unknowns {
-        if let Kind::Parameter(k) = unknown.kind
+        if let UnknownKind::Parameter(k) = unknown.kind
             && unknown.prior.is_none()
             && unknown.start > 0.0
             && unknown.scaled.value(unknown.bounds.0) >= 0.0
@@ -106,7 +106,7 @@ fn spread(objective: &Objective, start: &DVector<f64>) -> Vec<DVector<f64>> {
     for point in 1..=count {
         let mut x = start.clone();
         for (u, unknown) in unknowns.iter().enumerate() {
-            let Kind::Parameter(k) = unknown.kind else { continue };
+            let UnknownKind::Parameter(k) = unknown.kind else { continue };
             let Some(place) = spread_out.iter().position(|other| *other == k) else { continue };
             let factor = if unknown.name.starts_with("rod.") { ROD_SPREAD } else { EFFECT_SPREAD };
             let share = 2.0 * van_der_corput(point, BASES[place]) - 1.0;

@@ -7,7 +7,7 @@ use models::quantity::format_si;
 
 use super::error::CalibrateError;
 use super::hold;
-use super::problem::{Parameter, Prior, Problem, Scale, Scope, Trial, is_same_pressure};
+use super::problem::{FittedParameter, Prior, Problem, Scale, Scope, Trial, is_same_pressure};
 
 /// Names of what is unknown of a release.
 pub const RELEASE_INSTANT: &str = "release instant";
@@ -17,7 +17,7 @@ pub(crate) const CLAMP_ANGLE: &str = "error of the clamp angle";
 /// One number to be found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Unknown {
-    pub kind: Kind,
+    pub kind: UnknownKind,
     /// Path of a parameter, or name of a nuisance.
     pub name: String,
     pub unit: &'static str,
@@ -31,7 +31,7 @@ pub(crate) struct Unknown {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum UnknownKind {
     /// A parameter, by its place in the problem.
     Parameter(usize),
     /// Time by which the rod was let go after time zero of the recording.
@@ -137,7 +137,7 @@ impl Scaled {
 
 impl Unknown {
     pub fn is_nuisance(&self) -> bool {
-        !matches!(self.kind, Kind::Parameter(_))
+        !matches!(self.kind, UnknownKind::Parameter(_))
     }
 
     /// Longest step of the scaled variable: a factor of three, or as far as it likes.
@@ -161,7 +161,7 @@ const LEAST_INSTANT: f64 = 1e-4;
 impl Unknown {
     /// What is unknown of a release beside the model's parameters, about zero and so many deviations off at most.
     pub fn nuisance(
-        kind: Kind,
+        kind: UnknownKind,
         name: &str,
         unit: &'static str,
         group: Group,
@@ -206,7 +206,7 @@ impl Unknowns {
         for (t, trial) in problem.trials.iter().enumerate().filter(|(_, trial)| !trial.release.held_out) {
             let index = index(trial, &parameter.path)?;
             let group = group(parameter, t, trial)?;
-            let same = |other: &Unknown| other.kind == Kind::Parameter(k) && other.group.is(group);
+            let same = |other: &Unknown| other.kind == UnknownKind::Parameter(k) && other.group.is(group);
             let unknown = match self.list.iter().position(same) {
                 Some(known) => known,
                 None => {
@@ -231,17 +231,17 @@ impl Unknowns {
         };
         if nuisances.release_instant {
             let deviation = trial.release.release_uncertainty.max(LEAST_INSTANT);
-            add(Kind::Instant, Acts::Instant, RELEASE_INSTANT, "s", deviation, FARTHEST);
+            add(UnknownKind::Instant, Acts::Instant, RELEASE_INSTANT, "s", deviation, FARTHEST);
         }
         let angle_is_fitted = problem.parameters.iter().any(|parameter| parameter.path == RELEASE_ANGLE);
         if let Some(deviation) = nuisances.hold_angle.filter(|_| trial.is_straight() && !angle_is_fitted) {
             let acts = Acts::OnTheta(index(trial, RELEASE_ANGLE)?);
-            add(Kind::HoldAngle, acts, HOLD_ANGLE, "rad", deviation, nuisances.farthest);
+            add(UnknownKind::HoldAngle, acts, HOLD_ANGLE, "rad", deviation, nuisances.farthest);
         }
         let clamp_is_fitted = problem.parameters.iter().any(|parameter| parameter.path == BASE_ANGLE);
         if let Some(deviation) = nuisances.clamp_angle.filter(|_| !clamp_is_fitted) {
             let acts = Acts::OnTheta(index(trial, BASE_ANGLE)?);
-            add(Kind::ClampAngle, acts, CLAMP_ANGLE, "rad", deviation, nuisances.farthest);
+            add(UnknownKind::ClampAngle, acts, CLAMP_ANGLE, "rad", deviation, nuisances.farthest);
         }
         if trial.is_held() {
             let sizes = hold::sizes(&trial.model).map_err(|error| of_model(trial, error))?;
@@ -249,14 +249,14 @@ impl Unknowns {
             let of_hand = PULL.iter().zip(sizes).zip(["N", "N", "N/s", "N/s", "N m"]);
             for ((path, size), unit) in of_hand.take(told) {
                 let acts = Acts::Theta(index(trial, path)?);
-                add(Kind::Pull, acts, path, unit, size, f64::INFINITY);
+                add(UnknownKind::Pull, acts, path, unit, size, f64::INFINITY);
             }
         }
         if let Some(deviation) = nuisances.offset {
             for (track, of) in trial.release.tracks.iter().enumerate() {
                 for (axis, letter) in ["x", "z"].into_iter().enumerate() {
                     let name = format!("offset of {} in {letter}", of.marker);
-                    let (kind, acts) = (Kind::Offset { track, axis }, Acts::Offset { track, axis });
+                    let (kind, acts) = (UnknownKind::Offset { track, axis }, Acts::Offset { track, axis });
                     add(kind, acts, &name, "m", deviation, nuisances.farthest);
                 }
             }
@@ -286,7 +286,7 @@ fn of_model(trial: &Trial, error: ModelError) -> CalibrateError {
     CalibrateError::Model { release: trial.release.name.clone(), error }
 }
 
-fn group(parameter: &Parameter, t: usize, trial: &Trial) -> Result<Group, CalibrateError> {
+fn group(parameter: &FittedParameter, t: usize, trial: &Trial) -> Result<Group, CalibrateError> {
     match (parameter.scope, trial.release.pressure) {
         (Scope::Shared, _) => Ok(Group::All),
         (Scope::PerRelease, _) => Ok(Group::Release(t)),
@@ -300,7 +300,7 @@ fn group(parameter: &Parameter, t: usize, trial: &Trial) -> Result<Group, Calibr
 
 /// Start, bounds and scale of a parameter, as given or from the registry.
 fn unknown(
-    parameter: &Parameter,
+    parameter: &FittedParameter,
     k: usize,
     group: Group,
     known: &ModelParameter,
@@ -336,7 +336,7 @@ fn unknown(
     // Zero has no logarithm: far below the typical size is near enough.
     let low = if is_logarithmic { low.max(NEARLY_ZERO * size.min(start)) } else { low };
     Ok(Unknown {
-        kind: Kind::Parameter(k),
+        kind: UnknownKind::Parameter(k),
         name: path(),
         unit,
         group,

@@ -4,12 +4,12 @@ use models::effects::{About, Effect, Kind, Parameter as EffectParameter, Place, 
 use models::error::ModelError;
 use models::muscle::Known;
 
-use super::Settings;
+use super::DiagnosisSettings;
 use super::score::Subject;
-use super::verdict::Value;
+use super::verdict::ParameterValue;
 use crate::calibrate::joint::Estimate;
 use crate::calibrate::unknowns::FARTHEST;
-use crate::calibrate::{CalibrateError, Parameter, Prior, Problem, Scale, Scope, Trial};
+use crate::calibrate::{CalibrateError, FittedParameter, Prior, Problem, Scale, Scope, Trial};
 
 /// An effect with what it depends on nonlinearly held at one value.
 #[derive(Clone)]
@@ -49,7 +49,7 @@ impl Candidate {
     }
 
     /// Whether one of its parameters is where it is not believed to be; the strength apart, which says how much there is.
-    pub fn is_beyond_belief(&self, values: &[Value]) -> bool {
+    pub fn is_beyond_belief(&self, values: &[ParameterValue]) -> bool {
         self.tried.iter().filter(|(own, _)| own.plausible.is_some()).any(|(own, _)| {
             let (low, high) = self.range(own);
             values.iter().any(|value| value.name == own.name && !(low..=high).contains(&value.value))
@@ -185,23 +185,23 @@ impl Candidate {
         for trial in &mut problem.trials {
             *trial = self.on(trial, self.null_value)?;
         }
-        problem.parameters.push(Parameter {
+        problem.parameters.push(FittedParameter {
             start: Some(if scope == Scope::PerRelease { self.null_value } else { estimate.clamp(low, high) }),
             bounds: Some((low, high)),
             prior: self.belief(),
             scale: Some(Scale::Linear),
-            ..Parameter::new(&path, scope)
+            ..FittedParameter::new(&path, scope)
         });
         for (parameter, value) in self.tried.iter().filter(|(parameter, _)| parameter.plausible.is_some()) {
             let (low, high) = self.range(parameter);
-            problem.parameters.push(Parameter {
+            problem.parameters.push(FittedParameter {
                 start: Some(value.clamp(low, high)),
                 bounds: Some((low, high)),
                 // A size that may as well be zero is believed to be small: half a normal distribution, of which the range
                 // holds two deviations. Without it a place and a mass that change the frequency alike end anywhere.
                 prior: (low == 0.0).then_some(Prior { mean: 0.0, deviation: 0.5 * high }),
                 scale: Some(if low > 0.0 { Scale::Logarithmic } else { Scale::Linear }),
-                ..Parameter::new(&format!("effects.{}.{}", self.name(), parameter.name), Scope::Shared)
+                ..FittedParameter::new(&format!("effects.{}.{}", self.name(), parameter.name), Scope::Shared)
             });
         }
         Ok(problem)
@@ -236,7 +236,7 @@ fn strengths(about: &About, is_pressure_varied: bool) -> Vec<(&'static EffectPar
 
 /// The candidates for a problem: every cause in the catalogue of its models, laws as text included, that they do not have
 /// already, but for those that the settings exclude.
-pub(super) fn candidates(problem: &Problem, settings: &Settings) -> Vec<Candidate> {
+pub(super) fn candidates(problem: &Problem, settings: &DiagnosisSettings) -> Vec<Candidate> {
     let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
     let mut all = Vec::new();
     let Some(model) = problem.trials.first().map(|trial| &trial.model) else { return all };

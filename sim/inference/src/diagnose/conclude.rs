@@ -10,7 +10,7 @@ use super::stop::ending_by;
 use super::validation::{HeldOut, set, turn_clamps};
 use super::verdict::{Added, Verdict};
 use super::warnings::{contradictions, warnings};
-use super::{Course, Outcome, first_swings, misfit, summary_text};
+use super::{Course, DiagnosisOutcome, first_swings, misfit, summary_text};
 use crate::calibrate::CalibrateError;
 use crate::calibrate::discrepancy::heard;
 use crate::calibrate::joint::{Fitted, Joint};
@@ -18,7 +18,7 @@ use crate::calibrate::refine::MOST_ROUNDS;
 
 impl Course<'_> {
     /// Says what it all comes to.
-    pub(super) fn conclude(mut self) -> Result<Outcome, CalibrateError> {
+    pub(super) fn conclude(mut self) -> Result<DiagnosisOutcome, CalibrateError> {
         self.weigh()?;
         let (known, errors) = {
             let fit = self.model.fit()?;
@@ -70,7 +70,7 @@ impl Course<'_> {
             set(&mut repaired, known);
             turn_clamps(&mut repaired, known);
         }
-        Ok(Outcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
+        Ok(DiagnosisOutcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
     }
 
     /// Fits an answer that misses more than noise and what does not repeat anew, with its samples weighed by what it

@@ -57,8 +57,8 @@ mod tests {
 
     use super::*;
     use crate::calibrate::prediction::Slopes;
-    use crate::calibrate::{Nuisances, Parameter, Problem, Scope, Trial};
-    use crate::diagnose::Settings;
+    use crate::calibrate::{FittedParameter, Nuisances, Problem, Scope, Trial};
+    use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
 
     const NOISE: f64 = 3e-4;
@@ -96,7 +96,7 @@ mod tests {
         let mut count = 0.0;
         let base = Problem {
             trials: relative_error.map(|own| release(own, &mut count)).to_vec(),
-            parameters: vec![Parameter::new("rod.bending_stiffness", Scope::Shared)],
+            parameters: vec![FittedParameter::new("rod.bending_stiffness", Scope::Shared)],
             nuisances: Nuisances {
                 release_instant: true,
                 hold_angle: Some(4e-3),
@@ -104,7 +104,7 @@ mod tests {
                 ..Nuisances::default()
             },
         };
-        let all = candidates(&base, &Settings::default());
+        let all = candidates(&base, &DiagnosisSettings::default());
         let scale = all.iter().find(|own| own.name() == "scale").unwrap();
         let problem = scale.added_to(&base, 0.01).unwrap();
         let fit = Joint::at(&problem, &[], Slopes::Variational).unwrap();

@@ -206,7 +206,7 @@ impl Course<'_> {
         let least = met.first().map_or(f64::INFINITY, Met::cost);
         let mut found: Vec<(usize, Whole)> = Vec::new();
         for (k, (met, evidence)) in met.iter().zip(&mut evidence).enumerate() {
-            if met.end.is_none() && stop.is_asked() {
+            if met.end.is_none() && stop.is_requested() {
                 evidence.reject(CUT_SHORT);
             } else if evidence.score < threshold {
                 evidence.reject("with it the model does not fit the first swings either");
@@ -231,7 +231,7 @@ impl Course<'_> {
         self.diagnosis.thresholds.push(threshold);
         listener.ranked(threshold, &evidence);
         self.diagnosis.evidence.extend(evidence);
-        if stop.is_asked() {
+        if stop.is_requested() {
             self.diagnosis.cut_short(number);
         }
         let Some((best, numerics)) = best else { return Ok(false) };

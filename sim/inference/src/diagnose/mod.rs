@@ -89,7 +89,7 @@ impl<F: Fn(&str) + Sync> Listener for F {
 
 /// How a diagnosis is made.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct DiagnosisSettings {
     /// Probability that a round names an effect although none is missing.
     pub false_alarm: f64,
     /// Largest number of effects to add.
@@ -102,7 +102,7 @@ pub struct Settings {
     pub repeatability: Option<f64>,
 }
 
-impl Default for Settings {
+impl Default for DiagnosisSettings {
     /// One in a hundred, three effects.
     fn default() -> Self {
         Self {
@@ -117,7 +117,7 @@ impl Default for Settings {
 
 /// What was found, with the model that has it.
 #[derive(Clone)]
-pub struct Outcome {
+pub struct DiagnosisOutcome {
     /// What is written.
     pub diagnosis: Diagnosis,
     /// The problem with what was found before anything was added set in its models.
@@ -136,9 +136,9 @@ pub struct Outcome {
 /// [`CalibrateError`] for a problem that makes no sense, and where the baseline cannot be fitted.
 pub fn diagnose(
     problem: &Problem,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
     listener: &dyn Listener,
-) -> Result<Outcome, CalibrateError> {
+) -> Result<DiagnosisOutcome, CalibrateError> {
     listener.doing("releases of one condition");
     let repeats = Repeats::of(problem, settings.repeatability);
     let heard =
@@ -181,7 +181,7 @@ const TOO_MANY: usize = 3;
 struct Course<'a> {
     /// On a mesh that is fine enough, without anything added.
     problem: Problem,
-    settings: &'a Settings,
+    settings: &'a DiagnosisSettings,
     listener: &'a dyn Listener,
     before: &'a Before,
     /// The model with all that was added, fitted; its cost, and how it meets what it was fitted to.
@@ -231,7 +231,7 @@ impl Before {
 impl<'a> Course<'a> {
     fn new(
         before: &'a Before,
-        settings: &'a Settings,
+        settings: &'a DiagnosisSettings,
         listener: &'a dyn Listener,
         diagnosis: Diagnosis,
     ) -> Self {

@@ -12,7 +12,7 @@ use efam_experiments::scenario::Case;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::Settings;
+use super::DiagnosisSettings;
 use super::candidate::{Candidate, candidates};
 use super::design_matrix::{Column, columns, predictions};
 use super::planned::record;
@@ -21,7 +21,7 @@ use super::section::{SHARED, USUAL_TILT, admit_tilt};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::repeats::Repeats;
-use crate::calibrate::{CalibrateError, Nuisances, Parameter, Problem, Scope, Trial};
+use crate::calibrate::{CalibrateError, FittedParameter, Nuisances, Problem, Scope, Trial};
 
 /// Standard error of the release instant in a recording, s: that of a camera at 100 Hz.
 const INSTANT: f64 = 2e-3;
@@ -55,10 +55,11 @@ pub fn problem(cases: &[Case], noise: f64, markers: &[f64]) -> Problem {
     let trials: Vec<Trial> = cases.iter().map(|case| trial(case, noise, markers)).collect();
     let has = |path: &str| trials.iter().all(|trial| trial.model.index(path).is_ok());
     let losses = SHARED.into_iter().filter(|path| has(path));
-    let mut parameters: Vec<Parameter> = losses.map(|path| Parameter::new(path, Scope::Shared)).collect();
+    let mut parameters: Vec<FittedParameter> =
+        losses.map(|path| FittedParameter::new(path, Scope::Shared)).collect();
     let is_under_pressure = trials.iter().all(|trial| trial.release.pressure.is_some());
     let scope = if is_under_pressure { Scope::PerPressure } else { Scope::Shared };
-    parameters.insert(0, Parameter::new("rod.bending_stiffness", scope));
+    parameters.insert(0, FittedParameter::new("rod.bending_stiffness", scope));
     let mut problem = Problem { trials, parameters, nuisances: Nuisances::default() };
     admit_tilt(&mut problem, USUAL_TILT);
     problem
@@ -101,7 +102,7 @@ pub fn plan(
     };
     let fit = Joint::at(&recorded, &[], Slopes::Differences)?;
     let off = predictions(&fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
-    let candidates = candidates(&recorded, &Settings::default());
+    let candidates = candidates(&recorded, &DiagnosisSettings::default());
     let columns = columns(&fit, &off, &candidates, tell);
     let gram = gram(&fit, &columns);
     let traces: Vec<Trace> =

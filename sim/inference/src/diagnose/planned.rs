@@ -230,8 +230,8 @@ mod tests {
     use efam_experiments::release::Release;
 
     use super::*;
-    use crate::calibrate::{Nuisances, Parameter, Prior};
-    use crate::diagnose::Settings;
+    use crate::calibrate::{FittedParameter, Nuisances, Prior};
+    use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
 
     fn release() -> Trial {
@@ -260,8 +260,8 @@ mod tests {
         let problem = Problem {
             trials: vec![release()],
             parameters: vec![
-                Parameter::new("rod.bending_stiffness", Scope::Shared),
-                Parameter { prior: prior(mass), ..Parameter::new("rod.mass", Scope::Shared) },
+                FittedParameter::new("rod.bending_stiffness", Scope::Shared),
+                FittedParameter { prior: prior(mass), ..FittedParameter::new("rod.mass", Scope::Shared) },
             ],
             nuisances: Nuisances {
                 release_instant: true,
@@ -270,7 +270,7 @@ mod tests {
                 ..Nuisances::default()
             },
         };
-        let all = candidates(&problem, &Settings::default());
+        let all = candidates(&problem, &DiagnosisSettings::default());
         let named = |name: &str| all.iter().find(|own| own.name() == name).unwrap().clone();
         let of = [named("air_drag"), named("scale")];
         let pair =

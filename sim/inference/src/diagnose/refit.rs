@@ -4,7 +4,7 @@ use models::muscle::{self, CalibratedParameter};
 use models::quantity::format_si;
 
 use super::candidate::Candidate;
-use super::verdict::{Added, Value};
+use super::verdict::{Added, ParameterValue};
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::profile::profile;
 use crate::calibrate::search::STAGE_SHARE;
@@ -23,7 +23,7 @@ pub(super) struct Refit {
     /// Cost under the loss of the noise.
     pub cost: f64,
     /// Parameters of the effect.
-    pub values: Vec<Value>,
+    pub values: Vec<ParameterValue>,
     /// How many unknowns it brought.
     pub unknowns: usize,
 }
@@ -201,7 +201,7 @@ fn values(
     candidate: &Candidate,
     of: &Uncertainty,
     bounds: &dyn Fn(usize, &Estimate) -> [f64; 2],
-) -> Vec<Value> {
+) -> Vec<ParameterValue> {
     let prefix = prefix(candidate.name());
     let mut values = Vec::new();
     for (k, known) in fit.known().iter().enumerate() {
@@ -210,7 +210,7 @@ fn values(
         // Beyond what is admitted there is nothing.
         let (least, most) = known.unknown.bounds;
         let interval = || bounds(k, known).map(|x| known.unknown.scaled.value(x.max(least).min(most)));
-        values.push(Value {
+        values.push(ParameterValue {
             name: name.to_owned(),
             unit: known.unknown.unit.to_owned(),
             of: match known.unknown.group {
@@ -224,7 +224,7 @@ fn values(
     }
     for (parameter, value) in candidate.tried.iter().filter(|(parameter, _)| parameter.plausible.is_none()) {
         let (name, unit) = (parameter.name.to_owned(), parameter.unit.to_owned());
-        values.push(Value { name, unit, of: None, value: *value, interval_95: None });
+        values.push(ParameterValue { name, unit, of: None, value: *value, interval_95: None });
     }
     values
 }

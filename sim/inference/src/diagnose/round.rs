@@ -10,7 +10,7 @@ use super::shortlist::{Entry, LITTLE, best_tries, choose, fit_all, shortlist};
 use super::stop::is_stopped;
 use super::validation::HeldOut;
 use super::verdict::{Evidence, Member};
-use super::{Listener, Settings};
+use super::{DiagnosisSettings, Listener};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -100,7 +100,7 @@ pub(super) fn round(
     before: Option<&HeldOut>,
     added: &[Best],
     RoundRequest { number, is_last, is_widened }: RoundRequest,
-    settings: &Settings,
+    settings: &DiagnosisSettings,
     listener: &dyn Listener,
 ) -> Result<Round, CalibrateError> {
     let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));

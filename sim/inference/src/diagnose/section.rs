@@ -11,7 +11,7 @@ use super::setup::limit_beliefs;
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::unknowns::FARTHEST;
 use crate::calibrate::{
-    Parameter, Prior, Problem, Scope, SectionError, Trial, problem as calibration_problem,
+    FittedParameter, Prior, Problem, Scope, SectionError, Trial, problem as calibration_problem,
 };
 
 /// Losses that all pressures share unless the experiment says otherwise: one for each would hide how a
@@ -61,7 +61,7 @@ fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
     if experiment.muscle().is_some() {
         return;
     }
-    let is_stiffness = |own: &&mut Parameter| own.path == "rod.bending_stiffness";
+    let is_stiffness = |own: &&mut FittedParameter| own.path == "rod.bending_stiffness";
     if let Some(own) = problem.parameters.iter_mut().find(is_stiffness) {
         own.prior = Some(Prior { mean: stated, deviation: STIFFNESS * stated });
     }

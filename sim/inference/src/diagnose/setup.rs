@@ -18,7 +18,7 @@ use super::validation::{HeldOut, agreement};
 use super::verdict::{Contradiction, Verdict};
 use super::warnings::{contradictions, deviations_off};
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
-use crate::calibrate::unknowns::{CLAMP_ANGLE, FARTHEST, Group, Kind, Unknown};
+use crate::calibrate::unknowns::{CLAMP_ANGLE, FARTHEST, Group, Unknown, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem};
 
 /// Standard deviation of what is believed of a clamp's angle where nothing is said of it, rad: set by eye, or with a
@@ -48,9 +48,9 @@ pub(super) fn limit_beliefs(problem: &mut Problem) {
 fn lifted(problem: &Problem, known: &Estimate) -> Problem {
     let mut problem = problem.clone();
     match known.unknown.kind {
-        Kind::ClampAngle => problem.nuisances.clamp_angle = Some(LIFTED * USUAL_CLAMP),
-        Kind::HoldAngle => problem.nuisances.hold_angle.iter_mut().for_each(|own| *own *= LIFTED),
-        Kind::Offset { .. } => problem.nuisances.offset.iter_mut().for_each(|own| *own *= LIFTED),
+        UnknownKind::ClampAngle => problem.nuisances.clamp_angle = Some(LIFTED * USUAL_CLAMP),
+        UnknownKind::HoldAngle => problem.nuisances.hold_angle.iter_mut().for_each(|own| *own *= LIFTED),
+        UnknownKind::Offset { .. } => problem.nuisances.offset.iter_mut().for_each(|own| *own *= LIFTED),
         _ => {
             for own in problem.parameters.iter_mut().filter(|own| own.path == known.unknown.name) {
                 (own.prior, own.bounds) = (None, None);
@@ -90,15 +90,21 @@ fn at_limit<'a>(known: impl Iterator<Item = &'a Estimate>) -> Vec<&'a Estimate> 
 /// competes with effects, such as a weight that nobody told of, or a hand that pushes: a rod that is pushed upwards swings
 /// as one that was held higher.
 fn is_of_setup(own: &Estimate) -> bool {
-    matches!(own.unknown.kind, Kind::ClampAngle | Kind::Offset { .. })
+    matches!(own.unknown.kind, UnknownKind::ClampAngle | UnknownKind::Offset { .. })
         || own.unknown.name.starts_with(&prefix(TILT))
 }
 
 /// The clamp's angle as it is stated, where nothing is said of its error.
 fn stated_clamp(problem: &Problem) -> Option<Estimate> {
     let is_believed = problem.nuisances.clamp_angle.is_some();
-    let unknown =
-        Unknown::nuisance(Kind::ClampAngle, CLAMP_ANGLE, "rad", Group::All, USUAL_CLAMP, f64::INFINITY);
+    let unknown = Unknown::nuisance(
+        UnknownKind::ClampAngle,
+        CLAMP_ANGLE,
+        "rad",
+        Group::All,
+        USUAL_CLAMP,
+        f64::INFINITY,
+    );
     (!is_believed).then_some(Estimate { unknown, x: 0.0 })
 }
 
@@ -217,17 +223,20 @@ mod tests {
     /// A rod that a hand has pushed upwards swings as one that was held higher: such a start is no wrong statement.
     #[test]
     fn the_start_and_the_rod_are_not_asked_before_the_effects() {
-        let of = |kind: Kind, name: &str| {
+        let of = |kind: UnknownKind, name: &str| {
             let unknown = Unknown::nuisance(kind, name, "", Group::All, 1.0, f64::INFINITY);
             is_of_setup(&Estimate { unknown, x: 0.0 })
         };
-        assert!(of(Kind::ClampAngle, CLAMP_ANGLE) && of(Kind::Offset { track: 0, axis: 1 }, "offset"));
-        assert!(of(Kind::Parameter(0), "effects.frame_tilt.angle"));
+        assert!(
+            of(UnknownKind::ClampAngle, CLAMP_ANGLE)
+                && of(UnknownKind::Offset { track: 0, axis: 1 }, "offset")
+        );
+        assert!(of(UnknownKind::Parameter(0), "effects.frame_tilt.angle"));
         for (kind, name) in [
-            (Kind::HoldAngle, "hold angle"),
-            (Kind::Instant, "release instant"),
-            (Kind::Parameter(0), "rod.mass"),
-            (Kind::Parameter(0), "effects.tip_mass.mass"),
+            (UnknownKind::HoldAngle, "hold angle"),
+            (UnknownKind::Instant, "release instant"),
+            (UnknownKind::Parameter(0), "rod.mass"),
+            (UnknownKind::Parameter(0), "effects.tip_mass.mass"),
         ] {
             assert!(!of(kind, name), "{name}");
         }

@@ -341,7 +341,7 @@ mod tests {
 
     use super::*;
     use crate::calibrate::{Nuisances, Trial};
-    use crate::diagnose::Settings;
+    use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
 
     /// One that cannot be the answer says nothing of what the others are worth.
@@ -367,7 +367,7 @@ mod tests {
             ..Score::default()
         };
         let scores = [(800.0, false), (100.0, true), (20.0, true)].map(score);
-        let pairs = candidates(&problem, &Settings::default()).into_iter().zip(scores);
+        let pairs = candidates(&problem, &DiagnosisSettings::default()).into_iter().zip(scores);
         let mut entries: Vec<Entry> = pairs.map(|(candidate, score)| Entry::new(candidate, score)).collect();
         let (worth, others) = shortlist(&mut entries);
         let decreases = |entries: &[Entry]| entries.iter().map(|e| e.score.decrease).collect::<Vec<_>>();

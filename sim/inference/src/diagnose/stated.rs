@@ -10,14 +10,14 @@
 
 use efam_experiments::experiment::{Experiment, ExperimentError};
 use efam_experiments::scenario::document::Keys;
-use efam_experiments::scenario::{Problem, ScenarioError};
+use efam_experiments::scenario::{ScenarioError, ScenarioProblem};
 use models::effects::Catalogue;
 use models::nearest::{nearest, offer};
 
-use super::{Settings, known_effects};
+use super::{DiagnosisSettings, known_effects};
 use crate::calibrate::{SectionError, repeatability};
 
-impl Settings {
+impl DiagnosisSettings {
     /// These, with what the experiment says.
     /// # Errors
     /// [`SectionError`], with the place in the file.
@@ -44,7 +44,8 @@ impl Settings {
 pub fn without(table: &Keys, catalogue: &Catalogue) -> Result<Vec<String>, ScenarioError> {
     let names = table.texts("without")?.unwrap_or_default();
     let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
-    known_effects(&names, catalogue).map_err(|message| table.wrong("without", Problem::Other { message }))?;
+    known_effects(&names, catalogue)
+        .map_err(|message| table.wrong("without", ScenarioProblem::Other { message }))?;
     Ok(names)
 }
 
@@ -58,7 +59,7 @@ fn range(table: &Keys, catalogue: &Catalogue) -> Result<(String, (f64, f64)), Sc
         let near = offer(nearest(path, known.iter().map(String::as_str)));
         let message =
             format!("no effect has a parameter `{path}`{near}; `efam effects NAME` lists those of one");
-        return Err(table.wrong("path", Problem::Other { message }));
+        return Err(table.wrong("path", ScenarioProblem::Other { message }));
     };
     let (least, most) = of.range;
     match table.quantities("bounds", of.unit)?.as_deref() {
@@ -68,7 +69,7 @@ fn range(table: &Keys, catalogue: &Catalogue) -> Result<(String, (f64, f64)), Sc
         }
         Some(_) => {
             let must = "be two values that the effect admits, the lower one first";
-            Err(table.wrong("bounds", Problem::Must { must }))
+            Err(table.wrong("bounds", ScenarioProblem::Must { must }))
         }
     }
 }

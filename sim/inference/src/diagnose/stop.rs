@@ -16,7 +16,7 @@ pub(super) const CUT_SHORT: &str = "the search was cut short before it was fitte
 
 /// Whether what is done with a problem was asked to end.
 pub(super) fn is_stopped(problem: &Problem) -> bool {
-    problem.trials.iter().any(|trial| trial.run.cancel.is_asked())
+    problem.trials.iter().any(|trial| trial.run.cancel.is_requested())
 }
 
 /// The same problem, whose runs end when a request says so.
@@ -29,7 +29,7 @@ pub(super) fn ending_by(problem: &Problem, stop: &Cancel) -> Problem {
 impl Course<'_> {
     /// Whether the search was asked to end.
     pub(super) fn is_stopped(&self) -> bool {
-        self.listener.stop().is_asked()
+        self.listener.stop().is_requested()
     }
 
     /// The model as it is, whose runs end when the search is asked to.

@@ -9,7 +9,7 @@ use super::describe::Description;
 use super::localise::Shape;
 use super::misfit::{BANDS, Misfit, Wrong};
 use super::round::NO_MORE;
-use super::verdict::{Added, Contradiction, Diagnosis, Evidence, Gap, Separation, Value, Verdict};
+use super::verdict::{Added, Contradiction, Diagnosis, Evidence, Gap, ParameterValue, Separation, Verdict};
 use crate::calibrate::repeats::Source;
 use models::digits::{short, significant};
 
@@ -194,7 +194,7 @@ fn named(diagnosis: &Diagnosis) -> String {
 
 /// The values of an effect; nothing where there are too many for a sentence.
 fn values(added: &Added) -> Option<String> {
-    let told = |value: &Value| {
+    let told = |value: &ParameterValue| {
         let of = value.of.as_ref().map_or(String::new(), |of| format!(" of {of}"));
         let number = format!("{} {}", short(value.value), value.unit);
         let interval = match value.interval_95 {
@@ -313,7 +313,7 @@ fn partly(diagnosis: &Diagnosis) -> Option<String> {
 /// The moment that it would take.
 fn described(description: &Description) -> Option<String> {
     let about = by_name(&description.moment.effect)?.about();
-    let term = |value: &Value| {
+    let term = |value: &ParameterValue| {
         let parameter = about.parameters.iter().find(|parameter| parameter.name == value.name)?;
         let number = format!("{} {}", short(value.value), value.unit);
         Some(format!("{} ({})", parameter.meaning, number.trim_end()))

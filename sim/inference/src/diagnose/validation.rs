@@ -12,7 +12,7 @@ use super::verdict::Gap;
 use crate::calibrate::ghosts::ghosts;
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::prediction::Slopes;
-use crate::calibrate::unknowns::{BASE_ANGLE, Group, Kind};
+use crate::calibrate::unknowns::{BASE_ANGLE, Group, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// How a model meets releases.
@@ -193,7 +193,7 @@ pub(super) fn set(problem: &mut Problem, known: &[Estimate]) {
 /// Turns the clamps of models by the errors of their angles that were found, for one who simulates them; a fit has these errors
 /// beside its models.
 pub(super) fn turn_clamps(problem: &mut Problem, known: &[Estimate]) {
-    let found = |known: &&Estimate| known.unknown.kind == Kind::ClampAngle;
+    let found = |known: &&Estimate| known.unknown.kind == UnknownKind::ClampAngle;
     for known in known.iter().filter(found) {
         let Group::Release(t) = known.unknown.group else { continue };
         let trial = &mut problem.trials[t];

@@ -86,12 +86,12 @@ pub struct Added {
     /// Its stable name.
     pub effect: String,
     /// Its parameters.
-    pub parameters: Vec<Value>,
+    pub parameters: Vec<ParameterValue>,
 }
 
 /// A parameter of an added effect; SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Value {
+pub struct ParameterValue {
     /// Scenario key.
     pub name: String,
     /// SI unit; empty if dimensionless.
@@ -177,7 +177,7 @@ impl Evidence {
     }
 
     /// What was requested, as a row of a table names it.
-    pub fn asked(&self) -> String {
+    pub fn label(&self) -> String {
         if self.of_each_pressure { format!("{}, by pressure", self.effect) } else { self.effect.clone() }
     }
 }

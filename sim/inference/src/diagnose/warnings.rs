@@ -156,7 +156,7 @@ fn of_experiment(problem: &Problem) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::unknowns::{Group, Kind, Scaled, Unknown};
+    use crate::calibrate::unknowns::{Group, Scaled, Unknown, UnknownKind};
     use crate::diagnose::verdict::Added;
 
     #[test]
@@ -178,7 +178,7 @@ mod tests {
     fn what_stands_at_an_end_of_its_range_is_warned_of() {
         let known = |name: &str, value: f64| Estimate {
             unknown: Unknown {
-                kind: Kind::Parameter(0),
+                kind: UnknownKind::Parameter(0),
                 name: format!("effects.{name}"),
                 unit: "m",
                 group: Group::All,

@@ -19,7 +19,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{PredictError, Prediction, Settings, predict};
+use super::{PredictError, Prediction, PredictionSettings, predict};
 use crate::calibrate::{CalibrateError, SectionError, marker_error, trial};
 use crate::normal::NORMAL_95;
 
@@ -111,7 +111,7 @@ pub fn check(
     cleaned: &Cleaned,
     known: Option<&Known>,
     fitted: &BTreeSet<String>,
-    settings: &Settings,
+    settings: &PredictionSettings,
 ) -> Result<Check, CheckError> {
     let marker = marker_error(experiment)?;
     let is_fitted = |file: &Path| input::sha256(file).is_ok_and(|hash| fitted.contains(&hash));
@@ -155,7 +155,7 @@ fn one(
     of: &CleanRelease,
     mut case: Case,
     known: Option<&Known>,
-    settings: &Settings,
+    settings: &PredictionSettings,
     (took_part, marker): (bool, f64),
 ) -> Result<Checked, CheckError> {
     // As long as the tip was seen to swing.

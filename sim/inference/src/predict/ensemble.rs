@@ -5,7 +5,7 @@ use efam_experiments::scenario::Case;
 use models::model::Model;
 use models::muscle::Known;
 
-use super::Settings;
+use super::PredictionSettings;
 use super::errors::Errors;
 
 /// Draws that are shown.
@@ -33,7 +33,7 @@ impl Member {
 }
 
 /// The first draws of a prediction's, and the case itself.
-pub fn ensemble(case: &Case, known: Option<&Known>, settings: &Settings) -> Vec<Member> {
+pub fn ensemble(case: &Case, known: Option<&Known>, settings: &PredictionSettings) -> Vec<Member> {
     let errors = known.map(|known| Errors::new(known, case));
     let count = errors.as_ref().map_or(0, |_| settings.draws.min(SHOWN));
     let draw = |draw: usize| {

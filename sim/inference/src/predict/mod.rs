@@ -37,14 +37,14 @@ use warnings::{Extent, warnings};
 
 /// How a prediction is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct PredictionSettings {
     /// Draws from the errors of the calibration.
     pub draws: usize,
     /// Of the random numbers.
     pub seed: u64,
 }
 
-impl Default for Settings {
+impl Default for PredictionSettings {
     /// Two hundred: the ends of an interval are then known to a tenth of its width.
     fn default() -> Self {
         Self { draws: 200, seed: 1 }
@@ -100,7 +100,7 @@ pub struct Band {
 
 /// A prediction with what is drawn of it.
 #[derive(Clone, Debug, Default)]
-pub struct Outcome {
+pub struct PredictionOutcome {
     /// The numbers.
     pub prediction: Prediction,
     /// The height of the tip.
@@ -126,9 +126,9 @@ pub struct PredictError {
 pub fn predict(
     case: &Case,
     known: Option<&Known>,
-    settings: &Settings,
+    settings: &PredictionSettings,
     tell: &(dyn Fn() + Sync),
-) -> Result<Outcome, PredictError> {
+) -> Result<PredictionOutcome, PredictError> {
     let run = Run { energy: false, ..case.run.clone() };
     let errors = known.map(|known| Errors::new(known, case));
     let model = errors.as_ref().map_or(&case.model, |errors| &errors.model);
@@ -172,7 +172,7 @@ pub fn predict(
         let words = format!("{} draws could not be simulated, and are left out", prediction.failed_draws);
         prediction.warnings.push(words);
     }
-    Ok(Outcome { prediction, band: band(&own, &all, &widened), postures: own.postures })
+    Ok(PredictionOutcome { prediction, band: band(&own, &all, &widened), postures: own.postures })
 }
 
 /// What the mesh does to the prediction, where a calibration found its numbers without a mesh.

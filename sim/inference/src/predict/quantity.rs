@@ -45,7 +45,7 @@ pub(super) fn quantities(
     own: &Simulated,
     interval: impl Fn(usize, f64) -> Option<[f64; 2]>,
 ) -> Vec<Quantity> {
-    let quantity = |(k, kind): (usize, &Kind)| {
+    let quantity = |(k, kind): (usize, &PredictedKind)| {
         let value = own.numbers[k];
         Quantity {
             name: kind.name.to_owned(),
@@ -60,7 +60,7 @@ pub(super) fn quantities(
 }
 
 /// A kind of number.
-pub(super) struct Kind {
+pub(super) struct PredictedKind {
     name: &'static str,
     meaning: &'static str,
     unit: &'static str,
@@ -92,13 +92,13 @@ const fn kind(
     entry: &'static str,
     of: fn(&Told) -> Option<f64>,
     off: Off,
-) -> Kind {
-    Kind { name, meaning, unit, entry, of, off }
+) -> PredictedKind {
+    PredictedKind { name, meaning, unit, entry, of, off }
 }
 
 /// All numbers, in the order in which they are told.
 #[rustfmt::skip]
-pub(super) const QUANTITIES: [Kind; 19] = [
+pub(super) const QUANTITIES: [PredictedKind; 19] = [
     kind("rest_x_m", "tip at rest, along the level", "m", "rest", |t| Some(t.summary.rest?.tip_x_m), Off::Rest),
     kind("rest_z_m", "tip at rest, height over the clamp", "m", "rest", |t| Some(t.summary.rest?.tip_z_m), Off::Rest),
     kind("rest_angle_rad", "angle of the tip at rest", "rad", "rest", |t| Some(t.summary.rest?.tip_angle_rad), Off::RestAngle),

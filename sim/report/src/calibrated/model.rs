@@ -5,7 +5,7 @@ use efam_experiments::experiment::Experiment;
 use efam_experiments::scenario::resolved::plain;
 use efam_inference::calibrate::calibration::{Calibrated, Correlations, ReleaseFit};
 use efam_inference::calibrate::problem::is_of_pressure;
-use efam_inference::calibrate::{Calibration, Problem, Settings};
+use efam_inference::calibrate::{Calibration, CalibrationSettings, Problem};
 use models::muscle::{CalibratedColumn, CalibratedParameter, Found, Known, Misfit, Muscle, MuscleError};
 
 /// A file with a calibrated model.
@@ -36,7 +36,7 @@ const END_FITTING_MASS: &str = "effects.end_fitting.mass";
 pub fn models(
     experiment: &Experiment,
     problem: &Problem,
-    settings: &Settings,
+    settings: &CalibrationSettings,
     calibration: &Calibration,
 ) -> Result<Vec<ModelFile>, MuscleError> {
     let source = format!(

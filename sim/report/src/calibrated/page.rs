@@ -4,7 +4,7 @@ use std::time::SystemTime;
 
 use efam_experiments::release::Track;
 use efam_inference::calibrate::calibration::{Calibrated, Calibration, ReleaseFit, SearchReport};
-use efam_inference::calibrate::{Outcome, Problem};
+use efam_inference::calibrate::{CalibrationOutcome, Problem};
 
 use crate::page::{BeforeUse, Masked, Page, Table};
 use crate::picture::{Picture, of_calibration};
@@ -15,7 +15,7 @@ use crate::{Request, assumed};
 pub(super) fn page(
     request: &Request,
     problem: &Problem,
-    outcome: &Outcome,
+    outcome: &CalibrationOutcome,
     pictures: &[Picture],
     written: SystemTime,
 ) -> String {

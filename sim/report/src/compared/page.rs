@@ -5,11 +5,11 @@ use std::time::SystemTime;
 use efam_core::trajectory::Status;
 
 use crate::Request;
-use crate::compared::{Comparison, Parameter, Row, Verdict};
+use crate::compared::{ComparedParameter, Comparison, Row, Verdict};
 use crate::page::{BeforeUse, Page, REPORT, Table, extrapolated};
 use crate::picture::Picture;
 use crate::report::significant;
-use crate::reread::{Kind, Reread};
+use crate::reread::{Reread, RunKind};
 
 /// The page of a comparison with its pictures; `written` is when.
 pub(super) fn page(
@@ -104,7 +104,7 @@ fn lead(runs: &[Reread], comparison: &Comparison) -> (String, String) {
 
 fn again(run: &Reread) -> &'static str {
     match run.kind {
-        Kind::Simulation(_) => "efam simulate on its scenario.resolved.toml gives the same bits.",
+        RunKind::Simulation(_) => "efam simulate on its scenario.resolved.toml gives the same bits.",
         _ => "",
     }
 }
@@ -113,10 +113,10 @@ fn before_use(runs: &[Reread], comparison: &Comparison) -> BeforeUse {
     let mut warnings = Vec::new();
     for (run, compared) in runs.iter().zip(&comparison.runs) {
         warnings.extend(run.warnings.iter().map(|warning| format!("{}: {warning}", compared.letter)));
-        if let Kind::Other(word) = &run.kind {
+        if let RunKind::Other(word) = &run.kind {
             warnings.push(format!("{}: a {word} has nothing to compare", compared.letter));
         }
-        if let Kind::Simulation(of) = &run.kind
+        if let RunKind::Simulation(of) = &run.kind
             && of.summary.status != Status::Complete
         {
             let simulated = of.summary.simulated_s;
@@ -129,7 +129,7 @@ fn before_use(runs: &[Reread], comparison: &Comparison) -> BeforeUse {
     let versions: Vec<&str> = runs
         .iter()
         .filter_map(|run| match &run.kind {
-            Kind::Simulation(of) => Some(of.summary.versions.efam.as_str()),
+            RunKind::Simulation(of) => Some(of.summary.versions.efam.as_str()),
             _ => None,
         })
         .collect();
@@ -244,7 +244,7 @@ fn parameters(page: &mut Page, comparison: &Comparison, heads: &[[String; 2]]) {
             all.push(format!("difference of {}, standard errors of both", heads[*k][0]));
         }
     }
-    let row = |one: &Parameter| {
+    let row = |one: &ComparedParameter| {
         let mut cells = vec![one.name.clone(), one.unit.clone()];
         let first = of.first().copied().unwrap_or(0);
         for (place, k) in of.iter().enumerate() {

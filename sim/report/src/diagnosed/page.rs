@@ -1,7 +1,7 @@
 //! A diagnosis as a page.
 
-use efam_inference::diagnose::verdict::{Added, Value};
-use efam_inference::diagnose::{Curve, Diagnosis, Outcome, Verdict};
+use efam_inference::diagnose::verdict::{Added, ParameterValue};
+use efam_inference::diagnose::{Curve, Diagnosis, DiagnosisOutcome, Verdict};
 use models::effects::Catalogue;
 
 use crate::page::{BeforeUse, Masked, Page, Table};
@@ -12,7 +12,7 @@ use crate::{Request, assumed};
 /// The page of a diagnosis with its pictures; `written` is when.
 pub(super) fn page(
     request: &Request,
-    outcome: &Outcome,
+    outcome: &DiagnosisOutcome,
     pictures: &[Picture],
     written: std::time::SystemTime,
 ) -> String {
@@ -58,7 +58,7 @@ fn verdict(verdict: Verdict) -> &'static str {
 }
 
 /// What should be known before the answer is used.
-fn reservations(outcome: &Outcome) -> BeforeUse {
+fn reservations(outcome: &DiagnosisOutcome) -> BeforeUse {
     BeforeUse {
         note: Some("The rate of right answers is known from about two hundred simulated experiments only (docs/src/validation/blind-bench.md). Confirm a name before you publish it.".to_owned()),
         warnings: outcome.diagnosis.warnings.clone(),
@@ -86,7 +86,7 @@ fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
     if diagnosis.effects.is_empty() {
         page.text("No effect was added to the model.");
     }
-    let row = |effect: &str, value: &Value| {
+    let row = |effect: &str, value: &ParameterValue| {
         let bound = |k: usize| value.interval_95.map_or("not fitted".to_owned(), |of| short(of[k]));
         let of = value.of.as_deref().unwrap_or("all releases").to_owned();
         vec![
@@ -163,7 +163,7 @@ fn evidence(page: &mut Page, diagnosis: &Diagnosis) {
     let row = |own: &efam_inference::diagnose::verdict::Evidence| {
         let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.1}"));
         vec![
-            own.asked(),
+            own.label(),
             own.round.to_string(),
             format!("{:.2}", own.score),
             number(Some(own.predicted_decrease)),
@@ -206,7 +206,7 @@ fn facts(diagnosis: &Diagnosis) -> Vec<(String, String)> {
 mod tests {
     use std::time::SystemTime;
 
-    use efam_inference::calibrate::{Nuisances, Parameter, Problem, Scope};
+    use efam_inference::calibrate::{FittedParameter, Nuisances, Problem, Scope};
     use efam_inference::diagnose::curve::Sample;
     use efam_inference::diagnose::localise::Shape;
     use efam_inference::diagnose::verdict::{Added, Evidence, Gap, Member, Separation};
@@ -238,7 +238,7 @@ mod tests {
         }
     }
 
-    fn outcome(verdict: Verdict, name: &str) -> Outcome {
+    fn outcome(verdict: Verdict, name: &str) -> DiagnosisOutcome {
         let evidence = |effect: &str, rejected: Option<&str>| Evidence {
             round: 1,
             effect: effect.to_owned(),
@@ -269,7 +269,7 @@ mod tests {
             at_amplitude: 1.0,
             size_mm: 0.4,
         };
-        let value = Value {
+        let value = ParameterValue {
             name: "drag_coefficient".to_owned(),
             unit: String::new(),
             of: None,
@@ -302,7 +302,7 @@ mod tests {
         };
         let repaired = Problem {
             trials: Vec::new(),
-            parameters: vec![Parameter::new("rod.bending_stiffness", Scope::PerPressure)],
+            parameters: vec![FittedParameter::new("rod.bending_stiffness", Scope::PerPressure)],
             nuisances: Nuisances {
                 release_instant: true,
                 hold_angle: Some(0.01),
@@ -310,7 +310,7 @@ mod tests {
                 ..Nuisances::default()
             },
         };
-        Outcome {
+        DiagnosisOutcome {
             diagnosis,
             baseline: repaired.clone(),
             repaired,

@@ -6,7 +6,7 @@ use efam_core::forward::{Run, forward};
 use efam_core::quantile::usual_step;
 use efam_core::rest::rest;
 use efam_inference::calibrate::unknowns::RELEASE_INSTANT;
-use efam_inference::calibrate::{Curve, Outcome, Problem, Trial};
+use efam_inference::calibrate::{CalibrationOutcome, Curve, Problem, Trial};
 
 use crate::picture::panel::{Axis, Drawn, Key, Panel, Stroke, equal_scale, padded, plot_size};
 use crate::picture::{Area, BLACK, BLUE, MILLI, Picture, VERMILION, drawn};
@@ -15,7 +15,7 @@ use crate::picture::{Area, BLACK, BLUE, MILLI, Picture, VERMILION, drawn};
 const SHAPES: usize = 9;
 
 /// A picture for each release that was measured.
-pub fn against_markers(problem: &Problem, outcome: &Outcome) -> Vec<Picture> {
+pub fn against_markers(problem: &Problem, outcome: &CalibrationOutcome) -> Vec<Picture> {
     let held = outcome.calibration.as_held(problem);
     let picture = |(k, trial): (usize, &Trial)| {
         let curves = || outcome.curves.iter().filter(|curve| curve.release == trial.release.name);

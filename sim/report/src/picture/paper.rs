@@ -8,7 +8,8 @@ use crate::picture::lines::{Lines, Named, looks};
 use crate::picture::panel::{Axis, Key, Panel, Stroke, equal_scale, plot_size};
 use crate::picture::tips::trajectories;
 use crate::picture::{
-    Area, BLACK, Drawing, Drawn, MILLI, PASCAL_PER_PSI, Picture, PressureRow, Release, Tip, drawn, pressures,
+    Area, BLACK, Drawing, Drawn, MILLI, PASCAL_PER_PSI, Picture, PressureRow, ReleasePicture, Tip, drawn,
+    pressures,
 };
 use crate::simulated::psi;
 
@@ -227,7 +228,7 @@ fn figure_8(all: &[Pressure]) -> Picture {
         };
         match &of.origin {
             Origin::Simulated(own) => {
-                let release = Release {
+                let release = ReleasePicture {
                     model: &own.model,
                     trajectory: &own.trajectory,
                     energy_followed: false,

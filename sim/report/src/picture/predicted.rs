@@ -1,13 +1,13 @@
 //! Prediction of a case: height of the tip with its interval, damping and frequency over the amplitude, the
 //! rod.
 
-use efam_inference::predict::{Band, Cycle, Outcome};
+use efam_inference::predict::{Band, Cycle, PredictionOutcome};
 
 use crate::picture::panel::{Axis, Key, Panel, Stroke, equal_scale, heading, padded, plot_size, px};
 use crate::picture::{Area, BLACK, BLUE, Drawn, GREY, MILLI, ORANGE, Picture, VERMILION, drawn};
 
 /// Four panels.
-pub fn predicted(outcome: &Outcome) -> Picture {
+pub fn predicted(outcome: &PredictionOutcome) -> Picture {
     let prediction = &outcome.prediction;
     let drawing = drawn((1200, 840), |page| {
         heading(page, &format!("Prediction: {}", prediction.name))?;
@@ -45,7 +45,7 @@ fn height(area: &Area, band: &Band) -> Drawn {
     panel.line(band.time.iter().copied().zip(band.height.iter().map(|z| MILLI * z)), &line)
 }
 
-fn rod(area: &Area, outcome: &Outcome) -> Drawn {
+fn rod(area: &Area, outcome: &PredictionOutcome) -> Drawn {
     let strokes = [Stroke::new(BLUE, 2.2), Stroke::dashed(VERMILION, 1.6, 6.0, 4.0)];
     let keys: Vec<Key> =
         outcome.postures.iter().zip(strokes).map(|((name, _), stroke)| Key::line(stroke, *name)).collect();

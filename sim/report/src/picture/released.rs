@@ -7,7 +7,8 @@ use models::digits::significant;
 use crate::picture::panel::{Axis, Key, Panel, Stroke, equal_scale, padded, plot_size};
 use crate::picture::rods::{Rod, Rods, frames_until};
 use crate::picture::{
-    Area, BLACK, BLUE, Drawn, GREEN, MILLI, Picture, Release, VERMILION, base_angle, clamp, drawn, in_milli,
+    Area, BLACK, BLUE, Drawn, GREEN, MILLI, Picture, ReleasePicture, VERMILION, base_angle, clamp, drawn,
+    in_milli,
 };
 
 /// Width and height, pixels.
@@ -16,7 +17,7 @@ pub(super) const SIZE: (u32, u32) = (760, 540);
 const MOST_POINTS: usize = 4000;
 
 /// All pictures of a run's page, in the order in which one would look at them.
-pub fn released(of: &Release) -> Vec<Picture> {
+pub fn released(of: &ReleasePicture) -> Vec<Picture> {
     let picture = |name: &str, title: &str, caption: &str, draw: &dyn Fn(&Area) -> Drawn| Picture {
         name: name.to_owned(),
         title: title.to_owned(),
@@ -111,7 +112,7 @@ pub(super) fn stride(samples: usize) -> usize {
 }
 
 /// The rod in motion until it settles; nothing of a run without samples.
-pub fn in_motion(of: &Release) -> Option<Rods> {
+pub fn in_motion(of: &ReleasePicture) -> Option<Rods> {
     let trajectory = of.trajectory;
     let settled =
         of.summary.settling_2_percent_s.map_or(f64::INFINITY, |time| crate::picture::SETTLED_TIMES * time);
@@ -129,7 +130,7 @@ pub fn in_motion(of: &Release) -> Option<Rods> {
     })
 }
 
-fn path(of: &Release, area: &Area) -> Drawn {
+fn path(of: &ReleasePicture, area: &Area) -> Drawn {
     let (trajectory, title) = (of.trajectory, "Path of the tip");
     if trajectory.times.len() < 2 {
         return Panel::without_data(area, title, "no samples");
@@ -152,7 +153,7 @@ fn path(of: &Release, area: &Area) -> Drawn {
     panel.rings(of.rest.map(|rest| in_milli(&rest.tip)), &at_rest, 6.0)
 }
 
-fn phase(of: &Release, area: &Area) -> Drawn {
+fn phase(of: &ReleasePicture, area: &Area) -> Drawn {
     let (trajectory, title) = (of.trajectory, "Phase portrait");
     if trajectory.times.len() < 2 {
         return Panel::without_data(area, title, "no samples");

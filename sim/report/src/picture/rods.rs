@@ -6,8 +6,8 @@ use efam_core::forward::{Run, forward};
 use efam_core::quantile::usual_step;
 use efam_core::trajectory::Trajectory;
 use efam_inference::calibrate::unknowns::RELEASE_INSTANT;
-use efam_inference::calibrate::{Outcome as Calibrated, Problem, Trial};
-use efam_inference::diagnose::Outcome as Diagnosed;
+use efam_inference::calibrate::{CalibrationOutcome, Problem, Trial};
+use efam_inference::diagnose::DiagnosisOutcome;
 use models::model::Model;
 use models::system::System;
 use serde_json::{Value, json};
@@ -158,7 +158,7 @@ fn of_release(trial: &Trial, caption: &str, rods: Vec<Rod>, markers: Vec<Marker>
 }
 
 /// The fitted rod of each of the first releases, and its markers.
-pub fn of_calibration(problem: &Problem, outcome: &Calibrated) -> Vec<Rods> {
+pub fn of_calibration(problem: &Problem, outcome: &CalibrationOutcome) -> Vec<Rods> {
     let held = outcome.calibration.as_held(problem);
     let one = |trial: &Trial| {
         let name = &trial.release.name;
@@ -179,7 +179,7 @@ pub fn of_calibration(problem: &Problem, outcome: &Calibrated) -> Vec<Rods> {
 }
 
 /// The rod before an effect is added and after, of each of the first releases, and its markers.
-pub fn of_diagnosis(outcome: &Diagnosed) -> Vec<Rods> {
+pub fn of_diagnosis(outcome: &DiagnosisOutcome) -> Vec<Rods> {
     let one = |(before, after): (&Trial, &Trial)| {
         let looks = [Stroke::dashed(VERMILION, 1.8, 8.0, 5.0), Stroke::new(BLUE, 2.0)];
         let rod = |((name, trial), look): ((&str, &Trial), Stroke)| {

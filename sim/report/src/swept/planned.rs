@@ -20,23 +20,23 @@ use crate::swept::{LATER, swept_mark};
 /// [`SweepError`] for a point that the scenario refuses, and what cannot be written.
 pub fn write_plan(
     folder: &mut Folder,
-    asked: &SweepRequest,
+    sweep: &SweepRequest,
     in_shard: Option<usize>,
     argv: Vec<String>,
 ) -> Result<Head, SweepError> {
     let request = Request {
-        name: asked.name.clone(),
-        input_hashes: hashes(texts(asked)),
-        warnings: asked.warnings.clone(),
+        name: sweep.name.clone(),
+        input_hashes: hashes(texts(sweep)),
+        warnings: sweep.warnings.clone(),
         argv,
         ..Request::default()
     };
     folder.later(&LATER);
-    let own = in_shard.unwrap_or_else(|| points_per_shard(asked.points()));
+    let own = in_shard.unwrap_or_else(|| points_per_shard(sweep.points()));
     let mut head = None;
     let written = folder.write_with(plan::POINTS, |file| {
         let mut to = BufWriter::new(file);
-        let frozen = freeze(asked, own, &mut to);
+        let frozen = freeze(sweep, own, &mut to);
         let is_frozen = frozen.is_ok();
         head = Some(frozen);
         if is_frozen { to.flush() } else { Err(io::Error::other("no plan")) }
@@ -56,10 +56,10 @@ pub fn write_plan(
 /// The plan in a folder, if it is the one that is asked for.
 /// # Errors
 /// [`SweepError::OtherPlan`] if it is not.
-pub fn again(asked: &SweepRequest, in_shard: Option<usize>, folder: &Path) -> Result<Plan, SweepError> {
+pub fn again(sweep: &SweepRequest, in_shard: Option<usize>, folder: &Path) -> Result<Plan, SweepError> {
     let there = Plan::open(folder)?;
     let own = in_shard.unwrap_or(there.head.points_per_shard);
-    if freeze(asked, own, &mut io::sink())?.sha256 != there.head.sha256 {
+    if freeze(sweep, own, &mut io::sink())?.sha256 != there.head.sha256 {
         return Err(SweepError::OtherPlan { folder: folder.to_owned() });
     }
     Ok(there)
@@ -72,12 +72,12 @@ pub fn request_of(plan: &Plan) -> Request {
 }
 
 /// Files that are read at planning, and need not be there later, with their texts.
-fn texts(asked: &SweepRequest) -> Vec<(&Path, &str)> {
-    let scenario = match &asked.subject {
+fn texts(sweep: &SweepRequest) -> Vec<(&Path, &str)> {
+    let scenario = match &sweep.subject {
         Subject::Scenario(own) => Some((own.scenario.as_path(), own.scenario_text.as_str())),
         Subject::Experiments(_) => None,
     };
-    [(asked.path.as_path(), asked.text.as_str())].into_iter().chain(scenario).collect()
+    [(sweep.path.as_path(), sweep.text.as_str())].into_iter().chain(scenario).collect()
 }
 
 /// What was read, by name.

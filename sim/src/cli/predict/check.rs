@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use efam_experiments::experiment::Experiment;
-use efam_experiments::kind::Kind;
-use efam_inference::predict::Settings;
+use efam_experiments::kind::FileKind;
+use efam_inference::predict::PredictionSettings;
 use efam_inference::predict::check::{Check, check, fitted_files};
 use efam_report::Request;
 use efam_report::checked::{check_table, write_check};
@@ -22,7 +22,7 @@ use super::super::experiment::read;
 use super::super::failure::{Failure, of_kind};
 use super::super::interrupt;
 use super::super::terminal::stdout;
-use super::{Predict, asked};
+use super::{Predict, case_request};
 
 /// The JSON output.
 #[derive(Serialize, JsonSchema)]
@@ -36,15 +36,15 @@ pub struct Printed<'a> {
 /// Predicts the releases of an experiment by the rod that is asked about, or else by its own.
 pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
-    let own = of_kind(Kind::Experiment, file, Experiment::load(file, &args.set))?;
+    let own = of_kind(FileKind::Experiment, file, Experiment::load(file, &args.set))?;
     let mut input_hashes = input_hashes(&own);
     let rod = args.scenario.as_deref().or(args.muscle.as_deref().map(Path::new));
     let (experiment, known) = match rod {
         None => (own.clone(), own.known().cloned()),
         Some(_) => {
-            let (asked, hashes) = asked(args)?;
+            let (cases, hashes) = case_request(args)?;
             input_hashes.extend(hashes);
-            asked.in_experiment(&own)?
+            cases.in_experiment(&own)?
         }
     };
     let fitted = rod.map(fitted_files).unwrap_or_default();
@@ -60,7 +60,7 @@ pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, F
     interrupt::listen();
     let folder = efam_report::begin(&request)?;
     let stages = console.stages();
-    let settings = Settings { draws: args.draws, seed: args.seed };
+    let settings = PredictionSettings { draws: args.draws, seed: args.seed };
     let work = || {
         let cleaned = read(&experiment, &stages)?;
         stages.tell(&format!("predicting {} releases", cleaned.used().count()));

@@ -22,7 +22,7 @@ use super::{follow, timed};
 pub fn shown(how: &Rerun, case: &Case, folder: &Path, progress: &ProgressBar) -> Result<Trajectory, Failure> {
     let mut live = Live::open(how, case, folder)?;
     let trajectory = follow(case, progress, &mut |sample| live.log(&sample.snapshot()))?;
-    live.finish(*how == Rerun::Serve && !interrupt::is_asked())?;
+    live.finish(*how == Rerun::Serve && !interrupt::is_requested())?;
     Ok(trajectory)
 }
 

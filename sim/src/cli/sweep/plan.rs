@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use efam_experiments::kind::Kind;
+use efam_experiments::kind::FileKind;
 use efam_report::swept::{again, write_plan};
 use efam_store::escape::shell_word;
 use efam_sweeps::estimate::{points_for_a_cluster, time_of_a_point};
@@ -104,39 +104,39 @@ pub fn planned(
     is_timed: bool,
     console: &Console,
 ) -> Result<(Plan, Option<Duration>), Failure> {
-    let asked = of_kind(Kind::Sweep, file, SweepRequest::load(file, &own.set))?;
-    console.warn(&asked.warnings);
+    let request = of_kind(FileKind::Sweep, file, SweepRequest::load(file, &own.set))?;
+    console.warn(&request.warnings);
     let given = own.points_per_shard.map(|count| count as usize);
     let there = output.out.as_deref().filter(|out| out.join(plan::PLAN).is_file() && !output.overwrite);
     match there {
         Some(folder) => {
-            let plan = again(&asked, given, folder)?;
+            let plan = again(&request, given, folder)?;
             console.detail(format!("{}: goes on", plan.folder.display()));
             Ok((plan, None))
         }
-        None => new(&asked, given, output, is_timed, console),
+        None => new(&request, given, output, is_timed, console),
     }
 }
 
 fn new(
-    asked: &SweepRequest,
+    request: &SweepRequest,
     given: Option<usize>,
     output: &Output,
     is_timed: bool,
     console: &Console,
 ) -> Result<(Plan, Option<Duration>), Failure> {
     let mut folder =
-        efam_store::folder::open(output.out.as_deref(), output.overwrite, &asked.name, &asked.text)?;
+        efam_store::folder::open(output.out.as_deref(), output.overwrite, &request.name, &request.text)?;
     let stages = console.stages();
     let mut time = None;
     if is_timed {
         stages.tell("trying some points");
         let tried;
-        (folder, tried) = interrupt::during(folder, &stages, || time_of_a_point(asked));
+        (folder, tried) = interrupt::during(folder, &stages, || time_of_a_point(request));
         time = tried?;
     }
-    stages.tell(&format!("freezing {} points", asked.points()));
-    let head = write_plan(&mut folder, asked, given, argv())?;
+    stages.tell(&format!("freezing {} points", request.points()));
+    let head = write_plan(&mut folder, request, given, argv())?;
     stages.clear();
     interrupt::check()?;
     Ok((Plan { folder: folder.finish()?, head }, time))

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use efam_core::forward::Cancel;
 use efam_store::escape::shell_word;
-use efam_sweeps::cluster::asked;
+use efam_sweeps::cluster::array_place;
 use efam_sweeps::plan::Plan;
 use efam_sweeps::shard::{self, Told, run_all};
 use efam_sweeps::status;
@@ -66,7 +66,7 @@ pub fn run(args: &Run, console: &Console) -> Result<ExitCode, Failure> {
     let plan = Plan::open(&args.of.plan)?;
     let of_scheduler = match args.shard {
         Some(_) => None,
-        None => asked(|name| std::env::var(name).ok()).map_err(Failure::Usage)?,
+        None => array_place(|name| std::env::var(name).ok()).map_err(Failure::Usage)?,
     };
     if let Some((shard, name)) = of_scheduler {
         console.detail(format!("shard {shard}, by {name}"));

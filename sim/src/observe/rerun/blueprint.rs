@@ -7,7 +7,7 @@ use ::rerun::{RecordingStream, RecordingStreamResult};
 use super::drawing::{
     ENERGY, FORCE, FORCES, GRID_LABELS, MOMENT_ALONG, MOMENT_AT_ROOT, TIMELINE, TIP_HEIGHT,
 };
-use super::tree::{self, Kind, Piece, Property, Tree, under};
+use super::tree::{self, ContainerKind, Piece, Property, Tree, under};
 
 /// What the spatial views show at least, W, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +75,7 @@ impl Layout {
 
     fn root(&self, tree: &mut Tree) -> RecordingStreamResult<()> {
         let columns = [(self.rod(tree)?, 1.0), (self.plots(tree)?, 1.0)];
-        tree.container(Kind::Horizontal, &columns)?;
+        tree.container(ContainerKind::Horizontal, &columns)?;
         Ok(())
     }
 
@@ -88,12 +88,12 @@ impl Layout {
             let all = ["+ /world/**".to_owned(), format!("- /{GRID_LABELS}/**")];
             tabs.push((tree.view("2D", "Forces on the rod (mN; length ~ square root)", &all, bounds)?, 1.0));
         }
-        let rod = tree.container(Kind::Tabs, &tabs)?;
+        let rod = tree.container(ContainerKind::Tabs, &tabs)?;
         let title = "Bending moment (mN m) along the rod (mm from the clamp)";
         let hidden = bp::PlotLegend::new().with_visible(false);
         let hidden: &[Property] = &[("PlotLegend", &hidden)];
         let moment = tree.view("BarChart", title, &[under(MOMENT_ALONG)], hidden)?;
-        tree.container(Kind::Vertical, &[(rod, 2.6), (moment, 1.0)])
+        tree.container(ContainerKind::Vertical, &[(rod, 2.6), (moment, 1.0)])
     }
 
     fn plots(&self, tree: &mut Tree) -> RecordingStreamResult<String> {
@@ -105,7 +105,7 @@ impl Layout {
         if self.has_effects {
             rows.push(self.plot(tree, "Force of each effect, |f| summed over nodes (mN)", FORCE, true)?);
         }
-        tree.container(Kind::Vertical, &rows)
+        tree.container(ContainerKind::Vertical, &rows)
     }
 
     fn plot(&self, tree: &mut Tree, title: &str, path: &str, legend: bool) -> RecordingStreamResult<Piece> {

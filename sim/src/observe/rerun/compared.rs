@@ -14,14 +14,14 @@ use efam_core::forward::{Run, forward, uniform};
 use efam_core::quantile::quantile;
 use efam_inference::calibrate::{Problem, Trial};
 use efam_inference::diagnose::curve::{BEFORE_AND_AFTER, Predicted, Sample};
-use efam_inference::diagnose::{Curve, Outcome};
+use efam_inference::diagnose::{Curve, DiagnosisOutcome};
 use models::model::Model;
 use rayon::prelude::*;
 
 use super::blueprint::Bounds;
 use super::drawing::{TIMELINE, single};
 use super::scenery::{BLUE, GREY, VERMILION, clamp, milli};
-use super::tree::{self, Kind, Property, Tree};
+use super::tree::{self, ContainerKind, Property, Tree};
 
 /// Postures a second.
 const POSTURES: f64 = 50.0;
@@ -54,7 +54,10 @@ pub(super) struct Compared {
 }
 
 /// Draws all releases of a diagnosis.
-pub(super) fn draw(recording: &RecordingStream, outcome: &Outcome) -> RecordingStreamResult<Vec<Compared>> {
+pub(super) fn draw(
+    recording: &RecordingStream,
+    outcome: &DiagnosisOutcome,
+) -> RecordingStreamResult<Vec<Compared>> {
     let title = "Rod before (vermilion) and after (blue), markers (grey); x right, z up (mm)";
     let simulated = [(BEFORE, &outcome.baseline), (AFTER, &outcome.repaired)];
     draw_all(recording, &simulated, &outcome.curves, (true, title))
@@ -286,8 +289,8 @@ impl Compared {
         if self.has_phases {
             rows.push((tree.view("2D", "The same over the swing's phase", &below("phase"), phases)?, 1.4));
         }
-        let right = tree.container(Kind::Vertical, &rows)?;
+        let right = tree.container(ContainerKind::Vertical, &rows)?;
         let title = format!("{}{}", self.name, if self.is_held_out { " (held out)" } else { "" });
-        tree.titled(Kind::Horizontal, Some(&title), &[(left, 1.0), (right, 1.2)])
+        tree.titled(ContainerKind::Horizontal, Some(&title), &[(left, 1.0), (right, 1.2)])
     }
 }

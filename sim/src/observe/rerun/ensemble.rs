@@ -12,7 +12,7 @@ use super::blueprint::Bounds;
 use super::compared::{Postures, postures};
 use super::drawing::{TIMELINE, single};
 use super::scenery::{BLUE, GREY, clamp};
-use super::tree::{self, Kind, Property, path, under};
+use super::tree::{self, ContainerKind, Property, path, under};
 
 const WORLD: &str = "ensemble";
 const HEIGHT: &str = "height";
@@ -77,7 +77,7 @@ pub(super) fn draw(
         let plot: &[Property] = &[("PlotLegend", &legend)];
         let left = tree.view("2D", title, &[under(WORLD)], rod)?;
         let right = tree.view("TimeSeries", "Height of the tip (mm)", &[under(HEIGHT)], plot)?;
-        tree.container(Kind::Horizontal, &[(left, 1.0), (right, 1.2)])?;
+        tree.container(ContainerKind::Horizontal, &[(left, 1.0), (right, 1.2)])?;
         Ok(())
     })
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
 use ::rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines, SeriesPoints};
-use efam_inference::calibrate::{self, Calibration, Outcome, Problem, Progress};
+use efam_inference::calibrate::{self, Calibration, CalibrationOutcome, Problem, Progress};
 use efam_inference::diagnose::Curve;
 use efam_inference::diagnose::curve::Sample;
 use models::digits::significant;
@@ -13,7 +13,7 @@ use models::digits::significant;
 use super::compared::{Compared, draw_fitted};
 use super::drawing::TIMELINE;
 use super::search::{STEP, Steps, cell, markdown};
-use super::tree::{self, Kind, Property, Tree, under};
+use super::tree::{self, ContainerKind, Property, Tree, under};
 
 const LOG: &str = "fit/log";
 const RESIDUALS: &str = "fit/residuals";
@@ -34,7 +34,7 @@ impl Fit {
     pub(super) fn begin(recording: &RecordingStream, name: &str, live: bool) -> RecordingStreamResult<Self> {
         let steps = Steps::begin(recording, (name, live), 3, |tree| {
             let pieces = working(tree)?;
-            tree.container(Kind::Horizontal, &pieces)?;
+            tree.container(ContainerKind::Horizontal, &pieces)?;
             Ok(())
         })?;
         Ok(Self { steps, parts: BTreeMap::new() })
@@ -67,7 +67,7 @@ impl Fit {
         &mut self,
         recording: &RecordingStream,
         problem: &Problem,
-        outcome: &Outcome,
+        outcome: &CalibrationOutcome,
     ) -> RecordingStreamResult<()> {
         self.steps.next(recording);
         recording.set_duration_secs(TIMELINE, 0.0);
@@ -94,7 +94,7 @@ fn working(tree: &mut Tree) -> RecordingStreamResult<Vec<tree::Piece>> {
     let residuals =
         tree.view("TimeSeries", "Residuals over the noise, stage by stage", &[under(RESIDUALS)], plot)?;
     let log = tree.view("TextLog", "What is being done", &[under(LOG)], &[])?;
-    let left = tree.container(Kind::Vertical, &[(residuals, 2.0), (log, 1.0)])?;
+    let left = tree.container(ContainerKind::Vertical, &[(residuals, 2.0), (log, 1.0)])?;
     let parameters = tree.view("TextDocument", "Parameters", &[under(PARAMETERS)], &[])?;
     Ok(vec![(left, 1.4), (parameters, 1.0)])
 }
@@ -102,11 +102,11 @@ fn working(tree: &mut Tree) -> RecordingStreamResult<Vec<tree::Piece>> {
 /// The parameters on one tab, each release on one of its own.
 fn lay_out(tree: &mut Tree, compared: &[Compared]) -> RecordingStreamResult<()> {
     let pieces = [(tree.view("TextDocument", "Parameters", &[under(PARAMETERS)], &[])?, 1.0)];
-    let mut tabs = vec![(tree.titled(Kind::Horizontal, Some("Parameters"), &pieces)?, 1.0)];
+    let mut tabs = vec![(tree.titled(ContainerKind::Horizontal, Some("Parameters"), &pieces)?, 1.0)];
     for release in compared {
         tabs.push((release.lay_out(tree)?, 1.0));
     }
-    tree.container(Kind::Tabs, &tabs)?;
+    tree.container(ContainerKind::Tabs, &tabs)?;
     Ok(())
 }
 

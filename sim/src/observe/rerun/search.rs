@@ -6,11 +6,11 @@ use std::fmt::Write;
 use ::rerun::external::re_sdk_types::components::MediaType;
 use ::rerun::{RecordingStream, RecordingStreamResult, TextDocument, TextLog};
 use efam_inference::diagnose::verdict::Evidence;
-use efam_inference::diagnose::{Diagnosis, Outcome};
+use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome};
 
 use super::compared::{Compared, draw};
 use super::drawing::TIMELINE;
-use super::tree::{self, Kind, Tree, under};
+use super::tree::{self, ContainerKind, Tree, under};
 
 /// Counts what was said.
 pub(super) const STEP: &str = "step";
@@ -70,7 +70,7 @@ impl Search {
                 (tree.view("TextDocument", "Candidates", &[under(RANKING)], &[])?, 2.0),
                 (tree.view("TextLog", "What is being done", &[under(LOG)], &[])?, 1.0),
             ];
-            tree.container(Kind::Horizontal, &pieces)?;
+            tree.container(ContainerKind::Horizontal, &pieces)?;
             Ok(())
         })?;
         Ok(Self { steps, rounds: BTreeMap::new() })
@@ -100,7 +100,7 @@ impl Search {
     pub(super) fn found(
         &mut self,
         recording: &RecordingStream,
-        outcome: &Outcome,
+        outcome: &DiagnosisOutcome,
     ) -> RecordingStreamResult<()> {
         // The last ranking is there at every time of a release, too.
         self.steps.next(recording);
@@ -119,11 +119,11 @@ fn found(tree: &mut Tree, compared: &[Compared]) -> RecordingStreamResult<()> {
         (tree.view("TextDocument", "Answer", &[under(ANSWER)], &[])?, 1.0),
         (tree.view("TextDocument", "Candidates", &[under(RANKING)], &[])?, 1.4),
     ];
-    let mut tabs = vec![(tree.titled(Kind::Horizontal, Some("Answer"), &pieces)?, 1.0)];
+    let mut tabs = vec![(tree.titled(ContainerKind::Horizontal, Some("Answer"), &pieces)?, 1.0)];
     for release in compared {
         tabs.push((release.lay_out(tree)?, 1.0));
     }
-    tree.container(Kind::Tabs, &tabs)?;
+    tree.container(ContainerKind::Tabs, &tabs)?;
     Ok(())
 }
 
@@ -147,7 +147,7 @@ fn ranking(rounds: &BTreeMap<usize, (f64, Vec<Evidence>)>) -> String {
             let _ = writeln!(
                 text,
                 "| {} | {:.2} | {bar} | {:.0} | {keeps} | {why} |",
-                own.asked(),
+                own.label(),
                 own.score,
                 own.predicted_decrease
             );

@@ -20,7 +20,7 @@ pub(super) type Property<'a> = (&'a str, &'a dyn AsComponents);
 
 /// How a container arranges its pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum ContainerKind {
     Horizontal,
     Vertical,
     Tabs,
@@ -103,14 +103,14 @@ impl Tree<'_> {
     }
 
     /// A container that the viewer names after what it holds.
-    pub fn container(&mut self, kind: Kind, pieces: &[Piece]) -> RecordingStreamResult<String> {
+    pub fn container(&mut self, kind: ContainerKind, pieces: &[Piece]) -> RecordingStreamResult<String> {
         self.titled(kind, None, pieces)
     }
 
     /// A container with a name, which is that of its tab where it stands in one.
     pub fn titled(
         &mut self,
-        kind: Kind,
+        kind: ContainerKind,
         title: Option<&str>,
         pieces: &[Piece],
     ) -> RecordingStreamResult<String> {
@@ -118,13 +118,13 @@ impl Tree<'_> {
         let paths = pieces.iter().map(|(path, _)| path.as_str());
         let shares = || pieces.iter().map(|&(_, share)| share);
         let container = match kind {
-            Kind::Horizontal => {
+            ContainerKind::Horizontal => {
                 bp::ContainerBlueprint::new(bc::ContainerKind::Horizontal).with_col_shares(shares())
             }
-            Kind::Vertical => {
+            ContainerKind::Vertical => {
                 bp::ContainerBlueprint::new(bc::ContainerKind::Vertical).with_row_shares(shares())
             }
-            Kind::Tabs => bp::ContainerBlueprint::new(bc::ContainerKind::Tabs),
+            ContainerKind::Tabs => bp::ContainerBlueprint::new(bc::ContainerKind::Tabs),
         };
         let mut container = container.with_contents(paths);
         if let Some(title) = title {

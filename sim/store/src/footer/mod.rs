@@ -8,7 +8,7 @@
 
 mod thrift;
 
-use thrift::{Kind, Visitor, Walk};
+use thrift::{FieldType, Visitor, Walk};
 
 /// First and last bytes of a file.
 pub const MAGIC: &[u8] = b"PAR1";
@@ -192,22 +192,24 @@ fn of_page(path: &[i16]) -> &'static str {
 }
 
 /// Whether a field is of the type that its struct has in its place; what comes after is read otherwise if not.
-fn fits(of: &str, path: &[i16], kind: Kind, members: Option<Kind>) -> Option<()> {
+fn fits(of: &str, path: &[i16], kind: FieldType, members: Option<FieldType>) -> Option<()> {
     let id = usize::try_from(*path.last()?).ok()?.checked_sub(1)?;
     let fits = match (of.as_bytes().get(id), kind) {
         (None, _) => true,
-        (Some(b'f'), Kind::Flag) | (Some(b'y'), Kind::Byte) | (Some(b'i'), Kind::Whole) => true,
-        (Some(b'b'), Kind::Binary) | (Some(b's'), Kind::Struct) => true,
-        (Some(b'S'), Kind::List) => members.is_none_or(|of| of == Kind::Struct),
-        (Some(b'B'), Kind::List) => members.is_none_or(|of| of == Kind::Binary),
-        (Some(b'I'), Kind::List) => members.is_none_or(|of| of == Kind::Whole),
+        (Some(b'f'), FieldType::Flag) | (Some(b'y'), FieldType::Byte) | (Some(b'i'), FieldType::Whole) => {
+            true
+        }
+        (Some(b'b'), FieldType::Binary) | (Some(b's'), FieldType::Struct) => true,
+        (Some(b'S'), FieldType::List) => members.is_none_or(|of| of == FieldType::Struct),
+        (Some(b'B'), FieldType::List) => members.is_none_or(|of| of == FieldType::Binary),
+        (Some(b'I'), FieldType::List) => members.is_none_or(|of| of == FieldType::Whole),
         _ => false,
     };
     fits.then_some(())
 }
 
 impl Visitor for Footer {
-    fn field(&mut self, path: &[i16], kind: Kind, members: Option<Kind>) -> Option<()> {
+    fn field(&mut self, path: &[i16], kind: FieldType, members: Option<FieldType>) -> Option<()> {
         fits(of_footer(&path[..path.len() - 1]), path, kind, members)
     }
 
@@ -246,7 +248,7 @@ struct Page {
 }
 
 impl Visitor for Page {
-    fn field(&mut self, path: &[i16], kind: Kind, members: Option<Kind>) -> Option<()> {
+    fn field(&mut self, path: &[i16], kind: FieldType, members: Option<FieldType>) -> Option<()> {
         fits(of_page(&path[..path.len() - 1]), path, kind, members)
     }
 

@@ -4,7 +4,7 @@
 
 /// What a field holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum FieldType {
     Flag,
     Byte,
     Whole,
@@ -14,7 +14,7 @@ pub(super) enum Kind {
     Map,
     Struct,
 }
-use Kind::{Binary, Byte, Double, Flag, List, Map, Struct, Whole};
+use FieldType::{Binary, Byte, Double, Flag, List, Map, Struct, Whole};
 
 /// Structs in structs, at most.
 const DEEPEST: usize = 24;
@@ -30,7 +30,7 @@ pub(super) struct Walk<'b> {
 /// What is met on the way; each may refuse it.
 pub(super) trait Visitor {
     /// A field: what it holds, and what the members of a list do.
-    fn field(&mut self, path: &[i16], kind: Kind, members: Option<Kind>) -> Option<()>;
+    fn field(&mut self, path: &[i16], kind: FieldType, members: Option<FieldType>) -> Option<()>;
     /// A member of a list of structs begins.
     fn member(&mut self, path: &[i16]) -> Option<()>;
     /// A whole number.
@@ -71,7 +71,7 @@ impl<'b> Walk<'b> {
         }
     }
 
-    fn value(&mut self, kind: Kind, to: &mut dyn Visitor) -> Option<()> {
+    fn value(&mut self, kind: FieldType, to: &mut dyn Visitor) -> Option<()> {
         match kind {
             Flag | Byte => drop(self.byte()?),
             Whole => {
@@ -144,7 +144,7 @@ impl<'b> Walk<'b> {
     }
 }
 
-fn kind(code: u8) -> Option<Kind> {
+fn kind(code: u8) -> Option<FieldType> {
     Some(match code {
         1 | 2 => Flag,
         3 => Byte,

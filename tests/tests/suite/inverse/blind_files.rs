@@ -10,8 +10,8 @@ use efam_core::forward::Cancel;
 use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
 use efam_inference::calibrate::{Problem, Trial};
-use efam_inference::diagnose::verdict::Value;
-use efam_inference::diagnose::{self, Settings};
+use efam_inference::diagnose::verdict::ParameterValue;
+use efam_inference::diagnose::{self, DiagnosisSettings};
 use efam_sweeps::answers::Answers;
 use efam_sweeps::merge::merge;
 use efam_sweeps::plan::{PLAN, POINTS, Plan as SweepPlan, freeze, head_text};
@@ -122,7 +122,7 @@ fn swept_answers_are_those_of_the_diagnosis() {
         let truth = Truth::new(case.clone(), None);
         truths.push((format!("{k}/experiment.toml"), truth.clone()));
         let excluded = without.iter().cloned().chain(case.excluded()).collect();
-        let settings = Settings { most_effects: 1, excluded, ..Settings::default() };
+        let settings = DiagnosisSettings { most_effects: 1, excluded, ..DiagnosisSettings::default() };
         let outcome = diagnose::diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed");
         direct.push(Answer::new(truth, &drawn, outcome, 1.0));
     }
@@ -141,7 +141,7 @@ fn swept_answers_are_those_of_the_diagnosis() {
     for (a, b) in direct.iter().zip(&swept) {
         assert_eq!(a.said(), b.said(), "{}", a.case.name());
         assert_eq!(a.is_right(), b.is_right());
-        let values = |own: &Answer| -> Vec<Value> {
+        let values = |own: &Answer| -> Vec<ParameterValue> {
             own.diagnosis.effects.iter().flat_map(|added| added.parameters.clone()).collect()
         };
         for (a, b) in values(a).iter().zip(values(b)) {

@@ -4,7 +4,7 @@
 //! Expected: 90 to 99 % of 200 draws; of 200 draws with 95 %, 99.9 % cover 90 to 99 %. The same of losses that
 //! whole experiments find, under noise with a memory.
 
-use efam_inference::calibrate::{Settings, calibrate};
+use efam_inference::calibrate::{CalibrationSettings, calibrate};
 use rayon::prelude::*;
 use tests::blind::all_fitted;
 use tests::twin::direct::Direct;
@@ -63,7 +63,8 @@ fn of_experiments(seeds: std::ops::Range<u64>) -> [Vec<f64>; 2] {
     let plan = Plan::of_two_angles(&[]);
     let one = |seed: u64| {
         let drawn = plan.draw(seed);
-        let outcome = calibrate(&all_fitted(&drawn), &Settings::default(), &|_: &str| ()).expect("a fit");
+        let outcome =
+            calibrate(&all_fitted(&drawn), &CalibrationSettings::default(), &|_: &str| ()).expect("a fit");
         [(PATHS[1], drawn.alpha), (PATHS[2], drawn.beta)].map(|(path, truth)| {
             let own = outcome.calibration.parameters.iter().find(|own| own.name == path).expect("fitted");
             (own.value - truth) / own.standard_error.expect("determined")

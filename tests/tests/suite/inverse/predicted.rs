@@ -13,7 +13,7 @@ use std::path::Path;
 use efam_experiments::analysis::decay::fit_decay;
 use efam_experiments::analysis::excursion::Excursion;
 use efam_experiments::analysis::swing::{swing, swing_spectrum};
-use efam_inference::calibrate::{Problem, Settings, calibrate};
+use efam_inference::calibrate::{CalibrationSettings, Problem, calibrate};
 use efam_inference::predict::grid::{Cell, grid};
 use efam_inference::predict::request::CaseRequest;
 use efam_report::calibrated::muscle_file;
@@ -61,7 +61,7 @@ fn seen(plan: Plan, seed: u64, is_it: &dyn Fn(&DrawnRelease) -> bool) -> [Option
 
 /// The muscle that a calibration finds, as a scenario's text.
 fn calibrated(problem: &Problem) -> String {
-    let outcome = calibrate(problem, &Settings::default(), &|_: &str| ()).expect("a fit");
+    let outcome = calibrate(problem, &CalibrationSettings::default(), &|_: &str| ()).expect("a fit");
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
     let file = muscle_file(&muscle, &outcome.calibration, None, "pder_32", "twin")
         .expect("a muscle")

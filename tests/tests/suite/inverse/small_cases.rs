@@ -8,7 +8,9 @@
 use efam_core::forward::{Run, uniform};
 use efam_core::integrate::Method;
 use efam_experiments::release::{Point, Release, Track};
-use efam_inference::calibrate::{Nuisances, Outcome, Parameter, Problem, Scope, Settings, Trial, calibrate};
+use efam_inference::calibrate::{
+    CalibrationOutcome, CalibrationSettings, FittedParameter, Nuisances, Problem, Scope, Trial, calibrate,
+};
 use models::model::Model;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
@@ -92,16 +94,16 @@ fn trial(model: &Model, release: Release) -> Trial {
     Trial { release, model: model.clone(), run: Run::release(1.0, 100.0) }
 }
 
-fn three() -> Vec<Parameter> {
-    [EI, ALPHA, BETA].map(|path| Parameter::new(path, Scope::Shared)).to_vec()
+fn three() -> Vec<FittedParameter> {
+    [EI, ALPHA, BETA].map(|path| FittedParameter::new(path, Scope::Shared)).to_vec()
 }
 
-fn solve(problem: &Problem) -> Outcome {
-    calibrate(problem, &Settings::default(), &|_: &str| ()).unwrap()
+fn solve(problem: &Problem) -> CalibrationOutcome {
+    calibrate(problem, &CalibrationSettings::default(), &|_: &str| ()).unwrap()
 }
 
 /// Distance of an estimate from the truth in standard errors.
-fn off(outcome: &Outcome, path: &str, truth: f64) -> f64 {
+fn off(outcome: &CalibrationOutcome, path: &str, truth: f64) -> f64 {
     let found = outcome.calibration.of(path)[0];
     (found.value - truth) / found.standard_error.unwrap()
 }
@@ -154,7 +156,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         }
         let problem = Problem {
             trials: vec![trial(&model, release)],
-            parameters: [EI, ALPHA].map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
+            parameters: [EI, ALPHA].map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
             nuisances: Nuisances {
                 release_instant: false,
                 hold_angle: None,
@@ -208,7 +210,7 @@ fn stiffness_against_mass_is_said_to_be_hard_to_tell() {
     let parameters = [EI, "rod.mass", "rod.axial_stiffness", "effects.end_fitting.mass", ALPHA];
     let problem = Problem {
         trials: vec![trial(&model, release)],
-        parameters: parameters.map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
+        parameters: parameters.map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
         nuisances: Nuisances {
             release_instant: true,
             hold_angle: None,
@@ -216,7 +218,7 @@ fn stiffness_against_mass_is_said_to_be_hard_to_tell() {
             ..Nuisances::default()
         },
     };
-    let settings = Settings { remove_mesh: false, ..Settings::default() };
+    let settings = CalibrationSettings { remove_mesh: false, ..CalibrationSettings::default() };
     let found = calibrate(&problem, &settings, &|_: &str| ()).unwrap().calibration;
     let said = found.warnings.join("\n");
     let is_vague = found.of(EI)[0].relative_error().is_none_or(|error| error > 1.0);
@@ -252,7 +254,7 @@ fn the_profile_agrees_with_the_curvature_of_a_parabola() {
     let model = muscle(15.0, 16, 1.2, 0.0);
     let problem = Problem {
         trials: vec![trial(&model, release)],
-        parameters: [EI, ALPHA].map(|path| Parameter::new(path, Scope::Shared)).to_vec(),
+        parameters: [EI, ALPHA].map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
         nuisances: Nuisances {
             release_instant: true,
             hold_angle: None,
@@ -260,7 +262,7 @@ fn the_profile_agrees_with_the_curvature_of_a_parabola() {
             ..Nuisances::default()
         },
     };
-    let settings = Settings { profile: true, ..Settings::default() };
+    let settings = CalibrationSettings { profile: true, ..CalibrationSettings::default() };
     let found = calibrate(&problem, &settings, &|_: &str| ()).unwrap().calibration;
     for one in &found.parameters {
         let (curved, profiled) = (one.interval_95.unwrap(), one.profile_95.unwrap());
@@ -276,11 +278,11 @@ fn what_makes_no_sense_is_refused_in_words() {
     let model = muscle(15.0, 16, 1.0, 0.001);
     let release = record(&model, 15.0, Recording { duration: 0.5, ..USUAL }, &[Point::Tip]);
     let one = trial(&model, release);
-    let refused = |trials: Vec<Trial>, parameters: Vec<Parameter>| {
+    let refused = |trials: Vec<Trial>, parameters: Vec<FittedParameter>| {
         let problem = Problem { trials, parameters, nuisances: Nuisances::default() };
-        calibrate(&problem, &Settings::default(), &|_: &str| ()).unwrap_err().to_string()
+        calibrate(&problem, &CalibrationSettings::default(), &|_: &str| ()).unwrap_err().to_string()
     };
-    let only = |path: &str| vec![Parameter::new(path, Scope::PerPressure)];
+    let only = |path: &str| vec![FittedParameter::new(path, Scope::PerPressure)];
     assert!(refused(Vec::new(), three()).contains("no release to calibrate with"));
     assert!(refused(vec![one.clone()], Vec::new()).contains("no parameter to calibrate"));
     assert!(refused(vec![one.clone()], only("rod.bending")).contains("rod.bending_stiffness"));
@@ -293,7 +295,7 @@ fn what_makes_no_sense_is_refused_in_words() {
     let mut other = one.clone();
     other.release.tracks[0].at = Point::Along(1.5);
     assert!(refused(vec![other], three()).contains("1.5 of the active length"));
-    let start = Parameter { start: Some(-1.0), ..Parameter::new(EI, Scope::Shared) };
+    let start = FittedParameter { start: Some(-1.0), ..FittedParameter::new(EI, Scope::Shared) };
     assert!(refused(vec![one.clone()], vec![start]).contains("must lie within the bounds"));
     assert!(refused(vec![one], [three(), three()].concat()).contains("twice"));
 }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use efam_core::forward::Run;
 use efam_core::trajectory::Trajectory;
 use efam_experiments::scenario::{Scenario, parse_laws, read_laws};
-use efam_inference::diagnose::{Settings, Verdict, diagnose, plan};
+use efam_inference::diagnose::{DiagnosisSettings, Verdict, diagnose, plan};
 use models::check::TESTS;
 use models::effects::{Catalogue, Effect, Fixed, Registered};
 use models::model::Model;
@@ -253,14 +253,16 @@ fn a_ripple_is_unknown_without_its_text_and_named_with_it() {
     let hidden = Hidden::named("ripple", 1.0).expect("the twin has it");
     let drawn = Plan { duration: 6.0, ..Plan::of_two_angles(&[hidden]) }.draw(931);
     let mut problem = problem(&drawn);
-    let without =
-        diagnose(&problem, &Settings::default(), &|_: &str| ()).expect("it can be diagnosed").diagnosis;
+    let without = diagnose(&problem, &DiagnosisSettings::default(), &|_: &str| ())
+        .expect("it can be diagnosed")
+        .diagnosis;
     assert_eq!(without.verdict, Verdict::Unknown, "{}", without.summary);
     let law = parse_laws(Path::new("ripple.toml"), RIPPLE).expect("sound").remove(0);
     let all = catalogue_of(&[law.effect().expect("sound")]);
     problem.trials.iter_mut().for_each(|trial| trial.model.catalogue = all.clone());
-    let with =
-        diagnose(&problem, &Settings::default(), &|_: &str| ()).expect("it can be diagnosed").diagnosis;
+    let with = diagnose(&problem, &DiagnosisSettings::default(), &|_: &str| ())
+        .expect("it can be diagnosed")
+        .diagnosis;
     assert_eq!(with.verdict, Verdict::Named, "{}", with.summary);
     assert_eq!(with.effects[0].effect, "ripple", "{}", with.summary);
     let share = &with.effects[0].parameters[0];

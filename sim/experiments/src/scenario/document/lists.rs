@@ -1,7 +1,7 @@
 //! What an experiment has beside a scenario's keys: lists, tables in lists, and yes or no.
 
 use super::{Entry, Item, Keys, Value};
-use crate::scenario::{Problem, ScenarioError};
+use crate::scenario::{ScenarioError, ScenarioProblem};
 
 impl<'a> Keys<'a> {
     /// The tables of a list, written `[[key]]` or as a list of `{ … }`; none where the key is not given.
@@ -10,7 +10,7 @@ impl<'a> Keys<'a> {
         let due = |item: &Item| {
             let message =
                 format!("a list of tables is due; write [[{}]], and the keys under it", self.path_of(key));
-            self.document.error(&item.place, &self.path_of(key), Problem::Other { message })
+            self.document.error(&item.place, &self.path_of(key), ScenarioProblem::Other { message })
         };
         let Value::Array(items) = &entry.item.value else { return Err(due(&entry.item)) };
         let table = |(k, item): (usize, &'a Item)| match &item.value {
@@ -27,7 +27,7 @@ impl<'a> Keys<'a> {
 
     /// A text, or a list of texts.
     pub fn texts(&self, key: &str) -> Result<Option<Vec<&'a str>>, ScenarioError> {
-        let due = Problem::WrongType { due: "a text in quotes, or a list of them," };
+        let due = ScenarioProblem::WrongType { due: "a text in quotes, or a list of them," };
         match self.entry(key).map(|entry| &entry.item.value) {
             None => Ok(None),
             Some(Value::Text(text)) => Ok(Some(vec![text])),
@@ -70,7 +70,7 @@ impl<'a> Keys<'a> {
             Value::Number(text) => text.parse().ok(),
             _ => None,
         };
-        let wrong = || self.wrong(key, Problem::WrongType { due });
+        let wrong = || self.wrong(key, ScenarioProblem::WrongType { due });
         items.iter().map(|item| count(item).ok_or_else(wrong)).collect::<Result<_, _>>().map(Some)
     }
 
@@ -79,7 +79,7 @@ impl<'a> Keys<'a> {
         match self.entry(key).map(|entry| &entry.item.value) {
             None => Ok(None),
             Some(Value::Flag(flag)) => Ok(Some(*flag)),
-            Some(_) => Err(self.wrong(key, Problem::WrongType { due: "true or false" })),
+            Some(_) => Err(self.wrong(key, ScenarioProblem::WrongType { due: "true or false" })),
         }
     }
 
@@ -97,7 +97,7 @@ impl<'a> Keys<'a> {
         match self.entry(key) {
             None => Ok(None),
             Some(Entry { item: Item { value: Value::Array(items), .. }, .. }) => Ok(Some(items)),
-            Some(_) => Err(self.wrong(key, Problem::WrongType { due })),
+            Some(_) => Err(self.wrong(key, ScenarioProblem::WrongType { due })),
         }
     }
 }

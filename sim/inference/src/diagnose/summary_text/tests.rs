@@ -46,7 +46,7 @@ fn misfit(what: Wrong, amplitudes: [f64; 2], size_mm: f64) -> Misfit {
 }
 
 fn drag() -> Diagnosis {
-    let value = Value {
+    let value = ParameterValue {
         name: "drag_coefficient".to_owned(),
         unit: String::new(),
         of: None,
@@ -195,7 +195,7 @@ fn an_unknown_is_described_and_nothing_is_just_that() {
 /// What no effect explains is told by its terms, and called what it is.
 #[test]
 fn a_description_is_told_term_by_term() {
-    let term = |name: &str, unit: &str, value: f64| Value {
+    let term = |name: &str, unit: &str, value: f64| ParameterValue {
         name: name.to_owned(),
         unit: unit.to_owned(),
         of: None,
