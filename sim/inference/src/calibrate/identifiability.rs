@@ -56,10 +56,15 @@ pub(super) fn words(
 /// What is to be said of a parameter by itself.
 fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
     let label = parameter.label();
+    if parameter.at_bound && parameter.value == 0.0 {
+        return Some(format!(
+            "{label} is zero, the least that it can be: the recordings show none of it; take its interval as an upper limit, or leave it out of [[calibrate.parameter]]"
+        ));
+    }
     if parameter.at_bound {
         let value = significant(parameter);
         return Some(format!(
-            "{label} hit its bound, {value}; the fit would go further: widen calibrate.parameters bounds, or take it as a bound only"
+            "{label} hit its bound, {value}; the fit would go further: widen its bounds in [[calibrate.parameter]], or take it as a limit only"
         ));
     }
     if !is_determined {
@@ -159,7 +164,7 @@ fn weakest(
         })
         .collect();
     Some(format!(
-        "the weakest combination: changing {} moves the fit by {:.3} mm rms, with noise of {:.3} mm (collinearity index {collinearity:.0}; above 10 is strong)",
+        "the weakest combination: changing {} moves the fit by {:.3} mm rms, beside noise and misfit of {:.3} mm (collinearity index {collinearity:.0}; above 10 is strong)",
         parts.join(", "),
         1e3 * rms,
         1e3 * noise
@@ -211,4 +216,40 @@ fn advice(one: Does, other: Option<Does>) -> &'static str {
 
 fn significant(parameter: &Calibrated) -> String {
     models::quantity::format_si(parameter.value, &parameter.unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::Scope;
+
+    fn parameter(value: f64, bounds: [Option<f64>; 2]) -> Calibrated {
+        Calibrated {
+            name: "effects.rayleigh_mass.alpha".to_owned(),
+            unit: "1/s".to_owned(),
+            scope: Scope::Shared,
+            pressure_pa: None,
+            release: None,
+            value,
+            start: 0.5,
+            standard_error: Some(0.1),
+            interval_95: None,
+            profile_95: None,
+            scale: Scale::Linear,
+            bounds,
+            at_bound: true,
+            prior: None,
+            error_inflation: None,
+            numerical_shift: None,
+        }
+    }
+
+    /// Nobody can widen the bounds of a loss below zero.
+    #[test]
+    fn a_loss_that_is_zero_is_told_from_a_bound_that_was_met() {
+        let zero = alone(&parameter(0.0, [Some(0.0), None]), true).expect("words");
+        assert!(zero.contains("is zero, the least that it can be") && !zero.contains("widen"), "{zero}");
+        let met = alone(&parameter(3.0, [Some(0.0), Some(3.0)]), true).expect("words");
+        assert!(met.contains("hit its bound, 3") && met.contains("[[calibrate.parameter]]"), "{met}");
+    }
 }
