@@ -110,6 +110,7 @@ fn without_threads_all_is_done_on_one() {
 
 /// Eight times as many markers take 8 times as long if all is linear, and 64 times if all are compared with all.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn time_grows_with_the_number_of_markers_and_no_faster() {
     let bench = Bench::new("limits-markers");
     let table = |count: usize| {

@@ -303,6 +303,26 @@ fn every_effect_is_registered() {
     }
 }
 
+/// A long test is left out of the README's command, and of nothing else.
+#[test]
+fn every_long_test_runs_in_ci() {
+    let listed = fs::read_to_string(root().join(".ci/long")).expect("a list");
+    let listed: Vec<&str> = listed.lines().filter(|line| !line.starts_with('#')).collect();
+    let mut found = 0;
+    for folder in ["tests/tests", "sim/tests"] {
+        for (file, text) in files(folder, ".rs") {
+            for (at, _) in text.match_indices("#[ignore = \"long; .ci/run runs it\"]\n") {
+                let (_, name) = text[at..].split_once("fn ").expect("a function");
+                let name = name.split('(').next().expect("a name");
+                let is_listed = listed.iter().any(|line| line.ends_with(&format!("::{name}")));
+                assert!(is_listed, "{file}: {name} is long and not in .ci/long: nothing runs it");
+                found += 1;
+            }
+        }
+    }
+    assert_eq!(found, listed.len(), "tests in .ci/long that are not ignored as long");
+}
+
 #[test]
 fn files_stay_short() {
     for (file, text) in sources() {

@@ -64,6 +64,7 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
 /// A mass at the tip, seen in releases of one condition that differ in EI by more than their noise: what does not
 /// repeat is few numbers a release, however many samples show it.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn an_interval_holds_what_does_not_repeat() {
     const MASS: f64 = 0.015;
     let priors = Priors { bending_stiffness: 0.003, ..Priors::default() };
@@ -84,6 +85,7 @@ fn an_interval_holds_what_does_not_repeat() {
 
 /// A weight of which the experiment tells the force alone: its mass is found, and no weight beside the told one.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
     const MASS: f64 = 0.02;
     let hidden = [Hidden::TipMass { mass: MASS }];
@@ -124,6 +126,7 @@ fn a_wrong_statement_is_named_instead_of_an_effect() {
 /// A clamp that stands a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a
 /// diagnosis fits by itself can do that, and the nearest effect was named instead.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn a_clamp_that_stands_otherwise_than_stated_is_named() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("clamp-tilt");
     let hidden = ("clamp_tilt", 20.0);
@@ -142,6 +145,7 @@ fn a_clamp_that_stands_otherwise_than_stated_is_named() {
 
 /// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
     let settings = DiagnosisSettings { most_effects: 0, ..only(&["viscoelastic", "air_drag"]) };
@@ -198,6 +202,7 @@ fn what_is_missing_from_the_first_swing_on_is_found() {
 
 /// The same where no candidate could do it: nothing is named for want of a better.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn what_misses_the_first_swings_with_every_effect_is_unknown() {
     let found = with_stiffness_of_statics(&["damping_over_pressure", "tip_mass"], 908);
     assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
@@ -261,6 +266,7 @@ fn what_the_catalogue_does_not_hold_is_unknown() {
 /// Robbed of every stiffness that grows with bending, the catalogue has no name for one; its moment is found
 /// for what it is, a cube of the curvature.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn what_has_no_name_is_described() {
     let hidden = Hidden::named("cubic_stiffness", 1.0).expect("it is known");
     let found = robbed(hidden, 904);

@@ -31,16 +31,21 @@ const MOST: f64 = 0.995;
 /// A simulation that is shown: its name and colour, where its prediction stands in a sample, the width of its rod.
 pub(super) struct Shown {
     pub name: &'static str,
+    /// The viewer draws curves in the order of their paths.
+    pub path: &'static str,
     pub color: u32,
     pub of: Predicted,
     pub width: f32,
 }
 
 /// Without what was added, and with it; what comes after is drawn on top.
-const BEFORE: Shown = Shown { name: "before", color: VERMILION, of: BEFORE_AND_AFTER[0], width: 3.5 };
-const AFTER: Shown = Shown { name: "after", color: BLUE, of: BEFORE_AND_AFTER[1], width: 1.5 };
+const BEFORE: Shown =
+    Shown { name: "before", path: "1_before", color: VERMILION, of: BEFORE_AND_AFTER[0], width: 3.5 };
+const AFTER: Shown =
+    Shown { name: "after", path: "2_after", color: BLUE, of: BEFORE_AND_AFTER[1], width: 1.5 };
 /// What a calibration has found.
-const FITTED: Shown = Shown { name: "fitted", color: BLUE, of: BEFORE_AND_AFTER[1], width: 2.0 };
+const FITTED: Shown =
+    Shown { name: "fitted", path: "2_fitted", color: BLUE, of: BEFORE_AND_AFTER[1], width: 2.0 };
 
 /// A release that was drawn.
 pub(super) struct Compared {
@@ -58,7 +63,7 @@ pub(super) fn draw(
     recording: &RecordingStream,
     outcome: &DiagnosisOutcome,
 ) -> RecordingStreamResult<Vec<Compared>> {
-    let title = "Rod before (vermilion) and after (blue), markers (grey); x right, z up (mm)";
+    let title = "Rod before (vermilion), after (blue), measured (grey)";
     let simulated = [(BEFORE, &outcome.baseline), (AFTER, &outcome.repaired)];
     draw_all(recording, &simulated, &outcome.curves, (true, title))
 }
@@ -69,7 +74,7 @@ pub(super) fn draw_fitted(
     fitted: &Problem,
     curves: &[Curve],
 ) -> RecordingStreamResult<Vec<Compared>> {
-    let title = "Rod as fitted (blue), markers (grey); x right, z up (mm)";
+    let title = "Rod as fitted (blue), measured (grey)";
     draw_all(recording, &[(FITTED, fitted)], curves, (false, title))
 }
 
@@ -159,10 +164,10 @@ impl Own<'_> {
     fn draw_surroundings(&self, reach: f64) -> RecordingStreamResult<()> {
         self.log_static(&["world"], &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
         self.log_static(&["world", "clamp"], &clamp(0.25 * reach))?;
-        for Shown { name, color, .. } in self.shown {
+        for Shown { name, path, color, .. } in self.shown {
             let line = SeriesLines::new().with_names([*name]).with_colors([*color]).with_widths([1.5]);
-            self.log_static(&["height", name], &line)?;
-            self.log_static(&["residual", name], &line)?;
+            self.log_static(&["height", path], &line)?;
+            self.log_static(&["residual", path], &line)?;
         }
         let dots = SeriesPoints::new().with_names(["measured"]).with_colors([GREY]).with_marker_sizes([1.5]);
         self.log_static(&["height", "measured"], &dots)
@@ -213,10 +218,10 @@ impl Own<'_> {
         for sample in curve.seen() {
             self.recording.set_duration_secs(TIMELINE, sample.time);
             self.log(&["height", "measured"], &Scalars::single(1e3 * sample.measured[1]))?;
-            for Shown { name, of, .. } in self.shown {
-                self.log(&["height", name], &Scalars::single(1e3 * of(sample)[1]))?;
+            for Shown { path, of, .. } in self.shown {
+                self.log(&["height", path], &Scalars::single(1e3 * of(sample)[1]))?;
                 if !sample.is_held_back {
-                    self.log(&["residual", name], &Scalars::single(1e3 * sample.across(of(sample))))?;
+                    self.log(&["residual", path], &Scalars::single(1e3 * sample.across(of(sample))))?;
                 }
             }
         }
@@ -228,7 +233,7 @@ impl Own<'_> {
         let sizes = curve.heard().map(|sample| sample.across(sample.before).abs()).collect();
         let most = quantile(sizes, MOST).unwrap_or(0.0).max(2.0 * curve.noise);
         self.log_static(&["phase"], &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
-        for Shown { name, color, of, .. } in self.shown {
+        for Shown { path, color, of, .. } in self.shown {
             let point = |sample: &Sample| {
                 let turn = sample.phase.rem_euclid(TAU) / TAU;
                 single([2.0 * turn, (sample.across(of(sample)) / most).clamp(-1.0, 1.0)])
@@ -236,7 +241,7 @@ impl Own<'_> {
             let points = Points2D::new(curve.heard().map(point))
                 .with_colors([*color])
                 .with_radii([Radius::new_ui_points(1.5)]);
-            self.log_static(&["phase", name], &points)?;
+            self.log_static(&["phase", path], &points)?;
         }
         let level = |y: f32| vec![[0.0, y], [2.0, y]];
         let upright = |x: f32| vec![[x, -1.0], [x, 1.0]];
@@ -261,6 +266,25 @@ impl Own<'_> {
             .with_radii([Radius::new_ui_points(0.5)]);
         self.log_static(&["phase", "labels"], &labels)
     }
+}
+
+/// Each release on a tab of its own, the first in front, with words at the side.
+pub(super) fn lay_out(
+    tree: &mut Tree,
+    compared: &[Compared],
+    words: impl FnOnce(&mut Tree) -> RecordingStreamResult<String>,
+) -> RecordingStreamResult<()> {
+    let tabs: Vec<_> = compared
+        .iter()
+        .map(|release| Ok((release.lay_out(tree)?, 1.0)))
+        .collect::<RecordingStreamResult<_>>()?;
+    let mut columns = vec![];
+    if !tabs.is_empty() {
+        columns.push((tree.container(ContainerKind::Tabs, &tabs)?, 2.2));
+    }
+    columns.push((words(tree)?, 1.0));
+    tree.container(ContainerKind::Horizontal, &columns)?;
+    Ok(())
 }
 
 /// A length in mm to hundredths.

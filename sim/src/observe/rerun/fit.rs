@@ -10,7 +10,7 @@ use efam_inference::diagnose::Curve;
 use efam_inference::diagnose::curve::Sample;
 use models::digits::significant;
 
-use super::compared::{Compared, draw_fitted};
+use super::compared::{draw_fitted, lay_out};
 use super::drawing::TIMELINE;
 use super::search::{STEP, Steps, cell, markdown};
 use super::tree::{self, ContainerKind, Property, Tree, under};
@@ -83,7 +83,11 @@ impl Fit {
             })
             .collect();
         let compared = draw_fitted(recording, &outcome.calibration.as_held(problem), &curves)?;
-        tree::send(recording, 4, TIMELINE, self.steps.live, |tree| lay_out(tree, &compared))
+        tree::send(recording, 4, TIMELINE, self.steps.live, |tree| {
+            lay_out(tree, &compared, |tree| {
+                tree.view("TextDocument", "Parameters", &[under(PARAMETERS)], &[])
+            })
+        })
     }
 }
 
@@ -97,17 +101,6 @@ fn working(tree: &mut Tree) -> RecordingStreamResult<Vec<tree::Piece>> {
     let left = tree.container(ContainerKind::Vertical, &[(residuals, 2.0), (log, 1.0)])?;
     let parameters = tree.view("TextDocument", "Parameters", &[under(PARAMETERS)], &[])?;
     Ok(vec![(left, 1.4), (parameters, 1.0)])
-}
-
-/// The parameters on one tab, each release on one of its own.
-fn lay_out(tree: &mut Tree, compared: &[Compared]) -> RecordingStreamResult<()> {
-    let pieces = [(tree.view("TextDocument", "Parameters", &[under(PARAMETERS)], &[])?, 1.0)];
-    let mut tabs = vec![(tree.titled(ContainerKind::Horizontal, Some("Parameters"), &pieces)?, 1.0)];
-    for release in compared {
-        tabs.push((release.lay_out(tree)?, 1.0));
-    }
-    tree.container(ContainerKind::Tabs, &tabs)?;
-    Ok(())
 }
 
 /// A track of a calibration as one that was seen by one model only.

@@ -8,7 +8,7 @@ use ::rerun::{RecordingStream, RecordingStreamResult, TextDocument, TextLog};
 use efam_inference::diagnose::verdict::Evidence;
 use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome};
 
-use super::compared::{Compared, draw};
+use super::compared::{draw, lay_out};
 use super::drawing::TIMELINE;
 use super::tree::{self, ContainerKind, Tree, under};
 
@@ -109,22 +109,17 @@ impl Search {
         recording.log(ANSWER, &markdown(&answer(&outcome.diagnosis)))?;
         recording.disable_timeline(STEP);
         let compared = draw(recording, outcome)?;
-        tree::send(recording, 2, TIMELINE, self.steps.live, |tree| found(tree, &compared))
+        tree::send(recording, 2, TIMELINE, self.steps.live, |tree| lay_out(tree, &compared, words))
     }
 }
 
-/// The answer on one tab, each release on one of its own.
-fn found(tree: &mut Tree, compared: &[Compared]) -> RecordingStreamResult<()> {
-    let pieces = [
+/// Answer and candidates, each on a tab.
+fn words(tree: &mut Tree) -> RecordingStreamResult<String> {
+    let tabs = [
         (tree.view("TextDocument", "Answer", &[under(ANSWER)], &[])?, 1.0),
-        (tree.view("TextDocument", "Candidates", &[under(RANKING)], &[])?, 1.4),
+        (tree.view("TextDocument", "Candidates", &[under(RANKING)], &[])?, 1.0),
     ];
-    let mut tabs = vec![(tree.titled(ContainerKind::Horizontal, Some("Answer"), &pieces)?, 1.0)];
-    for release in compared {
-        tabs.push((release.lay_out(tree)?, 1.0));
-    }
-    tree.container(ContainerKind::Tabs, &tabs)?;
-    Ok(())
+    tree.container(ContainerKind::Tabs, &tabs)
 }
 
 pub(super) fn markdown(text: &str) -> TextDocument {
