@@ -377,9 +377,18 @@ fn the_page_of_chosen_numbers_is_that_of_the_code() {
         all.len()
     );
     let mut text = head("Chosen numbers", &says);
-    text.push_str("\n| where | number | value | what it is, and why |\n|---|---|---|---|\n");
+    let mut folder = "";
     for Chosen { file, name, value, why } in &all {
-        let _ = writeln!(text, "| `{file}` | `{name}` | {} | {} |", cell(value), cell(why));
+        let stem = file.trim_end_matches(".rs");
+        let (own, module) = stem.split_once('/').unwrap_or(("inference", stem));
+        if own != folder {
+            let _ = writeln!(
+                text,
+                "\n## {own}\n\n| number | value | file | what it is, and why |\n|---|---|---|---|"
+            );
+            folder = own;
+        }
+        let _ = writeln!(text, "| `{name}` | {} | {module} | {} |", cell(value), cell(why));
     }
     settle("chosen-numbers.md", &text);
 }

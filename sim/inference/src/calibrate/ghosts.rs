@@ -4,8 +4,8 @@ use efam_experiments::release::Release;
 
 use super::loss::spread;
 
-/// How many times as far from the middle of its two neighbours as samples usually are another thing is that was taken
-/// for the marker: one of a hundred million samples is by chance.
+/// Distance of a sample from the middle of its two neighbours, in that of most samples, beyond which another thing was
+/// taken for the marker: one of a hundred million samples is as far by chance.
 const GHOST: f64 = 6.0;
 
 /// Samples of the tip that are there, with their times, but for ghosts.
