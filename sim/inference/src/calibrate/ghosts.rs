@@ -5,7 +5,7 @@ use efam_experiments::release::Release;
 use super::loss::spread;
 
 /// Distance of a sample from the middle of its two neighbours, in that of most samples, beyond which another thing was
-/// taken for the marker: one of a hundred million samples is as far by chance.
+/// taken for the marker. One of a hundred million samples is as far by chance.
 const GHOST: f64 = 6.0;
 
 /// Samples of the tip that are there, with their times, but for ghosts.
