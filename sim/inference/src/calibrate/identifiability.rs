@@ -56,7 +56,7 @@ pub(super) fn words(
 /// What is to be said of a parameter by itself.
 fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
     let label = parameter.label();
-    if parameter.at_bound && parameter.value == 0.0 {
+    if parameter.value == 0.0 && parameter.bounds[0] == Some(0.0) {
         return Some(format!(
             "{label} is zero, the least that it can be: the recordings show none of it; take its interval as an upper limit, or leave it out of [[calibrate.parameter]]"
         ));
