@@ -104,10 +104,8 @@ pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit
         // The way from the fit without it may end beside the best, for friction changes the phase, or where no run
         // ends: that says nothing of the effect.
         let is_met = |fit: &Joint| !candidate.strength.is_friction || fit.is_explained();
-        let searched = match followed.as_ref().is_some_and(is_met) {
-            true => None,
-            false => Joint::search(&limited, &|_| ()).ok(),
-        };
+        let is_over = followed.as_ref().is_some_and(is_met);
+        let searched = if is_over { None } else { Joint::search(&limited, &|_| ()).ok() };
         let by_cost = |a: &Joint, b: &Joint| a.cost().total_cmp(&b.cost());
         let Some(fit) = followed.into_iter().chain(searched).min_by(by_cost) else { return Ok(None) };
         known = fit.known();
