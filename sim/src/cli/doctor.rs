@@ -167,9 +167,12 @@ fn try_outputs() -> Result<(), StoreError> {
     tried
 }
 
+/// Where the viewer would keep settings, which it writes at its first start: here it finds no folder, and leaves no trace.
+const NO_SETTINGS: [(&str, &str); 2] = [("XDG_CONFIG_HOME", "/dev/null"), ("XDG_DATA_HOME", "/dev/null")];
+
 /// What the program `rerun` on the PATH says of its version; nothing where there is none.
 fn looked_for() -> Option<String> {
-    let output = Command::new("rerun").arg("--version").output().ok()?;
+    let output = Command::new("rerun").arg("--version").envs(NO_SETTINGS).output().ok()?;
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 

@@ -46,6 +46,23 @@ fn a_viewer_of_another_version_is_told() {
     assert!(output.status.success() && table.contains("0.20.1, but "), "{table}");
 }
 
+/// A viewer that writes its settings when it starts, as that of 0.36 does.
+#[cfg(unix)]
+#[test]
+fn a_viewer_that_is_asked_for_its_version_leaves_no_trace() {
+    use std::os::unix::fs::PermissionsExt;
+    let bench = Bench::new("doctor-settings");
+    let script = "#!/bin/sh\nmkdir -p \"${XDG_CONFIG_HOME:-$HOME/settings}/rerun\"\necho rerun-cli 0.36.3\n";
+    bench.file("rerun", script);
+    fs::set_permissions(bench.0.join("rerun"), fs::Permissions::from_mode(0o755)).expect("ours");
+    let path = format!("{}:/usr/bin:/bin", bench.0.display());
+    let mut command = bench.command(&["doctor", "--json"]);
+    let output = command.env("PATH", path).env("HOME", &bench.0).env_remove("XDG_CONFIG_HOME").output();
+    let output = output.expect("efam runs");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("\"found\":\"0.36.3\""), "{output:?}");
+    assert!(!bench.0.join("settings").exists(), "the viewer wrote its settings");
+}
+
 #[test]
 fn completions_know_commands_and_options() {
     let bench = Bench::new("completions");
