@@ -123,7 +123,8 @@ fn trace_by(model: &Model, parameter: usize) -> Vec<f64> {
     let sensor = Sensor::new(model, seeded(&model.theta, &watched));
     let seen = sights().map(|sight| sensor.see(sight)).into_iter().flatten();
     let seen = seen.chain([sensor.instant(RECORDED.into())]).map(|x| slopes(&x));
-    by_theta.into_iter().chain(by_q).chain(by_v).chain(seen).map(|row| row[0]).collect()
+    let by_mass = system.mass_by_parameters(0);
+    by_theta.into_iter().chain(by_mass).chain(by_q).chain(by_v).chain(seen).map(|row| row[0]).collect()
 }
 
 fn parameters(effect: &'static dyn Effect) -> Result<(), String> {

@@ -269,6 +269,16 @@ impl Model {
         self.memory
     }
 
+    /// Number of memory variables up to the last that a moment depends on: an effect that is off has none such.
+    pub fn felt_memory(&self) -> usize {
+        self.effects
+            .iter()
+            .filter(|active| !self.is_off(active))
+            .map(|active| active.memory.end)
+            .max()
+            .unwrap_or(0)
+    }
+
     /// Place of a parameter in `theta`.
     /// # Errors
     /// [`ModelError::UnknownParameter`], with the paths that there are.
@@ -357,7 +367,7 @@ impl Model {
     }
 
     /// Whether the effect's parameters stand where it vanishes.
-    fn is_off(&self, active: &Active) -> bool {
+    pub(crate) fn is_off(&self, active: &Active) -> bool {
         active.effect.about().is_off(&self.theta[active.theta.clone()])
     }
 
@@ -388,6 +398,22 @@ impl Model {
         }
     }
 
+    /// Whether what a parameter, as an index into `theta`, does to the forces changes much within a step: it pulls along
+    /// the stiff edges, or is of a friction.
+    pub fn drives_roughly(&self, parameter: usize) -> bool {
+        let is_rough = |active: &Active| {
+            let about = active.effect.about();
+            about.places.contains(&Place::Edge) || about.parameters.iter().any(|own| own.is_friction)
+        };
+        let of_effect = self.effects.iter().find(|active| active.theta.contains(&parameter));
+        parameter == AXIAL_STIFFNESS || self.is_geometric(parameter) || of_effect.is_some_and(is_rough)
+    }
+
+    /// Whether a parameter, as an index into `theta`, changes what one effect's law says, and nothing else.
+    pub(crate) fn is_of_law(&self, parameter: usize) -> bool {
+        !self.is_geometric(parameter) && self.effects.iter().any(|active| active.theta.contains(&parameter))
+    }
+
     /// Whether a parameter, as an index into `theta`, changes only what is observed.
     pub fn is_of_sensor(&self, parameter: usize) -> bool {
         let is_own = |active: &&Active| active.theta.contains(&parameter);
@@ -401,10 +427,10 @@ impl Model {
 
     /// The effects that act at a place and are not at off, or have one of the `watched` parameters.
     /// An effect with memory always counts: its memory goes on even where its force is off.
-    pub(crate) fn acting(&self, place: Place, watched: &[Option<usize>]) -> Vec<usize> {
+    pub(crate) fn acting(&self, place: Place, watched: &[usize]) -> Vec<usize> {
         let acts = |active: &Active| {
             let about = active.effect.about();
-            let is_watched = || watched.iter().flatten().any(|k| active.theta.contains(k));
+            let is_watched = || watched.iter().any(|k| active.theta.contains(k));
             about.places.contains(&place) && (about.memory > 0 || !self.is_off(active) || is_watched())
         };
         (0..self.effects.len()).filter(|&k| acts(&self.effects[k])).collect()

@@ -220,7 +220,22 @@ pub(crate) struct Acting {
 }
 
 impl Acting {
-    fn new(model: &Model, watched: &[Option<usize>]) -> Self {
+    fn new(model: &Model) -> Self {
+        Self::of(model, &[])
+    }
+
+    /// What makes forces that move with the watched parameters. One that is of a law alone moves those of its own effect;
+    /// any other moves all, but for those of an effect that is off.
+    fn watching(model: &Model, watched: &[Option<usize>]) -> Self {
+        let watched: Vec<usize> = watched.iter().copied().flatten().collect();
+        let is_own = |k: usize| watched.iter().any(|own| model.effects[k].theta.contains(own));
+        let others_move = !watched.iter().all(|own| model.is_of_law(*own));
+        let mut all = Self::of(model, &watched);
+        all.retain(|k| is_own(k) || (others_move && !model.is_off(&model.effects[k])));
+        all
+    }
+
+    fn of(model: &Model, watched: &[usize]) -> Self {
         let at = |place| model.acting(place, watched);
         Self {
             bend: at(Place::Bend),
@@ -234,12 +249,16 @@ impl Acting {
     }
 
     fn only(model: &Model, k: usize) -> Self {
-        let mut all = Self::new(model, &[]);
-        let Self { bend, whole, edge, flow, mass, tip, clamp } = &mut all;
-        for list in [bend, whole, edge, flow, mass, tip, clamp] {
-            list.retain(|&other| other == k);
-        }
+        let mut all = Self::new(model);
+        all.retain(|other| other == k);
         all
+    }
+
+    fn retain(&mut self, keeps: impl Fn(usize) -> bool) {
+        let Self { bend, whole, edge, flow, mass, tip, clamp } = self;
+        for list in [bend, whole, edge, flow, mass, tip, clamp] {
+            list.retain(|k| keeps(*k));
+        }
     }
 }
 
@@ -260,14 +279,14 @@ pub struct Assembly<T> {
 }
 
 impl<T: Scalar> Assembly<T> {
-    fn new(model: &Model, theta: Vec<T>, watched: &[Option<usize>]) -> Self {
+    fn new(model: &Model, theta: Vec<T>, acting: Acting) -> Self {
         Self {
             context: Context::new(model, theta),
             fields: Fields::new(model.edges),
             load_share: 1.0,
             stands_still: false,
             since: None,
-            acting: Acting::new(model, watched),
+            acting,
         }
     }
 
@@ -438,7 +457,7 @@ struct Pass<T> {
 impl System {
     /// Sets up the equations of a model.
     pub fn new(model: &Model) -> Self {
-        let assembly = Assembly::new(model, model.theta.clone(), &[]);
+        let assembly = Assembly::new(model, model.theta.clone(), Acting::new(model));
         let mass = assembly.context.mass();
         let tangent = Tangent::new(model);
         Self { model: model.clone(), assembly, mass, tangent, lanes: Vec::new() }
@@ -476,8 +495,8 @@ impl System {
         self.lanes = indices.chunks(LANES).map(|group| Pass::for_parameters(&self.model, group)).collect();
     }
 
-    /// Derivative by the `group`-th [`LANES`] watched parameters of `f − M a` at fixed state and
-    /// accelerations `a = f/M`, and of the rates of memory.
+    /// Derivatives of the forces and of the rates of memory at a fixed state, by the `group`-th [`LANES`] watched
+    /// parameters; of the rates as many as there is room for.
     #[expect(clippy::too_many_arguments, reason = "a state and the derivatives of its two rates")]
     pub fn by_parameters(
         &mut self,
@@ -492,13 +511,17 @@ impl System {
         let pass = &mut self.lanes[group];
         pass.assembly.since = self.assembly.since;
         pass.evaluate(&self.model, time.into(), q, v, z);
-        for ((out, f), m) in force.iter_mut().zip(&pass.force).zip(&pass.mass) {
-            let acceleration = f.re / m.re;
-            *out = slopes(&(*f - *m * acceleration));
+        for (out, f) in force.iter_mut().zip(&pass.force) {
+            *out = slopes(f);
         }
         for (out, rate) in z_rate.iter_mut().zip(&pass.z_rate) {
             *out = slopes(rate);
         }
+    }
+
+    /// Derivatives of the masses by the `group`-th [`LANES`] watched parameters, over the masses.
+    pub fn mass_by_parameters(&self, group: usize) -> impl Iterator<Item = [f64; LANES]> + '_ {
+        self.lanes[group].mass.iter().map(|mass| slopes(mass).map(|slope| slope / mass.re))
     }
 
     /// The straight rod at its release, with the derivatives by the `group`-th [`LANES`] watched
@@ -714,7 +737,7 @@ impl TimePass {
     pub fn new(model: &Model) -> Self {
         let theta = model.theta.iter().map(|value| Dual64::from(*value)).collect();
         Self {
-            pass: Pass::new(model, theta, &[]),
+            pass: Pass::new(model, theta, Acting::new(model)),
             force: vec![0.0; model.dof()],
             z_rate: vec![0.0; model.memory()],
         }
@@ -723,13 +746,13 @@ impl TimePass {
 
 impl Pass<Lanes> {
     fn for_parameters(model: &Model, group: &[Option<usize>]) -> Self {
-        Self::new(model, seeded(&model.theta, group), group)
+        Self::new(model, seeded(&model.theta, group), Acting::watching(model, group))
     }
 }
 
 impl<T: Scalar> Pass<T> {
-    fn new(model: &Model, theta: Vec<T>, watched: &[Option<usize>]) -> Self {
-        let assembly = Assembly::new(model, theta, watched);
+    fn new(model: &Model, theta: Vec<T>, acting: Acting) -> Self {
+        let assembly = Assembly::new(model, theta, acting);
         let zero = T::from(0.0);
         let (dof, memory) = (model.dof(), model.memory());
         Self {

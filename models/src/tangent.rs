@@ -28,6 +28,8 @@ pub(crate) struct Tangent {
     tip: [[f64; 6]; 3],
     /// One entry a bend and memory, in the order of the memories: effect, memory of the effect, bend.
     memory: Vec<BendTangent>,
+    /// How many of them, from the first, there are up to the last that a moment depends on: an effect that is off has none.
+    felt: usize,
     /// Gradient of an edge's angle by the edge vector, 1/m, and of its rate, 1/(m s).
     angle_by_edge: Vec<[f64; 2]>,
     rate_by_edge: Vec<[f64; 2]>,
@@ -75,6 +77,7 @@ impl Tangent {
             by_stretch_rate: edges.clone(),
             flow: vec![[[0.0; 2]; 2]; n],
             memory: vec![BendTangent::default(); model.memory()],
+            felt: model.felt_memory(),
             angle_by_edge: vectors.clone(),
             rate_by_edge: vectors.clone(),
             length_rate_by_edge: vectors.clone(),
@@ -314,7 +317,7 @@ impl System {
         for i in 0..=n {
             let mut by_kappa = t.by_kappa[i];
             let mut by_rate = t.by_kappa_rate[i];
-            for memory in t.memory.iter().skip(i).step_by(n + 1) {
+            for memory in t.memory[..t.felt].iter().skip(i).step_by(n + 1) {
                 let [stiffness, damping] = add(memory);
                 by_kappa += stiffness;
                 by_rate += damping;
@@ -377,16 +380,17 @@ impl System {
         }
     }
 
-    /// Adds to the residuals of force what the residuals of memory do there, for `P` columns.
+    /// Adds to the residuals of force what the residuals of memory do there, for `P` columns. Those of memory that no moment
+    /// depends on may be left out.
     pub fn condense_residual<const P: usize>(&mut self, a: f64, r_z: &[[f64; P]], r_f: &mut [[f64; P]]) {
         let t = &mut self.tangent;
-        if t.memory.is_empty() {
+        if t.felt == 0 {
             return;
         }
         let c = &self.assembly.context;
         for p in 0..P {
             for (i, moment) in t.of_bends.iter_mut().enumerate() {
-                let bend = t.memory.iter().zip(r_z).skip(i).step_by(c.edges + 1);
+                let bend = t.memory[..t.felt].iter().zip(r_z).skip(i).step_by(c.edges + 1);
                 *moment = bend
                     .map(|(memory, r)| memory.moment[2] * r[p] * response(a, memory.memory_rate[2]))
                     .sum();
@@ -397,7 +401,7 @@ impl System {
     }
 
     /// Memory increments that belong to increments of coordinates and velocities, for `P` columns:
-    /// overwrites the residuals of memory.
+    /// overwrites the residuals of memory, of as much of it as there are.
     pub fn recover_memory<const P: usize>(
         &mut self,
         a: f64,
@@ -405,10 +409,10 @@ impl System {
         u_v: &[[f64; P]],
         r_z: &mut [[f64; P]],
     ) {
-        let t = &mut self.tangent;
-        if t.memory.is_empty() {
+        if r_z.is_empty() {
             return;
         }
+        let t = &mut self.tangent;
         let c = &self.assembly.context;
         let n = c.edges;
         let (arm, swing) = (t.body_arm, left(t.body_arm));
@@ -451,7 +455,7 @@ impl System {
                 let along =
                     |angles: &[f64]| -> f64 { row.iter().zip(&angles[first..]).map(|(a, b)| a * b).sum() };
                 let (kappa, kappa_rate) = (along(&t.of_angles), along(&t.of_bends));
-                for k in (i..t.memory.len()).step_by(n + 1) {
+                for k in (i..r_z.len()).step_by(n + 1) {
                     let [g_kappa, g_rate, g_z] = t.memory[k].memory_rate;
                     r_z[k][p] = (r_z[k][p] + g_kappa * kappa + g_rate * kappa_rate) * response(a, g_z);
                 }

@@ -114,8 +114,7 @@ pub fn parameters_match_differences(model: &Model, s: &State) -> Result<(), Stri
     let mut system = System::new(model);
     let all: Vec<usize> = (0..model.theta.len()).collect();
     system.watch(&all.iter().map(|k| Some(*k)).collect::<Vec<_>>());
-    let (force, rates) = evaluate(model, s);
-    let acceleration: Vec<f64> = force.iter().zip(&system.mass).map(|(f, m)| f / m).collect();
+    let (_, rates) = evaluate(model, s);
     for group in 0..all.len().div_ceil(LANES) {
         let mut by_theta = vec![[0.0; LANES]; nq];
         let mut rate_by_theta = vec![[0.0; LANES]; nz];
@@ -128,10 +127,7 @@ pub fn parameters_match_differences(model: &Model, s: &State) -> Result<(), Stri
                 let mut moved = model.clone();
                 moved.theta[k] += sign * step;
                 let (force, rate) = evaluate(&moved, s);
-                let mass = System::new(&moved).mass.clone();
-                let imbalance: Vec<f64> =
-                    force.iter().zip(mass.iter().zip(&acceleration)).map(|(f, (m, a))| f - m * a).collect();
-                (imbalance, rate)
+                (force, rate, System::new(&moved).mass)
             };
             // Of fourth order, so that the step may be as long.
             let [near, far] = [1.0, 2.0].map(|share| (side(share), side(-share)));
@@ -140,8 +136,13 @@ pub fn parameters_match_differences(model: &Model, s: &State) -> Result<(), Stri
             };
             let of_force = |i: usize| slope([near.0.0[i], near.1.0[i]], [far.0.0[i], far.1.0[i]]);
             let of_memory = |i: usize| slope([near.0.1[i], near.1.1[i]], [far.0.1[i], far.1.1[i]]);
-            let scale = (0..nq).map(|i| of_force(i).abs()).fold(1e-3, f64::max);
             let path = &model.parameters[k].path;
+            let of_mass =
+                |i: usize| slope([near.0.2[i], near.1.2[i]], [far.0.2[i], far.1.2[i]]) / system.mass[i];
+            for (i, by_theta) in system.mass_by_parameters(group).enumerate() {
+                close(by_theta[lane], of_mass(i), of_mass(i).abs() * 10.0 + 1e-7 / step, path)?;
+            }
+            let scale = (0..nq).map(|i| of_force(i).abs()).fold(1e-3, f64::max);
             for (i, by_theta) in by_theta.iter().enumerate() {
                 close(by_theta[lane], of_force(i), 10.0 * scale + 1e-7 / step, path)?;
             }

@@ -1,16 +1,16 @@
 //! Forward sensitivities: the derivative of a trajectory by parameters, integrated along it.
 //!
-//! The derivatives obey the linearised equations of motion, `M s̈ = −K s − D ṡ + ∂f/∂theta − ∂M/∂theta q̈`,
-//! with coefficients known along the trajectory. A stage of a diagonally implicit method for a
-//! linear equation is one back-substitution, so all parameters share each stage's tangent and its
-//! factors. Every step of the trajectory, whichever integrator made it, is one step here, of third
-//! order.
+//! The derivatives obey the linearised equations of motion, `M s̈ + ∂M/∂theta q̈ = −K s − D ṡ + ∂f/∂theta`,
+//! with coefficients known along the trajectory. The masses are constant, so with `w = ṡ + M⁻¹ ∂M/∂theta q̇`
+//! for a velocity no acceleration is needed, which the stiff edges would make rough. A stage of a diagonally
+//! implicit method for a linear equation is one back-substitution, so all parameters share each stage's tangent and
+//! its factors. Every step of the trajectory, whichever integrator made it, is one step here, of third order.
 //!
-//! What drives the derivatives, `∂f/∂theta − ∂M/∂theta q̈`, is as smooth as the trajectory for parameters
-//! of the laws alone: it is evaluated once a step, at its end, and the parabola through the last three
-//! values stands for it. A parameter of the geometry pulls along the stiff edges, with a force that
-//! must turn with them: a parabola's small error across an edge would bend the rod by much. There it
-//! is evaluated at every stage.
+//! What drives the derivatives, `∂f/∂theta`, is as smooth as the trajectory for most parameters of the laws: it is
+//! evaluated once a step, at its end, and the parabola through the last three values stands for it. A parameter
+//! of the geometry, or of a law of the edges, pulls along the stiff edges, with a force that must turn with them: a
+//! parabola's small error across an edge would bend the rod by much. Friction turns round within a step. There
+//! it is evaluated at every stage.
 
 use models::coupled::Coupled;
 use models::effects::LANES;
@@ -32,7 +32,7 @@ const WEIGHTS: [&[f64]; STAGES] = [
 
 type Row = [f64; LANES];
 
-/// What drives the derivatives at one time: of the momenta, shape `[2N+1]`, and of the memory.
+/// What drives the derivatives at one time: of the velocities, shape `[2N+1]`, and of the memory that is felt.
 #[derive(Clone)]
 struct Drive {
     force: Vec<Row>,
@@ -46,7 +46,7 @@ pub struct Slopes {
     pub q: Vec<Row>,
     /// Of the velocities.
     pub v: Vec<Row>,
-    /// Of the memory.
+    /// Of the memory that is felt: nothing depends on that of an effect that is off.
     pub z: Vec<Row>,
 }
 
@@ -55,13 +55,17 @@ pub struct Variational {
     system: System,
     /// Derivatives at the end of the last step, one entry a group of [`LANES`] parameters.
     pub slopes: Vec<Slopes>,
+    /// Those at its start, with `w` for the velocities, and the rod's own velocities there.
     start: Vec<Slopes>,
+    start_velocity: Vec<f64>,
+    /// `M⁻¹ ∂M/∂theta` of each group.
+    by_mass: Vec<Vec<Row>>,
     /// Stage derivatives, `[group][stage]`.
     rates: Vec<[Slopes; STAGES]>,
-    /// `[group][time]`, at `drive_times`, the last one first; of the groups that are not geometric.
+    /// `[group][time]`, at `drive_times`, the last one first; of the groups whose drive is smooth.
     drives: Vec<[Drive; 3]>,
-    /// Whether a group has a parameter of the geometry.
-    is_geometric: Vec<bool>,
+    /// Whether a group has a parameter whose drive is evaluated at every stage.
+    is_rough: Vec<bool>,
     /// Empty where the parabola must begin anew.
     drive_times: Vec<f64>,
     at: State,
@@ -73,18 +77,18 @@ pub struct Variational {
     damped: Vec<Row>,
 }
 
-/// Parameters that move the rod, in the order in which they fill the groups: those of the geometry cost
-/// more, so they stand together.
+/// Parameters that move the rod, in the order in which they fill the groups: those that cost more
+/// stand together.
 pub fn lane_order(model: &Model, parameters: &[usize]) -> Vec<usize> {
     let mut order: Vec<usize> = parameters.iter().copied().filter(|k| !model.is_of_sensor(*k)).collect();
-    order.sort_by_key(|k| model.is_geometric(*k));
+    order.sort_by_key(|k| model.drives_roughly(*k));
     order
 }
 
 impl Slopes {
     fn zeros(model: &Model) -> Self {
         let zero = [0.0; LANES];
-        Self { q: vec![zero; model.dof()], v: vec![zero; model.dof()], z: vec![zero; model.memory()] }
+        Self { q: vec![zero; model.dof()], v: vec![zero; model.dof()], z: vec![zero; model.felt_memory()] }
     }
 
     fn parts(&self) -> [&Vec<Row>; 3] {
@@ -115,9 +119,10 @@ impl Slopes {
 impl Variational {
     /// Starts with the derivatives of the initial state by `parameters`, one entry a group, for a
     /// `system` that watches them.
-    pub fn new(system: System, parameters: &[usize], slopes: Vec<Slopes>) -> Self {
+    pub fn new(system: System, parameters: &[usize], mut slopes: Vec<Slopes>) -> Self {
         let model = &system.model;
-        let is_geometric = |group: &[usize]| group.iter().any(|k| model.is_geometric(*k));
+        slopes.iter_mut().for_each(|slopes| slopes.z.truncate(model.felt_memory()));
+        let is_rough = |group: &[usize]| group.iter().any(|k| model.drives_roughly(*k));
         let zeros = Slopes::zeros(model);
         let state = State {
             time: 0.0,
@@ -133,7 +138,9 @@ impl Variational {
                 slopes.len()
             ],
             drive_times: Vec::with_capacity(3),
-            is_geometric: parameters.chunks(LANES).map(is_geometric).collect(),
+            is_rough: parameters.chunks(LANES).map(is_rough).collect(),
+            by_mass: (0..slopes.len()).map(|group| system.mass_by_parameters(group).collect()).collect(),
+            start_velocity: state.v.clone(),
             force: state.v.clone(),
             z_rate: state.z.clone(),
             at: state,
@@ -159,8 +166,15 @@ impl Variational {
         let h = end - begin;
         let a = 1.0 / (GAMMA * h);
         self.system.begin_step(begin);
-        for (start, slopes) in self.start.iter_mut().zip(&self.slopes) {
+        integrator.interpolate(begin, &mut self.at);
+        self.start_velocity.copy_from_slice(&self.at.v);
+        for ((start, slopes), by_mass) in self.start.iter_mut().zip(&self.slopes).zip(&self.by_mass) {
             start.copy_from(slopes);
+            for ((w, by_mass), velocity) in start.v.iter_mut().zip(by_mass).zip(&self.start_velocity) {
+                for p in 0..LANES {
+                    w[p] += by_mass[p] * velocity;
+                }
+            }
         }
         self.update_drives(integrator, begin, end);
         for stage in 0..STAGES {
@@ -202,7 +216,7 @@ impl Variational {
         integrator.interpolate(time, &mut self.at);
         let State { q, v, z, .. } = &self.at;
         for (group, drives) in self.drives.iter_mut().enumerate() {
-            if self.is_geometric[group] {
+            if self.is_rough[group] {
                 continue;
             }
             drives.rotate_right(1);
@@ -231,20 +245,18 @@ impl Variational {
         for (weight, rate) in WEIGHTS[stage].iter().zip(&self.rates[group]) {
             known.add(weight * h, rate);
         }
-        if self.is_geometric[group] {
+        if self.is_rough[group] {
             system.by_parameters(group, at.time, &at.q, &at.v, &at.z, &mut residual.v, &mut residual.z);
         } else {
             let drives = &self.drives[group];
             blend(weights, drives.each_ref().map(|drive| &drive.force[..]), &mut residual.v);
             blend(weights, drives.each_ref().map(|drive| &drive.z_rate[..]), &mut residual.z);
         }
-        let known_parts = known.q.iter().zip(&known.v);
-        for (((r_f, damped), (known_q, known_v)), mass) in
-            residual.v.iter_mut().zip(&mut *damped).zip(known_parts).zip(&system.mass)
-        {
+        for (k, (r_f, damped)) in residual.v.iter_mut().zip(&mut *damped).enumerate() {
+            let (by_mass, known_q, known_w) = (&self.by_mass[group][k], &known.q[k], &known.v[k]);
             for p in 0..LANES {
                 damped[p] = a * known_q[p];
-                r_f[p] += a * mass * (known_v[p] + damped[p]);
+                r_f[p] += a * system.mass[k] * (known_w[p] - by_mass[p] * at.v[k] + damped[p]);
             }
         }
         for (r_z, known) in residual.z.iter_mut().zip(&known.z) {
@@ -272,6 +284,11 @@ impl Variational {
                 }
             }
         }
+        for ((rate, by_mass), velocity) in rate.v.iter_mut().zip(&self.by_mass[group]).zip(&at.v) {
+            for p in 0..LANES {
+                rate[p] += a * by_mass[p] * velocity;
+            }
+        }
     }
 
     /// Derivatives of the coordinates from the `first` on at a time within the last step, by
@@ -279,7 +296,7 @@ impl Variational {
     pub fn interpolate(&self, group: usize, [begin, end]: [f64; 2], time: f64, first: usize, q: &mut [Row]) {
         let h = end - begin;
         let s = if h > 0.0 { (time - begin) / h } else { 1.0 };
-        let (start, end) = (&self.start[group], &self.slopes[group]);
+        let (start, end, by_mass) = (&self.start[group], &self.slopes[group], &self.by_mass[group]);
         let weights = [
             (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s),
             h * s * (1.0 - s) * (1.0 - s),
@@ -289,7 +306,7 @@ impl Variational {
         for (k, row) in q.iter_mut().enumerate().skip(first) {
             for p in 0..LANES {
                 row[p] = weights[0] * start.q[k][p]
-                    + weights[1] * start.v[k][p]
+                    + weights[1] * (start.v[k][p] - by_mass[k][p] * self.start_velocity[k])
                     + weights[2] * end.q[k][p]
                     + weights[3] * end.v[k][p];
             }

@@ -9,7 +9,7 @@ use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
 use super::refine::{LAST, refine};
-use super::search::{EXPLAINED, FIT, Found, common_cost, meet, minimise_in, search};
+use super::search::{EXPLAINED, Found, common_cost, meet, minimise_in, search};
 use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Unknown, UnknownKind, Unknowns};
 
@@ -133,7 +133,7 @@ impl<'a> Joint<'a> {
         known: &[Estimate],
         tell: &dyn Fn(&str),
     ) -> Result<Option<Self>, CalibrateError> {
-        let mut fit = match Self::as_seen(problem, known, Slopes::Differences, LAST) {
+        let mut fit = match Self::at(problem, known, Slopes::Differences, LAST) {
             Ok(fit) => fit,
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
             Err(error) => return Err(error),
@@ -181,7 +181,7 @@ impl<'a> Joint<'a> {
         has_own_steps: bool,
         share: f64,
     ) -> Option<Self> {
-        let mut view = View { slopes: Slopes::Differences, ..like.clone() };
+        let mut view = View { slopes: Slopes::Variational, ..like.clone() };
         if has_own_steps {
             view.steps = Some(objective.see(x, &View { steps: None, ..like.clone() }, None)?.steps);
         }
@@ -219,11 +219,7 @@ impl<'a> Joint<'a> {
     /// is fitted.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense, and where the model cannot be run there.
-    pub fn at(problem: &'a Problem, known: &[Estimate], slopes: Slopes) -> Result<Self, CalibrateError> {
-        Self::as_seen(problem, known, slopes, FIT)
-    }
-
-    fn as_seen(
+    pub fn at(
         problem: &'a Problem,
         known: &[Estimate],
         slopes: Slopes,

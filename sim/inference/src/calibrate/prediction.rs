@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use efam_core::forward::{ForwardError, Run, forward};
 use efam_core::integrate::{Method, Steps};
-use efam_core::trajectory::Status;
+use efam_core::trajectory::{Status, Trajectory};
 use efam_experiments::release::Point;
 use models::sensor::Sensor;
 use nalgebra::DVector;
@@ -140,6 +140,53 @@ pub(crate) fn values(
     (theta, instant)
 }
 
+/// The trajectory of a trial with parameters set, `(index in theta, value)`, at the first `count` of the samples, with its
+/// derivatives by the `watched` ones.
+#[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
+pub(crate) fn simulate(
+    trial: &Trial,
+    measured: &Measured,
+    theta: &[(usize, f64)],
+    instant: f64,
+    count: usize,
+    fidelity: Fidelity,
+    steps: Option<&[f64]>,
+    watched: Vec<usize>,
+) -> Result<Trajectory, ForwardError> {
+    let (mut model, mut initial) = trial.with(theta);
+    if fidelity.refinement > 1 {
+        refine(&mut model, &mut initial, fidelity.refinement)?;
+    }
+    let times: Vec<f64> =
+        (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();
+    let last = times.last().copied().unwrap_or(0.0);
+    let duration = last.max(Sensor::new(&model, model.theta.clone()).instant(last));
+    let run = Run {
+        initial,
+        history: trial.run.history,
+        duration,
+        samples: times,
+        method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
+        tolerance: fidelity.tolerance,
+        steps: steps.map_or(Steps::Adaptive, |ends| {
+            Steps::Given(ends.iter().copied().filter(|t| *t < duration - LEAST_STEP).collect())
+        }),
+        most_steps: trial.run.most_steps.min(MOST_STEPS),
+        keep_samples: true,
+        keep_steps: true,
+        energy: false,
+        sensitivities: watched,
+        points: trial.release.tracks.iter().map(|track| track.at).collect(),
+        trace_step: None,
+        cancel: trial.run.cancel.clone(),
+    };
+    let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+    if let Status::CutShort { time } = path.status {
+        return Err(ForwardError::CutShort { time });
+    }
+    Ok(path)
+}
+
 /// Simulates a trial and looks at it as its recording did: at the first `count` of the samples; on the
 /// steps of another run, if they are given.
 #[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
@@ -155,40 +202,11 @@ pub(crate) fn predict(
     slopes: Option<Slopes>,
 ) -> Result<Prediction, ForwardError> {
     let (theta, instant) = values(trial, locals, unknowns, x);
-    let (mut model, mut initial) = trial.with(&theta);
-    if fidelity.refinement > 1 {
-        refine(&mut model, &mut initial, fidelity.refinement)?;
-    }
-    let times: Vec<f64> =
-        (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();
-    let last = times.last().copied().unwrap_or(0.0);
-    let duration = last.max(Sensor::new(&model, model.theta.clone()).instant(last));
-    let run = Run {
-        initial,
-        history: trial.run.history,
-        duration,
-        samples: times.clone(),
-        method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
-        tolerance: fidelity.tolerance,
-        steps: steps.map_or(Steps::Adaptive, |ends| {
-            Steps::Given(ends.iter().copied().filter(|t| *t < duration - LEAST_STEP).collect())
-        }),
-        most_steps: trial.run.most_steps.min(MOST_STEPS),
-        keep_samples: true,
-        keep_steps: true,
-        energy: false,
-        sensitivities: match slopes {
-            Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
-            _ => Vec::new(),
-        },
-        points: trial.release.tracks.iter().map(|track| track.at).collect(),
-        trace_step: None,
-        cancel: trial.run.cancel.clone(),
+    let watched = match slopes {
+        Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
+        _ => Vec::new(),
     };
-    let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
-    if let Status::CutShort { time } = path.status {
-        return Err(ForwardError::CutShort { time });
-    }
+    let path = simulate(trial, measured, &theta, instant, count, fidelity, steps, watched)?;
     let tracks = trial.release.tracks.len();
     // A hand that moves brings the markers along a straight line to where it lets go.
     let way = |track: usize, sample: usize| {
@@ -210,7 +228,8 @@ pub(crate) fn predict(
         steps_in_all: path.steps.len(),
     };
     if let Some(slopes) = slopes {
-        let difference = if model.slipping().is_some() { DIFFERENCE_WITH_FRICTION } else { DIFFERENCE };
+        let slips = trial.with(&theta).0.slipping().is_some();
+        let difference = if slips { DIFFERENCE_WITH_FRICTION } else { DIFFERENCE };
         let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
             (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
                 let mut aside = x.clone();
@@ -229,7 +248,7 @@ pub(crate) fn predict(
             let row = |sample: usize| {
                 let found = path.points_by_parameters.get(sample);
                 let mut by_theta = found.map_or(&[][..], |points| &points[track]).iter();
-                let is_held = times[sample] <= 0.0;
+                let is_held = path.times[sample] <= 0.0;
                 let of_local = |((local, chain), moved): ((&Local, &f64), &Option<Prediction>)| match local
                     .acts
                 {

@@ -57,6 +57,7 @@ mod tests {
 
     use super::*;
     use crate::calibrate::prediction::Slopes;
+    use crate::calibrate::refine::LAST;
     use crate::calibrate::{FittedParameter, Nuisances, Problem, Scope, Trial};
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
@@ -107,7 +108,7 @@ mod tests {
         let all = candidates(&base, &DiagnosisSettings::default());
         let scale = all.iter().find(|own| own.name() == "scale").unwrap();
         let problem = scale.added_to(&base, 0.01).unwrap();
-        let fit = Joint::at(&problem, &[], Slopes::Variational).unwrap();
+        let fit = Joint::at(&problem, &[], Slopes::Variational, LAST).unwrap();
         found(&fit, &[(scale, 1e3)], 1e-4)
     }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::Series;
-use crate::calibrate::prediction::{Prediction, predict};
+use crate::calibrate::prediction::{Prediction, predict, simulate, values};
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::{Scope, Trial};
 
@@ -17,50 +17,145 @@ pub(super) struct Column {
     pub of: usize,
     /// Its place among those of the same.
     pub part: usize,
-    pub slopes: Vec<Vec<Vec<[f64; 2]>>>,
+    pub slopes: Vec<Moved>,
 }
 
-/// What a run's rounding leaves of a position, m, and the movement that is aimed at: in between,
-/// rounding and curvature are both a small part of a difference.
-const ROUNDING: f64 = 1e-11;
-const WANTED: f64 = 1e-6;
-const LARGEST: f64 = 3e-5;
-/// Share of the believed range with which to begin.
-const FIRST: f64 = 1e-4;
+/// Movements of the points of a release by one parameter, shape `[track][sample]` of the samples that are fitted.
+type Moved = Vec<Vec<[f64; 2]>>;
 
-/// The columns of all candidates: one, or one a release or a pressure where each has its own value. A candidate
-/// whose models cannot be run has none; one whose strength is fitted already has none for the first pressure.
-/// `off` is what the fit predicts: an effect that is off leaves a run as it is.
-pub(super) fn columns(
+/// How the predictions move with the strengths of candidates, each from where it is off, in units of the noise and for each
+/// release; none for a candidate whose models cannot be run, or whose strength is fitted already. An effect that is off leaves
+/// the rod as it is, so one run has many side by side.
+pub(super) fn movements(
     fit: &Joint,
-    off: &[Prediction],
     candidates: &[Candidate],
     tell: &(dyn Fn(&str) + Sync),
-) -> Vec<Column> {
-    let of_candidate = |(c, candidate): (usize, &Candidate)| {
-        if let Some(place) = fit.objective.part.unknowns.iter().position(|own| own.name == candidate.path()) {
-            return Some(of_pressures(fit, &fitted(fit, place), c).into_iter().skip(1).collect());
+) -> Vec<Option<Vec<Moved>>> {
+    let mut moved = vec![None; candidates.len()];
+    for together in side_by_side(fit, candidates) {
+        let all: Vec<&Candidate> = together.iter().map(|c| &candidates[*c]).collect();
+        match movements_of(fit, &all) {
+            Some(found) => together.iter().zip(found).for_each(|(c, found)| moved[*c] = Some(found)),
+            // One of them cannot be run; the others can.
+            None => together.iter().for_each(|c| {
+                moved[*c] = movements_of(fit, &[&candidates[*c]]).and_then(|mut found| found.pop());
+            }),
         }
-        // The step that suits one release suits the others, or nearly.
-        let (first, step) = movement(fit, candidate, 0, off.first()?, first_step(candidate))?;
-        let of_other = |r: usize| Some(movement(fit, candidate, r, &off[r], step)?.0);
-        let others: Option<Vec<_>> = (1..off.len()).into_par_iter().map(of_other).collect();
-        let all = [vec![first], others?].concat();
-        tell(candidate.name());
-        Some(match candidate.scope {
+        all.iter().for_each(|candidate| tell(candidate.name()));
+    }
+    moved
+}
+
+/// The columns of all candidates, of their movements: one, or one a release or a pressure where each has its own value. One
+/// whose strength is fitted already has none for the first pressure.
+pub(super) fn columns(fit: &Joint, candidates: &[Candidate], moved: &[Option<Vec<Moved>>]) -> Vec<Column> {
+    let of_candidate = |(c, (candidate, moved)): (usize, (&Candidate, &Option<Vec<Moved>>))| {
+        if let Some(place) = place_among_unknowns(fit, candidate) {
+            return of_pressures(fit, &fitted(fit, place), c).into_iter().skip(1).collect();
+        }
+        let Some(all) = moved else { return Vec::new() };
+        match candidate.scope {
             Scope::PerRelease => {
-                (0..all.len()).map(|own| Column::only(c, own, &all, |release| release == own)).collect()
+                (0..all.len()).map(|own| Column::only(c, own, all, |release| release == own)).collect()
             }
-            _ if candidate.is_widened() => of_pressures(fit, &all, c),
-            Scope::Shared | Scope::PerPressure => vec![Column { of: c, part: 0, slopes: all }],
-        })
+            _ if candidate.is_widened() => of_pressures(fit, all, c),
+            Scope::Shared | Scope::PerPressure => vec![Column { of: c, part: 0, slopes: all.clone() }],
+        }
     };
-    candidates.par_iter().enumerate().filter_map(of_candidate).collect::<Vec<Vec<Column>>>().concat()
+    candidates.iter().zip(moved).enumerate().flat_map(of_candidate).collect()
+}
+
+fn place_among_unknowns(fit: &Joint, candidate: &Candidate) -> Option<usize> {
+    fit.objective.part.unknowns.iter().position(|own| own.name == candidate.path())
+}
+
+/// Which of the candidates that are not fitted one model can have side by side: those of different effects.
+fn side_by_side(fit: &Joint, candidates: &[Candidate]) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> = Vec::new();
+    for (c, candidate) in candidates.iter().enumerate() {
+        if place_among_unknowns(fit, candidate).is_some() {
+            continue;
+        }
+        let is_apart =
+            |own: &&mut Vec<usize>| own.iter().all(|other| candidates[*other].name() != candidate.name());
+        match all.iter_mut().find(is_apart) {
+            Some(own) => own.push(c),
+            None => all.push(vec![c]),
+        }
+    }
+    all
+}
+
+/// The movements of candidates of different effects, shape `[candidate][release]`.
+fn movements_of(fit: &Joint, candidates: &[&Candidate]) -> Option<Vec<Vec<Moved>>> {
+    let releases = 0..fit.objective.part.members.len();
+    let each: Option<Vec<Vec<Moved>>> =
+        releases.into_par_iter().map(|r| movements_in(fit, candidates, r)).collect();
+    let mut each = each?;
+    let of_candidate = |c: usize| each.iter_mut().map(|release| std::mem::take(&mut release[c])).collect();
+    Some((0..candidates.len()).map(of_candidate).collect())
+}
+
+/// The same of one release, shape `[candidate]`, from the variational equation.
+fn movements_in(fit: &Joint, candidates: &[&Candidate], r: usize) -> Option<Vec<Moved>> {
+    let (part, view) = (&fit.objective.part, &fit.found.view);
+    let mut trial = part.members[r].clone();
+    for candidate in candidates {
+        trial = candidate.on(&trial, candidate.null_value).ok()?;
+    }
+    let strength = |candidate: &&Candidate| trial.model.index(&candidate.path()).ok();
+    let strengths: Vec<usize> = candidates.iter().map(strength).collect::<Option<_>>()?;
+    let (theta, instant) = values(&trial, &part.locals[r], &part.unknowns, &fit.found.x);
+    let measured = &fit.objective.measured[r];
+    let (count, steps) = (view.counts[r], view.steps.as_ref().map(|steps| &steps[r][..]));
+    let path = simulate(&trial, measured, &theta, instant, count, view.fidelity, steps, strengths).ok()?;
+    let seen = path.points_by_parameters;
+    let is_finite = seen.iter().flatten().flatten().flatten().all(|slope| slope.is_finite());
+    let moved = |c: usize| in_noise(fit, r, |t, k| seen[k][t][c]);
+    is_finite.then(|| (0..candidates.len()).map(moved).collect())
+}
+
+/// Movement of the prediction, m, by which a difference is taken: the rounding of a run, some 1e-11 m, and its curvature are
+/// both a small part of that.
+const WANTED: f64 = 1e-6;
+
+/// The movements with a candidate's strength by differences of runs on the same steps, which are those of the prediction
+/// itself, to five digits; `off` is what the fit predicts, `near` what they are about. None where the models cannot be run, or
+/// not on these steps.
+pub(super) fn differences(
+    fit: &Joint,
+    off: &[Prediction],
+    candidate: &Candidate,
+    near: &[Moved],
+) -> Option<Vec<Moved>> {
+    let of_release = |r: usize| {
+        let noise = &fit.objective.measured[r].noise;
+        let in_track = |(track, noise): (&Vec<[f64; 2]>, &f64)| {
+            track.iter().map(|[x, z]| noise * x.hypot(*z)).fold(0.0, f64::max)
+        };
+        let farthest = near[r].iter().zip(noise).map(in_track).fold(0.0, f64::max);
+        let room = room(candidate);
+        let step = (WANTED / farthest).min(room.abs()).copysign(room);
+        let on = candidate.on(fit.objective.part.members[r], candidate.null_value + step).ok()?;
+        let aside = run(fit, &on, r)?;
+        let moved = |t: usize, k: usize| {
+            let (aside, off) = (aside.position[t][k], off[r].position[t][k]);
+            [0, 1].map(|axis| (aside[axis] - off[axis]) / step)
+        };
+        (aside.steps.len() == off[r].steps.len()).then(|| in_noise(fit, r, moved))
+    };
+    (0..off.len()).into_par_iter().map(of_release).collect()
+}
+
+/// How far the strength may go from off, with its sign.
+fn room(candidate: &Candidate) -> f64 {
+    let (low, high) = candidate.believed();
+    if high > candidate.null_value { high - candidate.null_value } else { low - candidate.null_value }
 }
 
 impl Column {
     /// What moves in some of the releases alone.
-    fn only(of: usize, part: usize, all: &[Vec<Vec<[f64; 2]>>], is_own: impl Fn(usize) -> bool) -> Self {
+    fn only(of: usize, part: usize, all: &[Moved], is_own: impl Fn(usize) -> bool) -> Self {
         let still = |track: &Vec<[f64; 2]>| vec![[0.0; 2]; track.len()];
         let slopes = all.iter().enumerate().map(|(r, release)| match is_own(r) {
             true => release.clone(),
@@ -86,7 +181,7 @@ pub(super) fn of_releases(fit: &Joint, is_asked: impl Fn(&str) -> bool, of: usiz
 }
 
 /// Of what moves in all releases a column for each pressure.
-fn of_pressures(fit: &Joint, all: &[Vec<Vec<[f64; 2]>>], of: usize) -> Vec<Column> {
+fn of_pressures(fit: &Joint, all: &[Moved], of: usize) -> Vec<Column> {
     let pressure = |trial: &&Trial| trial.release.pressure;
     let members = &fit.objective.part.members;
     let mut pressures: Vec<f64> = members.iter().filter_map(pressure).collect();
@@ -101,7 +196,7 @@ fn of_pressures(fit: &Joint, all: &[Vec<Vec<[f64; 2]>>], of: usize) -> Vec<Colum
 }
 
 /// How the predictions move with the value of an unknown that is fitted.
-fn fitted(fit: &Joint, place: usize) -> Vec<Vec<Vec<[f64; 2]>>> {
+fn fitted(fit: &Joint, place: usize) -> Vec<Moved> {
     let part = &fit.objective.part;
     let per = part.unknowns[place].scaled.slope(fit.found.x[place]).recip();
     let of_release = |(r, block): (usize, &Vec<Series>)| {
@@ -116,63 +211,12 @@ fn fitted(fit: &Joint, place: usize) -> Vec<Vec<Vec<[f64; 2]>>> {
 /// What a fit predicts of all its releases; none where it cannot be run.
 pub(super) fn predictions(fit: &Joint) -> Option<Vec<Prediction>> {
     let members = &fit.objective.part.members;
-    members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r, None)).collect()
-}
-
-/// A step with which to begin.
-fn first_step(candidate: &Candidate) -> f64 {
-    let room = room(candidate);
-    FIRST * if room.is_finite() { room } else { candidate.strength.scale }
-}
-
-/// How far the strength may go from off, with its sign.
-fn room(candidate: &Candidate) -> f64 {
-    let (low, high) = candidate.believed();
-    if high > candidate.null_value { high - candidate.null_value } else { low - candidate.null_value }
-}
-
-/// Derivatives of what is seen of a release by the strength, in units of the noise, and the step that they were
-/// taken with; `step` is where to begin.
-fn movement(
-    fit: &Joint,
-    candidate: &Candidate,
-    r: usize,
-    off: &Prediction,
-    mut step: f64,
-) -> Option<(Vec<Vec<[f64; 2]>>, f64)> {
-    let member = fit.objective.part.members[r];
-    let on = |step: f64| candidate.on(member, candidate.null_value + step).ok();
-    let mut aside = run(fit, &on(step)?, r, None)?;
-    // A memory that turns round within a step halves it: what it is compared with takes the same steps.
-    let is_halved = aside.steps.len() != off.steps.len();
-    let halved = if is_halved { Some(run(fit, member, r, Some(&aside.steps))?) } else { None };
-    let (off, steps) = (halved.as_ref().unwrap_or(off), aside.steps.clone());
-    let steps = is_halved.then_some(&steps[..]);
-    // The second try has the size that the first one asks for.
-    let moved = farthest(off, &aside);
-    if !(WANTED / 30.0..LARGEST).contains(&moved) {
-        step *= WANTED / moved.max(ROUNDING);
-        step = step.signum() * step.abs().min(room(candidate).abs());
-        aside = run(fit, &on(step)?, r, steps)?;
-    }
-    Some((slopes(fit, r, step, off, &aside), step))
-}
-
-/// Derivatives by the strength in units of the noise.
-fn slopes(fit: &Joint, r: usize, step: f64, off: &Prediction, aside: &Prediction) -> Vec<Vec<[f64; 2]>> {
-    in_noise(fit, r, |t, k| {
-        let (aside, off) = (aside.position[t][k], off.position[t][k]);
-        [0, 1].map(|axis| (aside[axis] - off[axis]) / step)
-    })
+    members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r)).collect()
 }
 
 /// Movements of the points of a release by track and place among its samples, m, in units of the noise
 /// where they are fitted.
-pub(super) fn in_noise(
-    fit: &Joint,
-    r: usize,
-    moved: impl Fn(usize, usize) -> [f64; 2],
-) -> Vec<Vec<[f64; 2]>> {
+pub(super) fn in_noise(fit: &Joint, r: usize, moved: impl Fn(usize, usize) -> [f64; 2]) -> Moved {
     let of_track = |(t, series): (usize, &Series)| {
         let per = fit.objective.measured[r].noise[t].recip();
         series.samples.iter().map(|k| moved(t, *k).map(|moved| per * moved)).collect()
@@ -180,17 +224,86 @@ pub(super) fn in_noise(
     fit.found.at.carried.blocks[r].iter().enumerate().map(of_track).collect()
 }
 
-/// The prediction of the `r`-th release by a trial, on the steps that are given, or else on those of the fit.
-fn run(fit: &Joint, trial: &Trial, r: usize, steps: Option<&[f64]>) -> Option<Prediction> {
+/// The prediction of the `r`-th release, on the steps of the fit.
+fn run(fit: &Joint, trial: &Trial, r: usize) -> Option<Prediction> {
+    let steps = fit.found.view.steps.as_ref().map(|steps| &steps[r][..]);
+    run_on(fit, trial, r, steps)
+}
+
+fn run_on(fit: &Joint, trial: &Trial, r: usize, steps: Option<&[f64]>) -> Option<Prediction> {
     let (part, view) = (&fit.objective.part, &fit.found.view);
-    let steps = steps.or(view.steps.as_ref().map(|steps| &steps[r][..]));
     let measured = &fit.objective.measured[r];
     let (locals, count) = (&part.locals[r], view.counts[r]);
     predict(trial, measured, locals, &part.unknowns, &fit.found.x, count, view.fidelity, steps, None).ok()
 }
 
-/// The largest distance of two predictions, m.
-fn farthest(a: &Prediction, b: &Prediction) -> f64 {
-    let pairs = a.position.iter().flatten().zip(b.position.iter().flatten());
-    pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max)
+#[cfg(test)]
+mod tests {
+    use efam_core::example::muscle_at_15_psi;
+    use efam_core::forward::{Run, uniform};
+    use efam_experiments::release::{Point, Release, Track};
+    use nalgebra::DVector;
+
+    use super::*;
+    use crate::calibrate::prediction::{Fidelity, Slopes};
+    use crate::calibrate::{FittedParameter, Nuisances, Problem};
+    use crate::diagnose::DiagnosisSettings;
+    use crate::diagnose::candidate::candidates;
+
+    const NOISE: f64 = 3e-4;
+
+    fn problem() -> Problem {
+        let time = uniform(0.6, 40.0);
+        let track = |marker: &str, at: Point| Track {
+            marker: marker.to_owned(),
+            at,
+            position: vec![Some([0.0; 2]); time.len()],
+            noise: NOISE,
+            discrepancy: 0.0,
+        };
+        let release = Release {
+            name: "made-up".to_owned(),
+            release_uncertainty: 0.01,
+            tracks: vec![track("tip", Point::Tip), track("middle", Point::Along(0.5))],
+            pressure: Some(1e5),
+            payload: 0.0,
+            held_out: false,
+            time,
+        };
+        Problem {
+            trials: vec![Trial { release, model: muscle_at_15_psi(), run: Run::release(0.6, 40.0) }],
+            parameters: vec![FittedParameter::new("rod.bending_stiffness", Scope::Shared)],
+            nuisances: Nuisances::default(),
+        }
+    }
+
+    /// All candidates in one run against a run of each with a little of it, on fine steps. What acts on the fastest modes, and
+    /// friction, which turns round within a step, is good to an eighth, most others to a hundredth.
+    #[test]
+    fn movements_side_by_side_are_those_of_each_alone() {
+        let problem = problem();
+        let fine = Fidelity { tolerance: 1e-7, refinement: 1 };
+        let fit = Joint::at(&problem, &[], Slopes::Variational, fine).unwrap();
+        let all = candidates(&problem, &DiagnosisSettings::default());
+        let moved = movements(&fit, &all, &|_| ());
+        let flat = |moved: Moved| DVector::from_vec(moved.concat().concat());
+        let mut exact = 0;
+        for (candidate, moved) in all.iter().zip(moved) {
+            let moved = flat(moved.unwrap().remove(0));
+            let step =
+                (20.0 * WANTED / (NOISE * moved.amax())).min(room(candidate).abs()).copysign(room(candidate));
+            let on = candidate.on(&problem.trials[0], candidate.null_value + step).unwrap();
+            let aside = run(&fit, &on, 0).unwrap();
+            // A memory that turns round within a step halves it.
+            let off = run_on(&fit, &problem.trials[0], 0, Some(&aside.steps)).unwrap();
+            let difference = in_noise(&fit, 0, |t, k| {
+                let (aside, off) = (aside.position[t][k], off.position[t][k]);
+                [0, 1].map(|axis| (aside[axis] - off[axis]) / step)
+            });
+            let error = (flat(difference) - &moved).norm() / moved.norm();
+            assert!(error < 0.125, "{} {error}", candidate.name());
+            exact += usize::from(error < 0.01);
+        }
+        assert!(2 * exact > all.len(), "{exact} of {}", all.len());
+    }
 }

@@ -22,6 +22,7 @@ use super::warnings::is_strained;
 use super::{Before, Course};
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::prediction::Slopes;
+use crate::calibrate::search::FIT;
 use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -70,7 +71,7 @@ pub(super) fn before(problem: &Problem) -> Result<Option<Before>, CalibrateError
     let Some(first_swings) = lost(problem)? else { return Ok(None) };
     let mut problem = problem.clone();
     set(&mut problem, &first_swings.known);
-    let fit = match Joint::at(&problem, &first_swings.known, Slopes::Variational) {
+    let fit = match Joint::at(&problem, &first_swings.known, Slopes::Variational, FIT) {
         Ok(fit) => fit,
         Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
         Err(error) => return Err(error),

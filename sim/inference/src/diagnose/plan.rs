@@ -14,12 +14,13 @@ use serde::Serialize;
 
 use super::DiagnosisSettings;
 use super::candidate::{Candidate, candidates};
-use super::design_matrix::{Column, columns, predictions};
+use super::design_matrix::{Column, predictions};
 use super::planned::record;
-use super::score::{APART, gram, unit_distance};
+use super::score::{APART, columns, gram, unit_distance};
 use super::section::{SHARED, USUAL_TILT, admit_tilt};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Slopes;
+use crate::calibrate::refine::LAST;
 use crate::calibrate::repeats::Repeats;
 use crate::calibrate::{CalibrateError, FittedParameter, Nuisances, Problem, Scope, Trial};
 
@@ -100,10 +101,10 @@ pub fn plan(
         Some(repeats) => repeats.heard_in(&recorded),
         None => recorded,
     };
-    let fit = Joint::at(&recorded, &[], Slopes::Differences)?;
+    let fit = Joint::at(&recorded, &[], Slopes::Differences, LAST)?;
     let off = predictions(&fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let candidates = candidates(&recorded, &DiagnosisSettings::default());
-    let columns = columns(&fit, &off, &candidates, tell);
+    let columns = columns(&candidates, &fit, &off, tell);
     let gram = gram(&fit, &columns);
     let traces: Vec<Trace> =
         candidates.iter().enumerate().map(|(c, candidate)| Trace::of(candidate, c, &columns)).collect();

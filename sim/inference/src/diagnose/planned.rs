@@ -5,12 +5,13 @@ use efam_experiments::release::{Point, Track};
 
 use super::Course;
 use super::candidate::Candidate;
-use super::design_matrix::{columns, predictions};
-use super::score::{APART, distance, gram};
+use super::design_matrix::predictions;
+use super::score::{APART, columns, distance, gram};
 use super::summary_text::listed;
 use super::verdict::{Separation, Verdict};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;
+use crate::calibrate::refine::LAST;
 use crate::calibrate::{CalibrateError, Problem, Scope, Trial};
 
 /// What could be recorded besides.
@@ -155,9 +156,9 @@ impl Pair<'_> {
     fn distance(&self, trials: &[Trial], times: u32) -> Option<f64> {
         let mut planned = repeated(self.problem, trials, times);
         record(&mut planned, self.known).ok()?;
-        let fit = Joint::at(&planned, self.known, Slopes::Variational).ok()?;
+        let fit = Joint::at(&planned, self.known, Slopes::Differences, LAST).ok()?;
         let off = predictions(&fit)?;
-        let columns = columns(&fit, &off, &self.of, &|_| ());
+        let columns = columns(&self.of, &fit, &off, &|_| ());
         let of = |c: usize| (0..columns.len()).filter(|k| columns[*k].of == c).collect::<Vec<_>>();
         let (first, second) = (of(0), of(1));
         let strengths = vec![self.strength - self.of[0].null_value; first.len()];
@@ -272,7 +273,7 @@ mod tests {
         };
         let all = candidates(&problem, &DiagnosisSettings::default());
         let named = |name: &str| all.iter().find(|own| own.name() == name).unwrap().clone();
-        let of = [named("air_drag"), named("scale")];
+        let of = [named("tip_mass"), named("scale")];
         let pair =
             Pair { problem: &problem, known: &[], of, strength: 1.0, variance_inflation: 1.0, now: 0.0 };
         let one = pair.distance(&[release()], 1).unwrap();

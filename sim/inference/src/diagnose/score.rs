@@ -17,7 +17,8 @@ use rand_xoshiro::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::design_matrix::{Column, columns};
+use super::design_matrix::{self, Column, differences, movements};
+use super::mesh_check::LAW;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::Series;
 use crate::calibrate::prediction::Prediction;
@@ -141,9 +142,39 @@ pub(super) fn scores_of(
     false_alarm: f64,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Scores {
-    let columns = columns(fit, off, candidates, tell);
+    let columns = columns(candidates, fit, off, tell);
     let subjects: Vec<Subject> = candidates.iter().map(Candidate::subject).collect();
     scores(fit, &subjects, &columns, false_alarm)
+}
+
+/// Share of a column's square that its own errors make at the tolerance of a fit: slopes of the variational equation are a per
+/// cent off, for steps damp the rod as well, and its slopes in another way.
+const OF_SLOPES: f64 = 1e-4;
+
+/// The columns of candidates at a fit that predicts `off`; `tell` hears their names. Where the fit can do so much of one that
+/// the errors of slopes are more than a tenth of what is left, they are taken by differences.
+pub(super) fn columns(
+    candidates: &[Candidate],
+    fit: &Joint,
+    off: &[Prediction],
+    tell: &(dyn Fn(&str) + Sync),
+) -> Vec<Column> {
+    let mut moved = movements(fit, candidates, tell);
+    let columns = design_matrix::columns(fit, candidates, &moved);
+    let n = fit.found.x.len();
+    let (_, hessian) = normal_equations(fit, &extended(fit, &columns), columns.len());
+    let (_, gram) = orthogonal(&hessian, n);
+    let is_hidden = |(k, column): (usize, &Column)| {
+        (LAW * gram[(k, k)] < OF_SLOPES * hessian[(n + k, n + k)]).then_some(column.of)
+    };
+    let mut hidden: Vec<usize> = columns.iter().enumerate().filter_map(is_hidden).collect();
+    hidden.dedup();
+    let exactly = |c: &usize| differences(fit, off, &candidates[*c], moved[*c].as_ref()?);
+    let exact: Vec<_> = hidden.par_iter().map(exactly).collect();
+    for (c, exact) in hidden.into_iter().zip(exact).filter(|(_, exact)| exact.is_some()) {
+        moved[c] = exact;
+    }
+    design_matrix::columns(fit, candidates, &moved)
 }
 
 /// Scores subjects at a fit.

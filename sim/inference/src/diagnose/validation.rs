@@ -12,6 +12,7 @@ use super::verdict::Gap;
 use crate::calibrate::ghosts::ghosts;
 use crate::calibrate::joint::{Estimate, Fitted, Joint};
 use crate::calibrate::prediction::Slopes;
+use crate::calibrate::search::FIT;
 use crate::calibrate::unknowns::{BASE_ANGLE, Group, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
@@ -42,7 +43,7 @@ impl HeldOut {
 
     /// What it meets of them without any fit.
     pub fn as_predicted(problem: &Problem, known: &[Estimate]) -> Result<Option<Self>, CalibrateError> {
-        Self::shown(problem, known, |held_out| Joint::at(held_out, &[], Slopes::Variational))
+        Self::shown(problem, known, |held_out| Joint::at(held_out, &[], Slopes::Variational, FIT))
     }
 
     /// What a fit makes of held-out releases, where what all share is held as it is known.
