@@ -383,7 +383,7 @@ impl Model {
 
     /// Whether a parameter, as an index into `theta`, moves points of the rod at fixed coordinates or
     /// changes the mass matrix, and not only what the laws say.
-    pub fn is_geometric(&self, parameter: usize) -> bool {
+    fn is_geometric(&self, parameter: usize) -> bool {
         let of_effect = self.effects.iter().find(|active| active.theta.contains(&parameter));
         match of_effect {
             Some(active) => {
@@ -398,19 +398,8 @@ impl Model {
         }
     }
 
-    /// Whether what a parameter, as an index into `theta`, does to the forces changes much within a step: it pulls along
-    /// the stiff edges, or is of a friction.
-    pub fn drives_roughly(&self, parameter: usize) -> bool {
-        let is_rough = |active: &Active| {
-            let about = active.effect.about();
-            about.places.contains(&Place::Edge) || about.parameters.iter().any(|own| own.is_friction)
-        };
-        let of_effect = self.effects.iter().find(|active| active.theta.contains(&parameter));
-        parameter == AXIAL_STIFFNESS || self.is_geometric(parameter) || of_effect.is_some_and(is_rough)
-    }
-
     /// Whether a parameter, as an index into `theta`, changes what one effect's law says, and nothing else.
-    pub(crate) fn is_of_law(&self, parameter: usize) -> bool {
+    pub fn is_of_law(&self, parameter: usize) -> bool {
         !self.is_geometric(parameter) && self.effects.iter().any(|active| active.theta.contains(&parameter))
     }
 

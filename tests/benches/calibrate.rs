@@ -59,6 +59,7 @@ fn six_releases(bencher: Bencher) {
                 model: start(),
                 run: Run::release(20.0, 100.0),
             })
+            .map(Into::into)
             .collect(),
         parameters: paths.map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
         nuisances: Nuisances {

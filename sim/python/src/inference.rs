@@ -113,7 +113,7 @@ pub fn calibrate(
         let begin = Instant::now();
         progress.say("reading and cleaning the recordings");
         let (mut problem, settings) = calibration::problem(&own.own, &own.cleaned()?)?;
-        problem.trials.iter_mut().for_each(|trial| trial.run.cancel = cancel.clone());
+        problem.trials_mut().for_each(|trial| trial.run.cancel = cancel.clone());
         let settings = calibration::CalibrationSettings { profile, ..settings };
         let outcome = calibration::calibrate(&problem, &settings, &Listener(cancel, progress))?;
         let found = &outcome.calibration;

@@ -66,13 +66,13 @@ pub fn of_problem(problem: &Problem) -> Vec<String> {
     if nuisances.release_instant {
         words.push("the instant of each release is fitted within its error".to_owned());
     }
-    if problem.trials.iter().any(Trial::is_held) {
+    if problem.trials().any(Trial::is_held) {
         words.push(
             "where no angle is given, a hand holds the rod bent: its force and moment, and how fast they change, are fitted"
                 .to_owned(),
         );
     }
-    let is_straight = problem.trials.iter().any(Trial::is_straight);
+    let is_straight = problem.trials().any(Trial::is_straight);
     if let Some(angle) = nuisances.hold_angle.filter(|_| is_straight) {
         words.push(format!(
             "the angle at which each release is held is fitted, to {} degrees",

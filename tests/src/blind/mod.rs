@@ -8,6 +8,8 @@ pub mod setup;
 pub mod tally;
 pub mod truth;
 
+use std::sync::Arc;
+
 use efam_core::forward::Run;
 use efam_experiments::cleaning::spurious;
 use efam_experiments::release::Release;
@@ -36,7 +38,7 @@ pub fn problem(drawn: &Drawn) -> Problem {
         let model = Model::new(&drawn.nominal).expect("the paper's muscle");
         Trial { release, model, run: Run::release(duration, 100.0) }
     };
-    let trials: Vec<Trial> = drawn.releases.iter().enumerate().map(trial).collect();
+    let trials: Vec<Arc<Trial>> = drawn.releases.iter().enumerate().map(trial).map(Arc::new).collect();
     // A balance: to a per cent, level within.
     let weighed = |path: &str| {
         let model = &trials[0].model;
@@ -76,7 +78,7 @@ fn mask(release: &mut Release) {
 /// The same with nothing locked away.
 pub fn all_fitted(drawn: &Drawn) -> Problem {
     let mut problem = problem(drawn);
-    problem.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
+    problem.trials_mut().for_each(|trial| trial.release.held_out = false);
     problem
 }
 
@@ -84,7 +86,7 @@ pub fn all_fitted(drawn: &Drawn) -> Problem {
 /// # Panics
 /// If the models have no such parameters.
 pub fn decoyed(problem: &mut Problem) {
-    for trial in &mut problem.trials {
+    for trial in problem.trials_mut() {
         trial.model = trial.model.with_nodes(16).expect("a mesh");
     }
     let model = problem.trials[0].model.clone();

@@ -1,6 +1,7 @@
 //! What twin studies share: true damping, a problem for the calibration, and how far off it lands.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use efam_core::forward::Run;
 use efam_experiments::experiment::Experiment;
@@ -74,7 +75,7 @@ pub fn fit(psi: f64, releases: Vec<Release>, start: [f64; 3]) -> Calibration {
         ..FittedParameter::new(path, Scope::Shared)
     };
     let problem = Problem {
-        trials: releases.into_iter().map(trial).collect(),
+        trials: releases.into_iter().map(trial).map(Arc::new).collect(),
         parameters: PATHS.into_iter().zip(start).map(parameter).collect(),
         nuisances: Nuisances::default(),
     };

@@ -91,7 +91,7 @@ fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
     let hidden = [Hidden::TipMass { mass: MASS }];
     let plan = Plan { pressures: vec![40.0; 2], angles: vec![0.0], duration: 3.0, ..Plan::usual(&hidden) };
     let mut problem = all_fitted(&plan.draw(912));
-    for trial in &mut problem.trials {
+    for trial in problem.trials_mut() {
         let load = [("force_z", -9.81 * MASS)];
         trial.model = trial.model.with_effect("tip_load", &load).expect("an effect of the catalogue");
     }
@@ -244,7 +244,7 @@ fn without_pressures_a_second_round_asks_for_none() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
     let plan = Plan { pressures: vec![40.0], duration: 4.0, ..Plan::of_two_angles(&[hidden]) };
     let mut problem = problem(&plan.draw(906));
-    for trial in &mut problem.trials {
+    for trial in problem.trials_mut() {
         (trial.release.pressure, trial.release.held_out) = (None, false);
     }
     problem.parameters.iter_mut().for_each(|parameter| parameter.scope = Scope::Shared);

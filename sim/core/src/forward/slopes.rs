@@ -53,7 +53,7 @@ pub(super) fn initial_slopes(
         }
         all.push(Slopes { q, v, z });
     }
-    Ok(Variational::new(system, order, all))
+    Ok(Variational::new(system, all))
 }
 
 /// The equilibrium of the hold with its derivatives, from the state in which the rod was let go there.

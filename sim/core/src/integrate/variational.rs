@@ -6,11 +6,8 @@
 //! implicit method for a linear equation is one back-substitution, so all parameters share each stage's tangent and
 //! its factors. Every step of the trajectory, whichever integrator made it, is one step here, of third order.
 //!
-//! What drives the derivatives, `∂f/∂theta`, is as smooth as the trajectory for most parameters of the laws: it is
-//! evaluated once a step, at its end, and the parabola through the last three values stands for it. A parameter
-//! of the geometry, or of a law of the edges, pulls along the stiff edges, with a force that must turn with them: a
-//! parabola's small error across an edge would bend the rod by much. Friction turns round within a step. There
-//! it is evaluated at every stage.
+//! What drives the derivatives, `∂f/∂theta`, is evaluated at every stage: a parameter of the geometry pulls along the stiff
+//! edges, with a force that must turn with them, and friction turns round within a step.
 
 use models::coupled::Coupled;
 use models::effects::LANES;
@@ -31,13 +28,6 @@ const WEIGHTS: [&[f64]; STAGES] = [
 ];
 
 type Row = [f64; LANES];
-
-/// What drives the derivatives at one time: of the velocities, shape `[2N+1]`, and of the memory that is felt.
-#[derive(Clone)]
-struct Drive {
-    force: Vec<Row>,
-    z_rate: Vec<Row>,
-}
 
 /// Derivatives of a state by [`LANES`] parameters.
 #[derive(Clone, Debug, Default)]
@@ -62,12 +52,6 @@ pub struct Variational {
     by_mass: Vec<Vec<Row>>,
     /// Stage derivatives, `[group][stage]`.
     rates: Vec<[Slopes; STAGES]>,
-    /// `[group][time]`, at `drive_times`, the last one first; of the groups whose drive is smooth.
-    drives: Vec<[Drive; 3]>,
-    /// Whether a group has a parameter whose drive is evaluated at every stage.
-    is_rough: Vec<bool>,
-    /// Empty where the parabola must begin anew.
-    drive_times: Vec<f64>,
     at: State,
     force: Vec<f64>,
     z_rate: Vec<f64>,
@@ -77,11 +61,11 @@ pub struct Variational {
     damped: Vec<Row>,
 }
 
-/// Parameters that move the rod, in the order in which they fill the groups: those that cost more
-/// stand together.
+/// Parameters that move the rod, in the order in which they fill the groups: those of one law alone, which cost less, stand
+/// together.
 pub fn lane_order(model: &Model, parameters: &[usize]) -> Vec<usize> {
     let mut order: Vec<usize> = parameters.iter().copied().filter(|k| !model.is_of_sensor(*k)).collect();
-    order.sort_by_key(|k| model.drives_roughly(*k));
+    order.sort_by_key(|k| !model.is_of_law(*k));
     order
 }
 
@@ -117,12 +101,10 @@ impl Slopes {
 }
 
 impl Variational {
-    /// Starts with the derivatives of the initial state by `parameters`, one entry a group, for a
-    /// `system` that watches them.
-    pub fn new(system: System, parameters: &[usize], mut slopes: Vec<Slopes>) -> Self {
+    /// Starts with the derivatives of the initial state by what a `system` watches, one entry a group.
+    pub fn new(system: System, mut slopes: Vec<Slopes>) -> Self {
         let model = &system.model;
         slopes.iter_mut().for_each(|slopes| slopes.z.truncate(model.felt_memory()));
-        let is_rough = |group: &[usize]| group.iter().any(|k| model.drives_roughly(*k));
         let zeros = Slopes::zeros(model);
         let state = State {
             time: 0.0,
@@ -133,12 +115,6 @@ impl Variational {
         Self {
             start: slopes.clone(),
             rates: vec![std::array::from_fn(|_| zeros.clone()); slopes.len()],
-            drives: vec![
-                std::array::from_fn(|_| Drive { force: zeros.q.clone(), z_rate: zeros.z.clone() });
-                slopes.len()
-            ],
-            drive_times: Vec::with_capacity(3),
-            is_rough: parameters.chunks(LANES).map(is_rough).collect(),
             by_mass: (0..slopes.len()).map(|group| system.mass_by_parameters(group).collect()).collect(),
             start_velocity: state.v.clone(),
             force: state.v.clone(),
@@ -176,7 +152,6 @@ impl Variational {
                 }
             }
         }
-        self.update_drives(integrator, begin, end);
         for stage in 0..STAGES {
             let time = begin + NODES[stage] * h;
             integrator.interpolate(time, &mut self.at);
@@ -187,71 +162,21 @@ impl Variational {
             if self.matrix.factorize().is_err() {
                 return Err(IntegrateError::StepTooSmall { time, step: h, node: 0 });
             }
-            let weights = self.drive_weights(time);
             for group in 0..self.slopes.len() {
-                self.solve_stage(group, stage, a, h, weights);
+                self.solve_stage(group, stage, a, h);
             }
         }
         Ok(())
     }
 
-    /// Evaluates what drives the derivatives at the end of the step; at the first step, and behind
-    /// a kink of the schedule, also at its start and middle.
-    fn update_drives(&mut self, integrator: &mut dyn Integrator, begin: f64, end: f64) {
-        let schedule = self.system.model.schedule.as_ref();
-        if schedule
-            .is_some_and(|schedule| schedule.breakpoints().iter().any(|kink| (kink - begin).abs() < 1e-12))
-        {
-            self.drive_times.clear();
-        }
-        if self.drive_times.is_empty() {
-            for time in [begin, 0.5 * (begin + end)] {
-                self.push_drive(integrator, time);
-            }
-        }
-        self.push_drive(integrator, end);
-    }
-
-    fn push_drive(&mut self, integrator: &mut dyn Integrator, time: f64) {
-        integrator.interpolate(time, &mut self.at);
-        let State { q, v, z, .. } = &self.at;
-        for (group, drives) in self.drives.iter_mut().enumerate() {
-            if self.is_rough[group] {
-                continue;
-            }
-            drives.rotate_right(1);
-            let [Drive { force, z_rate }, ..] = drives;
-            self.system.by_parameters(group, time, q, v, z, force, z_rate);
-        }
-        self.drive_times.truncate(2);
-        self.drive_times.insert(0, time);
-    }
-
-    /// Weights of the three drives at a time: Lagrange's parabola.
-    fn drive_weights(&self, time: f64) -> [f64; 3] {
-        std::array::from_fn(|k| {
-            let others = [(k + 1) % 3, (k + 2) % 3];
-            let share = |other: usize| {
-                (time - self.drive_times[other]) / (self.drive_times[k] - self.drive_times[other])
-            };
-            share(others[0]) * share(others[1])
-        })
-    }
-
     /// `(a − J) Z = a known + b`, then the stage's rate is `a (Z − known)`.
-    fn solve_stage(&mut self, group: usize, stage: usize, a: f64, h: f64, weights: [f64; 3]) {
+    fn solve_stage(&mut self, group: usize, stage: usize, a: f64, h: f64) {
         let Self { system, at, known, residual, damped, matrix, .. } = self;
         known.copy_from(&self.start[group]);
         for (weight, rate) in WEIGHTS[stage].iter().zip(&self.rates[group]) {
             known.add(weight * h, rate);
         }
-        if self.is_rough[group] {
-            system.by_parameters(group, at.time, &at.q, &at.v, &at.z, &mut residual.v, &mut residual.z);
-        } else {
-            let drives = &self.drives[group];
-            blend(weights, drives.each_ref().map(|drive| &drive.force[..]), &mut residual.v);
-            blend(weights, drives.each_ref().map(|drive| &drive.z_rate[..]), &mut residual.z);
-        }
+        system.by_parameters(group, at.time, &at.q, &at.v, &at.z, &mut residual.v, &mut residual.z);
         for (k, (r_f, damped)) in residual.v.iter_mut().zip(&mut *damped).enumerate() {
             let (by_mass, known_q, known_w) = (&self.by_mass[group][k], &known.q[k], &known.v[k]);
             for p in 0..LANES {
@@ -310,15 +235,6 @@ impl Variational {
                     + weights[2] * end.q[k][p]
                     + weights[3] * end.v[k][p];
             }
-        }
-    }
-}
-
-/// `sum = Σ weight term`.
-fn blend(weights: [f64; 3], [x, y, z]: [&[Row]; 3], sum: &mut [Row]) {
-    for (sum, ((x, y), z)) in sum.iter_mut().zip(x.iter().zip(y).zip(z)) {
-        for p in 0..LANES {
-            sum[p] = weights[0] * x[p] + weights[1] * y[p] + weights[2] * z[p];
         }
     }
 }

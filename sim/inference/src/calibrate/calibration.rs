@@ -164,7 +164,7 @@ impl Calibration {
     /// A problem with what was found in its models.
     pub fn applied(&self, problem: &Problem) -> Problem {
         let mut problem = problem.clone();
-        for trial in &mut problem.trials {
+        for trial in problem.trials_mut() {
             let release = &trial.release;
             let is_own = |one: &&Calibrated| match (&one.release, one.pressure_pa) {
                 (Some(own), _) => *own == release.name,
@@ -181,7 +181,7 @@ impl Calibration {
     /// The same, each rod let go from the angle at which it was held.
     pub fn as_held(&self, problem: &Problem) -> Problem {
         let mut problem = self.applied(problem);
-        for trial in &mut problem.trials {
+        for trial in problem.trials_mut() {
             if let Ok(k) = trial.model.index("release.angle") {
                 trial.model.theta[k] += self.nuisance(&trial.release.name, HOLD_ANGLE);
             }

@@ -17,6 +17,8 @@
 //! Source: Kennedy and O'Hagan (2001), Journal of the Royal Statistical Society B 63, 425-464, for a discrepancy beside
 //! the noise; Bayley and Hammersley (1946), Supplement to the same, 8, 184-197, for w.
 
+use std::sync::Arc;
+
 use efam_experiments::release::Track;
 
 use super::autocorrelation::{Autocovariance, products};
@@ -88,11 +90,11 @@ pub(super) fn hear(objective: &mut Objective, found: &Found) -> bool {
 }
 
 /// A problem whose samples are weighed by what a fit of it misses; none where that changes nothing.
-pub(crate) fn heard(problem: &Problem, fit: &Joint) -> Option<Problem> {
-    let (mut problem, mut has_changed) = (problem.clone(), false);
+pub(crate) fn heard(fit: &Joint) -> Option<Problem> {
+    let (mut problem, mut has_changed) = (fit.problem.clone(), false);
     for (r, trial) in fit.objective.part.trials.iter().enumerate() {
         let measured = &fit.objective.measured[r];
-        let tracks = problem.trials[*trial].release.tracks.iter_mut().enumerate();
+        let tracks = Arc::make_mut(&mut problem.trials[*trial]).release.tracks.iter_mut().enumerate();
         for ((t, track), beyond) in tracks.zip(beyond(&fit.objective, &fit.found, r)) {
             let change = measured.camera_noise[t].hypot(beyond) / measured.noise[t];
             has_changed |= change.ln().abs() > CHANGED;
@@ -108,7 +110,7 @@ fn beyond(objective: &Objective, found: &Found, r: usize) -> Vec<f64> {
     let places = objective.places(r, 0);
     let is_sought = |column: &usize| !objective.part.unknowns[places[*column]].is_nuisance();
     let sought: Vec<usize> = (0..places.len()).filter(is_sought).collect();
-    let (trial, measured) = (objective.part.members[r], &objective.measured[r]);
+    let (trial, measured) = (&objective.part.members[r], &objective.measured[r]);
     let tracks = found.at.carried.blocks[r].iter().enumerate().zip(&trial.release.tracks);
     let of_track = |((t, series), track): ((usize, &Series), &Track)| {
         let missed = missed(series, &measured.samples, measured.noise[t]);

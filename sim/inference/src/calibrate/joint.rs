@@ -1,5 +1,7 @@
 //! All releases fitted together, for one who goes on from there: a diagnosis.
 
+use std::sync::Arc;
+
 use efam_core::levenberg_marquardt::Solution;
 use nalgebra::DVector;
 
@@ -50,48 +52,39 @@ impl Estimate {
     }
 }
 
-/// A fit of all releases that are not held out.
-pub(crate) struct Joint<'a> {
-    pub objective: Objective<'a>,
+/// A fit of all releases of a problem that are not held out.
+#[derive(Clone)]
+pub(crate) struct Joint {
+    pub problem: Problem,
+    pub objective: Arc<Objective>,
     pub found: Found,
     /// What may be left of the mesh's error, m, root mean square of each release; none where it was not
     /// removed anew.
     pub left_of_mesh: Option<Vec<f64>>,
 }
 
-/// A fit with the problem that it is of.
-#[derive(Clone)]
-pub(crate) struct Fitted {
-    pub problem: Problem,
-    found: Found,
+/// What a fit of all releases of a problem lowers.
+fn objective_of(problem: &Problem) -> Result<Objective, CalibrateError> {
+    Objective::new(whole(problem, Unknowns::of(problem)?))
 }
 
-impl Fitted {
-    /// A fit of `problem`.
-    pub fn new(problem: Problem, found: Found) -> Self {
-        Self { problem, found }
+impl Joint {
+    fn new(problem: &Problem, objective: Objective, found: Found) -> Self {
+        Self { problem: problem.clone(), objective: objective.into(), found, left_of_mesh: None }
     }
 
     /// The same fit of a problem that differs in nothing that was fitted.
-    pub fn with_problem(&self, problem: Problem) -> Self {
-        Self { problem, found: self.found.clone() }
-    }
-
-    /// The fit, as it was found.
     /// # Errors
     /// [`CalibrateError`] where the problem is another one than was fitted.
-    pub fn fit(&self) -> Result<Joint<'_>, CalibrateError> {
-        let objective = Objective::new(whole(&self.problem, Unknowns::of(&self.problem)?))?;
-        Ok(Joint { objective, found: self.found.clone(), left_of_mesh: None })
+    pub fn with_problem(&self, problem: Problem) -> Result<Self, CalibrateError> {
+        Ok(Self { objective: objective_of(&problem)?.into(), problem, ..self.clone() })
     }
-}
 
-impl<'a> Joint<'a> {
     /// Searches from the problem's start.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense, and where no start leads to a fit.
-    pub fn search(problem: &'a Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Self, CalibrateError> {
-        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+    pub fn search(problem: &Problem, tell: &(dyn Fn(&str) + Sync)) -> Result<Self, CalibrateError> {
+        let objective = objective_of(problem)?;
         let start = objective.start();
         let say = |stage: &super::Stage, _: &DVector<f64>| match stage.swings {
             Some(swings) => {
@@ -101,24 +94,24 @@ impl<'a> Joint<'a> {
         };
         let Some(mut found) = search(&objective, &start, &say) else { return Err(objective.refusal(&start)) };
         let left_of_mesh = refine(&objective, &mut found, false, tell).map(|mesh| mesh.left);
-        Ok(Self { objective, found, left_of_mesh })
+        Ok(Self { left_of_mesh, ..Self::new(problem, objective, found) })
     }
 
     /// Fits the first samples of each release at once, with what mesh and step do; and how far the best is from them,
     /// as a share of their motion. None where no start can be run.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn meet(problem: &'a Problem, counts: &[usize]) -> Result<Option<(Self, f64)>, CalibrateError> {
-        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+    pub fn meet(problem: &Problem, counts: &[usize]) -> Result<Option<(Self, f64)>, CalibrateError> {
+        let objective = objective_of(problem)?;
         let met = meet(&objective, counts);
-        Ok(met.map(|(found, share)| (Self { objective, found, left_of_mesh: None }, share)))
+        Ok(met.map(|(found, share)| (Self::new(problem, objective, found), share)))
     }
 
     /// How many samples of each release lie within so many small swings of the slowest one.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
     pub fn first_swings(problem: &Problem, swings: f64) -> Result<Vec<usize>, CalibrateError> {
-        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let objective = objective_of(problem)?;
         let times = swing_times(&objective, &objective.start());
         let longest = times.iter().copied().fold(0.0, f64::max);
         Ok(counts(&objective, &vec![longest; times.len()], swings))
@@ -129,7 +122,7 @@ impl<'a> Joint<'a> {
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
     pub fn follow(
-        problem: &'a Problem,
+        problem: &Problem,
         known: &[Estimate],
         tell: &dyn Fn(&str),
     ) -> Result<Option<Self>, CalibrateError> {
@@ -149,33 +142,30 @@ impl<'a> Joint<'a> {
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
     pub fn approach(
-        problem: &'a Problem,
+        problem: &Problem,
         known: &[Estimate],
         like: &View,
         has_own_steps: bool,
         share: f64,
     ) -> Result<Option<Self>, CalibrateError> {
-        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let objective = objective_of(problem)?;
         let x = placed(&objective, known);
-        Ok(Self::like(objective, &x, like, has_own_steps, share))
+        Ok(Self::like(problem, objective, &x, like, has_own_steps, share))
     }
 
     /// Searches from the problem's start, and then as [`Joint::approach`] does.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn search_like(
-        problem: &'a Problem,
-        like: &View,
-        share: f64,
-    ) -> Result<Option<Self>, CalibrateError> {
-        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+    pub fn search_like(problem: &Problem, like: &View, share: f64) -> Result<Option<Self>, CalibrateError> {
+        let objective = objective_of(problem)?;
         let found = search(&objective, &objective.start(), &|_, _| ());
-        Ok(found.and_then(|found| Self::like(objective, &found.x, like, true, share)))
+        Ok(found.and_then(|found| Self::like(problem, objective, &found.x, like, true, share)))
     }
 
     /// The minimum near a point with what mesh and step do as another fit has found it.
     fn like(
-        objective: Objective<'a>,
+        problem: &Problem,
+        objective: Objective,
         x: &DVector<f64>,
         like: &View,
         has_own_steps: bool,
@@ -185,15 +175,15 @@ impl<'a> Joint<'a> {
         if has_own_steps {
             view.steps = Some(objective.see(x, &View { steps: None, ..like.clone() }, None)?.steps);
         }
-        Self::near(objective, x, view, share)
+        Self::near(problem, objective, x, view, share)
     }
 
     /// Comes near the minimum over all releases of a problem that two fits have between them, from what those
     /// know, and with what mesh and step do as they have found it. None where the model cannot be run there.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn together(problem: &'a Problem, parts: [&Joint; 2]) -> Result<Option<Self>, CalibrateError> {
-        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+    pub fn together(problem: &Problem, parts: [&Joint; 2]) -> Result<Option<Self>, CalibrateError> {
+        let objective = objective_of(problem)?;
         let seen = |t: &usize| {
             parts.iter().find_map(|part| {
                 let r = part.objective.part.trials.iter().position(|own| own == t)?;
@@ -204,15 +194,21 @@ impl<'a> Joint<'a> {
         let Some(view) = releases.and_then(|releases| View::gathered(&releases)) else { return Ok(None) };
         let view = View { slopes: Slopes::Variational, ..view };
         let x = placed(&objective, &parts.map(|part| part.known()).concat());
-        Ok(Self::near(objective, &x, view, 0.0))
+        Ok(Self::near(problem, objective, &x, view, 0.0))
     }
 
     /// The minimum near a point, under one view; the search ends where it gains no more than a `share` of the cost.
-    fn near(objective: Objective<'a>, x: &DVector<f64>, view: View, share: f64) -> Option<Self> {
+    fn near(
+        problem: &Problem,
+        objective: Objective,
+        x: &DVector<f64>,
+        view: View,
+        share: f64,
+    ) -> Option<Self> {
         let Solution { x, at, predicted, converged, .. } =
             minimise_in(&objective, x, None, &view, 1.0, share)?;
         let found = Found { x, at, view, stages: Vec::new(), predicted, converged, starts: 1 };
-        Some(Self { objective, found, left_of_mesh: None })
+        Some(Self::new(problem, objective, found))
     }
 
     /// What is known, as it is: unknowns that are among it are there, others at their start, and nothing
@@ -220,12 +216,12 @@ impl<'a> Joint<'a> {
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense, and where the model cannot be run there.
     pub fn at(
-        problem: &'a Problem,
+        problem: &Problem,
         known: &[Estimate],
         slopes: Slopes,
         fidelity: Fidelity,
     ) -> Result<Self, CalibrateError> {
-        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+        let objective = objective_of(problem)?;
         let x = placed(&objective, known);
         let view = View { fidelity, ..View::of_all(&objective) };
         let Some(seen) = objective.see(&x, &view, None) else { return Err(objective.refusal(&x)) };
@@ -233,17 +229,14 @@ impl<'a> Joint<'a> {
         let Some(at) = objective.evaluate(&x, &view, None) else { return Err(objective.refusal(&x)) };
         let found =
             Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
-        Ok(Self { objective, found, left_of_mesh: None })
+        Ok(Self::new(problem, objective, found))
     }
 
     /// Residuals at what is known, with what they were measured by.
     /// # Errors
     /// As [`Joint::at`].
-    pub fn seen(
-        problem: &'a Problem,
-        known: &[Estimate],
-    ) -> Result<(Objective<'a>, Evaluation), CalibrateError> {
-        let objective = Objective::new(whole(problem, Unknowns::of(problem)?))?;
+    pub fn seen(problem: &Problem, known: &[Estimate]) -> Result<(Objective, Evaluation), CalibrateError> {
+        let objective = objective_of(problem)?;
         let x = placed(&objective, known);
         match objective.see(&x, &View::of_all(&objective), None) {
             Some(seen) => Ok((objective, seen)),

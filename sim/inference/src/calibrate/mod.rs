@@ -72,8 +72,8 @@ impl Default for CalibrationSettings {
 }
 
 /// One part of a problem, fitted.
-pub(crate) struct Fitted<'a> {
-    objective: Objective<'a>,
+pub(crate) struct PartFit {
+    objective: Objective,
     found: Found,
     uncertainty: Uncertainty,
     numerics: Option<Correction>,
@@ -129,7 +129,7 @@ pub fn calibrate(
     let problem = heard.as_ref().unwrap_or(problem);
     let unknowns = Unknowns::of(problem)?;
     let parts = parts(problem, &unknowns);
-    let fitted: Vec<Fitted> = parts
+    let fitted: Vec<PartFit> = parts
         .into_par_iter()
         .map(|part| fit(part, settings, listener))
         .collect::<Vec<_>>()
@@ -142,11 +142,11 @@ pub fn calibrate(
     Ok(outcome)
 }
 
-fn fit<'a>(
-    part: Part<'a>,
+fn fit(
+    part: Part,
     settings: &CalibrationSettings,
     listener: &dyn Listener,
-) -> Result<Fitted<'a>, CalibrateError> {
+) -> Result<PartFit, CalibrateError> {
     let mut objective = Objective::new(part)?;
     let start = objective.start();
     let name = match &objective.part.members[..] {
@@ -193,5 +193,5 @@ fn fit<'a>(
             Some(k).filter(is_wanted).and_then(|k| profile::profile(&objective, &found, &uncertainty, k))
         })
         .collect();
-    Ok(Fitted { objective, found, uncertainty, numerics, shift, effort, profiles })
+    Ok(PartFit { objective, found, uncertainty, numerics, shift, effort, profiles })
 }

@@ -88,7 +88,7 @@ fn one(
     steps: Option<&[f64]>,
 ) -> Option<Prediction> {
     let (part, measured) = (&objective.part, &objective.measured[r]);
-    predict(part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, steps, None).ok()
+    predict(&part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, steps, None).ok()
 }
 
 #[derive(Default)]

@@ -89,8 +89,8 @@ pub(crate) struct Evaluation {
 }
 
 /// The cost of a part.
-pub(crate) struct Objective<'a> {
-    pub part: Part<'a>,
+pub(crate) struct Objective {
+    pub part: Part,
     /// Of each release.
     pub measured: Vec<Measured>,
     effort: [AtomicUsize; 2],
@@ -110,11 +110,11 @@ impl Evaluation {
     }
 }
 
-impl<'a> Objective<'a> {
+impl Objective {
     /// The cost of a part.
     /// # Errors
     /// [`CalibrateError`] for a release that cannot be fitted.
-    pub fn new(part: Part<'a>) -> Result<Self, CalibrateError> {
+    pub fn new(part: Part) -> Result<Self, CalibrateError> {
         let measured = part.members.iter().map(|trial| Measured::of(trial)).collect::<Result<_, _>>()?;
         Ok(Self { part, measured, effort: Default::default() })
     }
@@ -178,7 +178,7 @@ impl<'a> Objective<'a> {
         view: &View,
         slopes: Option<Slopes>,
     ) -> Option<(Vec<Series>, Vec<f64>)> {
-        let (trial, measured) = (self.part.members[r], &self.measured[r]);
+        let (trial, measured) = (&self.part.members[r], &self.measured[r]);
         let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
         let (count, fidelity) = (view.counts[r], view.fidelity);
         let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
@@ -369,7 +369,7 @@ mod tests {
         let stiffness =
             FittedParameter { prior, ..FittedParameter::new("rod.bending_stiffness", Scope::Shared) };
         Problem {
-            trials: vec![trial(1), trial(2)],
+            trials: vec![trial(1).into(), trial(2).into()],
             parameters: vec![
                 stiffness,
                 FittedParameter::new("effects.rayleigh_mass.alpha", Scope::PerRelease),

@@ -9,7 +9,7 @@ use super::misfit::Misfit;
 use super::problem::{Problem, Scale, Scope};
 use super::uncertainty::TrackStatistics;
 use super::unknowns::{Group, Scaled, UnknownKind, Unknowns};
-use super::{Fitted, warnings};
+use super::{PartFit, warnings};
 use crate::normal::NORMAL_95;
 
 /// What was found, and the curves to show.
@@ -38,7 +38,7 @@ pub struct Curve {
     pub predicted: Vec<[f64; 2]>,
 }
 
-pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[Fitted]) -> CalibrationOutcome {
+pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[PartFit]) -> CalibrationOutcome {
     let mut calibration = Calibration::default();
     let mut all: Vec<Option<Calibrated>> = vec![None; unknowns.list.len()];
     let mut fits: Vec<Option<ReleaseFit>> = vec![None; problem.trials.len()];
@@ -88,7 +88,7 @@ pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[Fitted])
     CalibrationOutcome { calibration, curves: curves.into_iter().flatten().collect() }
 }
 
-fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
+fn calibrated(problem: &Problem, fit: &PartFit, k: usize) -> Calibrated {
     let unknown = &fit.objective.part.unknowns[k];
     let x = fit.found.x[k];
     let (low, high) = unknown.bounds;
@@ -132,7 +132,7 @@ fn calibrated(problem: &Problem, fit: &Fitted, k: usize) -> Calibrated {
     }
 }
 
-fn correlations(fit: &Fitted, own: &[Calibrated], places: &[usize]) -> Correlations {
+fn correlations(fit: &PartFit, own: &[Calibrated], places: &[usize]) -> Correlations {
     let of = |a: usize, b: usize| fit.uncertainty.covariance[(a, b)];
     let row = |a: &usize| {
         let entry = |b: &usize| of(*a, *b) / (of(*a, *a) * of(*b, *b)).sqrt().max(f64::MIN_POSITIVE);
@@ -144,7 +144,7 @@ fn correlations(fit: &Fitted, own: &[Calibrated], places: &[usize]) -> Correlati
     }
 }
 
-fn release_fit(problem: &Problem, fit: &Fitted, r: usize, curves: &[Curve]) -> ReleaseFit {
+fn release_fit(problem: &Problem, fit: &PartFit, r: usize, curves: &[Curve]) -> ReleaseFit {
     let t = fit.objective.part.trials[r];
     let (release, measured) = (&problem.trials[t].release, &fit.objective.measured[r]);
     let tip = release.leading_track();
@@ -176,7 +176,7 @@ fn release_fit(problem: &Problem, fit: &Fitted, r: usize, curves: &[Curve]) -> R
 }
 
 /// How far a fit is from the recording of the tip; what the loss holds back is a ghost.
-fn misfit(fit: &Fitted, r: usize, tip: usize, curve: &Curve) -> Misfit {
+fn misfit(fit: &PartFit, r: usize, tip: usize, curve: &Curve) -> Misfit {
     let (series, measured) = (&fit.found.at.carried.blocks[r][tip], &fit.objective.measured[r]);
     let noise = measured.noise[tip];
     let mut seen = Curve { time: Vec::new(), measured: Vec::new(), predicted: Vec::new(), ..curve.clone() };
@@ -197,7 +197,7 @@ fn excursion(release: &Release) -> f64 {
     seen().map(|at| (at[0] - x).hypot(at[1] - z)).fold(0.0, f64::max)
 }
 
-fn of_release(problem: &Problem, fit: &Fitted, r: usize) -> Vec<Curve> {
+fn of_release(problem: &Problem, fit: &PartFit, r: usize) -> Vec<Curve> {
     let release = &problem.trials[fit.objective.part.trials[r]].release;
     let measured = &fit.objective.measured[r];
     let curve = |(t, series): (usize, &super::objective::Series)| {

@@ -1,15 +1,17 @@
 //! Parts of a problem that share no unknown: each is calibrated by itself.
 
+use std::sync::Arc;
+
 use super::problem::{Problem, Trial};
 use super::unknowns::{Local, Unknown, Unknowns};
 
 /// Releases that hang together by common unknowns.
 #[derive(Clone)]
-pub(crate) struct Part<'a> {
+pub(crate) struct Part {
     /// The releases, as places in the problem.
     pub trials: Vec<usize>,
     /// The same, themselves.
-    pub members: Vec<&'a Trial>,
+    pub members: Vec<Arc<Trial>>,
     /// The unknowns, as places among all.
     pub places: Vec<usize>,
     /// The same, themselves.
@@ -19,11 +21,11 @@ pub(crate) struct Part<'a> {
 }
 
 /// All fitted releases as one part, whether or not they share an unknown.
-pub(crate) fn whole<'a>(problem: &'a Problem, unknowns: Unknowns) -> Part<'a> {
+pub(crate) fn whole(problem: &Problem, unknowns: Unknowns) -> Part {
     let trials: Vec<usize> =
         (0..problem.trials.len()).filter(|t| !problem.trials[*t].release.held_out).collect();
     Part {
-        members: trials.iter().map(|t| &problem.trials[*t]).collect(),
+        members: trials.iter().map(|t| problem.trials[*t].clone()).collect(),
         locals: trials.iter().map(|t| unknowns.of_trial[*t].clone()).collect(),
         places: (0..unknowns.list.len()).collect(),
         unknowns: unknowns.list,
@@ -32,7 +34,7 @@ pub(crate) fn whole<'a>(problem: &'a Problem, unknowns: Unknowns) -> Part<'a> {
 }
 
 /// The parts in the order of their first release.
-pub(crate) fn parts<'a>(problem: &'a Problem, unknowns: &Unknowns) -> Vec<Part<'a>> {
+pub(crate) fn parts(problem: &Problem, unknowns: &Unknowns) -> Vec<Part> {
     let count = problem.trials.len();
     let mut part_of: Vec<usize> = (0..count).collect();
     for unknown in 0..unknowns.list.len() {
@@ -59,7 +61,7 @@ pub(crate) fn parts<'a>(problem: &'a Problem, unknowns: &Unknowns) -> Vec<Part<'
             ..*local
         };
         parts.push(Part {
-            members: trials.iter().map(|t| &problem.trials[*t]).collect(),
+            members: trials.iter().map(|t| problem.trials[*t].clone()).collect(),
             unknowns: places.iter().map(|u| unknowns.list[*u].clone()).collect(),
             locals: trials.iter().map(|t| unknowns.of_trial[*t].iter().map(own).collect()).collect(),
             trials,

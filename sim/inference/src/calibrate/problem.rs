@@ -1,5 +1,7 @@
 //! What is to be calibrated: measured releases, their models, and which parameters are unknown.
 
+use std::sync::Arc;
+
 use efam_core::forward::{Initial, Run};
 use efam_experiments::release::Release;
 use models::error::ModelError;
@@ -10,7 +12,7 @@ use schemars::JsonSchema;
 #[derive(Clone)]
 pub struct Problem {
     /// The releases; those held out only validate.
-    pub trials: Vec<Trial>,
+    pub trials: Vec<Arc<Trial>>,
     /// What is to be found.
     pub parameters: Vec<FittedParameter>,
     /// What is unknown of each recording, and of no interest.
@@ -108,6 +110,16 @@ impl Default for Nuisances {
 }
 
 impl Problem {
+    /// The trials.
+    pub fn trials(&self) -> impl ExactSizeIterator<Item = &Trial> {
+        self.trials.iter().map(Arc::as_ref)
+    }
+
+    /// The trials, each to be changed: one that another problem has as well becomes this one's own.
+    pub fn trials_mut(&mut self) -> impl Iterator<Item = &mut Trial> {
+        self.trials.iter_mut().map(Arc::make_mut)
+    }
+
     /// The problem with an effect of no interest in all its models, at zero, whose strength is an unknown with a prior of a
     /// deviation about that; none where models have the effect already, or cannot have it.
     pub(crate) fn with_nuisance(
@@ -120,7 +132,8 @@ impl Problem {
         if self.trials.iter().any(|trial| trial.model.effect(effect).is_some()) {
             return None;
         }
-        let trials = self.trials.iter().map(|trial| trial.with_effect(effect, &[(strength, 0.0)]));
+        let trials =
+            self.trials.iter().map(|trial| trial.with_effect(effect, &[(strength, 0.0)]).map(Arc::new));
         let mut problem = Self { trials: trials.collect::<Result<_, _>>().ok()?, ..self.clone() };
         problem.parameters.push(FittedParameter {
             start: Some(0.0),

@@ -56,7 +56,7 @@ pub(super) fn differences(fits: &[(&Objective, &Found)], conditions: &[Vec<usize
 /// The same by a fit of these releases alone, held out or not; nothing where they cannot be fitted.
 pub(super) fn fitted_apart(problem: &Problem, conditions: &[Vec<usize>]) -> Vec<Difference> {
     let mut own = problem.clone();
-    for (place, trial) in own.trials.iter_mut().enumerate() {
+    for (place, trial) in own.trials_mut().enumerate() {
         trial.release.held_out = !conditions.iter().flatten().any(|own| *own == place);
     }
     let is_stiffness = |parameter: &&mut FittedParameter| parameter.path == STIFFNESS;
@@ -209,7 +209,7 @@ pub mod tests {
     fn difference_of(a: Trial, b: Trial) -> Difference {
         let parameters = ["rod.bending_stiffness", "effects.rayleigh_mass.alpha"];
         let problem = Problem {
-            trials: vec![a, b],
+            trials: vec![a.into(), b.into()],
             parameters: parameters.map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
             nuisances: Nuisances::default(),
         };

@@ -112,7 +112,7 @@ impl Repeats {
     pub(crate) fn heard_in(&self, problem: &Problem) -> Problem {
         let mut problem = self.with_drift(problem).unwrap_or_else(|| problem.clone());
         let beyond = 1e-6 * (self.distance_mm.powi(2) - self.noise_mm.powi(2));
-        for release in problem.trials.iter_mut().map(|trial| &mut trial.release) {
+        for release in problem.trials_mut().map(|trial| &mut trial.release) {
             let coordinates = 2.0 * known(release).len() as f64;
             let shared = (coordinates / NUMBERS).max(1.0);
             for track in &mut release.tracks {
@@ -245,19 +245,19 @@ mod tests {
         };
         let trial = released(&[], 0.0, 1);
         let problem =
-            Problem { trials: vec![trial], parameters: Vec::new(), nuisances: Nuisances::default() };
+            Problem { trials: vec![trial.into()], parameters: Vec::new(), nuisances: Nuisances::default() };
         let heard = repeats.heard_in(&problem);
         let found = heard.trials[0].release.tracks[0].discrepancy;
         assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.5).sqrt()).abs() < 1e-12, "{found}");
         let most = (0.0025 + quantile_of_f(8.0, 4.0) * 0.0075).sqrt();
         assert!((repeats.largest_mm(2) - most).abs() < 1e-12);
         // A rod without a diameter is the same rod.
-        let mut without = problem.trials[0].clone();
+        let mut without = Trial::clone(&problem.trials[0]);
         without.model.theta[0] = f64::NAN;
         assert!(is_one_condition(&without, &without) && !is_one_condition(&without, &problem.trials[0]));
         // Two hands never hold a rod with the same force.
         let held = |share: f64| {
-            let mut trial = problem.trials[0].clone();
+            let mut trial = Trial::clone(&problem.trials[0]);
             let force = share * hold::sizes(&trial.model).unwrap()[1];
             trial.model =
                 trial.model.with_effect("tip_hold", &[("force_z", force), ("rate_z", 1e2 * share)]).unwrap();

@@ -122,7 +122,7 @@ fn is_explained(objective: &Objective, found: &Found) -> bool {
 
 /// Root mean square of the motion of a release about its mean in a stretch, in units of the noise.
 fn excursion(objective: &Objective, r: usize, from: usize, to: usize) -> f64 {
-    let (trial, measured) = (objective.part.members[r], &objective.measured[r]);
+    let (trial, measured) = (&objective.part.members[r], &objective.measured[r]);
     let (mut sum, mut count) = (0.0, 0);
     for (track, noise) in trial.release.tracks.iter().zip(&measured.noise) {
         let seen: Vec<_> = measured.samples[from..to].iter().filter_map(|k| track.position[*k]).collect();

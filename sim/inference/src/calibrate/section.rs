@@ -18,6 +18,8 @@
 //! scale = "logarithmic"           # linear
 //! ```
 
+use std::sync::Arc;
+
 use efam_experiments::cleaning::{CleanRelease, Cleaned};
 use efam_experiments::experiment::{Experiment, ExperimentError, Start};
 use efam_experiments::scenario::document::Keys;
@@ -103,6 +105,7 @@ pub fn problem(
         repeatability: repeatability(experiment)?,
         ..CalibrationSettings::default()
     };
+    let trials = trials.into_iter().map(Arc::new).collect();
     Ok((Problem { trials, parameters, nuisances }, settings))
 }
 

@@ -26,7 +26,7 @@ const UNKNOWN_SWING: f64 = 0.1;
 pub(super) fn swing_times(objective: &Objective, x: &DVector<f64>) -> Vec<f64> {
     let releases = 0..objective.part.members.len();
     let of = |r: usize| {
-        let (trial, measured) = (objective.part.members[r], &objective.measured[r]);
+        let (trial, measured) = (&objective.part.members[r], &objective.measured[r]);
         let (theta, _) = values(trial, &objective.part.locals[r], &objective.part.unknowns, x);
         let (mut model, _) = trial.with(&theta);
         model.schedule = None;
@@ -44,7 +44,7 @@ pub(super) fn swing_times(objective: &Objective, x: &DVector<f64>) -> Vec<f64> {
 /// How many samples of each release lie within so many swings; five at least.
 pub(super) fn counts(objective: &Objective, times: &[f64], swings: f64) -> Vec<usize> {
     let of = |(r, time): (usize, &f64)| {
-        let (trial, measured) = (objective.part.members[r], &objective.measured[r]);
+        let (trial, measured) = (&objective.part.members[r], &objective.measured[r]);
         let within = measured.samples.partition_point(|k| trial.release.time[*k] <= swings * time);
         within.max(5).min(measured.samples.len())
     };

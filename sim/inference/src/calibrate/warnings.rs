@@ -1,6 +1,6 @@
 //! What should be known before the numbers of a calibration are used.
 
-use super::Fitted;
+use super::PartFit;
 use super::calibration::{Calibrated, ReleaseFit};
 use crate::normal::CLEAR;
 
@@ -11,7 +11,7 @@ const HELD_BACK: f64 = 0.04;
 /// Share of the noise that the errors of mesh and step may have.
 const NUMERICS: f64 = 0.1;
 
-pub(super) fn of_search(fit: &Fitted) -> Option<String> {
+pub(super) fn of_search(fit: &PartFit) -> Option<String> {
     let names: Vec<_> = fit.objective.part.members.iter().map(|trial| trial.release.name.as_str()).collect();
     (!fit.found.converged).then(|| {
         format!(

@@ -182,7 +182,7 @@ impl Candidate {
             own.scope = scope;
             return Ok(problem);
         }
-        for trial in &mut problem.trials {
+        for trial in problem.trials_mut() {
             *trial = self.on(trial, self.null_value)?;
         }
         problem.parameters.push(FittedParameter {

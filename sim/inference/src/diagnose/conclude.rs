@@ -13,26 +13,23 @@ use super::warnings::{contradictions, warnings};
 use super::{Course, DiagnosisOutcome, first_swings, misfit, summary_text};
 use crate::calibrate::CalibrateError;
 use crate::calibrate::discrepancy::heard;
-use crate::calibrate::joint::{Fitted, Joint};
+use crate::calibrate::joint::Joint;
 use crate::calibrate::refine::MOST_ROUNDS;
 
 impl Course<'_> {
     /// Says what it all comes to.
     pub(super) fn conclude(mut self) -> Result<DiagnosisOutcome, CalibrateError> {
         self.weigh()?;
-        let (known, errors) = {
-            let fit = self.model.fit()?;
-            (fit.known(), errors(&fit))
-        };
+        let (known, errors) = (self.model.known(), errors(&self.model));
         let (gap, curves) = self.gaps();
         match self.diagnosis.verdict {
             // A phase that is lost has no moment that describes it.
             Verdict::Unknown if self.before.first_swings.is_some() && self.added.is_empty() => {}
             Verdict::Unknown if self.is_stopped() => {}
             Verdict::Unknown => {
-                let (ending, level) = (self.ending(), self.settings.false_alarm);
+                let (ending, level) = (self.ending()?, self.settings.false_alarm);
                 let tell = |what: &str| self.listener.doing(what);
-                self.diagnosis.description = describe(&ending.fit()?, &ending.problem, level, &tell)?;
+                self.diagnosis.description = describe(&ending, level, &tell)?;
             }
             _ => {
                 if !self.is_stopped() {
@@ -59,8 +56,8 @@ impl Course<'_> {
         self.diagnosis.warnings.extend(warnings);
         self.diagnosis.summary = summary_text::summary(&self.diagnosis);
         // What was fitted comes last: a pressure may have releases of both kinds.
-        let of_held_out = |held_out: Option<&HeldOut>| held_out.map_or(Ok(Vec::new()), HeldOut::known);
-        let (before, after) = (of_held_out(self.before.held_out.as_ref())?, of_held_out(self.held_out())?);
+        let of_held_out = |held_out: Option<&HeldOut>| held_out.map_or(Vec::new(), HeldOut::known);
+        let (before, after) = (of_held_out(self.before.held_out.as_ref()), of_held_out(self.held_out()));
         let (mut baseline, mut repaired) = (self.problem, self.model.problem);
         for known in [&before, &self.before.known] {
             set(&mut baseline, known);
@@ -81,26 +78,22 @@ impl Course<'_> {
         }
         let stop = self.listener.stop();
         for _ in 0..MOST_ROUNDS {
-            let fit = self.model.fit()?;
-            let Some(problem) = heard(&self.model.problem, &fit) else { break };
-            let known = fit.known();
-            drop(fit);
+            let Some(problem) = heard(&self.model) else { break };
             let stopped = ending_by(&problem, &stop);
-            let Some(fit) = Joint::follow(&stopped, &known, &|_| ())? else { break };
-            let found = fit.found;
-            self.model = Fitted::new(problem, found);
+            let Some(fit) = Joint::follow(&stopped, &self.model.known(), &|_| ())? else { break };
+            self.model = fit.with_problem(problem)?;
         }
-        let known = self.model.fit()?.known();
+        let known = self.model.known();
         if let Some(last) = self.added.last_mut() {
             last.held_out = HeldOut::meet(&self.model.problem, &known)?;
         }
-        self.tell()
+        self.tell();
+        Ok(())
     }
 
     /// Bounds of what is badly known, from the profile of the likelihood.
     fn profile(&mut self) -> Result<(), CalibrateError> {
-        let ending = self.ending();
-        let fit = ending.fit()?;
+        let fit = self.ending()?;
         let candidates: Vec<_> = self.added.iter().map(|best| &best.candidate).collect();
         let profiled = |candidate: &&Candidate| Added::profiled(&fit, candidate);
         self.diagnosis.effects = candidates.par_iter().map(profiled).collect();

@@ -96,7 +96,7 @@ mod tests {
     fn asked(relative_error: [f64; 3]) -> Vec<&'static str> {
         let mut count = 0.0;
         let base = Problem {
-            trials: relative_error.map(|own| release(own, &mut count)).to_vec(),
+            trials: relative_error.map(|own| release(own, &mut count).into()).to_vec(),
             parameters: vec![FittedParameter::new("rod.bending_stiffness", Scope::Shared)],
             nuisances: Nuisances {
                 release_instant: true,

@@ -37,12 +37,11 @@ const MOST_TERMS: usize = 3;
 /// Describes what is left at a fit; nothing where no term scores.
 pub(super) fn describe(
     fit: &Joint,
-    problem: &Problem,
     false_alarm: f64,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Option<Description>, CalibrateError> {
     let whole = Left { share: 1.0, gap: beyond(&agreement(fit)), cost: fit.cost() };
-    with_another(fit, problem, &mut Vec::new(), &whole, false_alarm, tell)
+    with_another(fit, &mut Vec::new(), &whole, false_alarm, tell)
 }
 
 /// What there was to describe before any term, and the share of it that is left.
@@ -55,14 +54,13 @@ struct Left {
 /// Adds terms to those that a fit has, while they are worth it.
 fn with_another(
     fit: &Joint,
-    problem: &Problem,
     terms: &mut Vec<&'static str>,
     left: &Left,
     false_alarm: f64,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Option<Description>, CalibrateError> {
     let Some(off) = predictions(fit).filter(|_| terms.len() < MOST_TERMS) else { return Ok(None) };
-    let candidates = others(terms, problem);
+    let candidates = others(terms, &fit.problem);
     let scores = scores_of(&candidates, fit, &off, false_alarm, &|_| ());
     let loud = |(_, score): &(&Candidate, &Score)| score.size > scores.threshold;
     let mut each: Vec<(&Candidate, &Score)> = candidates.iter().zip(&scores.each).filter(loud).collect();
@@ -71,7 +69,7 @@ fn with_another(
     tell(&format!("description: a moment of {} terms", terms.len() + 1));
     let tried: Vec<Option<Rough>> = each
         .par_iter()
-        .map(|(candidate, score)| rough(problem, candidate, score.estimate, fit))
+        .map(|(candidate, score)| rough(candidate, score.estimate, fit))
         .collect::<Result<_, CalibrateError>>()?;
     let tried = each.iter().zip(tried).filter_map(|((candidate, _), rough)| Some((*candidate, rough?)));
     let best = tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
@@ -86,7 +84,7 @@ fn with_another(
     let decrease = 2.0 * (left.cost - fit.cost()) / scores.variance_inflation;
     terms.push(candidate.strength.name);
     let left = Left { share, ..*left };
-    let more = with_another(&fit, &rough.problem, terms, &left, false_alarm, tell)?;
+    let more = with_another(&fit, terms, &left, false_alarm, tell)?;
     Ok(more.or(Some(Description { moment, share: 1.0 - share, decrease })))
 }
 

@@ -1,5 +1,7 @@
 //! How the predictions of a fit would move with a candidate's strength, at the value where it is off.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
@@ -99,7 +101,7 @@ fn movements_of(fit: &Joint, candidates: &[&Candidate]) -> Option<Vec<Vec<Moved>
 /// The same of one release, shape `[candidate]`, from the variational equation.
 fn movements_in(fit: &Joint, candidates: &[&Candidate], r: usize) -> Option<Vec<Moved>> {
     let (part, view) = (&fit.objective.part, &fit.found.view);
-    let mut trial = part.members[r].clone();
+    let mut trial = Trial::clone(&part.members[r]);
     for candidate in candidates {
         trial = candidate.on(&trial, candidate.null_value).ok()?;
     }
@@ -135,8 +137,10 @@ pub(super) fn differences(
         };
         let farthest = near[r].iter().zip(noise).map(in_track).fold(0.0, f64::max);
         let room = room(candidate);
-        let step = (WANTED / farthest).min(room.abs()).copysign(room);
-        let on = candidate.on(fit.objective.part.members[r], candidate.null_value + step).ok()?;
+        // A power of two, so that rounding of the movement changes no bit of it.
+        let wanted = (WANTED / farthest).log2().round().exp2();
+        let step = wanted.min(room.abs()).copysign(room);
+        let on = candidate.on(&fit.objective.part.members[r], candidate.null_value + step).ok()?;
         let aside = run(fit, &on, r)?;
         let moved = |t: usize, k: usize| {
             let (aside, off) = (aside.position[t][k], off[r].position[t][k]);
@@ -182,7 +186,7 @@ pub(super) fn of_releases(fit: &Joint, is_asked: impl Fn(&str) -> bool, of: usiz
 
 /// Of what moves in all releases a column for each pressure.
 fn of_pressures(fit: &Joint, all: &[Moved], of: usize) -> Vec<Column> {
-    let pressure = |trial: &&Trial| trial.release.pressure;
+    let pressure = |trial: &Arc<Trial>| trial.release.pressure;
     let members = &fit.objective.part.members;
     let mut pressures: Vec<f64> = members.iter().filter_map(pressure).collect();
     pressures.sort_by(f64::total_cmp);
@@ -271,7 +275,7 @@ mod tests {
             time,
         };
         Problem {
-            trials: vec![Trial { release, model: muscle_at_15_psi(), run: Run::release(0.6, 40.0) }],
+            trials: vec![Trial { release, model: muscle_at_15_psi(), run: Run::release(0.6, 40.0) }.into()],
             parameters: vec![FittedParameter::new("rod.bending_stiffness", Scope::Shared)],
             nuisances: Nuisances::default(),
         }

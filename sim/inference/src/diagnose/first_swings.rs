@@ -20,7 +20,7 @@ use super::validation::{HeldOut, set};
 use super::verdict::{Evidence, Member};
 use super::warnings::is_strained;
 use super::{Before, Course};
-use crate::calibrate::joint::{Estimate, Fitted, Joint};
+use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::search::FIT;
 use crate::calibrate::uncertainty::uncertainty;
@@ -76,8 +76,7 @@ pub(super) fn before(problem: &Problem) -> Result<Option<Before>, CalibrateError
         Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
         Err(error) => return Err(error),
     };
-    let found = fit.found;
-    Before::of(Fitted::new(problem, found), HeldOut::as_predicted, Some(first_swings)).map(Some)
+    Before::of(fit, HeldOut::as_predicted, Some(first_swings)).map(Some)
 }
 
 impl FirstSwings {
@@ -139,23 +138,22 @@ impl Met {
         let found =
             self.candidate.within_ranges(with, |problem| match mesh_check::on_fine_mesh(problem, tell) {
                 Ok((fitted, numerics)) => {
-                    let known = fitted.fit()?.known();
+                    let known = fitted.known();
                     Ok(Some(((fitted, numerics), known)))
                 }
                 Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
                 Err(error) => Err(error),
             })?;
         let Some((fitted, numerics)) = found else { return Ok(None) };
-        let refit = Refit::of(fitted, &self.candidate, without)?;
-        let fit = refit.fitted.fit()?;
+        let refit = Refit::of(fitted, &self.candidate, without);
+        let fit = &refit.fitted;
         let path = self.candidate.path();
         let strength = fit.objective.part.unknowns.iter().position(|unknown| unknown.name == path);
         let of = uncertainty(&fit.objective, &fit.found);
         let variance_inflation = strength.map_or(1.0, |k| of.variance_inflation(k));
         let variance_inflation =
             if variance_inflation.is_finite() { variance_inflation.max(1.0) } else { 1.0 };
-        let penalty = refit.unknowns as f64 * penalty(&fit, variance_inflation);
-        drop(fit);
+        let penalty = refit.unknowns as f64 * penalty(fit, variance_inflation);
         Ok(Some(Whole { candidate: self.candidate.clone(), refit, numerics, variance_inflation, penalty }))
     }
 }
@@ -285,7 +283,7 @@ impl Course<'_> {
         let factor = (numerics.nodes - 1) / (numerics.nodes_given - 1).max(1);
         if factor > 1 {
             let mut finer = self.problem.clone();
-            if finer.trials.iter_mut().try_for_each(|trial| trial.refine(factor)).is_ok() {
+            if finer.trials_mut().try_for_each(|trial| trial.refine(factor)).is_ok() {
                 self.problem = finer;
                 // They were fitted on the mesh before.
                 self.lifts.clear();

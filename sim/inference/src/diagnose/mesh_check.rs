@@ -8,7 +8,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::calibrate::joint::{Fitted, Joint};
+use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Measured;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -32,32 +32,25 @@ const MOST_NODES: usize = 130;
 pub(super) fn on_fine_mesh(
     problem: &Problem,
     tell: &(dyn Fn(&str) + Sync),
-) -> Result<(Fitted, Numerics), CalibrateError> {
+) -> Result<(Joint, Numerics), CalibrateError> {
     let nodes_given = nodes(problem);
-    let fit = Joint::search(problem, tell)?;
-    let mut left = left_of_mesh(&fit);
-    let known = fit.known();
-    let with_errors = with_errors_of_laws(problem, &fit);
-    let mut fitted = Fitted::new(problem.clone(), fit.found);
-    if let Some(problem) = with_errors
-        && let Some(fit) = Joint::follow(&problem, &known, &|_| ())?
+    let mut fitted = Joint::search(problem, tell)?;
+    if let Some(problem) = with_errors_of_laws(&fitted)
+        && let Some(fit) = Joint::follow(&problem, &fitted.known(), &|_| ())?
     {
-        left = left_of_mesh(&fit);
-        let found = fit.found;
-        fitted = Fitted::new(problem, found);
+        fitted = fit;
     }
+    let mut left = left_of_mesh(&fitted);
     while left > LARGEST_ERROR && 2 * nodes(&fitted.problem) <= MOST_NODES {
         let mut finer = fitted.problem.clone();
-        let refined = finer.trials.iter_mut().try_for_each(|trial| trial.refine(2));
+        let refined = finer.trials_mut().try_for_each(|trial| trial.refine(2));
         if refined.is_err() {
             break;
         }
         tell(&format!("mesh error up to {left:.2} times the noise: now {} nodes", nodes(&finer)));
-        let known = fitted.fit()?.known();
-        let Some(fit) = Joint::follow(&finer, &known, &|_| ())? else { break };
-        left = left_of_mesh(&fit);
-        let found = fit.found;
-        fitted = Fitted::new(finer, found);
+        let Some(fit) = Joint::follow(&finer, &fitted.known(), &|_| ())? else { break };
+        fitted = fit;
+        left = left_of_mesh(&fitted);
     }
     let numerics = Numerics { nodes_given, nodes: nodes(&fitted.problem), left };
     Ok((fitted, numerics))
@@ -69,10 +62,10 @@ pub(super) const LAW: f64 = 0.1;
 
 /// The problem with the error of a law that explains what a fit misses, beside the noise of each track; none where the
 /// noise is larger.
-fn with_errors_of_laws(problem: &Problem, fit: &Joint) -> Option<Problem> {
-    let mut problem = problem.clone();
+fn with_errors_of_laws(fit: &Joint) -> Option<Problem> {
+    let mut problem = fit.problem.clone();
     let mut is_larger = false;
-    let fitted = problem.trials.iter_mut().filter(|trial| !trial.release.held_out);
+    let fitted = problem.trials_mut().filter(|trial| !trial.release.held_out);
     for ((trial, block), measured) in fitted.zip(&fit.found.at.carried.blocks).zip(&fit.objective.measured) {
         for ((track, series), noise) in trial.release.tracks.iter_mut().zip(block).zip(&measured.noise) {
             let squares = series.lengths().map(|length| 0.5 * (noise * length).powi(2)).sum::<f64>();

@@ -45,7 +45,7 @@ mod warnings;
 use efam_core::forward::Cancel;
 use models::muscle;
 
-use crate::calibrate::joint::{Estimate, Fitted};
+use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::repeats::Repeats;
 use crate::calibrate::{CalibrateError, Problem};
 pub use curve::Curve;
@@ -185,7 +185,7 @@ struct Course<'a> {
     listener: &'a dyn Listener,
     before: &'a Before,
     /// The model with all that was added, fitted; its cost, and how it meets what it was fitted to.
-    model: Fitted,
+    model: Joint,
     cost: f64,
     after: Agreement,
     added: Vec<Best>,
@@ -204,7 +204,7 @@ struct Course<'a> {
 
 /// The baseline: its cost, how it meets what it was fitted to, and held-out releases; what it found.
 struct Before {
-    model: Fitted,
+    model: Joint,
     cost: f64,
     fitted: Agreement,
     held_out: Option<HeldOut>,
@@ -216,13 +216,11 @@ struct Before {
 impl Before {
     /// A model that is shown held-out releases.
     fn of(
-        model: Fitted,
+        model: Joint,
         show: fn(&Problem, &[Estimate]) -> Result<Option<HeldOut>, CalibrateError>,
         first_swings: Option<FirstSwings>,
     ) -> Result<Self, CalibrateError> {
-        let fit = model.fit()?;
-        let (fitted, cost, known) = (agreement(&fit), fit.cost(), fit.known());
-        drop(fit);
+        let (fitted, cost, known) = (agreement(&model), model.cost(), model.known());
         let held_out = show(&model.problem, &known)?;
         Ok(Self { model, cost, fitted, held_out, known, first_swings })
     }
@@ -346,10 +344,8 @@ impl<'a> Course<'a> {
 
     /// Looks for one more effect.
     fn round(&self, request: RoundRequest) -> Result<Round, CalibrateError> {
-        let ending = self.ending();
-        let fit = ending.fit()?;
         let (held_out, settings) = (self.held_out(), self.settings);
-        round(&fit, &ending.problem, held_out, &self.added, request, settings, self.listener)
+        round(&self.ending()?, held_out, &self.added, request, settings, self.listener)
     }
 
     fn add(&mut self, best: Box<Best>) -> Result<(), CalibrateError> {
@@ -362,19 +358,16 @@ impl<'a> Course<'a> {
             best.widen(self.added.remove(place));
         }
         self.added.push(*best);
-        self.tell()?;
+        self.tell();
         self.remember();
         Ok(())
     }
 
     /// Says which values the effects have in the model as it is, and how it meets what it was fitted to.
-    fn tell(&mut self) -> Result<(), CalibrateError> {
-        let fit = self.model.fit()?;
-        let effects = self.added.iter().map(|best| Added::of(&fit, &best.candidate)).collect();
-        let after = agreement(&fit);
-        drop(fit);
-        (self.diagnosis.effects, self.after) = (effects, after);
-        Ok(())
+    fn tell(&mut self) {
+        let of = |best: &Best| Added::of(&self.model, &best.candidate);
+        self.diagnosis.effects = self.added.iter().map(of).collect();
+        self.after = agreement(&self.model);
     }
 
     /// The same search with strengths that differ from pressure to pressure, if that has an answer; or else
@@ -419,14 +412,8 @@ impl<'a> Course<'a> {
 
     /// Whether what was added is as strong in one release as in another, and meets held-out releases.
     fn is_believed(&mut self) -> Result<bool, CalibrateError> {
-        let fit = self.model.fit()?;
-        let all = self
-            .held_out()
-            .map(|held_out| held_out.together(&fit, &self.model.problem))
-            .transpose()?
-            .flatten();
-        let all = all.unwrap_or(&self.model).fit()?;
-        let inconstant = inconstant(&all, &self.added, self.settings.false_alarm);
+        let all = self.held_out().map(|held_out| held_out.together(&self.model)).transpose()?.flatten();
+        let inconstant = inconstant(all.unwrap_or(&self.model), &self.added, self.settings.false_alarm);
         let is_inconstant = |own: &&mut Evidence| inconstant.contains(&own.effect.as_str());
         for evidence in self.diagnosis.evidence.iter_mut().filter(is_inconstant) {
             evidence.reject(INCONSTANT);

@@ -7,6 +7,8 @@
 //! traces (`score.rs`). Both are of small effects, with white noise, what does not repeat as a diagnosis takes it
 //! (`calibrate/repeats.rs`), and a model that is right otherwise.
 
+use std::sync::Arc;
+
 use efam_experiments::release::{Point, Release, Track};
 use efam_experiments::scenario::Case;
 use schemars::JsonSchema;
@@ -53,7 +55,7 @@ pub struct Prospect {
 /// What is unknown of releases that are planned as scenarios: EI at each pressure, and the losses that
 /// their models have. The tip is tracked, and markers at shares of the length.
 pub fn problem(cases: &[Case], noise: f64, markers: &[f64]) -> Problem {
-    let trials: Vec<Trial> = cases.iter().map(|case| trial(case, noise, markers)).collect();
+    let trials: Vec<Arc<Trial>> = cases.iter().map(|case| trial(case, noise, markers).into()).collect();
     let has = |path: &str| trials.iter().all(|trial| trial.model.index(path).is_ok());
     let losses = SHARED.into_iter().filter(|path| has(path));
     let mut parameters: Vec<FittedParameter> =

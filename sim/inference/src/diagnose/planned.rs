@@ -1,6 +1,8 @@
 //! Experiments that were not made: the releases at hand with one thing more, simulated at what is known and
 //! looked at as if they had been recorded, to say which of them would tell two effects apart.
 
+use std::sync::Arc;
+
 use efam_experiments::release::{Point, Track};
 
 use super::Course;
@@ -44,14 +46,14 @@ impl Extra {
     }
 
     /// The trials of the larger experiment; none where it is no more than the one at hand.
-    fn made(self, trials: &[Trial]) -> Option<Vec<Trial>> {
+    fn made(self, trials: &[Arc<Trial>]) -> Option<Vec<Arc<Trial>>> {
         let mut all = trials.to_vec();
         match self {
             Self::BodyMarkers => {
                 if trials.iter().any(|trial| trial.release.tracks.len() > 1) {
                     return None;
                 }
-                for release in all.iter_mut().map(|trial| &mut trial.release) {
+                for release in all.iter_mut().map(|trial| &mut Arc::make_mut(trial).release) {
                     let first = release.tracks.first()?.clone();
                     release.tracks.extend([0.3, 0.55, 0.8].map(|share| Track {
                         marker: format!("at {share} of the length"),
@@ -61,23 +63,23 @@ impl Extra {
                 }
             }
             Self::Angles => {
-                let turned = |trial: &Trial| {
-                    let mut trial = trial.clone();
+                let turned = |trial: &Arc<Trial>| {
+                    let mut trial = Trial::clone(trial);
                     let k = trial.model.index("release.angle").ok()?;
                     trial.is_straight().then_some(())?;
                     trial.model.theta[k] -= 25f64.to_radians();
                     trial.release.name += ", from 25 degrees below";
-                    Some(trial)
+                    Some(Arc::new(trial))
                 };
                 all.extend(trials.iter().map(turned).collect::<Option<Vec<_>>>()?);
             }
             Self::Payload => {
-                let loaded = |trial: &Trial| {
-                    let mut trial = trial.clone();
+                let loaded = |trial: &Arc<Trial>| {
+                    let mut trial = Trial::clone(trial);
                     trial.is_straight().then_some(())?;
                     trial.model = trial.model.with_effect("payload", &[("mass", 0.02)]).ok()?;
                     trial.release.name += ", with 20 g";
-                    Some(trial)
+                    Some(Arc::new(trial))
                 };
                 if trials.iter().any(|trial| trial.release.payload > 0.0) {
                     return None;
@@ -85,7 +87,7 @@ impl Extra {
                 all.extend(trials.iter().map(loaded).collect::<Option<Vec<_>>>()?);
             }
             Self::LongRecord => {
-                for release in all.iter_mut().map(|trial| &mut trial.release) {
+                for release in all.iter_mut().map(|trial| &mut Arc::make_mut(trial).release) {
                     let (last, count) = (*release.time.last()?, release.time.len());
                     let step = last / count as f64;
                     release.time.extend((1..=2 * count).map(|k| last + step * k as f64));
@@ -117,12 +119,12 @@ impl Pair<'_> {
     /// one is not enough, and the best of all more than once only where that is not.
     pub fn separation(&self) -> Option<Separation> {
         let fitted = self.problem.trials.iter().filter(|trial| !trial.release.held_out);
-        let fitted: Vec<Trial> = fitted.cloned().collect();
+        let fitted: Vec<Arc<Trial>> = fitted.cloned().collect();
         // Where their traces would be told apart already and their fits are not, traces predict nothing.
         if self.distance(&fitted, 1).is_none_or(|distance| distance >= APART) {
             return None;
         }
-        let mut best: Option<(Separation, Vec<Trial>)> = None;
+        let mut best: Option<(Separation, Vec<Arc<Trial>>)> = None;
         for extras in Extra::ALL.iter().map(std::slice::from_ref).chain(TOGETHER) {
             // One thing more is less work than several.
             if extras.len() > 1 && best.as_ref().is_some_and(|(best, _)| best.distance >= APART) {
@@ -153,7 +155,7 @@ impl Pair<'_> {
 
     /// How far apart they are in releases that are each recorded some times; none where those cannot be run: what
     /// cannot be run, nobody will record.
-    fn distance(&self, trials: &[Trial], times: u32) -> Option<f64> {
+    fn distance(&self, trials: &[Arc<Trial>], times: u32) -> Option<f64> {
         let mut planned = repeated(self.problem, trials, times);
         record(&mut planned, self.known).ok()?;
         let fit = Joint::at(&planned, self.known, Slopes::Differences, LAST).ok()?;
@@ -169,7 +171,7 @@ impl Pair<'_> {
 
 /// A problem of releases one of which stands for so many alike, each with a setup of its own: these together weigh as
 /// much more as they are against what is believed of all, so that a distance is that of one times the root of `times`.
-fn repeated(problem: &Problem, trials: &[Trial], times: u32) -> Problem {
+fn repeated(problem: &Problem, trials: &[Arc<Trial>], times: u32) -> Problem {
     let mut planned = Problem { trials: trials.to_vec(), ..problem.clone() };
     for parameter in planned.parameters.iter_mut().filter(|own| own.scope != Scope::PerRelease) {
         if let Some(prior) = &mut parameter.prior {
@@ -183,13 +185,13 @@ fn repeated(problem: &Problem, trials: &[Trial], times: u32) -> Problem {
 /// # Errors
 /// [`CalibrateError`] for a problem that makes no sense or that cannot be simulated.
 pub(super) fn record(planned: &mut Problem, known: &[Estimate]) -> Result<(), CalibrateError> {
-    for release in planned.trials.iter_mut().map(|trial| &mut trial.release) {
+    for release in planned.trials_mut().map(|trial| &mut trial.release) {
         let count = release.time.len();
         release.tracks.iter_mut().for_each(|track| track.position = vec![Some([0.0; 2]); count]);
     }
     let blank = planned.clone();
     let (objective, seen) = Joint::seen(&blank, known)?;
-    for (r, trial) in planned.trials.iter_mut().enumerate() {
+    for (r, trial) in planned.trials_mut().enumerate() {
         let measured = &objective.measured[r];
         for (t, series) in seen.blocks[r].iter().enumerate() {
             let noise = measured.noise[t];
@@ -235,7 +237,7 @@ mod tests {
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
 
-    fn release() -> Trial {
+    fn release() -> Arc<Trial> {
         let time = uniform(2.0, 20.0);
         let (marker, at) = ("tip".to_owned(), Point::Tip);
         let track =
@@ -249,7 +251,7 @@ mod tests {
             payload: 0.0,
             held_out: false,
         };
-        Trial { release, model: muscle_at_15_psi(), run: Run::release(2.0, 20.0) }
+        Trial { release, model: muscle_at_15_psi(), run: Run::release(2.0, 20.0) }.into()
     }
 
     /// One release that stands for four is worth four, each with its own hold and instant, and with the mass that is

@@ -5,14 +5,14 @@ use super::candidate::Candidate;
 use super::round::Best;
 use super::validation::{Agreement, HeldOut, agreement};
 use super::verdict::{Added, Evidence};
-use crate::calibrate::joint::{Estimate, Fitted, Joint};
+use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::{CalibrateError, Problem};
 
 /// A model without an unnecessary effect, fitted.
 pub(super) struct Lean {
     /// Place of the effect among those that were added.
     pub left_out: usize,
-    pub fitted: Fitted,
+    pub fitted: Joint,
     pub known: Vec<Estimate>,
     pub cost: f64,
     /// How it meets what it was fitted to.
@@ -40,9 +40,7 @@ pub(super) fn pruned(
         if loss < added[left_out].penalty {
             let effects = others().map(|candidate| Added::of(&fit, candidate)).collect();
             let (known, cost, agreement) = (fit.known(), fit.cost(), agreement(&fit));
-            let found = fit.found;
-            let fitted = Fitted::new(lean, found);
-            return Ok(Some(Lean { left_out, fitted, known, cost, agreement, effects }));
+            return Ok(Some(Lean { left_out, fitted: fit, known, cost, agreement, effects }));
         }
     }
     Ok(None)
@@ -51,7 +49,7 @@ pub(super) fn pruned(
 impl Course<'_> {
     /// Leaves out again what is not needed beside what came later.
     pub(super) fn prune(&mut self) -> Result<(), CalibrateError> {
-        let mut known = self.model.fit()?.known();
+        let mut known = self.model.known();
         while let Some(lean) = pruned(&self.problem, &self.added, &known, self.cost)? {
             let pruned_effect = self.added.remove(lean.left_out);
             self.listener.doing(&format!("{} is unnecessary", pruned_effect.candidate.name()));

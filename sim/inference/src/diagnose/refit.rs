@@ -5,7 +5,7 @@ use models::quantity::format_si;
 
 use super::candidate::Candidate;
 use super::verdict::{Added, ParameterValue};
-use crate::calibrate::joint::{Estimate, Fitted, Joint};
+use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::profile::profile;
 use crate::calibrate::search::STAGE_SHARE;
 use crate::calibrate::uncertainty::{Uncertainty, uncertainty};
@@ -17,7 +17,7 @@ use crate::normal::NORMAL_95;
 #[derive(Clone)]
 pub(super) struct Refit {
     /// The fit, with the effect in its problem.
-    pub fitted: Fitted,
+    pub fitted: Joint,
     /// Where it ended.
     pub known: Vec<Estimate>,
     /// Cost under the loss of the noise.
@@ -60,7 +60,7 @@ pub(super) fn most_steps(fit: &Joint) -> usize {
 /// held-out releases may be longer.
 pub(super) fn within_steps(problem: &Problem, most_steps: usize) -> Problem {
     let mut problem = problem.clone();
-    problem.trials.iter_mut().for_each(|trial| trial.run.most_steps = trial.run.most_steps.min(most_steps));
+    problem.trials_mut().for_each(|trial| trial.run.most_steps = trial.run.most_steps.min(most_steps));
     problem
 }
 
@@ -68,7 +68,6 @@ pub(super) fn within_steps(problem: &Problem, most_steps: usize) -> Problem {
 /// for; where that leads astray, with none, from where it cannot end worse than without. None where it
 /// cannot be run.
 pub(super) fn rough(
-    problem: &Problem,
     candidate: &Candidate,
     estimate: f64,
     without: &Joint,
@@ -81,13 +80,12 @@ pub(super) fn rough(
         if best.as_ref().is_some_and(|best| best.cost <= without.cost()) {
             break;
         }
-        let Ok(problem) = candidate.added_to(problem, strength) else { break };
+        let Ok(problem) = candidate.added_to(&without.problem, strength) else { break };
         let limited = within_steps(&problem, most_steps);
         let Some(fit) = Joint::approach(&limited, &known, view, has_own_steps, STAGE_SHARE)? else {
             continue;
         };
         let (known, cost, is_near) = (fit.known(), fit.cost(), fit.found.converged);
-        drop(fit);
         if best.as_ref().is_none_or(|best| cost < best.cost) {
             best = Some(Rough { problem, known, without: without.found.x.len(), cost, is_near, most_steps });
         }
@@ -109,20 +107,18 @@ pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit
         let by_cost = |a: &Joint, b: &Joint| a.cost().total_cmp(&b.cost());
         let Some(fit) = followed.into_iter().chain(searched).min_by(by_cost) else { return Ok(None) };
         known = fit.known();
-        let found = fit.found;
-        Ok(Some((Fitted::new(problem.clone(), found), known.clone())))
+        Ok(Some((fit.with_problem(problem.clone())?, known.clone())))
     })?;
-    fitted.map(|fitted| Refit::of(fitted, candidate, rough.without)).transpose()
+    Ok(fitted.map(|fitted| Refit::of(fitted, candidate, rough.without)))
 }
 
 impl Refit {
     /// A fit with a candidate, which has so many unknowns `without` it.
-    pub(super) fn of(fitted: Fitted, candidate: &Candidate, without: usize) -> Result<Self, CalibrateError> {
-        let fit = fitted.fit()?;
-        let (values, known, cost) = (Added::of(&fit, candidate).parameters, fit.known(), fit.cost());
-        drop(fit);
+    pub(super) fn of(fitted: Joint, candidate: &Candidate, without: usize) -> Self {
+        let values = Added::of(&fitted, candidate).parameters;
+        let (known, cost) = (fitted.known(), fitted.cost());
         let unknowns = known.len() - without;
-        Ok(Self { fitted, known, cost, values, unknowns })
+        Self { fitted, known, cost, values, unknowns }
     }
 }
 

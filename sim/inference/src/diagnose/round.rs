@@ -11,8 +11,8 @@ use super::stop::is_stopped;
 use super::validation::HeldOut;
 use super::verdict::{Evidence, Member};
 use super::{DiagnosisSettings, Listener};
+use crate::calibrate::CalibrateError;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::{CalibrateError, Problem};
 
 /// What a round found.
 pub(super) struct Round {
@@ -96,7 +96,6 @@ const NEGLIGIBLE_SHAPE: f64 = 0.02;
 /// is not as strong at one pressure as at another. `before` is how they meet held-out releases.
 pub(super) fn round(
     fit: &Joint,
-    problem: &Problem,
     before: Option<&HeldOut>,
     added: &[Best],
     RoundRequest { number, is_last, is_widened }: RoundRequest,
@@ -106,11 +105,11 @@ pub(super) fn round(
     let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));
     let off = predictions(fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let shapes = shapes(fit, &off, number, RARER * settings.false_alarm);
-    let mut candidates = candidates(problem, settings);
+    let mut candidates = candidates(&fit.problem, settings);
     if is_widened {
         candidates.iter_mut().for_each(|own| *own = own.of_each_pressure().unwrap_or_else(|| own.clone()));
     }
-    if has_several_pressures(problem) {
+    if has_several_pressures(&fit.problem) {
         candidates.extend(added.iter().filter_map(|best| best.candidate.of_each_pressure()));
     }
     let explained = added.iter().map(|best| best.gain).sum::<f64>();
@@ -119,7 +118,7 @@ pub(super) fn round(
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
-    if is_stopped(problem) {
+    if is_stopped(&fit.problem) {
         // Some of them were not scored, and the others say little without them.
         entries.iter_mut().for_each(Entry::cut_short);
     }
@@ -147,8 +146,8 @@ pub(super) fn round(
             None => tell(&format!("fit of {}", entry.candidate.name())),
             Some(_) => drop(ranked(std::slice::from_ref(entry))),
         };
-        fit_all(shortlist, problem, fit, &scores, &tell_fit)?;
-        choose(shortlist, problem, fit, &scores, before, negligible, &tell)?
+        fit_all(shortlist, fit, &scores, &tell_fit)?;
+        choose(shortlist, fit, &scores, before, negligible, &tell)?
     } else {
         for entry in &mut entries {
             entry.reject(match is_loud(entry) {

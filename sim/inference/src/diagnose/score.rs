@@ -147,8 +147,8 @@ pub(super) fn scores_of(
     scores(fit, &subjects, &columns, false_alarm)
 }
 
-/// Share of a column's square that its own errors make at the tolerance of a fit: slopes of the variational equation are a per
-/// cent off, for steps damp the rod as well, and its slopes in another way.
+/// Share of a column's square that its own errors make at the tolerance of a fit. Steps damp the rod, and slopes of the
+/// variational equation in another way: these are a per cent off.
 const OF_SLOPES: f64 = 1e-4;
 
 /// The columns of candidates at a fit that predicts `off`; `tell` hears their names. Where the fit can do so much of one that

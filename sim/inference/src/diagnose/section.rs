@@ -1,6 +1,8 @@
 //! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all
 //! pressures share, and something held out.
 
+use std::sync::Arc;
+
 use efam_experiments::cleaning::Cleaned;
 use efam_experiments::experiment::{Experiment, ExperimentError};
 use models::effects::Catalogue;
@@ -30,7 +32,7 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
         }
         believe_stiffness(&mut problem, experiment);
     }
-    let tracks = problem.trials.iter_mut().flat_map(|trial| &mut trial.release.tracks);
+    let tracks = problem.trials_mut().flat_map(|trial| &mut trial.release.tracks);
     tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
     admit_tilt(&mut problem, USUAL_TILT);
     lock_away(&mut problem);
@@ -77,7 +79,7 @@ fn damp_waves(problem: &mut Problem) {
         let rest = equilibrium(&trial.model, None).ok()?;
         Some(modes(&trial.model, &rest, 2).ok()?.get(1)?.angular_frequency)
     };
-    let slowest = problem.trials.iter().filter_map(second_mode).fold(f64::INFINITY, f64::min);
+    let slowest = problem.trials().filter_map(second_mode).fold(f64::INFINITY, f64::min);
     let Some(trial) = problem.trials.first().filter(|_| slowest.is_finite()) else { return };
     let own = problem.parameters.iter_mut().find(|own| own.path == SHARED[1] && own.bounds.is_none());
     let known = trial.model.parameters.iter().find(|known| known.path == SHARED[1]);
@@ -113,7 +115,7 @@ fn lock_away(problem: &mut Problem) {
     let pressures = problem.fitted_pressures();
     if pressures.len() >= 3 {
         let middle = pressures[pressures.len() / 2];
-        for trial in &mut problem.trials {
+        for trial in problem.trials_mut() {
             let own = trial.release.pressure;
             trial.release.held_out = own.is_some_and(|own| is_same_pressure(own, middle));
         }
@@ -121,7 +123,7 @@ fn lock_away(problem: &mut Problem) {
     let left: Vec<usize> =
         (0..problem.trials.len()).filter(|t| !problem.trials[*t].release.held_out).collect();
     if left.len() >= 3 {
-        problem.trials[left[left.len() - 1]].release.held_out = true;
+        Arc::make_mut(&mut problem.trials[left[left.len() - 1]]).release.held_out = true;
     }
 }
 

@@ -17,7 +17,7 @@ use super::stop::ending_by;
 use super::validation::{HeldOut, agreement};
 use super::verdict::{Contradiction, Verdict};
 use super::warnings::{contradictions, deviations_off};
-use crate::calibrate::joint::{Estimate, Fitted, Joint};
+use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::unknowns::{CLAMP_ANGLE, FARTHEST, Group, Unknown, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -119,7 +119,7 @@ impl<'a> Course<'a> {
         }
         asked.retain(|own| is_of_setup(own));
         self.lifts = asked.into_par_iter().map(|own| self.lift(own)).collect::<Result<_, _>>()?;
-        let each = penalty(&self.before.model.fit()?, 1.0);
+        let each = penalty(&self.before.model, 1.0);
         let worth = |lift: &Lift| self.worth(lift.cost, &lift.known, each);
         let best = self.lifts.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)));
         // A belief at its limit that hardly costs anything is a caveat, and no answer.
@@ -136,16 +136,15 @@ impl<'a> Course<'a> {
         if !alone.is_within_noise() {
             return Ok(None);
         }
-        let (known, found) = (fit.known(), fit.found);
-        alone.lifted_held_out = HeldOut::meet(&problem, &known)?;
-        (alone.model, alone.problem) = (Fitted::new(problem.clone(), found), problem);
+        alone.lifted_held_out = HeldOut::meet(&problem, &fit.known())?;
+        (alone.model, alone.problem) = (fit.with_problem(problem.clone())?, problem);
         alone.add_all()?;
         let is_all = alone.added.is_empty() && alone.diagnosis.verdict == Verdict::NothingMissing;
         if !is_all || alone.diagnosis.cut_short_in_round.is_some() || alone.is_astray()? {
             return Ok(None);
         }
         alone.diagnosis.verdict = Verdict::Misstated;
-        alone.diagnosis.contradictions = Lift { known, ..best }.contradictions();
+        alone.diagnosis.contradictions = Lift { known: alone.model.known(), ..best }.contradictions();
         Ok(Some(alone))
     }
 
@@ -180,8 +179,8 @@ impl<'a> Course<'a> {
     /// phase of the swing. What mesh and step do is known from the baseline, unless that misses the first swings.
     fn lift(&self, own: &Estimate) -> Result<Lift, CalibrateError> {
         self.listener.doing(&format!("test of the stated {}", own.unknown.name));
-        let (baseline, stop) = (self.before.model.fit()?, self.listener.stop());
-        let (problem, view) = (ending_by(&lifted(&self.problem, own), &stop), &baseline.found.view);
+        let problem = ending_by(&lifted(&self.problem, own), &self.listener.stop());
+        let view = &self.before.model.found.view;
         let fit = match view.corrections {
             Some(_) => Joint::search_like(&problem, view, 0.0),
             None => Joint::search(&problem, &|_| ()).map(Some),
@@ -200,9 +199,8 @@ impl<'a> Course<'a> {
             return Ok(Vec::new());
         }
         let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
-        let fit = self.model.fit()?;
-        let (known, each) = (fit.known(), variance_inflation * penalty(&fit, variance_inflation));
-        drop(fit);
+        let known = self.model.known();
+        let each = variance_inflation * penalty(&self.model, variance_inflation);
         let least = self.worth(self.cost, &known, each);
         // What stood at its limit before an effect gave way may be what the effect stands in for.
         let known = self.before.known.iter().chain(&known);

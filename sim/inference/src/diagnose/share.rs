@@ -3,11 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Course;
 use super::validation::{Agreement, is_astray};
 use super::verdict::{Added, Evidence, Gap, Verdict};
+use super::{Best, Course};
 use crate::calibrate::CalibrateError;
-use crate::calibrate::joint::Fitted;
+use crate::calibrate::joint::Joint;
 
 /// What was missing before anything was added, and what of it is left; root mean square over releases and samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -83,7 +83,7 @@ fn most(before: &Agreement, after: &Agreement) -> bool {
 
 /// A model on the way.
 pub(super) struct Step {
-    pub model: Fitted,
+    pub model: Joint,
     pub after: Agreement,
     pub held_out: Option<Agreement>,
 }
@@ -111,14 +111,14 @@ impl Course<'_> {
             return Ok(false);
         }
         let Some(held_out) = self.held_out() else { return Ok(true) };
-        let met = held_out.met_together(&self.model.fit()?, &self.model.problem)?;
+        let met = held_out.met_together(&self.model)?;
         Ok(is_within(&met.unwrap_or_else(|| held_out.agreement.clone())))
     }
 
     /// Whether held-out releases are missed by more than the model that is right would miss.
     pub(super) fn is_astray(&self) -> Result<bool, CalibrateError> {
         let Some(held_out) = self.held_out() else { return Ok(false) };
-        let squares = held_out.mean_squares(&self.model.fit()?, &self.model.problem)?;
+        let squares = held_out.mean_squares(&self.model)?;
         Ok(squares.is_some_and(is_astray))
     }
 
@@ -164,8 +164,8 @@ impl Course<'_> {
             self.added.truncate(kept);
             let Step { model, after, .. } = self.steps.swap_remove(kept - 1);
             (self.model, self.after) = (model, after);
-            let fit = self.model.fit()?;
-            self.diagnosis.effects = self.added.iter().map(|best| Added::of(&fit, &best.candidate)).collect();
+            let of = |best: &Best| Added::of(&self.model, &best.candidate);
+            self.diagnosis.effects = self.added.iter().map(of).collect();
         }
         Ok(())
     }

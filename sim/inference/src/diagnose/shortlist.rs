@@ -144,21 +144,20 @@ pub(super) fn shortlist(entries: &mut [Entry]) -> (&mut [Entry], &mut [Entry]) {
 /// Fits all roughly, and in full those that come near the best; `tell` hears of each before its fit and after.
 pub(super) fn fit_all(
     shortlist: &mut [Entry],
-    problem: &Problem,
     fit: &Joint,
     scores: &Scores,
     tell: &(dyn Fn(&Entry) + Sync),
 ) -> Result<(), CalibrateError> {
     let of_entry = |entry: &mut Entry| {
         tell(entry);
-        let rough = rough(problem, &entry.candidate, entry.score.estimate, fit)?;
+        let rough = rough(&entry.candidate, entry.score.estimate, fit)?;
         match &rough {
             Some(rough) => {
                 entry.rough = Some(rough.cost);
                 entry.realised = Some(2.0 * (fit.cost() - rough.cost) / scores.variance_inflation);
                 tell(entry);
             }
-            None => entry.reject(not_run(problem)),
+            None => entry.reject(not_run(&fit.problem)),
         }
         Ok(rough)
     };
@@ -180,7 +179,7 @@ pub(super) fn fit_all(
         if let Some(rough) = rough.as_ref().filter(is_worth) {
             entry.refit = refit(rough, &entry.candidate)?;
             if entry.refit.is_none() {
-                entry.reject(not_run(problem));
+                entry.reject(not_run(&fit.problem));
             }
         }
         Ok(())
@@ -196,7 +195,6 @@ pub(super) fn not_run(problem: &Problem) -> &'static str {
 /// give and held-out releases does not speak against it.
 pub(super) fn choose(
     shortlist: &mut [Entry],
-    problem: &Problem,
     fit: &Joint,
     scores: &Scores,
     before: Option<&HeldOut>,
@@ -216,7 +214,7 @@ pub(super) fn choose(
         return Ok(RoundOutcome::Unexplained);
     };
     // The null may have a better minimum where the effect has led.
-    let again = Joint::approach(problem, &best.known, &fit.found.view, false, 0.0)?;
+    let again = Joint::approach(&fit.problem, &best.known, &fit.found.view, false, 0.0)?;
     let null = again.map_or(f64::INFINITY, |again| again.cost()).min(fit.cost());
     let (least, fairest, leader) = (worth(best), fair(best), shortlist[0].candidate.name());
     let most = 2.0 * (null - best.cost) / variance_inflation;
@@ -268,8 +266,7 @@ pub(super) fn choose(
         tell("validation on held-out releases");
         let held_out = HeldOut::meet(&refit.fitted.problem, &refit.known)?;
         if let (Some(before), Some(after)) = (before, &held_out) {
-            let before = before.cost(fit, problem)?;
-            let after = after.cost(&refit.fitted.fit()?, &refit.fitted.problem)?;
+            let (before, after) = (before.cost(fit)?, after.cost(&refit.fitted)?);
             let pair = before.zip(after);
             entry.held_out = pair.map(|(before, after)| 2.0 * (before - after) / variance_inflation);
         }
@@ -312,8 +309,7 @@ fn least_inflation(shortlist: &[Entry], linear: f64) -> Result<f64, CalibrateErr
     let Some((best, candidate)) = refits.min_by(|(a, _), (b, _)| a.cost.total_cmp(&b.cost)) else {
         return Ok(linear);
     };
-    let fit = best.fitted.fit()?;
-    let of = uncertainty(&fit.objective, &fit.found);
+    let of = uncertainty(&best.fitted.objective, &best.fitted.found);
     let path = candidate.path();
     let own =
         best.known.iter().enumerate().filter(|(k, known)| known.unknown.name == path && of.is_determined[*k]);
@@ -358,7 +354,7 @@ mod tests {
         };
         let trial = Trial { release, model: muscle_at_15_psi(), run: Run::release(1.0, 10.0) };
         let problem =
-            Problem { trials: vec![trial], parameters: Vec::new(), nuisances: Nuisances::default() };
+            Problem { trials: vec![trial.into()], parameters: Vec::new(), nuisances: Nuisances::default() };
         let score = |(decrease, is_admissible)| Score {
             columns: vec![0],
             size: 5.0,

@@ -8,7 +8,7 @@ use efam_core::forward::Cancel;
 use super::Course;
 use super::round::Best;
 use super::verdict::Diagnosis;
-use crate::calibrate::joint::Fitted;
+use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem};
 
 /// Why a candidate has no answer where the search was cut short.
@@ -22,7 +22,7 @@ pub(super) fn is_stopped(problem: &Problem) -> bool {
 /// The same problem, whose runs end when a request says so.
 pub(super) fn ending_by(problem: &Problem, stop: &Cancel) -> Problem {
     let mut problem = problem.clone();
-    problem.trials.iter_mut().for_each(|trial| trial.run.cancel = stop.clone());
+    problem.trials_mut().for_each(|trial| trial.run.cancel = stop.clone());
     problem
 }
 
@@ -33,7 +33,7 @@ impl Course<'_> {
     }
 
     /// The model as it is, whose runs end when the search is asked to.
-    pub(super) fn ending(&self) -> Fitted {
+    pub(super) fn ending(&self) -> Result<Joint, CalibrateError> {
         self.model.with_problem(ending_by(&self.model.problem, &self.listener.stop()))
     }
 
@@ -41,7 +41,7 @@ impl Course<'_> {
     /// releases.
     pub(super) fn lasting(&self, mut best: Box<Best>) -> Result<Box<Best>, CalibrateError> {
         let fitted = &best.refit.fitted;
-        best.refit.fitted = fitted.with_problem(ending_by(&fitted.problem, &Cancel::default()));
+        best.refit.fitted = fitted.with_problem(ending_by(&fitted.problem, &Cancel::default()))?;
         if best.held_out.is_none() && self.is_stopped() {
             best.held_out = super::validation::HeldOut::meet(&best.refit.fitted.problem, &best.refit.known)?;
         }

@@ -5,12 +5,13 @@
 //! give way. The gap that is shown is another one: everything that all releases share is held as it was found,
 //! and only what belongs to a pressure or a release is fitted to them.
 
+use std::sync::Arc;
 use std::sync::OnceLock;
 
 use super::curve::{Path, paths};
 use super::verdict::Gap;
 use crate::calibrate::ghosts::ghosts;
-use crate::calibrate::joint::{Estimate, Fitted, Joint};
+use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::search::FIT;
 use crate::calibrate::unknowns::{BASE_ANGLE, Group, UnknownKind};
@@ -30,9 +31,9 @@ pub(super) struct Agreement {
 pub(super) struct HeldOut {
     pub agreement: Agreement,
     /// What belongs to the held-out releases alone, fitted to them.
-    fitted: Fitted,
+    fitted: Joint,
     /// The model fitted to them and to what it was fitted to; none where that cannot be run.
-    together: OnceLock<Option<Fitted>>,
+    together: OnceLock<Option<Joint>>,
 }
 
 impl HeldOut {
@@ -50,67 +51,60 @@ impl HeldOut {
     fn shown(
         problem: &Problem,
         known: &[Estimate],
-        fit: for<'a> fn(&'a Problem) -> Result<Joint<'a>, CalibrateError>,
+        fit: fn(&Problem) -> Result<Joint, CalibrateError>,
     ) -> Result<Option<Self>, CalibrateError> {
         if !problem.trials.iter().any(|trial| trial.release.held_out) {
             return Ok(None);
         }
         let mut held_out = problem.clone();
         set(&mut held_out, known);
-        for trial in &mut held_out.trials {
+        for trial in held_out.trials_mut() {
             trial.release.held_out = !trial.release.held_out;
         }
         // EI of a pressure that was held out as a whole is not known from elsewhere.
         held_out.parameters.retain(|parameter| parameter.scope != Scope::Shared);
         match fit(&held_out) {
-            Ok(fit) => {
-                let (agreement, found) = (agreement(&fit), fit.found);
-                Ok(Some(Self { agreement, fitted: Fitted::new(held_out, found), together: OnceLock::new() }))
-            }
+            Ok(fitted) => Ok(Some(Self { agreement: agreement(&fitted), fitted, together: OnceLock::new() })),
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
             Err(error) => Err(error),
         }
     }
 
     /// What belongs to them alone, as fitted to them.
-    pub fn known(&self) -> Result<Vec<Estimate>, CalibrateError> {
-        Ok(self.fitted.fit()?.known())
+    pub fn known(&self) -> Vec<Estimate> {
+        self.fitted.known()
     }
 
     /// What they cost the model beyond what was fitted, whose fit is given; none where all together cannot be
     /// run.
-    pub fn cost(&self, fit: &Joint, problem: &Problem) -> Result<Option<f64>, CalibrateError> {
-        let all = self.together(fit, problem)?;
-        all.map(|all| Ok(all.fit()?.cost() - fit.cost())).transpose()
+    pub fn cost(&self, fit: &Joint) -> Result<Option<f64>, CalibrateError> {
+        Ok(self.together(fit)?.map(|all| all.cost() - fit.cost()))
     }
 
     /// Mean squares over the noise of what was fitted, whose fit is given, and of what all together cost beyond it: the
     /// robust loss counts large residuals less. None where all together cannot be run.
-    pub fn mean_squares(&self, fit: &Joint, problem: &Problem) -> Result<Option<[f64; 2]>, CalibrateError> {
-        let Some(all) = self.together(fit, problem)? else { return Ok(None) };
-        let all = all.fit()?;
+    pub fn mean_squares(&self, fit: &Joint) -> Result<Option<[f64; 2]>, CalibrateError> {
+        let Some(all) = self.together(fit)? else { return Ok(None) };
         let coordinates = |fit: &Joint| {
             let series = fit.found.at.carried.blocks.iter().flatten();
             series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64
         };
-        let [fitted, together] = [fit, &all].map(|fit| [2.0 * fit.cost(), coordinates(fit)]);
+        let [fitted, together] = [fit, all].map(|fit| [2.0 * fit.cost(), coordinates(fit)]);
         let beyond = (together[0] - fitted[0]) / (together[1] - fitted[1]).max(1.0);
         Ok(Some([fitted[0] / fitted[1].max(1.0), beyond]))
     }
 
     /// How the model meets all of them with what it was fitted to, fitted together; none where that cannot be run.
-    pub fn met_together(&self, fit: &Joint, problem: &Problem) -> Result<Option<Agreement>, CalibrateError> {
-        let all = self.together(fit, problem)?;
-        all.map(|all| Ok(agreement(&all.fit()?))).transpose()
+    pub fn met_together(&self, fit: &Joint) -> Result<Option<Agreement>, CalibrateError> {
+        Ok(self.together(fit)?.map(agreement))
     }
 
     /// The model fitted to them and to what it was fitted to, whose fit is given; none where that cannot be run.
-    pub fn together(&self, fit: &Joint, problem: &Problem) -> Result<Option<&Fitted>, CalibrateError> {
+    pub fn together(&self, fit: &Joint) -> Result<Option<&Joint>, CalibrateError> {
         if self.together.get().is_none() {
-            let mut all = problem.clone();
-            all.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
-            let found = Joint::together(&all, [fit, &self.fitted.fit()?])?.map(|together| together.found);
-            let _ = self.together.set(found.map(|found| Fitted::new(all, found)));
+            let mut all = fit.problem.clone();
+            all.trials_mut().for_each(|trial| trial.release.held_out = false);
+            let _ = self.together.set(Joint::together(&all, [fit, &self.fitted])?);
         }
         Ok(self.together.get().and_then(Option::as_ref))
     }
@@ -181,7 +175,7 @@ pub(super) fn gaps(before: &Agreement, after: &Agreement, held_out: bool) -> Vec
 
 /// Puts what was found into the models.
 pub(super) fn set(problem: &mut Problem, known: &[Estimate]) {
-    for (t, trial) in problem.trials.iter_mut().enumerate() {
+    for (t, trial) in problem.trials_mut().enumerate() {
         for known in known {
             if let (true, Ok(k)) = (known.is_of(t, trial), trial.model.index(&known.unknown.name)) {
                 let (model, initial) = trial.with(&[(k, known.value())]);
@@ -197,7 +191,7 @@ pub(super) fn turn_clamps(problem: &mut Problem, known: &[Estimate]) {
     let found = |known: &&Estimate| known.unknown.kind == UnknownKind::ClampAngle;
     for known in known.iter().filter(found) {
         let Group::Release(t) = known.unknown.group else { continue };
-        let trial = &mut problem.trials[t];
+        let trial = Arc::make_mut(&mut problem.trials[t]);
         if let Ok(k) = trial.model.index(BASE_ANGLE) {
             let (model, initial) = trial.with(&[(k, trial.model.theta[k] + known.value())]);
             (trial.model, trial.run.initial) = (model, initial);

@@ -36,7 +36,7 @@ pub fn against_markers(problem: &Problem, outcome: &CalibrationOutcome) -> Vec<P
             drawing: drawn((760, 640), |page| draw(page, &rods, &markers)),
         })
     };
-    held.trials.iter().enumerate().filter_map(picture).collect()
+    held.trials().enumerate().filter_map(picture).collect()
 }
 
 /// The rod, m, at instants of the first swing at which a marker was seen, s, on the clock of the recording; the

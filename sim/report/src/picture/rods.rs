@@ -175,7 +175,7 @@ pub fn of_calibration(problem: &Problem, outcome: &CalibrationOutcome) -> Vec<Ro
         let caption = "The fitted rod over the markers as they were seen; the charts show the same instant.";
         of_release(trial, caption, rod.into_iter().collect(), markers.collect())
     };
-    held.trials.iter().take(RELEASES).filter_map(one).collect()
+    held.trials().take(RELEASES).filter_map(one).collect()
 }
 
 /// The rod before an effect is added and after, of each of the first releases, and its markers.
@@ -193,7 +193,7 @@ pub fn of_diagnosis(outcome: &DiagnosisOutcome) -> Vec<Rods> {
         let caption = "The model before and after over the markers as they were seen; the residuals below show the same instant.";
         of_release(after, caption, rods, markers.collect())
     };
-    outcome.baseline.trials.iter().zip(&outcome.repaired.trials).take(RELEASES).filter_map(one).collect()
+    outcome.baseline.trials().zip(outcome.repaired.trials()).take(RELEASES).filter_map(one).collect()
 }
 
 /// The frames of a run until then, s.

@@ -119,7 +119,7 @@ fn a_poor_start_finds_the_truth() {
     let ei = truth.rod().bending_stiffness;
     model.set(EI, 0.7 * ei).unwrap();
     let problem = Problem {
-        trials: vec![trial(&model, release)],
+        trials: vec![trial(&model, release).into()],
         parameters: three(),
         nuisances: Nuisances::default(),
     };
@@ -155,7 +155,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
             *seen = seen.map(|x| x + 3e-4 * normal(&mut random));
         }
         let problem = Problem {
-            trials: vec![trial(&model, release)],
+            trials: vec![trial(&model, release).into()],
             parameters: [EI, ALPHA].map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
             nuisances: Nuisances {
                 release_instant: false,
@@ -183,7 +183,7 @@ fn ghosts_that_cleaning_has_missed_do_no_harm() {
     let release = record(&truth, 30.0, Recording { ghosts: 0.01, duration: 4.0, ..USUAL }, &[Point::Tip]);
     let model = muscle(30.0, 32, 0.7, 0.004);
     let problem = Problem {
-        trials: vec![trial(&model, release)],
+        trials: vec![trial(&model, release).into()],
         parameters: three(),
         nuisances: Nuisances {
             release_instant: false,
@@ -209,7 +209,7 @@ fn stiffness_against_mass_is_said_to_be_hard_to_tell() {
     let model = muscle(15.0, 24, 0.8, 0.004);
     let parameters = [EI, "rod.mass", "rod.axial_stiffness", "effects.end_fitting.mass", ALPHA];
     let problem = Problem {
-        trials: vec![trial(&model, release)],
+        trials: vec![trial(&model, release).into()],
         parameters: parameters.map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
         nuisances: Nuisances {
             release_instant: true,
@@ -235,7 +235,7 @@ fn the_number_of_threads_changes_no_bit() {
     };
     let model = muscle(15.0, 16, 1.5, 0.003);
     let problem = Problem {
-        trials: (1..4).map(|seed| trial(&model, release(seed))).collect(),
+        trials: (1..4).map(|seed| trial(&model, release(seed)).into()).collect(),
         parameters: three(),
         nuisances: Nuisances::default(),
     };
@@ -253,7 +253,7 @@ fn the_profile_agrees_with_the_curvature_of_a_parabola() {
     let release = record(&truth, 15.0, Recording { duration: 1.5, ..USUAL }, &[Point::Tip]);
     let model = muscle(15.0, 16, 1.2, 0.0);
     let problem = Problem {
-        trials: vec![trial(&model, release)],
+        trials: vec![trial(&model, release).into()],
         parameters: [EI, ALPHA].map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
         nuisances: Nuisances {
             release_instant: true,
@@ -279,6 +279,7 @@ fn what_makes_no_sense_is_refused_in_words() {
     let release = record(&model, 15.0, Recording { duration: 0.5, ..USUAL }, &[Point::Tip]);
     let one = trial(&model, release);
     let refused = |trials: Vec<Trial>, parameters: Vec<FittedParameter>| {
+        let trials = trials.into_iter().map(Into::into).collect();
         let problem = Problem { trials, parameters, nuisances: Nuisances::default() };
         calibrate(&problem, &CalibrationSettings::default(), &|_: &str| ()).unwrap_err().to_string()
     };

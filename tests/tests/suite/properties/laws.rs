@@ -259,7 +259,7 @@ fn a_ripple_is_unknown_without_its_text_and_named_with_it() {
     assert_eq!(without.verdict, Verdict::Unknown, "{}", without.summary);
     let law = parse_laws(Path::new("ripple.toml"), RIPPLE).expect("sound").remove(0);
     let all = catalogue_of(&[law.effect().expect("sound")]);
-    problem.trials.iter_mut().for_each(|trial| trial.model.catalogue = all.clone());
+    problem.trials_mut().for_each(|trial| trial.model.catalogue = all.clone());
     let with = diagnose(&problem, &DiagnosisSettings::default(), &|_: &str| ())
         .expect("it can be diagnosed")
         .diagnosis;
