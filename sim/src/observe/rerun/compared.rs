@@ -4,6 +4,7 @@
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as bc};
 use ::rerun::{
@@ -118,7 +119,7 @@ fn draw_all(
 pub(super) type Postures = Vec<(f64, Vec<[f64; 2]>)>;
 
 fn postures_of(problem: &Problem) -> Vec<Postures> {
-    let of_trial = |trial: &Trial| {
+    let of_trial = |trial: &Arc<Trial>| {
         let duration = trial.release.time.last().copied().unwrap_or(0.0);
         postures(&trial.model, &Run { duration, ..trial.run.clone() })
     };
