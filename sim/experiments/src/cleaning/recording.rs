@@ -7,20 +7,13 @@ use models::quantity::format_si;
 use super::cycles::{self, Cut};
 use super::decision::{Log, mm};
 use super::points::{ByName, Seen, see};
-use super::release::{Context, LEAST_NOISE};
+use super::release::{Context, LEAST_NOISE, Rod};
 use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise, release};
 use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
 use crate::scenario::ScenarioProblem;
 
 /// Samples that a release needs.
 const LEAST_SAMPLES: usize = 20;
-
-/// What the model says of a recording: active length and distance of the tip from the clamp, m.
-#[derive(Clone, Copy)]
-pub(super) struct Rod {
-    pub length: f64,
-    pub reach: f64,
-}
 
 /// Cleans a recording of an experiment, counted from 0.
 /// # Errors

@@ -6,10 +6,16 @@ use super::cycles::{self, Cut};
 use super::decision::{Log, mm};
 use super::onset::{self, Onset};
 use super::points::Seen;
-use super::recording::Rod;
 use super::{CleanRelease, Frame, Statistics, distance, frame, noise};
 use crate::experiment::{At, Entry, Offset};
 use crate::release::{Point, Release, Track};
+
+/// What the model says of a recording: active length and distance of the tip from the clamp, m.
+#[derive(Clone, Copy)]
+pub(super) struct Rod {
+    pub length: f64,
+    pub reach: f64,
+}
 
 /// Time before the release that belongs to it, s.
 const LEAD: f64 = 0.5;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::misfit::Misfit;
 use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
 use super::repeats::Repeats;
-use super::search::Stage;
+use super::stage::Stage;
 use super::unknowns::HOLD_ANGLE;
 
 /// A calibration: parameters with their errors, residuals and effort.

@@ -15,7 +15,7 @@ use models::model::Model;
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::Trial;
-use super::search::{MOST_EVALUATIONS, STAGE_SHARE, STAGE_TOLERANCE};
+use super::stage::{MOST_EVALUATIONS, STAGE_SHARE, STAGE_TOLERANCE};
 
 /// Time before the release in which the hand that holds the rod hardly moves, s.
 pub(super) const LATE_HOLD: f64 = 0.1;

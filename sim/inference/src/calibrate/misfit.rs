@@ -8,7 +8,22 @@ use efam_experiments::release::{Point, Release, Track};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::outcome::Curve;
+/// One track beside what the fit predicts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// Name of the release.
+    pub release: String,
+    /// Its pressure, Pa.
+    pub pressure: Option<f64>,
+    /// Name of the marker.
+    pub marker: String,
+    /// Time of the recording, s after its estimated release.
+    pub time: Vec<f64>,
+    /// Measured position, m.
+    pub measured: Vec<[f64; 2]>,
+    /// Predicted position, offset included, m.
+    pub predicted: Vec<[f64; 2]>,
+}
 
 /// How far a fit is from a recording of the tip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -27,6 +27,7 @@ pub mod repeats;
 pub mod residuals;
 pub(crate) mod search;
 mod section;
+pub(crate) mod stage;
 mod starts;
 pub(crate) mod uncertainty;
 pub mod unknowns;
@@ -37,11 +38,12 @@ use rayon::prelude::*;
 
 pub use calibration::Calibration;
 pub use error::CalibrateError;
-pub use outcome::{CalibrationOutcome, Curve};
+pub use misfit::Curve;
+pub use outcome::CalibrationOutcome;
 pub use problem::{FittedParameter, Nuisances, Prior, Problem, Scale, Scope, Trial};
-pub use search::Stage;
 pub use section::{SectionError, problem, repeatability};
 pub(crate) use section::{marker_error, trial};
+pub use stage::Stage;
 
 use numerics::Correction;
 use objective::Objective;

@@ -10,8 +10,7 @@ use rayon::prelude::*;
 use super::error::CalibrateError;
 use super::loss::{Huber, spread};
 use super::part::Part;
-use super::prediction::{Fidelity, Measured, Slopes, predict};
-use super::search::FIT;
+use super::prediction::{FIT, Fidelity, Measured, Slopes, predict};
 use super::unknowns::Acts;
 
 /// How the data are looked at.

@@ -5,7 +5,7 @@ use efam_experiments::release::Release;
 use super::calibration::{Calibrated, Calibration, Correlations, ReleaseFit, SearchReport, TrackFit};
 use super::discrepancy::missed;
 use super::identifiability;
-use super::misfit::Misfit;
+use super::misfit::{Curve, Misfit};
 use super::problem::{Problem, Scale, Scope};
 use super::uncertainty::TrackStatistics;
 use super::unknowns::{Group, Scaled, UnknownKind, Unknowns};
@@ -19,23 +19,6 @@ pub struct CalibrationOutcome {
     pub calibration: Calibration,
     /// Measurement and prediction of each track, in the order of the releases.
     pub curves: Vec<Curve>,
-}
-
-/// One track beside what the fit predicts.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curve {
-    /// Name of the release.
-    pub release: String,
-    /// Its pressure, Pa.
-    pub pressure: Option<f64>,
-    /// Name of the marker.
-    pub marker: String,
-    /// Time of the recording, s after its estimated release.
-    pub time: Vec<f64>,
-    /// Measured position, m.
-    pub measured: Vec<[f64; 2]>,
-    /// Predicted position, offset included, m.
-    pub predicted: Vec<[f64; 2]>,
 }
 
 pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[PartFit]) -> CalibrationOutcome {

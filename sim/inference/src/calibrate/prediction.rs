@@ -36,6 +36,9 @@ pub(crate) struct Fidelity {
     pub refinement: usize,
 }
 
+/// How finely a fit runs the model; what that leaves is removed in the end.
+pub(crate) const FIT: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1 };
+
 /// How the slopes of a prediction are found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Slopes {

@@ -8,30 +8,12 @@
 
 use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
 use nalgebra::DVector;
-use schemars::JsonSchema;
 
 use super::loss::Huber;
 use super::objective::{Evaluation, Objective, View};
-use super::prediction::{Fidelity, Slopes};
+use super::prediction::Slopes;
+use super::stage::{MOST_EVALUATIONS, STAGE_SHARE, STAGE_TOLERANCE, Stage};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
-
-/// How finely a fit runs the model; what that leaves is removed in the end.
-pub(crate) const FIT: Fidelity = Fidelity { tolerance: 1e-4, refinement: 1 };
-
-/// A stretch of the recordings that was fitted.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, JsonSchema)]
-pub struct Stage {
-    /// Start from which it came, the best by the first swing being 0.
-    pub start: usize,
-    /// How much of each recording, in swings; none for all of it.
-    pub swings: Option<f64>,
-    /// Evaluations of all releases with their sensitivities.
-    pub evaluations: usize,
-    /// Largest robust spread of the residuals of a release, in units of the noise.
-    pub spread: f64,
-    /// Whether the search found its minimum.
-    pub converged: bool,
-}
 
 /// Where a search ended.
 #[derive(Clone)]
@@ -68,12 +50,6 @@ const SLIPPED: f64 = 0.7;
 /// How much longer each stretch is than the one before, and at least where that was not predicted.
 const GROWTH: f64 = 4.0;
 const LEAST_GROWTH: f64 = 1.2;
-/// Predicted decrease, for residuals of unit spread, at which a stage stops.
-pub(super) const STAGE_TOLERANCE: f64 = 5e-2;
-/// The same as a share of the cost.
-pub(crate) const STAGE_SHARE: f64 = 3e-3;
-/// Evaluations after which a search is given up.
-pub(super) const MOST_EVALUATIONS: usize = 30;
 
 /// Finds the best fit of a part; `tell` hears of each stage, and where it ended.
 pub(crate) fn search(

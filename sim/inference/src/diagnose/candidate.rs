@@ -5,7 +5,6 @@ use models::error::ModelError;
 use models::muscle::Known;
 
 use super::DiagnosisSettings;
-use super::score::Subject;
 use super::verdict::ParameterValue;
 use crate::calibrate::joint::Estimate;
 use crate::calibrate::unknowns::FARTHEST;
@@ -70,29 +69,8 @@ impl Candidate {
         self.stated.iter().find(|(name, _)| *name == of.name).map(|(_, range)| *range)
     }
 
-    /// What a score needs of it.
-    pub fn subject(&self) -> Subject {
-        let (low, high) = self.believed();
-        let side = if self.is_widened() {
-            0.0 // more at one pressure is less at another
-        } else if low >= self.null_value {
-            1.0
-        } else if high <= self.null_value {
-            -1.0
-        } else {
-            0.0
-        };
-        // Differences on the same steps are good to some 1e-5.
-        Subject {
-            null_value: self.null_value,
-            side,
-            own: 1e-9,
-            believed: self.belief().map(|belief| belief.deviation),
-        }
-    }
-
     /// What is believed of the strength of a release, where each has its own.
-    fn belief(&self) -> Option<Prior> {
+    pub fn belief(&self) -> Option<Prior> {
         let (low, high) = self.believed();
         let widest = (high - self.null_value).max(self.null_value - low);
         let is_own = self.scope == Scope::PerRelease && widest.is_finite();

@@ -10,8 +10,9 @@ use super::candidate::Candidate;
 use super::design_matrix::{Column, of_releases};
 use super::mesh_check::LAW;
 use super::refit::prefix;
-use super::round::{Best, RARER};
+use super::round::RARER;
 use super::score::{RESOLVED, Subject, scores};
+use super::shortlist::Best;
 use crate::calibrate::joint::Joint;
 
 /// Why an effect is not believed that would have to differ from release to release.

@@ -1,9 +1,18 @@
 //! What was measured beside what is predicted, before an effect is added and after.
 
 use super::swing::{share_of_largest, swing};
-use super::validation::Agreement;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::objective::Series;
+
+/// How a model meets releases.
+#[derive(Clone)]
+pub(super) struct Agreement {
+    /// Of each release: its name, root mean square distance of all samples but ghosts in mm, and, without what the robust loss holds
+    /// back, over the noise; noise in mm.
+    pub gaps: Vec<(String, f64, f64, f64)>,
+    /// Of each release and track: what was seen, and what is predicted.
+    pub paths: Vec<Path>,
+}
 
 /// One track as it was measured, and as the model has it without and with what was added.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,29 +6,17 @@
 
 use models::effects::{Parameter, by_name};
 use rayon::prelude::*;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::candidate::Candidate;
+use super::curve::Agreement;
 use super::design_matrix::predictions;
 use super::mesh_check::LAW;
 use super::refit::{Rough, rough};
 use super::score::{Score, scores_of};
-use super::validation::{Agreement, agreement};
-use super::verdict::Added;
+use super::validation::agreement;
+use super::verdict::{Added, Description};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem, Scope};
-
-/// A description, not a cause.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Description {
-    /// The terms that were needed, as parameters of `latent_moment`.
-    pub moment: Added,
-    /// Share of what noise does not explain that is gone with it, over what was fitted.
-    pub share: f64,
-    /// Decrease of χ², in units of the noise as it is.
-    pub decrease: f64,
-}
 
 const MOMENT: &str = "latent_moment";
 /// Terms at most, and those that are fitted before the best of them is taken: what is large scores as similar terms do.

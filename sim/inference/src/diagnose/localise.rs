@@ -11,31 +11,13 @@
 use std::f64::consts::FRAC_PI_2;
 
 use efam_experiments::release::Point;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::design_matrix::{Column, in_noise};
 use super::score::{RESOLVED, Subject, scores};
 use super::swing::{share_of_largest, swing};
+use super::verdict::Shape;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
-
-/// A pattern that the residual may have.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Shape {
-    /// Round; the last one is of the repaired model.
-    pub round: usize,
-    /// In words.
-    pub what: String,
-    /// Size of its score.
-    pub score: f64,
-    /// Score that a shape has to exceed.
-    pub threshold: f64,
-    /// Amplitude, as a share of the largest of all releases, at which most of it is.
-    pub at_amplitude: f64,
-    /// Its size there at the tip, mm, when all else is fitted.
-    pub size_mm: f64,
-}
 
 /// A residual pattern: its harmonic of the swing, its direction, its place, and whether it grows with the pressure.
 #[derive(Clone, Copy)]

@@ -8,49 +8,12 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Vector3};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::curve::{Curve, Sample};
+use super::verdict::{Misfit, Wrong};
 use crate::calibrate::prediction::LEAST_SAMPLES;
 use crate::calibrate::problem::is_same_pressure;
 use crate::normal::CLEAR;
-
-/// Something that a simulation does wrong.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Misfit {
-    /// What it does.
-    pub what: Wrong,
-    /// Amplitudes, as shares of the largest of all releases, between which it does so.
-    pub amplitudes: [f64; 2],
-    /// Change of the measured swing against the simulated one from cycle to cycle: a share of the amplitude,
-    /// or an angle of the phase, rad.
-    pub per_cycle: f64,
-    /// Its standard error.
-    pub standard_error: f64,
-    /// Its size between these amplitudes, mm at the marker.
-    pub size_mm: f64,
-    /// Cycles that a release takes there, and cycles before that: medians.
-    pub cycles: [f64; 2],
-    /// Pressures at which it can be seen, Pa.
-    pub pressures_pa: Vec<f64>,
-    /// Pressures that swing at these amplitudes, Pa.
-    pub pressures_there_pa: Vec<f64>,
-}
-
-/// An error of a simulation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Wrong {
-    /// It decays more slowly than what was measured.
-    LosesEnergyTooSlowly,
-    /// It decays faster.
-    LosesEnergyTooFast,
-    /// Its frequency is too low.
-    SwingsTooSlowly,
-    /// Its frequency is too high.
-    SwingsTooFast,
-}
 
 /// Bounds of large, middle and small swings, as shares of the largest amplitude.
 pub const BANDS: [[f64; 2]; 3] = [[0.4, 1.0], [0.15, 0.4], [0.05, 0.15]];

@@ -55,12 +55,14 @@ pub use verdict::{Diagnosis, Verdict};
 
 use candidate::has_several_pressures;
 use constancy::{INCONSTANT, inconstant};
-use curve::curves;
+use curve::{Agreement, curves};
 use first_swings::FirstSwings;
-use round::{Best, Round, RoundOutcome, RoundRequest, round};
+use round::{Round, RoundRequest, round};
 use setup::Lift;
 use share::Step;
-use validation::{Agreement, HeldOut, agreement, gaps};
+use shortlist::{Best, RoundOutcome};
+use stop::ending_by;
+use validation::{HeldOut, agreement, gaps};
 use verdict::{Added, Evidence, Gap};
 
 /// Who hears how a diagnosis goes on, from any thread. A closure hears what is being done.
@@ -361,6 +363,17 @@ impl<'a> Course<'a> {
         self.tell();
         self.remember();
         Ok(())
+    }
+
+    /// A model that was found in a search which may be asked to end: its own runs do not end, and it meets held-out
+    /// releases.
+    fn lasting(&self, mut best: Box<Best>) -> Result<Box<Best>, CalibrateError> {
+        let fitted = &best.refit.fitted;
+        best.refit.fitted = fitted.with_problem(ending_by(&fitted.problem, &Cancel::default()))?;
+        if best.held_out.is_none() && self.is_stopped() {
+            best.held_out = HeldOut::meet(&best.refit.fitted.problem, &best.refit.known)?;
+        }
+        Ok(best)
     }
 
     /// Says which values the effects have in the model as it is, and how it meets what it was fitted to.

@@ -2,8 +2,9 @@
 
 use super::Course;
 use super::candidate::Candidate;
-use super::round::Best;
-use super::validation::{Agreement, HeldOut, agreement};
+use super::curve::Agreement;
+use super::shortlist::Best;
+use super::validation::{HeldOut, agreement};
 use super::verdict::{Added, Evidence};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::{CalibrateError, Problem};

@@ -7,7 +7,7 @@ use super::candidate::Candidate;
 use super::verdict::{Added, ParameterValue};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::profile::profile;
-use crate::calibrate::search::STAGE_SHARE;
+use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::{Uncertainty, uncertainty};
 use crate::calibrate::unknowns::Group;
 use crate::calibrate::{CalibrateError, Problem};

@@ -1,15 +1,14 @@
 //! One round: score, fit the shortlist, choose.
 
-use super::candidate::{Candidate, candidates, has_several_pressures};
+use super::candidate::{candidates, has_several_pressures};
 use super::design_matrix::predictions;
-use super::localise::{Shape, shapes};
+use super::localise::shapes;
 use super::mesh_check::LAW;
-use super::refit::Refit;
 use super::score::scores_of;
-use super::shortlist::{Entry, LITTLE, best_tries, choose, fit_all, shortlist};
+use super::shortlist::{Best, Entry, LITTLE, RoundOutcome, best_tries, choose, fit_all, shortlist};
 use super::stop::is_stopped;
 use super::validation::HeldOut;
-use super::verdict::{Evidence, Member};
+use super::verdict::{Evidence, Shape};
 use super::{DiagnosisSettings, Listener};
 use crate::calibrate::CalibrateError;
 use crate::calibrate::joint::Joint;
@@ -42,45 +41,6 @@ pub(super) struct RoundRequest {
     pub is_last: bool,
     /// Whether effects of the rod's material have a strength for each pressure.
     pub is_widened: bool,
-}
-
-/// Result of the round.
-pub(super) enum RoundOutcome {
-    /// No candidate.
-    Nothing,
-    /// A candidate scores, and none of them can be the answer.
-    Unexplained,
-    /// An effect of the catalogue.
-    Effect(Box<Best>),
-    /// One more, of which only the score is known, where no more may be added.
-    LimitReached(&'static str),
-}
-
-/// The effect that explains most, and those that explain as much.
-pub(super) struct Best {
-    pub candidate: Candidate,
-    pub refit: Refit,
-    /// How it meets held-out releases.
-    pub held_out: Option<HeldOut>,
-    /// Variance of the noise over that of white noise as large as stated.
-    pub variance_inflation: f64,
-    /// χ² that its unknowns have to be worth.
-    pub penalty: f64,
-    /// Decrease of χ² that it brought.
-    pub gain: f64,
-    /// Others that do as well, the nearest first; empty where the best stands alone.
-    pub members: Vec<(Member, Candidate)>,
-}
-
-impl Best {
-    /// Takes the place of the same effect with one strength for all pressures.
-    pub fn widen(&mut self, narrow: Self) {
-        self.gain += narrow.gain;
-        self.penalty += narrow.penalty;
-        if self.members.is_empty() {
-            self.members = narrow.members;
-        }
-    }
 }
 
 /// Share of the false-alarm level that is left to shapes: they hear small errors of the setup, too, for

@@ -65,6 +65,27 @@ pub(super) const APART: f64 = 5.0;
 pub(super) const ONE: f64 = 2.0;
 
 impl Subject {
+    /// What a score needs of a candidate.
+    fn of(candidate: &Candidate) -> Self {
+        let (low, high) = candidate.believed();
+        let side = if candidate.is_widened() {
+            0.0 // more at one pressure is less at another
+        } else if low >= candidate.null_value {
+            1.0
+        } else if high <= candidate.null_value {
+            -1.0
+        } else {
+            0.0
+        };
+        // Differences on the same steps are good to some 1e-5.
+        Self {
+            null_value: candidate.null_value,
+            side,
+            own: 1e-9,
+            believed: candidate.belief().map(|belief| belief.deviation),
+        }
+    }
+
     /// With the columns' gram matrix, the variance of their score vector, and its variance inflation.
     fn weight(self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, variance_inflation: f64) -> Weight {
         let count = gram.nrows();
@@ -143,7 +164,7 @@ pub(super) fn scores_of(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Scores {
     let columns = columns(candidates, fit, off, tell);
-    let subjects: Vec<Subject> = candidates.iter().map(Candidate::subject).collect();
+    let subjects: Vec<Subject> = candidates.iter().map(Subject::of).collect();
     scores(fit, &subjects, &columns, false_alarm)
 }
 

@@ -9,7 +9,6 @@ use models::effects::Catalogue;
 use models::nearest::{nearest, offer};
 use models::statics::{equilibrium, modes};
 
-use super::setup::limit_beliefs;
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::unknowns::FARTHEST;
 use crate::calibrate::{
@@ -66,6 +65,23 @@ fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
     let is_stiffness = |own: &&mut FittedParameter| own.path == "rod.bending_stiffness";
     if let Some(own) = problem.parameters.iter_mut().find(is_stiffness) {
         own.prior = Some(Prior { mean: stated, deviation: STIFFNESS * stated });
+    }
+}
+
+/// Keeps every belief of a parameter within its limit, where no bounds are given.
+fn limit_beliefs(problem: &mut Problem) {
+    let Some(trial) = problem.trials.first() else { return };
+    let range = |path: &str| {
+        trial
+            .model
+            .index(path)
+            .map_or((f64::NEG_INFINITY, f64::INFINITY), |k| trial.model.parameters[k].range)
+    };
+    for own in problem.parameters.iter_mut().filter(|own| own.bounds.is_none()) {
+        let Some(prior) = own.prior else { continue };
+        let (least, most) = range(&own.path);
+        let room = FARTHEST * prior.deviation;
+        own.bounds = Some(((prior.mean - room).max(least), (prior.mean + room).min(most)));
     }
 }
 

@@ -10,15 +10,15 @@ use rayon::prelude::*;
 
 use super::Course;
 use super::refit::prefix;
-use super::round::{Best, RoundOutcome, RoundRequest};
+use super::round::RoundRequest;
 use super::section::TILT;
-use super::shortlist::{LEAD, penalty};
+use super::shortlist::{Best, LEAD, RoundOutcome, penalty};
 use super::stop::ending_by;
 use super::validation::{HeldOut, agreement};
 use super::verdict::{Contradiction, Verdict};
 use super::warnings::{contradictions, deviations_off};
 use crate::calibrate::joint::{Estimate, Joint};
-use crate::calibrate::unknowns::{CLAMP_ANGLE, FARTHEST, Group, Unknown, UnknownKind};
+use crate::calibrate::unknowns::{CLAMP_ANGLE, Group, Unknown, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem};
 
 /// Standard deviation of what is believed of a clamp's angle where nothing is said of it, rad: set by eye, or with a
@@ -26,23 +26,6 @@ use crate::calibrate::{CalibrateError, Problem};
 const USUAL_CLAMP: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// How much less is believed of a marker's place or of an angle that is lifted.
 const LIFTED: f64 = 25.0;
-
-/// Keeps every belief of a parameter within its limit, where no bounds are given.
-pub(super) fn limit_beliefs(problem: &mut Problem) {
-    let Some(trial) = problem.trials.first() else { return };
-    let range = |path: &str| {
-        trial
-            .model
-            .index(path)
-            .map_or((f64::NEG_INFINITY, f64::INFINITY), |k| trial.model.parameters[k].range)
-    };
-    for own in problem.parameters.iter_mut().filter(|own| own.bounds.is_none()) {
-        let Some(prior) = own.prior else { continue };
-        let (least, most) = range(&own.path);
-        let room = FARTHEST * prior.deviation;
-        own.bounds = Some(((prior.mean - room).max(least), (prior.mean + room).min(most)));
-    }
-}
 
 /// The problem with one of its beliefs lifted.
 fn lifted(problem: &Problem, known: &Estimate) -> Problem {

@@ -1,26 +1,11 @@
 //! How much of what was missing is explained: of all samples, in mm, without the noise of the camera.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::validation::{Agreement, is_astray};
-use super::verdict::{Added, Evidence, Gap, Verdict};
+use super::curve::Agreement;
+use super::validation::is_astray;
+use super::verdict::{Added, Evidence, Gap, Shares, Verdict};
 use super::{Best, Course};
 use crate::calibrate::CalibrateError;
 use crate::calibrate::joint::Joint;
-
-/// What was missing before anything was added, and what of it is left; root mean square over releases and samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Shares {
-    /// Distance of simulation and recordings before, mm, of the releases that were fitted.
-    pub before_mm: f64,
-    /// The same with the effects.
-    pub left_mm: f64,
-    /// Share of the square of what noise does not explain that is gone; none where there is nothing to explain.
-    pub removed: Option<f64>,
-    /// The same for held-out releases.
-    pub removed_held_out: Option<f64>,
-}
 
 impl Shares {
     /// Of the gaps of all releases.

@@ -5,13 +5,12 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use super::mesh_check::LAW;
 use super::refit::{Refit, Rough, refit, rough};
-use super::round::{Best, RoundOutcome};
 use super::score::{APART, ONE, Score, Scores, distance};
 use super::stop::{CUT_SHORT, is_stopped};
 use super::validation::HeldOut;
 use super::verdict::{Evidence, Member};
 use crate::calibrate::joint::Joint;
-use crate::calibrate::search::STAGE_SHARE;
+use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -129,6 +128,45 @@ pub(super) fn best_tries(candidates: Vec<Candidate>, scores: &Scores) -> Vec<Ent
     }
     entries.sort_by(|a, b| b.score.size.total_cmp(&a.score.size));
     entries
+}
+
+/// Result of the round.
+pub(super) enum RoundOutcome {
+    /// No candidate.
+    Nothing,
+    /// A candidate scores, and none of them can be the answer.
+    Unexplained,
+    /// An effect of the catalogue.
+    Effect(Box<Best>),
+    /// One more, of which only the score is known, where no more may be added.
+    LimitReached(&'static str),
+}
+
+/// The effect that explains most, and those that explain as much.
+pub(super) struct Best {
+    pub candidate: Candidate,
+    pub refit: Refit,
+    /// How it meets held-out releases.
+    pub held_out: Option<HeldOut>,
+    /// Variance of the noise over that of white noise as large as stated.
+    pub variance_inflation: f64,
+    /// χ² that its unknowns have to be worth.
+    pub penalty: f64,
+    /// Decrease of χ² that it brought.
+    pub gain: f64,
+    /// Others that do as well, the nearest first; empty where the best stands alone.
+    pub members: Vec<(Member, Candidate)>,
+}
+
+impl Best {
+    /// Takes the place of the same effect with one strength for all pressures.
+    pub fn widen(&mut self, narrow: Self) {
+        self.gain += narrow.gain;
+        self.penalty += narrow.penalty;
+        if self.members.is_empty() {
+            self.members = narrow.members;
+        }
+    }
 }
 
 /// Those that are worth a fit, and the others.

@@ -6,7 +6,6 @@
 use efam_core::forward::Cancel;
 
 use super::Course;
-use super::round::Best;
 use super::verdict::Diagnosis;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem};
@@ -35,17 +34,6 @@ impl Course<'_> {
     /// The model as it is, whose runs end when the search is asked to.
     pub(super) fn ending(&self) -> Result<Joint, CalibrateError> {
         self.model.with_problem(ending_by(&self.model.problem, &self.listener.stop()))
-    }
-
-    /// A model that was found in a search which may be asked to end: its own runs do not end, and it meets held-out
-    /// releases.
-    pub(super) fn lasting(&self, mut best: Box<Best>) -> Result<Box<Best>, CalibrateError> {
-        let fitted = &best.refit.fitted;
-        best.refit.fitted = fitted.with_problem(ending_by(&fitted.problem, &Cancel::default()))?;
-        if best.held_out.is_none() && self.is_stopped() {
-            best.held_out = super::validation::HeldOut::meet(&best.refit.fitted.problem, &best.refit.known)?;
-        }
-        Ok(best)
     }
 }
 

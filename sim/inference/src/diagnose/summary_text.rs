@@ -5,11 +5,12 @@ use std::fmt::Write;
 
 use models::effects::by_name;
 
-use super::describe::Description;
-use super::localise::Shape;
-use super::misfit::{BANDS, Misfit, Wrong};
+use super::misfit::BANDS;
 use super::round::NO_MORE;
-use super::verdict::{Added, Contradiction, Diagnosis, Evidence, Gap, ParameterValue, Separation, Verdict};
+use super::verdict::{
+    Added, Contradiction, Description, Diagnosis, Evidence, Gap, Misfit, ParameterValue, Separation, Shape,
+    Verdict, Wrong,
+};
 use crate::calibrate::repeats::Source;
 use models::digits::{short, significant};
 

@@ -8,24 +8,13 @@
 use std::sync::Arc;
 use std::sync::OnceLock;
 
-use super::curve::{Path, paths};
+use super::curve::{Agreement, paths};
 use super::verdict::Gap;
 use crate::calibrate::ghosts::ghosts;
 use crate::calibrate::joint::{Estimate, Joint};
-use crate::calibrate::prediction::Slopes;
-use crate::calibrate::search::FIT;
+use crate::calibrate::prediction::{FIT, Slopes};
 use crate::calibrate::unknowns::{BASE_ANGLE, Group, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem, Scope};
-
-/// How a model meets releases.
-#[derive(Clone)]
-pub(super) struct Agreement {
-    /// Of each release: its name, root mean square distance of all samples but ghosts in mm, and, without what the robust loss holds
-    /// back, over the noise; noise in mm.
-    pub gaps: Vec<(String, f64, f64, f64)>,
-    /// Of each release and track: what was seen, and what is predicted.
-    pub paths: Vec<Path>,
-}
 
 /// A model before held-out releases.
 pub(super) struct HeldOut {

@@ -3,11 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::describe::Description;
-use super::localise::Shape;
 use super::mesh_check::Numerics;
-use super::misfit::Misfit;
-use super::share::Shares;
 use crate::calibrate::repeats::Repeats;
 
 /// The answer.
@@ -199,4 +195,81 @@ pub struct Gap {
     pub after: f64,
     /// Standard deviation of the noise of a coordinate, mm: the mean over the tracks.
     pub noise_mm: f64,
+}
+
+/// A description, not a cause.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Description {
+    /// The terms that were needed, as parameters of `latent_moment`.
+    pub moment: Added,
+    /// Share of what noise does not explain that is gone with it, over what was fitted.
+    pub share: f64,
+    /// Decrease of χ², in units of the noise as it is.
+    pub decrease: f64,
+}
+
+/// A pattern that the residual may have.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Shape {
+    /// Round; the last one is of the repaired model.
+    pub round: usize,
+    /// In words.
+    pub what: String,
+    /// Size of its score.
+    pub score: f64,
+    /// Score that a shape has to exceed.
+    pub threshold: f64,
+    /// Amplitude, as a share of the largest of all releases, at which most of it is.
+    pub at_amplitude: f64,
+    /// Its size there at the tip, mm, when all else is fitted.
+    pub size_mm: f64,
+}
+
+/// Something that a simulation does wrong.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Misfit {
+    /// What it does.
+    pub what: Wrong,
+    /// Amplitudes, as shares of the largest of all releases, between which it does so.
+    pub amplitudes: [f64; 2],
+    /// Change of the measured swing against the simulated one from cycle to cycle: a share of the amplitude,
+    /// or an angle of the phase, rad.
+    pub per_cycle: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+    /// Its size between these amplitudes, mm at the marker.
+    pub size_mm: f64,
+    /// Cycles that a release takes there, and cycles before that: medians.
+    pub cycles: [f64; 2],
+    /// Pressures at which it can be seen, Pa.
+    pub pressures_pa: Vec<f64>,
+    /// Pressures that swing at these amplitudes, Pa.
+    pub pressures_there_pa: Vec<f64>,
+}
+
+/// An error of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Wrong {
+    /// It decays more slowly than what was measured.
+    LosesEnergyTooSlowly,
+    /// It decays faster.
+    LosesEnergyTooFast,
+    /// Its frequency is too low.
+    SwingsTooSlowly,
+    /// Its frequency is too high.
+    SwingsTooFast,
+}
+
+/// What was missing before anything was added, and what of it is left; root mean square over releases and samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Shares {
+    /// Distance of simulation and recordings before, mm, of the releases that were fitted.
+    pub before_mm: f64,
+    /// The same with the effects.
+    pub left_mm: f64,
+    /// Share of the square of what noise does not explain that is gone; none where there is nothing to explain.
+    pub removed: Option<f64>,
+    /// The same for held-out releases.
+    pub removed_held_out: Option<f64>,
 }

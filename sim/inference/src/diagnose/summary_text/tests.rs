@@ -1,6 +1,6 @@
 use super::*;
-use crate::diagnose::share::Shares;
 use crate::diagnose::verdict::Member;
+use crate::diagnose::verdict::Shares;
 
 fn gap(release: &str, held_out: bool, before: f64, after: f64) -> Gap {
     let release = release.to_owned();
