@@ -19,7 +19,8 @@ use crate::calibrate::joint::Joint;
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 const MOMENT: &str = "latent_moment";
-/// Terms at most, and those that are fitted before the best of them is taken: what is large scores as similar terms do.
+/// Terms at most, and those that are fitted before the best of them is taken, which promise most: what is large scores as
+/// similar terms do.
 const MOST_TERMS: usize = 3;
 
 /// Describes what is left at a fit; nothing where no term scores.
@@ -52,7 +53,7 @@ fn with_another(
     let scores = scores_of(&candidates, fit, &off, false_alarm, &|_| ());
     let loud = |(_, score): &(&Candidate, &Score)| score.size > scores.threshold;
     let mut each: Vec<(&Candidate, &Score)> = candidates.iter().zip(&scores.each).filter(loud).collect();
-    each.sort_by(|a, b| b.1.size.total_cmp(&a.1.size));
+    each.sort_by(|a, b| b.1.decrease.total_cmp(&a.1.decrease));
     each.truncate(MOST_TERMS);
     tell(&format!("description: a moment of {} terms", terms.len() + 1));
     let tried: Vec<Option<Rough>> = each
