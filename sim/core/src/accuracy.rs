@@ -368,7 +368,7 @@ fn longer_steps(model: &Model, run: &Run) -> (f64, f64) {
         (_, Method::Verlet) => (16.0, 3.0),
         (_, Method::TrBdf2) => (8.0, 3.0),
         (_, Method::Esdirk34) => (16.0, 7.0),
-        (Steps::Fixed(_) | Steps::Given(_), _) => (16.0, 15.0),
+        (Steps::Fixed(_) | Steps::Given(_) | Steps::Repeated(_), _) => (16.0, 15.0),
         (Steps::Adaptive, _) => (16.0, STIFF),
     }
 }
@@ -380,7 +380,7 @@ fn with_longer_steps(model: &Model, run: &Run, trajectory: &Trajectory) -> Run {
     let mean = || run.duration / trajectory.effort.steps.max(1) as f64;
     let (steps, tolerance) = match (&run.steps, run.method.of(model)) {
         (Steps::Fixed(step), _) => (Steps::Fixed(2.0 * step), run.tolerance),
-        (Steps::Given(ends), _) => {
+        (Steps::Given(ends) | Steps::Repeated(ends), _) => {
             (Steps::Given(ends.iter().skip(1).step_by(2).copied().collect()), run.tolerance)
         }
         (Steps::Adaptive, Method::Verlet) => (Steps::Fixed(2.0 * mean()), run.tolerance),

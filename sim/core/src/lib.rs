@@ -52,6 +52,7 @@ pub mod initial;
 pub mod integrate;
 pub mod levenberg_marquardt;
 pub mod limits;
+pub mod loss;
 mod observed;
 pub mod pace;
 pub mod point;

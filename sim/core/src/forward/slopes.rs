@@ -65,14 +65,14 @@ fn held_by_parameters(hold: &Model, near: &[f64], shared: &[Option<usize>], grou
     system.posture_by_parameters(group, &rest.q, &by_theta)
 }
 
-/// How the relaxed memory moves with the posture and the parameters.
+/// How the relaxed memory that is felt moves with the posture and the parameters.
 fn relaxed_memory_slopes(
     system: &mut System,
     group: usize,
     state: &State,
     q: &[[f64; LANES]],
 ) -> Vec<[f64; LANES]> {
-    let mut z = vec![[0.0; LANES]; state.z.len()];
+    let mut z = vec![[0.0; LANES]; system.model.felt_memory()];
     if z.is_empty() {
         return z;
     }

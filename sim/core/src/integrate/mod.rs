@@ -39,6 +39,8 @@ pub enum Steps {
     /// Those of another run, by the times at which they end, s, ascending. A step that the model cannot resolve
     /// is halved until it can.
     Given(Vec<f64>),
+    /// The same, to the last: for a difference of two runs, in which a step that one of them halves would be a jump.
+    Repeated(Vec<f64>),
 }
 
 impl Steps {
@@ -46,14 +48,22 @@ impl Steps {
     pub fn fixed(&self) -> Option<f64> {
         match self {
             Steps::Fixed(step) => Some(*step),
-            Steps::Adaptive | Steps::Given(_) => None,
+            Steps::Adaptive | Steps::Given(_) | Steps::Repeated(_) => None,
         }
+    }
+
+    /// The same without ends from a time on, s.
+    pub fn ending_before(mut self, time: f64) -> Self {
+        if let Steps::Given(ends) | Steps::Repeated(ends) = &mut self {
+            ends.retain(|end| *end < time);
+        }
+        self
     }
 
     /// Where a step that begins at a time has to end at the latest, s: at the stop, or at the end of a given step
     /// before it.
     fn stop_after(&self, time: f64, stop: f64) -> f64 {
-        let Steps::Given(ends) = self else { return stop };
+        let (Steps::Given(ends) | Steps::Repeated(ends)) = self else { return stop };
         ends.get(ends.partition_point(|end| *end <= time)).map_or(stop, |end| end.min(stop))
     }
 }

@@ -251,7 +251,7 @@ impl Integrator for Rosenbrock {
                     let keeps_memory = || h <= SMALLEST_MEMORY_STEP || self.memory_error() <= POOR_MEMORY;
                     h > SMALLEST_STEP && !(error <= POOR && keeps_memory())
                 }
-                Steps::Fixed(_) => false,
+                Steps::Fixed(_) | Steps::Repeated(_) => false,
             };
             if is_poor {
                 self.effort.rejected += 1;
@@ -272,8 +272,8 @@ impl Integrator for Rosenbrock {
             }
             match self.control.steps {
                 Steps::Adaptive => self.step = self.grown(h, error, rejected),
-                Steps::Given(_) if h == to_stop => self.step = f64::INFINITY,
-                Steps::Given(_) | Steps::Fixed(_) => {}
+                Steps::Given(_) | Steps::Repeated(_) if h == to_stop => self.step = f64::INFINITY,
+                Steps::Given(_) | Steps::Repeated(_) | Steps::Fixed(_) => {}
             }
             return Ok(());
         }
@@ -347,7 +347,7 @@ fn first_step(control: &Control) -> f64 {
     match control.steps {
         Steps::Adaptive => control.first_step.unwrap_or(FIRST_STEP),
         Steps::Fixed(step) => step,
-        Steps::Given(_) => f64::INFINITY,
+        Steps::Given(_) | Steps::Repeated(_) => f64::INFINITY,
     }
 }
 

@@ -102,9 +102,8 @@ impl Slopes {
 
 impl Variational {
     /// Starts with the derivatives of the initial state by what a `system` watches, one entry a group.
-    pub fn new(system: System, mut slopes: Vec<Slopes>) -> Self {
+    pub fn new(system: System, slopes: Vec<Slopes>) -> Self {
         let model = &system.model;
-        slopes.iter_mut().for_each(|slopes| slopes.z.truncate(model.felt_memory()));
         let zeros = Slopes::zeros(model);
         let state = State {
             time: 0.0,

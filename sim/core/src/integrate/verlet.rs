@@ -40,7 +40,7 @@ impl Verlet {
         let step = match control.steps {
             Steps::Adaptive => PHASE / fastest(&mut system, &state),
             Steps::Fixed(step) => step,
-            Steps::Given(_) => f64::INFINITY,
+            Steps::Given(_) | Steps::Repeated(_) => f64::INFINITY,
         };
         let mut run = Self {
             effort: Effort::default(),

@@ -2,7 +2,7 @@
 
 use efam_experiments::release::Release;
 
-use super::loss::spread;
+use efam_core::loss::spread;
 
 /// Distance of a sample from the middle of its two neighbours, in that of most samples, beyond which another thing was
 /// taken for the marker. One of a hundred million samples is as far by chance.

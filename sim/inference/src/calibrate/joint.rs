@@ -76,8 +76,8 @@ impl Joint {
     /// The same fit of a problem that differs in nothing that was fitted.
     /// # Errors
     /// [`CalibrateError`] where the problem is another one than was fitted.
-    pub fn with_problem(&self, problem: Problem) -> Result<Self, CalibrateError> {
-        Ok(Self { objective: objective_of(&problem)?.into(), problem, ..self.clone() })
+    pub fn with_problem(self, problem: Problem) -> Result<Self, CalibrateError> {
+        Ok(Self { objective: objective_of(&problem)?.into(), problem, ..self })
     }
 
     /// Searches from the problem's start.

@@ -12,7 +12,6 @@ pub(crate) mod ghosts;
 pub(crate) mod hold;
 mod identifiability;
 pub(crate) mod joint;
-pub(crate) mod loss;
 pub mod misfit;
 pub(crate) mod numerics;
 pub(crate) mod objective;

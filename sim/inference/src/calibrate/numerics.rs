@@ -7,6 +7,7 @@
 //! fit is then repeated with d held fixed, and belongs to a rod without mesh.
 
 use efam_core::accuracy;
+use efam_core::integrate::Steps;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -43,8 +44,8 @@ pub(crate) fn correction(
         .map(|r| {
             let tight = Fidelity { tolerance: TIGHT, refinement: 1 };
             let fine = Fidelity { refinement: if keep_mesh { 1 } else { 2 }, ..tight };
-            let run = |fidelity| one(objective, r, x, view.counts[r], fidelity, None);
-            let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
+            let run = |fidelity| one(objective, r, x, view.counts[r], fidelity, Steps::Adaptive);
+            let steps = view.steps.as_ref().map_or(Steps::Adaptive, |steps| Steps::Given(steps[r].clone()));
             let same = run(tight)?;
             let finer = if keep_mesh { same.clone() } else { run(fine)? };
             Some([one(objective, r, x, view.counts[r], view.fidelity, steps)?, same, finer])
@@ -85,7 +86,7 @@ fn one(
     x: &DVector<f64>,
     count: usize,
     fidelity: Fidelity,
-    steps: Option<&[f64]>,
+    steps: Steps,
 ) -> Option<Prediction> {
     let (part, measured) = (&objective.part, &objective.measured[r]);
     predict(&part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, steps, None).ok()

@@ -3,15 +3,16 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use efam_core::integrate::Steps;
 use efam_core::levenberg_marquardt::Evaluated;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::error::CalibrateError;
-use super::loss::{Huber, spread};
 use super::part::Part;
 use super::prediction::{FIT, Fidelity, Measured, Slopes, predict};
 use super::unknowns::Acts;
+use efam_core::loss::{Huber, spread};
 
 /// How the data are looked at.
 #[derive(Clone, Debug)]
@@ -49,6 +50,16 @@ impl View {
         self.loss = seen.spreads().into_iter().map(Huber::for_spread).collect();
         self.steps = Some(seen.steps);
         self
+    }
+
+    /// How the `r`-th release is run. A halved step moves the cost by more than the last steps of a search lower it, and a
+    /// correction is for the steps it was found with: where slopes are those of the prediction, steps are too.
+    pub fn steps_of(&self, r: usize) -> Steps {
+        match (&self.steps, self.slopes) {
+            (None, _) => Steps::Adaptive,
+            (Some(steps), Slopes::Variational) => Steps::Given(steps[r].clone()),
+            (Some(steps), Slopes::Differences) => Steps::Repeated(steps[r].clone()),
+        }
     }
 
     /// Releases as they were seen apart, each the one at a place of a view.
@@ -146,7 +157,17 @@ impl Objective {
         for (r, trial) in self.part.members.iter().enumerate() {
             let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
             let count = self.measured[r].samples.len();
-            let run = predict(trial, &self.measured[r], locals, unknowns, start, count, rough, None, None);
+            let run = predict(
+                trial,
+                &self.measured[r],
+                locals,
+                unknowns,
+                start,
+                count,
+                rough,
+                Steps::Adaptive,
+                None,
+            );
             if let Err(error) = run {
                 let release = trial.release.name.clone();
                 return CalibrateError::Forward { release, error: error.into() };
@@ -180,9 +201,8 @@ impl Objective {
         let (trial, measured) = (&self.part.members[r], &self.measured[r]);
         let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
         let (count, fidelity) = (view.counts[r], view.fidelity);
-        let steps = view.steps.as_ref().map(|steps| &steps[r][..]);
         let prediction =
-            predict(trial, measured, locals, unknowns, x, count, fidelity, steps, slopes).ok()?;
+            predict(trial, measured, locals, unknowns, x, count, fidelity, view.steps_of(r), slopes).ok()?;
         self.count_steps(prediction.steps_in_all);
         let mut block = Vec::with_capacity(trial.release.tracks.len());
         for (t, track) in trial.release.tracks.iter().enumerate() {

@@ -153,7 +153,7 @@ pub(crate) fn simulate(
     instant: f64,
     count: usize,
     fidelity: Fidelity,
-    steps: Option<&[f64]>,
+    steps: Steps,
     watched: Vec<usize>,
 ) -> Result<Trajectory, ForwardError> {
     let (mut model, mut initial) = trial.with(theta);
@@ -171,9 +171,7 @@ pub(crate) fn simulate(
         samples: times,
         method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
         tolerance: fidelity.tolerance,
-        steps: steps.map_or(Steps::Adaptive, |ends| {
-            Steps::Given(ends.iter().copied().filter(|t| *t < duration - LEAST_STEP).collect())
-        }),
+        steps: steps.ending_before(duration - LEAST_STEP),
         most_steps: trial.run.most_steps.min(MOST_STEPS),
         keep_samples: true,
         keep_steps: true,
@@ -190,8 +188,7 @@ pub(crate) fn simulate(
     Ok(path)
 }
 
-/// Simulates a trial and looks at it as its recording did: at the first `count` of the samples; on the
-/// steps of another run, if they are given.
+/// Simulates a trial and looks at it as its recording did: at the first `count` of the samples.
 #[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
 pub(crate) fn predict(
     trial: &Trial,
@@ -201,7 +198,7 @@ pub(crate) fn predict(
     x: &DVector<f64>,
     count: usize,
     fidelity: Fidelity,
-    steps: Option<&[f64]>,
+    steps: Steps,
     slopes: Option<Slopes>,
 ) -> Result<Prediction, ForwardError> {
     let (theta, instant) = values(trial, locals, unknowns, x);
@@ -231,13 +228,16 @@ pub(crate) fn predict(
         steps_in_all: path.steps.len(),
     };
     if let Some(slopes) = slopes {
-        let slips = trial.with(&theta).0.slipping().is_some();
-        let difference = if slips { DIFFERENCE_WITH_FRICTION } else { DIFFERENCE };
+        let slips = || trial.with(&theta).0.slipping().is_some();
+        let difference = match slopes {
+            Slopes::Differences if slips() => DIFFERENCE_WITH_FRICTION,
+            _ => DIFFERENCE,
+        };
         let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
             (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
                 let mut aside = x.clone();
                 aside[locals[l].unknown] += difference;
-                let steps = Some(&path.steps[..]);
+                let steps = Steps::Repeated(path.steps.clone());
                 predict(trial, measured, locals, unknowns, &aside, count, fidelity, steps, None).map(Some)
             }
             _ => Ok(None),

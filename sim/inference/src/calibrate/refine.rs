@@ -9,13 +9,13 @@
 use efam_core::levenberg_marquardt::Solution;
 use nalgebra::DVector;
 
-use super::loss::Huber;
 use super::numerics::{Correction, correction};
 use super::objective::{Evaluation, Objective, View};
 use super::prediction::{Fidelity, Slopes};
 use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
 use crate::normal::CLEAR;
+use efam_core::loss::Huber;
 
 /// Share of a standard error to which a fit is found, and half of that to which the ends of an interval are.
 pub(super) const RESOLUTION: f64 = 0.02;

@@ -9,11 +9,11 @@
 use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
 use nalgebra::DVector;
 
-use super::loss::Huber;
 use super::objective::{Evaluation, Objective, View};
 use super::prediction::Slopes;
 use super::stage::{MOST_EVALUATIONS, STAGE_SHARE, STAGE_TOLERANCE, Stage};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
+use efam_core::loss::Huber;
 
 /// Where a search ended.
 #[derive(Clone)]
@@ -227,7 +227,7 @@ fn has_slipped(objective: &Objective, seen: &Evaluation, before: &[usize], count
             let lengths = series.samples.iter().zip(series.lengths());
             lengths.filter(|(k, _)| **k >= from).map(|(_, length)| length)
         });
-        let residual = super::loss::spread(new.collect());
+        let residual = efam_core::loss::spread(new.collect());
         let motion = excursion(objective, r, from, to);
         residual > 5.0 && residual > SLIPPED * motion
     })

@@ -7,10 +7,10 @@ use models::statics::{equilibrium, modes};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::loss::Huber;
 use super::objective::{Objective, View};
 use super::prediction::values;
 use super::unknowns::UnknownKind;
+use efam_core::loss::Huber;
 
 /// Swings by which starts are compared: one, and a little so that its upper peak is seen.
 pub(super) const FIRST_SWINGS: f64 = 1.25;

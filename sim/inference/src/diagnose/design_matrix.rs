@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use efam_core::integrate::Steps;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
@@ -109,7 +110,9 @@ fn movements_in(fit: &Joint, candidates: &[&Candidate], r: usize) -> Option<Vec<
     let strengths: Vec<usize> = candidates.iter().map(strength).collect::<Option<_>>()?;
     let (theta, instant) = values(&trial, &part.locals[r], &part.unknowns, &fit.found.x);
     let measured = &fit.objective.measured[r];
-    let (count, steps) = (view.counts[r], view.steps.as_ref().map(|steps| &steps[r][..]));
+    let count = view.counts[r];
+    // Memories that the fit has not may need shorter steps.
+    let steps = view.steps.as_ref().map_or(Steps::Adaptive, |steps| Steps::Given(steps[r].clone()));
     let path = simulate(&trial, measured, &theta, instant, count, view.fidelity, steps, strengths).ok()?;
     let seen = path.points_by_parameters;
     let is_finite = seen.iter().flatten().flatten().flatten().all(|slope| slope.is_finite());
@@ -122,8 +125,8 @@ fn movements_in(fit: &Joint, candidates: &[&Candidate], r: usize) -> Option<Vec<
 const WANTED: f64 = 1e-6;
 
 /// The movements with a candidate's strength by differences of runs on the same steps, which are those of the prediction
-/// itself, to five digits; `off` is what the fit predicts, `near` what they are about. None where the models cannot be run, or
-/// not on these steps.
+/// itself, to five digits; `off` is what the fit predicts, `near` what they are about. None where the models cannot be run,
+/// or not on these steps: a memory that the fit has not may need shorter ones.
 pub(super) fn differences(
     fit: &Joint,
     off: &[Prediction],
@@ -141,7 +144,7 @@ pub(super) fn differences(
         let wanted = (WANTED / farthest).log2().round().exp2();
         let step = wanted.min(room.abs()).copysign(room);
         let on = candidate.on(&fit.objective.part.members[r], candidate.null_value + step).ok()?;
-        let aside = run(fit, &on, r)?;
+        let aside = run(fit, &on, r, Steps::Given(off[r].steps.clone()))?;
         let moved = |t: usize, k: usize| {
             let (aside, off) = (aside.position[t][k], off[r].position[t][k]);
             [0, 1].map(|axis| (aside[axis] - off[axis]) / step)
@@ -215,7 +218,7 @@ fn fitted(fit: &Joint, place: usize) -> Vec<Moved> {
 /// What a fit predicts of all its releases; none where it cannot be run.
 pub(super) fn predictions(fit: &Joint) -> Option<Vec<Prediction>> {
     let members = &fit.objective.part.members;
-    members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r)).collect()
+    members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r, fit.found.view.steps_of(r))).collect()
 }
 
 /// Movements of the points of a release by track and place among its samples, m, in units of the noise
@@ -228,13 +231,8 @@ pub(super) fn in_noise(fit: &Joint, r: usize, moved: impl Fn(usize, usize) -> [f
     fit.found.at.carried.blocks[r].iter().enumerate().map(of_track).collect()
 }
 
-/// The prediction of the `r`-th release, on the steps of the fit.
-fn run(fit: &Joint, trial: &Trial, r: usize) -> Option<Prediction> {
-    let steps = fit.found.view.steps.as_ref().map(|steps| &steps[r][..]);
-    run_on(fit, trial, r, steps)
-}
-
-fn run_on(fit: &Joint, trial: &Trial, r: usize, steps: Option<&[f64]>) -> Option<Prediction> {
+/// The prediction of the `r`-th release.
+fn run(fit: &Joint, trial: &Trial, r: usize, steps: Steps) -> Option<Prediction> {
     let (part, view) = (&fit.objective.part, &fit.found.view);
     let measured = &fit.objective.measured[r];
     let (locals, count) = (&part.locals[r], view.counts[r]);
@@ -297,9 +295,8 @@ mod tests {
             let step =
                 (20.0 * WANTED / (NOISE * moved.amax())).min(room(candidate).abs()).copysign(room(candidate));
             let on = candidate.on(&problem.trials[0], candidate.null_value + step).unwrap();
-            let aside = run(&fit, &on, 0).unwrap();
-            // A memory that turns round within a step halves it.
-            let off = run_on(&fit, &problem.trials[0], 0, Some(&aside.steps)).unwrap();
+            let aside = run(&fit, &on, 0, fit.found.view.steps_of(0)).unwrap();
+            let off = run(&fit, &problem.trials[0], 0, Steps::Repeated(aside.steps)).unwrap();
             let difference = in_noise(&fit, 0, |t, k| {
                 let (aside, off) = (aside.position[t][k], off.position[t][k]);
                 [0, 1].map(|axis| (aside[axis] - off[axis]) / step)

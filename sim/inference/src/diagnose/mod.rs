@@ -368,8 +368,8 @@ impl<'a> Course<'a> {
     /// A model that was found in a search which may be asked to end: its own runs do not end, and it meets held-out
     /// releases.
     fn lasting(&self, mut best: Box<Best>) -> Result<Box<Best>, CalibrateError> {
-        let fitted = &best.refit.fitted;
-        best.refit.fitted = fitted.with_problem(ending_by(&fitted.problem, &Cancel::default()))?;
+        let lasting = ending_by(&best.refit.fitted.problem, &Cancel::default());
+        best.refit.fitted = best.refit.fitted.with_problem(lasting)?;
         if best.held_out.is_none() && self.is_stopped() {
             best.held_out = HeldOut::meet(&best.refit.fitted.problem, &best.refit.known)?;
         }

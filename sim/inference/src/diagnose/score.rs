@@ -77,7 +77,7 @@ impl Subject {
         } else {
             0.0
         };
-        // Differences on the same steps are good to some 1e-5.
+        // A column of which so little is left is taken by differences on the same steps, which are good to some 1e-5.
         Self {
             null_value: candidate.null_value,
             side,
@@ -190,6 +190,9 @@ pub(super) fn columns(
     };
     let mut hidden: Vec<usize> = columns.iter().enumerate().filter_map(is_hidden).collect();
     hidden.dedup();
+    if hidden.is_empty() {
+        return columns;
+    }
     let exactly = |c: &usize| differences(fit, off, &candidates[*c], moved[*c].as_ref()?);
     let exact: Vec<_> = hidden.par_iter().map(exactly).collect();
     for (c, exact) in hidden.into_iter().zip(exact).filter(|(_, exact)| exact.is_some()) {

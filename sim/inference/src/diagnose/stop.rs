@@ -33,7 +33,7 @@ impl Course<'_> {
 
     /// The model as it is, whose runs end when the search is asked to.
     pub(super) fn ending(&self) -> Result<Joint, CalibrateError> {
-        self.model.with_problem(ending_by(&self.model.problem, &self.listener.stop()))
+        self.model.clone().with_problem(ending_by(&self.model.problem, &self.listener.stop()))
     }
 }
 

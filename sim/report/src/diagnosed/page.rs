@@ -208,8 +208,7 @@ mod tests {
 
     use efam_inference::calibrate::{FittedParameter, Nuisances, Problem, Scope};
     use efam_inference::diagnose::curve::Sample;
-    use efam_inference::diagnose::verdict::Shape;
-    use efam_inference::diagnose::verdict::{Added, Evidence, Gap, Member, Separation};
+    use efam_inference::diagnose::verdict::{Added, Evidence, Gap, Member, Separation, Shape};
 
     use super::*;
     use crate::page::stripped;

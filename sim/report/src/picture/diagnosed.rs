@@ -1,8 +1,7 @@
 //! Pictures of a diagnosis: gaps before and after, what the residual looks like, who was asked and what
 //! they said. One colour and mark is before, a ring in vermilion, another after, a dot in blue.
 
-use efam_inference::diagnose::verdict::Shape;
-use efam_inference::diagnose::verdict::{Evidence, Gap};
+use efam_inference::diagnose::verdict::{Evidence, Gap, Shape};
 use efam_inference::diagnose::{Curve, Diagnosis};
 
 use crate::picture::diagnosed_residual::{over_swing, over_time};

@@ -100,3 +100,16 @@ fn given_steps_are_halved_where_another_model_needs_it() {
     let worst = found.tip.iter().zip(&exact.tip).map(miss).fold(0.0, f64::max);
     assert!(worst < 1e-3, "{worst} m");
 }
+
+/// A difference of two runs is one of two models only on the same steps: none of them is halved, though the error asks
+/// for it.
+#[test]
+fn repeated_steps_are_those_of_the_other_run() {
+    let model =
+        Model::new(&paper_spec(40.0, 32, &[("rayleigh_stiffness.beta", 2e-3)])).expect("the paper's muscle");
+    let rough = Run { tolerance: 1e-4, keep_steps: true, ..Run::release(1.0, 100.0) };
+    let given = simulate(&model, &rough).steps;
+    let strict = |steps: Steps| simulate(&model, &Run { tolerance: 1e-7, steps, ..rough.clone() }).steps;
+    assert_eq!(strict(Steps::Repeated(given.clone())), given);
+    assert!(strict(Steps::Given(given.clone())).len() > given.len());
+}

@@ -1,6 +1,8 @@
 //! A robust loss: quadratic for what noise explains, linear for what it does not, so that a ghost
 //! that cleaning has missed pulls no harder than a sample at the threshold.
 //!
+//! The fits of the program and of its page in the browser share it.
+//!
 //! Source: Huber (1964), Annals of Mathematical Statistics 35, 73-101; applied to the length of the
 //! residual in the plane, so that no direction is preferred.
 
@@ -8,7 +10,7 @@ use std::f64::consts::LN_2;
 
 /// Huber's loss of a residual of given length, in units of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Huber {
+pub struct Huber {
     /// Length at which the loss becomes linear.
     pub threshold: f64,
 }
@@ -23,6 +25,7 @@ impl Huber {
         Self { threshold: THRESHOLD * spread.max(1.0) }
     }
 
+    /// What a residual of a length adds to the cost.
     pub fn cost(self, length: f64) -> f64 {
         if length <= self.threshold {
             0.5 * length * length
@@ -39,7 +42,8 @@ impl Huber {
 
 /// Standard deviation of each coordinate, from the median length, which is `√(2 ln 2)` deviations in a plane of normal
 /// residuals: blind to a minority of ghosts.
-pub(crate) fn spread(mut lengths: Vec<f64>) -> f64 {
+#[must_use]
+pub fn spread(mut lengths: Vec<f64>) -> f64 {
     if lengths.is_empty() {
         return 0.0;
     }
