@@ -1,12 +1,14 @@
 //! Parameters fitted to a measured path of the tip, by the core's sensitivities and its least squares.
 //!
-//! The residuals are in units of a millimetre. The fit begins with the first swings and takes in more and more of the
-//! path: over many swings a wrong frequency runs out of phase, and the cost has a valley for each whole swing.
+//! The fit begins with the first swings and takes in more and more of the path: over many swings a wrong frequency runs
+//! out of phase, and the cost has a valley for each whole swing. In the end a robust loss leaves out what is far from the
+//! rest, as in the program.
 
 use std::ops::ControlFlow;
 
 use efam_core::forward::forward;
 use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, Solution, minimise};
+use efam_core::loss::{Huber, spread};
 use efam_core::models::model::Model;
 use efam_core::point::Point;
 use efam_core::rest::rest;
@@ -65,8 +67,10 @@ pub struct Fitted {
     pub converged: bool,
 }
 
-/// Residuals are in units of that, m.
+/// Residuals are in units of that, m, until their spread is known.
 const MILLIMETRE: f64 = 1e-3;
+/// Rounds in which the loss follows that spread.
+const ROUNDS: usize = 2;
 /// Swings that the fit begins with, and the share by which it goes on.
 const FIRST_SWINGS: f64 = 1.5;
 const GROWTH: f64 = 3.0;
@@ -106,12 +110,15 @@ struct Problem<'f> {
     unknowns: Vec<Unknown>,
     time: Vec<f64>,
     tip: Vec<[f64; 2]>,
+    /// Unit of the residuals, m.
+    unit: f64,
+    loss: Huber,
 }
 
 impl Fit {
     /// Fits.
     pub fn run(&self) -> Result<Fitted, PlaygroundError> {
-        let problem = self.problem()?;
+        let mut problem = self.problem()?;
         let theta = |k: usize| problem.model.theta[problem.unknowns[k].theta];
         let range = |k: usize| problem.model.parameters[problem.unknowns[k].theta].range;
         let n = problem.unknowns.len();
@@ -143,11 +150,18 @@ impl Fit {
             x = solution.x.clone();
             last = Some(solution);
         }
-        let solution = last.ok_or(PlaygroundError::NoStart)?;
+        let mut solution = last.ok_or(PlaygroundError::NoStart)?;
+        for _ in 0..ROUNDS {
+            problem.weigh_by(&solution.at.carried);
+            let mut evaluate = |x: &DVector<f64>, _: Option<&Vec<[f64; 2]>>| problem.evaluate(x, all);
+            solution = minimise(&x, None, &search, &mut evaluate).ok_or(PlaygroundError::NoStart)?;
+            evaluations += solution.evaluations;
+            x = solution.x.clone();
+        }
         Ok(Fitted {
             found: self.found(&problem, &search, &solution),
-            before_mm: rms(before.cost, all),
-            after_mm: rms(solution.at.cost, all),
+            before_mm: problem.rms_mm(&before.carried),
+            after_mm: problem.rms_mm(&solution.at.carried),
             tip: solution.at.carried,
             evaluations,
             converged: solution.converged,
@@ -192,6 +206,8 @@ impl Fit {
             model,
             time: kept.iter().map(|k| self.time[*k]).collect(),
             tip: kept.iter().map(|k| self.tip[*k]).collect(),
+            unit: MILLIMETRE,
+            loss: Huber { threshold: f64::INFINITY },
         })
     }
 
@@ -275,22 +291,37 @@ impl Problem<'_> {
         let n = self.unknowns.len();
         let (mut gradient, mut hessian) = (DVector::zeros(n), DMatrix::zeros(n, n));
         let mut cost = 0.0;
-        for k in 0..count {
+        let carried: Vec<[f64; 2]> = found.points.iter().map(|points| points[0]).collect();
+        for (k, length) in self.lengths(&carried).enumerate() {
+            cost += self.loss.cost(length / self.unit);
+            let weight = self.loss.weight(length / self.unit);
             for axis in 0..2 {
-                let residual = (self.tip[k][axis] - found.points[k][0][axis]) / MILLIMETRE;
-                let by = |j: usize| self.unknowns[j].slope(x[j]) / MILLIMETRE;
+                let residual = (self.tip[k][axis] - carried[k][axis]) / self.unit;
+                let by = |j: usize| self.unknowns[j].slope(x[j]) / self.unit;
                 let row = DVector::from_fn(n, |j, _| -found.points_by_parameters[k][0][j][axis] * by(j));
-                cost += 0.5 * residual * residual;
-                gradient += residual * &row;
-                hessian += &row * row.transpose();
+                gradient += weight * residual * &row;
+                hessian += weight * &row * row.transpose();
             }
         }
-        let carried = found.points.iter().map(|points| points[0]).collect();
         cost.is_finite().then_some(Evaluated { cost, gradient, hessian, carried })
     }
-}
 
-/// Root mean square of the distance, mm, from half the sum of squares.
-fn rms(cost: f64, samples: usize) -> f64 {
-    (2.0 * cost / samples as f64).sqrt()
+    /// Distances of the first samples from a path, m.
+    fn lengths(&self, path: &[[f64; 2]]) -> impl Iterator<Item = f64> {
+        self.tip.iter().zip(path).map(|(measured, path)| (measured[0] - path[0]).hypot(measured[1] - path[1]))
+    }
+
+    /// Puts residuals in units of their spread about a path, and leaves out what is far from it.
+    fn weigh_by(&mut self, path: &[[f64; 2]]) {
+        let spread = spread(self.lengths(path).collect());
+        if spread > 0.0 {
+            (self.unit, self.loss) = (spread, Huber::for_spread(1.0));
+        }
+    }
+
+    /// Root mean square distance from a path, mm.
+    fn rms_mm(&self, path: &[[f64; 2]]) -> f64 {
+        let squares: f64 = self.lengths(path).map(|length| length * length).sum();
+        1e3 * (squares / path.len().max(1) as f64).sqrt()
+    }
 }
