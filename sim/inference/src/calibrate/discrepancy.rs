@@ -23,10 +23,11 @@ use efam_experiments::release::Track;
 
 use super::autocorrelation::{Autocovariance, products};
 use super::joint::Joint;
-use super::objective::{Objective, Series};
+use super::objective::Objective;
 use super::problem::Problem;
 use super::refine::CHANGED;
 use super::search::Found;
+use super::view::Series;
 
 /// What a fit misses of a track.
 #[derive(Clone, Debug, Default, PartialEq)]

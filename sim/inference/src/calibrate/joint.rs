@@ -6,7 +6,7 @@ use efam_core::levenberg_marquardt::Solution;
 use nalgebra::DVector;
 
 use super::error::CalibrateError;
-use super::objective::{Evaluation, Objective, View};
+use super::objective::Objective;
 use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
@@ -14,6 +14,7 @@ use super::refine::{LAST, refine};
 use super::search::{EXPLAINED, Found, common_cost, meet, minimise_in, search};
 use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Unknown, UnknownKind, Unknowns};
+use super::view::{Evaluation, View};
 
 /// A value of a scaled unknown.
 #[derive(Clone, Debug)]
@@ -223,7 +224,7 @@ impl Joint {
     ) -> Result<Self, CalibrateError> {
         let objective = objective_of(problem)?;
         let x = placed(&objective, known);
-        let view = View { fidelity, ..View::of_all(&objective) };
+        let view = View { fidelity, ..View::of_all(objective.all()) };
         let Some(seen) = objective.see(&x, &view, None) else { return Err(objective.refusal(&x)) };
         let view = View { slopes, ..view.like(seen) };
         let Some(at) = objective.evaluate(&x, &view, None) else { return Err(objective.refusal(&x)) };
@@ -238,7 +239,7 @@ impl Joint {
     pub fn seen(problem: &Problem, known: &[Estimate]) -> Result<(Objective, Evaluation), CalibrateError> {
         let objective = objective_of(problem)?;
         let x = placed(&objective, known);
-        match objective.see(&x, &View::of_all(&objective), None) {
+        match objective.see(&x, &View::of_all(objective.all()), None) {
             Some(seen) => Ok((objective, seen)),
             None => Err(objective.refusal(&x)),
         }

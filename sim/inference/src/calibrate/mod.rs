@@ -30,6 +30,7 @@ pub(crate) mod stage;
 mod starts;
 pub(crate) mod uncertainty;
 pub mod unknowns;
+pub(crate) mod view;
 mod warnings;
 
 use nalgebra::DVector;

@@ -11,8 +11,9 @@ use efam_core::integrate::Steps;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::objective::{Objective, View};
+use super::objective::Objective;
 use super::prediction::{Fidelity, Prediction, predict};
+use super::view::View;
 
 /// Error admitted in a step of the finer runs.
 const TIGHT: f64 = 2e-6;

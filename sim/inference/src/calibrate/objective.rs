@@ -5,98 +5,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use efam_core::integrate::Steps;
 use efam_core::levenberg_marquardt::Evaluated;
+use efam_core::loss::Huber;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::error::CalibrateError;
 use super::part::Part;
-use super::prediction::{FIT, Fidelity, Measured, Slopes, predict};
+use super::prediction::{Fidelity, Measured, Slopes, predict};
 use super::unknowns::Acts;
-use efam_core::loss::{Huber, spread};
-
-/// How the data are looked at.
-#[derive(Clone, Debug)]
-pub(crate) struct View {
-    /// How finely the model is run.
-    pub fidelity: Fidelity,
-    /// How slopes are found.
-    pub slopes: Slopes,
-    /// Samples of each release that count, from the first.
-    pub counts: Vec<usize>,
-    /// Steps of each release's run. A search keeps them: with steps chosen anew at each point the
-    /// cost is rough, by more than the last steps of the search lower it.
-    pub steps: Option<Vec<Vec<f64>>>,
-    /// Loss of each release.
-    pub loss: Vec<Huber>,
-    /// What a finer run adds to each prediction, m, shape `[release][track][sample]`.
-    pub corrections: Option<Vec<Vec<Vec<[f64; 2]>>>>,
-}
-
-impl View {
-    /// All samples, as the fit of an unknown model sees them.
-    pub fn of_all(objective: &Objective) -> Self {
-        Self {
-            fidelity: FIT,
-            slopes: Slopes::Variational,
-            counts: objective.all(),
-            steps: None,
-            loss: vec![Huber::for_spread(1.0); objective.measured.len()],
-            corrections: None,
-        }
-    }
-
-    /// The same on the steps of what was seen, with a loss for its spreads.
-    pub fn like(mut self, seen: Evaluation) -> Self {
-        self.loss = seen.spreads().into_iter().map(Huber::for_spread).collect();
-        self.steps = Some(seen.steps);
-        self
-    }
-
-    /// How the `r`-th release is run. A halved step moves the cost by more than the last steps of a search lower it, and a
-    /// correction is for the steps it was found with: where slopes are those of the prediction, steps are too.
-    pub fn steps_of(&self, r: usize) -> Steps {
-        match (&self.steps, self.slopes) {
-            (None, _) => Steps::Adaptive,
-            (Some(steps), Slopes::Variational) => Steps::Given(steps[r].clone()),
-            (Some(steps), Slopes::Differences) => Steps::Repeated(steps[r].clone()),
-        }
-    }
-
-    /// Releases as they were seen apart, each the one at a place of a view.
-    pub fn gathered(releases: &[(&View, usize)]) -> Option<Self> {
-        let (first, _) = releases.first()?;
-        let steps = |(view, r): &(&View, usize)| Some(view.steps.as_ref()?[*r].clone());
-        let corrections = |(view, r): &(&View, usize)| Some(view.corrections.as_ref()?[*r].clone());
-        Some(Self {
-            fidelity: first.fidelity,
-            slopes: first.slopes,
-            counts: releases.iter().map(|(view, r)| view.counts[*r]).collect(),
-            steps: releases.iter().map(steps).collect(),
-            loss: releases.iter().map(|(view, r)| view.loss[*r]).collect(),
-            corrections: releases.iter().map(corrections).collect(),
-        })
-    }
-}
-
-/// Residuals of one track in units of its noise: measurement minus prediction.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Series {
-    /// Places among the samples of the release that are fitted.
-    pub samples: Vec<usize>,
-    /// Residual of each.
-    pub residual: Vec<[f64; 2]>,
-    /// Derivatives of the prediction by the release's unknowns, in units of the noise.
-    pub slopes: Vec<Vec<[f64; 2]>>,
-}
-
-/// What a point was found to be worth.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Evaluation {
-    /// Residuals, shape `[release][track]`.
-    pub blocks: Vec<Vec<Series>>,
-    /// Steps of each release's run, s.
-    pub steps: Vec<Vec<f64>>,
-}
+use super::view::{Evaluation, Series, View};
 
 /// The cost of a part.
 pub(crate) struct Objective {
@@ -104,20 +21,6 @@ pub(crate) struct Objective {
     /// Of each release.
     pub measured: Vec<Measured>,
     effort: [AtomicUsize; 2],
-}
-
-impl Series {
-    pub fn lengths(&self) -> impl Iterator<Item = f64> {
-        self.residual.iter().map(|[x, z]| x.hypot(*z))
-    }
-}
-
-impl Evaluation {
-    /// Robust spread of the residuals of each release, in units of the noise.
-    pub fn spreads(&self) -> Vec<f64> {
-        let of = |block: &Vec<Series>| spread(block.iter().flat_map(Series::lengths).collect());
-        self.blocks.iter().map(of).collect()
-    }
 }
 
 impl Objective {

@@ -183,7 +183,7 @@ fn excursion(release: &Release) -> f64 {
 fn of_release(problem: &Problem, fit: &PartFit, r: usize) -> Vec<Curve> {
     let release = &problem.trials[fit.objective.part.trials[r]].release;
     let measured = &fit.objective.measured[r];
-    let curve = |(t, series): (usize, &super::objective::Series)| {
+    let curve = |(t, series): (usize, &super::view::Series)| {
         let mut curve = Curve {
             release: release.name.clone(),
             pressure: release.pressure,

@@ -8,10 +8,11 @@
 use efam_core::levenberg_marquardt::{NEAR_DAMPING, Search, minimise};
 use nalgebra::DVector;
 
-use super::objective::{Evaluation, Objective};
+use super::objective::Objective;
 use super::refine::RESOLUTION;
 use super::search::Found;
 use super::uncertainty::Uncertainty;
+use super::view::Evaluation;
 use crate::normal::NORMAL_95;
 
 /// How near the root of the rise has to come to the wanted one, 1.96.

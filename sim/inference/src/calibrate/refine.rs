@@ -10,10 +10,11 @@ use efam_core::levenberg_marquardt::Solution;
 use nalgebra::DVector;
 
 use super::numerics::{Correction, correction};
-use super::objective::{Evaluation, Objective, View};
+use super::objective::Objective;
 use super::prediction::{Fidelity, Slopes};
 use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
+use super::view::{Evaluation, View};
 use crate::normal::CLEAR;
 use efam_core::loss::Huber;
 

@@ -3,11 +3,12 @@
 use nalgebra::DVector;
 
 use super::error::CalibrateError;
-use super::objective::{Objective, View};
+use super::objective::Objective;
 use super::part::whole;
 use super::prediction::Slopes;
 use super::problem::Problem;
 use super::unknowns::Unknowns;
+use super::view::View;
 
 /// The residuals of a problem: parameters, nuisance parameters and priors included.
 pub struct Residuals {
@@ -61,7 +62,7 @@ impl Residuals {
 
     fn steps_at_start(&self) -> Result<Option<Vec<Vec<f64>>>, CalibrateError> {
         let objective = Objective::new(whole(&self.problem, Unknowns::of(&self.problem)?))?;
-        let seen = objective.see(&objective.start(), &View::of_all(&objective), None);
+        let seen = objective.see(&objective.start(), &View::of_all(objective.all()), None);
         Ok(seen.map(|seen| seen.steps))
     }
 
@@ -80,7 +81,7 @@ impl Residuals {
         let scaled = unknowns.iter().zip(values).map(|(unknown, value)| unknown.scaled.variable(*value));
         let x = DVector::from_iterator(unknowns.len(), scaled);
         let slopes = if exact { Slopes::Differences } else { Slopes::Variational };
-        let view = View { steps: self.steps.clone(), slopes, ..View::of_all(&objective) };
+        let view = View { steps: self.steps.clone(), slopes, ..View::of_all(objective.all()) };
         let Some(seen) = objective.see(&x, &view, Some(view.slopes)) else { return Ok(None) };
         let width = unknowns.len();
         let (mut residuals, mut jacobian) = (Vec::new(), Vec::new());

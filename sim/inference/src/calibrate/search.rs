@@ -9,10 +9,11 @@
 use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
 use nalgebra::DVector;
 
-use super::objective::{Evaluation, Objective, View};
+use super::objective::Objective;
 use super::prediction::Slopes;
 use super::stage::{MOST_EVALUATIONS, STAGE_SHARE, STAGE_TOLERANCE, Stage};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
+use super::view::{Evaluation, View};
 use efam_core::loss::Huber;
 
 /// Where a search ended.
@@ -115,7 +116,7 @@ fn excursion(objective: &Objective, r: usize, from: usize, to: usize) -> f64 {
 /// The best fit to the first samples of each release, fitted at once, and how far it is from them: the largest robust
 /// spread of its residuals as a share of the motion. None where no start can be run.
 pub(crate) fn meet(objective: &Objective, counts: &[usize]) -> Option<(Found, f64)> {
-    let view = View { counts: counts.to_vec(), ..View::of_all(objective) };
+    let view = View { counts: counts.to_vec(), ..View::of_all(objective.all()) };
     let mut best: Option<(Found, f64)> = None;
     for (k, start) in ranked(objective, &objective.start()).iter().enumerate().take(MOST_STARTS) {
         let Some(seen) = objective.see(start, &view, None) else { continue };
@@ -151,7 +152,7 @@ fn climb(
     let mut stages = Vec::new();
     let (mut swings, mut reached, mut before) = (FIRST_SWINGS, 0.0, vec![0; all.len()]);
     loop {
-        let mut view = View::of_all(objective);
+        let mut view = View::of_all(objective.all());
         let stretch = counts(objective, &times, swings);
         // Where little is left, it costs less than a stage of its own.
         if stretch.iter().zip(&all).any(|(count, all)| 2 * count < *all) {
@@ -183,7 +184,7 @@ fn climb(
 
 /// Goes on from where a search ended, under weights that have changed since.
 pub(crate) fn go_on(objective: &Objective, found: &mut Found) -> Option<()> {
-    let view = View::of_all(objective);
+    let view = View::of_all(objective.all());
     let view = view.clone().like(objective.see(&found.x, &view, None)?);
     let solution = minimise_in(objective, &found.x, None, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
     found.go_to(solution, view);

@@ -7,9 +7,10 @@ use models::statics::{equilibrium, modes};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::objective::{Objective, View};
+use super::objective::Objective;
 use super::prediction::values;
 use super::unknowns::UnknownKind;
+use super::view::View;
 use efam_core::loss::Huber;
 
 /// Swings by which starts are compared: one, and a little so that its upper peak is seen.
@@ -58,7 +59,7 @@ pub(super) fn ranked(objective: &Objective, start: &DVector<f64>) -> Vec<DVector
     let mut counts = counts(objective, &times, FIRST_SWINGS);
     leave_out_repeats(objective, &mut counts);
     let loss = vec![Huber { threshold: f64::INFINITY }; times.len()];
-    let view = View { counts, loss, ..View::of_all(objective) };
+    let view = View { counts, loss, ..View::of_all(objective.all()) };
     let cost = |x: &DVector<f64>| {
         let seen = objective.see(x, &view, None)?;
         // A ghost in the first swing must not choose: the spread of each release does.

@@ -8,8 +8,9 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::autocorrelation::Autocovariance;
-use super::objective::{Objective, Series, add_at};
+use super::objective::{Objective, add_at};
 use super::search::Found;
+use super::view::Series;
 use efam_core::loss::Huber;
 
 /// What a fit knows of its scaled unknowns, and what its residuals look like.

@@ -2,7 +2,7 @@
 
 use super::swing::{share_of_largest, swing};
 use crate::calibrate::joint::Joint;
-use crate::calibrate::objective::Series;
+use crate::calibrate::view::Series;
 
 /// How a model meets releases.
 #[derive(Clone)]

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::objective::Series;
 use crate::calibrate::prediction::{Prediction, predict, simulate, values};
 use crate::calibrate::problem::is_same_pressure;
+use crate::calibrate::view::Series;
 use crate::calibrate::{Scope, Trial};
 
 /// Derivatives of the predictions by one strength, in units of the noise, shape

@@ -20,9 +20,9 @@ use super::candidate::Candidate;
 use super::design_matrix::{self, Column, differences, movements};
 use super::mesh_check::LAW;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::objective::Series;
 use crate::calibrate::prediction::Prediction;
 use crate::calibrate::uncertainty::{pseudo_inverse, spread};
+use crate::calibrate::view::Series;
 use crate::normal::normal;
 
 /// What is scored: one way to move the predictions, or several that belong together.
