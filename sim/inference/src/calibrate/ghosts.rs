@@ -1,8 +1,7 @@
 //! Samples that jump and come back: another thing that was taken for the marker.
 
-use efam_experiments::release::Release;
-
 use efam_core::loss::spread;
+use efam_experiments::release::Release;
 
 /// Distance of a sample from the middle of its two neighbours, in that of most samples, beyond which another thing was
 /// taken for the marker. One of a hundred million samples is as far by chance.

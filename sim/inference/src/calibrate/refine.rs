@@ -7,6 +7,7 @@
 //! to point as long as they predict the cost.
 
 use efam_core::levenberg_marquardt::Solution;
+use efam_core::loss::Huber;
 use nalgebra::DVector;
 
 use super::numerics::{Correction, correction};
@@ -16,7 +17,6 @@ use super::search::{Found, minimise_in};
 use super::uncertainty::pseudo_inverse;
 use super::view::{Evaluation, View};
 use crate::normal::CLEAR;
-use efam_core::loss::Huber;
 
 /// Share of a standard error to which a fit is found, and half of that to which the ends of an interval are.
 pub(super) const RESOLUTION: f64 = 0.02;

@@ -7,6 +7,7 @@
 //! hundred unknowns of a rod for each, of which a marker or two see little; stages have been enough.
 
 use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
+use efam_core::loss::{Huber, spread};
 use nalgebra::DVector;
 
 use super::objective::Objective;
@@ -14,7 +15,6 @@ use super::prediction::Slopes;
 use super::stage::{MOST_EVALUATIONS, STAGE_SHARE, STAGE_TOLERANCE, Stage};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
 use super::view::{Evaluation, View};
-use efam_core::loss::Huber;
 
 /// Where a search ended.
 #[derive(Clone)]
@@ -228,7 +228,7 @@ fn has_slipped(objective: &Objective, seen: &Evaluation, before: &[usize], count
             let lengths = series.samples.iter().zip(series.lengths());
             lengths.filter(|(k, _)| **k >= from).map(|(_, length)| length)
         });
-        let residual = efam_core::loss::spread(new.collect());
+        let residual = spread(new.collect());
         let motion = excursion(objective, r, from, to);
         residual > 5.0 && residual > SLIPPED * motion
     })

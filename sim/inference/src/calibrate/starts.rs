@@ -3,6 +3,7 @@
 //! A wrong stiffness or loss shows as a wrong frequency or decay, and within the first swing no
 //! phase is lost by a whole turn yet, so the least cost there is a safe beginning.
 
+use efam_core::loss::Huber;
 use models::statics::{equilibrium, modes};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -11,7 +12,6 @@ use super::objective::Objective;
 use super::prediction::values;
 use super::unknowns::UnknownKind;
 use super::view::View;
-use efam_core::loss::Huber;
 
 /// Swings by which starts are compared: one, and a little so that its upper peak is seen.
 pub(super) const FIRST_SWINGS: f64 = 1.25;

@@ -5,13 +5,13 @@
 //! white noise as large as stated this is `H⁻¹`.
 //! Source: Huber (1967), Proc. Fifth Berkeley Symposium 1, 221-233.
 
+use efam_core::loss::Huber;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::autocorrelation::Autocovariance;
 use super::objective::{Objective, add_at};
 use super::search::Found;
 use super::view::Series;
-use efam_core::loss::Huber;
 
 /// What a fit knows of its scaled unknowns, and what its residuals look like.
 #[derive(Clone, Debug)]
