@@ -4,8 +4,10 @@
 //! no bare number for either. It is our own because `uom` reads only quantities that it has a name
 //! for (not `N m^2` or `rad/(N m)`), and `rink` comes under the MPL with GPL data.
 
+mod grammar;
 mod kind;
 mod misspelt;
+mod names;
 mod unit;
 
 use std::fmt::{self, Display};
@@ -247,7 +249,7 @@ fn four_digits(value: f64) -> String {
 fn offer(meant: &Option<String>) -> String {
     match meant {
         Some(meant) => format!("; did you mean `{meant}`?"),
-        None => format!("; known are {}", unit::names()),
+        None => format!("; known are {}", names::names()),
     }
 }
 

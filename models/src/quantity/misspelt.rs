@@ -1,6 +1,6 @@
 //! What someone most likely meant who wrote a unit that is none.
 
-use super::unit::{known, named};
+use super::names::{known, named};
 use crate::nearest::nearest;
 
 /// What someone who wrote the unknown `name` most likely meant.

@@ -45,7 +45,8 @@ mod posture;
 mod release;
 pub mod resolved;
 pub(crate) mod start;
-mod units;
+pub(crate) mod tables;
+pub mod units;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

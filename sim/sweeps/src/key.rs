@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use efam_experiments::scenario::plan::ROD;
+use efam_experiments::scenario::units::ROD;
 use efam_experiments::scenario::{ScenarioError, effects_of};
 use models::effects::Catalogue;
 

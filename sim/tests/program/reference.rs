@@ -365,6 +365,8 @@ fn the_page_of_chosen_numbers_is_that_of_the_code() {
     }
     let normal = chosen("normal.rs", &fs::read_to_string(root.join("normal.rs")).expect("a file"));
     all.extend(normal.into_iter().filter(|own| !own.name.starts_with("NORMAL")));
+    let loss = root.join("../../core/src/loss.rs");
+    all.extend(chosen("core/loss.rs", &fs::read_to_string(loss).expect("a file")));
     // What is computed from others is not chosen.
     let names: Vec<String> = all.iter().map(|own| own.name.clone()).collect();
     let word = |c: char| !(c.is_alphanumeric() || c == '_');

@@ -9,7 +9,7 @@ use models::effects::{Parameter, by_name};
 
 use super::direction::{AXES, Direction};
 use crate::scenario::document::{Document, Keys};
-use crate::scenario::plan::EffectPlan;
+use crate::scenario::tables::EffectPlan;
 use crate::scenario::{ScenarioError, ScenarioProblem};
 
 /// A recording, and what is known of it beside its file.

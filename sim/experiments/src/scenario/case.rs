@@ -15,8 +15,9 @@ use models::statics::held;
 
 use super::document::Document;
 use super::error::{ScenarioError, ScenarioProblem};
-use super::plan::{MassPlan, MusclePlan, Plan, Pressure, ROD};
+use super::plan::{MassPlan, MusclePlan, Plan, Pressure};
 use super::start::{From, Hold, Holder};
+use super::units::ROD;
 use super::{Case, Scenario};
 
 /// Share of its length by which a posture may be longer or shorter than the rod, without a warning

@@ -5,8 +5,7 @@ use std::path::Path;
 use efam_core::forward::{DEFAULT_METHOD, DEFAULT_TOLERANCE, Run};
 use efam_core::integrate::{Method, Steps};
 use efam_core::pace;
-use efam_store::input;
-use models::effects::{Catalogue, Parameter};
+use models::effects::Catalogue;
 use models::history::History;
 use models::model::Scheme;
 use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
@@ -15,12 +14,14 @@ use super::document::{Document, Keys};
 use super::error::{ScenarioError, ScenarioProblem};
 use super::laws::{self, LAWS};
 use super::start::{From, is_kinked, read_from};
+use super::tables::{EffectPlan, read_effects, read_file, read_rod};
+use super::units::ROD;
 
 /// What a scenario says, in SI units; `None` where it says nothing.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub muscle: Option<MusclePlan>,
-    /// Values of [`ROD`].
+    /// Values of the rod's keys, in the order of `ROD`.
     pub rod: [Option<f64>; 6],
     /// If it is given.
     pub nodes: Option<usize>,
@@ -44,9 +45,6 @@ pub(crate) struct Plan {
     /// How well a calibration knows the model.
     pub known: Option<Known>,
 }
-
-/// An effect and the parameters that are given.
-pub(crate) type EffectPlan = (&'static str, Vec<(&'static Parameter, f64)>);
 
 #[derive(Clone, Debug)]
 pub(crate) struct MusclePlan {
@@ -74,16 +72,6 @@ pub(crate) enum Pressure {
     /// Each recording of an experiment has its own.
     Elsewhere,
 }
-
-/// Keys and units of what a rod itself has.
-pub const ROD: [(&str, &str); 6] = [
-    ("length", "m"),
-    ("mass", "kg"),
-    ("bending_stiffness", "N m^2"),
-    ("axial_stiffness", "N"),
-    ("diameter", "m"),
-    ("pressure", "Pa"),
-];
 
 pub(crate) const METHODS: [(&str, Method); 5] = [
     ("auto", Method::Auto),
@@ -195,14 +183,6 @@ pub fn name(document: &Document, path: &Path, usual: &str) -> Result<String, Sce
 /// Whether a name may have this character.
 pub(crate) fn fits_name(c: char) -> bool {
     c.is_alphanumeric() || "-_.+ ".contains(c)
-}
-
-pub(super) fn read_rod(rod: &Keys) -> Result<[Option<f64>; 6], ScenarioError> {
-    let mut values = [None; 6];
-    for (value, (key, unit)) in values.iter_mut().zip(ROD) {
-        *value = rod.quantity(key, unit)?;
-    }
-    Ok(values)
 }
 
 fn read_muscle(
@@ -350,38 +330,4 @@ fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
     settings.energy = true;
     let chooses_tolerance = tolerance.is_none() && fixed_step.is_none();
     Ok(RunPlan { rate, accuracy, chooses_tolerance, run: settings })
-}
-
-/// Effects in the order of the catalogue, whatever that of the file.
-pub(super) fn read_effects(keys: &Keys, catalogue: &Catalogue) -> Result<Vec<EffectPlan>, ScenarioError> {
-    keys.only(&catalogue.iter().map(|effect| effect.about().name).collect::<Vec<_>>())?;
-    let mut plans = Vec::new();
-    for about in catalogue.iter().map(|effect| effect.about()).filter(|about| keys.has(about.name)) {
-        let effect = keys.table(about.name)?;
-        effect.only(&about.parameters.iter().map(|p| p.name).collect::<Vec<_>>())?;
-        let mut values = Vec::new();
-        for parameter in about.parameters {
-            if let Some(value) = effect.quantity(parameter.name, parameter.unit)? {
-                values.push((parameter, value));
-            }
-        }
-        plans.push((about.name, values));
-    }
-    Ok(plans)
-}
-
-/// Name and text of a file that a key names.
-pub(super) fn read_file(
-    document: &Document,
-    keys: &Keys,
-    key: &str,
-) -> Result<(String, String), ScenarioError> {
-    let Some((name, place)) = keys.text(key)? else { return Ok(Default::default()) };
-    match input::text(&document.file(place, name)) {
-        Ok(text) => Ok((name.to_owned(), text)),
-        Err(error) => {
-            let problem = ScenarioProblem::Unreadable { file: name.to_owned(), reason: error.to_string() };
-            Err(keys.wrong(key, problem))
-        }
-    }
 }

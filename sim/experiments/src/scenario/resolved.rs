@@ -9,8 +9,9 @@ use models::model::{Model, Scheme};
 use models::muscle::Extrapolation;
 
 use super::Case;
-use super::plan::{METHODS, MassPlan, Plan, Pressure, ROD, fits_name};
+use super::plan::{METHODS, MassPlan, Plan, Pressure, fits_name};
 use super::start::From;
+use super::units::ROD;
 
 pub(super) fn text(case: &Case, plan: &Plan) -> String {
     let Case { name, model, run, .. } = case;

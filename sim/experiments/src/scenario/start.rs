@@ -4,8 +4,9 @@ use models::effects::Catalogue;
 
 use super::document::{Document, Keys};
 use super::error::{ScenarioError, ScenarioProblem};
-use super::plan::{EffectPlan, ROD, read_effects, read_file, read_rod};
 use super::posture;
+use super::tables::{EffectPlan, read_effects, read_file, read_rod};
+use super::units::ROD;
 
 /// Where the rod starts.
 #[derive(Clone, Debug)]

@@ -141,7 +141,7 @@ fn a_history_needs_its_three_times_and_something_that_remembers() {
 #[test]
 fn declared_units_are_si() {
     let declared = CATALOGUE.iter().flat_map(|effect| effect.about().parameters).map(|p| p.unit);
-    for unit in declared.chain(plan::ROD.map(|rod| rod.1)).chain(["rad", "rad/s", "m/s", "s", "Hz", "Pa"]) {
+    for unit in declared.chain(units::ROD.map(|rod| rod.1)).chain(["rad", "rad/s", "m/s", "s", "Hz", "Pa"]) {
         assert_eq!(Unit::parse(unit).unwrap().scale, 1.0, "{unit}");
     }
 }

@@ -2,7 +2,15 @@
 
 use models::effects::Catalogue;
 
-use super::plan::ROD;
+/// Keys and units of what a rod itself has.
+pub const ROD: [(&str, &str); 6] = [
+    ("length", "m"),
+    ("mass", "kg"),
+    ("bending_stiffness", "N m^2"),
+    ("axial_stiffness", "N"),
+    ("diameter", "m"),
+    ("pressure", "Pa"),
+];
 
 /// Keys with a unit that no table of the model has.
 const KEYS: [(&str, &str); 10] = [

@@ -53,8 +53,8 @@ pub(crate) enum Slopes {
 /// Change of a scaled unknown by which differences are taken: the prediction's rounding, some 1e-11 m,
 /// leaves 1e-6 m, its curvature 1e-5 of the slope.
 const DIFFERENCE: f64 = 1e-5;
-/// The same with friction. Where it turns round on given steps jumps with the parameters, by some 1e-6 m at the tolerance of
-/// a fit. Over a change of 1e-5 that would be a slope larger than the true one.
+/// The same with friction. The instant at which it turns round jumps from step to step as parameters change, which moves the
+/// prediction by some 1e-6 m at the tolerance of a fit. Over a change of 1e-5 that would be a slope larger than the true one.
 const DIFFERENCE_WITH_FRICTION: f64 = 1e-3;
 
 /// Predicted positions of every track, without offsets.

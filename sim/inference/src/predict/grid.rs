@@ -20,7 +20,7 @@ use super::errors::Errors;
 use super::interval::{Change, carried};
 use super::mesh_of;
 use super::model_error::ModelError;
-use super::quantity::{QUANTITIES, Quantity, quantities, units};
+use super::quantity::{QUANTITIES, Quantity, units};
 use super::simulated::{simulate, value};
 use super::warnings::{Extent, outside, warnings};
 
@@ -208,7 +208,7 @@ fn predict_case(case: &Case, known: Option<&Known>, errors: Option<&Errors>) -> 
     // On one mesh the changes are the same but for a small part of themselves.
     mesh_of(known, &own, model, &run).iter().for_each(|mesh| mesh.removed(&mut own));
     let model_error = known.and_then(|known| ModelError::of(known, case, &own));
-    cell.quantities = quantities(&own, |k, value| {
+    cell.quantities = own.quantities(|k, value| {
         let interval = carried(value, changes.iter().map(|[low, high]| [low[k], high[k]]))?;
         let widened = |error: &ModelError| error.widened(QUANTITIES[k].off, value, interval);
         known.map(|_| model_error.as_ref().map_or(interval, widened))

@@ -30,8 +30,8 @@ use serde::{Deserialize, Serialize};
 
 use errors::Errors;
 use interval::of_draws;
-use model_error::{ModelError, Off};
-use quantity::{QUANTITIES, Quantity, quantities};
+use model_error::ModelError;
+use quantity::{Off, QUANTITIES, Quantity};
 use simulated::{Mesh, Simulated, simulate, value};
 use warnings::{Extent, warnings};
 
@@ -153,7 +153,7 @@ pub fn predict(
         name: case.name.clone(),
         pressure_pa: case.pressure,
         payload_kg: value(&case.model, "effects.payload.mass"),
-        quantities: quantities(&own, |k, value| {
+        quantities: own.quantities(|k, value| {
             let drawn = all.iter().filter_map(|one| one.numbers[k]).collect();
             Some(widened(QUANTITIES[k].off, value, of_draws(value, drawn, all.len())?))
         }),

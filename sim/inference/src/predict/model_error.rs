@@ -7,32 +7,12 @@
 use efam_experiments::scenario::Case;
 use models::muscle::{Known, Misfit};
 
+use super::quantity::Off;
 use super::simulated::Simulated;
 use crate::normal::NORMAL_95;
 
 /// Angle at the end of a cantilever under a load there, over its deflection a length.
 const END_ANGLE: f64 = 1.5;
-
-/// What a number is, as far as errors of the model go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Off {
-    /// A position or height while the rod swings, m.
-    Swing,
-    /// A position at rest, m.
-    Rest,
-    /// An angle while it swings, rad.
-    SwingAngle,
-    /// An angle at rest, rad.
-    RestAngle,
-    /// A moment or a speed of the swing: the share of the distance.
-    Share,
-    /// A frequency of the first mode.
-    Frequency,
-    /// A damping ratio of the first mode, or a time in which it acts.
-    Damping,
-    /// What no recording of a swing tells.
-    Untold,
-}
 
 /// What a calibration's model missed, and where it is asked.
 pub(super) struct ModelError {

@@ -4,9 +4,6 @@ use efam_experiments::summary::{Mode, Summary};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::model_error::Off;
-use super::simulated::Simulated;
-
 /// One predicted number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Quantity {
@@ -40,32 +37,34 @@ pub(super) fn numbers(told: &Told) -> Vec<Option<f64>> {
     QUANTITIES.iter().map(|kind| (kind.of)(told)).collect()
 }
 
-/// All numbers of a run, each with its interval.
-pub(super) fn quantities(
-    own: &Simulated,
-    interval: impl Fn(usize, f64) -> Option<[f64; 2]>,
-) -> Vec<Quantity> {
-    let quantity = |(k, kind): (usize, &PredictedKind)| {
-        let value = own.numbers[k];
-        Quantity {
-            name: kind.name.to_owned(),
-            meaning: kind.meaning.to_owned(),
-            unit: kind.unit.to_owned(),
-            value,
-            interval_95: value.and_then(|value| interval(k, value)),
-            missing: own.missing.get(kind.entry).filter(|_| value.is_none()).cloned(),
-        }
-    };
-    QUANTITIES.iter().enumerate().map(quantity).collect()
+/// What a number is, as far as errors of the model go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Off {
+    /// A position or height while the rod swings, m.
+    Swing,
+    /// A position at rest, m.
+    Rest,
+    /// An angle while it swings, rad.
+    SwingAngle,
+    /// An angle at rest, rad.
+    RestAngle,
+    /// A moment or a speed of the swing: the share of the distance.
+    Share,
+    /// A frequency of the first mode.
+    Frequency,
+    /// A damping ratio of the first mode, or a time in which it acts.
+    Damping,
+    /// What no recording of a swing tells.
+    Untold,
 }
 
 /// A kind of number.
 pub(super) struct PredictedKind {
-    name: &'static str,
-    meaning: &'static str,
-    unit: &'static str,
+    pub name: &'static str,
+    pub meaning: &'static str,
+    pub unit: &'static str,
     /// Its entry in a summary, which says why it is missing.
-    entry: &'static str,
+    pub entry: &'static str,
     of: fn(&Told) -> Option<f64>,
     /// What the error of the model makes of it.
     pub off: Off,

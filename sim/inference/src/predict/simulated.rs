@@ -11,7 +11,7 @@ use efam_core::trajectory::Trajectory;
 use efam_experiments::summary::{Cycle, EnergyBalance, MODES, summarise};
 use models::model::Model;
 
-use super::quantity::{Told, numbers};
+use super::quantity::{PredictedKind, QUANTITIES, Quantity, Told, numbers};
 use crate::calibrate::problem::refine;
 
 /// One run, and what it says.
@@ -34,6 +34,24 @@ pub struct Simulated {
     pub excursion: f64,
     /// The rod at rest and at the lowest point of the tip, m.
     pub postures: Vec<(&'static str, Vec<[f64; 2]>)>,
+}
+
+impl Simulated {
+    /// All numbers, each with its interval.
+    pub fn quantities(&self, interval: impl Fn(usize, f64) -> Option<[f64; 2]>) -> Vec<Quantity> {
+        let quantity = |(k, kind): (usize, &PredictedKind)| {
+            let value = self.numbers[k];
+            Quantity {
+                name: kind.name.to_owned(),
+                meaning: kind.meaning.to_owned(),
+                unit: kind.unit.to_owned(),
+                value,
+                interval_95: value.and_then(|value| interval(k, value)),
+                missing: self.missing.get(kind.entry).filter(|_| value.is_none()).cloned(),
+            }
+        };
+        QUANTITIES.iter().enumerate().map(quantity).collect()
+    }
 }
 
 /// Runs a model to its end.
