@@ -1,8 +1,8 @@
 //! Parameters fitted to a measured path of the tip, by the core's sensitivities and its least squares.
 //!
 //! The fit begins with the first swings and takes in more and more of the path: over many swings a wrong frequency runs
-//! out of phase, and the cost has a valley for each whole swing. In the end a robust loss leaves out what is far from the
-//! rest, as in the program.
+//! out of phase, and the cost has a valley for each whole swing. In the end a robust loss keeps samples that are far from
+//! the rest from pulling harder than others, as in the program.
 
 use std::ops::ControlFlow;
 
@@ -69,7 +69,7 @@ pub struct Fitted {
 
 /// Residuals are in units of that, m, until their spread is known.
 const MILLIMETRE: f64 = 1e-3;
-/// Rounds in which the loss follows that spread.
+/// Rounds in which the loss follows that spread: the second sees a fit that ghosts no longer pull.
 const ROUNDS: usize = 2;
 /// Swings that the fit begins with, and the share by which it goes on.
 const FIRST_SWINGS: f64 = 1.5;
@@ -311,7 +311,7 @@ impl Problem<'_> {
         self.tip.iter().zip(path).map(|(measured, path)| (measured[0] - path[0]).hypot(measured[1] - path[1]))
     }
 
-    /// Puts residuals in units of their spread about a path, and leaves out what is far from it.
+    /// Puts residuals in units of their spread about a path, from where on the loss is robust.
     fn weigh_by(&mut self, path: &[[f64; 2]]) {
         let spread = spread(self.lengths(path).collect());
         if spread > 0.0 {

@@ -116,6 +116,27 @@ fn a_fit_finds_what_a_path_was_made_with() {
     assert!(fitted["after_mm"].as_f64().unwrap() < 0.02 && fitted["before_mm"].as_f64().unwrap() > 10.0);
 }
 
+/// Another thing that is taken for the marker in one sample of forty, 50 mm away, moves EI by less than a thousandth.
+#[test]
+fn a_fit_is_not_led_astray_by_ghosts() {
+    let mut playground = Playground::default();
+    let path = ask(&mut playground, json!({ "ask": "release", "setup": setup() }));
+    let mut tip = path["tip"].clone();
+    for sample in tip.as_array_mut().unwrap().iter_mut().skip(20).step_by(40) {
+        sample[1] = json!(sample[1].as_f64().unwrap() + 0.05);
+    }
+    let mut start = setup();
+    start["rod"] = json!({ "bending_stiffness": 0.0075 });
+    let unknowns =
+        ["rod.bending_stiffness", "effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
+    let fitted = ask(
+        &mut playground,
+        json!({ "ask": "fit", "setup": start, "unknowns": unknowns, "time": path["time"], "tip": tip }),
+    );
+    let stiffness = fitted["found"][0]["value"].as_f64().unwrap();
+    assert!((stiffness / 0.00709 - 1.0).abs() < 1e-3, "{stiffness}");
+}
+
 /// Every effect is offered, with the values at which it starts and vanishes in the reach of its sliders.
 #[test]
 fn the_catalogue_offers_every_effect() {

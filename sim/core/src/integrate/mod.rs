@@ -39,7 +39,8 @@ pub enum Steps {
     /// Those of another run, by the times at which they end, s, ascending. A step that the model cannot resolve
     /// is halved until it can.
     Given(Vec<f64>),
-    /// The same, to the last: for a difference of two runs, in which a step that one of them halves would be a jump.
+    /// The same, none of them halved: for a difference of two runs, in which a step that only one of them halves would be
+    /// a jump.
     Repeated(Vec<f64>),
 }
 

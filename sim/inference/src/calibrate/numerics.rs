@@ -46,7 +46,7 @@ pub(crate) fn correction(
             let tight = Fidelity { tolerance: TIGHT, refinement: 1 };
             let fine = Fidelity { refinement: if keep_mesh { 1 } else { 2 }, ..tight };
             let run = |fidelity| one(objective, r, x, view.counts[r], fidelity, Steps::Adaptive);
-            let steps = view.steps.as_ref().map_or(Steps::Adaptive, |steps| Steps::Given(steps[r].clone()));
+            let steps = view.steps_as(Steps::Given, r);
             let same = run(tight)?;
             let finer = if keep_mesh { same.clone() } else { run(fine)? };
             Some([one(objective, r, x, view.counts[r], view.fidelity, steps)?, same, finer])

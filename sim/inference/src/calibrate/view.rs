@@ -46,11 +46,15 @@ impl View {
     /// How the `r`-th release is run. A halved step moves the cost by more than the last steps of a search lower it, and a
     /// correction is for the steps it was found with: where slopes are those of the prediction, steps are too.
     pub fn steps_of(&self, r: usize) -> Steps {
-        match (&self.steps, self.slopes) {
-            (None, _) => Steps::Adaptive,
-            (Some(steps), Slopes::Variational) => Steps::Given(steps[r].clone()),
-            (Some(steps), Slopes::Differences) => Steps::Repeated(steps[r].clone()),
+        match self.slopes {
+            Slopes::Variational => self.steps_as(Steps::Given, r),
+            Slopes::Differences => self.steps_as(Steps::Repeated, r),
         }
+    }
+
+    /// The steps of the `r`-th release for a model that may need others, if there are any.
+    pub fn steps_as(&self, kind: fn(Vec<f64>) -> Steps, r: usize) -> Steps {
+        self.steps.as_ref().map_or(Steps::Adaptive, |steps| kind(steps[r].clone()))
     }
 
     /// Releases as they were seen apart, each the one at a place of a view.

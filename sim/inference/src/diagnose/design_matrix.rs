@@ -112,7 +112,7 @@ fn movements_in(fit: &Joint, candidates: &[&Candidate], r: usize) -> Option<Vec<
     let measured = &fit.objective.measured[r];
     let count = view.counts[r];
     // Memories that the fit has not may need shorter steps.
-    let steps = view.steps.as_ref().map_or(Steps::Adaptive, |steps| Steps::Given(steps[r].clone()));
+    let steps = view.steps_as(Steps::Given, r);
     let path = simulate(&trial, measured, &theta, instant, count, view.fidelity, steps, strengths).ok()?;
     let seen = path.points_by_parameters;
     let is_finite = seen.iter().flatten().flatten().flatten().all(|slope| slope.is_finite());
@@ -296,6 +296,7 @@ mod tests {
                 (20.0 * WANTED / (NOISE * moved.amax())).min(room(candidate).abs()).copysign(room(candidate));
             let on = candidate.on(&problem.trials[0], candidate.null_value + step).unwrap();
             let aside = run(&fit, &on, 0, fit.found.view.steps_of(0)).unwrap();
+            // On the steps of that run, with those that it halved.
             let off = run(&fit, &problem.trials[0], 0, Steps::Repeated(aside.steps)).unwrap();
             let difference = in_noise(&fit, 0, |t, k| {
                 let (aside, off) = (aside.position[t][k], off.position[t][k]);
