@@ -11,7 +11,7 @@ pub mod truth;
 use std::sync::Arc;
 
 use efam_core::forward::Run;
-use efam_experiments::cleaning::spurious;
+use efam_experiments::cleaning::mask_spurious;
 use efam_experiments::release::Release;
 use efam_inference::calibrate::{FittedParameter, Nuisances, Prior, Problem, Scope, Trial};
 use efam_inference::diagnose::admit_tilt;
@@ -68,10 +68,9 @@ pub fn problem(drawn: &Drawn) -> Problem {
 fn mask(release: &mut Release) {
     let step = release.time[1] - release.time[0];
     for track in &mut release.tracks {
-        let path: Vec<_> = track.position.iter().map(|at| at.map(|[x, z]| [x, 0.0, z])).collect();
-        for (at, is_spurious) in track.position.iter_mut().zip(spurious::find(&release.time, &path, step)) {
-            *at = at.filter(|_| !is_spurious);
-        }
+        let mut path: Vec<_> = track.position.iter().map(|at| at.map(|[x, z]| [x, 0.0, z])).collect();
+        mask_spurious(&release.time, step, &mut path);
+        track.position = path.into_iter().map(|at| at.map(|[x, _, z]| [x, z])).collect();
     }
 }
 

@@ -25,7 +25,7 @@ mod points;
 mod recording;
 mod release;
 mod representative;
-pub mod spurious;
+mod spurious;
 
 use efam_recordings::Recording;
 use schemars::JsonSchema;
@@ -41,6 +41,7 @@ pub use decision::{Decision, mm};
 pub use frame::Frame;
 pub use motion::Motion;
 pub use onset::Onset;
+pub use points::mask_spurious;
 pub use recording::clean_recording;
 
 /// All releases of an experiment.

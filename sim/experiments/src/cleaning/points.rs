@@ -75,7 +75,7 @@ pub fn see(entry: &Entry, time: &[f64], step: f64, markers: &[&Marker], log: &mu
     let mut used = raw.clone();
     if entry.find_spurious {
         for (marker, path) in markers.iter().zip(&mut used) {
-            mask_ghosts(marker, time, step, path, log);
+            mask_and_tell(marker, time, step, path, log);
         }
     }
     let mut path = centroid(&used);
@@ -91,8 +91,9 @@ pub fn see(entry: &Entry, time: &[f64], step: f64, markers: &[&Marker], log: &mu
     Seen { name, raw: centroid(&raw), path }
 }
 
-/// Empties samples that do not belong to the marker's path.
-fn mask_ghosts(marker: &Marker, time: &[f64], step: f64, path: &mut [Option<[f64; 3]>], log: &mut Log) {
+/// Empties samples that do not belong to the path of a marker; says how many single ones, and how many in bursts. `step` is
+/// the usual time between samples, s.
+pub fn mask_spurious(time: &[f64], step: f64, path: &mut [Option<[f64; 3]>]) -> [usize; 2] {
     let empty = |path: &mut [Option<[f64; 3]>], found: &[bool]| {
         path.iter_mut()
             .zip(found)
@@ -105,6 +106,12 @@ fn mask_ghosts(marker: &Marker, time: &[f64], step: f64, path: &mut [Option<[f64
     if in_bursts > 0 {
         single += empty(path, &spurious::find(time, path, step));
     }
+    [single, in_bursts]
+}
+
+/// Empties samples that do not belong to a marker's path, and says so.
+fn mask_and_tell(marker: &Marker, time: &[f64], step: f64, path: &mut [Option<[f64; 3]>], log: &mut Log) {
+    let [single, in_bursts] = mask_spurious(time, step, path);
     if single + in_bursts > 0 {
         let seen = marker.position.iter().flatten().count();
         let left = |i: usize| spurious::from_neighbours(time, path, i, marker.position[i]);
@@ -134,4 +141,30 @@ fn centroid(paths: &[Vec<Option<[f64; 3]>>]) -> Vec<Option<[f64; 3]>> {
         Some(sum)
     };
     (0..samples).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cleaning::tests::{Noise, falling_swing};
+
+    /// Four samples say where a fifth should be; beside a long gap and at the ends there are fewer.
+    #[test]
+    fn a_ghost_beside_a_gap_or_at_an_end_is_masked() {
+        let mut noise = Noise::new(5);
+        let (time, mut path) = falling_swing(1.23, 6.0, 0.2, 8.0, 0.01);
+        for point in path.iter_mut().flatten() {
+            (0..3).for_each(|k| point[k] += 3e-4 * noise.normal());
+        }
+        path[300..312].fill(None);
+        path[400..415].fill(None);
+        let ghosts = [0, 299, 416, path.len() - 1];
+        ghosts.iter().for_each(|i| path[*i].as_mut().unwrap()[2] += 0.1);
+        let lost = |path: &[Option<[f64; 3]>]| path.iter().filter(|point| point.is_none()).count();
+        let before = lost(&path);
+        let masked = mask_spurious(&time, 0.01, &mut path);
+        assert!(ghosts.iter().all(|i| path[*i].is_none()), "{masked:?}");
+        // Of two at an end that do not agree nobody can tell which is the marker.
+        assert!(lost(&path) - before <= 2 * ghosts.len(), "{masked:?}");
+    }
 }
