@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Measured;
+use crate::calibrate::view::Series;
 use crate::calibrate::{CalibrateError, Problem};
 
 /// Mesh and step, as a diagnosis found them and left them.
@@ -61,22 +62,31 @@ pub(super) fn on_fine_mesh(
 pub(super) const LAW: f64 = 0.1;
 
 /// The problem with the error of a law that explains what a fit misses, beside the noise of each track; none where the
-/// noise is larger.
+/// noise is larger. What held-out releases would miss is not known: as much as those that were fitted, on average.
 fn with_errors_of_laws(fit: &Joint) -> Option<Problem> {
+    let error = |(series, noise): (&Series, &f64)| {
+        let squares = series.lengths().map(|length| 0.5 * (noise * length).powi(2)).sum::<f64>();
+        let missed = (squares / series.residual.len().max(1) as f64 - noise * noise).max(0.0).sqrt();
+        if LAW * missed > *noise { LAW * missed } else { 0.0 }
+    };
+    let releases = fit.found.at.carried.blocks.iter().zip(&fit.objective.measured);
+    let errors: Vec<Vec<f64>> =
+        releases.map(|(block, measured)| block.iter().zip(&measured.noise).map(error).collect()).collect();
+    let all: Vec<f64> = errors.iter().flatten().copied().collect();
+    let usual = (all.iter().map(|error| error * error).sum::<f64>() / all.len().max(1) as f64).sqrt();
+    if usual == 0.0 {
+        return None;
+    }
     let mut problem = fit.problem.clone();
-    let mut is_larger = false;
-    let fitted = problem.trials_mut().filter(|trial| !trial.release.held_out);
-    for ((trial, block), measured) in fitted.zip(&fit.found.at.carried.blocks).zip(&fit.objective.measured) {
-        for ((track, series), noise) in trial.release.tracks.iter_mut().zip(block).zip(&measured.noise) {
-            let squares = series.lengths().map(|length| 0.5 * (noise * length).powi(2)).sum::<f64>();
-            let missed = (squares / series.residual.len().max(1) as f64 - noise * noise).max(0.0).sqrt();
-            if LAW * missed > *noise {
-                is_larger = true;
-                track.discrepancy = track.discrepancy.hypot(LAW * missed);
-            }
+    let mut fitted = errors.into_iter();
+    for release in problem.trials_mut().map(|trial| &mut trial.release) {
+        let own = if release.held_out { None } else { fitted.next() };
+        let own = own.unwrap_or_else(|| vec![usual; release.tracks.len()]);
+        for (track, error) in release.tracks.iter_mut().zip(own) {
+            track.discrepancy = track.discrepancy.hypot(error);
         }
     }
-    is_larger.then_some(problem)
+    Some(problem)
 }
 
 fn nodes(problem: &Problem) -> usize {
