@@ -1,6 +1,6 @@
 //! A drawn experiment as files that pose the problem of [`super::problem`]: what `efam diagnose` makes of them.
 //!
-//! The file is written from the problem itself, number by number. Ghosts stay, and noise and instants are given, as
+//! The file is written from the problem itself, number by number. What the cleaning masks is left out, and noise and instants are given, as
 //! they are to a diagnosis that is asked directly; half a second of the hold is seen besides, which a recording must
 //! have.
 

@@ -143,8 +143,8 @@ fn a_clamp_that_stands_otherwise_than_stated_is_named() {
     }
 }
 
-/// Nor are held-out releases weighed by less than those that were fitted: what a baseline misses by far, an error of a law
-/// in it is more than the camera's noise.
+/// Without the tilt the baseline misses far more than the camera's noise. Held-out releases are then weighed as those that were
+/// fitted, or a model that is right would not be believed.
 #[test]
 #[ignore = "long; .ci/run runs it"]
 fn a_camera_that_leans_is_named() {

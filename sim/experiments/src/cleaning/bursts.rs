@@ -123,9 +123,7 @@ mod tests {
     fn bursts_are_found_and_gaps_and_the_release_are_not() {
         let mut noise = Noise::new(5);
         let (time, mut path) = falling_swing(1.23, 6.0, 0.2, 8.0, 0.01);
-        for point in path.iter_mut().flatten() {
-            (0..3).for_each(|k| point[k] += 2e-4 * noise.normal());
-        }
+        noise.disturb(&mut path, 2e-4);
         path[200..230].fill(None);
         assert!(!find(&time, &path, 0.01, 2e-4).contains(&true));
         let burst = 400..412;

@@ -279,9 +279,7 @@ mod tests {
     fn six_cycles_are_cut_apart_where_they_begin() {
         let mut noise = Noise::new(11);
         let (time, mut path, instants) = raised_and_released(6);
-        for point in path.iter_mut().flatten() {
-            (0..3).for_each(|k| point[k] += 3e-4 * noise.normal());
-        }
+        noise.disturb(&mut path, 3e-4);
         let cuts = cut(&time, &path, 0.01, 3e-4, None).unwrap();
         assert_eq!(cuts.len(), 6);
         for (cut, (instant, raise)) in cuts.iter().zip(instants) {

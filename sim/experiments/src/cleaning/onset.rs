@@ -119,9 +119,7 @@ mod tests {
         for k in 0..20 {
             let instant = 1.2 + 0.0005 * k as f64;
             let (time, mut path) = falling_swing(instant, 6.0, 0.2, 8.0, 0.01);
-            for point in path.iter_mut().flatten() {
-                (0..3).for_each(|k| point[k] += 2e-4 * noise.normal());
-            }
+            noise.disturb(&mut path, 2e-4);
             let cuts = cut(&time, &path, 0.01, 2e-4, None).unwrap();
             let onset = estimate(&time, &path, &cuts[0], 0.01).unwrap();
             let error = onset.instant - instant;

@@ -153,9 +153,7 @@ mod tests {
     fn a_ghost_beside_a_gap_or_at_an_end_is_masked() {
         let mut noise = Noise::new(5);
         let (time, mut path) = falling_swing(1.23, 6.0, 0.2, 8.0, 0.01);
-        for point in path.iter_mut().flatten() {
-            (0..3).for_each(|k| point[k] += 3e-4 * noise.normal());
-        }
+        noise.disturb(&mut path, 3e-4);
         path[300..312].fill(None);
         path[400..415].fill(None);
         let ghosts = [0, 299, 416, path.len() - 1];

@@ -184,9 +184,7 @@ mod tests {
         let mut noise = Noise::new(3);
         for sigma in [0.0, 3e-6, 1e-4, 5e-4] {
             let (time, mut path) = falling_swing(1.23, 6.0, 0.2, 8.0, 0.01);
-            for point in path.iter_mut().flatten() {
-                (0..3).for_each(|k| point[k] += sigma * noise.normal());
-            }
+            noise.disturb(&mut path, sigma);
             assert!(!find(&time, &path, 0.01).contains(&true), "nothing is wrong at {sigma}");
             let ghosts = [
                 (40, 0.2),

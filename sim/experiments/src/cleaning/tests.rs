@@ -17,6 +17,13 @@ impl Noise {
     pub fn normal(&mut self) -> f64 {
         (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }
+
+    /// Adds noise of a standard deviation to each coordinate of a path.
+    pub fn disturb(&mut self, path: &mut Seen, sigma: f64) {
+        for point in path.iter_mut().flatten() {
+            (0..3).for_each(|k| point[k] += sigma * self.normal());
+        }
+    }
 }
 
 type Seen = Vec<Option<[f64; 3]>>;

@@ -62,7 +62,7 @@ pub(super) fn on_fine_mesh(
 pub(super) const LAW: f64 = 0.1;
 
 /// The problem with the error of a law that explains what a fit misses, beside the noise of each track; none where the
-/// noise is larger. What held-out releases would miss is not known: as much as those that were fitted, on average.
+/// noise is larger. What held-out releases would miss is not known, and taken to be what the fitted ones miss on average.
 fn with_errors_of_laws(fit: &Joint) -> Option<Problem> {
     let error = |(series, noise): (&Series, &f64)| {
         let squares = series.lengths().map(|length| 0.5 * (noise * length).powi(2)).sum::<f64>();
