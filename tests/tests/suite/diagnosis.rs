@@ -105,9 +105,9 @@ fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
 }
 
 /// A rod whose EI is stated a quarter too large, as exactly as if it had been measured, and nothing is missing: no effect
-/// takes the blame.
+/// takes the blame alone.
 #[test]
-fn a_wrong_statement_is_named_instead_of_an_effect() {
+fn a_wrong_statement_is_said_before_an_effect() {
     let plan = Plan { pressures: vec![40.0], angles: vec![0.0], duration: 3.0, ..Plan::usual(&[]) };
     let drawn = plan.draw(913);
     let mut problem = all_fitted(&drawn);

@@ -268,9 +268,10 @@ impl<'a> Course<'a> {
         }
         let misstated = self.misstated()?;
         let is_within = !self.added.is_empty() && self.is_within_repeats()?;
-        self.diagnosis.verdict = match (misstated.is_empty(), self.diagnosis.verdict) {
-            // What is stated may be wrong, and then nothing is missing.
-            (false, _) => Verdict::Unknown,
+        let is_misstated = misstated.as_ref().is_some_and(|own| own.leads);
+        self.diagnosis.verdict = match (is_misstated, self.diagnosis.verdict) {
+            // What is stated is wrong, and then nothing may be missing.
+            (true, _) => Verdict::Unknown,
             _ if is_within => Verdict::Named,
             // What was not asked may be what is missing.
             _ if is_cut_short => Verdict::Unknown,
@@ -287,7 +288,11 @@ impl<'a> Course<'a> {
                 }
             }
         };
-        self.diagnosis.contradictions = misstated;
+        // Neither the effect nor the statement leads.
+        if misstated.is_some() && self.diagnosis.verdict == Verdict::Named {
+            self.diagnosis.verdict = Verdict::Class;
+        }
+        self.diagnosis.contradictions = misstated.map_or(Vec::new(), |own| own.values);
         Ok(())
     }
 

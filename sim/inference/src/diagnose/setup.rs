@@ -4,7 +4,8 @@
 //! takes an impossible setup instead, and from there a fit with the effect finds no way back. Where the baseline or the
 //! answer needs a belief at its limit, that belief alone is lifted in the model without any effect. Where it is one of the
 //! setup, such as an angle, and nothing is missing then, the statement is wrong, and no effect is looked for. If a lifted
-//! belief does as well for its unknowns as the effects that were found, it is wrong, or nobody can tell.
+//! belief does better for its unknowns than the effects that were found, either may be the answer, and the statement is
+//! said first. If it leads by what names an effect, the effects are no answer.
 
 use rayon::prelude::*;
 
@@ -59,6 +60,13 @@ impl Lift {
         let found = self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name);
         contradictions(found.map(|found| (found, &self.own)))
     }
+}
+
+/// A statement that may be wrong in the place of what was found.
+pub(super) struct Misstated {
+    pub values: Vec<Contradiction>,
+    /// Whether it leads by what names an effect.
+    pub leads: bool,
 }
 
 /// What of the beliefs stands at its limit, each name once.
@@ -176,10 +184,11 @@ impl<'a> Course<'a> {
         Ok(Lift { own: own.clone(), cost, known })
     }
 
-    /// What alone would have to be otherwise than stated, if that does as well as what was added; empty where nothing does.
-    pub(super) fn misstated(&self) -> Result<Vec<Contradiction>, CalibrateError> {
+    /// What alone would have to be otherwise than stated, if that does better than what was added, and whether it leads as an
+    /// effect has to that is named.
+    pub(super) fn misstated(&self) -> Result<Option<Misstated>, CalibrateError> {
         if self.added.is_empty() || self.is_stopped() {
-            return Ok(Vec::new());
+            return Ok(None);
         }
         let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
         let known = self.model.known();
@@ -191,9 +200,10 @@ impl<'a> Course<'a> {
             |own: &&Estimate| self.lifts.iter().all(|lift| lift.own.unknown.name != own.unknown.name);
         let new = at_limit(known).into_par_iter().filter(is_new).map(|own| self.lift(own));
         let lifts = [self.lifts.clone(), new.collect::<Result<_, _>>()?].concat();
-        let worth = |lift: &Lift| self.worth(lift.cost, &lift.known, each);
-        let best = lifts.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)));
-        Ok(best.filter(|best| worth(best) < least).map_or(Vec::new(), Lift::contradictions))
+        let ahead =
+            |lift: &Lift| 2.0 * (least - self.worth(lift.cost, &lift.known, each)) / variance_inflation;
+        let best = lifts.iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).filter(|best| ahead(best) > 0.0);
+        Ok(best.map(|best| Misstated { values: best.contradictions(), leads: ahead(best) >= LEAD }))
     }
 }
 

@@ -182,6 +182,7 @@ const TOLD: usize = 3;
 fn named(diagnosis: &Diagnosis) -> String {
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
     let or = match others.is_empty() {
+        true if diagnosis.verdict == Verdict::Class => ", if that value is right".to_owned(),
         true => String::new(),
         false => {
             format!(", or an effect that these recordings cannot separate from it ({})", others.join(", "))

@@ -14,7 +14,7 @@ pub enum Verdict {
     Named,
     /// The same, and what remains is more than noise and than what repeats: something else is missing as well.
     Incomplete,
-    /// Several effects that these recordings cannot separate.
+    /// Several effects that these recordings cannot separate, or an effect and a stated value that may be wrong instead.
     Class,
     /// A value that is stated of the setup is wrong; with another one nothing is missing.
     Misstated,
