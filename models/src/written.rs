@@ -83,13 +83,14 @@ pub struct OwnParameter {
 }
 
 /// Names of what believed values are over.
-pub const PER: [(&str, Per); 6] = [
+pub const PER: [(&str, Per); 7] = [
     ("unit", Per::Unit),
     ("mass", Per::Mass),
     ("weight_moment", Per::WeightMoment),
     ("length", Per::Length),
     ("length_squared", Per::LengthSquared),
     ("curvature", Per::Curvature),
+    ("fall", Per::Fall),
 ];
 
 /// Names of what a law does to the energy; text makes no measurement, no mass and no description.

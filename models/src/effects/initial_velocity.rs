@@ -11,10 +11,10 @@
 //!           posture.
 //! Off:      angular_velocity = 0.
 //! Silent:   Never; but what is left of it after the first swings is a shift in time.
-//! Source:   Rotation about a fixed point. Plausible are 1.5 rad/s, which is 0.3 m/s at the tip of a
-//!           rod of 0.2 m: a judgement, not a measurement.
+//! Source:   Rotation about a fixed point. Plausible is a push with up to a tenth of the energy of the
+//!           fall: 0.32 √(3 g / L), 3.1 rad/s for a rod of 0.3 m. A judgement, not a measurement.
 
-use super::{About, Kind, Law, Parameter, Place, Reach, Real, Release, Separator};
+use super::{About, Kind, Law, Parameter, Per, Place, Reach, Real, Release, Separator};
 
 /// An angular velocity at release.
 pub struct InitialVelocity;
@@ -35,7 +35,8 @@ impl Law for InitialVelocity {
             range: (-1e3, 1e3),
             scale: 0.5,
             null_value: Some(0.0),
-            plausible: Some((-1.5, 1.5)),
+            plausible: Some((-0.32, 0.32)),
+            per: Per::Fall,
             ..Parameter::PLAIN
         }],
         signature: "the first quarter of the first swing runs ahead or behind; later only the phase shows it",

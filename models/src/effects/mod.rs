@@ -216,6 +216,8 @@ pub enum Per {
     LengthSquared,
     /// Curvature of a turn by one radian over its length, 1/m.
     Curvature,
+    /// Angular velocity at which it hangs if it falls from the level about the clamp without bending, rad/s.
+    Fall,
 }
 
 impl Per {
@@ -228,6 +230,7 @@ impl Per {
             Per::Length => rod.length,
             Per::LengthSquared => rod.length * rod.length,
             Per::Curvature => rod.length.recip(),
+            Per::Fall => (3.0 * gravity::STANDARD / rod.length).sqrt(),
         }
     }
 }

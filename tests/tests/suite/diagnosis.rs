@@ -116,11 +116,16 @@ fn a_wrong_statement_is_said_before_an_effect() {
     own.expect("it is fitted").prior = Some(Prior { mean: 1.25 * truth, deviation: 0.01 * truth });
     let found = diagnose(&problem, &only(&["tip_mass"]), &|_: &str| ()).expect("it can be diagnosed");
     let found = found.diagnosis;
-    assert_eq!(found.verdict, Verdict::Unknown, "{}", found.summary);
+    assert_eq!(found.verdict, Verdict::Class, "{}", found.summary);
     let first = found.contradictions.first().expect("EI is not as stated");
     assert_eq!(first.parameter, "rod.bending_stiffness", "{}", found.summary);
     assert!((first.value / truth - 1.0).abs() < 0.02, "{} of {truth}", first.value);
-    assert!(found.summary.contains("or a stated value is wrong: rod.bending_stiffness"), "{}", found.summary);
+    assert!(
+        found.summary.starts_with("A stated value may be wrong: rod.bending_stiffness"),
+        "{}",
+        found.summary
+    );
+    assert!(found.summary.contains("Tip mass is missing, if that value is right"), "{}", found.summary);
 }
 
 /// A clamp that stands a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a
@@ -151,6 +156,20 @@ fn a_camera_that_leans_is_named() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("frame-tilt");
     let answer = setup::ask(setup::hidden(0, 884_001), 884_001, &folder).expect("it is read and asked");
     assert!(answer.is_right(), "{}", answer.diagnosis.summary);
+}
+
+/// A rod that a hand pushes upwards as it lets go: its instant lies where the hand lets go, and not where the rod begins to fall.
+#[test]
+#[ignore = "long; .ci/run runs it"]
+fn a_hand_that_pushes_is_named() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("initial-velocity");
+    let hidden = setup::hidden(2, 884_016);
+    let answer = setup::ask(hidden, 884_016, &folder).expect("it is read and asked");
+    assert!(answer.is_right() && hidden.1 > 0.0, "{}", answer.diagnosis.summary);
+    let truth = Hidden::named(hidden.0, hidden.1).expect("it is known").strength();
+    let values = &answer.diagnosis.effects[0].parameters;
+    let off = values.iter().map(|own| (own.value / truth - 1.0).abs()).fold(0.0, f64::max);
+    assert!(off < 0.2, "{}", answer.diagnosis.summary);
 }
 
 /// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.

@@ -127,7 +127,7 @@ impl Context<'_> {
         if let Some(instant) = self.entry.instant_of(number) {
             log.say("instants", format!("released at {instant} s, as the experiment says"));
             let uncertainty = self.entry.instant_error.unwrap_or(0.5 * self.step);
-            return Onset { instant, uncertainty, acceleration: None };
+            return Onset { instant, uncertainty, acceleration: None, push: None };
         }
         match onset::estimate(self.time, &self.tip.path, cut, self.step) {
             Some(onset) => {
@@ -135,10 +135,16 @@ impl Context<'_> {
                 let a = onset
                     .acceleration
                     .map_or(String::new(), |a| format!(", which falls at {}", format_si(a, "m/s^2")));
+                let push = onset.push.map_or(String::new(), |push| {
+                    format!(
+                        ", after a push of the hand, which gave it {} along its fall",
+                        format_si(push, "m/s")
+                    )
+                });
                 log.say(
                     "instants",
                     format!(
-                        "released at {instant:.4} s ± {error:.1} ms, where a parabola{a} leaves the hold"
+                        "released at {instant:.4} s ± {error:.1} ms, where a parabola{a} leaves the hold{push}"
                     ),
                 );
                 onset
@@ -152,7 +158,7 @@ impl Context<'_> {
                     "instants",
                     format!("released near {instant:.3} s: too little of the fall is seen for more"),
                 );
-                Onset { instant, uncertainty: unseen.max(3.0 * self.step), acceleration: None }
+                Onset { instant, uncertainty: unseen.max(3.0 * self.step), acceleration: None, push: None }
             }
         }
     }
