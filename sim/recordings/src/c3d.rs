@@ -19,8 +19,8 @@ use super::clock::plain;
 use super::draft::{Draft, Unit};
 use super::error::RecordingProblem;
 use super::format::Format;
-use super::layout::distinct;
 use super::length::Length;
+use super::names::distinct;
 
 /// Length of a block, bytes.
 const BLOCK: usize = 512;

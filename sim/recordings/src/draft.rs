@@ -8,11 +8,20 @@ use super::cells::short;
 use super::clock::{self, Clock};
 use super::error::RecordingProblem;
 use super::format::Format;
-use super::layout::distinct;
-use super::length::{Length, TOO_FAR};
+use super::length::{Length, TOO_FAR, UnknownUnit};
+use super::names::distinct;
 use super::quality;
-use super::read::ReadOptions;
 use super::{Marker, Recording};
+
+/// What the person knows better than the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Unit of the positions, whatever the file states.
+    pub unit: Option<Length>,
+    /// Samples a second, whatever the file states. Times then come from frame numbers or, where
+    /// there are none, from counting.
+    pub rate_hz: Option<f64>,
+}
 
 /// A file's numbers in its own units.
 pub(super) struct Draft {
@@ -117,7 +126,7 @@ impl Unit {
     /// As a file states it: its word, if there is one, and where that stands; else `silent`.
     pub(super) fn stated(word: Option<&str>, place: &str, silent: Unit) -> Result<Unit, RecordingProblem> {
         let Some(word) = word.filter(|word| !word.is_empty()) else { return Ok(silent) };
-        let unknown = || RecordingProblem::UnknownUnit { place: place.to_owned(), value: short(word) };
+        let unknown = || UnknownUnit { place: place.to_owned(), value: short(word) };
         let length = Length::named(word).ok_or_else(unknown)?;
         Ok(Unit::Stated(length, place.to_owned()))
     }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::length::Length;
+use super::length::{Length, UnknownUnit};
 
 /// Why a recording was not read: the file, and what is wrong with it.
 #[derive(Debug, thiserror::Error)]
@@ -154,13 +154,8 @@ pub enum RecordingProblem {
         units: [Length; 2],
     },
     /// A unit that is none of length.
-    #[error("{place}: `{value}` is no unit of length; it must be one of {}", Length::symbols())]
-    UnknownUnit {
-        /// Where it stands.
-        place: String,
-        /// What stands there.
-        value: String,
-    },
+    #[error(transparent)]
+    UnknownUnit(#[from] UnknownUnit),
     /// No unit, in a format that has no fixed one.
     #[error("{place} states no unit of length; name it, such as tip_x_mm, or say --unit mm")]
     NoUnit {

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use super::cells::Rows;
+use super::column::is_header;
 use super::error::RecordingProblem;
-use super::tidy;
 
 /// Who wrote a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -88,7 +88,7 @@ pub(super) fn of_text(rows: &mut Rows) -> Result<Format, RecordingProblem> {
             _ => {}
         }
         if !cell.starts_with('#') && first.is_none() {
-            if tidy::is_header(rows) {
+            if is_header(rows) {
                 return Ok(Format::Tidy);
             }
             first = Some((rows.line(), rows.start()));

@@ -2,8 +2,6 @@
 
 use std::str::FromStr;
 
-use super::error::RecordingProblem;
-
 /// A unit of length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
@@ -74,7 +72,7 @@ impl Length {
     }
 
     /// All symbols, for messages.
-    pub(super) fn symbols() -> String {
+    fn symbols() -> String {
         LENGTHS.map(|row| row.1).join(", ")
     }
 
@@ -90,11 +88,21 @@ impl Length {
     }
 }
 
-impl FromStr for Length {
-    type Err = RecordingProblem;
+/// A unit that is none of length.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{place}: `{value}` is no unit of length; it must be one of {}", Length::symbols())]
+pub struct UnknownUnit {
+    /// Where it stands.
+    pub place: String,
+    /// What stands there.
+    pub value: String,
+}
 
-    fn from_str(word: &str) -> Result<Self, RecordingProblem> {
-        let unknown = || RecordingProblem::UnknownUnit { place: "unit".to_owned(), value: word.to_owned() };
+impl FromStr for Length {
+    type Err = UnknownUnit;
+
+    fn from_str(word: &str) -> Result<Self, UnknownUnit> {
+        let unknown = || UnknownUnit { place: "unit".to_owned(), value: word.to_owned() };
         Length::named(word).ok_or_else(unknown)
     }
 }

@@ -12,6 +12,7 @@
 mod c3d;
 mod cells;
 mod clock;
+mod column;
 mod columnar;
 mod draft;
 mod error;
@@ -19,6 +20,7 @@ mod format;
 mod layout;
 mod length;
 mod motive;
+mod names;
 pub mod noise;
 mod qualisys;
 mod quality;
@@ -29,11 +31,12 @@ mod vicon;
 
 use std::path::PathBuf;
 
+pub use draft::ReadOptions;
 pub use error::{RecordingError, RecordingProblem};
 pub use format::Format;
-pub use length::{Length, TOO_FAR};
+pub use length::{Length, TOO_FAR, UnknownUnit};
 pub use quality::Quality;
-pub use read::{ReadOptions, parse, read};
+pub use read::{parse, read};
 pub use tidy::table;
 
 /// A recording as it was read: nothing is filtered, filled in or cut.

@@ -18,8 +18,9 @@ use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
 use super::error::RecordingProblem;
 use super::format::Format;
-use super::layout::{Columns, Layout, distinct};
+use super::layout::{Columns, Layout};
 use super::length::Length;
+use super::names::distinct;
 
 /// Rows of the header at most, so that a long file without one is soon refused.
 const MOST_ROWS: usize = 12;

@@ -7,8 +7,9 @@ use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
 use super::error::RecordingProblem;
 use super::format::Format;
-use super::layout::{Columns, Layout, distinct};
+use super::layout::{Columns, Layout};
 use super::length::Length;
+use super::names::distinct;
 
 /// Reads an export of 3D data.
 pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {

@@ -7,9 +7,9 @@ use std::path::Path;
 use efam_store::memory;
 
 use super::cells::{Rows, decode};
+use super::draft::{Draft, ReadOptions};
 use super::error::{RecordingError, RecordingProblem};
 use super::format::{self, Format};
-use super::length::Length;
 use super::{Recording, c3d, columnar, motive, qualisys, tidy, trc, vicon};
 
 /// The longest file that is read, bytes: three days of one marker at 100 Hz, or an hour of sixty.
@@ -18,16 +18,6 @@ const MOST_BYTES: u64 = 2 << 30;
 /// 72 with an orientation, and some copies of those that are used; each has 20 bytes or so of a text. (A text that
 /// is made to deceive takes 100, and [`columnar::MOST_EXPANSION`] is what Parquet may take.)
 const MEMORY: u64 = 8;
-
-/// What the person knows better than the file.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ReadOptions {
-    /// Unit of the positions, whatever the file states.
-    pub unit: Option<Length>,
-    /// Samples a second, whatever the file states. Times then come from frame numbers or, where
-    /// there are none, from counting.
-    pub rate_hz: Option<f64>,
-}
 
 /// Reads a recording; its format is told from what stands in it, not from its name.
 /// # Errors
@@ -78,7 +68,7 @@ fn admit(bytes: u64, free: Option<u64>) -> Result<(), RecordingProblem> {
     }
 }
 
-fn text(bytes: Vec<u8>) -> Result<super::draft::Draft, RecordingProblem> {
+fn text(bytes: Vec<u8>) -> Result<Draft, RecordingProblem> {
     let (text, finding) = decode(bytes)?;
     let format = format::of_text(&mut Rows::new(&text))?;
     let rows = &mut Rows::new(&text);

@@ -5,7 +5,8 @@ use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
 use super::error::RecordingProblem;
 use super::format::Format;
-use super::layout::{Columns, Layout, distinct};
+use super::layout::{Columns, Layout};
+use super::names::distinct;
 
 /// Reads a file.
 pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {

@@ -15,8 +15,9 @@ use super::cells::{Rows, in_header};
 use super::draft::{Draft, Unit};
 use super::error::RecordingProblem;
 use super::format::{Format, NEXUS_SECTIONS};
-use super::layout::{Columns, Layout, distinct, one_unit, some};
-use super::length::Length;
+use super::layout::{Columns, Layout, one_unit};
+use super::length::{Length, UnknownUnit};
+use super::names::{distinct, some};
 
 const CONVENTION: &str = "Vicon writes millimetres";
 
@@ -144,7 +145,7 @@ fn units(rows: &Rows, starts: &[usize], names: &[String]) -> Result<Unit, Record
                 continue;
             }
             let name = names.get(*start).map_or("", String::as_str);
-            let unknown = || RecordingProblem::UnknownUnit {
+            let unknown = || UnknownUnit {
                 place: format!("line {}, column {} ({name})", rows.line(), column + 1),
                 value: super::cells::short(cell),
             };
