@@ -15,6 +15,7 @@ mod matrix;
 mod measured;
 mod panel;
 mod paper;
+mod pixels;
 mod predicted;
 mod pressures;
 mod recording;
@@ -36,7 +37,8 @@ use plotters::prelude::RGBColor;
 use crate::report::significant;
 
 use drawing::{Sheet as Area, drawn};
-use panel::{Axis, Drawn, Key, Panel, Stroke, equal_scale, heading, padded, plot_size, px, tick};
+use panel::{Axis, Drawn, Key, Panel, Stroke, equal_scale, heading, padded, plot_size, px};
+use text::tick;
 
 pub use against_markers::against_markers;
 pub use analysed::{analysed, recordings};

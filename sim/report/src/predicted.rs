@@ -9,6 +9,7 @@
 //!   summary.json             what was asked, by which command
 //! ```
 
+pub(super) mod answers;
 pub(super) mod page;
 
 use std::fmt::Write;

@@ -8,6 +8,8 @@ use std::ops::Range;
 
 use plotters::prelude::*;
 
+use crate::picture::pixels::px;
+
 pub use json::{column, column_in, json, look};
 
 /// One chart.
@@ -115,7 +117,7 @@ impl Stroke {
 
     /// As plotters has it.
     pub fn style(&self) -> ShapeStyle {
-        self.color.mix(self.alpha).stroke_width(crate::picture::drawing::px(self.width) as u32)
+        self.color.mix(self.alpha).stroke_width(px(self.width) as u32)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use crate::picture::drawing::FONT;
+use crate::picture::pixels::FONT;
 
 /// By how much a line may be off for a point that is left out, fine pixels: an eighth of a pixel.
 const OFF: f64 = 0.5;

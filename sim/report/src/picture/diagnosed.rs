@@ -4,9 +4,9 @@
 use efam_inference::diagnose::verdict::{Evidence, Gap, Shape};
 use efam_inference::diagnose::{Curve, Diagnosis};
 
-use crate::picture::diagnosed_residual::{over_swing, over_time};
+use crate::picture::diagnosed_residual::{after, before, over_swing, over_time};
 use crate::picture::panel::{Axis, Key, Panel, Row, Stroke, heading, px};
-use crate::picture::{Area, BLACK, BLUE, Drawn, GREY, Picture, VERMILION, drawn};
+use crate::picture::{Area, BLACK, BLUE, Drawn, GREY, Picture, drawn};
 
 /// Candidates drawn of a round, at most.
 const SHOWN: usize = 12;
@@ -16,14 +16,6 @@ const AROUND: f64 = 150.0;
 /// Width of a picture and of its rows' names, pixels.
 const WIDTH: u32 = 760;
 const NAMES: f64 = 230.0;
-
-pub(super) fn before() -> Stroke {
-    Stroke::new(VERMILION, 1.8)
-}
-
-pub(super) fn after() -> Stroke {
-    Stroke::new(BLUE, 1.4)
-}
 
 /// All pictures of a diagnosis, in the order in which one would look at them.
 pub fn diagnosed(diagnosis: &Diagnosis, curves: &[Curve]) -> Vec<Picture> {

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use efam_inference::diagnose::Curve;
 use efam_inference::diagnose::curve::{BEFORE_AND_AFTER, Predicted, Sample};
 
-use crate::picture::diagnosed::{after, before};
 use crate::picture::panel::{Axis, Key, Panel, Row, Stroke, heading, px};
 use crate::picture::{Area, BLACK, BLUE, Drawn, GREY, MILLI, Picture, VERMILION, drawn};
 
@@ -18,6 +17,14 @@ const PREDICTIONS: [(&str, Predicted); 2] = [("Before", BEFORE_AND_AFTER[0]), ("
 
 /// Samples held back one after the other from which on they are no ghosts, but what the model misses.
 const NO_GHOSTS: usize = 3;
+
+pub(super) fn before() -> Stroke {
+    Stroke::new(VERMILION, 1.8)
+}
+
+pub(super) fn after() -> Stroke {
+    Stroke::new(BLUE, 1.4)
+}
 
 fn is_held_back(sample: &Option<Sample>) -> bool {
     sample.is_some_and(|sample| sample.is_held_back)

@@ -11,17 +11,13 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::picture::chart::{Cases, Chart, Key, Mark, Row, Shape, Stroke};
 use crate::picture::compact::compact;
-use crate::picture::panel::tick;
-use crate::picture::text::{shortened, wrapped};
+use crate::picture::pixels::{FONT, SCALE, px};
+use crate::picture::text::{shortened, tick, wrapped};
 use crate::picture::{BLACK, GREY};
 
 /// What drawing returns.
 pub type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 
-/// Fine pixels in one of the picture.
-pub const SCALE: i32 = 4;
-/// Fonts, the first that is there.
-pub const FONT: &str = "Helvetica, Arial, DejaVu Sans, sans-serif";
 const TITLE_SIZE: f64 = 19.0;
 const TEXT_SIZE: f64 = 16.0;
 const NOTE_SIZE: f64 = 13.0;
@@ -34,11 +30,6 @@ const TITLE_HEIGHT: f64 = 26.0;
 const KEY_HEIGHT: f64 = 20.0;
 const KEY_SAMPLE: f64 = 27.0;
 const KEY_GAP: f64 = 12.0;
-
-/// Fine pixels of a length in pixels.
-pub fn px(length: f64) -> i32 {
-    (length * f64::from(SCALE)).round() as i32
-}
 
 /// A picture: as SVG, and the charts that it was drawn from.
 #[derive(Clone, Debug, Default)]

@@ -10,8 +10,9 @@ use plotters::prelude::RGBColor;
 
 use crate::picture::chart::{Cases, Chart, Mark, Point, Rows, Scale};
 pub use crate::picture::chart::{Key, Row, Stroke};
-pub use crate::picture::drawing::{Drawn, FONT, heading, plot_size, px};
+pub use crate::picture::drawing::{Drawn, heading, plot_size};
 use crate::picture::drawing::{Placed, Sheet};
+pub use crate::picture::pixels::{FONT, px};
 
 /// Range and label of an axis.
 pub struct Axis<'a>(pub Range<f64>, pub &'a str);
@@ -175,27 +176,9 @@ pub fn padded(values: impl Iterator<Item = f64>, share: f64) -> Range<f64> {
     low - spare.max(least)..high + spare.max(least)
 }
 
-/// A tick's number: no more digits than it has, a true minus, no sign on zero.
-pub fn tick(value: f64) -> String {
-    let text = format!("{:.6}", value);
-    match text.trim_end_matches('0').trim_end_matches('.') {
-        "-0" => "0".to_owned(),
-        text => text.replace('-', "\u{2212}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_have_a_true_minus_and_no_signed_zero() {
-        for (value, text) in
-            [(-0.0, "0"), (-1e-12, "0"), (-150.0, "−150"), (0.30000000000000004, "0.3"), (20.0, "20")]
-        {
-            assert_eq!(tick(value), text);
-        }
-    }
 
     #[test]
     fn axes_of_one_scale_still_hold_both_ranges() {

@@ -1,4 +1,4 @@
-//! Text cut to the room that it has.
+//! Text cut to the room that it has, and numbers of ticks.
 
 /// Text of that many letters at most, its end cut off where it is longer.
 pub fn shortened(text: &str, most: usize) -> String {
@@ -23,6 +23,15 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
+/// A tick's number: no more digits than it has, a true minus, no sign on zero.
+pub fn tick(value: f64) -> String {
+    let text = format!("{:.6}", value);
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "-0" => "0".to_owned(),
+        text => text.replace('-', "\u{2212}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -34,5 +43,14 @@ mod tests {
             ("abcdef".to_owned(), "abcde…".to_owned())
         );
         assert_eq!(wrapped("one two three", 7), ["one two", "three"]);
+    }
+
+    #[test]
+    fn ticks_have_a_true_minus_and_no_signed_zero() {
+        for (value, text) in
+            [(-0.0, "0"), (-1e-12, "0"), (-150.0, "−150"), (0.30000000000000004, "0.3"), (20.0, "20")]
+        {
+            assert_eq!(tick(value), text);
+        }
     }
 }

@@ -7,9 +7,9 @@ use efam_experiments::summary::Cycle;
 
 use crate::picture::chart::{Cases, Point};
 use crate::picture::compact::kept;
-use crate::picture::drawing::SCALE;
 use crate::picture::lines::{Lines, MOST_LINES, Named, looks, spread};
 use crate::picture::panel::{Axis, Key, Panel, Stroke, equal_scale, padded, plot_size};
+use crate::picture::pixels::SCALE;
 use crate::picture::released::{SIZE, stride};
 use crate::picture::{Area, BLACK, BLUE, CHOSEN, Drawn, GREEN, MILLI, Picture, VERMILION, drawn, in_milli};
 

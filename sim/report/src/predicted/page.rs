@@ -7,10 +7,10 @@ use efam_inference::predict::quantity::{Quantity, units};
 use efam_inference::predict::{Cycle, Prediction};
 
 use crate::Request;
-use crate::grid::answers;
 use crate::interval::{with_ends, with_interval};
 use crate::page::{BeforeUse, Family, Page, Table};
 use crate::picture::Picture;
+use crate::predicted::answers::answers;
 use crate::report::{readable, significant};
 
 /// What any prediction takes for granted.
