@@ -8,9 +8,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::diagnosed::Answer;
-use super::merge::{SWEEP, is_merged};
 use super::plan::Plan;
 use super::shard::seconds;
+use super::status::{SWEEP, is_merged};
 
 /// Answers and how often each was given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

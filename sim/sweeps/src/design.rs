@@ -8,8 +8,8 @@ use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
 use super::key::{ValueKind, Varying};
 use super::point::case;
-use super::request::{Design, DesignValue, OfScenario, Values};
-use super::work::Point;
+use super::request::{Design, OfScenario, Values};
+use super::row::{DesignValue, Point};
 
 /// Where points come from.
 pub(super) struct Sampler<'a> {

@@ -13,8 +13,19 @@ use efam_store::sha::sha256;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::request::DesignValue;
-use super::work::{Diagnose, Point, Row, fault, joined};
+use super::row::{DesignValue, Point, Row, fault, joined};
+
+/// Diagnoses of experiments, each with a catalogue of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Diagnose {
+    /// The folder in which the experiments are.
+    pub folder: String,
+    /// Probability that a round names an effect although none is missing: as text, which is read back as it is.
+    pub false_alarm: String,
+    /// Largest number of effects to add.
+    pub most: usize,
+}
 
 /// What stands between names of a list.
 pub(super) const AND: &str = " + ";

@@ -20,9 +20,8 @@ use efam_store::escape::is_hidden;
 use models::effects::Catalogue;
 use rayon::prelude::*;
 
-use super::diagnosed::{AND, look};
-use super::request::DesignValue;
-use super::work::{Diagnose, Point};
+use super::diagnosed::{AND, Diagnose, look};
+use super::row::{DesignValue, Point};
 
 /// Keys of a sweep over experiments.
 pub(super) const KEYS: [&str; 3] = ["experiments", "diagnose", "experiment"];

@@ -17,6 +17,7 @@ pub mod merge;
 pub mod plan;
 pub mod point;
 pub mod request;
+pub mod row;
 pub mod shard;
 pub mod status;
 pub mod work;

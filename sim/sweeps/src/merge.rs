@@ -3,7 +3,7 @@
 use efam_core::quantile::quantile;
 use efam_store::StoreError;
 use efam_store::atomic::write_whole;
-use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile, about, read};
+use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile, read};
 use efam_store::escape::shell_word;
 use efam_store::partial;
 use schemars::JsonSchema;
@@ -12,13 +12,12 @@ use serde::{Deserialize, Serialize};
 use super::SweepError;
 use super::answers::Answers;
 use super::plan::Plan;
+use super::row::FAILED;
 use super::shard::{Found, file, look};
-use super::status::array;
-use super::work::{FAILED, Work};
+use super::status::{SWEEP, array};
+use super::work::Work;
 
-/// The table of all points.
-pub const SWEEP: &str = "sweep.parquet";
-/// The same as text, if asked for.
+/// The table of all points as text, if asked for.
 pub const CSV: &str = "sweep.csv";
 /// Rows that are written at a time, whatever the shards: so they leave no trace in the table.
 const ROWS: usize = 8192;
@@ -103,12 +102,6 @@ impl Kept {
             Cells::Texts(_) => None,
         }
     }
-}
-
-/// Whether the table of a plan is there.
-pub(super) fn is_merged(plan: &Plan) -> bool {
-    about(&plan.folder.join(SWEEP))
-        .is_ok_and(|said| said.entries.get("plan_sha256") == Some(&plan.head.sha256))
 }
 
 /// Puts all shards together, one after the other: only one is held at a time.

@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 use super::SweepError;
 use super::design::Sampler;
 use super::request::{MOST_POINTS, Subject, SweepRequest};
-use super::work::{Point, Simulate, Work};
+use super::row::Point;
+use super::work::{Simulate, Work};
 
 /// The head of a plan.
 pub const PLAN: &str = "plan.json";

@@ -10,8 +10,7 @@ use efam_inference::predict::simulated::{Simulated, simulate};
 use efam_store::columns::{Cell, Column, Holds};
 
 use super::key::{self, ValueKind, Varying};
-use super::request::DesignValue;
-use super::work::{Point, Row, fault, joined};
+use super::row::{DesignValue, Point, Row, fault, joined};
 
 /// What the energies and the effort of a run are called, with their units and what they are.
 const OF_THE_RUN: [(&str, &str, &str); 4] = [

@@ -27,6 +27,7 @@ use serde::{Deserialize, Serialize};
 use super::experiments::{self, OfExperiments};
 use super::key::{ValueKind, Varying};
 use super::point::setting;
+use super::row::DesignValue;
 
 /// Points of a sweep, at most.
 pub const MOST_POINTS: usize = 10_000_000;
@@ -53,15 +54,6 @@ pub enum Design {
     Sobol,
     /// Draws from the errors of the scenario's calibration; ranges beside them are drawn evenly.
     Posterior,
-}
-
-/// A value of a parameter: SI, or a word.
-#[derive(Clone, Debug, PartialEq)]
-pub enum DesignValue {
-    /// A number.
-    Number(f64),
-    /// A word.
-    Word(String),
 }
 
 /// Values that a parameter may have.

@@ -17,7 +17,8 @@ use rayon::prelude::*;
 
 use super::SweepError;
 use super::plan::Plan;
-use super::work::{Point, Row, Work};
+use super::row::{Point, Row};
+use super::work::Work;
 
 /// The rows of a shard, in a folder that names it.
 pub const PART: &str = "part.parquet";

@@ -1,10 +1,14 @@
 //! What is there of a sweep, and what is missing: told from its files alone.
 
+use efam_store::columns::about;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::plan::Plan;
 use super::shard::{Found, file, look};
+
+/// The table of all points.
+pub const SWEEP: &str = "sweep.parquet";
 
 /// State of a sweep.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
@@ -52,8 +56,14 @@ pub fn status(plan: &Plan) -> Status {
         status.missing.push(shard);
     }
     status.missing_array = array(&status.missing);
-    status.is_merged = super::merge::is_merged(plan);
+    status.is_merged = is_merged(plan);
     status
+}
+
+/// Whether the table of a plan is there.
+pub(super) fn is_merged(plan: &Plan) -> bool {
+    about(&plan.folder.join(SWEEP))
+        .is_ok_and(|said| said.entries.get("plan_sha256") == Some(&plan.head.sha256))
 }
 
 /// Numbers in ascending order as Slurm writes them: `3,7-9`.

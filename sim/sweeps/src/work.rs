@@ -11,9 +11,11 @@ use efam_store::escape::{cell, from_cell};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::diagnosed::{self, Diagnose};
 use super::key::Varying;
-use super::request::{Design, DesignValue};
-use super::{diagnosed, point};
+use super::point;
+use super::request::Design;
+use super::row::{DesignValue, FAILED, OK, Point, Row};
 
 /// What is done with each point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -41,64 +43,6 @@ pub struct Simulate {
     pub scenario_text: String,
     /// What is set over it at every point: whatever other files say.
     pub set: Vec<String>,
-}
-
-/// Diagnoses of experiments, each with a catalogue of its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Diagnose {
-    /// The folder in which the experiments are.
-    pub folder: String,
-    /// Probability that a round names an effect although none is missing: as text, which is read back as it is.
-    pub false_alarm: String,
-    /// Largest number of effects to add.
-    pub most: usize,
-}
-
-/// One point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Point {
-    /// Its number, from zero.
-    pub index: usize,
-    /// Of its own random numbers, below 2⁵³; 0 where there is nothing random.
-    pub seed: u64,
-    /// What differs from point to point, in the order of the plan.
-    pub values: Vec<DesignValue>,
-}
-
-/// What came of a point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Why there is no answer.
-    failed: Option<String>,
-    /// The answers, in the order of their columns.
-    answers: Vec<Cell>,
-}
-
-/// Words of the column `status`.
-pub const OK: &str = "ok";
-/// The other one.
-pub const FAILED: &str = "failed";
-
-impl Row {
-    /// With all answers.
-    pub(super) fn whole(answers: Vec<Cell>) -> Self {
-        Self { failed: None, answers }
-    }
-
-    /// Without any.
-    pub(super) fn failed(why: String, answers: &[Column]) -> Self {
-        let none = |column: &Column| match column.holds {
-            Holds::Texts => Cell::Text(None),
-            _ => Cell::Number(f64::NAN),
-        };
-        Self { failed: Some(why), answers: answers.iter().map(none).collect() }
-    }
-
-    /// Whether there is no answer.
-    pub fn is_failed(&self) -> bool {
-        self.failed.is_some()
-    }
 }
 
 impl Work {
@@ -222,14 +166,4 @@ impl Simulate {
         let scenario = Path::new(&self.scenario);
         Ok(point::case(scenario, &self.scenario_text, &self.set, &self.parameters, own)?.0)
     }
-}
-
-/// Words as one text; none of none.
-pub(super) fn joined(words: Vec<String>, between: &str) -> Option<String> {
-    (!words.is_empty()).then(|| words.join(between))
-}
-
-/// A fault of the program's own has been told on stderr; it must not take the other points with it.
-pub(super) fn fault() -> String {
-    "the program itself failed; please report it".to_owned()
 }

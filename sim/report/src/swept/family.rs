@@ -3,7 +3,8 @@
 use efam_store::columns::Cells;
 use efam_sweeps::merge::Kept;
 use efam_sweeps::plan::Plan;
-use efam_sweeps::work::{Point, Simulate, Work};
+use efam_sweeps::row::Point;
+use efam_sweeps::work::{Simulate, Work};
 use models::model::Model;
 
 use crate::page::Family;

@@ -64,7 +64,9 @@ pub fn run(args: &Ask, console: &Console) -> Result<ExitCode, Failure> {
         (false, true) => writeln!(out, "--array={}", status.missing_array)?,
         (false, false) => writeln!(out, "missing: --array={}", status.missing_array)?,
         (true, true) => {}
-        (true, false) if status.is_merged => writeln!(out, "merged: {folder}/{}", efam_sweeps::merge::SWEEP)?,
+        (true, false) if status.is_merged => {
+            writeln!(out, "merged: {folder}/{}", efam_sweeps::status::SWEEP)?
+        }
         (true, false) => writeln!(out, "nothing is missing: efam sweep merge --plan {folder}")?,
     }
     Ok(ExitCode::SUCCESS)
