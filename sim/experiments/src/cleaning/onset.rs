@@ -30,7 +30,8 @@ pub struct Onset {
 const WAY: f64 = 0.12;
 /// Time of the hold that is fitted, s.
 const HOLD: f64 = 0.3;
-/// Samples after the hold that are fitted at least. Where [`WAY`] has fewer, no push is believed: a higher mode begins as fast.
+/// Samples after the hold that are fitted at least, and that [`WAY`] has to have for a push to be believed: a higher mode begins
+/// as fast.
 const LEAST_FALL: usize = 4;
 /// Nothing is known better than this share of the longest time without a sample around it: of thirty releases
 /// drawn by an independent model at 100 Hz the worst was 4 ms off, where both ways that are fitted said a tenth
@@ -66,21 +67,28 @@ pub fn estimate(time: &[f64], path: &[Option<[f64; 3]>], cut: &Cut, step: f64) -
         let seen: Vec<(f64, f64)> =
             (begin..=past.max(enough)).filter_map(|i| Some((time[i], way(i)?))).collect();
         let window = [time[cut.hold.end] - 0.15, time[past]];
-        let until_past = seen.iter().filter(|(t, _)| *t <= time[past]);
-        let is_seen = |fall: &Fall| until_past.filter(|(t, _)| *t > fall.instant).count() >= LEAST_FALL;
-        let pushed = search::<PUSHED>(&seen, window, step).filter(is_seen);
-        Some((search::<SMOOTH>(&seen, window, step)?, pushed))
+        Some((search::<SMOOTH>(&seen, window, step)?, search::<PUSHED>(&seen, window, step), time[past]))
     };
-    let (smooth, pushed) = until(WAY)?;
+    let (smooth, pushed, past) = until(WAY)?;
     let shape = smooth.count as f64 * (SHAPE * smooth.way * smooth.way / whole).powi(2);
     let pushed = pushed.filter(|pushed| smooth.cost > pushed.cost + PUSH * pushed.variance + shape);
+    // Few samples do not tell a push from a higher mode: then the error holds both.
+    let fallen = |since: f64| {
+        cut.swing.clone().filter(|&i| path[i].is_some() && time[i] > since && time[i] <= past).count()
+    };
+    let (pushed, perhaps) = match pushed {
+        Some(fall) if fallen(fall.instant) < LEAST_FALL => (None, Some(fall)),
+        pushed => (pushed, None),
+    };
     let best = pushed.unwrap_or(smooth);
-    let half = until(0.5 * WAY).and_then(|(smooth, half)| if pushed.is_some() { half } else { Some(smooth) });
+    let half =
+        until(0.5 * WAY).and_then(|(smooth, half, _)| if pushed.is_some() { half } else { Some(smooth) });
     let moved = half.map_or(0.5 * step, |half| half.instant - best.instant);
+    let other = perhaps.map_or(0.0, |fall| fall.instant - best.instant);
     let seen = || (begin..=enough).filter(|&i| path[i].is_some()).map(|i| time[i]);
     let around = |pair: &(f64, f64)| pair.1 > best.instant.min(time[cut.hold.end - 1]);
     let longest = seen().zip(seen().skip(1)).filter(around).map(|pair| pair.1 - pair.0).fold(step, f64::max);
-    let uncertainty = best.error.hypot(moved).max(LEAST_ERROR * longest);
+    let uncertainty = best.error.hypot(moved).hypot(other).max(LEAST_ERROR * longest);
     let Fall { instant, acceleration, push, .. } = best;
     Some(Onset { instant, uncertainty, acceleration: Some(acceleration), push: pushed.map(|_| push) })
 }

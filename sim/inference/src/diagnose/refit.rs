@@ -72,25 +72,35 @@ pub(super) fn rough(
     estimate: f64,
     without: &Joint,
 ) -> Result<Option<Rough>, CalibrateError> {
-    // A memory that turns round needs steps where that happens.
-    let has_own_steps = candidate.effect.about().memory > 0;
-    let (known, view, most_steps) = (without.known(), &without.found.view, most_steps(without));
+    let known = without.known();
     let mut best: Option<Rough> = None;
     for strength in [estimate, candidate.null_value] {
         if best.as_ref().is_some_and(|best| best.cost <= without.cost()) {
             break;
         }
-        let Ok(problem) = candidate.added_to(&without.problem, strength) else { break };
-        let limited = within_steps(&problem, most_steps);
-        let Some(fit) = Joint::approach(&limited, &known, view, has_own_steps, STAGE_SHARE)? else {
-            continue;
-        };
-        let (known, cost, is_near) = (fit.known(), fit.cost(), fit.found.converged);
-        if best.as_ref().is_none_or(|best| cost < best.cost) {
-            best = Some(Rough { problem, known, without: without.found.x.len(), cost, is_near, most_steps });
-        }
+        let found = rough_from(candidate, strength, &known, without)?;
+        best = found.into_iter().chain(best).min_by(|a, b| a.cost.total_cmp(&b.cost));
     }
     Ok(best)
+}
+
+/// Brings a candidate near its fit from what is known of the other unknowns. None where it cannot be run.
+pub(super) fn rough_from(
+    candidate: &Candidate,
+    strength: f64,
+    known: &[Estimate],
+    without: &Joint,
+) -> Result<Option<Rough>, CalibrateError> {
+    // A memory that turns round needs steps where that happens.
+    let has_own_steps = candidate.effect.about().memory > 0;
+    let (view, most_steps) = (&without.found.view, most_steps(without));
+    let Ok(problem) = candidate.added_to(&without.problem, strength) else { return Ok(None) };
+    let limited = within_steps(&problem, most_steps);
+    let found = Joint::approach(&limited, known, view, has_own_steps, STAGE_SHARE)?;
+    Ok(found.map(|fit| {
+        let (known, cost, is_near) = (fit.known(), fit.cost(), fit.found.converged);
+        Rough { problem, known, without: without.found.x.len(), cost, is_near, most_steps }
+    }))
 }
 
 /// Follows a candidate to its fit. None where it cannot be run.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::mesh_check::LAW;
-use super::refit::{Refit, Rough, refit, rough};
+use super::refit::{Refit, Rough, refit, rough, rough_from};
 use super::score::{APART, ONE, Score, Scores, distance};
 use super::stop::{CUT_SHORT, is_stopped};
 use super::validation::HeldOut;
@@ -199,7 +199,7 @@ pub(super) fn fit_all(
         }
         Ok(rough)
     };
-    let roughs: Vec<Option<Rough>> =
+    let mut roughs: Vec<Option<Rough>> =
         shortlist.par_iter_mut().map(of_entry).collect::<Result<_, CalibrateError>>()?;
     let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
     let best = roughs.iter().position(|rough| rough.as_ref().is_some_and(|rough| rough.cost == least));
@@ -210,6 +210,21 @@ pub(super) fn fit_all(
     // A search near its end was seen to gain up to a quarter of what it is behind, and by half it would not catch up.
     let near = STAGE_SHARE * least + 2.0 * LEAD * scores.variance_inflation;
     let farther = near.max(LAW * (fit.cost() - least));
+    // Far from the fit, the way from what is without it may end beside the least: those that the best is ahead of by no more
+    // than the error of a law begin once more, from where it has led.
+    if let Some(led) = best.and_then(|best| roughs[best].as_ref()).map(|rough| rough.known.clone()) {
+        let again = |(entry, rough): (&mut Entry, &mut Option<Rough>)| {
+            let Some(own) = rough.as_ref().filter(|own| (near..farther).contains(&(own.cost - least))) else {
+                return Ok(());
+            };
+            let found = rough_from(&entry.candidate, entry.candidate.null_value, &led, fit)?;
+            if let Some(found) = found.filter(|found| found.cost < own.cost) {
+                *rough = Some(found);
+            }
+            Ok::<(), CalibrateError>(())
+        };
+        shortlist.par_iter_mut().zip(&mut roughs).try_for_each(again)?;
+    }
     let fitted = shortlist.par_iter_mut().zip(&roughs).zip(distances);
     fitted.try_for_each(|((entry, rough), distance)| {
         let room = |rough: &Rough| if rough.is_near { near } else { farther };
