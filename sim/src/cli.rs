@@ -23,6 +23,7 @@ mod progress;
 mod report;
 mod rest;
 mod schema;
+mod signals;
 mod simulate;
 mod sweep;
 mod terminal;
@@ -123,7 +124,7 @@ enum OnExperiment {
 
 /// The program with its arguments, of which the first is its own name: as a program of its own, or within Python.
 pub fn main(arguments: Vec<OsString>) -> ExitCode {
-    interrupt::make_long_files_an_error();
+    signals::make_long_files_an_error();
     let color = Verbosity::color(arguments.iter().skip(1).cloned());
     let parsed = Efam::command().color(color).try_get_matches_from(&arguments);
     let efam = match parsed.and_then(|matches| Efam::from_arg_matches(&matches)) {
@@ -139,7 +140,7 @@ pub fn main(arguments: Vec<OsString>) -> ExitCode {
 
 fn run(command: Command, console: &Console) -> Result<ExitCode, Failure> {
     if command.computes() {
-        threads::begin(console)?;
+        console.warn(threads::begin()?);
     }
     match command {
         Command::Init(args) => init::run(&args, console),

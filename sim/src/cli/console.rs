@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 use efam_store::escape::escaped;
 use serde::Serialize;
 
-use super::failure::Failure;
 use super::progress::{self, ProgressBar};
 use super::terminal::{is_watched, print_json, say};
 use super::threads;
+use crate::failure::Failure;
 
 /// How a command speaks.
 pub struct Console {

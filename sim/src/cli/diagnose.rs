@@ -27,6 +27,7 @@ use super::experiment::{claim, load, read};
 use super::failure::{Failure, of_kind};
 use super::interrupt::{self, Ending};
 use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
+use super::signals;
 use super::terminal::{say, stdout};
 
 const HELP: &str = "Examples:
@@ -181,9 +182,9 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
         writeln!(out, "\nresults in {}", folder.display())?;
     }
     browser::show(args.of.output.open, &folder, console);
-    if interrupt::is_requested() {
+    if signals::is_requested() {
         say(format_args!("interrupted: the results up to then are saved"));
-        return Ok(interrupt::exit_code().into());
+        return Ok(signals::exit_code().into());
     }
     Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)
@@ -197,7 +198,7 @@ fn planned(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
         cases.extend(of_kind(FileKind::Scenario, path, Scenario::load(path, overrides))?.cases()?);
     }
     console.warn(cases.iter().flat_map(|case| &case.warnings));
-    interrupt::listen();
+    signals::listen();
     let problem = plan::problem(&cases, args.noise, &args.marker);
     let stages = console.stages();
     let work = || plan::plan(&problem, args.repeatability, &|what| stages.tell(what));

@@ -24,8 +24,8 @@ use super::arguments::{Cleaning, Form, OfExperiment, argv};
 use super::browser;
 use super::console::{Console, Stages, print};
 use super::failure::{Failure, of_kind};
-use super::interrupt;
 use super::terminal::stdout;
+use super::{interrupt, signals};
 
 const INIT_HELP: &str = "Examples:
   efam experiment init 15psi.csv 20psi.csv
@@ -234,7 +234,7 @@ pub fn claim(experiment: &Experiment, args: &OfExperiment, console: &Console) ->
     let (recordings, threads) = (experiment.recordings.len(), rayon::current_num_threads());
     let path = experiment.path.display();
     console.detail(format!("{path}: {recordings} recordings, on {threads} threads"));
-    interrupt::listen();
+    signals::listen();
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
     Ok(efam_store::folder::open(out, overwrite, &experiment.name, experiment.text())?)
 }

@@ -8,7 +8,7 @@ use efam_experiments::scenario::ScenarioError;
 use efam_store::escape::{escaped, escaped_lines};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report};
 
-use super::interrupt;
+use super::signals;
 use super::terminal::{is_watched, say_coloured};
 
 pub use crate::failure::Failure;
@@ -22,7 +22,7 @@ fn code(failure: &Failure) -> u8 {
         Failure::Data(_) => 3,
         Failure::Scenario(_) | Failure::Usage(_) => 2,
         Failure::Diverged(_) => 4,
-        Failure::Interrupted => interrupt::exit_code(),
+        Failure::Interrupted => signals::exit_code(),
     }
 }
 

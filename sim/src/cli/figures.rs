@@ -28,9 +28,9 @@ use super::browser;
 use super::console::{Console, print};
 use super::experiment::{read, request};
 use super::failure::{Failure, of_kind};
-use super::interrupt;
 use super::simulate::{admit, follow};
 use super::terminal::stdout;
+use super::{interrupt, signals};
 
 const HELP: &str = "Examples:
   efam figures
@@ -75,7 +75,7 @@ fn recorded(args: &Figures, file: &Path, console: &Console) -> Result<ExitCode, 
     let begin = Instant::now();
     let experiment = of_kind(FileKind::Experiment, file, Experiment::load(file, &args.set))?;
     admit_experiment(&experiment).map_err(refused)?;
-    interrupt::listen();
+    signals::listen();
     let (out, overwrite) = (args.output.out.as_deref(), args.output.overwrite);
     let name = format!("{} figures", experiment.name);
     let folder = efam_store::folder::open(out, overwrite, &name, experiment.text())?;
@@ -135,7 +135,7 @@ fn simulated(args: &Figures, console: &Console) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     let folder = efam_report::begin(&request)?;
-    interrupt::listen();
+    signals::listen();
     let samples: usize = cases.iter().map(|case| case.run.samples.len()).sum();
     let progress = console.bar(samples);
     let one = |case: &Case| {

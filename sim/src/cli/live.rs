@@ -125,7 +125,7 @@ impl calibrate::Listener for Watcher<'_, LiveFit> {
 
 #[cfg(feature = "rerun")]
 mod with_rerun {
-    use super::super::interrupt;
+    use super::super::signals;
     use super::super::terminal::say;
     use super::*;
     use crate::observe::rerun::{EnsembleStream, FitStream, RerunError, Scene, SearchStream, Sink, Stream};
@@ -205,7 +205,7 @@ mod with_rerun {
     impl<D> Recording for Live<Stream<D>> {
         fn finish(self, hold: bool) -> Result<(), Failure> {
             if hold {
-                self.0.hold(interrupt::is_requested);
+                self.0.hold(signals::is_requested);
             }
             match self.0.finish() {
                 Err(error @ RerunError::ViewerLost { .. }) => {

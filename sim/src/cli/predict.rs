@@ -28,9 +28,9 @@ use super::arguments::{Output, ReleaseArguments, argv, once};
 use super::browser;
 use super::console::{Console, print};
 use super::failure::Failure;
-use super::interrupt;
 use super::live::{LiveEnsemble, Recording, Rerun};
 use super::terminal::stdout;
+use super::{interrupt, signals};
 
 const HELP: &str = "Examples:
   efam predict --muscle outputs/beam/muscle.toml --pressure 40psi --payload 80g
@@ -158,7 +158,7 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     // What stands in the way is said before the simulations.
-    interrupt::listen();
+    signals::listen();
     let folder = efam_report::begin(&request)?;
     console.detail(format!("{name}: on {} threads", rayon::current_num_threads()));
     let done = |warnings: &[String]| Request {

@@ -34,9 +34,9 @@ use super::arguments::{Output, ReleaseArguments, Source, argv};
 use super::browser;
 use super::console::{Console, print};
 use super::failure::{Failure, of_kind};
-use super::interrupt;
 use super::live::Rerun;
 use super::progress::{Cost, ProgressBar};
+use super::signals;
 use super::terminal::{say, stdout};
 use crate::simulate;
 
@@ -141,7 +141,7 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     console.warn(cases.iter().flat_map(|case| &case.warnings));
-    interrupt::listen();
+    signals::listen();
     if let (Some(how), true) = (&args.rerun, args.watch_only) {
         return watch::only(how, &cases[0], &request(args, &scenario, &cases[0]), console);
     }
@@ -266,7 +266,7 @@ fn outcome(folder: Option<&Path>, done: &[Member]) -> Result<ExitCode, Failure> 
             Status::Complete => {}
             Status::CutShort { time } => {
                 say(format_args!("interrupted: {}: {}", summary.name, saved(*time)));
-                return Ok(ExitCode::from(interrupt::exit_code()));
+                return Ok(ExitCode::from(signals::exit_code()));
             }
             Status::Failed { time, reason } => {
                 return Err(Failure::Diverged(format!("{reason}; {}", saved(*time))));
@@ -290,7 +290,7 @@ fn simulate(
         }
         counted(progress)
     };
-    simulate::simulate(case, estimates, interrupt::cancel(), &mut see)
+    simulate::simulate(case, estimates, signals::cancel(), &mut see)
 }
 
 /// What sees every sample, and may fail.
@@ -306,7 +306,7 @@ pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Traj
         }
         counted(progress)
     };
-    let run = Run { cancel: interrupt::cancel(), ..case.run.clone() };
+    let run = Run { cancel: signals::cancel(), ..case.run.clone() };
     let run = forward(&case.model, &run, &mut observe);
     match failure {
         Some(failure) => Err(failure),
@@ -317,7 +317,7 @@ pub fn follow(case: &Case, progress: &ProgressBar, see: &mut See) -> Result<Traj
 /// One sample more, unless nobody wants it any more.
 fn counted(progress: &ProgressBar) -> ControlFlow<()> {
     progress.inc(1);
-    if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    if signals::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }
 
 /// Whether memory holds all trajectories, and the table of each that is written; asked before hours are spent.

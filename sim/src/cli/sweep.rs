@@ -21,7 +21,7 @@ use super::arguments::Output;
 use super::browser;
 use super::console::{Console, print};
 use super::failure::Failure;
-use super::interrupt;
+use super::signals;
 use super::terminal::stdout;
 
 const HELP: &str = "Examples:
@@ -94,7 +94,7 @@ pub struct MergedPrinted<'a> {
 }
 
 pub fn run(args: &Sweep, console: &Console) -> Result<ExitCode, Failure> {
-    interrupt::listen();
+    signals::listen();
     match &args.what {
         Some(What::Plan(args)) => plan::run(args, console),
         Some(What::Run(args)) => run::run(args, console),

@@ -8,8 +8,7 @@ use std::thread;
 
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
 
-use super::console::Console;
-use super::failure::Failure;
+use crate::failure::Failure;
 
 /// The variable that says how many; the name is rayon's, and what job scripts set.
 const VARIABLE: &str = "RAYON_NUM_THREADS";
@@ -25,13 +24,13 @@ pub fn is_alone() -> bool {
     ALONE.load(Ordering::Relaxed)
 }
 
-/// Starts the threads; with fewer than were asked for it warns, and with none the main thread does all.
+/// Starts the threads, and warns of fewer than were asked for; with none the main thread does all.
 ///
 /// A process may be refused threads by a limit on processes (`ulimit -u`, a container's `pids.max`). Rayon's own pool
 /// panics then, and cannot be asked a second time, so it is handed threads that are there already.
 /// # Errors
 /// [`Failure::Usage`] for a wrong variable.
-pub fn begin(console: &Console) -> Result<(), Failure> {
+pub fn begin() -> Result<Option<String>, Failure> {
     let wanted = wanted()?;
     let mut ready: Vec<Sender<ThreadBuilder>> = Vec::new();
     let refused = loop {
@@ -68,13 +67,12 @@ pub fn begin(console: &Console) -> Result<(), Failure> {
     };
     drop(spare);
     pool.map_err(|error| Failure::Output(format!("no threads can be had ({error}); raise ulimit -u")))?;
-    if let Some(error) = refused {
+    Ok(refused.map(|error| {
         let have = if count > 1 { format!("{count} threads") } else { "one thread".to_owned() };
-        console.warn([format!(
+        format!(
             "{have} of {wanted} can be had ({error}), so this takes longer; raise the limit on processes (ulimit -u)"
-        )]);
-    }
-    Ok(())
+        )
+    }))
 }
 
 /// How many threads are asked for.

@@ -25,7 +25,7 @@ use super::browser;
 use super::console::Console;
 use super::experiment::request;
 use super::failure::Failure;
-use super::interrupt;
+use super::signals;
 use super::terminal::{say, stdout};
 
 const HELP: &str = "Examples:
@@ -97,13 +97,13 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
     let out = args.out.clone().unwrap_or_else(|| Path::new("outputs").join(format!("{name}-watched")));
     efam_store::folder::admit(&out, true)?;
     let facts = facts(args, &whole)?;
-    interrupt::listen();
+    signals::listen();
     if !console.quiet {
         say(format_args!("watching {}; the page goes to {}; Ctrl-C ends", folder.display(), out.display()));
     }
     let mut seen: BTreeMap<String, Seen> = BTreeMap::new();
     let mut is_open = args.open;
-    while !interrupt::is_requested() {
+    while !signals::is_requested() {
         let ready = look(&whole, &mut seen);
         let is_news = !ready.is_empty();
         for file in ready {
@@ -114,14 +114,14 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
         }
         let good: Vec<String> =
             seen.iter().filter(|(_, own)| own.is_good).map(|(file, _)| file.clone()).collect();
-        if is_news && !good.is_empty() && !interrupt::is_requested() {
+        if is_news && !good.is_empty() && !signals::is_requested() {
             match page(&facts, &whole, &good, &out) {
                 Ok(()) => browser::show(std::mem::take(&mut is_open), &out, console),
                 Err(failure) => console.warn([failure]),
             }
         }
         let until = Instant::now() + args.every;
-        while Instant::now() < until && !interrupt::is_requested() {
+        while Instant::now() < until && !signals::is_requested() {
             sleep(NOTICED.min(args.every));
         }
     }

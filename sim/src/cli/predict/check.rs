@@ -20,8 +20,8 @@ use super::super::browser;
 use super::super::console::{Console, print};
 use super::super::experiment::read;
 use super::super::failure::{Failure, of_kind};
-use super::super::interrupt;
 use super::super::terminal::stdout;
+use super::super::{interrupt, signals};
 use super::{Predict, case_request};
 
 /// The JSON output.
@@ -57,7 +57,7 @@ pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, F
         argv: argv(),
         ..Request::default()
     };
-    interrupt::listen();
+    signals::listen();
     let folder = efam_report::begin(&request)?;
     let stages = console.stages();
     let settings = PredictionSettings { draws: args.draws, seed: args.seed };

@@ -12,9 +12,9 @@ use models::quantity::format_si;
 
 use super::super::console::Console;
 use super::super::failure::Failure;
-use super::super::interrupt;
 use super::super::live::{Live, Recording, Rerun};
 use super::super::progress::ProgressBar;
+use super::super::signals;
 use super::super::terminal::{say, stdout};
 use super::{follow, timed};
 
@@ -22,7 +22,7 @@ use super::{follow, timed};
 pub fn shown(how: &Rerun, case: &Case, folder: &Path, progress: &ProgressBar) -> Result<Trajectory, Failure> {
     let mut live = Live::open(how, case, folder)?;
     let trajectory = follow(case, progress, &mut |sample| live.log(&sample.snapshot()))?;
-    live.finish(*how == Rerun::Serve && !interrupt::is_requested())?;
+    live.finish(*how == Rerun::Serve && !signals::is_requested())?;
     Ok(trajectory)
 }
 
@@ -54,7 +54,7 @@ pub fn only(how: &Rerun, case: &Case, request: &Request, console: &Console) -> R
         }
         Status::CutShort { time } => {
             say(format_args!("interrupted: {name}: at {} of the run; {kept}", format_si(time, "s")));
-            Ok(ExitCode::from(interrupt::exit_code()))
+            Ok(ExitCode::from(signals::exit_code()))
         }
         Status::Failed { reason, .. } => Err(Failure::Diverged(format!("{reason}; {kept}"))),
     }
