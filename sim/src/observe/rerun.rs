@@ -23,6 +23,7 @@ mod blueprint;
 mod compared;
 mod drawing;
 mod ensemble;
+mod entities;
 mod fit;
 mod scenery;
 mod search;

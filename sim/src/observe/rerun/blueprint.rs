@@ -4,7 +4,7 @@ use ::rerun::external::re_sdk_types::blueprint::{archetypes as bp, components as
 use ::rerun::external::re_sdk_types::datatypes::{Range1D, Range2D, TimeInt, TimeRange, TimeRangeBoundary};
 use ::rerun::{RecordingStream, RecordingStreamResult};
 
-use super::drawing::{
+use super::entities::{
     ENERGY, FORCE, FORCES, GRID_LABELS, MOMENT_ALONG, MOMENT_AT_ROOT, TIMELINE, TIP_HEIGHT,
 };
 use super::tree::{self, ContainerKind, Piece, Property, Tree, under};

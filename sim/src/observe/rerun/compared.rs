@@ -20,8 +20,8 @@ use models::model::Model;
 use rayon::prelude::*;
 
 use super::blueprint::Bounds;
-use super::drawing::{TIMELINE, single};
-use super::scenery::{BLUE, GREY, VERMILION, clamp, milli};
+use super::entities::TIMELINE;
+use super::scenery::{BLUE, GREY, VERMILION, clamp, milli, single};
 use super::tree::{self, ContainerKind, Property, Tree};
 
 /// Postures a second.

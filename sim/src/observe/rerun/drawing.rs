@@ -9,22 +9,11 @@ use models::snapshot::Snapshot;
 
 use super::Scene;
 use super::blueprint::{Bounds, Layout};
-use super::scenery::{SIM, Scenery, key_place, milli, payload_radius};
-
-pub(super) const TIMELINE: &str = "sim_time";
-pub(super) const TIP_HEIGHT: &str = "plots/tip_height_mm";
-pub(super) const ENERGY: &str = "plots/energy_mJ";
-pub(super) const MOMENT_AT_ROOT: &str = "plots/moment_at_root_mNm";
-pub(super) const MOMENT_ALONG: &str = "plots/moment_along_rod_mNm";
-pub(super) const FORCE: &str = "plots/effect_force_mN";
-pub(super) const FORCES: &str = "world/fam/sim/forces";
-pub(super) const GRID_LABELS: &str = "world/grid/labels";
-pub(super) const ROD: &str = "world/fam/sim/rod";
-pub(super) const NODES: &str = "world/fam/sim/nodes";
-pub(super) const BODY: &str = "world/fam/sim/end_fitting";
-pub(super) const PAYLOAD: &str = "world/fam/sim/payload";
-pub(super) const TIP: &str = "world/fam/sim/tip";
-pub(super) const TRAIL: &str = "world/fam/sim/tip_trail";
+use super::entities::{
+    BODY, ENERGY, FORCE, FORCES, MOMENT_ALONG, MOMENT_AT_ROOT, NODES, PAYLOAD, ROD, TIMELINE, TIP,
+    TIP_HEIGHT, TRAIL,
+};
+use super::scenery::{SIM, Scenery, key_place, milli, payload_radius, round_up, single};
 
 /// Geometry changes no faster than a screen; plots get every sample.
 const GEOMETRY_INTERVAL: f64 = 0.0195; // s, a little below every second sample at 100 Hz
@@ -235,15 +224,4 @@ fn arc_lengths(nodes: &[[f64; 2]], rod_length: f64) -> Vec<f64> {
     }
     let stretch = arc[arc.len() - 1] / rod_length;
     arc.iter().map(|length| length / stretch).collect()
-}
-
-/// Next 1, 2 or 5 times a power of ten.
-pub(super) fn round_up(value: f64) -> f64 {
-    let power = 10_f64.powf(value.log10().floor());
-    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
-    steps.into_iter().find(|step| *step >= value).unwrap_or(value)
-}
-
-pub(super) fn single([x, z]: [f64; 2]) -> [f32; 2] {
-    [x as f32, z as f32]
 }

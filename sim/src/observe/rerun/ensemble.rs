@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::blueprint::Bounds;
 use super::compared::{Postures, postures};
-use super::drawing::{TIMELINE, single};
-use super::scenery::{BLUE, GREY, clamp};
+use super::entities::TIMELINE;
+use super::scenery::{BLUE, GREY, clamp, single};
 use super::tree::{self, ContainerKind, Property, path, under};
 
 const WORLD: &str = "ensemble";

@@ -11,7 +11,7 @@ use efam_inference::diagnose::curve::Sample;
 use models::digits::significant;
 
 use super::compared::{draw_fitted, lay_out};
-use super::drawing::TIMELINE;
+use super::entities::TIMELINE;
 use super::search::{STEP, Steps, cell, markdown};
 use super::tree::{self, ContainerKind, Property, Tree, under};
 

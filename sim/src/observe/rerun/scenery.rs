@@ -7,9 +7,8 @@ use ::rerun::{
 
 use super::Scene;
 use super::blueprint::{Bounds, Layout};
-use super::drawing::{
+use super::entities::{
     BODY, ENERGY, FORCE, FORCES, GRID_LABELS, MOMENT_AT_ROOT, NODES, PAYLOAD, ROD, TIP, TIP_HEIGHT, TRAIL,
-    round_up, single,
 };
 
 /// Colours of Okabe and Ito that can be told apart with any eyes, on dark and light ground.
@@ -175,8 +174,20 @@ pub(super) fn payload_radius(scene: &Scene) -> f64 {
     (scene.payload_kg.max(0.0) / density * 0.75 / std::f64::consts::PI).cbrt()
 }
 
+/// Next 1, 2 or 5 times a power of ten.
+pub(super) fn round_up(value: f64) -> f64 {
+    let power = 10_f64.powf(value.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
+    steps.into_iter().find(|step| *step >= value).unwrap_or(value)
+}
+
 /// A round number in thousandths of its unit, without the dust of binary fractions.
 pub(super) fn milli(value: f64) -> String {
     let thousandths = (1e9 * value).round() / 1e6;
     format!("{}", thousandths + 0.0) // no -0
+}
+
+/// A place as viewers take it.
+pub(super) fn single([x, z]: [f64; 2]) -> [f32; 2] {
+    [x as f32, z as f32]
 }

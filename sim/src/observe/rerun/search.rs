@@ -9,7 +9,7 @@ use efam_inference::diagnose::verdict::Evidence;
 use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome};
 
 use super::compared::{draw, lay_out};
-use super::drawing::TIMELINE;
+use super::entities::TIMELINE;
 use super::tree::{self, ContainerKind, Tree, under};
 
 /// Counts what was said.
