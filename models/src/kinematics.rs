@@ -5,8 +5,9 @@
 //! `x, z` of the nodes `1..N`, then `x, z` of the end body's centre of mass and its angle. The
 //! last node is a point of the end body, so the mass matrix is constant and diagonal.
 
-use crate::effects::Real;
-use crate::system::Context;
+use crate::context::Context;
+use crate::plane::{cross, dot, left, minus};
+use crate::real::Real;
 
 /// Where edge and bend quantities of one posture stand, and what the laws say of them.
 #[derive(Clone, Debug, Default)]
@@ -67,23 +68,6 @@ pub struct Fields<T> {
     pub acceleration: [T; 2],
     /// Rate at which its velocity decays, 1/s.
     pub decay_rate: T,
-}
-
-/// A quarter turn from x towards z.
-pub(crate) fn left<T: Real>([x, z]: [T; 2]) -> [T; 2] {
-    [-z, x]
-}
-
-pub(crate) fn dot<T: Real>(a: [T; 2], b: [T; 2]) -> T {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-pub(crate) fn cross<T: Real>(a: [T; 2], b: [T; 2]) -> T {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-fn minus<T: Real>(a: [T; 2], b: [T; 2]) -> [T; 2] {
-    [a[0] - b[0], a[1] - b[1]]
 }
 
 impl<T: Real> Fields<T> {

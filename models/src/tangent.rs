@@ -8,12 +8,14 @@
 use nalgebra::{Matrix2, Vector2};
 
 use crate::banded::Banded;
+use crate::context::Context;
 use crate::coupled::Coupled;
 use crate::effects::BendTangent;
-use crate::kinematics::{Fields, dot, left};
+use crate::kinematics::Fields;
 use crate::model::Model;
+use crate::plane::{dot, left};
 use crate::stencil::Stencil;
-use crate::system::{Assembly, Context, System};
+use crate::system::{Assembly, System};
 
 /// Tangents of the laws and geometry of the posture at which they were taken.
 #[derive(Clone, Debug, Default)]

@@ -3,10 +3,12 @@
 
 use num_dual::{Dual64, DualSVec64};
 
-use super::law::{Body, Flow, LineMass, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
-use super::{About, Real};
+use super::about::About;
+use super::law::{Body, Flow, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
+use crate::context::Context;
 use crate::kinematics::Fields;
-use crate::system::Context;
+use crate::real::Real;
+use crate::rod::Rod;
 
 /// How many parameters one pass of sensitivities carries: with its value a dual number then fills
 /// one cache line.

@@ -10,10 +10,8 @@
 //! Silent:   Never, while there is mass.
 //! Source:   Garbulinski and Wereley (2022), Table 1: 9.81 m/s².
 
+use super::about::STANDARD_GRAVITY;
 use super::{About, Kind, Law, Mass, MassLoad, Parameter, Place, Reach, Real};
-
-/// Acceleration of free fall where nothing else is said, m/s².
-pub(super) const STANDARD: f64 = 9.81;
 
 /// Weight.
 pub struct Gravity;
@@ -30,9 +28,9 @@ impl Law for Gravity {
             name: "acceleration",
             meaning: "acceleration of free fall",
             unit: "m/s^2",
-            default: STANDARD,
+            default: STANDARD_GRAVITY,
             range: (0.0, 1000.0),
-            scale: STANDARD,
+            scale: STANDARD_GRAVITY,
             null_value: Some(0.0),
             ..Parameter::PLAIN
         }],

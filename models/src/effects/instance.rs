@@ -3,10 +3,12 @@
 
 use std::marker::PhantomData;
 
+use super::about::{About, Place};
 use super::law::{
-    Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Moment, Release, Rod, Sight, Tip, TipLoad,
+    Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Moment, Release, Sight, Tip, TipLoad,
 };
-use super::{About, Place, Real};
+use crate::real::Real;
+use crate::rod::Rod;
 
 /// The laws of an effect; each method as that of [`Law`] of the same name.
 pub trait Instance: Sync + 'static {

@@ -4,12 +4,14 @@
 use nalgebra::SVector;
 use num_dual::{Derivative, Dual64, DualSVec64};
 
+use super::about::{About, Place};
 use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
 use super::instance::Instance;
-use super::law::{Bend, Body, Edge, Flow, LineMass, Mass, MassLoad, Release, Rod, Sight, Tip, TipLoad};
-use super::{About, Place, Real};
+use super::law::{Bend, Body, Edge, Flow, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
+use crate::context::Context;
 use crate::kinematics::Fields;
-use crate::system::Context;
+use crate::real::Real;
+use crate::rod::Rod;
 
 /// An effect by its laws.
 pub struct Registered<L> {

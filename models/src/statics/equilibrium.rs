@@ -10,8 +10,8 @@
 
 use crate::coupled::Coupled;
 use crate::error::ModelError;
-use crate::kinematics::{dot, left};
 use crate::model::{BASE_ANGLE, Model};
+use crate::plane::{dot, left};
 use crate::system::System;
 
 use super::path::{Path, add_curve, worse};

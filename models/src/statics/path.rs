@@ -22,7 +22,7 @@
 use std::f64::consts::PI;
 
 use crate::banded::Banded;
-use crate::kinematics::{dot, left};
+use crate::plane::{dot, left};
 use crate::system::System;
 
 /// Largest rotation of an edge in one step, rad.
