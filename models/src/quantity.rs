@@ -91,9 +91,10 @@ impl Quantity {
         let text = text.trim();
         let (number, unit) = split_number(text).ok_or_else(|| {
             let text = text.to_string();
-            match is_not_finite(&text) {
-                true => QuantityError::NotFinite { text },
-                false => QuantityError::NoNumber { text },
+            if is_not_finite(&text) {
+                QuantityError::NotFinite { text }
+            } else {
+                QuantityError::NoNumber { text }
             }
         })?;
         let (unit, number) = (unit.trim(), number.to_string());
@@ -232,9 +233,12 @@ fn four_digits(value: f64) -> String {
         return scientific; // NaN or inf
     };
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    let trim = |number: &str| match number.contains('.') {
-        true => number.trim_end_matches('0').trim_end_matches('.').to_string(),
-        false => number.to_string(),
+    let trim = |number: &str| {
+        if number.contains('.') {
+            number.trim_end_matches('0').trim_end_matches('.').to_string()
+        } else {
+            number.to_string()
+        }
     };
     if (-4..6).contains(&exponent) {
         let rounded: f64 = scientific.parse().unwrap_or(value);

@@ -223,9 +223,10 @@ impl C3d {
     }
 
     fn number(&self, file: &mut Vec<u8>, value: f64, scale: f64) {
-        match self.floats {
-            true => file.extend(self.float(value as f32)),
-            false => file.extend(self.word((value / scale) as i16 as u16 as usize)),
+        if self.floats {
+            file.extend(self.float(value as f32))
+        } else {
+            file.extend(self.word((value / scale) as i16 as u16 as usize))
         }
     }
 

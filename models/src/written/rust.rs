@@ -21,9 +21,10 @@ impl Definition {
         }
         let helpers = ["max", "min", "power", "root", "sign"];
         let used: Vec<&str> = helpers.into_iter().filter(|name| calls(&functions, name)).collect();
-        let helpers = match used.is_empty() {
-            true => String::new(),
-            false => format!("use crate::formula::{{{}}};\n", used.join(", ")),
+        let helpers = if used.is_empty() {
+            String::new()
+        } else {
+            format!("use crate::formula::{{{}}};\n", used.join(", "))
         };
         let integral = if calls(&functions, "integral") { "use crate::written::integral;\n" } else { "" };
         let of_law =
@@ -71,13 +72,13 @@ impl Definition {
         let mut text = String::new();
         match place {
             Place::Bend => {
-                text +=
-                    &body("bend", &see("Bend"), "Moment<T>", &[out::MOMENT, out::MEMORY], &|of| match has(
-                        out::MEMORY,
-                    ) {
-                        true => format!("Moment {{ moment: {}, memory_rate: {} }}", of[0], of[1]),
-                        false => format!("Moment::of({})", of[0]),
-                    });
+                text += &body("bend", &see("Bend"), "Moment<T>", &[out::MOMENT, out::MEMORY], &|of| {
+                    if has(out::MEMORY) {
+                        format!("Moment {{ moment: {}, memory_rate: {} }}", of[0], of[1])
+                    } else {
+                        format!("Moment::of({})", of[0])
+                    }
+                });
                 if has(out::ENERGY) {
                     text += &body("bend_energy", &see("Bend"), "T", &[out::ENERGY], &whole);
                 } else if integrated[0] {

@@ -135,10 +135,8 @@ pub fn forward(
     let mut system = System::new(model);
     let state = run.initial.state_of(&mut system, run.history)?;
     let order = lane_order(model, &run.sensitivities);
-    let mut variational = match order.is_empty() {
-        true => None,
-        false => Some(initial_slopes(model, run, &state, &order)?),
-    };
+    let mut variational =
+        if order.is_empty() { None } else { Some(initial_slopes(model, run, &state, &order)?) };
     let mut observer = Observer::new(model, run);
     let duration = run.duration.max(observer.end());
     let mut budget = run.energy.then(|| Budget::new(model));

@@ -295,13 +295,10 @@ fn markers(out: &mut String, recording: &Recording) {
         guess.moves.iter().map(|(name, m)| format!("{} {:.1}", escaped(name), 1e3 * m)).collect();
     let _ = writeln!(out, "# how far each marker moves, mm: {}", moves.join(", "));
     let _ = writeln!(out, "tip = {}   # GUESS: what moves most, as one body", list(&guess.tip));
-    match guess.base.is_empty() {
-        false => {
-            let _ = writeln!(out, "base = {}   # GUESS: what hardly moves", list(&guess.base));
-        }
-        true => {
-            *out += "# base = [\"…\"]   # none found: that it stands still is assumed, and the clamp at the file's origin\n"
-        }
+    if !guess.base.is_empty() {
+        let _ = writeln!(out, "base = {}   # GUESS: what hardly moves", list(&guess.base));
+    } else {
+        *out += "# base = [\"…\"]   # none found: that it stands still is assumed, and the clamp at the file's origin\n"
     }
     for (k, (name, share)) in guess.body.iter().enumerate() {
         let open = if k == 0 {

@@ -199,10 +199,10 @@ fn names(parameters: &Parameters, points: usize, findings: &mut Vec<String>) -> 
             "{unnamed} points have no label; they are called by their number, such as `point 1`"
         ));
     }
-    let named = labels.into_iter().enumerate().map(|(index, label)| match label.is_empty() {
-        true => format!("point {}", index + 1),
-        false => label,
-    });
+    let named = labels
+        .into_iter()
+        .enumerate()
+        .map(|(index, label)| if label.is_empty() { format!("point {}", index + 1) } else { label });
     distinct(named, findings)
 }
 

@@ -218,10 +218,7 @@ impl Numbers {
             }
             return Ok(Some(number));
         }
-        match LOST.iter().any(|word| cell.eq_ignore_ascii_case(word)) {
-            true => Ok(None),
-            false => Err(NotANumber),
-        }
+        if LOST.iter().any(|word| cell.eq_ignore_ascii_case(word)) { Ok(None) } else { Err(NotANumber) }
     }
 
     /// What is to be said about decimal signs.

@@ -86,9 +86,10 @@ impl Stated<'_> {
             }
         };
         findings.push(format!("rate: {finding}"));
-        match rate_hz.is_finite() && rate_hz > 0.0 {
-            true => Ok(Clock { rate_hz, time: self.times.to_vec() }),
-            false => Err(RecordingProblem::NoRate),
+        if rate_hz.is_finite() && rate_hz > 0.0 {
+            Ok(Clock { rate_hz, time: self.times.to_vec() })
+        } else {
+            Err(RecordingProblem::NoRate)
         }
     }
 }
@@ -97,11 +98,10 @@ impl Clock {
     /// Whether its times have digits enough to tell a step: a number has 53 binary ones.
     fn resolves(&self) -> Result<(), RecordingProblem> {
         let largest = self.time.iter().fold(0.0, |largest: f64, time| largest.max(time.abs()));
-        match f64::EPSILON * largest * self.rate_hz <= EVEN {
-            true => Ok(()),
-            false => {
-                Err(RecordingProblem::Unresolved { time: plain(largest), step: plain(self.rate_hz.recip()) })
-            }
+        if f64::EPSILON * largest * self.rate_hz <= EVEN {
+            Ok(())
+        } else {
+            Err(RecordingProblem::Unresolved { time: plain(largest), step: plain(self.rate_hz.recip()) })
         }
     }
 
@@ -123,9 +123,10 @@ impl Clock {
         }
         if jumps > 0 {
             let (whole, sample) = longest;
-            let from_to = match frames.is_empty() {
-                true => format!("{} s to {} s", plain(self.time[sample - 1]), plain(self.time[sample])),
-                false => format!("frame {} to {}", frames[sample - 1], frames[sample]),
+            let from_to = if frames.is_empty() {
+                format!("{} s to {} s", plain(self.time[sample - 1]), plain(self.time[sample]))
+            } else {
+                format!("frame {} to {}", frames[sample - 1], frames[sample])
             };
             findings.push(format!(
                 "samples are left out in {jumps} places, {} in all; the longest jump is {} samples, \
@@ -137,9 +138,10 @@ impl Clock {
         }
         if worst > EVEN {
             let ms = |steps: f64| plain(1e3 * steps / self.rate_hz);
-            let range = match least.is_finite() {
-                true => format!("between {} and {} ms", ms(least), ms(most)),
-                false => "of no common measure".to_owned(),
+            let range = if least.is_finite() {
+                format!("between {} and {} ms", ms(least), ms(most))
+            } else {
+                "of no common measure".to_owned()
             };
             findings.push(format!("times are not even: steps are {range}, {} ms on the whole", ms(1.0)));
         }
@@ -180,10 +182,7 @@ pub(super) fn plain(value: f64) -> String {
     }
     let digits = 5 - magnitude.max(1e-3).log10().floor() as i32;
     let text = format!("{value:.*}", digits.clamp(0, 9) as usize);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 #[cfg(test)]

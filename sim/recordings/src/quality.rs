@@ -77,14 +77,15 @@ pub(super) fn losses(markers: &[Marker], time: &[f64]) -> Vec<String> {
     let mut findings: Vec<String> = (lossy.iter().take(NAMED))
         .map(|(lost, marker)| {
             let (gap, at) = longest_gap(&marker.position);
-            match *lost == samples {
-                true => format!("marker `{}` is lost in all samples", marker.name),
-                false => format!(
+            if *lost == samples {
+                format!("marker `{}` is lost in all samples", marker.name)
+            } else {
+                format!(
                     "marker `{}`: {lost} of {samples} samples lost ({:.2} %), longest gap {gap} from {} s on",
                     marker.name,
                     100.0 * *lost as f64 / samples as f64,
                     plain(time[at]),
-                ),
+                )
             }
         })
         .collect();

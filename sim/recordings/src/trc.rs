@@ -10,9 +10,12 @@ use super::names::distinct;
 
 /// Reads a file.
 pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
-    let next = |rows: &mut Rows| match rows.read_filled()? {
-        true => Ok(rows.keep()),
-        false => Err(RecordingProblem::HeaderOnly { line: rows.line() }),
+    let next = |rows: &mut Rows| {
+        if rows.read_filled()? {
+            Ok(rows.keep())
+        } else {
+            Err(RecordingProblem::HeaderOnly { line: rows.line() })
+        }
     };
     next(rows)?;
     let keys = next(rows)?;
@@ -39,13 +42,11 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     let is_named = |at: &usize| names.get(*at).is_some_and(|name| !name.is_empty());
     let has_axes = |at: &usize| axes.get(*at).is_some_and(|axis| axis.to_lowercase().starts_with('x'));
     let all = (2..names.len().max(axes.len())).step_by(3);
-    let starts: Vec<usize> = match rows.is_numeric() {
-        // No line of axes: this one is a sample already.
-        true => {
-            rows.hold();
-            all.take_while(is_named).collect()
-        }
-        false => all.take_while(has_axes).collect(),
+    let starts: Vec<usize> = if rows.is_numeric() {
+        rows.hold();
+        all.take_while(is_named).collect()
+    } else {
+        all.take_while(has_axes).collect()
     };
     if starts.is_empty() {
         return Err(RecordingProblem::NoMarkers { met: format!("`{}`", rows.start()) });
@@ -54,10 +55,7 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     if let Some(stated) = number("NumMarkers").filter(|stated| *stated != starts.len() as f64) {
         findings.push(format!("the header states {stated} markers, the file has {}", starts.len()));
     }
-    let name = |at: &usize| match is_named(at) {
-        true => names[*at].clone(),
-        false => format!("column {}", at + 1),
-    };
+    let name = |at: &usize| if is_named(at) { names[*at].clone() } else { format!("column {}", at + 1) };
     let all = distinct(starts.iter().map(name), &mut findings);
     Layout {
         format: Format::Trc,

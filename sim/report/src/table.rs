@@ -117,12 +117,11 @@ impl<'a> Table<'a> {
     fn row(&self, system: &mut System, sample: usize, row: &mut Vec<f64>) {
         let trajectory = self.trajectory;
         let state = trajectory.state(sample);
-        let energy = match self.energy_followed {
-            true => trajectory.energy[sample],
-            false => {
-                let (kinetic, elastic, potential) = system.energy(state.time, &state.q, &state.v, &state.z);
-                models::snapshot::Energy { kinetic, elastic, potential, ..Default::default() }
-            }
+        let energy = if self.energy_followed {
+            trajectory.energy[sample]
+        } else {
+            let (kinetic, elastic, potential) = system.energy(state.time, &state.q, &state.v, &state.z);
+            models::snapshot::Energy { kinetic, elastic, potential, ..Default::default() }
         };
         let posture = system.assembly.posture(&state.q, &state.v);
         row.push(state.time);

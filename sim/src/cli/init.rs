@@ -52,9 +52,10 @@ pub fn run(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let word = shell_word(file);
-    let next = match args.muscle {
-        true => format!("efam predict --muscle {word} --pressure 15psi"),
-        false => format!("efam simulate {word} --open"),
+    let next = if args.muscle {
+        format!("efam predict --muscle {word} --pressure 15psi")
+    } else {
+        format!("efam simulate {word} --open")
     };
     writeln!(stdout(), "{}: written; try\n  {next}", file.display())?;
     Ok(ExitCode::SUCCESS)

@@ -107,9 +107,10 @@ fn wait_for<K, T: Send>(
     let take = || work.lock().unwrap_or_else(PoisonError::into_inner).take();
     let run = || take().map(|work| work());
     thread::scope(|scope| {
-        let worker = match threads::is_alone() {
-            true => None,
-            false => thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).ok(),
+        let worker = if threads::is_alone() {
+            None
+        } else {
+            thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).ok()
         };
         let Some(worker) = worker else {
             // There is no thread to be had. Nobody waits for a signal then, so it has to end the program itself.

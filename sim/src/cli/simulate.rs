@@ -193,9 +193,10 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
         console.detail(integrated(&summary));
         let table = || Table::new(&case.model, &run, case.run.energy);
         series.push(args.trajectory.map(|of| table().series(of == Of::Nodes)));
-        done.push(match is_sweep && folder.is_some() {
-            true => Member::of_set(done.len(), summary, case.pressure, &case.model, run),
-            false => Member::new(summary, case.pressure, run),
+        done.push(if is_sweep && folder.is_some() {
+            Member::of_set(done.len(), summary, case.pressure, &case.model, run)
+        } else {
+            Member::new(summary, case.pressure, run)
         });
     }
     if let (Some(folder), true) = (&folder, is_sweep) {

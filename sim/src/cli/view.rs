@@ -39,12 +39,13 @@ pub fn run(args: &View) -> Result<ExitCode, Failure> {
     }
     let recording = folder.join(RECORDING);
     if !recording.is_file() {
-        let again = match folder.join(SCENARIO).is_file() {
-            true => format!(
+        let again = if folder.join(SCENARIO).is_file() {
+            format!(
                 "the same bits come from `efam simulate {} --rerun spawn`",
                 shell_word(&folder.join(SCENARIO))
-            ),
-            false => "run it again with --rerun save".to_owned(),
+            )
+        } else {
+            "run it again with --rerun save".to_owned()
         };
         return Err(Failure::Usage(format!(
             "{shown}: has no {RECORDING}, because --rerun save was not given; {again}"

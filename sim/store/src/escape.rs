@@ -54,9 +54,10 @@ const FORMULA: [char; 10] = ['=', '+', '-', '@', '\t', '\r', '＝', '＋', '－'
 /// A word as a cell of CSV that no spreadsheet takes for a formula: an apostrophe stands before what begins like one.
 /// Numbers must not go through this.
 pub fn cell(word: &str) -> Cow<'_, str> {
-    match word.trim_start_matches('\'').starts_with(FORMULA) {
-        true => Cow::Owned(format!("'{word}")),
-        false => Cow::Borrowed(word),
+    if word.trim_start_matches('\'').starts_with(FORMULA) {
+        Cow::Owned(format!("'{word}"))
+    } else {
+        Cow::Borrowed(word)
     }
 }
 

@@ -140,9 +140,12 @@ impl Folder {
             }
         };
         let parent = parent(&target);
-        fs::create_dir_all(&parent).map_err(|error| match parent.is_file() {
-            true => StoreError::NotAFolder { path: parent.clone() },
-            false => StoreError::write(&parent)(error),
+        fs::create_dir_all(&parent).map_err(|error| {
+            if parent.is_file() {
+                StoreError::NotAFolder { path: parent.clone() }
+            } else {
+                StoreError::write(&parent)(error)
+            }
         })?;
         tidy(&parent);
         let made = Partial::begin(&target, |path| fs::create_dir(path));
@@ -228,9 +231,10 @@ impl Folder {
     }
 
     fn refused(&self, error: io::Error) -> StoreError {
-        match self.target.exists() {
-            true => StoreError::Exists { folder: self.target.clone() },
-            false => StoreError::write(&self.target)(error),
+        if self.target.exists() {
+            StoreError::Exists { folder: self.target.clone() }
+        } else {
+            StoreError::write(&self.target)(error)
         }
     }
 

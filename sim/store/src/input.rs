@@ -28,9 +28,10 @@ pub fn text(path: &Path) -> io::Result<String> {
 pub fn up_to(path: &Path, most: u64) -> io::Result<String> {
     let mut text = String::new();
     open(path)?.take(most + 1).read_to_string(&mut text)?;
-    match text.len() as u64 > most {
-        true => Err(io::Error::other(format!("it has more than {most} bytes, the most that is read"))),
-        false => Ok(text),
+    if text.len() as u64 > most {
+        Err(io::Error::other(format!("it has more than {most} bytes, the most that is read")))
+    } else {
+        Ok(text)
     }
 }
 
@@ -77,9 +78,10 @@ pub fn sha256(path: &Path) -> io::Result<String> {
 fn refuse_pipe(path: &Path) -> io::Result<()> {
     use std::os::unix::fs::FileTypeExt;
     let is_pipe = fs::metadata(path).is_ok_and(|file| file.file_type().is_fifo());
-    match is_pipe && fs::canonicalize(path).is_ok() {
-        true => Err(io::Error::other("it is a named pipe; give a file, or the pipe as /dev/stdin")),
-        false => Ok(()),
+    if is_pipe && fs::canonicalize(path).is_ok() {
+        Err(io::Error::other("it is a named pipe; give a file, or the pipe as /dev/stdin"))
+    } else {
+        Ok(())
     }
 }
 

@@ -136,13 +136,16 @@ pub fn merge(plan: &Plan, csv: bool, tell: &dyn Fn()) -> Result<(Merged, Kept), 
         })?;
         file.finish()
     });
-    let written = written.and_then(|()| match csv {
-        false => Ok(()),
-        true => write_whole(&plan.folder.join(CSV), |file| {
-            let mut file = CsvFile::begin(file, &columns)?;
-            shards(&mut |cells| file.write(&cells))?;
-            file.finish()
-        }),
+    let written = written.and_then(|()| {
+        if !csv {
+            Ok(())
+        } else {
+            write_whole(&plan.folder.join(CSV), |file| {
+                let mut file = CsvFile::begin(file, &columns)?;
+                shards(&mut |cells| file.write(&cells))?;
+                file.finish()
+            })
+        }
     });
     if let Some(damaged) = damaged {
         return Err(damaged);
@@ -167,14 +170,15 @@ fn complete(plan: &Plan) -> Result<(), SweepError> {
             Found::Damaged(reason) => return Err(SweepError::Damaged { file, shard, reason }),
         }
     }
-    match missing.is_empty() {
-        true => Ok(()),
-        false => Err(SweepError::Incomplete {
+    if missing.is_empty() {
+        Ok(())
+    } else {
+        Err(SweepError::Incomplete {
             missing: missing.len(),
             shards,
             array: array(&missing),
             how: format!("efam sweep run --plan {}", shell_word(&plan.folder)),
-        }),
+        })
     }
 }
 

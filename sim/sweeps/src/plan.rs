@@ -150,9 +150,10 @@ impl Plan {
     /// # Errors
     /// [`SweepError::NoPlan`], [`SweepError::Altered`].
     pub fn open(path: &Path) -> Result<Plan, SweepError> {
-        let folder = match path.is_dir() || path.file_name().is_none_or(|name| name != PLAN) {
-            true => path.to_owned(),
-            false => path.parent().unwrap_or(Path::new("")).to_owned(),
+        let folder = if path.is_dir() || path.file_name().is_none_or(|name| name != PLAN) {
+            path.to_owned()
+        } else {
+            path.parent().unwrap_or(Path::new("")).to_owned()
         };
         let no_plan = |file: &Path| {
             let file = file.to_owned();

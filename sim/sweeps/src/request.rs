@@ -310,9 +310,10 @@ fn points(sweep: &Keys, design: Design, parameters: &[DesignParameter]) -> Resul
         Design::Sobol => (MOST_SOBOL, "lie in 1..=65536, all that the sequence of Sobol' has"),
         _ => (MOST_POINTS, "lie in 1..=10000000"),
     };
-    match (1..=most).contains(&given) {
-        true => Ok(given),
-        false => Err(sweep.wrong("points", ScenarioProblem::Must { must })),
+    if (1..=most).contains(&given) {
+        Ok(given)
+    } else {
+        Err(sweep.wrong("points", ScenarioProblem::Must { must }))
     }
 }
 

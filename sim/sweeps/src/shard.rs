@@ -64,9 +64,10 @@ pub fn look(plan: &Plan, shard: usize) -> Found {
         return Found::Foreign(hash);
     }
     let due = plan.head.points_of(shard).len();
-    match said.rows == due {
-        true => Found::Whole,
-        false => Found::Damaged(format!("it has {} rows, where {due} are due", said.rows)),
+    if said.rows == due {
+        Found::Whole
+    } else {
+        Found::Damaged(format!("it has {} rows, where {due} are due", said.rows))
     }
 }
 

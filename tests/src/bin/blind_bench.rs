@@ -101,10 +101,7 @@ fn main() -> ExitCode {
     println!("\n{}\n{:.0} s in all", tally::told(&answers), begin.elapsed().as_secs_f64());
     let is_good =
         |answer: &Answer| !answer.has_a_false_name() && (answer.is_right() || !answer.is_separable());
-    match words.strict && !answers.iter().all(is_good) {
-        true => ExitCode::FAILURE,
-        false => ExitCode::SUCCESS,
-    }
+    if words.strict && !answers.iter().all(is_good) { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
 /// Cases, each with what is foreseen of it; and the noise that this is for, m.

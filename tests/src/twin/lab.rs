@@ -119,9 +119,10 @@ impl Lab {
             }
             _ => format!("{name}, {} times its typical size", sizes[0]),
         };
-        let hidden = match self.hidden.is_empty() {
-            true => "nothing".to_owned(),
-            false => self.hidden.iter().map(sized).collect::<Vec<_>>().join("; "),
+        let hidden = if self.hidden.is_empty() {
+            "nothing".to_owned()
+        } else {
+            self.hidden.iter().map(sized).collect::<Vec<_>>().join("; ")
         };
         let paper = if self.is_static { PAPER } else { "" };
         let Priors { alpha, beta, .. } = Priors::default();

@@ -184,9 +184,10 @@ impl Specimen {
                 let at = self.strain(share, stage.time, mean_square, q, v);
                 let mut moment = T::from(0.0);
                 for (effect, range) in self.hidden.iter().zip(&self.memory) {
-                    let memory = match effect.remembers() {
-                        true => stage.remember(effect, range.start + point, &at),
-                        false => T::from(0.0),
+                    let memory = if effect.remembers() {
+                        stage.remember(effect, range.start + point, &at)
+                    } else {
+                        T::from(0.0)
                     };
                     moment += effect.moment(&at, memory);
                 }

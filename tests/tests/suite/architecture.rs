@@ -82,7 +82,7 @@ const DOORS: [(&str, &[&str]); 33] = [
     ("rerun", &["sim/src/observe/rerun.rs", "sim/src/observe/rerun/"]),
     ("rustix", &["sim/store/src/names.rs", "sim/store/src/partial.rs"]),
     ("sha2", &["sim/store/src/sha.rs"]),
-    ("signal_hook", &["sim/src/cli/interrupt.rs"]),
+    ("signal_hook", &["sim/src/cli/signals.rs"]),
     ("sobol_burley", &["sim/sweeps/src/design.rs"]),
     ("strsim", &["models/src/nearest.rs"]),
     ("tiny_skia", &["sim/report/src/export/raster.rs", "sim/tests/program/slides.rs"]),
@@ -292,7 +292,7 @@ fn text_and_arguments_have_one_door() {
 
 #[test]
 fn every_effect_is_registered() {
-    let of_the_contract = ["catalogue", "erased", "instance", "law", "memory", "mod", "registered"];
+    let of_the_contract = ["about", "catalogue", "erased", "instance", "law", "memory", "mod", "registered"];
     for (file, _) in files("models/src/effects", ".rs") {
         let name = file.rsplit('/').next().and_then(|name| name.strip_suffix(".rs")).expect("a file name");
         let is_registered = CATALOGUE.iter().any(|effect| effect.about().name == name);

@@ -96,13 +96,14 @@ pub fn fit_gauss_newton(
             (at, here) = (at + step, next);
         }
         if next.is_none() || step.abs() < SETTLED {
-            return match step.abs() < 1e-4 {
-                true => Ok(StiffnessFit {
+            return if step.abs() < 1e-4 {
+                Ok(StiffnessFit {
                     bending_stiffness: start * at.exp(),
                     residual: here,
                     evaluations: evaluations.get(),
-                }),
-                false => Err(stalled()),
+                })
+            } else {
+                Err(stalled())
             };
         }
     }

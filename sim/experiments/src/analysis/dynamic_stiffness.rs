@@ -177,18 +177,20 @@ pub fn fit(model: &Model, natural_frequency: f64) -> Result<DynamicStiffness, An
         }
         // Where a rod so limp has no rest that is found, its frequency is below all.
         let omega = slowest(at).unwrap_or(0.0);
-        match (omega - natural_frequency) * outwards >= 0.0 {
-            true => far = Some((at, omega)),
-            false => near = (at, omega),
+        if (omega - natural_frequency) * outwards >= 0.0 {
+            far = Some((at, omega))
+        } else {
+            near = (at, omega)
         }
     }
     let mut far = far.unwrap_or(near);
     for _ in 0..100 {
         let middle = 0.5 * (near.0 + far.0);
         let omega = slowest(middle).unwrap_or(0.0);
-        match (omega - natural_frequency) * outwards >= 0.0 {
-            true => far = (middle, omega),
-            false => near = (middle, omega),
+        if (omega - natural_frequency) * outwards >= 0.0 {
+            far = (middle, omega)
+        } else {
+            near = (middle, omega)
         }
         if (far.0 - near.0).abs() < SETTLED {
             break;

@@ -102,12 +102,13 @@ pub fn cut(
         After::NoSwing | After::Unclear => None,
     };
     let cuts: Vec<Cut> = after.into_iter().filter_map(is_swing).collect();
-    match cuts.is_empty() {
-        true => Err(format!(
+    if cuts.is_empty() {
+        Err(format!(
             "the tip starts {count} time{} from a stretch of quiet, and swings after none of them",
             if count == 1 { "" } else { "s" }
-        )),
-        false => Ok(cuts),
+        ))
+    } else {
+        Ok(cuts)
     }
 }
 
@@ -138,9 +139,10 @@ fn swings(
         };
         let end = if is_last { whole.end } else { raised(path, whole.clone(), rest, held, &window) };
         let (swing, rest_end) = (whole.start..end, window.end);
-        match given || turns(path, swing.clone(), held, rest) >= LEAST_TURNS {
-            true => After::Swing(Cut { hold: hold.clone(), swing, held, rest, rest_end }),
-            false => After::NoSwing,
+        if given || turns(path, swing.clone(), held, rest) >= LEAST_TURNS {
+            After::Swing(Cut { hold: hold.clone(), swing, held, rest, rest_end })
+        } else {
+            After::NoSwing
         }
     };
     holds.iter().enumerate().map(after).collect()

@@ -45,9 +45,12 @@ pub fn find(time: &[f64], path: &[Option<[f64; 3]>], step: f64) -> Vec<bool> {
                 .filter(|&j| j != i && path[j].is_some())
                 .find(|&j| are_both_far(time, &path, step, [i, j], sigma))
         };
-        let of = |i: usize| match stands_alone(time, &path, step, i, sigma) {
-            true => vec![i],
-            false => second(i).map_or(Vec::new(), |j| vec![i, j]),
+        let of = |i: usize| {
+            if stands_alone(time, &path, step, i, sigma) {
+                vec![i]
+            } else {
+                second(i).map_or(Vec::new(), |j| vec![i, j])
+            }
         };
         let far: Vec<usize> = (0..path.len())
             .filter(|&i| is_far(&errors, &bends, i, sigma) && is_top(&errors, i))

@@ -340,9 +340,10 @@ fn direction(keys: &Keys, key: &str) -> Result<Option<Direction>, ScenarioError>
     }
     let Some(vector) = vector(keys, key, "")? else { return Ok(None) };
     let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    match length > 0.0 && length.is_finite() {
-        true => Ok(Some(Direction::Vector(vector.map(|x| x / length)))),
-        false => Err(keys.wrong(key, ScenarioProblem::Must { must: "not be zero, nor beyond all numbers" })),
+    if length > 0.0 && length.is_finite() {
+        Ok(Some(Direction::Vector(vector.map(|x| x / length))))
+    } else {
+        Err(keys.wrong(key, ScenarioProblem::Must { must: "not be zero, nor beyond all numbers" }))
     }
 }
 
@@ -406,11 +407,10 @@ fn mask(keys: &Keys) -> Result<Vec<[f64; 2]>, ScenarioError> {
         None => Vec::new(),
     };
     let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
-    match rows.iter().any(|[from, to]| from > to) {
-        true => {
-            Err(keys.wrong("mask", ScenarioProblem::Must { must: "have in each row the earlier time first" }))
-        }
-        false => Ok(rows),
+    if rows.iter().any(|[from, to]| from > to) {
+        Err(keys.wrong("mask", ScenarioProblem::Must { must: "have in each row the earlier time first" }))
+    } else {
+        Ok(rows)
     }
 }
 
@@ -425,8 +425,9 @@ fn overrides(keys: &Keys) -> Result<Vec<Override>, ScenarioError> {
 }
 
 fn from_one(keys: &Keys, key: &str, counts: Option<Vec<usize>>) -> Result<Option<Vec<usize>>, ScenarioError> {
-    match counts.as_ref().is_some_and(|counts| counts.contains(&0)) {
-        true => Err(keys.wrong(key, ScenarioProblem::Must { must: "count releases from 1" })),
-        false => Ok(counts),
+    if counts.as_ref().is_some_and(|counts| counts.contains(&0)) {
+        Err(keys.wrong(key, ScenarioProblem::Must { must: "count releases from 1" }))
+    } else {
+        Ok(counts)
     }
 }

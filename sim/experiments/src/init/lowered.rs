@@ -49,9 +49,12 @@ mod tests {
 
     /// Let go at `late` after it left the hold, from which a hand lowers it evenly by a tenth of the way; 1.5 Hz.
     fn swing(late: f64) -> Vec<(f64, [f64; 2])> {
-        let at = |time: f64| match time < late {
-            true => 1.0 - 0.1 * time / late,
-            false => 0.9 * (-0.5 * (time - late)).exp() * (9.4 * (time - late)).cos(),
+        let at = |time: f64| {
+            if time < late {
+                1.0 - 0.1 * time / late
+            } else {
+                0.9 * (-0.5 * (time - late)).exp() * (9.4 * (time - late)).cos()
+            }
         };
         (0..400).map(|k| 0.02 * f64::from(k)).map(|time| (time, [0.3 * at(time), at(time)])).collect()
     }

@@ -49,14 +49,11 @@ pub fn effects_of(path: &Path, text: &str, overrides: &[String]) -> Result<Catal
 fn laws_of(document: &Document) -> Result<Vec<Definition>, ScenarioError> {
     document.keys().only(&[LAWS])?;
     let definitions = definitions(document)?;
-    match definitions.is_empty() {
-        true => {
-            Err(document.keys().missing(LAWS, "[laws.NAME] with place = \"flow\" and its formula under it"))
-        }
-        false => {
-            catalogue(document)?;
-            Ok(definitions)
-        }
+    if definitions.is_empty() {
+        Err(document.keys().missing(LAWS, "[laws.NAME] with place = \"flow\" and its formula under it"))
+    } else {
+        catalogue(document)?;
+        Ok(definitions)
     }
 }
 

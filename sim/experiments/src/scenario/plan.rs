@@ -105,12 +105,13 @@ impl Plan {
         if ["muscle", "rod"].into_iter().any(|key| keys.has(key)) {
             return Plan::of(document, false).map(Some);
         }
-        match ["effects", "integrator", LAWS].into_iter().any(|key| keys.has(key)) {
-            false => Ok(None),
-            true => Err(keys.missing(
+        if !["effects", "integrator", LAWS].into_iter().any(|key| keys.has(key)) {
+            Ok(None)
+        } else {
+            Err(keys.missing(
                 "rod",
                 "[rod] or [muscle], for [effects], [laws] and [integrator] belong to a model",
-            )),
+            ))
         }
     }
 
@@ -246,12 +247,11 @@ fn read_muscle(
 
 /// Recordings have their pressures.
 fn elsewhere(keys: &Keys) -> Result<Pressure, ScenarioError> {
-    match keys.has("pressure") {
-        false => Ok(Pressure::Elsewhere),
-        true => {
-            let message = "each [[recording]] has its own pressure; move it there".to_owned();
-            Err(keys.wrong("pressure", ScenarioProblem::Other { message }))
-        }
+    if !keys.has("pressure") {
+        Ok(Pressure::Elsewhere)
+    } else {
+        let message = "each [[recording]] has its own pressure; move it there".to_owned();
+        Err(keys.wrong("pressure", ScenarioProblem::Other { message }))
     }
 }
 

@@ -97,10 +97,7 @@ impl Measured {
             }
         }
         // The posture in the hand is known from the end of the hold.
-        let clear = match trial.is_held() {
-            true => -LATE_HOLD,
-            false => CLEAR * release.release_uncertainty,
-        };
+        let clear = if trial.is_held() { -LATE_HOLD } else { CLEAR * release.release_uncertainty };
         let is_seen = |k: &usize| release.tracks.iter().any(|track| track.position[*k].is_some());
         let samples: Vec<usize> =
             (0..release.time.len()).filter(|k| release.time[*k] > clear).filter(is_seen).collect();

@@ -67,9 +67,10 @@ fn bound(
         }
         let slope = (rise - before.1) / (moved - before.0);
         before = (moved, rise);
-        length = match slope > 0.0 {
-            true => (moved + (NORMAL_95 - rise) / slope).clamp(0.3 * moved, 3.0 * moved),
-            false => 2.0 * moved,
+        length = if slope > 0.0 {
+            (moved + (NORMAL_95 - rise) / slope).clamp(0.3 * moved, 3.0 * moved)
+        } else {
+            2.0 * moved
         };
     }
     Some(found.x[unknown] + length * step)

@@ -133,12 +133,10 @@ impl Repeats {
 
     /// By how much the frequencies of repeated releases differ, as the end of a sentence; empty where they do not.
     pub fn frequencies(&self) -> String {
-        match self.frequency_share > 0.0 {
-            true => format!(
-                "; frequencies vary by {} % between repeats",
-                significant(1e2 * self.frequency_share, 2)
-            ),
-            false => String::new(),
+        if self.frequency_share > 0.0 {
+            format!("; frequencies vary by {} % between repeats", significant(1e2 * self.frequency_share, 2))
+        } else {
+            String::new()
         }
     }
 

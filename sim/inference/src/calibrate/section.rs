@@ -92,9 +92,10 @@ pub fn problem(
         let has_pressures = trials.iter().all(|trial| trial.release.pressure.is_some());
         let usual = if has_pressures { Scope::PerPressure } else { Scope::Shared };
         let tables = section.tables("parameter")?;
-        let parameters = match tables.is_empty() {
-            true => USUAL.iter().map(|path| FittedParameter::new(path, usual)).collect(),
-            false => tables.iter().map(|table| parameter(table, first, usual)).collect::<Result<_, _>>()?,
+        let parameters = if tables.is_empty() {
+            USUAL.iter().map(|path| FittedParameter::new(path, usual)).collect()
+        } else {
+            tables.iter().map(|table| parameter(table, first, usual)).collect::<Result<_, _>>()?
         };
         let mesh = section.word("mesh", &[("removed", true), ("kept", false)])?;
         Ok((parameters, nuisances(&section)?, mesh.unwrap_or(true)))

@@ -164,9 +164,8 @@ impl Column {
     /// What moves in some of the releases alone.
     fn only(of: usize, part: usize, all: &[Moved], is_own: impl Fn(usize) -> bool) -> Self {
         let still = |track: &Vec<[f64; 2]>| vec![[0.0; 2]; track.len()];
-        let slopes = all.iter().enumerate().map(|(r, release)| match is_own(r) {
-            true => release.clone(),
-            false => release.iter().map(still).collect(),
+        let slopes = all.iter().enumerate().map(|(r, release)| {
+            if is_own(r) { release.clone() } else { release.iter().map(still).collect() }
         });
         Self { of, part, slopes: slopes.collect() }
     }

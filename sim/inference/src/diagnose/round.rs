@@ -110,10 +110,7 @@ pub(super) fn round(
         choose(shortlist, fit, &scores, before, negligible, &tell)?
     } else {
         for entry in &mut entries {
-            entry.reject(match is_loud(entry) {
-                true => LITTLE,
-                false => "its score is below the threshold",
-            });
+            entry.reject(if is_loud(entry) { LITTLE } else { "its score is below the threshold" });
         }
         RoundOutcome::Nothing
     };

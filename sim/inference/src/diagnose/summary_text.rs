@@ -16,11 +16,12 @@ use models::digits::{short, significant};
 
 /// One paragraph for a person; each part of it is there only where numbers stand behind it.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
-    let misfit = || match diagnosis.misses_first_swings {
-        true => {
+    let misfit = || {
+        if diagnosis.misses_first_swings {
             Some("The simulation misses even the first swings by more than a fifth of the motion.".to_owned())
+        } else {
+            wrong(&diagnosis.misfits)
         }
-        false => wrong(&diagnosis.misfits),
     };
     let sentences: Vec<Option<String>> = match diagnosis.verdict {
         Verdict::NothingMissing => vec![
@@ -111,9 +112,12 @@ fn names(diagnosis: &Diagnosis) -> String {
             .iter()
             .any(|own| own.effect == added.effect && own.of_each_pressure && own.rejected.is_none())
     };
-    let name = |added: &Added| match is_of_each(added) {
-        true => format!("{} with a different strength at each pressure", called(&added.effect)),
-        false => called(&added.effect),
+    let name = |added: &Added| {
+        if is_of_each(added) {
+            format!("{} with a different strength at each pressure", called(&added.effect))
+        } else {
+            called(&added.effect)
+        }
     };
     capitalised(&listed(&diagnosis.effects.iter().map(name).collect::<Vec<_>>()))
 }
@@ -158,9 +162,10 @@ fn wrong(misfits: &[Misfit]) -> Option<String> {
     }
     let another = misfits[1..].iter().find(|other| other.size_mm > ALSO * first.size_mm);
     if let Some(other) = another {
-        let _ = match other.amplitudes == first.amplitudes {
-            true => write!(words, "; there it also {}", does(other.what)),
-            false => write!(words, "; it {} {}", does(other.what), where_and_when(other)),
+        let _ = if other.amplitudes == first.amplitudes {
+            write!(words, "; there it also {}", does(other.what))
+        } else {
+            write!(words, "; it {} {}", does(other.what), where_and_when(other))
         };
     }
     Some(words + ".")
@@ -219,9 +224,12 @@ fn removed(diagnosis: &Diagnosis) -> Option<String> {
     let shares = diagnosis.shares.as_ref()?;
     let share = shares.removed.filter(|share| *share > 0.0)?;
     let it = if diagnosis.effects.len() > 1 { "They explain" } else { "It explains" };
-    let held_out = shares.removed_held_out.map_or(String::new(), |share| match share > 0.0 {
-        true => format!(", and {} on held-out releases", percent(share)),
-        false => ", and nothing on held-out releases".to_owned(),
+    let held_out = shares.removed_held_out.map_or(String::new(), |share| {
+        if share > 0.0 {
+            format!(", and {} on held-out releases", percent(share))
+        } else {
+            ", and nothing on held-out releases".to_owned()
+        }
     });
     Some(format!("{it} {} of the residual beyond noise{held_out}.", percent(share)))
 }
@@ -231,9 +239,10 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
     let shares = diagnosis.shares.as_ref()?;
     let [before, left] = [shares.before_mm, shares.left_mm].map(|distance| significant(distance, 2));
     let is_as_before = diagnosis.effects.is_empty() && diagnosis.verdict != Verdict::Misstated;
-    let distances = match is_as_before {
-        true => format!("Simulation and recordings differ by {left} mm"),
-        false => format!("The difference of simulation and recordings falls from {before} to {left} mm"),
+    let distances = if is_as_before {
+        format!("Simulation and recordings differ by {left} mm")
+    } else {
+        format!("The difference of simulation and recordings falls from {before} to {left} mm")
     };
     let told = diagnosis.repeats.as_ref().map(|repeats| {
         let size = significant(repeats.distance_mm, 2);

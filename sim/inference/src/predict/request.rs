@@ -49,9 +49,10 @@ impl CaseRequest {
         // Both were read before, with messages at their places.
         let mut tables: Table = experiment.text().parse().unwrap_or_default();
         let mut own: Table = self.text.parse().unwrap_or_default();
-        let own_known = match own.contains_key("calibration") {
-            true => Scenario::parse(&self.path, &self.text, &[])?.known().cloned(),
-            false => None,
+        let own_known = if own.contains_key("calibration") {
+            Scenario::parse(&self.path, &self.text, &[])?.known().cloned()
+        } else {
+            None
         };
         if let Some(muscle) = own.get_mut("muscle").and_then(Value::as_table_mut) {
             muscle.remove("pressure");

@@ -73,9 +73,10 @@ impl<'b> Parameters<'b> {
                 None => {}
             }
         }
-        match arrays.keys().any(|key| key.starts_with("POINT:")) {
-            true => Ok(Self { arrays, processor }),
-            false => Err(format!("there are no parameters of a group POINT in block {}", start / BLOCK + 1)),
+        if arrays.keys().any(|key| key.starts_with("POINT:")) {
+            Ok(Self { arrays, processor })
+        } else {
+            Err(format!("there are no parameters of a group POINT in block {}", start / BLOCK + 1))
         }
     }
 

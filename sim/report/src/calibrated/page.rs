@@ -38,9 +38,10 @@ pub(super) fn page(
         page.figures(of("parameter-"));
     }
     page.section("Correlations");
-    match calibration.correlations.iter().all(|group| group.names.len() < 2) {
-        true => page.text("Each search found one parameter alone: there is nothing to be correlated with."),
-        false => page.figures(of("correlations-")),
+    if calibration.correlations.iter().all(|group| group.names.len() < 2) {
+        page.text("Each search found one parameter alone: there is nothing to be correlated with.")
+    } else {
+        page.figures(of("correlations-"))
     }
     correlations(&mut page, calibration);
     page.section("Stages of the search");

@@ -66,12 +66,13 @@ pub(super) fn page(
 /// What stands out: how much the numbers by which one would know a muscle differ.
 fn lead(runs: &[Reread], comparison: &Comparison) -> (String, String) {
     if let [run] = runs {
-        let page = match run.has_page {
-            true => format!("Its own page, {REPORT}, is in its folder."),
-            false => format!(
+        let page = if run.has_page {
+            format!("Its own page, {REPORT}, is in its folder.")
+        } else {
+            format!(
                 "It has no page of its own: it was made before efam wrote {REPORT}, or lost it; make it again for one. {}",
                 again(run)
-            ),
+            )
         };
         let text = format!(
             "There is nothing to compare it with; below are its numbers as its folder has them. {page}"

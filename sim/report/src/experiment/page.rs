@@ -67,9 +67,10 @@ fn lead(cleaned: &Cleaned, analysed: Option<&[Analysed]>) -> String {
         let least = values.iter().copied().reduce(f64::min)?;
         let most = values.iter().copied().fold(least, f64::max);
         let [low, high] = [least, most].map(|value| significant(value, 3));
-        Some(match low == high {
-            true => format!(" {name} is {low}{unit}."),
-            false => format!(" {name} lies between {low} and {high}{unit}."),
+        Some(if low == high {
+            format!(" {name} is {low}{unit}.")
+        } else {
+            format!(" {name} lies between {low} and {high}{unit}.")
         })
     };
     let decays = || analysed.iter().filter_map(|one| one.measured.as_ref().ok()?.decay.as_ref().ok());

@@ -162,9 +162,10 @@ fn list(folder: &Path, above: &str, found: &mut BTreeMap<String, PathBuf>) -> Re
 }
 
 fn table(name: String, file: &Path) -> Result<Table, RereadError> {
-    let series = match file.extension().is_some_and(|ending| ending == "parquet") {
-        true => of_parquet(file)?,
-        false => of_csv(file)?,
+    let series = if file.extension().is_some_and(|ending| ending == "parquet") {
+        of_parquet(file)?
+    } else {
+        of_csv(file)?
     };
     let rows = series.first().map_or(0, |series| match &series.cells {
         Cells::Numbers { values, .. } => values.len(),

@@ -29,16 +29,14 @@ pub(super) fn page(
             all.len()
         )
     };
-    let (title, word) = match recorded {
-        true => (format!("Figures 4 to 9 from {}", request.name), "Drawn from recordings"),
-        false => ("Figures 4 to 9 from our own runs".to_owned(), "Redrawn from simulations"),
+    let (title, word) = if recorded {
+        (format!("Figures 4 to 9 from {}", request.name), "Drawn from recordings")
+    } else {
+        ("Figures 4 to 9 from our own runs".to_owned(), "Redrawn from simulations")
     };
     let mut page = Page::new(&title, word, &lead);
     let (extrapolated, warnings) = extrapolated(&request.warnings);
-    let mut assumed = vec![match recorded {
-        true => "The rod, its masses and its pressures are as the experiment file says. One release at each pressure counts: the lightest payload, a level base before an inclined one, then the representative.",
-        false => "The tip at rest of each run stands for the measured one. The runs have the EI of Table 2's rod of 32 nodes, a whole Voronoi length at the clamp and the resting mass per length, as that EI was fitted; --set says otherwise.",
-    }
+    let mut assumed = vec![if recorded { "The rod, its masses and its pressures are as the experiment file says. One release at each pressure counts: the lightest payload, a level base before an inclined one, then the representative." } else { "The tip at rest of each run stands for the measured one. The runs have the EI of Table 2's rod of 32 nodes, a whole Voronoi length at the clamp and the resting mass per length, as that EI was fitted; --set says otherwise." }
     .to_owned()];
     if let Some(Origin::Simulated(own)) = all.first().map(|of| &of.origin) {
         assumed.extend(assumed::of_run(&own.summary));

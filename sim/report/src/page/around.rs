@@ -73,9 +73,10 @@ impl Page {
         self.part("Warnings", none, &of.warnings);
         if let Some(held_out) = &of.held_out {
             self.heading("Held-out releases");
-            match held_out.is_empty() {
-                true => self.text("No data were held out: not validated."),
-                false => self.text("These releases took no part in the fit, and validate it:"),
+            if held_out.is_empty() {
+                self.text("No data were held out: not validated.")
+            } else {
+                self.text("These releases took no part in the fit, and validate it:")
             }
             self.list(held_out);
         }

@@ -42,9 +42,10 @@ pub fn policy(is_live: bool) -> &'static str {
 
 /// The scripts of a page, at its end.
 pub fn scripts(is_live: bool) -> String {
-    match is_live {
-        true => format!("<!-- uPlot:\n{LICENCE}-->\n<script>{UPLOT}</script>\n<script>{OWN}</script>\n"),
-        false => String::new(),
+    if is_live {
+        format!("<!-- uPlot:\n{LICENCE}-->\n<script>{UPLOT}</script>\n<script>{OWN}</script>\n")
+    } else {
+        String::new()
     }
 }
 

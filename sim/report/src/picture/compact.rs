@@ -24,10 +24,10 @@ pub fn compact(svg: &str) -> String {
             }
             None => {
                 close(&mut out, open.take());
-                match line.starts_with('<') {
-                    true => out += &shorter(line),
-                    // Words, which may be anything.
-                    false => out += line,
+                if line.starts_with('<') {
+                    out += &shorter(line)
+                } else {
+                    out += line
                 }
                 out.push('\n');
             }
@@ -76,9 +76,10 @@ fn dot(line: &str) -> Option<((u32, &str), [i32; 2])> {
 /// A tag without what goes without saying, and with the font once for the whole picture.
 fn shorter(tag: &str) -> String {
     let font = format!(" font-family=\"{FONT}\"");
-    match tag.starts_with("<svg ") {
-        true => tag.replacen(" xmlns=", &format!("{font} xmlns="), 1),
-        false => tag.replace(&font, "").replace(" opacity=\"1\"", ""),
+    if tag.starts_with("<svg ") {
+        tag.replacen(" xmlns=", &format!("{font} xmlns="), 1)
+    } else {
+        tag.replace(&font, "").replace(" opacity=\"1\"", "")
     }
 }
 

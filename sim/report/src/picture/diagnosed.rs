@@ -145,11 +145,10 @@ fn ranking(round: usize, evidence: &[&Evidence], threshold: f64) -> Picture {
         scores(&left, &rows, evidence, threshold, [&chosen, &other, &line])?;
         decreases(&right, &rows, evidence)
     });
-    let left = match evidence.iter().any(|own| own.of_first_swings) {
-        true => {
-            "root of the decrease of χ² by each effect when fitted to the first swings alone, and the threshold"
-        }
-        false => "score of each effect, and the threshold at the false-alarm level",
+    let left = if evidence.iter().any(|own| own.of_first_swings) {
+        "root of the decrease of χ² by each effect when fitted to the first swings alone, and the threshold"
+    } else {
+        "score of each effect, and the threshold at the false-alarm level"
     };
     Picture {
         name: format!("candidates-{round}"),

@@ -197,9 +197,10 @@ fn curves(
     let has_pressure = !grid.pressures_pa.is_empty();
     let keys = || -> Vec<Key> {
         let name = |line: &f64| format!("{} {unit}", significant(*line, 3));
-        match has_pressure || unit == "g" {
-            true => lines.iter().zip(strokes).map(|(line, stroke)| Key::line(stroke, name(line))).collect(),
-            false => Vec::new(),
+        if has_pressure || unit == "g" {
+            lines.iter().zip(strokes).map(|(line, stroke)| Key::line(stroke, name(line))).collect()
+        } else {
+            Vec::new()
         }
     };
     let panel = |area: &Area, number: &Number| -> Drawn {

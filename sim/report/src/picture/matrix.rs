@@ -57,10 +57,7 @@ fn cell(page: &Area, (row, column): (usize, usize), value: f64) -> Drawn {
         return Ok(());
     }
     let radius = px(0.5 * (CELL - 24.0) * value.abs().min(1.0).sqrt());
-    let style = match value >= 0.0 {
-        true => BLUE.filled(),
-        false => VERMILION.stroke_width(px(2.0) as u32),
-    };
+    let style = if value >= 0.0 { BLUE.filled() } else { VERMILION.stroke_width(px(2.0) as u32) };
     page.draw(&Circle::new(at(0.5 * CELL, 0.5 * CELL - 8.0), radius, style))?;
     let text = format!("{}{:.2}", if value < 0.0 { "−" } else { "+" }, value.abs());
     write(page, &text, (corner.0 + 0.5 * CELL, corner.1 + CELL - 8.0), 12.0, HPos::Center)

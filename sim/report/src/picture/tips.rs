@@ -62,9 +62,10 @@ pub fn tips_of_runs(all: &[Tip]) -> Vec<Picture> {
     if all.is_empty() {
         return Vec::new();
     }
-    let caption = match all.len() > MOST_LINES {
-        true => format!("Of {} runs, {MOST_LINES} are drawn: more lines cannot be told apart.", all.len()),
-        false => "Each run by its letter and name.".to_owned(),
+    let caption = if all.len() > MOST_LINES {
+        format!("Of {} runs, {MOST_LINES} are drawn: more lines cannot be told apart.", all.len())
+    } else {
+        "Each run by its letter and name.".to_owned()
     };
     let some = spread(&all, MOST_LINES);
     vec![

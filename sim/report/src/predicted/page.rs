@@ -43,16 +43,17 @@ pub(crate) fn of_one(
         let frequency = value_and_interval(cycle.frequency_hz, cycle.frequency_hz_95, 1.0);
         [vec![significant(1e3 * cycle.amplitude_m, 3)], ratio.to_vec(), frequency.to_vec()].concat()
     };
-    match prediction.cycles.is_empty() {
-        true => page.text("It does not swing twice."),
-        false => page.folded(
+    if prediction.cycles.is_empty() {
+        page.text("It does not swing twice.")
+    } else {
+        page.folded(
             "Damping and frequency of each cycle",
             &Table {
                 caption: "From one upper peak to the next",
                 heads: &["amplitude, mm", "damping ratio", "interval", "frequency, Hz", "interval"],
                 rows: prediction.cycles.iter().map(cycle).collect(),
             },
-        ),
+        )
     }
     let draws = match prediction.draws {
         0 => "none: the errors are unknown".to_owned(),

@@ -69,9 +69,10 @@ pub(crate) fn page(
         page.table(&Table { caption, heads: &heads, rows: all.iter().map(row).collect() });
     }
     page.section(&format!("Points that could not be {done}"));
-    match merged.reasons.is_empty() {
-        true => page.text("None."),
-        false => page.table(&Table {
+    if merged.reasons.is_empty() {
+        page.text("None.")
+    } else {
+        page.table(&Table {
             caption: "The most frequent reasons; the table has each point's own",
             heads: &["reason", "points", "first point"],
             rows: merged
@@ -79,7 +80,7 @@ pub(crate) fn page(
                 .iter()
                 .map(|own| vec![own.reason.clone(), own.points.to_string(), own.first.to_string()])
                 .collect(),
-        }),
+        })
     }
     let mut own = vec![("plan, SHA-256", head.sha256.clone()), ("shards", head.shards().to_string())];
     match &head.work {

@@ -66,9 +66,10 @@ pub(super) fn draw(
             recording.log(height.as_str(), &Scalars::single(1e3 * tip))?;
         }
     }
-    let title = match members.iter().any(|member| member.is_draw) {
-        true => "Predicted rod (blue), draws from the calibration's errors (grey); x right, z up (mm)",
-        false => "Predicted rods, darker for the first cases; x right, z up (mm)",
+    let title = if members.iter().any(|member| member.is_draw) {
+        "Predicted rod (blue), draws from the calibration's errors (grey); x right, z up (mm)"
+    } else {
+        "Predicted rods, darker for the first cases; x right, z up (mm)"
     };
     tree::send(recording, 5, TIMELINE, live, |tree| {
         let bounds = bounds.view();

@@ -99,9 +99,10 @@ pub fn table(path: &Path) -> io::Result<Vec<Found>> {
                 found.cells.append(cells.ok_or_else(|| io::Error::other("its columns hold something else"))?);
             }
         }
-        match all.iter().all(|(found, _)| found.cells.len() == rows) {
-            true => Ok(all.into_iter().map(|(found, _)| found).collect()),
-            false => Err(io::Error::other(format!("it does not hold the {rows} rows that it states"))),
+        if all.iter().all(|(found, _)| found.cells.len() == rows) {
+            Ok(all.into_iter().map(|(found, _)| found).collect())
+        } else {
+            Err(io::Error::other(format!("it does not hold the {rows} rows that it states")))
         }
     })
 }

@@ -69,11 +69,12 @@ pub(crate) fn footer_of(file: &[u8]) -> Result<&[u8], Refused> {
 fn chunks(footer: &[u8]) -> Result<Vec<Chunk>, Refused> {
     let mut seen = Footer { members: MEMBERS[0] + footer.len() / MEMBERS[1], ..Footer::default() };
     Walk::new(footer, 0).structure(&mut seen).ok_or("its footer does not hold together")?;
-    match seen.is_shallow() {
-        true => Ok(seen.chunks),
-        false => Err(format!(
+    if seen.is_shallow() {
+        Ok(seen.chunks)
+    } else {
+        Err(format!(
             "its schema has more groups within groups than {DEEPEST}, or fewer columns than it states"
-        )),
+        ))
     }
 }
 
