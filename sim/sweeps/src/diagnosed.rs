@@ -82,6 +82,7 @@ impl Answer {
             Some(Verdict::Unknown) => format!("unknown, partly {names}"),
             Some(Verdict::Named) => names,
             Some(Verdict::Incomplete) => format!("{names}, incomplete"),
+            Some(Verdict::Class) if self.members.is_empty() => format!("{names}, or a wrong statement"),
             Some(Verdict::Class) => format!("{names}, or {}", self.members.join(", ")),
         }
     }

@@ -134,6 +134,7 @@ impl Answer {
             Verdict::Unknown => format!("unknown, partly {names}"),
             Verdict::Named => names,
             Verdict::Incomplete => format!("{names}, incomplete"),
+            Verdict::Class if members.is_empty() => format!("{names}, or a wrong statement"),
             Verdict::Class => format!("{names}, or {}", members.join(", ")),
         }
     }

@@ -55,6 +55,12 @@ pub(super) struct Lift {
 }
 
 impl Lift {
+    /// What it costs, with what each unknown takes that is free: a belief that is lifted is as free as what an effect brings.
+    fn worth(&self, each: f64) -> f64 {
+        let freed = self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name).count();
+        self.cost + 0.5 * each * freed as f64
+    }
+
     /// What it says of the parameter that was believed to be otherwise.
     fn contradictions(&self) -> Vec<Contradiction> {
         let found = self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name);
@@ -111,12 +117,11 @@ impl<'a> Course<'a> {
         asked.retain(|own| is_of_setup(own));
         self.lifts = asked.into_par_iter().map(|own| self.lift(own)).collect::<Result<_, _>>()?;
         let each = penalty(&self.before.model, 1.0);
-        let worth = |lift: &Lift| self.worth(lift.cost, &lift.known, each);
-        let best = self.lifts.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)));
+        let best = self.lifts.iter().min_by(|a, b| a.worth(each).total_cmp(&b.worth(each)));
         // A belief at its limit that hardly costs anything is a caveat, and no answer.
-        let leads = |best: &&Lift| 2.0 * (self.cost - worth(best)) >= LEAD;
+        let leads = |best: &&Lift| 2.0 * (self.cost - best.worth(each)) >= LEAD;
         let Some(best) = best.filter(leads).cloned() else { return Ok(None) };
-        if self.is_explained_by_an_effect(worth(&best), each)? {
+        if self.is_explained_by_an_effect(best.worth(each), each)? {
             return Ok(None);
         }
         let problem = lifted(&self.problem, &best.own);
@@ -200,8 +205,7 @@ impl<'a> Course<'a> {
             |own: &&Estimate| self.lifts.iter().all(|lift| lift.own.unknown.name != own.unknown.name);
         let new = at_limit(known).into_par_iter().filter(is_new).map(|own| self.lift(own));
         let lifts = [self.lifts.clone(), new.collect::<Result<_, _>>()?].concat();
-        let ahead =
-            |lift: &Lift| 2.0 * (least - self.worth(lift.cost, &lift.known, each)) / variance_inflation;
+        let ahead = |lift: &Lift| 2.0 * (least - lift.worth(each)) / variance_inflation;
         let best = lifts.iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).filter(|best| ahead(best) > 0.0);
         Ok(best.map(|best| Misstated { values: best.contradictions(), leads: ahead(best) >= LEAD }))
     }
