@@ -4,7 +4,7 @@
 //! takes an impossible setup instead, and from there a fit with the effect finds no way back. Where the baseline or the
 //! answer needs a belief at its limit, that belief alone is lifted in the model without any effect. Where it is one of the
 //! setup, such as an angle, and nothing is missing then, the statement is wrong, and no effect is looked for. If a lifted
-//! belief does better for its unknowns than the effects that were found, either may be the answer, and the statement is
+//! belief does as well for its unknowns as the effects that were found, either may be the answer, and the statement is
 //! said first. If it leads by what names an effect, the effects are no answer.
 
 use rayon::prelude::*;
@@ -189,8 +189,8 @@ impl<'a> Course<'a> {
         Ok(Lift { own: own.clone(), cost, known })
     }
 
-    /// What alone would have to be otherwise than stated, if that does better than what was added, and whether it leads as an
-    /// effect has to that is named.
+    /// What alone would have to be otherwise than stated, if what was added does not lead it as an effect has to that is named;
+    /// and whether it leads itself.
     pub(super) fn misstated(&self) -> Result<Option<Misstated>, CalibrateError> {
         if self.added.is_empty() || self.is_stopped() {
             return Ok(None);
@@ -206,7 +206,8 @@ impl<'a> Course<'a> {
         let new = at_limit(known).into_par_iter().filter(is_new).map(|own| self.lift(own));
         let lifts = [self.lifts.clone(), new.collect::<Result<_, _>>()?].concat();
         let ahead = |lift: &Lift| 2.0 * (least - lift.worth(each)) / variance_inflation;
-        let best = lifts.iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).filter(|best| ahead(best) > 0.0);
+        let best =
+            lifts.iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).filter(|best| ahead(best) > -LEAD);
         Ok(best.map(|best| Misstated { values: best.contradictions(), leads: ahead(best) >= LEAD }))
     }
 }
