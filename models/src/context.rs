@@ -35,7 +35,7 @@ pub struct Context<T> {
     pub rest_length: T,
     /// How fast it grows over itself, 1/s: a strain that is counted against it falls at that rate.
     pub rest_rate: T,
-    /// One over it, 1/m.
+    /// One over the rest length, 1/m.
     pub per_rest_length: T,
     /// One over the Voronoi length of each bend, 1/m, shape `[N+1]`.
     pub per_voronoi: Vec<T>,

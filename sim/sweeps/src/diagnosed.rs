@@ -69,22 +69,27 @@ pub struct Answer {
     pub seconds: Option<f64>,
 }
 
+/// An answer in a few words: its effects, and those that would do as well as the last one.
+pub fn in_short(verdict: Verdict, effects: &[&str], members: &[&str]) -> String {
+    let names = effects.join(AND);
+    match verdict {
+        Verdict::Misstated => "misstated".to_owned(),
+        Verdict::NothingMissing => "nothing".to_owned(),
+        Verdict::Unknown if names.is_empty() => "unknown".to_owned(),
+        Verdict::Unknown => format!("unknown, partly {names}"),
+        Verdict::Named => names,
+        Verdict::Incomplete => format!("{names}, incomplete"),
+        Verdict::Class if members.is_empty() => format!("{names}, or a wrong statement"),
+        Verdict::Class => format!("{names}, or {}", members.join(", ")),
+    }
+}
+
 impl Answer {
     /// What is said, in a few words.
     pub fn said(&self) -> String {
-        let names: Vec<&str> = self.effects.iter().map(|added| added.effect.as_str()).collect();
-        let names = names.join(AND);
-        match self.verdict {
-            None => "no answer".to_owned(),
-            Some(Verdict::Misstated) => "misstated".to_owned(),
-            Some(Verdict::NothingMissing) => "nothing".to_owned(),
-            Some(Verdict::Unknown) if names.is_empty() => "unknown".to_owned(),
-            Some(Verdict::Unknown) => format!("unknown, partly {names}"),
-            Some(Verdict::Named) => names,
-            Some(Verdict::Incomplete) => format!("{names}, incomplete"),
-            Some(Verdict::Class) if self.members.is_empty() => format!("{names}, or a wrong statement"),
-            Some(Verdict::Class) => format!("{names}, or {}", self.members.join(", ")),
-        }
+        let effects: Vec<&str> = self.effects.iter().map(|added| added.effect.as_str()).collect();
+        let members: Vec<&str> = self.members.iter().map(String::as_str).collect();
+        self.verdict.map_or("no answer".to_owned(), |verdict| in_short(verdict, &effects, &members))
     }
 
     /// The answers in some rows of a table with these columns; none of a table that has others.

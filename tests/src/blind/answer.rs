@@ -125,18 +125,8 @@ impl Answer {
 
     /// In a few words.
     pub fn said(&self) -> String {
-        let names = self.named().join(" + ");
         let members: Vec<&str> = self.diagnosis.members.iter().map(|member| member.effect.as_str()).collect();
-        match self.diagnosis.verdict {
-            Verdict::Misstated => "misstated".to_owned(),
-            Verdict::NothingMissing => "nothing".to_owned(),
-            Verdict::Unknown if names.is_empty() => "unknown".to_owned(),
-            Verdict::Unknown => format!("unknown, partly {names}"),
-            Verdict::Named => names,
-            Verdict::Incomplete => format!("{names}, incomplete"),
-            Verdict::Class if members.is_empty() => format!("{names}, or a wrong statement"),
-            Verdict::Class => format!("{names}, or {}", members.join(", ")),
-        }
+        diagnosed::in_short(self.diagnosis.verdict, &self.named(), &members)
     }
 }
 

@@ -128,14 +128,19 @@ fn a_wrong_statement_is_said_before_an_effect() {
     assert!(found.summary.contains("Tip mass is missing, if that value is right"), "{}", found.summary);
 }
 
+/// What is said of a setup with something off.
+fn asked_of_setup(hidden: (&'static str, f64), seed: u64) -> setup::Answer {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(hidden.0);
+    setup::ask(hidden, seed, &folder).expect("it is read and asked")
+}
+
 /// A clamp that stands a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a
 /// diagnosis fits by itself can do that, and the nearest effect was named instead.
 #[test]
 #[ignore = "long; .ci/run runs it"]
 fn a_clamp_that_stands_otherwise_than_stated_is_named() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("clamp-tilt");
     let hidden = ("clamp_tilt", 20.0);
-    let answer = setup::ask(hidden, 904, &folder).expect("it is read and asked");
+    let answer = asked_of_setup(hidden, 904);
     assert!(answer.is_right(), "{}", answer.diagnosis.summary);
     let truth = Hidden::named(hidden.0, hidden.1).expect("it is known").strength();
     let off = answer.diagnosis.contradictions.iter().map(|own| (own.value / truth - 1.0).abs());
@@ -153,8 +158,7 @@ fn a_clamp_that_stands_otherwise_than_stated_is_named() {
 #[test]
 #[ignore = "long; .ci/run runs it"]
 fn a_camera_that_leans_is_named() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("frame-tilt");
-    let answer = setup::ask(setup::hidden(0, 884_001), 884_001, &folder).expect("it is read and asked");
+    let answer = asked_of_setup(setup::hidden(0, 884_001), 884_001);
     assert!(answer.is_right(), "{}", answer.diagnosis.summary);
 }
 
@@ -162,9 +166,8 @@ fn a_camera_that_leans_is_named() {
 #[test]
 #[ignore = "long; .ci/run runs it"]
 fn a_hand_that_pushes_is_named() {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("initial-velocity");
     let hidden = setup::hidden(2, 884_016);
-    let answer = setup::ask(hidden, 884_016, &folder).expect("it is read and asked");
+    let answer = asked_of_setup(hidden, 884_016);
     assert!(answer.is_right() && hidden.1 > 0.0, "{}", answer.diagnosis.summary);
     let truth = Hidden::named(hidden.0, hidden.1).expect("it is known").strength();
     let values = &answer.diagnosis.effects[0].parameters;

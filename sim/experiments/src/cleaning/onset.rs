@@ -40,49 +40,52 @@ const LEAST_ERROR: f64 = 0.2;
 /// Ratio of variances from which on a push is believed: noise gives it once in seven hundred releases (F of 1 and 30 degrees of
 /// freedom). Of sixty drawn releases without a push the largest was 9, of twelve with one the smallest 21.
 const PUSH: f64 = 12.0;
-/// What the best parabola leaves of a swing from rest, root mean square over the way that is fitted: this share of the square of
-/// the way over that to the rest. It is no push.
+/// What the best parabola leaves of a swing from rest, root mean square: this share of the square of the way that is fitted, over
+/// the distance of the hold from the rest. It says nothing of a push.
 const SHAPE: f64 = 8e-3;
 
 /// Direction of the first fall from the hold towards the rest, a unit vector; a hand may have pushed it the other way before.
 pub fn first_fall(path: &[Option<[f64; 3]>], cut: &Cut) -> Option<[f64; 3]> {
     let least = WAY * distance(cut.held, cut.rest);
-    let towards =
-        |at: &[f64; 3]| (0..3).map(|k| (at[k] - cut.held[k]) * (cut.rest[k] - cut.held[k])).sum::<f64>();
-    let has_fallen = |at: &[f64; 3]| distance(*at, cut.held) > least && towards(at) > 0.0;
+    let to_rest: [f64; 3] = std::array::from_fn(|k| cut.rest[k] - cut.held[k]);
+    let has_fallen = |at: &[f64; 3]| distance(*at, cut.held) > least && way(*at, cut.held, to_rest) > 0.0;
     let at = cut.swing.clone().filter_map(|i| path[i]).find(has_fallen)?;
     let length = distance(at, cut.held);
     Some(std::array::from_fn(|k| (at[k] - cut.held[k]) / length))
 }
 
+/// How far a place lies from the hold along a direction.
+fn way(at: [f64; 3], held: [f64; 3], along: [f64; 3]) -> f64 {
+    (0..3).map(|k| (at[k] - held[k]) * along[k]).sum()
+}
+
 /// Estimates the instant of a release; nothing if too little of the fall is seen.
 pub fn estimate(time: &[f64], path: &[Option<[f64; 3]>], cut: &Cut, step: f64) -> Option<Onset> {
     let fall = first_fall(path, cut)?;
-    let way = |i: usize| path[i].map(|at| (0..3).map(|k| (at[k] - cut.held[k]) * fall[k]).sum::<f64>());
+    let way = |i: usize| path[i].map(|at| way(at, cut.held, fall));
     let whole = distance(cut.held, cut.rest);
     let begin = cut.hold.clone().find(|&i| time[cut.hold.end - 1] - time[i] <= HOLD)?;
     let enough = cut.swing.clone().filter(|&i| path[i].is_some()).nth(LEAST_FALL - 1)?;
     let until = |share: f64| {
         let past = cut.swing.clone().find(|&i| way(i).is_some_and(|way| way > share * whole))?;
-        let seen: Vec<(f64, f64)> =
-            (begin..=past.max(enough)).filter_map(|i| Some((time[i], way(i)?))).collect();
-        let window = [time[cut.hold.end] - 0.15, time[past]];
-        Some((search::<SMOOTH>(&seen, window, step)?, search::<PUSHED>(&seen, window, step), time[past]))
+        let samples = (begin..=past.max(enough)).filter_map(|i| Some((time[i], way(i)?))).collect();
+        Some(Begun { samples, window: [time[cut.hold.end] - 0.15, time[past]], step })
     };
-    let (smooth, pushed, past) = until(WAY)?;
-    let shape = smooth.count as f64 * (SHAPE * smooth.way * smooth.way / whole).powi(2);
-    let pushed = pushed.filter(|pushed| smooth.cost > pushed.cost + PUSH * pushed.variance + shape);
+    let begun = until(WAY)?;
+    let smooth = begun.search::<SMOOTH>()?;
+    let shape = begun.samples.len() as f64 * (SHAPE * begun.way() * begun.way() / whole).powi(2);
+    let shows = |fall: &Fall| smooth.cost > fall.cost + PUSH * fall.variance + shape;
     // Few samples do not tell a push from a higher mode: then the error holds both.
-    let fallen = |since: f64| {
-        cut.swing.clone().filter(|&i| path[i].is_some() && time[i] > since && time[i] <= past).count()
-    };
-    let (pushed, perhaps) = match pushed {
-        Some(fall) if fallen(fall.instant) < LEAST_FALL => (None, Some(fall)),
+    let (pushed, perhaps) = match begun.search::<PUSHED>().filter(shows) {
+        Some(fall) if begun.fallen(fall.instant.max(time[cut.hold.end - 1])) < LEAST_FALL => {
+            (None, Some(fall))
+        }
         pushed => (pushed, None),
     };
     let best = pushed.unwrap_or(smooth);
-    let half =
-        until(0.5 * WAY).and_then(|(smooth, half, _)| if pushed.is_some() { half } else { Some(smooth) });
+    let half = until(0.5 * WAY);
+    let half = half
+        .and_then(|half| if pushed.is_some() { half.search::<PUSHED>() } else { half.search::<SMOOTH>() });
     let moved = half.map_or(0.5 * step, |half| half.instant - best.instant);
     let other = perhaps.map_or(0.0, |fall| fall.instant - best.instant);
     let seen = || (begin..=enough).filter(|&i| path[i].is_some()).map(|i| time[i]);
@@ -97,7 +100,7 @@ pub fn estimate(time: &[f64], path: &[Option<[f64; 3]>], cut: &Cut, step: f64) -
 const SMOOTH: usize = 3;
 const PUSHED: usize = 4;
 
-/// The best path that leaves the hold.
+/// A path that leaves the hold.
 #[derive(Clone, Copy)]
 struct Fall {
     instant: f64,
@@ -108,38 +111,57 @@ struct Fall {
     /// Sum of squares, and that over the degrees of freedom.
     cost: f64,
     variance: f64,
-    /// Samples that were fitted, and the way until the last of them, m.
-    count: usize,
-    way: f64,
 }
 
-/// The best instant in a window, for a path with as many unknowns.
-fn search<const UNKNOWNS: usize>(seen: &[(f64, f64)], [from, to]: [f64; 2], step: f64) -> Option<Fall> {
-    let free = seen.len().checked_sub(UNKNOWNS + 1).filter(|free| *free > 1)?;
-    let fine = 0.05 * step;
-    let count = ((to - from) / fine).ceil() as usize;
-    let costs: Vec<(f64, f64, [f64; UNKNOWNS])> = (0..=count)
-        .map(|k| from + fine * k as f64)
-        .filter_map(|t0| fit(seen, t0).map(|(cost, solved)| (t0, cost, solved)))
-        .filter(|(_, _, solved)| solved[2] > 0.0)
-        .collect();
-    let best = (0..costs.len()).min_by(|&a, &b| costs[a].1.total_cmp(&costs[b].1))?;
-    let (t0, cost, solved) = costs[best];
-    let variance = cost / free as f64;
-    let found = |instant: f64, error: f64| {
-        let push = solved.get(SMOOTH).copied().unwrap_or(0.0);
-        let (acceleration, count, way) = (solved[2], seen.len(), seen[seen.len() - 1].1);
-        Some(Fall { instant, error, acceleration, push, cost, variance, count, way })
-    };
-    // The parabola through the costs on either side: its vertex, and how sharp it is.
-    let (before, after) = (costs.get(best.wrapping_sub(1)), costs.get(best + 1));
-    let (Some(before), Some(after)) = (before, after) else { return found(t0, step) };
-    // Nothing is known worse than that it lies somewhere in the window, any place as likely as another.
-    let anywhere = (to - from) / 12f64.sqrt();
-    let bend = (before.1 - 2.0 * cost + after.1).max(0.0) / (fine * fine);
-    let shift = if bend > 0.0 { 0.5 * (before.1 - after.1) / (bend * fine) } else { 0.0 };
-    let error = if bend > 0.0 { (2.0 * variance / bend).sqrt().min(anywhere) } else { anywhere };
-    found(t0 + shift.clamp(-fine, fine), error)
+/// The end of the hold and the begin of the fall.
+struct Begun {
+    /// Times, s, and ways, m.
+    samples: Vec<(f64, f64)>,
+    /// Times between which the instant is searched, the later one being that of the last sample on the way that is fitted.
+    window: [f64; 2],
+    /// Time between two samples, s.
+    step: f64,
+}
+
+impl Begun {
+    /// The way until the last sample, m.
+    fn way(&self) -> f64 {
+        self.samples.last().map_or(0.0, |(_, way)| *way)
+    }
+
+    /// Samples on the way that is fitted, after an instant.
+    fn fallen(&self, since: f64) -> usize {
+        self.samples.iter().filter(|(t, _)| *t > since && *t <= self.window[1]).count()
+    }
+
+    /// The best path that leaves the hold, with so many unknowns.
+    fn search<const UNKNOWNS: usize>(&self) -> Option<Fall> {
+        let (seen, [from, to]) = (&self.samples, self.window);
+        let free = seen.len().checked_sub(UNKNOWNS + 1).filter(|free| *free > 1)?;
+        let fine = 0.05 * self.step;
+        let count = ((to - from) / fine).ceil() as usize;
+        let costs: Vec<(f64, f64, [f64; UNKNOWNS])> = (0..=count)
+            .map(|k| from + fine * k as f64)
+            .filter_map(|t0| fit(seen, t0).map(|(cost, solved)| (t0, cost, solved)))
+            .filter(|(_, _, solved)| solved[2] > 0.0)
+            .collect();
+        let best = (0..costs.len()).min_by(|&a, &b| costs[a].1.total_cmp(&costs[b].1))?;
+        let (t0, cost, solved) = costs[best];
+        let variance = cost / free as f64;
+        let found = |instant: f64, error: f64| {
+            let push = solved.get(SMOOTH).copied().unwrap_or(0.0);
+            Some(Fall { instant, error, acceleration: solved[2], push, cost, variance })
+        };
+        // The parabola through the costs on either side: its vertex, and how sharp it is.
+        let (before, after) = (costs.get(best.wrapping_sub(1)), costs.get(best + 1));
+        let (Some(before), Some(after)) = (before, after) else { return found(t0, self.step) };
+        // Nothing is known worse than that it lies somewhere in the window, any place as likely as another.
+        let anywhere = (to - from) / 12f64.sqrt();
+        let bend = (before.1 - 2.0 * cost + after.1).max(0.0) / (fine * fine);
+        let shift = if bend > 0.0 { 0.5 * (before.1 - after.1) / (bend * fine) } else { 0.0 };
+        let error = if bend > 0.0 { (2.0 * variance / bend).sqrt().min(anywhere) } else { anywhere };
+        found(t0 + shift.clamp(-fine, fine), error)
+    }
 }
 
 /// Sum of squares and unknowns of the best path that leaves the hold at an instant.

@@ -55,17 +55,25 @@ pub(super) struct Lift {
 }
 
 impl Lift {
-    /// What it costs, with what each unknown takes that is free: a belief that is lifted is as free as what an effect brings.
+    /// What was believed to be otherwise, as it is found: an unknown for each release or pressure that has its own.
+    fn freed(&self) -> impl Iterator<Item = &Estimate> {
+        self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name)
+    }
+
+    /// What it costs: a belief that is lifted is as free as what an effect brings.
     fn worth(&self, each: f64) -> f64 {
-        let freed = self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name).count();
-        self.cost + 0.5 * each * freed as f64
+        worth(self.cost, self.freed().count(), each)
     }
 
     /// What it says of the parameter that was believed to be otherwise.
     fn contradictions(&self) -> Vec<Contradiction> {
-        let found = self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name);
-        contradictions(found.map(|found| (found, &self.own)))
+        contradictions(self.freed().map(|found| (found, &self.own)))
     }
+}
+
+/// A cost with what each of the unknowns takes that are free in a model, and not in the baseline.
+fn worth(cost: f64, free: usize, each: f64) -> f64 {
+    cost + 0.5 * each * free as f64
 }
 
 /// A statement that may be wrong in the place of what was found.
@@ -157,18 +165,16 @@ impl<'a> Course<'a> {
             }
             round => round?,
         };
-        let worth = |effect: &Best| self.worth(effect.refit.cost, &effect.refit.known, each);
-        let is_explained =
-            matches!(&round.outcome, RoundOutcome::Effect(effect) if worth(effect) < statement);
+        let of = |effect: &Best| worth(effect.refit.cost, self.free(&effect.refit.known), each);
+        let is_explained = matches!(&round.outcome, RoundOutcome::Effect(effect) if of(effect) < statement);
         // The search goes on from here.
         self.first_round = Some(round);
         Ok(is_explained)
     }
 
-    /// A cost with what each unknown takes that the baseline has not, such as the clamp's angles.
-    fn worth(&self, cost: f64, known: &[Estimate], each: f64) -> f64 {
-        let more = known.len().saturating_sub(self.before.known.len());
-        cost + 0.5 * each * more as f64
+    /// How many unknowns a model has that the baseline has not.
+    fn free(&self, known: &[Estimate]) -> usize {
+        known.len().saturating_sub(self.before.known.len())
     }
 
     /// The model without any effect and with a belief lifted. From the start, since a belief at its limit may have lost the
@@ -189,8 +195,8 @@ impl<'a> Course<'a> {
         Ok(Lift { own: own.clone(), cost, known })
     }
 
-    /// What alone would have to be otherwise than stated, if what was added does not lead it as an effect has to that is named;
-    /// and whether it leads itself.
+    /// What alone would have to be otherwise than stated, unless what was added leads it by as much as names an effect; and
+    /// whether it leads as much itself.
     pub(super) fn misstated(&self) -> Result<Option<Misstated>, CalibrateError> {
         if self.added.is_empty() || self.is_stopped() {
             return Ok(None);
@@ -198,7 +204,7 @@ impl<'a> Course<'a> {
         let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
         let known = self.model.known();
         let each = variance_inflation * penalty(&self.model, variance_inflation);
-        let least = self.worth(self.cost, &known, each);
+        let least = worth(self.cost, self.free(&known), each);
         // What stood at its limit before an effect gave way may be what the effect stands in for.
         let known = self.before.known.iter().chain(&known);
         let is_new =

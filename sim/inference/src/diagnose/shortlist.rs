@@ -186,15 +186,16 @@ pub(super) fn fit_all(
     scores: &Scores,
     tell: &(dyn Fn(&Entry) + Sync),
 ) -> Result<(), CalibrateError> {
+    let hear = |entry: &mut Entry, rough: &Rough| {
+        entry.rough = Some(rough.cost);
+        entry.realised = Some(2.0 * (fit.cost() - rough.cost) / scores.variance_inflation);
+        tell(entry);
+    };
     let of_entry = |entry: &mut Entry| {
         tell(entry);
         let rough = rough(&entry.candidate, entry.score.estimate, fit)?;
         match &rough {
-            Some(rough) => {
-                entry.rough = Some(rough.cost);
-                entry.realised = Some(2.0 * (fit.cost() - rough.cost) / scores.variance_inflation);
-                tell(entry);
-            }
+            Some(rough) => hear(entry, rough),
             None => entry.reject(not_run(&fit.problem)),
         }
         Ok(rough)
@@ -210,8 +211,8 @@ pub(super) fn fit_all(
     // A search near its end was seen to gain up to a quarter of what it is behind, and by half it would not catch up.
     let near = STAGE_SHARE * least + 2.0 * LEAD * scores.variance_inflation;
     let farther = near.max(LAW * (fit.cost() - least));
-    // Far from the fit, the way from what is without it may end beside the least: those that the best is ahead of by no more
-    // than the error of a law begin once more, from where it has led.
+    // Far from its fit, a search that begins without the candidate may end beside the minimum. Those that the best leads by
+    // no more than the error of a law begin once more, from where the best has ended.
     if let Some(led) = best.and_then(|best| roughs[best].as_ref()).map(|rough| rough.known.clone()) {
         let again = |(entry, rough): (&mut Entry, &mut Option<Rough>)| {
             let Some(own) = rough.as_ref().filter(|own| (near..farther).contains(&(own.cost - least))) else {
@@ -219,6 +220,7 @@ pub(super) fn fit_all(
             };
             let found = rough_from(&entry.candidate, entry.candidate.null_value, &led, fit)?;
             if let Some(found) = found.filter(|found| found.cost < own.cost) {
+                hear(entry, &found);
                 *rough = Some(found);
             }
             Ok::<(), CalibrateError>(())

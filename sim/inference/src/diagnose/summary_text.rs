@@ -186,12 +186,12 @@ const TOLD: usize = 3;
 /// What is missing, with its values, and what cannot be told from it.
 fn named(diagnosis: &Diagnosis) -> String {
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
-    let or = match others.is_empty() {
-        true if diagnosis.verdict == Verdict::Class => ", if that value is right".to_owned(),
-        true => String::new(),
-        false => {
-            format!(", or an effect that these recordings cannot separate from it ({})", others.join(", "))
-        }
+    let or = if !others.is_empty() {
+        format!(", or an effect that these recordings cannot separate from it ({})", others.join(", "))
+    } else if diagnosis.verdict == Verdict::Class {
+        ", if that value is right".to_owned()
+    } else {
+        String::new()
     };
     let is = if diagnosis.effects.len() > 1 { "are" } else { "is" };
     let values: Vec<String> = diagnosis.effects.iter().filter_map(values).collect();
