@@ -12,7 +12,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::objective::Objective;
-use super::prediction::{Fidelity, Prediction, predict};
+use super::prediction::{Fidelity, Prediction, RunRequest};
 use super::view::View;
 
 /// Error admitted in a step of the finer runs.
@@ -45,11 +45,13 @@ pub(crate) fn correction(
         .map(|r| {
             let tight = Fidelity { tolerance: TIGHT, refinement: 1 };
             let fine = Fidelity { refinement: if keep_mesh { 1 } else { 2 }, ..tight };
-            let run = |fidelity| one(objective, r, x, view.counts[r], fidelity, Steps::Adaptive);
-            let steps = view.steps_as(Steps::Given, r);
-            let same = run(tight)?;
-            let finer = if keep_mesh { same.clone() } else { run(fine)? };
-            Some([one(objective, r, x, view.counts[r], view.fidelity, steps)?, same, finer])
+            let run = |fidelity, steps| {
+                let request = RunRequest { fidelity, steps, ..view.request(r) };
+                objective.member(r).predict(x, &request, None).ok()
+            };
+            let same = run(tight, Steps::Adaptive)?;
+            let finer = if keep_mesh { same.clone() } else { run(fine, Steps::Adaptive)? };
+            Some([run(view.fidelity, view.steps_as(Steps::Given, r))?, same, finer])
         })
         .collect();
     let mut correction = Correction::default();
@@ -79,18 +81,6 @@ pub(crate) fn correction(
         correction.own_steps.push(own.steps);
     }
     Some(correction)
-}
-
-fn one(
-    objective: &Objective,
-    r: usize,
-    x: &DVector<f64>,
-    count: usize,
-    fidelity: Fidelity,
-    steps: Steps,
-) -> Option<Prediction> {
-    let (part, measured) = (&objective.part, &objective.measured[r]);
-    predict(&part.members[r], measured, &part.locals[r], &part.unknowns, x, count, fidelity, steps, None).ok()
 }
 
 #[derive(Default)]

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::error::CalibrateError;
 use super::part::Part;
-use super::prediction::{Fidelity, Measured, Slopes, predict};
+use super::prediction::{FIT, Measured, Member, RunRequest, Slopes};
 use super::unknowns::Acts;
 use super::view::{Evaluation, Series, View};
 
@@ -37,6 +37,16 @@ impl Objective {
         self.effort.each_ref().map(|count| count.load(Ordering::Relaxed))
     }
 
+    /// One of its releases.
+    pub fn member(&self, r: usize) -> Member<'_> {
+        Member {
+            trial: &self.part.members[r],
+            measured: &self.measured[r],
+            locals: &self.part.locals[r],
+            unknowns: &self.part.unknowns,
+        }
+    }
+
     /// Samples of each release.
     pub fn all(&self) -> Vec<usize> {
         self.measured.iter().map(|measured| measured.samples.len()).collect()
@@ -56,23 +66,12 @@ impl Objective {
 
     /// Why nothing was found: the start cannot be simulated, or leads nowhere.
     pub fn refusal(&self, start: &DVector<f64>) -> CalibrateError {
-        let rough = Fidelity { tolerance: 1e-4, refinement: 1 };
-        for (r, trial) in self.part.members.iter().enumerate() {
-            let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
-            let count = self.measured[r].samples.len();
-            let run = predict(
-                trial,
-                &self.measured[r],
-                locals,
-                unknowns,
-                start,
-                count,
-                rough,
-                Steps::Adaptive,
-                None,
-            );
+        for r in 0..self.part.members.len() {
+            let member = self.member(r);
+            let (count, steps) = (member.measured.samples.len(), Steps::Adaptive);
+            let run = member.predict(start, &RunRequest { count, fidelity: FIT, steps }, None);
             if let Err(error) = run {
-                let release = trial.release.name.clone();
+                let release = member.trial.release.name.clone();
                 return CalibrateError::Forward { release, error: error.into() };
             }
         }
@@ -101,11 +100,10 @@ impl Objective {
         view: &View,
         slopes: Option<Slopes>,
     ) -> Option<(Vec<Series>, Vec<f64>)> {
-        let (trial, measured) = (&self.part.members[r], &self.measured[r]);
-        let (locals, unknowns) = (&self.part.locals[r], &self.part.unknowns);
-        let (count, fidelity) = (view.counts[r], view.fidelity);
-        let prediction =
-            predict(trial, measured, locals, unknowns, x, count, fidelity, view.steps_of(r), slopes).ok()?;
+        let member = self.member(r);
+        let Member { trial, measured, locals, unknowns } = member;
+        let request = view.request(r);
+        let prediction = member.predict(x, &request, slopes).ok()?;
         self.count_steps(prediction.steps_in_all);
         let mut block = Vec::with_capacity(trial.release.tracks.len());
         for (t, track) in trial.release.tracks.iter().enumerate() {
@@ -119,7 +117,7 @@ impl Objective {
             }
             let per_noise = measured.noise[t].recip();
             let mut series = Series::default();
-            for k in 0..count {
+            for k in 0..request.count {
                 let Some(seen) = track.position[measured.samples[k]] else { continue };
                 let correction = view.corrections.as_ref().map_or([0.0; 2], |all| all[r][t][k]);
                 let residual = |axis: usize| {
@@ -253,6 +251,7 @@ mod tests {
 
     use super::*;
     use crate::calibrate::part::parts;
+    use crate::calibrate::prediction::Fidelity;
     use crate::calibrate::unknowns::Unknowns;
     use crate::calibrate::{FittedParameter, Nuisances, Prior, Problem, Scope, Trial};
 

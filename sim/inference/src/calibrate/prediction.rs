@@ -50,6 +50,25 @@ pub(crate) enum Slopes {
     Differences,
 }
 
+/// A release of a search: what was measured of it, and the unknowns that act on it.
+#[derive(Clone, Copy)]
+pub(crate) struct Member<'a> {
+    pub trial: &'a Trial,
+    pub measured: &'a Measured,
+    pub locals: &'a [Local],
+    /// Those of the whole part.
+    pub unknowns: &'a [Unknown],
+}
+
+/// How far and how finely a release is run.
+#[derive(Clone, Debug)]
+pub(crate) struct RunRequest {
+    /// Samples, from the first.
+    pub count: usize,
+    pub fidelity: Fidelity,
+    pub steps: Steps,
+}
+
 /// Change of a scaled unknown by which differences are taken: the prediction's rounding, some 1e-11 m,
 /// leaves 1e-6 m, its curvature 1e-5 of the slope.
 const DIFFERENCE: f64 = 1e-5;
@@ -120,156 +139,149 @@ impl Measured {
     }
 }
 
-/// Values of the unknowns as the model of a trial takes them: parameters, and the release instant, s.
-pub(crate) fn values(
-    trial: &Trial,
-    locals: &[Local],
-    unknowns: &[Unknown],
-    x: &DVector<f64>,
-) -> (Vec<(usize, f64)>, f64) {
-    let (mut theta, mut instant) = (Vec::new(), 0.0);
-    for local in locals {
-        let value = unknowns[local.unknown].scaled.value(x[local.unknown]);
-        match local.acts {
-            Acts::Theta(k) => theta.push((k, value)),
-            Acts::OnTheta(k) => theta.push((k, trial.model.theta[k] + value)),
-            Acts::Instant => instant = value,
-            Acts::Offset { .. } => {}
-        }
-    }
-    (theta, instant)
-}
-
-/// The trajectory of a trial with parameters set, `(index in theta, value)`, at the first `count` of the samples, with its
-/// derivatives by the `watched` ones.
-#[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
-pub(crate) fn simulate(
-    trial: &Trial,
-    measured: &Measured,
-    theta: &[(usize, f64)],
-    instant: f64,
-    count: usize,
-    fidelity: Fidelity,
-    steps: Steps,
-    watched: Vec<usize>,
-) -> Result<Trajectory, ForwardError> {
-    let (mut model, mut initial) = trial.with(theta);
-    if fidelity.refinement > 1 {
-        refine(&mut model, &mut initial, fidelity.refinement)?;
-    }
-    let times: Vec<f64> =
-        (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();
-    let last = times.last().copied().unwrap_or(0.0);
-    let duration = last.max(Sensor::new(&model, model.theta.clone()).instant(last));
-    let run = Run {
-        initial,
-        history: trial.run.history,
-        duration,
-        samples: times,
-        method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
-        tolerance: fidelity.tolerance,
-        steps: steps.ending_before(duration - LEAST_STEP),
-        most_steps: trial.run.most_steps.min(MOST_STEPS),
-        keep_samples: true,
-        keep_steps: true,
-        energy: false,
-        sensitivities: watched,
-        points: trial.release.tracks.iter().map(|track| track.at).collect(),
-        trace_step: None,
-        cancel: trial.run.cancel.clone(),
-    };
-    let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
-    if let Status::CutShort { time } = path.status {
-        return Err(ForwardError::CutShort { time });
-    }
-    Ok(path)
-}
-
-/// Simulates a trial and looks at it as its recording did: at the first `count` of the samples.
-#[expect(clippy::too_many_arguments, reason = "one trial, one point of the search, one way to run it")]
-pub(crate) fn predict(
-    trial: &Trial,
-    measured: &Measured,
-    locals: &[Local],
-    unknowns: &[Unknown],
-    x: &DVector<f64>,
-    count: usize,
-    fidelity: Fidelity,
-    steps: Steps,
-    slopes: Option<Slopes>,
-) -> Result<Prediction, ForwardError> {
-    let (theta, instant) = values(trial, locals, unknowns, x);
-    let watched = match slopes {
-        Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
-        _ => Vec::new(),
-    };
-    let path = simulate(trial, measured, &theta, instant, count, fidelity, steps, watched)?;
-    let tracks = trial.release.tracks.len();
-    // A hand that moves brings the markers along a straight line to where it lets go.
-    let way = |track: usize, sample: usize| {
-        let before = trial.release.time[measured.samples[sample]] - instant;
-        let velocity = path.point_velocities[0][track];
-        if trial.is_held() && before < 0.0 { velocity.map(|velocity| before * velocity) } else { [0.0; 2] }
-    };
-    let of_track = |track: usize| {
-        let moved = |(sample, points): (usize, &Vec<[f64; 2]>)| {
-            let ([x, z], [dx, dz]) = (points[track], way(track, sample));
-            [x + dx, z + dz]
-        };
-        path.points.iter().enumerate().map(moved).collect()
-    };
-    let mut prediction = Prediction {
-        position: (0..tracks).map(of_track).collect(),
-        slopes: Vec::new(),
-        steps: path.steps.clone(),
-        steps_in_all: path.steps.len(),
-    };
-    if let Some(slopes) = slopes {
-        let slips = || trial.with(&theta).0.slipping().is_some();
-        let difference = match slopes {
-            Slopes::Differences if slips() => DIFFERENCE_WITH_FRICTION,
-            _ => DIFFERENCE,
-        };
-        let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
-            (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
-                let mut aside = x.clone();
-                aside[locals[l].unknown] += difference;
-                let steps = Steps::Repeated(path.steps.clone());
-                predict(trial, measured, locals, unknowns, &aside, count, fidelity, steps, None).map(Some)
+impl Member<'_> {
+    /// Values of the unknowns as the model takes them: parameters, and the release instant, s.
+    pub fn values(&self, x: &DVector<f64>) -> (Vec<(usize, f64)>, f64) {
+        let (mut theta, mut instant) = (Vec::new(), 0.0);
+        for local in self.locals {
+            let value = self.unknowns[local.unknown].scaled.value(x[local.unknown]);
+            match local.acts {
+                Acts::Theta(k) => theta.push((k, value)),
+                Acts::OnTheta(k) => theta.push((k, self.trial.model.theta[k] + value)),
+                Acts::Instant => instant = value,
+                Acts::Offset { .. } => {}
             }
-            _ => Ok(None),
-        };
-        let moved: Vec<Option<Prediction>> =
-            locals.par_iter().enumerate().map(moved).collect::<Result<_, _>>()?;
-        prediction.steps_in_all += moved.iter().flatten().map(|moved| moved.steps_in_all).sum::<usize>();
-        let chain: Vec<f64> =
-            locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();
-        for track in 0..tracks {
-            let row = |sample: usize| {
-                let found = path.points_by_parameters.get(sample);
-                let mut by_theta = found.map_or(&[][..], |points| &points[track]).iter();
-                let is_held = path.times[sample] <= 0.0;
-                let of_local = |((local, chain), moved): ((&Local, &f64), &Option<Prediction>)| match local
-                    .acts
-                {
-                    _ if moved.is_some() => {
-                        let aside = moved.as_ref().map_or([0.0; 2], |moved| moved.position[track][sample]);
-                        let here = prediction.position[track][sample];
-                        [0, 1].map(|axis| (aside[axis] - here[axis]) / difference)
-                    }
-                    Acts::Theta(_) | Acts::OnTheta(_) => {
-                        by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
-                    }
-                    Acts::Instant if is_held && !trial.is_held() => [0.0; 2],
-                    Acts::Instant => path.point_velocities[sample][track].map(|rate| -chain * rate),
-                    Acts::Offset { track: own, axis } => {
-                        [0, 1].map(|k| if own == track && axis == k { *chain } else { 0.0 })
-                    }
-                };
-                locals.iter().zip(&chain).zip(&moved).map(of_local).collect()
-            };
-            prediction.slopes.push((0..count).map(row).collect());
         }
+        (theta, instant)
     }
-    Ok(prediction)
+
+    /// The trajectory with parameters set, `(index in theta, value)`, and its derivatives by the `watched` ones.
+    pub fn simulate(
+        &self,
+        theta: &[(usize, f64)],
+        instant: f64,
+        request: &RunRequest,
+        watched: Vec<usize>,
+    ) -> Result<Trajectory, ForwardError> {
+        let Self { trial, measured, .. } = *self;
+        let RunRequest { count, fidelity, ref steps } = *request;
+        let (mut model, mut initial) = trial.with(theta);
+        if fidelity.refinement > 1 {
+            refine(&mut model, &mut initial, fidelity.refinement)?;
+        }
+        let times: Vec<f64> =
+            (measured.samples[..count].iter()).map(|k| (trial.release.time[*k] - instant).max(0.0)).collect();
+        let last = times.last().copied().unwrap_or(0.0);
+        let duration = last.max(Sensor::new(&model, model.theta.clone()).instant(last));
+        let run = Run {
+            initial,
+            history: trial.run.history,
+            duration,
+            samples: times,
+            method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
+            tolerance: fidelity.tolerance,
+            steps: steps.clone().ending_before(duration - LEAST_STEP),
+            most_steps: trial.run.most_steps.min(MOST_STEPS),
+            keep_samples: true,
+            keep_steps: true,
+            energy: false,
+            sensitivities: watched,
+            points: trial.release.tracks.iter().map(|track| track.at).collect(),
+            trace_step: None,
+            cancel: trial.run.cancel.clone(),
+        };
+        let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
+        if let Status::CutShort { time } = path.status {
+            return Err(ForwardError::CutShort { time });
+        }
+        Ok(path)
+    }
+
+    /// Simulates it and looks at it as its recording did.
+    pub fn predict(
+        &self,
+        x: &DVector<f64>,
+        request: &RunRequest,
+        slopes: Option<Slopes>,
+    ) -> Result<Prediction, ForwardError> {
+        let Self { trial, measured, locals, unknowns } = *self;
+        let (theta, instant) = self.values(x);
+        let watched = match slopes {
+            Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
+            _ => Vec::new(),
+        };
+        let path = self.simulate(&theta, instant, request, watched)?;
+        let tracks = trial.release.tracks.len();
+        // A hand that moves brings the markers along a straight line to where it lets go.
+        let way = |track: usize, sample: usize| {
+            let before = trial.release.time[measured.samples[sample]] - instant;
+            let velocity = path.point_velocities[0][track];
+            if trial.is_held() && before < 0.0 {
+                velocity.map(|velocity| before * velocity)
+            } else {
+                [0.0; 2]
+            }
+        };
+        let of_track = |track: usize| {
+            let moved = |(sample, points): (usize, &Vec<[f64; 2]>)| {
+                let ([x, z], [dx, dz]) = (points[track], way(track, sample));
+                [x + dx, z + dz]
+            };
+            path.points.iter().enumerate().map(moved).collect()
+        };
+        let mut prediction = Prediction {
+            position: (0..tracks).map(of_track).collect(),
+            slopes: Vec::new(),
+            steps: path.steps.clone(),
+            steps_in_all: path.steps.len(),
+        };
+        if let Some(slopes) = slopes {
+            let slips = || trial.with(&theta).0.slipping().is_some();
+            let difference = match slopes {
+                Slopes::Differences if slips() => DIFFERENCE_WITH_FRICTION,
+                _ => DIFFERENCE,
+            };
+            let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
+                (Slopes::Differences, Acts::Theta(_) | Acts::OnTheta(_)) => {
+                    let mut aside = x.clone();
+                    aside[locals[l].unknown] += difference;
+                    let steps = Steps::Repeated(path.steps.clone());
+                    self.predict(&aside, &RunRequest { steps, ..request.clone() }, None).map(Some)
+                }
+                _ => Ok(None),
+            };
+            let moved: Vec<Option<Prediction>> =
+                locals.par_iter().enumerate().map(moved).collect::<Result<_, _>>()?;
+            prediction.steps_in_all += moved.iter().flatten().map(|moved| moved.steps_in_all).sum::<usize>();
+            let chain: Vec<f64> =
+                locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();
+            for track in 0..tracks {
+                let row = |sample: usize| {
+                    let found = path.points_by_parameters.get(sample);
+                    let mut by_theta = found.map_or(&[][..], |points| &points[track]).iter();
+                    let is_held = path.times[sample] <= 0.0;
+                    let of_local =
+                        |((local, chain), moved): ((&Local, &f64), &Option<Prediction>)| match local.acts {
+                            _ if moved.is_some() => {
+                                let aside =
+                                    moved.as_ref().map_or([0.0; 2], |moved| moved.position[track][sample]);
+                                let here = prediction.position[track][sample];
+                                [0, 1].map(|axis| (aside[axis] - here[axis]) / difference)
+                            }
+                            Acts::Theta(_) | Acts::OnTheta(_) => {
+                                by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
+                            }
+                            Acts::Instant if is_held && !trial.is_held() => [0.0; 2],
+                            Acts::Instant => path.point_velocities[sample][track].map(|rate| -chain * rate),
+                            Acts::Offset { track: own, axis } => {
+                                [0, 1].map(|k| if own == track && axis == k { *chain } else { 0.0 })
+                            }
+                        };
+                    locals.iter().zip(&chain).zip(&moved).map(of_local).collect()
+                };
+                prediction.slopes.push((0..request.count).map(row).collect());
+            }
+        }
+        Ok(prediction)
+    }
 }

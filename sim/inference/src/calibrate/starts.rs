@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::objective::Objective;
-use super::prediction::values;
+use super::prediction::Member;
 use super::unknowns::UnknownKind;
 use super::view::View;
 
@@ -27,8 +27,9 @@ const UNKNOWN_SWING: f64 = 0.1;
 pub(super) fn swing_times(objective: &Objective, x: &DVector<f64>) -> Vec<f64> {
     let releases = 0..objective.part.members.len();
     let of = |r: usize| {
-        let (trial, measured) = (&objective.part.members[r], &objective.measured[r]);
-        let (theta, _) = values(trial, &objective.part.locals[r], &objective.part.unknowns, x);
+        let member = objective.member(r);
+        let Member { trial, measured, .. } = member;
+        let (theta, _) = member.values(x);
         let (mut model, _) = trial.with(&theta);
         model.schedule = None;
         let slowest = equilibrium(&model, None).and_then(|rest| modes(&model, &rest, 1)).ok();

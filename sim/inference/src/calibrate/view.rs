@@ -3,7 +3,7 @@
 use efam_core::integrate::Steps;
 use efam_core::loss::{Huber, spread};
 
-use super::prediction::{FIT, Fidelity, Slopes};
+use super::prediction::{FIT, Fidelity, RunRequest, Slopes};
 
 /// How the data are looked at.
 #[derive(Clone, Debug)]
@@ -43,7 +43,12 @@ impl View {
         self
     }
 
-    /// How the `r`-th release is run. A halved step moves the cost by more than the last steps of a search lower it, and a
+    /// How the `r`-th release is run.
+    pub fn request(&self, r: usize) -> RunRequest {
+        RunRequest { count: self.counts[r], fidelity: self.fidelity, steps: self.steps_of(r) }
+    }
+
+    /// On which steps the `r`-th release is run. A halved step moves the cost by more than the last steps of a search lower it, and a
     /// correction is for the steps it was found with: where slopes are those of the prediction, steps are too.
     pub fn steps_of(&self, r: usize) -> Steps {
         match self.slopes {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::prediction::{Prediction, predict, simulate, values};
+use crate::calibrate::prediction::{Member, Prediction, RunRequest};
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::view::Series;
 use crate::calibrate::{Scope, Trial};
@@ -108,12 +108,11 @@ fn movements_in(fit: &Joint, candidates: &[&Candidate], r: usize) -> Option<Vec<
     }
     let strength = |candidate: &&Candidate| trial.model.index(&candidate.path()).ok();
     let strengths: Vec<usize> = candidates.iter().map(strength).collect::<Option<_>>()?;
-    let (theta, instant) = values(&trial, &part.locals[r], &part.unknowns, &fit.found.x);
-    let measured = &fit.objective.measured[r];
-    let count = view.counts[r];
+    let member = Member { trial: &trial, ..fit.objective.member(r) };
+    let (theta, instant) = member.values(&fit.found.x);
     // Memories that the fit has not may need shorter steps.
-    let steps = view.steps_as(Steps::Given, r);
-    let path = simulate(&trial, measured, &theta, instant, count, view.fidelity, steps, strengths).ok()?;
+    let request = RunRequest { steps: view.steps_as(Steps::Given, r), ..view.request(r) };
+    let path = member.simulate(&theta, instant, &request, strengths).ok()?;
     let seen = path.points_by_parameters;
     let is_finite = seen.iter().flatten().flatten().flatten().all(|slope| slope.is_finite());
     let moved = |c: usize| in_noise(fit, r, |t, k| seen[k][t][c]);
@@ -232,10 +231,9 @@ pub(super) fn in_noise(fit: &Joint, r: usize, moved: impl Fn(usize, usize) -> [f
 
 /// The prediction of the `r`-th release.
 fn run(fit: &Joint, trial: &Trial, r: usize, steps: Steps) -> Option<Prediction> {
-    let (part, view) = (&fit.objective.part, &fit.found.view);
-    let measured = &fit.objective.measured[r];
-    let (locals, count) = (&part.locals[r], view.counts[r]);
-    predict(trial, measured, locals, &part.unknowns, &fit.found.x, count, view.fidelity, steps, None).ok()
+    let member = Member { trial, ..fit.objective.member(r) };
+    let request = RunRequest { steps, ..fit.found.view.request(r) };
+    member.predict(&fit.found.x, &request, None).ok()
 }
 
 #[cfg(test)]
