@@ -78,7 +78,8 @@ pub fn in_short(verdict: Verdict, effects: &[&str], members: &[&str]) -> String 
         Verdict::Unknown if names.is_empty() => "unknown".to_owned(),
         Verdict::Unknown => format!("unknown, partly {names}"),
         Verdict::Named => names,
-        Verdict::Incomplete => format!("{names}, incomplete"),
+        Verdict::Incomplete if members.is_empty() => format!("{names}, incomplete"),
+        Verdict::Incomplete => format!("{names}, or {}, incomplete", members.join(", ")),
         Verdict::Class if members.is_empty() => format!("{names}, or a wrong statement"),
         Verdict::Class => format!("{names}, or {}", members.join(", ")),
     }

@@ -71,6 +71,12 @@ impl Answer {
         matches!(self.diagnosis.verdict, Verdict::Named | Verdict::Incomplete | Verdict::Class)
     }
 
+    /// Whether the answer is one of several, be something left or not.
+    pub fn is_a_class(&self) -> bool {
+        let has_members = self.is_a_name() && !self.diagnosis.members.is_empty();
+        has_members || self.diagnosis.verdict == Verdict::Class
+    }
+
     /// Whether what is hidden can be told from all else.
     pub fn is_separable(&self) -> bool {
         self.distance.is_some_and(|distance| distance >= TOLD_APART)
@@ -94,9 +100,7 @@ impl Answer {
     pub fn has_a_false_name(&self) -> bool {
         let is_hidden =
             |name: &str| !self.case.is_robbed && self.case.hidden.iter().any(|(own, _)| *own == name);
-        let is_excused = self.diagnosis.verdict == Verdict::Class
-            && !self.case.hidden.is_empty()
-            && self.holds_the_truth();
+        let is_excused = self.is_a_class() && !self.case.hidden.is_empty() && self.holds_the_truth();
         self.is_a_name() && !is_excused && self.named().iter().any(|name| !is_hidden(name))
     }
 

@@ -40,10 +40,9 @@ pub fn told(answers: &[Answer]) -> String {
     let sizes = separable.iter().filter(|a| a.is_a_name()).map(|a| 1.0 + a.diagnosis.members.len() as f64);
     number(&mut text, "separable: median size of the class", median(sizes.collect()));
     rate(&mut text, "between (D of 2 to 5): truth in what is said", &between, |a| a.holds_the_truth());
-    rate(&mut text, "one of several (D below 2): a class", &one, |a| a.diagnosis.verdict == Verdict::Class);
+    rate(&mut text, "one of several (D below 2): a class", &one, |a| a.is_a_class());
     rate(&mut text, "one of several: truth in what is said", &one, |a| a.holds_the_truth());
-    let classes: Vec<&Answer> =
-        answers.iter().filter(|a| a.diagnosis.verdict == Verdict::Class && single(a)).collect();
+    let classes: Vec<&Answer> = answers.iter().filter(|a| a.is_a_class() && single(a)).collect();
     rate(&mut text, "classes: a recording that separates the nearest two", &classes, |a| {
         a.diagnosis.separating_experiment.as_ref().is_some_and(|found| found.distance >= TOLD_APART)
     });

@@ -286,6 +286,19 @@ fn without_pressures_a_second_round_asks_for_none() {
     assert!(found.evidence.iter().all(|evidence| !evidence.of_each_pressure));
 }
 
+/// A pressure that rises with bending describes nearly all that a stiffness with a cube does. What it leaves is less than an
+/// error of its law may be, and more than noise: the name is given with that, and not as all.
+#[test]
+#[ignore = "long; .ci/run runs it"]
+fn a_similar_law_is_called_incomplete() {
+    let hidden = Hidden::named("cubic_stiffness", 0.3).expect("it is known");
+    let problem = problem(&Plan { duration: 4.0, ..Plan::of_two_angles(&[hidden]) }.draw(909));
+    let found = diagnose(&problem, &only(&["pressure_volume"]), &|_: &str| ()).expect("it can be diagnosed");
+    let found = found.diagnosis;
+    assert_eq!(found.verdict, Verdict::Incomplete, "{}", found.summary);
+    assert!(found.summary.contains("more than noise remains"), "{}", found.summary);
+}
+
 /// With nothing to choose from, what is hidden is described, and not called nothing.
 #[test]
 #[ignore = "a minute or more; its kind has a shorter test beside it"]

@@ -183,16 +183,16 @@ pub enum IntegrateError {
         /// Node with the largest error.
         node: usize,
     },
-    /// A fixed step in which the explicit method is not stable.
+    /// A fixed step that the method cannot take: the explicit one is not stable in it, or its error is as large as the rod.
     #[error(
-        "a step of {step:.1e} s is too long for an explicit method at t = {time:.4} s near node {node}; try a fixed_step of half of it, or none"
+        "a step of {step:.1e} s is too long at t = {time:.4} s near node {node}; try a fixed_step of half of it, or none"
     )]
     StepTooLong {
         /// Time, s.
         time: f64,
         /// Step, s.
         step: f64,
-        /// Node where the force changed most.
+        /// Node where the force changed most, or with the largest error.
         node: usize,
     },
     /// A state that is not a number.

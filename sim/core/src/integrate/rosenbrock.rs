@@ -266,6 +266,10 @@ impl Integrator for Rosenbrock {
             if !error.is_finite() {
                 return Err(IntegrateError::NotFinite { time, node });
             }
+            // The error of the step is as large as the rod: what follows would be no motion of it.
+            if error * self.control.tolerance > 1.0 {
+                return Err(IntegrateError::StepTooLong { time, step: h, node });
+            }
             self.accept(h);
             if h == to_stop {
                 self.state.time = stop;

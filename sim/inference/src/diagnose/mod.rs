@@ -199,6 +199,8 @@ struct Course<'a> {
     first_round: Option<Round>,
     /// The model after each of them.
     steps: Vec<Step>,
+    /// Whether anything stands out of the noise beside what was added.
+    is_more_heard: bool,
     /// Whether effects of the rod's material have a strength for each pressure.
     is_widened: bool,
     diagnosis: Diagnosis,
@@ -248,6 +250,7 @@ impl<'a> Course<'a> {
             lifted_held_out: None,
             first_round: None,
             steps: Vec::new(),
+            is_more_heard: false,
             is_widened: false,
             diagnosis,
         }
@@ -281,10 +284,11 @@ impl<'a> Course<'a> {
             }
             (_, verdict) if verdict == Verdict::Unknown || self.added.is_empty() => verdict,
             _ => {
-                if self.is_believed()? {
-                    Verdict::Named
-                } else {
-                    Verdict::Unknown
+                // With a law that is not quite right something stays that noise does not give.
+                match (self.is_believed()?, self.is_more_heard) {
+                    (true, false) => Verdict::Named,
+                    (true, true) => Verdict::Incomplete,
+                    (false, _) => Verdict::Unknown,
                 }
             }
         };
@@ -324,6 +328,7 @@ impl<'a> Course<'a> {
             self.diagnosis.thresholds.push(found.threshold);
             self.diagnosis.evidence.extend(found.evidence);
             self.diagnosis.shapes.extend(found.shapes);
+            self.is_more_heard = found.is_heard;
             self.diagnosis.warnings.extend(found.negligible.map(|effect| {
                 format!("{effect} scores as well, at less than a tenth of the size of what was found: it cannot be separated from an error of that law")
             }));
@@ -337,6 +342,7 @@ impl<'a> Course<'a> {
                     if self.settings.most_effects >= TOO_MANY || self.added.is_empty() {
                         self.diagnosis.verdict = Verdict::Unknown;
                     }
+                    self.is_more_heard = true;
                     return Ok(());
                 }
                 RoundOutcome::Nothing if !found.is_shaped => return Ok(()),

@@ -21,8 +21,10 @@ pub(super) struct Round {
     pub evidence: Vec<Evidence>,
     /// Patterns of the residual, whatever their cause.
     pub shapes: Vec<Shape>,
-    /// Whether one of the shapes stands out.
+    /// Whether one of the shapes stands out of what an error of the laws that were found may leave.
     pub is_shaped: bool,
+    /// Whether anything stands out of the noise, of whatever size.
+    pub is_heard: bool,
     /// What stands out, and is too small beside what was found before to be more than an error of its law.
     pub negligible: Option<&'static str>,
     /// Result of the round.
@@ -93,9 +95,9 @@ pub(super) fn round(
     let promise = promise.fold(f64::NEG_INFINITY, f64::max);
     let loudest = entries.first().filter(|entry| is_loud(entry)).map(|entry| entry.candidate.name());
     let one_more = loudest.filter(|_| is_last && promise >= negligible);
-    let is_shape =
-        |shape: &Shape| shape.score > shape.threshold && shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
-    let is_shaped = shapes.iter().any(is_shape);
+    let is_loud_shape = |shape: &&Shape| shape.score > shape.threshold;
+    let is_shape = |shape: &Shape| shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
+    let is_shaped = shapes.iter().filter(is_loud_shape).any(is_shape);
     let outcome = if let Some(name) = one_more {
         entries.iter_mut().for_each(|entry| entry.reject(NO_MORE));
         RoundOutcome::LimitReached(name)
@@ -117,5 +119,7 @@ pub(super) fn round(
     let is_little = !added.is_empty() && matches!(outcome, RoundOutcome::Nothing);
     let negligible = loudest.filter(|_| is_little);
     let (threshold, evidence) = (scores.threshold, ranked(&entries));
-    Ok(Round { threshold, evidence, shapes, is_shaped, negligible, outcome })
+    let is_little = |own: &Evidence| own.rejected.as_deref() == Some(LITTLE);
+    let is_heard = shapes.iter().any(|shape| is_loud_shape(&shape)) || evidence.iter().any(is_little);
+    Ok(Round { threshold, evidence, shapes, is_shaped, is_heard, negligible, outcome })
 }

@@ -264,7 +264,9 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
         }
     });
     let more = match diagnosis.verdict {
-        Verdict::Incomplete => ": something else is missing as well",
+        Verdict::Incomplete => {
+            ": more than noise remains, so a similar law acts instead, or something else as well"
+        }
         _ => "",
     };
     Some(format!("{distances}{}{more}.", told.unwrap_or_default()))

@@ -4,7 +4,9 @@
 //! run of RODAS4 with steps of 50 µs, whose own error is below 1e-14 m (that RODAS4 converges to
 //! what the other families converge to is the suite `dynamics::methods_agree`).
 
-use efam_core::forward::Run;
+use std::ops::ControlFlow;
+
+use efam_core::forward::{Run, forward};
 use efam_core::integrate::{Method, Steps};
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Scheme};
@@ -112,4 +114,17 @@ fn repeated_steps_are_those_of_the_other_run() {
     let strict = |steps: Steps| simulate(&model, &Run { tolerance: 1e-7, steps, ..rough.clone() }).steps;
     assert_eq!(strict(Steps::Repeated(given.clone())), given);
     assert!(strict(Steps::Given(given.clone())).len() > given.len());
+}
+
+/// What comes after a step whose error is as large as the rod is no motion of it: it was seen to grow to 1e54 m, in one
+/// release of a fit.
+#[test]
+fn a_step_with_an_error_as_large_as_the_rod_is_refused() {
+    let model =
+        Model::new(&paper_spec(40.0, 32, &[("rayleigh_stiffness.beta", 2e-3)])).expect("the paper's muscle");
+    for steps in [Steps::Repeated(Vec::new()), Steps::Fixed(2.0)] {
+        let run = Run { steps, ..Run::release(2.0, 1.0) };
+        let refused = forward(&model, &run, &mut |_| ControlFlow::Continue(())).expect_err("a step of 2 s");
+        assert!(refused.to_string().contains("too long"), "{refused}");
+    }
 }
