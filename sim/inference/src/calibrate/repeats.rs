@@ -154,7 +154,7 @@ const NUMBERS: f64 = 4.0;
 
 /// The 95 % point of the F distribution.
 /// Source: Paulson (1942), Annals of Mathematical Statistics 13, 233: the cube root is nearly normal.
-fn quantile_of_f(over: f64, under: f64) -> f64 {
+pub(crate) fn quantile_of_f(over: f64, under: f64) -> f64 {
     let [a, b] = [over, under].map(|degrees| 2.0 / (9.0 * degrees));
     let square = (1.0 - b).powi(2) - NORMAL_95_ONE_SIDED * NORMAL_95_ONE_SIDED * b;
     let half = (1.0 - a) * (1.0 - b);

@@ -285,7 +285,7 @@ impl<'a> Course<'a> {
             (_, verdict) if verdict == Verdict::Unknown || self.added.is_empty() => verdict,
             _ => {
                 // With a law that is not quite right something stays that noise does not give.
-                match (self.is_believed()?, self.is_more_heard) {
+                match (self.is_believed()?, self.is_more_heard || self.is_missed()) {
                     (true, false) => Verdict::Named,
                     (true, true) => Verdict::Incomplete,
                     (false, _) => Verdict::Unknown,

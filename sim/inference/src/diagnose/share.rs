@@ -1,7 +1,7 @@
 //! How much of what was missing is explained: of all samples, in mm, without the noise of the camera.
 
 use super::curve::Agreement;
-use super::validation::is_astray;
+use super::validation::{is_astray, is_missed};
 use super::verdict::{Added, Evidence, Gap, Shares, Verdict};
 use super::{Best, Course};
 use crate::calibrate::CalibrateError;
@@ -105,6 +105,13 @@ impl Course<'_> {
         let Some(held_out) = self.held_out() else { return Ok(false) };
         let squares = held_out.mean_squares(&self.model)?;
         Ok(squares.is_some_and(is_astray))
+    }
+
+    /// Whether held-out releases are predicted worse than fitted ones are met.
+    pub(super) fn is_missed(&self) -> bool {
+        let squares = |met: &Agreement| met.gaps.iter().map(|(_, _, own, _)| own * own).collect::<Vec<f64>>();
+        let held_out = self.held_out();
+        held_out.is_some_and(|own| is_missed(&squares(&self.after), &squares(&own.agreement)))
     }
 
     /// Whether what the model misses of what it was fitted to is noise, or no more than what two releases differ by.

@@ -265,7 +265,7 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
     });
     let more = match diagnosis.verdict {
         Verdict::Incomplete => {
-            ": more than noise remains, so a similar law acts instead, or something else as well"
+            ": there or in held-out releases more than noise remains, so a similar law acts instead, or something else as well"
         }
         _ => "",
     };

@@ -13,6 +13,7 @@ use super::verdict::Gap;
 use crate::calibrate::ghosts::ghosts;
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::{FIT, Slopes};
+use crate::calibrate::repeats::quantile_of_f;
 use crate::calibrate::unknowns::{BASE_ANGLE, Group, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
@@ -146,6 +147,19 @@ pub(super) fn is_astray([fitted, held_out]: [f64; 2]) -> bool {
     held_out > fitted.max(1.0) + MISSED.powi(2)
 }
 
+/// Whether held-out releases are predicted worse than fitted ones are met, by more than these differ among themselves: a similar
+/// law meets what it is fitted to. Student's test of the mean squares of each release; by chance once in forty times.
+pub(super) fn is_missed(fitted: &[f64], held_out: &[f64]) -> bool {
+    if fitted.len() < 2 || held_out.is_empty() {
+        return false;
+    }
+    let [n, m] = [fitted, held_out].map(|own| own.len() as f64);
+    let [mean, other] = [fitted, held_out].map(|own| own.iter().sum::<f64>() / own.len() as f64);
+    let variance = fitted.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let of_difference = variance * (n.recip() + m.recip());
+    other > mean && (other - mean).powi(2) > quantile_of_f(1.0, n - 1.0) * of_difference
+}
+
 /// Gaps before and after, of the same releases.
 pub(super) fn gaps(before: &Agreement, after: &Agreement, held_out: bool) -> Vec<Gap> {
     let pairs = before.gaps.iter().zip(&after.gaps);
@@ -198,5 +212,16 @@ mod tests {
     fn what_was_held_out_is_missed_only_beyond_what_noise_leaves() {
         assert!(!is_astray([1.0, 1.1]) && !is_astray([1.44, 1.56]));
         assert!(is_astray([1.0, 1.96]) && is_astray([0.25, 1.96]));
+    }
+
+    /// Student's t at 4 degrees of freedom is 2.776 at 97.5 % (any table): here 2.7 and 2.9 standard errors. One fitted release
+    /// tells nothing of how they differ.
+    #[test]
+    fn held_out_releases_are_missed_beyond_what_fitted_ones_differ_by() {
+        let fitted = [0.9, 0.95, 1.0, 1.05, 1.1];
+        let error = (0.00625f64 * (0.2 + 0.25)).sqrt();
+        let held_out = |errors: f64| [1.0 + errors * error; 4];
+        assert!(!is_missed(&fitted, &held_out(2.7)) && is_missed(&fitted, &held_out(2.9)));
+        assert!(!is_missed(&fitted, &held_out(-2.9)) && !is_missed(&fitted[..1], &[2.0]));
     }
 }
