@@ -149,9 +149,13 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
          # [rod]\n\
          # length = \"… mm\"               # active length, from the clamp\n\
          # mass = \"… g\"                  # distributed mass in all\n\
-         # bending_stiffness = \"… N m^2\" # fitted; `efam diagnose` adds a prior of 5 %: for a guess see the end\n\
+         # bending_stiffness = \"… N m^2\" # first value of what is fitted, as are the losses: these need none\n\
+         # The lines below may stay off.\n\
+         # base_angle = \"0 deg\"          # in which the rod leaves the clamp, above the level; -90 deg hangs down\n\
          # axial_stiffness = \"… N\"       # Young's modulus times section; without it the rod hardly stretches\n\
-         # tip = \"… mm\"                  # tip marker beyond the active length\n\
+         # tip = \"… mm\"                  # tip marker, or the mean of several, beyond the active length\n\
+         # [effects.gravity]\n\
+         # acceleration = \"9.81 m/s^2\"\n\
          # [effects.end_fitting]\n\
          # mass = \"… g\"\n\
          # center_of_mass = \"… mm\"       # beyond the active length\n",
@@ -174,7 +178,9 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
 
 /// What a diagnosis is told of a bending stiffness that nobody measured.
 const GUESSED_STIFFNESS: &str = "
-# Remove the # from these lines if the bending stiffness is a guess: a listed parameter has no prior unless it states one.
+# `efam calibrate` fits these three anyway. `efam diagnose` holds the bending stiffness to the value above within 5 %, unless it is
+# listed here: if that value is a guess, remove the # from these lines. Recordings of one frequency, at one pressure and with one
+# payload, tell one of the two losses: then list the first and the last alone.
 # [[calibrate.parameter]]
 # path = \"rod.bending_stiffness\"
 # [[calibrate.parameter]]

@@ -120,8 +120,10 @@ pub fn init(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
     } else {
         write_new(out, write)?
     }
-    let guesses = text.lines().filter(|line| line.contains("GUESS")).count();
-    let unknown = text.lines().filter(|line| line.contains("FILL IN")).count();
+    // The head speaks of both words.
+    let lines = || text.lines().skip_while(|line| line.starts_with('#'));
+    let guesses = lines().filter(|line| line.contains("GUESS")).count();
+    let unknown = lines().filter(|line| line.contains("FILL IN")).count();
     if args.form.json {
         print(&InitPrinted { file: out, recordings: recordings.len(), guesses, to_fill_in: unknown })?;
     }

@@ -33,24 +33,38 @@ pub(super) fn words(
     parameters: &[Calibrated],
     places: &[usize],
 ) -> Vec<String> {
-    let mut words = Vec::new();
-    for (parameter, place) in parameters.iter().zip(places) {
-        words.extend(alone(parameter, uncertainty.is_determined[*place]));
-    }
     let told = |a: usize| uncertainty.is_determined[places[a]];
     let correlation = |a: usize, b: usize| {
         let of = |i: usize, j: usize| uncertainty.covariance[(places[i], places[j])];
         of(a, b) / (of(a, a) * of(b, b)).sqrt()
     };
-    for a in 0..places.len() {
-        for b in 0..a {
-            if told(a) && told(b) && correlation(a, b).abs() > TOGETHER {
-                words.push(pair(&parameters[b], &parameters[a], correlation(a, b)));
-            }
-        }
-    }
+    let all = (0..places.len()).flat_map(|a| (0..a).map(move |b| (b, a)));
+    let pairs: Vec<(usize, usize)> =
+        all.filter(|(b, a)| told(*a) && told(*b) && correlation(*a, *b).abs() > TOGETHER).collect();
+    // What two of them do is known, and of neither is more to be said alone.
+    let (in_sum, others): (Vec<_>, Vec<_>) =
+        pairs.into_iter().partition(|(b, a)| is_vague(&parameters[*a]) && is_vague(&parameters[*b]));
+    let mut words: Vec<String> = in_sum.iter().map(|(b, a)| sum(&parameters[*b], &parameters[*a])).collect();
+    let is_alone = |k: &usize| in_sum.iter().all(|(b, a)| b != k && a != k);
+    words.extend((0..places.len()).filter(is_alone).filter_map(|k| alone(&parameters[k], told(k))));
+    words.extend(others.iter().map(|(b, a)| pair(&parameters[*b], &parameters[*a], correlation(*a, *b))));
     words.extend(weakest(objective, found, parameters, places));
     words
+}
+
+/// Whether nothing is known of a parameter alone.
+fn is_vague(parameter: &Calibrated) -> bool {
+    parameter.relative_error().is_none_or(|error| error > NOTHING)
+}
+
+/// What is to be said of two of which the data tell what they do together, and nothing else.
+fn sum(a: &Calibrated, b: &Calibrated) -> String {
+    format!(
+        "the recordings tell what {} and {} do together, and not how much each: take one of them out of [[calibrate.parameter]] (with none listed, list the others); {}",
+        a.label(),
+        b.label(),
+        advice(kind(&a.name), Some(kind(&b.name)))
+    )
 }
 
 /// What is to be said of a parameter by itself.

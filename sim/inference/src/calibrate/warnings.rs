@@ -2,6 +2,7 @@
 
 use super::PartFit;
 use super::calibration::{Calibrated, ReleaseFit};
+use super::unknowns::HOLD_ANGLE;
 use crate::normal::CLEAR;
 
 /// Variance over that of the stated noise from which on something is missing.
@@ -30,7 +31,7 @@ pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
         let marker = &track.marker;
         if track.reduced_chi_squared > MISFIT {
             words.push(format!(
-                "{name}, {marker}: residuals of {:.3} mm where the noise is {:.3} mm, autocorrelation {:.2}: the model lacks something that the recording shows, or the noise is understated; the intervals are widened for it, but not for a wrong model",
+                "{name}, {marker}: residuals of {:.3} mm where the noise is {:.3} mm, autocorrelation {:.2}: the model lacks something that the recording shows (`efam diagnose` looks for it), or the noise is understated; the intervals are widened for it, but not for a wrong model",
                 track.noise_mm, track.stated_noise_mm, track.autocorrelation
             ));
         }
@@ -60,10 +61,20 @@ pub(super) fn of_beliefs<'a>(all: impl Iterator<Item = &'a Calibrated>) -> Vec<S
     contradicted.sort_by(|a, b| b.0.total_cmp(&a.0));
     let words = |(off, own): (f64, &Calibrated)| {
         format!(
-            "{} is estimated at {}, {off:.1} times its admitted deviation; check its stated value and the recording, or admit more in [calibrate]",
+            "{} is estimated at {}, {off:.1} times its admitted deviation; check its stated value and the recording, or admit more with {}",
             own.label(),
             models::quantity::format_si(own.value, &own.unit),
+            key(&own.name),
         )
     };
     contradicted.into_iter().map(words).collect()
+}
+
+/// The key that says how far a value may be off.
+fn key(name: &str) -> &'static str {
+    match name {
+        HOLD_ANGLE => "hold_angle in [calibrate]",
+        name if name.starts_with("offset of") => "offset in [calibrate]",
+        _ => "a wider prior in its [[calibrate.parameter]]",
+    }
 }

@@ -121,7 +121,7 @@ impl Errors {
     pub fn of_loss(&self) -> Option<String> {
         let loss = self.loss.as_ref()?;
         let own = self.drawn.iter().find(|own| own.path == loss.path)?;
-        Some(loss.words(own.value, self.unit(&own.path)))
+        loss.words(own.value, self.unit(&own.path))
     }
 
     /// The model of a draw, the same whoever asks for it; none that makes no sense. Errors that take a number

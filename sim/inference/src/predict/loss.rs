@@ -61,16 +61,18 @@ impl Loss {
         })
     }
 
-    /// What should be known of it, in words; `value` is the calibrated number.
-    pub fn words(&self, value: f64, unit: &str) -> String {
+    /// What should be known of it, in words; `value` is the calibrated number. Nothing where it stays as it is.
+    pub fn words(&self, value: f64, unit: &str) -> Option<String> {
         let [calibrated, here] = self.frequency_hz;
-        format!(
+        let [taken, given] = [self.factor * value, value].map(|value| format_si(value, unit));
+        let words = format!(
             "calibrated at {calibrated:.3} Hz and predicted at {here:.3} Hz: {} is taken as {} instead of {}, so that as much is lost in a cycle as there; the intervals hold a damping ratio that goes with the frequency to the power ±{:.1} (95 %)",
             self.path,
-            format_si(self.factor * value, unit),
-            format_si(value, unit),
+            taken,
+            given,
             NORMAL_95 * POWER
-        )
+        );
+        (taken != given).then_some(words)
     }
 }
 
