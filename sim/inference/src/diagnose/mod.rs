@@ -54,7 +54,6 @@ pub use stated::without;
 pub use verdict::{Diagnosis, Verdict};
 
 use candidate::has_several_pressures;
-use constancy::{INCONSTANT, inconstant};
 use curve::{Agreement, curves};
 use first_swings::FirstSwings;
 use round::{Round, RoundRequest, round};
@@ -432,19 +431,6 @@ impl<'a> Course<'a> {
         pairs.extend(held_out.map(|(before, after)| (&before.agreement, &after.agreement, true)));
         let gap = pairs.iter().flat_map(|(before, after, held_out)| gaps(before, after, *held_out));
         (gap.collect(), curves(&pairs))
-    }
-
-    /// Whether what was added is as strong in one release as in another, and meets held-out releases.
-    fn is_believed(&mut self) -> Result<bool, CalibrateError> {
-        let all = self.held_out().map(|held_out| held_out.together(&self.model)).transpose()?.flatten();
-        let inconstant = inconstant(all.unwrap_or(&self.model), &self.added, self.settings.false_alarm);
-        let is_inconstant = |own: &&mut Evidence| inconstant.contains(&own.effect.as_str());
-        for evidence in self.diagnosis.evidence.iter_mut().filter(is_inconstant) {
-            evidence.reject(INCONSTANT);
-        }
-        let warning = |effect| format!("{effect} fits, but {INCONSTANT}: it stands in for another effect");
-        self.diagnosis.warnings.extend(inconstant.iter().map(warning));
-        Ok(inconstant.is_empty() && !self.is_astray()?)
     }
 
     /// How the model with all that was added or lifted meets held-out releases.

@@ -1,5 +1,7 @@
-//! How much of what was missing is explained: of all samples, in mm, without the noise of the camera.
+//! How much of what was missing is explained, of all samples, in mm, without the noise of the camera; and whether an answer is
+//! believed.
 
+use super::constancy::{INCONSTANT, inconstant};
 use super::curve::Agreement;
 use super::validation::{is_astray, is_missed};
 use super::verdict::{Added, Evidence, Gap, Shares, Verdict};
@@ -98,6 +100,19 @@ impl Course<'_> {
         let Some(held_out) = self.held_out() else { return Ok(true) };
         let met = held_out.met_together(&self.model)?;
         Ok(is_within(&met.unwrap_or_else(|| held_out.agreement.clone())))
+    }
+
+    /// Whether what was added is as strong in one release as in another, and meets held-out releases.
+    pub(super) fn is_believed(&mut self) -> Result<bool, CalibrateError> {
+        let all = self.held_out().map(|held_out| held_out.together(&self.model)).transpose()?.flatten();
+        let inconstant = inconstant(all.unwrap_or(&self.model), &self.added, self.settings.false_alarm);
+        let is_inconstant = |own: &&mut Evidence| inconstant.contains(&own.effect.as_str());
+        for evidence in self.diagnosis.evidence.iter_mut().filter(is_inconstant) {
+            evidence.reject(INCONSTANT);
+        }
+        let warning = |effect| format!("{effect} fits, but {INCONSTANT}: it stands in for another effect");
+        self.diagnosis.warnings.extend(inconstant.iter().map(warning));
+        Ok(inconstant.is_empty() && !self.is_astray()?)
     }
 
     /// Whether held-out releases are missed by more than the model that is right would miss.
