@@ -120,7 +120,7 @@ pub fn init(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
     } else {
         write_new(out, write)?
     }
-    // The head speaks of both words.
+    // The head explains both words.
     let lines = || text.lines().skip_while(|line| line.starts_with('#'));
     let guesses = lines().filter(|line| line.contains("GUESS")).count();
     let unknown = lines().filter(|line| line.contains("FILL IN")).count();

@@ -71,7 +71,7 @@ impl Answer {
         matches!(self.diagnosis.verdict, Verdict::Named | Verdict::Incomplete | Verdict::Class)
     }
 
-    /// Whether the answer is one of several, be something left or not.
+    /// Whether the answer is a class, complete or not.
     pub fn is_a_class(&self) -> bool {
         let has_members = self.is_a_name() && !self.diagnosis.members.is_empty();
         has_members || self.diagnosis.verdict == Verdict::Class

@@ -286,8 +286,8 @@ fn without_pressures_a_second_round_asks_for_none() {
     assert!(found.evidence.iter().all(|evidence| !evidence.of_each_pressure));
 }
 
-/// A pressure that rises with bending describes nearly all that a stiffness with a cube does. What it leaves is less than an
-/// error of its law may be, and more than noise: the name is given with that, and not as all.
+/// A pressure that rises with bending explains nearly all of a cubic stiffness. The rest is within the error of a law, and more
+/// than noise: the answer is incomplete.
 #[test]
 #[ignore = "long; .ci/run runs it"]
 fn a_similar_law_is_called_incomplete() {

@@ -266,7 +266,7 @@ impl Integrator for Rosenbrock {
             if !error.is_finite() {
                 return Err(IntegrateError::NotFinite { time, node });
             }
-            // The error of the step is as large as the rod: what follows would be no motion of it.
+            // The error of the step is as large as the rod: nothing after it would mean anything.
             if error * self.control.tolerance > 1.0 {
                 return Err(IntegrateError::StepTooLong { time, step: h, node });
             }

@@ -41,7 +41,7 @@ pub(super) fn words(
     let all = (0..places.len()).flat_map(|a| (0..a).map(move |b| (b, a)));
     let pairs: Vec<(usize, usize)> =
         all.filter(|(b, a)| told(*a) && told(*b) && correlation(*a, *b).abs() > TOGETHER).collect();
-    // What two of them do is known, and of neither is more to be said alone.
+    // Of the two of a combination nothing more is to be said alone.
     let (in_sum, others): (Vec<_>, Vec<_>) =
         pairs.into_iter().partition(|(b, a)| is_vague(&parameters[*a]) && is_vague(&parameters[*b]));
     let mut words: Vec<String> = in_sum.iter().map(|(b, a)| sum(&parameters[*b], &parameters[*a])).collect();
@@ -57,10 +57,10 @@ fn is_vague(parameter: &Calibrated) -> bool {
     parameter.relative_error().is_none_or(|error| error > NOTHING)
 }
 
-/// What is to be said of two of which the data tell what they do together, and nothing else.
+/// What is to be said of two of which the data fix a combination alone.
 fn sum(a: &Calibrated, b: &Calibrated) -> String {
     format!(
-        "the recordings tell what {} and {} do together, and not how much each: take one of them out of [[calibrate.parameter]] (with none listed, list the others); {}",
+        "the data fix only a combination of {} and {}: fit one of them, and leave the other out of [[calibrate.parameter]] (if none is listed, list those to fit); {}",
         a.label(),
         b.label(),
         advice(kind(&a.name), Some(kind(&b.name)))
@@ -265,5 +265,17 @@ mod tests {
         assert!(zero.contains("is zero, the least that it can be") && !zero.contains("widen"), "{zero}");
         let met = alone(&parameter(3.0, [Some(0.0), Some(3.0)]), true).expect("words");
         assert!(met.contains("hit its bound, 3") && met.contains("[[calibrate.parameter]]"), "{met}");
+    }
+
+    /// Beyond its whole value, or with no error, a parameter is known in a combination at best.
+    #[test]
+    fn two_losses_of_one_release_are_a_combination() {
+        let known = |value: f64| parameter(value, [Some(0.0), None]);
+        let nothing = Calibrated { standard_error: None, ..known(3.0) };
+        assert!(is_vague(&known(0.05)) && is_vague(&nothing) && !is_vague(&known(3.0)));
+        let beta = Calibrated { name: "effects.rayleigh_stiffness.beta".to_owned(), ..known(0.05) };
+        let told = sum(&known(0.05), &beta);
+        assert!(told.contains("only a combination of effects.rayleigh_mass.alpha and"), "{told}");
+        assert!(told.contains("a payload or at another pressure"), "{told}");
     }
 }

@@ -46,8 +46,8 @@ pub(crate) fn correction(
             let tight = Fidelity { tolerance: TIGHT, refinement: 1 };
             let fine = Fidelity { refinement: if keep_mesh { 1 } else { 2 }, ..tight };
             let run = |fidelity, steps| {
-                let request = RunRequest { fidelity, steps, ..view.request(r) };
-                objective.member(r).predict(x, &request, None).ok()
+                let request = RunRequest { fidelity, ..view.request(r, steps) };
+                objective.member(r).predict(x, request, None).ok()
             };
             let same = run(tight, Steps::Adaptive)?;
             let finer = if keep_mesh { same.clone() } else { run(fine, Steps::Adaptive)? };

@@ -69,7 +69,7 @@ impl Objective {
         for r in 0..self.part.members.len() {
             let member = self.member(r);
             let (count, steps) = (member.measured.samples.len(), Steps::Adaptive);
-            let run = member.predict(start, &RunRequest { count, fidelity: FIT, steps }, None);
+            let run = member.predict(start, RunRequest { count, fidelity: FIT, steps }, None);
             if let Err(error) = run {
                 let release = member.trial.release.name.clone();
                 return CalibrateError::Forward { release, error: error.into() };
@@ -102,8 +102,7 @@ impl Objective {
     ) -> Option<(Vec<Series>, Vec<f64>)> {
         let member = self.member(r);
         let Member { trial, measured, locals, unknowns } = member;
-        let request = view.request(r);
-        let prediction = member.predict(x, &request, slopes).ok()?;
+        let prediction = member.predict(x, view.request(r, view.steps_of(r)), slopes).ok()?;
         self.count_steps(prediction.steps_in_all);
         let mut block = Vec::with_capacity(trial.release.tracks.len());
         for (t, track) in trial.release.tracks.iter().enumerate() {
@@ -117,7 +116,7 @@ impl Objective {
             }
             let per_noise = measured.noise[t].recip();
             let mut series = Series::default();
-            for k in 0..request.count {
+            for k in 0..view.counts[r] {
                 let Some(seen) = track.position[measured.samples[k]] else { continue };
                 let correction = view.corrections.as_ref().map_or([0.0; 2], |all| all[r][t][k]);
                 let residual = |axis: usize| {

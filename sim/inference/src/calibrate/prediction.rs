@@ -160,11 +160,11 @@ impl Member<'_> {
         &self,
         theta: &[(usize, f64)],
         instant: f64,
-        request: &RunRequest,
+        request: RunRequest,
         watched: Vec<usize>,
     ) -> Result<Trajectory, ForwardError> {
         let Self { trial, measured, .. } = *self;
-        let RunRequest { count, fidelity, ref steps } = *request;
+        let RunRequest { count, fidelity, steps } = request;
         let (mut model, mut initial) = trial.with(theta);
         if fidelity.refinement > 1 {
             refine(&mut model, &mut initial, fidelity.refinement)?;
@@ -180,7 +180,7 @@ impl Member<'_> {
             samples: times,
             method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
             tolerance: fidelity.tolerance,
-            steps: steps.clone().ending_before(duration - LEAST_STEP),
+            steps: steps.ending_before(duration - LEAST_STEP),
             most_steps: trial.run.most_steps.min(MOST_STEPS),
             keep_samples: true,
             keep_steps: true,
@@ -201,10 +201,11 @@ impl Member<'_> {
     pub fn predict(
         &self,
         x: &DVector<f64>,
-        request: &RunRequest,
+        request: RunRequest,
         slopes: Option<Slopes>,
     ) -> Result<Prediction, ForwardError> {
         let Self { trial, measured, locals, unknowns } = *self;
+        let RunRequest { count, fidelity, .. } = request;
         let (theta, instant) = self.values(x);
         let watched = match slopes {
             Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
@@ -246,7 +247,7 @@ impl Member<'_> {
                     let mut aside = x.clone();
                     aside[locals[l].unknown] += difference;
                     let steps = Steps::Repeated(path.steps.clone());
-                    self.predict(&aside, &RunRequest { steps, ..request.clone() }, None).map(Some)
+                    self.predict(&aside, RunRequest { count, fidelity, steps }, None).map(Some)
                 }
                 _ => Ok(None),
             };
@@ -279,7 +280,7 @@ impl Member<'_> {
                         };
                     locals.iter().zip(&chain).zip(&moved).map(of_local).collect()
                 };
-                prediction.slopes.push((0..request.count).map(row).collect());
+                prediction.slopes.push((0..count).map(row).collect());
             }
         }
         Ok(prediction)

@@ -43,12 +43,12 @@ impl View {
         self
     }
 
-    /// How the `r`-th release is run.
-    pub fn request(&self, r: usize) -> RunRequest {
-        RunRequest { count: self.counts[r], fidelity: self.fidelity, steps: self.steps_of(r) }
+    /// A run of the `r`-th release on some steps.
+    pub fn request(&self, r: usize, steps: Steps) -> RunRequest {
+        RunRequest { count: self.counts[r], fidelity: self.fidelity, steps }
     }
 
-    /// On which steps the `r`-th release is run. A halved step moves the cost by more than the last steps of a search lower it, and a
+    /// The steps of the `r`-th release. A halved step moves the cost by more than the last steps of a search lower it, and a
     /// correction is for the steps it was found with: where slopes are those of the prediction, steps are too.
     pub fn steps_of(&self, r: usize) -> Steps {
         match self.slopes {

@@ -2,7 +2,7 @@
 
 use super::PartFit;
 use super::calibration::{Calibrated, ReleaseFit};
-use super::unknowns::HOLD_ANGLE;
+use super::unknowns::{CLAMP_ANGLE, HOLD_ANGLE, RELEASE_INSTANT};
 use crate::normal::CLEAR;
 
 /// Variance over that of the stated noise from which on something is missing.
@@ -74,6 +74,8 @@ pub(super) fn of_beliefs<'a>(all: impl Iterator<Item = &'a Calibrated>) -> Vec<S
 fn key(name: &str) -> &'static str {
     match name {
         HOLD_ANGLE => "hold_angle in [calibrate]",
+        CLAMP_ANGLE => "clamp_angle in [calibrate]",
+        RELEASE_INSTANT => "instant_error in [[recording]]",
         name if name.starts_with("offset of") => "offset in [calibrate]",
         _ => "a wider prior in its [[calibrate.parameter]]",
     }

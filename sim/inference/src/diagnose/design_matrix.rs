@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::prediction::{Member, Prediction, RunRequest};
+use crate::calibrate::prediction::{Member, Prediction};
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::view::Series;
 use crate::calibrate::{Scope, Trial};
@@ -111,8 +111,8 @@ fn movements_in(fit: &Joint, candidates: &[&Candidate], r: usize) -> Option<Vec<
     let member = Member { trial: &trial, ..fit.objective.member(r) };
     let (theta, instant) = member.values(&fit.found.x);
     // Memories that the fit has not may need shorter steps.
-    let request = RunRequest { steps: view.steps_as(Steps::Given, r), ..view.request(r) };
-    let path = member.simulate(&theta, instant, &request, strengths).ok()?;
+    let request = view.request(r, view.steps_as(Steps::Given, r));
+    let path = member.simulate(&theta, instant, request, strengths).ok()?;
     let seen = path.points_by_parameters;
     let is_finite = seen.iter().flatten().flatten().flatten().all(|slope| slope.is_finite());
     let moved = |c: usize| in_noise(fit, r, |t, k| seen[k][t][c]);
@@ -232,8 +232,7 @@ pub(super) fn in_noise(fit: &Joint, r: usize, moved: impl Fn(usize, usize) -> [f
 /// The prediction of the `r`-th release.
 fn run(fit: &Joint, trial: &Trial, r: usize, steps: Steps) -> Option<Prediction> {
     let member = Member { trial, ..fit.objective.member(r) };
-    let request = RunRequest { steps, ..fit.found.view.request(r) };
-    member.predict(&fit.found.x, &request, None).ok()
+    member.predict(&fit.found.x, fit.found.view.request(r, steps), None).ok()
 }
 
 #[cfg(test)]

@@ -198,7 +198,7 @@ struct Course<'a> {
     first_round: Option<Round>,
     /// The model after each of them.
     steps: Vec<Step>,
-    /// Whether anything stands out of the noise beside what was added.
+    /// Whether a candidate or a shape exceeds its threshold beside what was added.
     is_more_heard: bool,
     /// Whether effects of the rod's material have a strength for each pressure.
     is_widened: bool,
@@ -283,7 +283,7 @@ impl<'a> Course<'a> {
             }
             (_, verdict) if verdict == Verdict::Unknown || self.added.is_empty() => verdict,
             _ => {
-                // With a law that is not quite right something stays that noise does not give.
+                // A law that is not quite right leaves more than noise.
                 match (self.is_believed()?, self.is_more_heard || self.is_missed()) {
                     (true, false) => Verdict::Named,
                     (true, true) => Verdict::Incomplete,
@@ -341,7 +341,6 @@ impl<'a> Course<'a> {
                     if self.settings.most_effects >= TOO_MANY || self.added.is_empty() {
                         self.diagnosis.verdict = Verdict::Unknown;
                     }
-                    self.is_more_heard = true;
                     return Ok(());
                 }
                 RoundOutcome::Nothing if !found.is_shaped => return Ok(()),

@@ -21,9 +21,9 @@ pub(super) struct Round {
     pub evidence: Vec<Evidence>,
     /// Patterns of the residual, whatever their cause.
     pub shapes: Vec<Shape>,
-    /// Whether one of the shapes stands out of what an error of the laws that were found may leave.
+    /// Whether a shape exceeds its threshold, by more than an error of the laws that were found.
     pub is_shaped: bool,
-    /// Whether anything stands out of the noise, of whatever size.
+    /// Whether a candidate or a shape exceeds its threshold, by however little.
     pub is_heard: bool,
     /// What stands out, and is too small beside what was found before to be more than an error of its law.
     pub negligible: Option<&'static str>,
@@ -95,9 +95,9 @@ pub(super) fn round(
     let promise = promise.fold(f64::NEG_INFINITY, f64::max);
     let loudest = entries.first().filter(|entry| is_loud(entry)).map(|entry| entry.candidate.name());
     let one_more = loudest.filter(|_| is_last && promise >= negligible);
-    let is_loud_shape = |shape: &&Shape| shape.score > shape.threshold;
-    let is_shape = |shape: &Shape| shape.score.powi(2) >= NEGLIGIBLE_SHAPE * explained;
-    let is_shaped = shapes.iter().filter(is_loud_shape).any(is_shape);
+    let loudest_shape = shapes.iter().filter(|shape| shape.score > shape.threshold).map(|shape| shape.score);
+    let loudest_shape = loudest_shape.reduce(f64::max);
+    let is_shaped = loudest_shape.is_some_and(|score| score.powi(2) >= NEGLIGIBLE_SHAPE * explained);
     let outcome = if let Some(name) = one_more {
         entries.iter_mut().for_each(|entry| entry.reject(NO_MORE));
         RoundOutcome::LimitReached(name)
@@ -119,7 +119,8 @@ pub(super) fn round(
     let is_little = !added.is_empty() && matches!(outcome, RoundOutcome::Nothing);
     let negligible = loudest.filter(|_| is_little);
     let (threshold, evidence) = (scores.threshold, ranked(&entries));
-    let is_little = |own: &Evidence| own.rejected.as_deref() == Some(LITTLE);
-    let is_heard = shapes.iter().any(|shape| is_loud_shape(&shape)) || evidence.iter().any(is_little);
+    // A fit may find that a score was noise.
+    let is_beyond_noise = |own: &Evidence| own.rejected.as_deref() == Some(LITTLE);
+    let is_heard = one_more.is_some() || loudest_shape.is_some() || evidence.iter().any(is_beyond_noise);
     Ok(Round { threshold, evidence, shapes, is_shaped, is_heard, negligible, outcome })
 }

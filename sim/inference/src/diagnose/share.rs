@@ -122,7 +122,7 @@ impl Course<'_> {
         Ok(squares.is_some_and(is_astray))
     }
 
-    /// Whether held-out releases are predicted worse than fitted ones are met.
+    /// Whether the residuals of held-out releases are larger than those of fitted ones.
     pub(super) fn is_missed(&self) -> bool {
         let squares = |met: &Agreement| met.gaps.iter().map(|(_, _, own, _)| own * own).collect::<Vec<f64>>();
         let held_out = self.held_out();

@@ -265,7 +265,7 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
     });
     let more = match diagnosis.verdict {
         Verdict::Incomplete => {
-            ": there or in held-out releases more than noise remains, so a similar law acts instead, or something else as well"
+            ": more than noise remains, here or in held-out releases. A similar effect may act instead, or another one as well"
         }
         _ => "",
     };

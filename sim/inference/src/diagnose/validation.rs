@@ -147,8 +147,8 @@ pub(super) fn is_astray([fitted, held_out]: [f64; 2]) -> bool {
     held_out > fitted.max(1.0) + MISSED.powi(2)
 }
 
-/// Whether held-out releases are predicted worse than fitted ones are met, by more than these differ among themselves: a similar
-/// law meets what it is fitted to. Student's test of the mean squares of each release; by chance once in forty times.
+/// Whether the residuals of held-out releases are larger than those of fitted ones, by mean squares of each release: a similar
+/// law follows what it is fitted to. Student's t with the spread of the fitted ones, at 97.5 %.
 pub(super) fn is_missed(fitted: &[f64], held_out: &[f64]) -> bool {
     if fitted.len() < 2 || held_out.is_empty() {
         return false;
@@ -215,9 +215,9 @@ mod tests {
     }
 
     /// Student's t at 4 degrees of freedom is 2.776 at 97.5 % (any table): here 2.7 and 2.9 standard errors. One fitted release
-    /// tells nothing of how they differ.
+    /// has no spread.
     #[test]
-    fn held_out_releases_are_missed_beyond_what_fitted_ones_differ_by() {
+    fn residuals_of_held_out_releases_are_larger_from_a_quantile_on() {
         let fitted = [0.9, 0.95, 1.0, 1.05, 1.1];
         let error = (0.00625f64 * (0.2 + 0.25)).sqrt();
         let held_out = |errors: f64| [1.0 + errors * error; 4];

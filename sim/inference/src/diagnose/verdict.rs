@@ -12,8 +12,8 @@ use crate::calibrate::repeats::Repeats;
 pub enum Verdict {
     /// One effect, or several, each told from all others.
     Named,
-    /// The same, or a class, and what remains is more than noise and than what repeats: the law is another, similar one, or
-    /// something else is missing as well.
+    /// The same, or a class, and more than noise and repeatability remains: a similar effect may act instead, or another one as
+    /// well.
     Incomplete,
     /// Several effects that these recordings cannot separate, or an effect and a stated value that may be wrong instead.
     Class,

@@ -61,7 +61,7 @@ impl Loss {
         })
     }
 
-    /// What should be known of it, in words; `value` is the calibrated number. Nothing where it stays as it is.
+    /// What should be known of it, in words; `value` is the calibrated number. None where no digit of it changes.
     pub fn words(&self, value: f64, unit: &str) -> Option<String> {
         let [calibrated, here] = self.frequency_hz;
         let [taken, given] = [self.factor * value, value].map(|value| format_si(value, unit));
@@ -104,6 +104,9 @@ mod tests {
             let there = Loss::of(&known(&[path], [20.0, 30.0]), &model).unwrap();
             let [calibrated, here] = there.frequency_hz;
             assert_eq!(calibrated, 20.0);
+            assert!(there.words(0.01, "s").is_some_and(|words| words.contains("instead of")));
+            // A factor that no digit shows is no news.
+            assert_eq!(Loss { factor: 1.0 + 1e-6, ..there.clone() }.words(0.01, "s"), None);
             assert!((there.factor * (here / calibrated).powf(power) - 1.0).abs() < 1e-12);
             assert!((there.deviation - POWER * (20.0 / here).ln()).abs() < 1e-12);
         }

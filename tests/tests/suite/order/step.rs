@@ -116,8 +116,7 @@ fn repeated_steps_are_those_of_the_other_run() {
     assert!(strict(Steps::Given(given.clone())).len() > given.len());
 }
 
-/// What comes after a step whose error is as large as the rod is no motion of it: it was seen to grow to 1e54 m, in one
-/// release of a fit.
+/// After a step whose error is as large as the rod, a run means nothing: a fit was seen with one that grew to 1e54 m.
 #[test]
 fn a_step_with_an_error_as_large_as_the_rod_is_refused() {
     let model =
