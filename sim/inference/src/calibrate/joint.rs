@@ -24,15 +24,14 @@ pub(crate) struct Estimate {
 }
 
 impl Estimate {
+    /// Whether it is the same unknown, perhaps of a problem with other parameters, where its place is another one.
     fn is(&self, other: &Unknown) -> bool {
-        let Unknown { name, kind, group, .. } = &self.unknown;
-        (name, kind, group) == (&other.name, &other.kind, &other.group)
+        self.unknown.name == other.name && self.unknown.group.is(other.group)
     }
 
     /// Whether it is the same parameter with one value for all.
     fn is_shared(&self, other: &Unknown) -> bool {
-        let Unknown { name, kind, group, .. } = &self.unknown;
-        (name, kind, *group) == (&other.name, &other.kind, Group::All)
+        self.unknown.name == other.name && self.unknown.group == Group::All
     }
 
     /// Whether it is a parameter of a trial's model.
@@ -279,4 +278,21 @@ fn placed(objective: &Objective, known: &[Estimate]) -> DVector<f64> {
         }
     }
     x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Held-out releases are fitted without the parameters that all share, so the others stand in other places there.
+    #[test]
+    fn an_unknown_of_another_problem_is_known_by_its_name_and_its_group() {
+        let of = |place: usize, group: Group| {
+            let kind = UnknownKind::Parameter(place);
+            Unknown::nuisance(kind, "rod.bending_stiffness", "N m^2", group, 1.0, f64::INFINITY)
+        };
+        let known = Estimate { unknown: of(0, Group::Pressure(1e5)), x: 2.0 };
+        assert!(known.is(&of(3, Group::Pressure(1e5))));
+        assert!(!known.is(&of(0, Group::Pressure(2e5))) && !known.is(&of(0, Group::All)));
+    }
 }

@@ -5,7 +5,7 @@ use super::design_matrix::predictions;
 use super::localise::shapes;
 use super::mesh_check::LAW;
 use super::score::scores_of;
-use super::shortlist::{Best, Entry, LITTLE, RoundOutcome, best_tries, choose, fit_all, shortlist};
+use super::shortlist::{Best, Entry, LITTLE, RoundOutcome, best_tries, choose, fit_best};
 use super::stop::is_stopped;
 use super::validation::HeldOut;
 use super::verdict::{Evidence, Shape};
@@ -102,14 +102,12 @@ pub(super) fn round(
         entries.iter_mut().for_each(|entry| entry.reject(NO_MORE));
         RoundOutcome::LimitReached(name)
     } else if !is_last && promise >= PROMISING * negligible {
-        let (shortlist, others) = shortlist(&mut entries);
-        others.iter_mut().for_each(|entry| entry.reject("its predicted gain is smaller than that of others"));
         let tell_fit = |entry: &Entry| match entry.realised {
             None => tell(&format!("fit of {}", entry.candidate.name())),
             Some(_) => drop(ranked(std::slice::from_ref(entry))),
         };
-        fit_all(shortlist, fit, &scores, &tell_fit)?;
-        choose(shortlist, fit, &scores, before, negligible, &tell)?
+        let fitted = fit_best(&mut entries, fit, &scores, &tell_fit)?;
+        choose(fitted, fit, &scores, before, negligible, &tell)?
     } else {
         for entry in &mut entries {
             entry.reject(if is_loud(entry) { LITTLE } else { "its score is below the threshold" });

@@ -63,6 +63,12 @@ fn of_all(agreement: &Agreement) -> [f64; 2] {
     mean_square(agreement.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]))
 }
 
+/// Whether what a model misses is noise, or no more than what releases of one condition differ by, mm.
+pub(super) fn is_noise(met: &Agreement, repeats: f64) -> bool {
+    let [distance, noise] = of_all(met);
+    distance <= NOISE * noise + repeats * repeats
+}
+
 /// Whether a model misses at most half of what another one misses, of the squares beyond the noise.
 fn most(before: &Agreement, after: &Agreement) -> bool {
     removed(of_all(before), of_all(after)).is_none_or(|share| share >= 0.5)
@@ -131,10 +137,8 @@ impl Course<'_> {
 
     /// Whether what the model misses of what it was fitted to is noise, or no more than what two releases differ by.
     pub(super) fn is_within_noise(&self) -> bool {
-        let [distance, noise] = of_all(&self.after);
         let repeats = self.diagnosis.repeats.as_ref();
-        let repeats = repeats.map_or(0.0, |repeats| repeats.largest_mm(self.after.gaps.len()));
-        distance <= NOISE * noise + repeats * repeats
+        is_noise(&self.after, repeats.map_or(0.0, |repeats| repeats.largest_mm(self.after.gaps.len())))
     }
 
     /// Where something is left that has no name: of what was added, the first effects of which each explains most of what

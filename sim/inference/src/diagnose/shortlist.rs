@@ -6,16 +6,18 @@ use super::candidate::Candidate;
 use super::mesh_check::LAW;
 use super::refit::{Refit, Rough, refit, rough, rough_from};
 use super::score::{APART, ONE, Score, Scores, distance};
+use super::share::is_noise;
 use super::stop::{CUT_SHORT, is_stopped};
-use super::validation::HeldOut;
+use super::validation::{HeldOut, agreement};
 use super::verdict::{Evidence, Member};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::{CalibrateError, Problem};
 
-/// Candidates fitted in full, at most.
-const SHORTLIST: usize = 6;
+/// Candidates fitted before it is asked whether the best of them leaves more than noise: then another one, whose gain the
+/// scores put too low, may be the answer.
+const AT_ONCE: usize = 6;
 /// Share of the largest promised decrease from which on a candidate is fitted.
 const WORTH_FITTING: f64 = 0.3;
 /// χ² by which the best may lead without standing alone.
@@ -25,6 +27,8 @@ pub(super) const LEAD: f64 = 12.0;
 const FAIR: f64 = 2.0;
 /// χ², in what noise gives, below which effects of which none is believed are not there at all.
 const CHANCE: f64 = 3.0;
+/// Why one is not fitted.
+const SMALLER: &str = "its predicted gain is smaller than that of others";
 /// Why one is not named that is too small beside what was found.
 pub(super) const LITTLE: &str =
     "it is smaller than a tenth of what was found, which is within the error of a law";
@@ -33,8 +37,8 @@ pub(super) const LITTLE: &str =
 pub(super) struct Entry {
     pub candidate: Candidate,
     pub score: Score,
-    /// Cost near its fit.
-    rough: Option<f64>,
+    /// Near its fit.
+    rough: Option<Rough>,
     refit: Option<Refit>,
     /// Decrease of χ² when fitted, if only roughly.
     pub realised: Option<f64>,
@@ -78,6 +82,11 @@ impl Entry {
     /// What the fit found of its strength.
     fn strength(&self) -> Option<f64> {
         Some(self.refit.as_ref()?.values.first()?.value)
+    }
+
+    /// Whether what it leaves may be noise.
+    fn leaves_noise(&self) -> bool {
+        self.refit.as_ref().is_some_and(|refit| is_noise(&agreement(&refit.fitted), 0.0))
     }
 
     fn is_beyond_belief(&self) -> bool {
@@ -170,68 +179,76 @@ impl Best {
 }
 
 /// Those that are worth a fit, and the others.
-pub(super) fn shortlist(entries: &mut [Entry]) -> (&mut [Entry], &mut [Entry]) {
+fn shortlist(entries: &mut [Entry]) -> (&mut [Entry], &mut [Entry]) {
     let possible = entries.iter().filter(|entry| entry.rejected.is_none());
     let most = possible.map(|entry| entry.score.decrease).fold(0.0, f64::max);
     let is_worth = |entry: &Entry| entry.rejected.is_none() && entry.score.decrease >= WORTH_FITTING * most;
     entries.sort_by_key(|entry| !is_worth(entry));
     let count = entries.iter().filter(|entry| is_worth(entry)).count();
-    entries.split_at_mut(count.min(SHORTLIST))
+    entries.split_at_mut(count)
 }
 
-/// Fits all roughly, and in full those that come near the best; `tell` hears of each before its fit and after.
-pub(super) fn fit_all(
+/// Fits those that are worth a fit, some at once, until the best leaves no more than noise. Gives those that were fitted, and
+/// says of the others why they were not; `tell` hears of each before its fit and after.
+pub(super) fn fit_best<'a>(
+    entries: &'a mut [Entry],
+    fit: &Joint,
+    scores: &Scores,
+    tell: &(dyn Fn(&Entry) + Sync),
+) -> Result<&'a mut [Entry], CalibrateError> {
+    let (worth, others) = shortlist(entries);
+    let mut fitted = 0;
+    while fitted < worth.len() && !worth[..fitted].iter().any(Entry::leaves_noise) {
+        let next = (fitted + AT_ONCE).min(worth.len());
+        fit_all(&mut worth[..next], fitted, fit, scores, tell)?;
+        fitted = next;
+    }
+    let (fitted, rest) = worth.split_at_mut(fitted);
+    rest.iter_mut().chain(others).for_each(|entry| entry.reject(SMALLER));
+    Ok(fitted)
+}
+
+/// Fits those `from` a place on roughly, and in full those of them that come near the best of all.
+fn fit_all(
     shortlist: &mut [Entry],
+    from: usize,
     fit: &Joint,
     scores: &Scores,
     tell: &(dyn Fn(&Entry) + Sync),
 ) -> Result<(), CalibrateError> {
-    let hear = |entry: &mut Entry, rough: &Rough| {
-        entry.rough = Some(rough.cost);
+    let hear = |entry: &mut Entry, rough: Rough| {
         entry.realised = Some(2.0 * (fit.cost() - rough.cost) / scores.variance_inflation);
+        entry.rough = Some(rough);
         tell(entry);
     };
-    let of_entry = |entry: &mut Entry| {
+    shortlist[from..].par_iter_mut().try_for_each(|entry| {
         tell(entry);
-        let rough = rough(&entry.candidate, entry.score.estimate, fit)?;
-        match &rough {
+        match rough(&entry.candidate, entry.score.estimate, fit)? {
             Some(rough) => hear(entry, rough),
             None => entry.reject(not_run(&fit.problem)),
         }
-        Ok(rough)
-    };
-    let mut roughs: Vec<Option<Rough>> =
-        shortlist.par_iter_mut().map(of_entry).collect::<Result<_, CalibrateError>>()?;
-    let least = roughs.iter().flatten().map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
-    let best = roughs.iter().position(|rough| rough.as_ref().is_some_and(|rough| rough.cost == least));
-    let distances: Vec<f64> = match best {
-        Some(best) => shortlist.iter().map(|entry| apart(&shortlist[best], entry, scores)).collect(),
-        None => return Ok(()),
-    };
+        Ok::<(), CalibrateError>(())
+    })?;
+    let cost = |entry: &Entry| entry.rough.as_ref().map(|rough| (rough.cost, rough.known.clone()));
+    let costs = shortlist.iter().enumerate().filter_map(|(place, entry)| Some((place, cost(entry)?)));
+    let Some((best, (least, led))) = costs.min_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return Ok(()) };
+    let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[best], entry, scores)).collect();
     // A search near its end was seen to gain up to a quarter of what it is behind, and by half it would not catch up.
     let near = STAGE_SHARE * least + 2.0 * LEAD * scores.variance_inflation;
     let farther = near.max(LAW * (fit.cost() - least));
     // Far from its fit, a search that begins without the candidate may end beside the minimum. Those that the best leads by
     // no more than the error of a law begin once more, from where the best has ended.
-    if let Some(led) = best.and_then(|best| roughs[best].as_ref()).map(|rough| rough.known.clone()) {
-        let again = |(entry, rough): (&mut Entry, &mut Option<Rough>)| {
-            let Some(own) = rough.as_ref().filter(|own| (near..farther).contains(&(own.cost - least))) else {
-                return Ok(());
-            };
-            let found = rough_from(&entry.candidate, entry.candidate.null_value, &led, fit)?;
-            if let Some(found) = found.filter(|found| found.cost < own.cost) {
-                hear(entry, &found);
-                *rough = Some(found);
-            }
-            Ok::<(), CalibrateError>(())
-        };
-        shortlist.par_iter_mut().zip(&mut roughs).try_for_each(again)?;
-    }
-    let fitted = shortlist.par_iter_mut().zip(&roughs).zip(distances);
-    fitted.try_for_each(|((entry, rough), distance)| {
+    let is_led = |rough: &&Rough| (near..farther).contains(&(rough.cost - least));
+    shortlist[from..].par_iter_mut().try_for_each(|entry| {
+        let Some(own) = entry.rough.as_ref().filter(is_led).map(|own| own.cost) else { return Ok(()) };
+        let found = rough_from(&entry.candidate, entry.candidate.null_value, &led, fit)?;
+        found.into_iter().filter(|found| found.cost < own).for_each(|found| hear(entry, found));
+        Ok::<(), CalibrateError>(())
+    })?;
+    shortlist[from..].par_iter_mut().zip(&distances[from..]).try_for_each(|(entry, distance)| {
         let room = |rough: &Rough| if rough.is_near { near } else { farther };
-        let is_worth = |rough: &&Rough| rough.cost < least + room(rough) || distance < ONE;
-        if let Some(rough) = rough.as_ref().filter(is_worth) {
+        let is_worth = |rough: &&Rough| rough.cost < least + room(rough) || *distance < ONE;
+        if let Some(rough) = entry.rough.as_ref().filter(is_worth) {
             entry.refit = refit(rough, &entry.candidate)?;
             if entry.refit.is_none() {
                 entry.reject(not_run(&fit.problem));
@@ -275,12 +292,16 @@ pub(super) fn choose(
     let most = 2.0 * (null - best.cost) / variance_inflation;
     // What cannot be told apart by its trace, no lead tells apart: it would come from an error of a law.
     let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[0], entry, scores)).collect();
-    let roughest = shortlist.iter().filter_map(|entry| entry.rough).fold(f64::INFINITY, f64::min);
+    let roughest = shortlist
+        .iter()
+        .filter_map(|entry| entry.rough.as_ref())
+        .map(|rough| rough.cost)
+        .fold(f64::INFINITY, f64::min);
     for (entry, distance) in shortlist.iter_mut().zip(distances) {
         let Some(refit) = &entry.refit else {
-            let behind =
-                entry.rough.map_or(f64::INFINITY, |rough| 2.0 * (rough - roughest) / variance_inflation);
-            entry.realised = entry.rough.map(|_| most - behind);
+            let behind = entry.rough.as_ref().map(|rough| 2.0 * (rough.cost - roughest) / variance_inflation);
+            entry.realised = behind.map(|behind| most - behind);
+            let behind = behind.unwrap_or(f64::INFINITY);
             entry.falls_behind(behind, leader);
             continue;
         };
