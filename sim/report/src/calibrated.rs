@@ -118,6 +118,24 @@ fn repeats_in_words(repeats: &Repeats) -> String {
     }
 }
 
+/// How each release swings in the recording and in the fit.
+fn swings(calibration: &Calibration) -> Aligned {
+    let numbers = ["frequency, Hz", "fitted", "damping ratio", "fitted"].map(|head| (head, Side::Number));
+    let mut swings = Aligned::new(&[&[("release", Side::Words)], &numbers[..]].concat());
+    for release in &calibration.releases {
+        let [measured, fitted] = [release.measured, release.fitted];
+        let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 3));
+        swings.row([
+            release.name.clone(),
+            number(measured.frequency_hz),
+            number(fitted.frequency_hz),
+            number(measured.damping_ratio),
+            number(fitted.damping_ratio),
+        ]);
+    }
+    swings
+}
+
 /// A calibration as a table for people.
 pub fn table(calibration: &Calibration) -> String {
     let numbers = ["value", "error"].map(|head| (head, Side::Number));
@@ -150,7 +168,7 @@ pub fn table(calibration: &Calibration) -> String {
             ]);
         }
     }
-    let mut text = format!("{parameters}\n{releases}");
+    let mut text = format!("{parameters}\n{releases}\n{}", swings(calibration));
     if let Some(repeats) = &calibration.repeats {
         let _ = writeln!(text, "\n{}", repeats_in_words(repeats));
     }

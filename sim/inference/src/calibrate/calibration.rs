@@ -4,7 +4,7 @@ use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::misfit::Misfit;
+use super::misfit::{Misfit, Swing};
 use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
 use super::repeats::Repeats;
 use super::stage::Stage;
@@ -95,6 +95,12 @@ pub struct ReleaseFit {
     pub duration_s: f64,
     /// Each track.
     pub tracks: Vec<TrackFit>,
+    /// How its tip swings in the recording.
+    #[serde(default)]
+    pub measured: Swing,
+    /// How it swings in the fit, by the same samples.
+    #[serde(default)]
+    pub fitted: Swing,
     /// How far the fit is from the recording in what predictions are asked for.
     #[serde(default)]
     pub misfit: Misfit,

@@ -25,6 +25,15 @@ pub struct Curve {
     pub predicted: Vec<[f64; 2]>,
 }
 
+/// How a tip swings, as `efam analyse` reads it off a path; none where the path does not tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Swing {
+    /// Frequency as released, Hz.
+    pub frequency_hz: Option<f64>,
+    /// Damping ratio by eq. 6.
+    pub damping_ratio: Option<f64>,
+}
+
 /// How far a fit is from a recording of the tip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Misfit {
@@ -43,26 +52,32 @@ pub struct Misfit {
 impl Misfit {
     /// Of the track of a tip without its ghosts, by the deviations of what a fit misses of it and by which its samples are
     /// weighed, m. Where nothing is missed all differences are noise.
-    pub(super) fn of(curve: &Curve, missed: f64, noise: f64) -> Self {
-        let both = [swing_of(curve, &curve.measured), swing_of(curve, &curve.predicted)];
-        let frequency = |swing: &Measured| swing.damped_frequency.as_ref().ok().copied();
-        let frequency_hz = both[0].as_ref().and_then(frequency).map(|omega| omega / std::f64::consts::TAU);
+    pub(super) fn of(curve: &Curve, [measured, fitted]: [Swing; 2], missed: f64, noise: f64) -> Self {
+        let frequency_hz = measured.frequency_hz;
         if missed == 0.0 {
             return Self { frequency_hz, ..Self::default() };
         }
-        let ratio = |of: fn(&Measured) -> Option<f64>| {
-            let [seen, fitted] = both.each_ref().map(|swing| swing.as_ref().and_then(of));
-            Some(fitted? / seen? - 1.0)
-        };
-        let [seen, fitted] = [&curve.measured, &curve.predicted].map(|path| rest(path));
-        let square = (seen[0] - fitted[0]).powi(2) + (seen[1] - fitted[1]).powi(2);
+        let ratio = |of: fn(Swing) -> Option<f64>| Some(of(fitted)? / of(measured)? - 1.0);
+        let [seen, met] = [&curve.measured, &curve.predicted].map(|path| rest(path));
+        let square = (seen[0] - met[0]).powi(2) + (seen[1] - met[1]).powi(2);
         let by_chance = 2.0 * noise * noise / (REST * curve.time.len() as f64).max(1.0);
         Self {
             distance_mm: 1e3 * (2.0 * missed * missed).sqrt(),
             rest_mm: 1e3 * (square - by_chance).max(0.0).sqrt(),
             frequency_hz,
-            frequency: ratio(frequency),
-            damping_ratio: ratio(|swing| Some(swing.decay.as_ref().ok()?.damping_ratio)),
+            frequency: ratio(|swing| swing.frequency_hz),
+            damping_ratio: ratio(|swing| swing.damping_ratio),
+        }
+    }
+}
+
+impl Swing {
+    /// Of a path of a track.
+    pub(super) fn of(curve: &Curve, path: &[[f64; 2]]) -> Self {
+        let Some(swing) = swing_of(curve, path) else { return Self::default() };
+        Self {
+            frequency_hz: swing.damped_frequency.ok().map(|omega| omega / std::f64::consts::TAU),
+            damping_ratio: swing.decay.ok().map(|decay| decay.damping_ratio),
         }
     }
 }

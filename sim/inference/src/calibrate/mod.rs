@@ -32,6 +32,7 @@ pub(crate) mod uncertainty;
 pub mod unknowns;
 pub(crate) mod view;
 mod warnings;
+pub mod waves;
 
 use nalgebra::DVector;
 use rayon::prelude::*;

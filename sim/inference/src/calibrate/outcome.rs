@@ -5,11 +5,11 @@ use efam_experiments::release::Release;
 use super::calibration::{Calibrated, Calibration, Correlations, ReleaseFit, SearchReport, TrackFit};
 use super::discrepancy::missed;
 use super::identifiability;
-use super::misfit::{Curve, Misfit};
+use super::misfit::{Curve, Misfit, Swing};
 use super::problem::{Problem, Scale, Scope};
 use super::uncertainty::TrackStatistics;
 use super::unknowns::{Group, Scaled, UnknownKind, Unknowns};
-use super::{PartFit, warnings};
+use super::{PartFit, warnings, waves};
 use crate::normal::NORMAL_95;
 
 /// What was found, and the curves to show.
@@ -64,6 +64,7 @@ pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[PartFit]
     }
     calibration.releases = fits.into_iter().flatten().collect();
     calibration.warnings.extend(calibration.releases.iter().flat_map(warnings::of_release));
+    calibration.warnings.extend(waves::warning(problem));
     let believed = calibration.parameters.iter().chain(&calibration.nuisances);
     let contradictions = warnings::of_beliefs(believed);
     // What is stated and not so comes before all else.
@@ -144,6 +145,10 @@ fn release_fit(problem: &Problem, fit: &PartFit, r: usize, curves: &[Curve]) -> 
     let of_numerics = |of: fn(&super::Correction) -> &Vec<f64>| {
         fit.numerics.as_ref().map_or(0.0, |numerics| 1e3 * of(numerics)[r])
     };
+    let seen = heard(fit, r, tip, &curves[tip]);
+    let swings = [&seen.measured, &seen.predicted].map(|path| Swing::of(&seen, path));
+    let noise = measured.noise[tip];
+    let missed = missed(&fit.found.at.carried.blocks[r][tip], &measured.samples, noise).deviation;
     ReleaseFit {
         name: release.name.clone(),
         pressure_pa: release.pressure,
@@ -152,16 +157,17 @@ fn release_fit(problem: &Problem, fit: &PartFit, r: usize, curves: &[Curve]) -> 
         held_out: release.held_out,
         duration_s: measured.samples.last().map_or(0.0, |k| release.time[*k]),
         tracks: fit.uncertainty.tracks[r].iter().enumerate().map(track).collect(),
-        misfit: misfit(fit, r, tip, &curves[tip]),
+        measured: swings[0],
+        fitted: swings[1],
+        misfit: Misfit::of(&seen, swings, missed, noise),
         numerical_error_mm: of_numerics(|numerics| &numerics.error),
         numerical_error_left_mm: of_numerics(|numerics| &numerics.left),
     }
 }
 
-/// How far a fit is from the recording of the tip; what the loss holds back is a ghost.
-fn misfit(fit: &PartFit, r: usize, tip: usize, curve: &Curve) -> Misfit {
-    let (series, measured) = (&fit.found.at.carried.blocks[r][tip], &fit.objective.measured[r]);
-    let noise = measured.noise[tip];
+/// The curve of a track without what the loss holds back, which is a ghost.
+fn heard(fit: &PartFit, r: usize, track: usize, curve: &Curve) -> Curve {
+    let series = &fit.found.at.carried.blocks[r][track];
     let mut seen = Curve { time: Vec::new(), measured: Vec::new(), predicted: Vec::new(), ..curve.clone() };
     for (k, length) in series.lengths().enumerate().take(curve.time.len()) {
         if fit.found.view.loss[r].weight(length) == 1.0 {
@@ -170,7 +176,7 @@ fn misfit(fit: &PartFit, r: usize, tip: usize, curve: &Curve) -> Misfit {
             seen.predicted.push(curve.predicted[k]);
         }
     }
-    Misfit::of(&seen, missed(series, &measured.samples, noise).deviation, noise)
+    seen
 }
 
 /// Largest distance of the tip from where it was seen last, m.

@@ -27,6 +27,7 @@ use efam_experiments::scenario::{Case, ScenarioError, ScenarioProblem};
 
 use super::hold::hold;
 use super::problem::{FittedParameter, Nuisances, Prior, Problem, Scale, Scope, Trial};
+use super::waves::{BETA, damp_waves};
 use super::{CalibrateError, CalibrationSettings};
 
 /// Why an experiment could not be made a problem.
@@ -57,8 +58,7 @@ pub enum SectionError {
 }
 
 /// Found unless the experiment says otherwise.
-const USUAL: [&str; 3] =
-    ["rod.bending_stiffness", "effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
+const USUAL: [&str; 3] = ["rod.bending_stiffness", "effects.rayleigh_mass.alpha", BETA];
 
 /// The problem that an experiment and its cleaned releases make.
 /// # Errors
@@ -107,7 +107,9 @@ pub fn problem(
         ..CalibrationSettings::default()
     };
     let trials = trials.into_iter().map(Arc::new).collect();
-    Ok((Problem { trials, parameters, nuisances }, settings))
+    let mut problem = Problem { trials, parameters, nuisances };
+    damp_waves(&mut problem);
+    Ok((problem, settings))
 }
 
 /// A release with the model of its case; held as the markers show, unless the experiment says that it is straight.

@@ -7,17 +7,17 @@ use efam_experiments::cleaning::Cleaned;
 use efam_experiments::experiment::{Experiment, ExperimentError};
 use models::effects::Catalogue;
 use models::nearest::{nearest, offer};
-use models::statics::{equilibrium, modes};
 
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::unknowns::FARTHEST;
+use crate::calibrate::waves::{BETA, damp_waves};
 use crate::calibrate::{
-    FittedParameter, Prior, Problem, Scope, SectionError, Trial, problem as calibration_problem,
+    FittedParameter, Prior, Problem, Scope, SectionError, problem as calibration_problem,
 };
 
 /// Losses that all pressures share unless the experiment says otherwise: one for each would hide how a
 /// missing effect grows with the pressure.
-pub(super) const SHARED: [&str; 2] = ["effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"];
+pub(super) const SHARED: [&str; 2] = ["effects.rayleigh_mass.alpha", BETA];
 
 /// The problem of an experiment.
 /// # Errors
@@ -82,25 +82,6 @@ fn limit_beliefs(problem: &mut Problem) {
         let (least, most) = range(&own.path);
         let room = FARTHEST * prior.deviation;
         own.bounds = Some(((prior.mean - room).max(least), (prior.mean + room).min(most)));
-    }
-}
-
-/// Least damping ratio of the second mode by stiffness damping: a steel cantilever in its clamp has as much. Without any,
-/// friction that turns round makes waves that nothing damps, in a hundred times the steps.
-const LEAST_DAMPING: f64 = 1e-3;
-
-/// Keeps the stiffness damping, where the experiment does not bound it, from leaving waves undamped: `ζ = β ω / 2`.
-fn damp_waves(problem: &mut Problem) {
-    let second_mode = |trial: &Trial| {
-        let rest = equilibrium(&trial.model, None).ok()?;
-        Some(modes(&trial.model, &rest, 2).ok()?.get(1)?.angular_frequency)
-    };
-    let slowest = problem.trials().filter_map(second_mode).fold(f64::INFINITY, f64::min);
-    let Some(trial) = problem.trials.first().filter(|_| slowest.is_finite()) else { return };
-    let own = problem.parameters.iter_mut().find(|own| own.path == SHARED[1] && own.bounds.is_none());
-    let known = trial.model.parameters.iter().find(|known| known.path == SHARED[1]);
-    if let (Some(own), Some(known)) = (own, known) {
-        own.bounds = Some((2.0 * LEAST_DAMPING / slowest, known.range.1));
     }
 }
 

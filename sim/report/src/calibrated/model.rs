@@ -191,6 +191,8 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
 
 #[cfg(test)]
 mod tests {
+    use efam_inference::calibrate::misfit::{Misfit, Swing};
+
     use super::*;
 
     /// Five releases of two pressures, whose frequencies are 1 % off: three degrees of freedom are left beside two
@@ -204,11 +206,10 @@ mod tests {
             excursion_m: 0.1,
             held_out: false,
             duration_s: 8.0,
+            measured: Swing::default(),
+            fitted: Swing::default(),
             tracks: Vec::new(),
-            misfit: efam_inference::calibrate::misfit::Misfit {
-                frequency: Some(frequency),
-                ..Default::default()
-            },
+            misfit: Misfit { frequency: Some(frequency), ..Default::default() },
             numerical_error_mm: 0.0,
             numerical_error_left_mm: 0.0,
         };

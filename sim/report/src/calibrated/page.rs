@@ -182,6 +182,8 @@ fn parameters(page: &mut Page, calibration: &Calibration) {
 /// Differences of fits and recordings in the quantities that `efam predict` gives.
 fn misfits(page: &mut Page, calibration: &Calibration) {
     let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:+.2}", 100.0 * share));
+    let number =
+        |value: Option<f64>, digits: i32| value.map_or("-".to_owned(), |value| significant(value, digits));
     let row = |release: &ReleaseFit| {
         let of = &release.misfit;
         vec![
@@ -189,8 +191,9 @@ fn misfits(page: &mut Page, calibration: &Calibration) {
             significant(1e3 * release.excursion_m, 3),
             significant(of.distance_mm, 2),
             significant(of.rest_mm, 2),
-            of.frequency_hz.map_or("-".to_owned(), |hertz| significant(hertz, 4)),
+            number(release.measured.frequency_hz, 4),
             percent(of.frequency),
+            number(release.measured.damping_ratio, 3),
             percent(of.damping_ratio),
         ]
     };
@@ -203,7 +206,8 @@ fn misfits(page: &mut Page, calibration: &Calibration) {
             "distance at the end, mm",
             "measured frequency, Hz",
             "frequency difference, %",
-            "damping ratio difference, %",
+            "measured damping ratio",
+            "its difference, %",
         ],
         rows: calibration.releases.iter().map(row).collect(),
     });

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use efam_core::forward::Cancel;
 use efam_experiments::cleaning::clean;
 use efam_experiments::experiment::Experiment;
+use efam_inference::calibrate::waves::damp_waves;
 use efam_inference::calibrate::{Problem, Trial};
 use efam_inference::diagnose::verdict::ParameterValue;
 use efam_inference::diagnose::{self, DiagnosisSettings};
@@ -57,9 +58,10 @@ fn write(folder: &Path, problem: &Problem, drawn: &Drawn) {
 #[test]
 fn files_pose_the_problem_that_was_drawn() {
     let case = Case { is_decoyed: true, ..Case::of("air_drag", 1.0, 41) };
-    let (asked, drawn) = drawn(&case, plan(&case).with_body());
+    let (mut asked, drawn) = drawn(&case, plan(&case).with_body());
     let folder = folder("blind-problem");
     write(&folder, &asked, &drawn);
+    damp_waves(&mut asked);
     let experiment = Experiment::load(&folder.join("experiment.toml"), &[]).expect("an experiment");
     let read = diagnose::problem(&experiment, &clean(&experiment).expect("cleaned")).expect("a problem");
     assert_eq!(read.nuisances, asked.nuisances);
