@@ -197,6 +197,7 @@ fn a_file_that_may_not_grow_is_an_error_of_writing() {
 
 /// Once the baseline is fitted, a search has an answer; its budget ends it as a signal does.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn a_diagnosis_is_saved_as_far_as_it_came() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis/viscoelastic");
     let example = example.join("experiment.toml").display().to_string();
@@ -222,6 +223,7 @@ fn a_diagnosis_is_saved_as_far_as_it_came() {
 }
 
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn of_all_else_nothing_is_left() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis/viscoelastic");
     let example = example.join("experiment.toml").display().to_string();

@@ -195,6 +195,7 @@ fn of_a_search_nothing_is_left_or_all_that_it_found() {
 }
 
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn a_sweep_keeps_whole_shards() {
     let bench = bench("terminated-sweep");
     let fast = bench.text("s.toml").replace("0.02 ms", "0.2 ms");

@@ -134,6 +134,7 @@ fn a_recording() {
 }
 
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn a_diagnosis() {
     follow("diagnosis");
 }
