@@ -3,5 +3,6 @@
 
 pub mod calibrate;
 pub mod diagnose;
+mod listed;
 pub mod normal;
 pub mod predict;

@@ -234,19 +234,21 @@ pub fn compare(
     let own = experiment.get();
     let work = |_: Cancel, _: &Progress| -> Result<AnswerData, Failure> {
         let begin = Instant::now();
-        let (experiment, known) = match &of {
-            None => (own.own.clone(), own.own.known().cloned()),
+        let (experiment, known, left_out) = match &of {
+            None => (own.own.clone(), own.own.known().cloned(), Vec::new()),
             Some(of) => {
                 let mut request = request(of)?;
                 request.set = own.overrides().to_vec();
-                request.in_experiment(&own.own)?
+                let (experiment, known) = request.in_experiment(&own.own)?;
+                (experiment, known, request.left_out(&own.own))
             }
         };
         let rod = of.as_ref().filter(|of| !of.contains('\n')).map(PathBuf::from);
         let fitted = rod.as_deref().map(fitted_files).unwrap_or_default();
         let cleaned = efam_experiments::cleaning::clean(&experiment)?;
         let settings = PredictionSettings { draws, seed };
-        let found = check(&experiment, &cleaned, known.as_ref(), &fitted, &settings)?;
+        let mut found = check(&experiment, &cleaned, known.as_ref(), &fitted, &settings)?;
+        found.warnings.splice(..0, left_out);
         let request = request_of(own, &found.warnings, begin.elapsed().as_secs_f64());
         let request = Request { name: format!("{} predicted", request.name), ..request };
         let (answer, text) = (json!(found), check_table(&found));

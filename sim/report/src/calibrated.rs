@@ -148,8 +148,12 @@ pub fn table(calibration: &Calibration) -> String {
             None => "-".to_owned(),
         };
         let (value, ends) = with_ends(found.value, found.interval_95, 1.0);
-        let interval =
-            ends.map_or("not determined".to_owned(), |[low, high]| format!("{low} to {high} {}", found.unit));
+        let unit = if found.unit.is_empty() { String::new() } else { format!(" {}", found.unit) };
+        let bound = if found.at_bound { ", at its bound" } else { "" };
+        let interval = match ends {
+            Some([low, high]) => format!("{low} to {high}{unit}{bound}"),
+            None => format!("not determined{bound}"),
+        };
         parameters.row([found.label(), value, error, interval]);
     }
     let numbers = ["samples", "rms, mm", "noise, mm", "chi2", "held back"].map(|head| (head, Side::Number));

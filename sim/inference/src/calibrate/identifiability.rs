@@ -11,6 +11,8 @@ use super::objective::Objective;
 use super::problem::Scale;
 use super::search::Found;
 use super::uncertainty::{Uncertainty, pseudo_inverse};
+use super::waves::BETA;
+use crate::listed::listed;
 
 /// Correlation from which on two parameters are said to be badly separated.
 const TOGETHER: f64 = 0.95;
@@ -47,7 +49,16 @@ pub(super) fn words(
     let mut words: Vec<String> = in_sum.iter().map(|(b, a)| sum(&parameters[*b], &parameters[*a])).collect();
     let is_alone = |k: &usize| in_sum.iter().all(|(b, a)| b != k && a != k);
     words.extend((0..places.len()).filter(is_alone).filter_map(|k| alone(&parameters[k], told(k))));
-    words.extend(others.iter().map(|(b, a)| pair(&parameters[*b], &parameters[*a], correlation(*a, *b))));
+    for group in groups(&others) {
+        let of_group = others.iter().filter(|(b, _)| group.contains(b));
+        let strength = |(b, a): &&(usize, usize)| correlation(*a, *b).abs();
+        let Some((b, a)) = of_group.max_by(|x, y| strength(x).total_cmp(&strength(y))) else { continue };
+        let strongest = (&parameters[*b], &parameters[*a], correlation(*a, *b));
+        words.push(match group.len() {
+            2 => pair(strongest),
+            _ => together(&group.iter().map(|k| parameters[*k].label()).collect::<Vec<_>>(), strongest),
+        });
+    }
     words.extend(weakest(objective, found, parameters, places));
     words
 }
@@ -73,6 +84,15 @@ fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
     if parameter.value == 0.0 && parameter.bounds[0] == Some(0.0) {
         return Some(format!(
             "{label} is zero, the least that it can be: the recordings show none of it; take its interval as an upper limit, or leave it out of [[calibrate.parameter]]"
+        ));
+    }
+    if parameter.at_bound
+        && parameter.name == BETA
+        && parameter.bounds[0].is_some_and(|low| parameter.value <= low)
+    {
+        let value = significant(parameter);
+        return Some(format!(
+            "{label} is {value}, the least that it may be: the recordings show no more of it; take its interval as an upper limit, or leave it out of [[calibrate.parameter]]"
         ));
     }
     if parameter.at_bound {
@@ -103,7 +123,32 @@ fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
     })
 }
 
-fn pair(a: &Calibrated, b: &Calibrated, correlation: f64) -> String {
+/// The parameters that pairs connect, each group in order.
+fn groups(pairs: &[(usize, usize)]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (b, a) in pairs {
+        let (joined, apart): (Vec<_>, Vec<_>) =
+            groups.into_iter().partition(|group| group.contains(a) || group.contains(b));
+        let mut group = [joined.concat(), vec![*b, *a]].concat();
+        group.sort_unstable();
+        group.dedup();
+        groups = [apart, vec![group]].concat();
+    }
+    groups
+}
+
+/// What is to be said of several that make up for one another, by the two that do so most.
+fn together(labels: &[String], (a, b, correlation): (&Calibrated, &Calibrated, f64)) -> String {
+    format!(
+        "{} are strongly correlated: each can change with almost the same result if others follow, {} and {} most of all (correlation {correlation:.3}); {}",
+        listed(labels),
+        a.label(),
+        b.label(),
+        advice(kind(&a.name), Some(kind(&b.name)))
+    )
+}
+
+fn pair((a, b, correlation): (&Calibrated, &Calibrated, f64)) -> String {
     let both = if correlation > 0.0 { "rise together" } else { "move against each other" };
     format!(
         "{} and {} are strongly correlated: they {both} with almost the same result (correlation {correlation:.3}); standard error {} alone, {} with the other given; {}",
@@ -265,6 +310,16 @@ mod tests {
         assert!(zero.contains("is zero, the least that it can be") && !zero.contains("widen"), "{zero}");
         let met = alone(&parameter(3.0, [Some(0.0), Some(3.0)]), true).expect("words");
         assert!(met.contains("hit its bound, 3") && met.contains("[[calibrate.parameter]]"), "{met}");
+    }
+
+    /// Two pairs that share a parameter are one group.
+    #[test]
+    fn correlated_parameters_are_told_in_groups() {
+        assert_eq!(groups(&[(0, 1), (3, 4), (1, 2)]), [vec![3, 4], vec![0, 1, 2]]);
+        let labels = ["a", "b", "c"].map(str::to_owned);
+        let [one, other] = [1.0, 2.0].map(|value| parameter(value, [Some(0.0), None]));
+        let told = together(&labels, (&one, &other, -0.99));
+        assert!(told.starts_with("a, b and c are strongly correlated"), "{told}");
     }
 
     /// Beyond its whole value, or with no error, a parameter is known in a combination at best.

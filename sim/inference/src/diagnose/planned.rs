@@ -9,12 +9,12 @@ use super::Course;
 use super::candidate::Candidate;
 use super::design_matrix::predictions;
 use super::score::{APART, columns, distance, gram};
-use super::summary_text::listed;
 use super::verdict::{Separation, Verdict};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::refine::LAST;
 use crate::calibrate::{CalibrateError, Problem, Scope, Trial};
+use crate::listed::listed;
 
 /// What could be recorded besides.
 #[derive(Clone, Copy, Debug, PartialEq)]

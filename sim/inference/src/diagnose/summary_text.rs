@@ -12,6 +12,7 @@ use super::verdict::{
     Verdict, Wrong,
 };
 use crate::calibrate::repeats::Source;
+use crate::listed::listed;
 use models::digits::{short, significant};
 
 /// One paragraph for a person; each part of it is there only where numbers stand behind it.
@@ -120,14 +121,6 @@ fn names(diagnosis: &Diagnosis) -> String {
         }
     };
     capitalised(&listed(&diagnosis.effects.iter().map(name).collect::<Vec<_>>()))
-}
-
-/// One, two and three.
-pub(super) fn listed(words: &[String]) -> String {
-    match words {
-        [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
-        words => words.concat(),
-    }
 }
 
 /// Share of the size of the largest misfit from which on another is worth words.

@@ -88,6 +88,22 @@ impl CaseRequest {
         Ok((parse(&tables, &set)?.holding(held), known))
     }
 
+    /// Warnings of the effects in an experiment that this rod does not have: [`Self::in_experiment`] leaves them out.
+    pub fn left_out(&self, experiment: &Experiment) -> Vec<String> {
+        let (Some(own), Some(stated)) = (effects(&self.text), effects(experiment.text())) else {
+            return Vec::new();
+        };
+        let absent = stated.keys().filter(|name| !own.contains_key(*name));
+        let warning = |name: &String| {
+            format!(
+                "{}: [effects.{name}] is not in {} and is left out of these predictions; say a weight as payload in [[recording]], and any other effect in the experiment of the calibration",
+                experiment.path.display(),
+                self.path.display()
+            )
+        };
+        absent.map(warning).collect()
+    }
+
     /// The case at a pressure, Pa, and with a payload, kg, where they are not the scenario's own, and what a
     /// calibration says of its numbers.
     /// # Errors
@@ -112,6 +128,14 @@ impl CaseRequest {
     }
 }
 
+/// The table of effects in a file.
+fn effects(text: &str) -> Option<Table> {
+    match text.parse::<Table>().ok()?.remove("effects")? {
+        Value::Table(effects) => Some(effects),
+        _ => None,
+    }
+}
+
 /// Numbers that belong to a mesh are taken with it: what has to be set for that.
 fn of_mesh(known: Option<&Known>) -> Option<String> {
     known?.nodes.map(|nodes| format!("rod.nodes={nodes}"))
@@ -126,5 +150,28 @@ fn remove(tables: &mut Table, path: &str) {
                 remove(table, below);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A weight that an experiment has as an effect, and the calibrated rod has not.
+    #[test]
+    fn effects_that_the_rod_lacks_are_named() {
+        let rod = "[rod]\nlength = \"0.3 m\"\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n";
+        let request = CaseRequest::scenario(Path::new("rod.toml"), rod.to_owned());
+        let experiment = |effect: &str| {
+            let text = format!(
+                "[rod]\nlength = \"0.3 m\"\nmass = \"96 g\"\nbending_stiffness = \"0.1 N m^2\"\n[effects.{effect}]\n[[recording]]\nfile = \"loaded.csv\"\ntip = \"Tip\"\n"
+            );
+            Experiment::parse(Path::new("loaded.toml"), &text, &[]).expect("an experiment")
+        };
+        let [warning] = &request.left_out(&experiment("tip_mass"))[..] else {
+            panic!("one effect is absent")
+        };
+        assert!(warning.starts_with("loaded.toml: [effects.tip_mass] is not in rod.toml"), "{warning}");
+        assert_eq!(request.left_out(&experiment("rayleigh_mass")), Vec::<String>::new());
     }
 }

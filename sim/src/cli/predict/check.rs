@@ -39,12 +39,13 @@ pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, F
     let own = of_kind(FileKind::Experiment, file, Experiment::load(file, &args.set))?;
     let mut input_hashes = input_hashes(&own);
     let rod = args.scenario.as_deref().or(args.muscle.as_deref().map(Path::new));
-    let (experiment, known) = match rod {
-        None => (own.clone(), own.known().cloned()),
+    let (experiment, known, left_out) = match rod {
+        None => (own.clone(), own.known().cloned(), Vec::new()),
         Some(_) => {
             let (cases, hashes) = case_request(args)?;
             input_hashes.extend(hashes);
-            cases.in_experiment(&own)?
+            let (experiment, known) = cases.in_experiment(&own)?;
+            (experiment, known, cases.left_out(&own))
         }
     };
     let fitted = rod.map(fitted_files).unwrap_or_default();
@@ -67,7 +68,8 @@ pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, F
         Ok(check(&experiment, &cleaned, known.as_ref(), &fitted, &settings)?)
     };
     let (folder, check): (_, Result<Check, Failure>) = interrupt::during(folder, &stages, work);
-    let check = check?;
+    let mut check = check?;
+    check.warnings.splice(..0, left_out);
     let done =
         Request { warnings: check.warnings.clone(), wall_time_s: begin.elapsed().as_secs_f64(), ..request };
     write_check(&folder, &done, &check)?;

@@ -119,9 +119,10 @@ const FLOORS: [Floors; 5] = [
     (
         "sim/inference/src/",
         &[
+            ("listed", &[]),
             ("normal", &[]),
-            ("calibrate", &["normal"]),
-            ("diagnose", &["calibrate", "normal"]),
+            ("calibrate", &["listed", "normal"]),
+            ("diagnose", &["calibrate", "listed", "normal"]),
             ("predict", &["calibrate", "normal"]),
         ],
     ),
