@@ -11,6 +11,11 @@ pub fn significant(value: f64, digits: i32) -> String {
     unsigned_zero(format!("{:.decimals$}", (value / unit).round() * unit))
 }
 
+/// The same of a number that may be missing: a dash then.
+pub fn significant_or_dash(value: Option<f64>, digits: i32) -> String {
+    value.map_or("-".to_owned(), |value| significant(value, digits))
+}
+
 /// A number with three digits that count, with an exponent where it is very small or large.
 pub fn short(value: f64) -> String {
     rounded(value, 3)

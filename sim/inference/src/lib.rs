@@ -3,6 +3,8 @@
 
 pub mod calibrate;
 pub mod diagnose;
+#[cfg(test)]
+mod example;
 mod listed;
 pub mod normal;
 pub mod predict;

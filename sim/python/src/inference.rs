@@ -239,8 +239,7 @@ pub fn compare(
             Some(of) => {
                 let mut request = request(of)?;
                 request.set = own.overrides().to_vec();
-                let (experiment, known) = request.in_experiment(&own.own)?;
-                (experiment, known, request.left_out(&own.own))
+                request.in_experiment(&own.own)?
             }
         };
         let rod = of.as_ref().filter(|of| !of.contains('\n')).map(PathBuf::from);

@@ -31,7 +31,7 @@ use crate::aligned::{Aligned, Side};
 use crate::interval::with_ends;
 use crate::page::REPORT;
 use crate::picture::{against_markers, calibrated, fitted, over_pressure};
-use crate::report::significant;
+use crate::report::{significant, significant_or_dash};
 use crate::{Request, write_mark};
 
 pub use model::{ModelFile, models, muscle_file, rod_files};
@@ -124,14 +124,9 @@ fn swings(calibration: &Calibration) -> Aligned {
     let mut swings = Aligned::new(&[&[("release", Side::Words)], &numbers[..]].concat());
     for release in &calibration.releases {
         let [measured, fitted] = [release.measured, release.fitted];
-        let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 3));
-        swings.row([
-            release.name.clone(),
-            number(measured.frequency_hz),
-            number(fitted.frequency_hz),
-            number(measured.damping_ratio),
-            number(fitted.damping_ratio),
-        ]);
+        let numbers =
+            [measured.frequency_hz, fitted.frequency_hz, measured.damping_ratio, fitted.damping_ratio];
+        swings.row([release.name.clone()].into_iter().chain(numbers.map(|own| significant_or_dash(own, 3))));
     }
     swings
 }

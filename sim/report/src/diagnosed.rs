@@ -28,7 +28,7 @@ use crate::aligned::{Aligned, Side};
 use crate::calibrated::EXPERIMENT;
 use crate::page::REPORT;
 use crate::picture::diagnosed;
-use crate::report::significant;
+use crate::report::{significant, significant_or_dash};
 use crate::{Request, write_mark};
 
 /// The verdict.
@@ -182,7 +182,7 @@ pub fn plan_table(prospects: &[Prospect], releases: usize) -> String {
             number(prospect.detectable_from),
             number(prospect.separable_from),
             prospect.nearest.clone().unwrap_or("-".to_owned()),
-            prospect.largest_plausible.map_or("-".to_owned(), |most| significant(most, 2)),
+            significant_or_dash(prospect.largest_plausible, 2),
             prospect.unit.clone(),
         ]);
     }

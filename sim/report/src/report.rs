@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use models::digits::{rounded, unsigned_zero};
-pub use models::digits::{short, significant};
+pub use models::digits::{short, significant, significant_or_dash};
 
 use efam_core::accuracy::Errors;
 use efam_core::trajectory::Status;

@@ -29,7 +29,7 @@ use serde_json::json;
 use crate::aligned::{Aligned, Side};
 use crate::page::REPORT;
 use crate::picture::swept_pictures;
-use crate::report::{readable, significant};
+use crate::report::{readable, significant_or_dash};
 use crate::{Request, mark};
 
 pub use planned::{again, request_of, write_plan};
@@ -129,8 +129,8 @@ const HEADS: [&str; 6] = ["points", "least", "2.5 %", "median", "97.5 %", "great
 /// A spread under these heads, and its unit.
 fn told(spread: &Spread) -> ([String; 6], &str) {
     let (factor, unit) = readable(&spread.unit);
-    let value = |value: Option<f64>| value.map_or("-".to_owned(), |value| significant(factor * value, 4));
     let Spread { least, low_95, median, high_95, greatest, .. } = spread;
-    let [a, b, c, d, e] = [least, low_95, median, high_95, greatest].map(|own| value(*own));
+    let [a, b, c, d, e] = [least, low_95, median, high_95, greatest]
+        .map(|own| significant_or_dash(own.map(|own| factor * own), 4));
     ([spread.points.to_string(), a, b, c, d, e], unit)
 }

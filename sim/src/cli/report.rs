@@ -12,7 +12,7 @@ use efam_report::compared::{Comparison, compare, write_comparison};
 use efam_report::reread::{Reread, RereadError, reread};
 use efam_store::folder::MARK;
 use efam_store::input;
-use models::digits::significant;
+use models::digits::significant_or_dash;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -108,13 +108,11 @@ fn tell(out: &mut impl Write, comparison: &Comparison) -> io::Result<()> {
     let rows =
         [&comparison.quantities, &comparison.over_pressure, &comparison.predictions, &comparison.analyses];
     for row in rows.into_iter().flatten() {
-        let value = |value: &Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 4));
-        let values = row.values.iter().map(value);
+        let values = row.values.iter().map(|value| significant_or_dash(*value, 4));
         numbers.row([row.name.clone()].into_iter().chain(values).chain([row.unit.clone()]));
     }
     for one in &comparison.parameters {
-        let value = |value: &Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 5));
-        let values = one.values.iter().map(value);
+        let values = one.values.iter().map(|value| significant_or_dash(*value, 5));
         numbers.row([one.name.clone()].into_iter().chain(values).chain([one.unit.clone()]));
     }
     write!(out, "\n{numbers}")?;

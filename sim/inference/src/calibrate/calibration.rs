@@ -4,7 +4,7 @@ use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::misfit::{Misfit, Swing};
+use super::misfit::{FrequencyAndDamping, Misfit};
 use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
 use super::repeats::Repeats;
 use super::stage::Stage;
@@ -97,10 +97,10 @@ pub struct ReleaseFit {
     pub tracks: Vec<TrackFit>,
     /// How its tip swings in the recording.
     #[serde(default)]
-    pub measured: Swing,
+    pub measured: FrequencyAndDamping,
     /// How it swings in the fit, by the same samples.
     #[serde(default)]
-    pub fitted: Swing,
+    pub fitted: FrequencyAndDamping,
     /// How far the fit is from the recording in what predictions are asked for.
     #[serde(default)]
     pub misfit: Misfit,

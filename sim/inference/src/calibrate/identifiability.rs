@@ -81,18 +81,12 @@ fn sum(a: &Calibrated, b: &Calibrated) -> String {
 /// What is to be said of a parameter by itself.
 fn alone(parameter: &Calibrated, is_determined: bool) -> Option<String> {
     let label = parameter.label();
-    if parameter.value == 0.0 && parameter.bounds[0] == Some(0.0) {
+    // The least value of β is not zero (`waves.rs`).
+    let is_least = parameter.bounds[0].is_some_and(|low| parameter.value <= low);
+    if is_least && (parameter.value == 0.0 || parameter.name == BETA) {
+        let value = if parameter.value == 0.0 { "zero".to_owned() } else { significant(parameter) };
         return Some(format!(
-            "{label} is zero, the least that it can be: the recordings show none of it; take its interval as an upper limit, or leave it out of [[calibrate.parameter]]"
-        ));
-    }
-    if parameter.at_bound
-        && parameter.name == BETA
-        && parameter.bounds[0].is_some_and(|low| parameter.value <= low)
-    {
-        let value = significant(parameter);
-        return Some(format!(
-            "{label} is {value}, the least that it may be: the recordings show no more of it; take its interval as an upper limit, or leave it out of [[calibrate.parameter]]"
+            "{label} is {value}, the least that it can be: the recordings show none of it; take its interval as an upper limit, or leave it out of [[calibrate.parameter]]"
         ));
     }
     if parameter.at_bound {
@@ -140,7 +134,7 @@ fn groups(pairs: &[(usize, usize)]) -> Vec<Vec<usize>> {
 /// What is to be said of several that make up for one another, by the two that do so most.
 fn together(labels: &[String], (a, b, correlation): (&Calibrated, &Calibrated, f64)) -> String {
     format!(
-        "{} are strongly correlated: each can change with almost the same result if others follow, {} and {} most of all (correlation {correlation:.3}); {}",
+        "{} are strongly correlated: a change of one can be offset by others with almost the same fit, most of all {} and {} (correlation {correlation:.3}); {}",
         listed(labels),
         a.label(),
         b.label(),
@@ -310,6 +304,9 @@ mod tests {
         assert!(zero.contains("is zero, the least that it can be") && !zero.contains("widen"), "{zero}");
         let met = alone(&parameter(3.0, [Some(0.0), Some(3.0)]), true).expect("words");
         assert!(met.contains("hit its bound, 3") && met.contains("[[calibrate.parameter]]"), "{met}");
+        let least = Calibrated { name: BETA.to_owned(), ..parameter(8e-6, [Some(8e-6), None]) };
+        let least = alone(&least, true).expect("words");
+        assert!(least.contains("the least that it can be") && !least.contains("widen"), "{least}");
     }
 
     /// Two pairs that share a parameter are one group.
@@ -328,7 +325,7 @@ mod tests {
         let known = |value: f64| parameter(value, [Some(0.0), None]);
         let nothing = Calibrated { standard_error: None, ..known(3.0) };
         assert!(is_vague(&known(0.05)) && is_vague(&nothing) && !is_vague(&known(3.0)));
-        let beta = Calibrated { name: "effects.rayleigh_stiffness.beta".to_owned(), ..known(0.05) };
+        let beta = Calibrated { name: BETA.to_owned(), ..known(0.05) };
         let told = sum(&known(0.05), &beta);
         assert!(told.contains("only a combination of effects.rayleigh_mass.alpha and"), "{told}");
         assert!(told.contains("a payload or at another pressure"), "{told}");

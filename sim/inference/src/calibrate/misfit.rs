@@ -27,7 +27,7 @@ pub struct Curve {
 
 /// How a tip swings, as `efam analyse` reads it off a path; none where the path does not tell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Swing {
+pub struct FrequencyAndDamping {
     /// Frequency as released, Hz.
     pub frequency_hz: Option<f64>,
     /// Damping ratio by eq. 6.
@@ -52,12 +52,17 @@ pub struct Misfit {
 impl Misfit {
     /// Of the track of a tip without its ghosts, by the deviations of what a fit misses of it and by which its samples are
     /// weighed, m. Where nothing is missed all differences are noise.
-    pub(super) fn of(curve: &Curve, [measured, fitted]: [Swing; 2], missed: f64, noise: f64) -> Self {
+    pub(super) fn of(
+        curve: &Curve,
+        [measured, fitted]: [FrequencyAndDamping; 2],
+        missed: f64,
+        noise: f64,
+    ) -> Self {
         let frequency_hz = measured.frequency_hz;
         if missed == 0.0 {
             return Self { frequency_hz, ..Self::default() };
         }
-        let ratio = |of: fn(Swing) -> Option<f64>| Some(of(fitted)? / of(measured)? - 1.0);
+        let ratio = |of: fn(FrequencyAndDamping) -> Option<f64>| Some(of(fitted)? / of(measured)? - 1.0);
         let [seen, met] = [&curve.measured, &curve.predicted].map(|path| rest(path));
         let square = (seen[0] - met[0]).powi(2) + (seen[1] - met[1]).powi(2);
         let by_chance = 2.0 * noise * noise / (REST * curve.time.len() as f64).max(1.0);
@@ -71,7 +76,7 @@ impl Misfit {
     }
 }
 
-impl Swing {
+impl FrequencyAndDamping {
     /// Of a path of a track.
     pub(super) fn of(curve: &Curve, path: &[[f64; 2]]) -> Self {
         let Some(swing) = swing_of(curve, path) else { return Self::default() };

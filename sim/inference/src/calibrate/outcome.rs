@@ -5,7 +5,7 @@ use efam_experiments::release::Release;
 use super::calibration::{Calibrated, Calibration, Correlations, ReleaseFit, SearchReport, TrackFit};
 use super::discrepancy::missed;
 use super::identifiability;
-use super::misfit::{Curve, Misfit, Swing};
+use super::misfit::{Curve, FrequencyAndDamping, Misfit};
 use super::problem::{Problem, Scale, Scope};
 use super::uncertainty::TrackStatistics;
 use super::unknowns::{Group, Scaled, UnknownKind, Unknowns};
@@ -146,7 +146,7 @@ fn release_fit(problem: &Problem, fit: &PartFit, r: usize, curves: &[Curve]) -> 
         fit.numerics.as_ref().map_or(0.0, |numerics| 1e3 * of(numerics)[r])
     };
     let seen = heard(fit, r, tip, &curves[tip]);
-    let swings = [&seen.measured, &seen.predicted].map(|path| Swing::of(&seen, path));
+    let swings = [&seen.measured, &seen.predicted].map(|path| FrequencyAndDamping::of(&seen, path));
     let noise = measured.noise[tip];
     let missed = missed(&fit.found.at.carried.blocks[r][tip], &measured.samples, noise).deviation;
     ReleaseFit {

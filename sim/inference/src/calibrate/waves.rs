@@ -1,7 +1,6 @@
-//! Fast waves along the rod are damped, whatever is fitted.
+//! A smallest stiffness damping β, which damps fast waves along the rod.
 //!
-//! A loss by the rate of bending alone damps them. Where it is zero, an integrator follows every wave, in a hundred times
-//! the steps, and the swing is the same.
+//! With β of zero an integrator follows every wave. It takes up to a hundred times the steps, and the swing is the same.
 
 use std::sync::Arc;
 
@@ -28,21 +27,17 @@ fn second_mode(trial: &Trial) -> Option<f64> {
     Some(modes(&trial.model, &rest, 2).ok()?.get(1)?.angular_frequency)
 }
 
-fn is_fitted(problem: &Problem) -> bool {
-    problem.parameters.iter().any(|own| own.path == BETA)
-}
-
 /// Keeps β from leaving waves undamped: a β that is fitted by its bound, unless the experiment gives one, any other by its
 /// value.
 pub fn damp_waves(problem: &mut Problem) {
-    let Some(least) = least(problem) else { return };
-    if is_fitted(problem) {
-        let trial = problem.trials.first();
-        let most = trial.and_then(|trial| trial.model.parameters.iter().find(|known| known.path == BETA));
-        let Some(most) = most.map(|known| known.range.1) else { return };
-        for own in problem.parameters.iter_mut().filter(|own| own.path == BETA && own.bounds.is_none()) {
-            own.bounds = Some((least, most));
-        }
+    let is_bounded = problem.parameters.iter().any(|own| own.path == BETA && own.bounds.is_some());
+    let Some(least) = Some(&*problem).filter(|_| !is_bounded).and_then(least) else { return };
+    if let Some(own) = problem.parameters.iter_mut().find(|own| own.path == BETA) {
+        let known = problem
+            .trials
+            .first()
+            .and_then(|trial| trial.model.parameters.iter().find(|known| known.path == BETA));
+        own.bounds = known.map(|known| (least, known.range.1));
         return;
     }
     for trial in &mut problem.trials {
@@ -54,13 +49,16 @@ pub fn damp_waves(problem: &mut Problem) {
     }
 }
 
-/// Says that a β which is not fitted is as small as damps the waves.
+/// The warning of a problem in which β is held at the smallest value.
 pub(super) fn warning(problem: &Problem) -> Option<String> {
-    let least = least(problem).filter(|_| !is_fitted(problem))?;
+    if problem.parameters.iter().any(|own| own.path == BETA) {
+        return None;
+    }
+    let least = least(problem)?;
     let is_least = |trial: &Trial| trial.model.index(BETA).is_ok_and(|k| trial.model.theta[k] == least);
     problem.trials().any(is_least).then(|| {
         format!(
-            "{BETA} is not fitted and is held at {}, a damping ratio of {LEAST_DAMPING} in the second mode: without it nothing damps fast waves; state or fit it if the rod loses more",
+            "{BETA} is not fitted and is held at {}, which gives the second mode a damping ratio of {LEAST_DAMPING}: with zero, nothing damps fast waves; state or fit it if the rod loses more",
             format_si(least, "s")
         )
     })
@@ -70,24 +68,15 @@ pub(super) fn warning(problem: &Problem) -> Option<String> {
 mod tests {
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::Run;
-    use efam_experiments::release::Release;
 
     use super::*;
     use crate::calibrate::{FittedParameter, Nuisances, Scope};
+    use crate::example::release;
 
     fn problem(beta: f64, fitted: &str) -> Problem {
-        let release = Release {
-            name: "made-up".to_owned(),
-            time: Vec::new(),
-            release_uncertainty: 0.01,
-            tracks: Vec::new(),
-            pressure: None,
-            payload: 0.0,
-            held_out: false,
-        };
         let mut model = muscle_at_15_psi();
         model.set(BETA, beta).expect("a muscle has it");
-        let trial = Trial { release, model, run: Run::release(1.0, 10.0) };
+        let trial = Trial { release: release(Vec::new(), Vec::new()), model, run: Run::release(1.0, 10.0) };
         let parameters = vec![FittedParameter::new(fitted, Scope::Shared)];
         let mut problem = Problem { trials: vec![trial.into()], parameters, nuisances: Nuisances::default() };
         damp_waves(&mut problem);

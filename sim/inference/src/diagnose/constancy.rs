@@ -54,7 +54,7 @@ mod tests {
 
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::{Run, forward, uniform};
-    use efam_experiments::release::{Point, Release, Track};
+    use efam_experiments::release::{Point, Track};
 
     use super::*;
     use crate::calibrate::prediction::Slopes;
@@ -62,6 +62,7 @@ mod tests {
     use crate::calibrate::{FittedParameter, Nuisances, Problem, Scope, Trial};
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
+    use crate::example;
 
     const NOISE: f64 = 3e-4;
 
@@ -75,21 +76,9 @@ mod tests {
             (1.0 + relative_error) * x + NOISE * std::f64::consts::SQRT_2 * (*count * *count).sin()
         };
         let position = path.points.iter().map(|at| Some(at[0].map(&mut measured))).collect();
-        let release = Release {
-            name: "made-up".to_owned(),
-            time: uniform(3.0, 40.0),
-            release_uncertainty: 0.01,
-            tracks: vec![Track {
-                marker: "tip".to_owned(),
-                at: Point::Tip,
-                position,
-                noise: NOISE,
-                discrepancy: 0.0,
-            }],
-            pressure: None,
-            payload: 0.0,
-            held_out: false,
-        };
+        let (marker, at) = ("tip".to_owned(), Point::Tip);
+        let track = Track { marker, at, position, noise: NOISE, discrepancy: 0.0 };
+        let release = example::release(uniform(3.0, 40.0), vec![track]);
         Trial { release, model, run }
     }
 

@@ -247,6 +247,7 @@ mod tests {
     use crate::calibrate::{FittedParameter, Nuisances, Problem};
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
+    use crate::example;
 
     const NOISE: f64 = 3e-4;
 
@@ -259,15 +260,8 @@ mod tests {
             noise: NOISE,
             discrepancy: 0.0,
         };
-        let release = Release {
-            name: "made-up".to_owned(),
-            release_uncertainty: 0.01,
-            tracks: vec![track("tip", Point::Tip), track("middle", Point::Along(0.5))],
-            pressure: Some(1e5),
-            payload: 0.0,
-            held_out: false,
-            time,
-        };
+        let tracks = vec![track("tip", Point::Tip), track("middle", Point::Along(0.5))];
+        let release = Release { pressure: Some(1e5), ..example::release(time, tracks) };
         Problem {
             trials: vec![Trial { release, model: muscle_at_15_psi(), run: Run::release(0.6, 40.0) }.into()],
             parameters: vec![FittedParameter::new("rod.bending_stiffness", Scope::Shared)],

@@ -230,27 +230,19 @@ impl Course<'_> {
 mod tests {
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::{Run, uniform};
-    use efam_experiments::release::Release;
 
     use super::*;
     use crate::calibrate::{FittedParameter, Nuisances, Prior};
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
+    use crate::example;
 
     fn release() -> Arc<Trial> {
         let time = uniform(2.0, 20.0);
         let (marker, at) = ("tip".to_owned(), Point::Tip);
         let track =
             Track { marker, at, position: vec![Some([0.0; 2]); time.len()], noise: 3e-4, discrepancy: 0.0 };
-        let release = Release {
-            name: "made-up".to_owned(),
-            time,
-            release_uncertainty: 0.01,
-            tracks: vec![track],
-            pressure: None,
-            payload: 0.0,
-            held_out: false,
-        };
+        let release = example::release(time, vec![track]);
         Trial { release, model: muscle_at_15_psi(), run: Run::release(2.0, 20.0) }.into()
     }
 

@@ -15,8 +15,8 @@ use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::{CalibrateError, Problem};
 
-/// Candidates fitted before it is asked whether the best of them leaves more than noise: then another one, whose gain the
-/// scores put too low, may be the answer.
+/// Candidates fitted at once. Others follow while the best leaves more than noise: scores may put the gain of the right one too
+/// low. The number is a matter of time, not of statistics.
 const AT_ONCE: usize = 6;
 /// Share of the largest promised decrease from which on a candidate is fitted.
 const WORTH_FITTING: f64 = 0.3;
@@ -37,7 +37,7 @@ pub(super) const LITTLE: &str =
 pub(super) struct Entry {
     pub candidate: Candidate,
     pub score: Score,
-    /// Near its fit.
+    /// The model with it, near its fit.
     rough: Option<Rough>,
     refit: Option<Refit>,
     /// Decrease of χ² when fitted, if only roughly.
@@ -229,10 +229,11 @@ fn fit_all(
         }
         Ok::<(), CalibrateError>(())
     })?;
-    let cost = |entry: &Entry| entry.rough.as_ref().map(|rough| (rough.cost, rough.known.clone()));
-    let costs = shortlist.iter().enumerate().filter_map(|(place, entry)| Some((place, cost(entry)?)));
-    let Some((best, (least, led))) = costs.min_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return Ok(()) };
-    let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[best], entry, scores)).collect();
+    let by_cost = |a: &(&Entry, &Rough), b: &(&Entry, &Rough)| a.1.cost.total_cmp(&b.1.cost);
+    let run = shortlist.iter().filter_map(|entry| Some((entry, entry.rough.as_ref()?)));
+    let Some((best, rough)) = run.min_by(by_cost) else { return Ok(()) };
+    let (least, led) = (rough.cost, rough.known.clone());
+    let distances: Vec<f64> = shortlist[from..].iter().map(|entry| apart(best, entry, scores)).collect();
     // A search near its end was seen to gain up to a quarter of what it is behind, and by half it would not catch up.
     let near = STAGE_SHARE * least + 2.0 * LEAD * scores.variance_inflation;
     let farther = near.max(LAW * (fit.cost() - least));
@@ -245,9 +246,9 @@ fn fit_all(
         found.into_iter().filter(|found| found.cost < own).for_each(|found| hear(entry, found));
         Ok::<(), CalibrateError>(())
     })?;
-    shortlist[from..].par_iter_mut().zip(&distances[from..]).try_for_each(|(entry, distance)| {
+    shortlist[from..].par_iter_mut().zip(distances).try_for_each(|(entry, distance)| {
         let room = |rough: &Rough| if rough.is_near { near } else { farther };
-        let is_worth = |rough: &&Rough| rough.cost < least + room(rough) || *distance < ONE;
+        let is_worth = |rough: &&Rough| rough.cost < least + room(rough) || distance < ONE;
         if let Some(rough) = entry.rough.as_ref().filter(is_worth) {
             entry.refit = refit(rough, &entry.candidate)?;
             if entry.refit.is_none() {
@@ -292,11 +293,8 @@ pub(super) fn choose(
     let most = 2.0 * (null - best.cost) / variance_inflation;
     // What cannot be told apart by its trace, no lead tells apart: it would come from an error of a law.
     let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[0], entry, scores)).collect();
-    let roughest = shortlist
-        .iter()
-        .filter_map(|entry| entry.rough.as_ref())
-        .map(|rough| rough.cost)
-        .fold(f64::INFINITY, f64::min);
+    let roughs = shortlist.iter().filter_map(|entry| entry.rough.as_ref());
+    let roughest = roughs.map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
     for (entry, distance) in shortlist.iter_mut().zip(distances) {
         let Some(refit) = &entry.refit else {
             let behind = entry.rough.as_ref().map(|rough| 2.0 * (rough.cost - roughest) / variance_inflation);
@@ -409,26 +407,21 @@ fn apart(first: &Entry, second: &Entry, scores: &Scores) -> f64 {
 mod tests {
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::Run;
-    use efam_experiments::release::Release;
 
     use super::*;
     use crate::calibrate::{Nuisances, Trial};
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
+    use crate::example::release;
 
     /// One that cannot be the answer says nothing of what the others are worth.
     #[test]
     fn a_candidate_of_the_wrong_sign_sets_no_bar() {
-        let release = Release {
-            name: "made-up".to_owned(),
-            time: Vec::new(),
-            release_uncertainty: 0.01,
-            tracks: Vec::new(),
-            pressure: None,
-            payload: 0.0,
-            held_out: false,
+        let trial = Trial {
+            release: release(Vec::new(), Vec::new()),
+            model: muscle_at_15_psi(),
+            run: Run::release(1.0, 10.0),
         };
-        let trial = Trial { release, model: muscle_at_15_psi(), run: Run::release(1.0, 10.0) };
         let problem =
             Problem { trials: vec![trial.into()], parameters: Vec::new(), nuisances: Nuisances::default() };
         let score = |(decrease, is_admissible)| Score {

@@ -38,14 +38,15 @@ impl CaseRequest {
         self.text.parse::<Table>().is_ok_and(|table| table.contains_key("muscle"))
     }
 
-    /// An experiment with this rod in place of its own, and what a calibration says of the rod's numbers. What the
-    /// experiment says of a recording, such as its pressure and payload, stands, and so does its clamp.
+    /// An experiment with this rod in place of its own, what a calibration says of the rod's numbers, and warnings of effects in
+    /// the experiment that this rod lacks. What the experiment says of a recording, such as its pressure and payload, stands,
+    /// and so does its clamp.
     /// # Errors
     /// [`ExperimentError`] for what the experiment or the rod refuses.
     pub fn in_experiment(
         &self,
         experiment: &Experiment,
-    ) -> Result<(Experiment, Option<Known>), ExperimentError> {
+    ) -> Result<(Experiment, Option<Known>, Vec<String>), ExperimentError> {
         // Both were read before, with messages at their places.
         let mut tables: Table = experiment.text().parse().unwrap_or_default();
         let mut own: Table = self.text.parse().unwrap_or_default();
@@ -62,6 +63,15 @@ impl CaseRequest {
                 muscle.insert("file".to_owned(), file.into());
             }
         }
+        let lacks = |name: &&String| own.contains_key("effects") && effects(&own).all(|known| known != *name);
+        let warning = |name: &String| {
+            format!(
+                "{}: [effects.{name}] is not in {} and is left out of these predictions; state a weight as payload in [[recording]], and other effects in the experiment of the calibration",
+                experiment.path.display(),
+                self.path.display()
+            )
+        };
+        let left_out: Vec<String> = effects(&tables).filter(lacks).map(warning).collect();
         let clamp = tables.get("rod").and_then(|rod| rod.get("base_angle")).cloned();
         let kept: Vec<&str> = ["rod", "effects"].into_iter().filter(|key| !own.contains_key(*key)).collect();
         let replaced = ["muscle", "rod", "effects", "laws", "integrator"].map(|key| own.remove_entry(key));
@@ -85,23 +95,7 @@ impl CaseRequest {
         if let Some(nodes) = of_mesh(known.as_ref()) {
             set.insert(0, nodes);
         }
-        Ok((parse(&tables, &set)?.holding(held), known))
-    }
-
-    /// Warnings of the effects in an experiment that this rod does not have: [`Self::in_experiment`] leaves them out.
-    pub fn left_out(&self, experiment: &Experiment) -> Vec<String> {
-        let (Some(own), Some(stated)) = (effects(&self.text), effects(experiment.text())) else {
-            return Vec::new();
-        };
-        let absent = stated.keys().filter(|name| !own.contains_key(*name));
-        let warning = |name: &String| {
-            format!(
-                "{}: [effects.{name}] is not in {} and is left out of these predictions; say a weight as payload in [[recording]], and any other effect in the experiment of the calibration",
-                experiment.path.display(),
-                self.path.display()
-            )
-        };
-        absent.map(warning).collect()
+        Ok((parse(&tables, &set)?.holding(held), known, left_out))
     }
 
     /// The case at a pressure, Pa, and with a payload, kg, where they are not the scenario's own, and what a
@@ -128,12 +122,9 @@ impl CaseRequest {
     }
 }
 
-/// The table of effects in a file.
-fn effects(text: &str) -> Option<Table> {
-    match text.parse::<Table>().ok()?.remove("effects")? {
-        Value::Table(effects) => Some(effects),
-        _ => None,
-    }
+/// The names of the effects in a file.
+fn effects(tables: &Table) -> impl Iterator<Item = &String> {
+    tables.get("effects").and_then(Value::as_table).into_iter().flat_map(Table::keys)
 }
 
 /// Numbers that belong to a mesh are taken with it: what has to be set for that.
@@ -160,18 +151,17 @@ mod tests {
     /// A weight that an experiment has as an effect, and the calibrated rod has not.
     #[test]
     fn effects_that_the_rod_lacks_are_named() {
-        let rod = "[rod]\nlength = \"0.3 m\"\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n";
-        let request = CaseRequest::scenario(Path::new("rod.toml"), rod.to_owned());
-        let experiment = |effect: &str| {
-            let text = format!(
-                "[rod]\nlength = \"0.3 m\"\nmass = \"96 g\"\nbending_stiffness = \"0.1 N m^2\"\n[effects.{effect}]\n[[recording]]\nfile = \"loaded.csv\"\ntip = \"Tip\"\n"
-            );
-            Experiment::parse(Path::new("loaded.toml"), &text, &[]).expect("an experiment")
+        const ROD: &str = "[rod]\nlength = \"0.3 m\"\nmass = \"96 g\"\nbending_stiffness = \"0.1 N m^2\"\n";
+        let rod = format!("{ROD}[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n");
+        let request = CaseRequest::scenario(Path::new("rod.toml"), rod);
+        let left_out = |effect: &str| {
+            let text =
+                format!("{ROD}[effects.{effect}]\n[[recording]]\nfile = \"loaded.csv\"\ntip = \"Tip\"\n");
+            let experiment = Experiment::parse(Path::new("loaded.toml"), &text, &[]).expect("an experiment");
+            request.in_experiment(&experiment).expect("it is one with this rod").2
         };
-        let [warning] = &request.left_out(&experiment("tip_mass"))[..] else {
-            panic!("one effect is absent")
-        };
+        let [warning] = &left_out("tip_mass")[..] else { panic!("one effect is absent") };
         assert!(warning.starts_with("loaded.toml: [effects.tip_mass] is not in rod.toml"), "{warning}");
-        assert_eq!(request.left_out(&experiment("rayleigh_mass")), Vec::<String>::new());
+        assert_eq!(left_out("rayleigh_mass"), Vec::<String>::new());
     }
 }

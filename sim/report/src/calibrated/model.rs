@@ -191,7 +191,7 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
 
 #[cfg(test)]
 mod tests {
-    use efam_inference::calibrate::misfit::{Misfit, Swing};
+    use efam_inference::calibrate::misfit::{FrequencyAndDamping, Misfit};
 
     use super::*;
 
@@ -206,8 +206,8 @@ mod tests {
             excursion_m: 0.1,
             held_out: false,
             duration_s: 8.0,
-            measured: Swing::default(),
-            fitted: Swing::default(),
+            measured: FrequencyAndDamping::default(),
+            fitted: FrequencyAndDamping::default(),
             tracks: Vec::new(),
             misfit: Misfit { frequency: Some(frequency), ..Default::default() },
             numerical_error_mm: 0.0,

@@ -8,7 +8,7 @@ use efam_inference::calibrate::{CalibrationOutcome, Problem};
 
 use crate::page::{BeforeUse, Masked, Page, Table};
 use crate::picture::{Picture, of_calibration};
-use crate::report::significant;
+use crate::report::{significant, significant_or_dash};
 use crate::{Request, assumed};
 
 /// The page of a calibration with its pictures; `written` is when.
@@ -136,20 +136,18 @@ fn before_use(problem: &Problem, calibration: &Calibration) -> BeforeUse {
 }
 
 fn parameters(page: &mut Page, calibration: &Calibration) {
-    let number =
-        |value: Option<f64>, digits: i32| value.map_or("-".to_owned(), |value| significant(value, digits));
     let row = |found: &Calibrated| {
-        let interval = |k: usize| number(found.interval_95.map(|ends| ends[k]), 5);
+        let interval = |k: usize| significant_or_dash(found.interval_95.map(|ends| ends[k]), 5);
         let bound = if found.at_bound { "at its bound" } else { "" };
         vec![
             found.label(),
             significant(found.value, 5),
-            number(found.standard_error, 2),
+            significant_or_dash(found.standard_error, 2),
             interval(0),
             interval(1),
             found.unit.clone(),
-            number(found.relative_error().map(|error| 100.0 * error), 2),
-            number(found.error_inflation, 2),
+            significant_or_dash(found.relative_error().map(|error| 100.0 * error), 2),
+            significant_or_dash(found.error_inflation, 2),
             bound.to_owned(),
         ]
     };
@@ -182,8 +180,6 @@ fn parameters(page: &mut Page, calibration: &Calibration) {
 /// Differences of fits and recordings in the quantities that `efam predict` gives.
 fn misfits(page: &mut Page, calibration: &Calibration) {
     let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:+.2}", 100.0 * share));
-    let number =
-        |value: Option<f64>, digits: i32| value.map_or("-".to_owned(), |value| significant(value, digits));
     let row = |release: &ReleaseFit| {
         let of = &release.misfit;
         vec![
@@ -191,9 +187,9 @@ fn misfits(page: &mut Page, calibration: &Calibration) {
             significant(1e3 * release.excursion_m, 3),
             significant(of.distance_mm, 2),
             significant(of.rest_mm, 2),
-            number(release.measured.frequency_hz, 4),
+            significant_or_dash(release.measured.frequency_hz, 4),
             percent(of.frequency),
-            number(release.measured.damping_ratio, 3),
+            significant_or_dash(release.measured.damping_ratio, 3),
             percent(of.damping_ratio),
         ]
     };

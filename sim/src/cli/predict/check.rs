@@ -44,8 +44,7 @@ pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, F
         Some(_) => {
             let (cases, hashes) = case_request(args)?;
             input_hashes.extend(hashes);
-            let (experiment, known) = cases.in_experiment(&own)?;
-            (experiment, known, cases.left_out(&own))
+            cases.in_experiment(&own)?
         }
     };
     let fitted = rod.map(fitted_files).unwrap_or_default();

@@ -119,6 +119,7 @@ const FLOORS: [Floors; 5] = [
     (
         "sim/inference/src/",
         &[
+            ("example", &[]),
             ("listed", &[]),
             ("normal", &[]),
             ("calibrate", &["listed", "normal"]),
