@@ -1,6 +1,6 @@
 //! A smallest stiffness damping β, which damps fast waves along the rod.
 //!
-//! With β of zero an integrator follows every wave. It takes up to a hundred times the steps, and the swing is the same.
+//! With β of zero an integrator follows every wave. It takes many more steps, and the swing is the same.
 
 use std::sync::Arc;
 
