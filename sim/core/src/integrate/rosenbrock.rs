@@ -277,7 +277,9 @@ impl Integrator for Rosenbrock {
             match self.control.steps {
                 Steps::Adaptive => self.step = self.grown(h, error, rejected),
                 Steps::Given(_) | Steps::Repeated(_) if h == to_stop => self.step = f64::INFINITY,
-                Steps::Given(_) | Steps::Repeated(_) | Steps::Fixed(_) => {}
+                // A state that only a short step leaves may allow a long one soon after.
+                Steps::Given(_) => self.step = self.grown(h, error, rejected),
+                Steps::Repeated(_) | Steps::Fixed(_) => {}
             }
             return Ok(());
         }
