@@ -19,12 +19,12 @@ pub fn slopes(x: &Lanes) -> [f64; LANES] {
 }
 
 /// Parameters that know themselves: each of the `watched`, an index into `theta`, has the derivative
-/// one in its lane; all other derivatives are zero.
+/// one in its lane, or in each of its lanes; all other derivatives are zero.
 pub fn seeded(theta: &[f64], watched: &[Option<usize>]) -> Vec<Lanes> {
     let mut seeded: Vec<Lanes> = theta.iter().map(|value| Lanes::from(*value)).collect();
     for (lane, k) in watched.iter().enumerate() {
         if let Some(k) = *k {
-            let mut unit = SVector::zeros();
+            let mut unit = SVector::from(slopes(&seeded[k]));
             unit[lane] = 1.0;
             seeded[k] = Lanes::new(theta[k], Derivative::some(unit));
         }

@@ -1,6 +1,8 @@
 //! What the world does: a planar discrete elastic rod, clamped at one end, with a rigid body at the other.
 pub mod analytical;
+pub mod assembly;
 pub mod banded;
+mod by_turns;
 pub mod check;
 pub mod context;
 pub mod coupled;
@@ -12,6 +14,7 @@ pub mod history;
 pub mod interpolate;
 pub mod kinematics;
 pub mod lanes;
+mod linearise;
 pub mod model;
 pub mod muscle;
 pub mod nearest;

@@ -1,10 +1,10 @@
 //! A posture by its nodes: what a recording, a file or another model can give.
 
+use crate::assembly::Assembly;
 use crate::context::Context;
 use crate::effects::{Place, Real, Release, Scalar};
 use crate::model::{Active, Model, RELEASE_ANGLE, RELEASE_RATE};
 use crate::plane::left;
-use crate::system::Assembly;
 
 /// Nodes and end body of a rod, in W.
 #[derive(Clone, Debug, PartialEq)]
