@@ -1,5 +1,11 @@
 //! What turning angles and edge lengths do to moments and axial forces, and that by edges.
 
+use nalgebra::Matrix2;
+
+use crate::banded::Banded;
+
+pub(crate) type Block = Matrix2<f64>;
+
 /// Edges that an edge's torque knows: itself and three to each side.
 pub(crate) const REACH: usize = 7;
 pub(crate) const HALF_REACH: usize = 3;
@@ -86,4 +92,38 @@ impl ByTurns {
         let [before, after] = self.length_by_angle[j];
         [-before, before - after, after]
     }
+}
+
+/// An edge's row of a matrix over edge vectors, the blocks from `j − 3` to `j + 3`.
+pub(crate) type EdgeRow = [Block; REACH];
+
+/// Overwrites a matrix over coordinates by one over edge vectors, given row by row: `e = x[j+1] − x[j]`,
+/// so that each block of two nodes joins up to four of two edges. The angle's row becomes zero.
+pub(crate) fn place_edges(matrix: &mut Banded, n: usize, row: impl Fn(usize) -> EdgeRow) {
+    let mut inner = row(0);
+    for i in 1..=n {
+        let outer = if i < n { row(i) } else { EdgeRow::default() };
+        // The row of the node over edges from `i − 4` to `i + 3`, then over nodes from `i − 4` to `i + 4`.
+        let mut over_edges = [Block::zeros(); REACH + 1];
+        over_edges[..REACH].copy_from_slice(&inner);
+        for (block, outer) in over_edges[1..].iter_mut().zip(&outer) {
+            *block -= outer;
+        }
+        let over_nodes = |at: usize| {
+            // Node 0 is clamped.
+            if i + at < HALF_REACH + 2 {
+                return Block::zeros();
+            }
+            let end = if at > 0 { over_edges[at - 1] } else { Block::zeros() };
+            let start = if at <= REACH { over_edges[at] } else { Block::zeros() };
+            end - start
+        };
+        let blocks: [Block; REACH + 2] = std::array::from_fn(over_nodes);
+        for k in 0..2 {
+            let entries = std::array::from_fn(|at| blocks[at / 2][(k, at % 2)]);
+            matrix.set_row::<{ 2 * (REACH + 2) }>(2 * i - 2 + k, 2 - k, entries);
+        }
+        inner = outer;
+    }
+    matrix.set_row(2 * n, 0, []);
 }

@@ -2,10 +2,10 @@
 //!
 //! Rows and columns are by edge vectors first, which turn and stretch one edge each, and then by coordinates.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Vector2;
 
 use crate::banded::Banded;
-use crate::by_turns::{ByTurns, HALF_REACH, REACH};
+use crate::by_turns::{Block, ByTurns, EdgeRow, HALF_REACH, place_edges};
 use crate::context::Context;
 use crate::coupled::Coupled;
 use crate::effects::BendTangent;
@@ -190,8 +190,6 @@ impl Tangent {
     }
 }
 
-type Block = Matrix2<f64>;
-
 fn outer(a: [f64; 2], b: [f64; 2]) -> Block {
     Vector2::from(a) * Vector2::from(b).transpose()
 }
@@ -210,40 +208,6 @@ fn scatter(matrix: &mut Banded, row: usize, column: usize, scale: f64, block: &B
 
 /// Coordinates before the last node's that it is joined with: those of four nodes.
 const LAST_REACH: usize = 2 * (HALF_REACH + 1);
-/// An edge's row of a matrix over edge vectors, the blocks from `j − 3` to `j + 3`.
-type EdgeRow = [Block; REACH];
-
-/// Overwrites a matrix over coordinates by one over edge vectors, given row by row: `e = x[j+1] − x[j]`,
-/// so that each block of two nodes joins up to four of two edges. The angle's row becomes zero.
-fn place_edges(matrix: &mut Banded, n: usize, row: impl Fn(usize) -> EdgeRow) {
-    let mut inner = row(0);
-    for i in 1..=n {
-        let outer = if i < n { row(i) } else { EdgeRow::default() };
-        // The row of the node over edges from `i − 4` to `i + 3`, then over nodes from `i − 4` to `i + 4`.
-        let mut over_edges = [Block::zeros(); REACH + 1];
-        over_edges[..REACH].copy_from_slice(&inner);
-        for (block, outer) in over_edges[1..].iter_mut().zip(&outer) {
-            *block -= outer;
-        }
-        let over_nodes = |at: usize| {
-            // Node 0 is clamped.
-            if i + at < HALF_REACH + 2 {
-                return Block::zeros();
-            }
-            let end = if at > 0 { over_edges[at - 1] } else { Block::zeros() };
-            let start = if at <= REACH { over_edges[at] } else { Block::zeros() };
-            end - start
-        };
-        let blocks: [Block; REACH + 2] = std::array::from_fn(over_nodes);
-        for k in 0..2 {
-            let entries = std::array::from_fn(|at| blocks[at / 2][(k, at % 2)]);
-            matrix.set_row::<{ 2 * (REACH + 2) }>(2 * i - 2 + k, 2 - k, entries);
-        }
-        inner = outer;
-    }
-    matrix.set_row(2 * n, 0, []);
-}
-
 impl Tangent {
     /// Stretch of an edge's arc.
     pub fn add_edge(&mut self, j: usize, c: &Context<f64>, f: &Fields<f64>) {
