@@ -10,9 +10,9 @@ use pyo3::types::PyDict;
 use sim::failure::Failure;
 
 use crate::failure::exception;
-use crate::model::source;
 use crate::overrides::{Laws, tables};
 use crate::recording::RecordingData;
+use crate::source::read;
 use crate::watch::watched;
 
 /// What takes the place of the name of a file.
@@ -86,7 +86,7 @@ impl ExperimentData {
             let set = tables(options, &Laws::of(&path, &text, &[]))?;
             return Self::of(path, text, set, held);
         }
-        let (path, text) = source(of, NAME)?;
+        let (path, text) = read(of, NAME)?;
         let set = tables(options, &Laws::of(&path, &text, &[]))?;
         Self::of(path, text, set, held)
     }

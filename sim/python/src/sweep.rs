@@ -19,8 +19,8 @@ use serde_json::to_string;
 use sim::failure::Failure;
 
 use crate::failure::exception;
-use crate::model::source;
 use crate::overrides::{Laws, tables};
+use crate::source::read;
 use crate::watch::{Progress, followed};
 
 /// What is printed as JSON and for people, where it is, and all columns.
@@ -46,7 +46,7 @@ pub fn sweep<'py>(
     let (path, text) = match of.cast::<PyDict>() {
         // Tables are what is set over nothing.
         Ok(_) => (PathBuf::from("sweep"), String::new()),
-        Err(_) => source(of, "sweep")?,
+        Err(_) => read(of, "sweep")?,
     };
     let tables = |of: &Bound<'_, PyDict>| self::tables(of, &Laws::default());
     let of_tables = of.cast::<PyDict>().map(&tables).unwrap_or_else(|_| Ok(Vec::new()))?;

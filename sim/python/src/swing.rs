@@ -10,8 +10,8 @@ use pyo3::types::PyDict;
 use sim::failure::Failure;
 
 use crate::failure::exception;
-use crate::model::Model;
-use crate::overrides::{Laws, overrides, quantity};
+use crate::overrides::{overrides, quantity};
+use crate::source::Source;
 
 /// Time, coordinates, rates, and memory of the effects.
 type Numbers = (f64, Vec<f64>, Vec<f64>, Vec<f64>);
@@ -25,14 +25,13 @@ pub struct Swing {
 struct Inner {
     stepper: Stepper,
     /// The scenario as it stands, with all that was set.
-    model: Model,
+    source: Source,
 }
 
 impl Swing {
-    /// At the start of a model, on the mesh with which a run of its accuracy begins.
-    pub fn of(model: &Model) -> PyResult<Self> {
-        let model = model.with(Vec::new())?;
-        let case = model.case.clone().begun();
+    /// At the start of a scenario, on the mesh with which a run of its accuracy begins.
+    pub fn of(source: Source) -> PyResult<Self> {
+        let case = source.case()?.0.begun();
         let wrong = |error: &dyn std::fmt::Display| exception(Failure::Diverged(error.to_string()));
         let state = case.run.initial.state(&case.model).map_err(|error| wrong(&error))?;
         let control = efam_core::integrate::Control {
@@ -43,7 +42,7 @@ impl Swing {
         };
         let stepper = Stepper::with(&case.model, state, case.run.method, control);
         let stepper = stepper.map_err(|error| wrong(&error))?;
-        Ok(Self { inner: Mutex::new(Inner { stepper, model }) })
+        Ok(Self { inner: Mutex::new(Inner { stepper, source }) })
     }
 
     /// A panic leaves a rod that `set_state` makes whole again.
@@ -71,13 +70,13 @@ impl Swing {
     #[pyo3(signature = (**options))]
     fn set(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         // Another thread may step it, and wait for the global lock.
-        let (path, text, set) = py.detach(|| self.inner().model.source());
-        let more = overrides(options, &Laws::of(&path, &text, &set))?;
+        let source = py.detach(|| self.inner().source.clone());
+        let more = overrides(options, &source.laws())?;
         py.detach(|| {
             let mut inner = self.inner();
-            let model = inner.model.with(more)?;
-            let is_timed = inner.stepper.model().schedule.is_some() || model.case.model.schedule.is_some();
-            let own = &model.case.model;
+            let source = inner.source.with(more);
+            let own = source.case()?.0.model;
+            let is_timed = inner.stepper.model().schedule.is_some() || own.schedule.is_some();
             if is_timed || own.theta.len() != inner.stepper.model().theta.len() {
                 let message = "while it swings no effect can be added and no pressure over time be given; \
                                have the effect in the model, and set the pressure step by step";
@@ -90,7 +89,7 @@ impl Swing {
                 .zip(own.theta.clone())
                 .collect();
             inner.stepper.set_all(&values).map_err(|error| exception(Failure::Usage(error.to_string())))?;
-            inner.model = model;
+            inner.source = source;
             Ok(())
         })
     }
