@@ -301,8 +301,11 @@ fn details(answer: &Answer) {
     let diagnosis = &answer.diagnosis;
     println!("      {}", diagnosis.summary);
     if let Some(repeats) = &diagnosis.repeats {
-        let (distance, share) = (repeats.distance_mm, repeats.frequency_share);
-        println!("      repeats to {distance:.3} mm, frequencies to {share:.1e}, by {} pairs", repeats.pairs);
+        let (distance, share, rate) = (repeats.distance_mm, repeats.frequency_share, repeats.decay_rate);
+        let pairs = repeats.pairs;
+        println!(
+            "      repeats to {distance:.3} mm, frequencies to {share:.1e}, decays to {rate:.1e} 1/s, by {pairs} pairs"
+        );
     }
     for Gap { release, held_out, before_mm, after_mm, before, after, .. } in &diagnosis.gap {
         let of = if *held_out { "held out" } else { "fitted" };

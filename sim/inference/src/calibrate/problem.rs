@@ -90,6 +90,9 @@ pub struct Nuisances {
     pub hold_angle: Option<f64>,
     /// Standard deviation of the clamp's angle, rad, about the model's.
     pub clamp_angle: Option<f64>,
+    /// Standard deviation of the mass damping α of a release, 1/s, about that of the model. Releases that are repeated tell it
+    /// (`repeats.rs`).
+    pub mass_damping: Option<f64>,
     /// Standard deviation of a constant offset of each track in x and z, m.
     pub offset: Option<f64>,
     /// Standard deviations by which each may be off at most.
@@ -103,6 +106,7 @@ impl Default for Nuisances {
             release_instant: true,
             hold_angle: Some(0.5f64.to_radians()),
             clamp_angle: None,
+            mass_damping: None,
             offset: Some(5e-4),
             farthest: f64::INFINITY,
         }

@@ -1,9 +1,9 @@
 //! How well an experiment repeats: below that no model can be told right from wrong.
 //!
 //! Two releases of one condition differ by the noise of the camera and by what no model of either predicts: the hand,
-//! the clamp, what the material remembers. Their root mean square distance over √2, beside the stiffness, start, instant
-//! and place of each (`pure_error.rs`), is what one of them deviates from a right model. Stiffnesses that differ have a
-//! law (`release_drift`): what a law describes need not be taken for error.
+//! the clamp, what the material remembers. Their root mean square distance over √2, beside the stiffness, damping, start,
+//! instant and place of each (`pure_error.rs`), is what one of them deviates from a right model. Stiffnesses and dampings that
+//! differ are unknowns of each release: what a law describes need not be taken for error.
 
 use efam_experiments::release::Release;
 use models::digits::significant;
@@ -32,6 +32,10 @@ pub struct Repeats {
     /// beside that.
     #[serde(default)]
     pub frequency_share: f64,
+    /// Standard deviation of the rate at which a release's swing decays from that of its condition, 1/s: half of its mass
+    /// damping α. The distance is what is left beside that.
+    #[serde(default)]
+    pub decay_rate: f64,
 }
 
 /// Where it is known from how well an experiment repeats.
@@ -85,14 +89,19 @@ impl Repeats {
         // Two recordings of one path differ by their noise, which has a spread of its own, and have one frequency.
         let samples = problem.trials.iter().map(|trial| known(&trial.release).len()).sum::<usize>() as f64;
         let is_noise = distance < noise * (1.0 + NORMAL_95_ONE_SIDED / (2.0 * samples).sqrt());
-        let frequency_share = if is_noise { 0.0 } else { deviation(|own| (0.5 * own.stiffness).powi(2)) };
         let distance = if is_noise { noise } else { distance };
-        Some(Self { pairs, frequency_share, ..Self::new(problem, distance, Source::Measured) })
+        let beside = |square| if is_noise { 0.0 } else { deviation(square) };
+        Some(Self {
+            pairs,
+            frequency_share: beside(|own| (0.5 * own.stiffness).powi(2)),
+            decay_rate: beside(|own| (0.5 * own.mass_damping).powi(2)),
+            ..Self::new(problem, distance, Source::Measured)
+        })
     }
 
     fn new(problem: &Problem, distance: f64, source: Source) -> Self {
         let (distance_mm, noise_mm) = (1e3 * distance, 1e3 * noise(problem).min(distance));
-        Self { distance_mm, noise_mm, source, pairs: 0, frequency_share: 0.0 }
+        Self { distance_mm, noise_mm, source, pairs: 0, frequency_share: 0.0, decay_rate: 0.0 }
     }
 
     /// Distance of a right model from so many releases that is exceeded once in twenty times, mm: the F test of lack of
@@ -107,10 +116,12 @@ impl Repeats {
         (noise + factor * (self.distance_mm * self.distance_mm - noise)).sqrt()
     }
 
-    /// The problem with what does not repeat: a bending stiffness of each release, and, beside the noise of each track, what
-    /// is left. A release differs from another by few numbers, so many samples share each of them.
+    /// The problem with what does not repeat: a bending stiffness and a mass damping of each release, and, beside the noise of
+    /// each track, what is left. A release differs from another by few numbers, so many samples share each of them.
     pub(crate) fn heard_in(&self, problem: &Problem) -> Problem {
         let mut problem = self.with_drift(problem).unwrap_or_else(|| problem.clone());
+        let of_release = self.of_release(2.0 * self.decay_rate);
+        problem.nuisances.mass_damping = Some(of_release).filter(|deviation| *deviation > 0.0);
         let beyond = 1e-6 * (self.distance_mm.powi(2) - self.noise_mm.powi(2));
         for release in problem.trials_mut().map(|trial| &mut trial.release) {
             let coordinates = 2.0 * known(release).len() as f64;
@@ -123,21 +134,27 @@ impl Repeats {
     }
 
     /// The problem with a bending stiffness of each release; none where frequencies repeat, or models have one. A
-    /// frequency is at most the root of a stiffness. What few pairs tell is known to `√(2 / pairs)` of it.
+    /// frequency is at most the root of a stiffness.
     fn with_drift(&self, problem: &Problem) -> Option<Problem> {
-        let deviation = 2.0 * self.frequency_share * (1.0 + 2.0 / self.pairs as f64).sqrt();
+        let deviation = self.of_release(2.0 * self.frequency_share);
         (self.frequency_share > 0.0)
             .then(|| problem.with_nuisance(DRIFT, "share", Scope::PerRelease, deviation))
             .flatten()
     }
 
-    /// By how much the frequencies of repeated releases differ, as the end of a sentence; empty where they do not.
-    pub fn frequencies(&self) -> String {
-        if self.frequency_share > 0.0 {
-            format!("; frequencies vary by {} % between repeats", significant(1e2 * self.frequency_share, 2))
-        } else {
-            String::new()
-        }
+    /// Standard deviation to expect of another release: what few pairs tell is known to `√(2 / pairs)` of it.
+    fn of_release(&self, deviation: f64) -> f64 {
+        deviation * (1.0 + 2.0 / self.pairs.max(1) as f64).sqrt()
+    }
+
+    /// By how much the frequencies and dampings of repeated releases differ, as the end of a sentence; empty where they do not.
+    pub fn swings(&self) -> String {
+        let frequency = (self.frequency_share > 0.0)
+            .then(|| format!("frequencies vary by {} %", significant(1e2 * self.frequency_share, 2)));
+        let decay = (self.decay_rate > 0.0)
+            .then(|| format!("rates of decay by {} 1/s", significant(self.decay_rate, 2)));
+        let both: Vec<String> = frequency.into_iter().chain(decay).collect();
+        if both.is_empty() { String::new() } else { format!("; {} between repeats", both.join(", ")) }
     }
 
     /// Whether it is known from the experiment itself.
@@ -149,7 +166,7 @@ impl Repeats {
 /// The effect of a bending stiffness of each release.
 pub(crate) const DRIFT: &str = "release_drift";
 
-/// Numbers that a release differs by from another, beside its frequency: size and phase of its swing in each coordinate.
+/// Numbers that a release differs by from another, beside its frequency and damping: size and phase of its swing in each coordinate.
 const NUMBERS: f64 = 4.0;
 
 /// The 95 % point of the F distribution.
@@ -240,6 +257,7 @@ mod tests {
             source: Source::Measured,
             pairs: 1,
             frequency_share: 0.0,
+            decay_rate: 0.0,
         };
         let trial = released(&[], 0.0, 1);
         let problem =

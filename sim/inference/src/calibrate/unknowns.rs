@@ -13,6 +13,7 @@ use super::problem::{FittedParameter, Prior, Problem, Scale, Scope, Trial, is_sa
 pub const RELEASE_INSTANT: &str = "release instant";
 pub(crate) const HOLD_ANGLE: &str = "hold angle";
 pub(crate) const CLAMP_ANGLE: &str = "error of the clamp angle";
+pub(crate) const MASS_DAMPING: &str = "own mass damping";
 
 /// One number to be found.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +41,8 @@ pub(crate) enum UnknownKind {
     HoldAngle,
     /// Angle of its clamp, over the model's.
     ClampAngle,
+    /// Mass damping α, over that of the model.
+    MassDamping,
     /// A component of the load by which a hand holds the rod before its release.
     Pull,
     /// Offset of a track along an axis.
@@ -76,7 +79,7 @@ pub(crate) struct Local {
 pub(crate) enum Acts {
     /// As this parameter of the model.
     Theta(usize),
-    /// On top of this parameter of the model.
+    /// On top of this parameter, the model's or a fitted one.
     OnTheta(usize),
     Instant,
     Offset {
@@ -243,6 +246,12 @@ impl Unknowns {
             let acts = Acts::OnTheta(index(trial, BASE_ANGLE)?);
             add(UnknownKind::ClampAngle, acts, CLAMP_ANGLE, "rad", deviation, nuisances.farthest);
         }
+        if let Some(deviation) = nuisances.mass_damping
+            && let Ok(alpha) = trial.model.index(ALPHA)
+        {
+            let acts = Acts::OnTheta(alpha);
+            add(UnknownKind::MassDamping, acts, MASS_DAMPING, "1/s", deviation, nuisances.farthest);
+        }
         if trial.is_held() {
             let sizes = hold::sizes(&trial.model).map_err(|error| of_model(trial, error))?;
             let told = PULL.len() - usize::from(!hold::shows_moment(&trial.release));
@@ -267,6 +276,7 @@ impl Unknowns {
 
 const RELEASE_ANGLE: &str = "release.angle";
 pub(crate) const BASE_ANGLE: &str = "rod.base_angle";
+pub(crate) const ALPHA: &str = "effects.rayleigh_mass.alpha";
 
 impl Group {
     /// Whether both are the same, pressures to a thousandth.
