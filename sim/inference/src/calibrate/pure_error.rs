@@ -15,7 +15,7 @@ use super::objective::Objective;
 use super::part::whole;
 use super::problem::{FittedParameter, Problem, Scope};
 use super::search::{Found, search};
-use super::unknowns::{Group, Scaled, UnknownKind, Unknowns};
+use super::unknowns::{ALPHA, Group, Scaled, UnknownKind, Unknowns};
 
 /// How two releases of one condition differ.
 pub(super) struct Difference {
@@ -63,12 +63,14 @@ pub(super) fn fitted_apart(problem: &Problem, conditions: &[Vec<usize>]) -> Vec<
     for (place, trial) in own.trials_mut().enumerate() {
         trial.release.held_out = !conditions.iter().flatten().any(|own| *own == place);
     }
-    let is_stiffness = |parameter: &&mut FittedParameter| parameter.path == STIFFNESS;
-    match own.parameters.iter_mut().find(is_stiffness) {
-        Some(parameter) => parameter.scope = Scope::PerRelease,
-        None => own.parameters.push(FittedParameter::new(STIFFNESS, Scope::PerRelease)),
+    for path in [STIFFNESS, ALPHA] {
+        let is_in_all = own.trials().all(|trial| trial.model.index(path).is_ok());
+        match own.parameters.iter_mut().find(|parameter| parameter.path == path) {
+            Some(parameter) => parameter.scope = Scope::PerRelease,
+            None if is_in_all => own.parameters.push(FittedParameter::new(path, Scope::PerRelease)),
+            None => {}
+        }
     }
-    own.nuisances.mass_damping = Some(FREE);
     let unknowns = if conditions.is_empty() { None } else { Unknowns::of(&own).ok() };
     let objective = unknowns.and_then(|unknowns| Objective::new(whole(&own, unknowns)).ok());
     let found = objective.and_then(|objective| {
@@ -79,21 +81,19 @@ pub(super) fn fitted_apart(problem: &Problem, conditions: &[Vec<usize>]) -> Vec<
 }
 
 const STIFFNESS: &str = "rod.bending_stiffness";
-/// Deviation of a mass damping that is not held by a belief, 1/s: a decay in a second or two.
-const FREE: f64 = 1.0;
 
 fn of_release(objective: &Objective, found: &Found, r: usize) -> Left {
     let unknown = |local: &usize| objective.places(r, 0)[*local];
     let trial = objective.part.trials[r];
     let is_own = |local: &usize| {
         let unknown = &objective.part.unknowns[unknown(local)];
-        unknown.group == Group::Release(trial) || unknown.name == STIFFNESS
+        unknown.group == Group::Release(trial) || [STIFFNESS, ALPHA].contains(&unknown.name.as_str())
     };
     let locals: Vec<usize> = (0..objective.part.locals[r].len()).filter(is_own).collect();
     let unknowns: Vec<_> = locals.iter().map(|local| &objective.part.unknowns[unknown(local)]).collect();
     let scaled = |place: Option<usize>| place.map(|k| (k, unknowns[k].scaled));
-    let stiffness = scaled(unknowns.iter().position(|own| own.name == STIFFNESS));
-    let mass_damping = scaled(unknowns.iter().position(|own| own.kind == UnknownKind::MassDamping));
+    let [stiffness, mass_damping] =
+        [STIFFNESS, ALPHA].map(|path| scaled(unknowns.iter().position(|own| own.name == path)));
     let own: Vec<f64> = locals.iter().map(|local| found.x[unknown(local)]).collect();
     let instant = unknowns.iter().zip(&own).find(|(unknown, _)| unknown.kind == UnknownKind::Instant);
     let instant = instant.map_or(0.0, |(unknown, x)| unknown.scaled.value(*x));
