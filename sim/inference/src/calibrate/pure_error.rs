@@ -16,6 +16,7 @@ use super::part::whole;
 use super::problem::{FittedParameter, Problem, Scope};
 use super::search::{Found, search};
 use super::unknowns::{ALPHA, Group, Scaled, UnknownKind, Unknowns};
+use super::waves::damp_waves;
 
 /// How two releases of one condition differ.
 pub(super) struct Difference {
@@ -57,7 +58,8 @@ pub(super) fn differences(fits: &[(&Objective, &Found)], conditions: &[Vec<usize
     conditions.iter().flat_map(of_condition).collect()
 }
 
-/// The same by a fit of these releases alone, held out or not; nothing where they cannot be fitted.
+/// The same by a fit of these releases alone, held out or not; nothing where they cannot be fitted. No limit of a belief
+/// holds here: a fit that follows the swing says how two of them differ, wherever its parameters end.
 pub(super) fn fitted_apart(problem: &Problem, conditions: &[Vec<usize>]) -> Vec<Difference> {
     let mut own = problem.clone();
     for (place, trial) in own.trials_mut().enumerate() {
@@ -71,6 +73,7 @@ pub(super) fn fitted_apart(problem: &Problem, conditions: &[Vec<usize>]) -> Vec<
             None => {}
         }
     }
+    damp_waves(&mut own);
     let unknowns = if conditions.is_empty() { None } else { Unknowns::of(&own).ok() };
     let objective = unknowns.and_then(|unknowns| Objective::new(whole(&own, unknowns)).ok());
     let found = objective.and_then(|objective| {

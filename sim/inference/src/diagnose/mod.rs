@@ -141,13 +141,11 @@ pub fn diagnose(
     listener: &dyn Listener,
 ) -> Result<DiagnosisOutcome, CalibrateError> {
     listener.doing("releases of one condition");
-    let mut problem = problem.clone();
+    let repeats = Repeats::of(problem, settings.repeatability);
+    let heard =
+        repeats.as_ref().filter(|repeats| repeats.is_known()).map(|repeats| repeats.heard_in(problem));
+    let mut problem = heard.unwrap_or_else(|| problem.clone());
     section::limit(&mut problem);
-    let repeats = Repeats::of(&problem, settings.repeatability);
-    if let Some(known) = repeats.as_ref().filter(|repeats| repeats.is_known()) {
-        problem = known.heard_in(&problem);
-        section::limit(&mut problem);
-    }
     let problem = &problem;
     let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, repeats, ..Diagnosis::default() };
     listener.doing("the first swings");
