@@ -265,6 +265,11 @@ mod tests {
         let heard = repeats.heard_in(&problem);
         let found = heard.trials[0].release.tracks[0].discrepancy;
         assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.5).sqrt()).abs() < 1e-12, "{found}");
+        assert_eq!(heard.nuisances.mass_damping, None);
+        // One pair tells little of a rate of decay.
+        let damped = Repeats { decay_rate: 0.01, ..repeats.clone() }.heard_in(&problem);
+        let found = damped.nuisances.mass_damping.unwrap();
+        assert!((found - 0.02 * 3f64.sqrt()).abs() < 1e-15, "{found}");
         let most = (0.0025 + quantile_of_f(8.0, 4.0) * 0.0075).sqrt();
         assert!((repeats.largest_mm(2) - most).abs() < 1e-12);
         // A rod without a diameter is the same rod.
