@@ -171,3 +171,28 @@ fn follow_swings(curves: &mut [Curve]) {
         }
     }
 }
+
+/// Mean square of residuals over that of the stated noise up to which they may be noise: it is estimated from third
+/// differences, which see little of noise that is slow.
+const NOISE: f64 = 4.0;
+
+/// Means of the squares of distances, and of what noise of both coordinates makes of them, mm².
+pub(super) fn mean_square(own: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    let (mut sum, mut count) = ([0.0; 2], 0.0f64);
+    for [distance, noise] in own {
+        sum = [sum[0] + distance * distance, sum[1] + 2.0 * noise * noise];
+        count += 1.0;
+    }
+    sum.map(|sum| sum / count.max(1.0))
+}
+
+/// Mean square distance of all releases, and of noise alone, mm².
+pub(super) fn of_all(agreement: &Agreement) -> [f64; 2] {
+    mean_square(agreement.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]))
+}
+
+/// Whether what a model misses is noise, or no more than what releases of one condition differ by, mm.
+pub(super) fn is_noise(met: &Agreement, repeats: f64) -> bool {
+    let [distance, noise] = of_all(met);
+    distance <= NOISE * noise + repeats * repeats
+}

@@ -2,7 +2,7 @@
 //! believed.
 
 use super::constancy::{INCONSTANT, inconstant};
-use super::curve::Agreement;
+use super::curve::{Agreement, is_noise, mean_square, of_all};
 use super::validation::{is_astray, is_missed};
 use super::verdict::{Added, Evidence, Gap, Shares, Verdict};
 use super::{Best, Course};
@@ -35,38 +35,13 @@ fn after(gap: &Gap) -> [f64; 2] {
     [gap.after_mm, gap.noise_mm]
 }
 
-/// Means of the squares of distances, and of what noise of both coordinates makes of them, mm².
-fn mean_square(own: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
-    let (mut sum, mut count) = ([0.0; 2], 0.0f64);
-    for [distance, noise] in own {
-        sum = [sum[0] + distance * distance, sum[1] + 2.0 * noise * noise];
-        count += 1.0;
-    }
-    sum.map(|sum| sum / count.max(1.0))
-}
-
 /// Share of the square of the noise below which what is beyond it is nothing: a hundred samples know their mean square to
 /// a tenth, thousands to this.
 const NOTHING: f64 = 0.02;
 
-/// Mean square of residuals over that of the stated noise up to which they may be noise: it is estimated from third
-/// differences, which see little of noise that is slow.
-const NOISE: f64 = 4.0;
-
 /// Share of the square beyond the noise that is gone; none where there was none.
 fn removed([before, noise]: [f64; 2], [after, _]: [f64; 2]) -> Option<f64> {
     (before > (1.0 + NOTHING) * noise).then(|| (before - after) / (before - noise))
-}
-
-/// Mean square distance of all releases, and of noise alone, mm².
-fn of_all(agreement: &Agreement) -> [f64; 2] {
-    mean_square(agreement.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]))
-}
-
-/// Whether what a model misses is noise, or no more than what releases of one condition differ by, mm.
-pub(super) fn is_noise(met: &Agreement, repeats: f64) -> bool {
-    let [distance, noise] = of_all(met);
-    distance <= NOISE * noise + repeats * repeats
 }
 
 /// Whether a model misses at most half of what another one misses, of the squares beyond the noise.

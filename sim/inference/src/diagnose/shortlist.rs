@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
+use super::curve::is_noise;
 use super::mesh_check::LAW;
 use super::refit::{Refit, Rough, refit, rough, rough_from};
 use super::score::{APART, ONE, Score, Scores, distance};
-use super::share::is_noise;
 use super::stop::{CUT_SHORT, is_stopped};
 use super::validation::{HeldOut, agreement};
 use super::verdict::{Evidence, Member};
