@@ -1,4 +1,4 @@
-//! Context, kinematics and laws of one model over one scalar: forces and energies of a state.
+//! Forces and energies of a state: kinematics and laws of one model, over a scalar that may carry derivatives.
 
 use crate::context::Context;
 use crate::effects::{Body, Effect, Kind, LineMass, Mass, MassLoad, Place, Rod, Scalar, Tip};

@@ -1,4 +1,4 @@
-//! What turning angles and edge lengths do to moments and axial forces, and that by edges.
+//! Derivatives of moments and axial forces by turning angles and edge lengths, and rows of a matrix by edge vectors.
 
 use nalgebra::Matrix2;
 

@@ -19,7 +19,7 @@ pub fn slopes(x: &Lanes) -> [f64; LANES] {
 }
 
 /// Parameters that know themselves: each of the `watched`, an index into `theta`, has the derivative
-/// one in its lane, or in each of its lanes; all other derivatives are zero.
+/// one in each lane that is its own; all other derivatives are zero.
 pub fn seeded(theta: &[f64], watched: &[Option<usize>]) -> Vec<Lanes> {
     let mut seeded: Vec<Lanes> = theta.iter().map(|value| Lanes::from(*value)).collect();
     for (lane, k) in watched.iter().enumerate() {

@@ -1,6 +1,5 @@
-//! Matrices of the linearised equations, from tangents of the laws and the geometry of a posture.
-//!
-//! Rows and columns are by edge vectors first, which turn and stretch one edge each, and then by coordinates.
+//! Tangent stiffness and damping, assembled from tangents of the laws and the geometry of a posture: first by edge vectors, then
+//! by coordinates.
 
 use nalgebra::Vector2;
 

@@ -25,10 +25,10 @@ pub struct Model {
 
 impl Model {
     fn of(path: PathBuf, text: String, overrides: Vec<String>) -> PyResult<Self> {
-        Self::read(Source { path, text, overrides })
+        Self::of_source(Source { path, text, overrides })
     }
 
-    fn read(source: Source) -> PyResult<Self> {
+    fn of_source(source: Source) -> PyResult<Self> {
         let (case, without_files) = source.case()?;
         Ok(Self { source, without_files, case })
     }
@@ -41,7 +41,7 @@ impl Model {
     fn new(source: &Bound<'_, PyAny>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         if let Ok(model) = source.cast::<Model>() {
             let own = &model.get().source;
-            return Self::read(own.with(overrides(options, &own.laws())?));
+            return Self::of_source(own.with(overrides(options, &own.laws())?));
         }
         if let Ok(dict) = source.cast::<PyDict>() {
             let (path, own) = (PathBuf::from("scenario"), tables(dict, &Laws::default())?);
@@ -56,7 +56,7 @@ impl Model {
     /// The same model with something else.
     #[pyo3(signature = (**options))]
     fn replace(&self, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        Self::read(self.source.with(overrides(options, &self.source.laws())?))
+        Self::of_source(self.source.with(overrides(options, &self.source.laws())?))
     }
 
     /// Simulates it.

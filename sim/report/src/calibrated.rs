@@ -110,7 +110,7 @@ fn repeats_in_words(repeats: &Repeats) -> String {
             format!(
                 "repeatability: {size} mm rms, from {} pair{plural} of repeated releases{}",
                 repeats.pairs,
-                repeats.swings()
+                repeats.between()
             )
         }
         Source::Stated => format!("repeatability: {size} mm rms, as stated"),

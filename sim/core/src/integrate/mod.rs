@@ -37,7 +37,7 @@ pub enum Steps {
     /// Of this size, s, without error control: for convergence studies.
     Fixed(f64),
     /// Those of another run, by the times at which they end, s, ascending. A step that the model cannot resolve
-    /// is halved until it can; to its end go steps as long as the error admits.
+    /// is halved until it can; steps as long as the error admits then lead to its end.
     Given(Vec<f64>),
     /// The same, none of them halved: for a difference of two runs, in which a step that only one of them halves would be
     /// a jump.

@@ -275,10 +275,9 @@ impl Integrator for Rosenbrock {
                 self.state.time = stop;
             }
             match self.control.steps {
-                Steps::Adaptive => self.step = self.grown(h, error, rejected),
                 Steps::Given(_) | Steps::Repeated(_) if h == to_stop => self.step = f64::INFINITY,
-                // A state that only a short step leaves may allow a long one soon after.
-                Steps::Given(_) => self.step = self.grown(h, error, rejected),
+                // After a part of a given step, too: its rest may allow longer steps.
+                Steps::Adaptive | Steps::Given(_) => self.step = self.grown(h, error, rejected),
                 Steps::Repeated(_) | Steps::Fixed(_) => {}
             }
             return Ok(());

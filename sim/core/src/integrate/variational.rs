@@ -61,10 +61,15 @@ pub struct Variational {
     damped: Vec<Row>,
 }
 
-/// Parameters that move the rod, in the order in which they fill the groups: those of one law alone, which cost less, stand
-/// together.
+/// Parameters that move the rod, each once, in the order in which they fill the groups: those of one law alone, which cost
+/// less, stand together.
 pub fn lane_order(model: &Model, parameters: &[usize]) -> Vec<usize> {
-    let mut order: Vec<usize> = parameters.iter().copied().filter(|k| !model.is_of_sensor(*k)).collect();
+    let mut order: Vec<usize> = Vec::new();
+    for k in parameters.iter().filter(|k| !model.is_of_sensor(**k)) {
+        if !order.contains(k) {
+            order.push(*k);
+        }
+    }
     order.sort_by_key(|k| !model.is_of_law(*k));
     order
 }

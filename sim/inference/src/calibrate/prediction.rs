@@ -142,15 +142,15 @@ impl Measured {
 impl Member<'_> {
     /// Values of the unknowns as the model takes them: parameters, and the release instant, s.
     pub fn values(&self, x: &DVector<f64>) -> (Vec<(usize, f64)>, f64) {
-        let (mut theta, mut instant): (Vec<(usize, f64)>, f64) = (Vec::new(), 0.0);
+        let mut theta: Vec<(usize, f64)> = Vec::new();
+        let mut instant = 0.0;
         for local in self.locals {
             let value = self.unknowns[local.unknown].scaled.value(x[local.unknown]);
             match local.acts {
                 Acts::Theta(k) => theta.push((k, value)),
                 Acts::OnTheta(k) => {
-                    let fitted = theta.iter().rev().find(|(own, _)| *own == k);
-                    let below = fitted.map_or(self.trial.model.theta[k], |(_, fitted)| *fitted);
-                    theta.push((k, below + value));
+                    let fitted = theta.iter().find(|(own, _)| *own == k);
+                    theta.push((k, fitted.map_or(self.trial.model.theta[k], |(_, fitted)| *fitted) + value));
                 }
                 Acts::Instant => instant = value,
                 Acts::Offset { .. } => {}
@@ -211,14 +211,11 @@ impl Member<'_> {
         let Self { trial, measured, locals, unknowns } = *self;
         let RunRequest { count, fidelity, .. } = request;
         let (theta, instant) = self.values(x);
-        // Each once: two unknowns may act on one parameter.
-        let mut watched: Vec<usize> = match slopes {
+        let watched = match slopes {
             Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
             _ => Vec::new(),
         };
-        watched.sort_unstable();
-        watched.dedup();
-        let path = self.simulate(&theta, instant, request, watched.clone())?;
+        let path = self.simulate(&theta, instant, request, watched)?;
         let tracks = trial.release.tracks.len();
         // A hand that moves brings the markers along a straight line to where it lets go.
         let way = |track: usize, sample: usize| {
@@ -266,10 +263,7 @@ impl Member<'_> {
             for track in 0..tracks {
                 let row = |sample: usize| {
                     let found = path.points_by_parameters.get(sample);
-                    let by_theta = |k: &usize| {
-                        let place = watched.binary_search(k).ok()?;
-                        found.map(|points| points[track][place])
-                    };
+                    let mut by_theta = found.map_or(&[][..], |points| &points[track]).iter();
                     let is_held = path.times[sample] <= 0.0;
                     let of_local =
                         |((local, chain), moved): ((&Local, &f64), &Option<Prediction>)| match local.acts {
@@ -279,8 +273,8 @@ impl Member<'_> {
                                 let here = prediction.position[track][sample];
                                 [0, 1].map(|axis| (aside[axis] - here[axis]) / difference)
                             }
-                            Acts::Theta(k) | Acts::OnTheta(k) => {
-                                by_theta(&k).map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
+                            Acts::Theta(_) | Acts::OnTheta(_) => {
+                                by_theta.next().map_or([0.0; 2], |slope| slope.map(|slope| chain * slope))
                             }
                             Acts::Instant if is_held && !trial.is_held() => [0.0; 2],
                             Acts::Instant => path.point_velocities[sample][track].map(|rate| -chain * rate),

@@ -148,13 +148,13 @@ impl Repeats {
     }
 
     /// By how much the frequencies and dampings of repeated releases differ, as the end of a sentence; empty where they do not.
-    pub fn swings(&self) -> String {
+    pub fn between(&self) -> String {
         let frequency = (self.frequency_share > 0.0)
             .then(|| format!("frequencies vary by {} %", significant(1e2 * self.frequency_share, 2)));
         let decay = (self.decay_rate > 0.0)
-            .then(|| format!("rates of decay by {} 1/s", significant(self.decay_rate, 2)));
+            .then(|| format!("decay rates by {} 1/s", significant(self.decay_rate, 2)));
         let both: Vec<String> = frequency.into_iter().chain(decay).collect();
-        if both.is_empty() { String::new() } else { format!("; {} between repeats", both.join(", ")) }
+        if both.is_empty() { String::new() } else { format!("; {} between repeats", both.join(" and ")) }
     }
 
     /// Whether it is known from the experiment itself.
@@ -266,7 +266,7 @@ mod tests {
         let found = heard.trials[0].release.tracks[0].discrepancy;
         assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.5).sqrt()).abs() < 1e-12, "{found}");
         assert_eq!(heard.nuisances.mass_damping, None);
-        // One pair tells little of a rate of decay.
+        // One pair says little of a decay rate.
         let damped = Repeats { decay_rate: 0.01, ..repeats.clone() }.heard_in(&problem);
         let found = damped.nuisances.mass_damping.unwrap();
         assert!((found - 0.02 * 3f64.sqrt()).abs() < 1e-15, "{found}");

@@ -27,6 +27,7 @@ use efam_experiments::scenario::{Case, ScenarioError, ScenarioProblem};
 
 use super::hold::hold;
 use super::problem::{FittedParameter, Nuisances, Prior, Problem, Scale, Scope, Trial};
+use super::unknowns::ALPHA;
 use super::waves::{BETA, damp_waves};
 use super::{CalibrateError, CalibrationSettings};
 
@@ -58,7 +59,7 @@ pub enum SectionError {
 }
 
 /// Found unless the experiment says otherwise.
-const USUAL: [&str; 3] = ["rod.bending_stiffness", "effects.rayleigh_mass.alpha", BETA];
+const USUAL: [&str; 3] = ["rod.bending_stiffness", ALPHA, BETA];
 
 /// The problem that an experiment and its cleaned releases make.
 /// # Errors

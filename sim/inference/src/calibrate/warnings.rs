@@ -2,7 +2,7 @@
 
 use super::PartFit;
 use super::calibration::{Calibrated, ReleaseFit};
-use super::unknowns::{CLAMP_ANGLE, HOLD_ANGLE, MASS_DAMPING, RELEASE_INSTANT};
+use super::unknowns::{CLAMP_ANGLE, HOLD_ANGLE, RELEASE_INSTANT};
 use crate::normal::CLEAR;
 
 /// Variance over that of the stated noise from which on something is missing.
@@ -76,7 +76,6 @@ fn key(name: &str) -> &'static str {
         HOLD_ANGLE => "hold_angle in [calibrate]",
         CLAMP_ANGLE => "clamp_angle in [calibrate]",
         RELEASE_INSTANT => "instant_error in [[recording]]",
-        MASS_DAMPING => "releases that are repeated more often, which tell how far it varies",
         name if name.starts_with("offset of") => "offset in [calibrate]",
         _ => "a wider prior in its [[calibrate.parameter]]",
     }

@@ -9,7 +9,7 @@ use models::effects::Catalogue;
 use models::nearest::{nearest, offer};
 
 use crate::calibrate::problem::is_same_pressure;
-use crate::calibrate::unknowns::FARTHEST;
+use crate::calibrate::unknowns::{ALPHA, FARTHEST};
 use crate::calibrate::waves::{BETA, damp_waves};
 use crate::calibrate::{
     FittedParameter, Prior, Problem, Scope, SectionError, problem as calibration_problem,
@@ -17,7 +17,7 @@ use crate::calibrate::{
 
 /// Losses that all pressures share unless the experiment says otherwise: one for each would hide how a
 /// missing effect grows with the pressure.
-pub(super) const SHARED: [&str; 2] = ["effects.rayleigh_mass.alpha", BETA];
+pub(super) const SHARED: [&str; 2] = [ALPHA, BETA];
 
 /// The problem of an experiment.
 /// # Errors

@@ -248,7 +248,7 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
                 let most = significant(repeats.largest_mm(releases), 2);
                 format!(
                     ", {than} the measured repeatability of {size} mm ({most} mm at 95 %){}",
-                    repeats.swings()
+                    repeats.between()
                 )
             }
             Source::Assumed => format!(

@@ -10,7 +10,7 @@ use super::verdict::{Contradiction, Diagnosis, Verdict};
 use crate::calibrate::Problem;
 use crate::calibrate::joint::Estimate;
 use crate::calibrate::repeats::DRIFT;
-use crate::calibrate::unknowns::FARTHEST;
+use crate::calibrate::unknowns::{FARTHEST, UnknownKind};
 use models::digits::significant;
 
 /// All that concern a diagnosis as it stands, its problem, and where its fit ended.
@@ -25,8 +25,11 @@ pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Estima
 }
 
 /// Standard deviations by which a value is off what was `believed`; none where it is not so far off as the setup may be, but
-/// for rounding.
+/// for rounding. How far dampings of releases differ is measured, so a large one contradicts no statement.
 pub(super) fn deviations_off(found: &Estimate, believed: &Estimate) -> Option<f64> {
+    if believed.unknown.kind == UnknownKind::MassDamping {
+        return None;
+    }
     let prior = believed.unknown.prior?;
     Some(((found.value() - prior.mean) / prior.deviation).abs()).filter(|off| *off > FARTHEST * (1.0 - 1e-6))
 }
@@ -174,6 +177,16 @@ mod tests {
     }
 
     /// A part that is zero is absent, and at no bound.
+    #[test]
+    fn a_damping_that_does_not_repeat_contradicts_no_statement() {
+        let of = |kind: UnknownKind| {
+            let unknown = Unknown::nuisance(kind, "any", "", Group::Release(0), 1.0, f64::INFINITY);
+            let known = Estimate { unknown, x: 5.0 };
+            deviations_off(&known, &known)
+        };
+        assert_eq!((of(UnknownKind::HoldAngle), of(UnknownKind::MassDamping)), (Some(5.0), None));
+    }
+
     #[test]
     fn what_stands_at_an_end_of_its_range_is_warned_of() {
         let known = |name: &str, value: f64| Estimate {

@@ -15,6 +15,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::calibrate::unknowns::ALPHA;
 use crate::calibrate::waves::BETA;
 use crate::normal::NORMAL_95;
 use models::model::Model;
@@ -27,7 +28,7 @@ use models::statics::{equilibrium, modes};
 const POWER: f64 = 0.25;
 
 /// Rayleigh's laws: the parameter, and the power with which its damping ratio goes with the frequency.
-const LAWS: [(&str, f64); 2] = [("effects.rayleigh_mass.alpha", -1.0), (BETA, 1.0)];
+const LAWS: [(&str, f64); 2] = [(ALPHA, -1.0), (BETA, 1.0)];
 
 /// One of Rayleigh's numbers at the frequency of a model.
 #[derive(Clone, Debug, PartialEq)]
