@@ -147,7 +147,7 @@ impl Repeats {
         deviation * (1.0 + 2.0 / self.pairs.max(1) as f64).sqrt()
     }
 
-    /// By how much the frequencies and dampings of repeated releases differ, as the end of a sentence; empty where they do not.
+    /// By how much the frequencies and dampings of repeated releases differ, as a clause behind others; empty where they do not.
     pub fn between(&self) -> String {
         let frequency = (self.frequency_share > 0.0)
             .then(|| format!("frequencies vary by {} %", significant(1e2 * self.frequency_share, 2)));

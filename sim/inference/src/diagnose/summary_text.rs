@@ -247,7 +247,7 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
             Source::Measured => {
                 let most = significant(repeats.largest_mm(releases), 2);
                 format!(
-                    ", {than} the measured repeatability of {size} mm ({most} mm at 95 %){}",
+                    ", {than} the measured repeatability of {size} mm ({most} mm at 95 %{})",
                     repeats.between()
                 )
             }
