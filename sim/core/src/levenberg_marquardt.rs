@@ -53,6 +53,15 @@ pub struct Search {
     pub is_followed: bool,
 }
 
+/// Slopes that are lent to the start of a search.
+#[derive(Debug)]
+pub struct Lent<'a, T> {
+    /// What the point carries that they belong to.
+    pub carried: &'a T,
+    /// Where they were taken; none where they are of another kind than those of the search, and cannot be its last word.
+    pub home: Option<&'a DVector<f64>>,
+}
+
 /// Where a search ended.
 #[derive(Clone, Debug)]
 pub struct Solution<T> {
@@ -60,6 +69,8 @@ pub struct Solution<T> {
     pub x: DVector<f64>,
     /// Cost and derivatives there.
     pub at: Evaluated<T>,
+    /// Where its slopes were taken; none where they came with the start and were of another kind.
+    pub home: Option<DVector<f64>>,
     /// Evaluations made.
     pub evaluations: usize,
     /// Decrease that the undamped model still predicts.
@@ -96,7 +107,7 @@ pub type Evaluate<'a, T> = dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evalua
 /// [`Search::is_followed`].
 pub fn minimise<T>(
     start: &DVector<f64>,
-    lent: Option<&T>,
+    lent: Option<Lent<T>>,
     search: &Search,
     evaluate: &mut Evaluate<T>,
 ) -> Option<Solution<T>> {
@@ -104,10 +115,9 @@ pub fn minimise<T>(
     for (x, (low, high)) in x.iter_mut().zip(&search.bounds) {
         *x = x.clamp(*low, *high);
     }
-    let mut at = evaluate(&x, lent)?;
+    let mut at = evaluate(&x, lent.as_ref().map(|lent| lent.carried))?;
     let mut evaluations = 1;
-    // Where the slopes were taken; none where they came with the start.
-    let mut home = lent.is_none().then(|| x.clone());
+    let mut home = lent.map_or_else(|| Some(x.clone()), |lent| lent.home.cloned());
     let mut diagonal = DVector::zeros(x.len());
     let (mut damping, mut growth, mut refused, mut idle) = (search.first_damping, 2.0, 0, 0);
     let most_idle = if search.is_followed { MOST_IDLE_FOLLOWED } else { MOST_IDLE };
@@ -123,7 +133,7 @@ pub fn minimise<T>(
             moved.dot(&(&at.hessian * &moved)) < 1.0
         });
         if is_over && (is_home || search.is_followed) {
-            return Some(Solution { x, at, evaluations, predicted, converged });
+            return Some(Solution { x, at, home, evaluations, predicted, converged });
         }
         let mut ratio = -1.0;
         if !is_over {
@@ -197,6 +207,8 @@ fn step<T>(
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
 
     type Residuals = fn(&DVector<f64>) -> (DVector<f64>, DMatrix<f64>);
@@ -330,12 +342,10 @@ mod tests {
             lends_slopes: true,
             is_followed: false,
         };
-        let (mut slopes_taken, mut home) = (0, DVector::zeros(2));
+        let slopes_taken = Cell::new(0);
         let mut evaluate = |x: &DVector<f64>, lent: Option<&DMatrix<f64>>| {
             let (r, own) = rosenbrock(x);
-            if lent.is_none() {
-                (slopes_taken, home) = (slopes_taken + 1, x.clone());
-            }
+            slopes_taken.set(slopes_taken.get() + usize::from(lent.is_none()));
             let j = lent.cloned().unwrap_or(own);
             Some(Evaluated {
                 cost: 0.5 * r.norm_squared(),
@@ -347,8 +357,18 @@ mod tests {
         let start = DVector::from_column_slice(&[-1.2, 1.0]);
         let found = minimise(&start, None, &search, &mut evaluate).unwrap();
         assert!((found.x[0] - 1.0).abs() < 1e-9 && (found.x[1] - 1.0).abs() < 1e-9, "{found:?}");
-        assert_eq!(found.at.carried, rosenbrock(&home).1);
+        let home = found.home.as_ref().unwrap();
+        assert_eq!(found.at.carried, rosenbrock(home).1);
         assert!((&found.at.carried * (&found.x - home)).norm() < 1.0, "{found:?}");
-        assert!(slopes_taken < found.evaluations, "{slopes_taken} of {}", found.evaluations);
+        // A search that goes on from there needs none of its own, unless it does not know where they were taken.
+        let mut again = |home: Option<&DVector<f64>>| {
+            let before = slopes_taken.get();
+            let lent = Lent { carried: &found.at.carried, home };
+            minimise(&found.x, Some(lent), &search, &mut evaluate).unwrap();
+            slopes_taken.get() - before
+        };
+        assert_eq!((again(Some(home)), again(None)), (0, 1));
+        let all = slopes_taken.get();
+        assert!(all < found.evaluations, "{all} of {}", found.evaluations);
     }
 }

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use efam_core::levenberg_marquardt::Solution;
 use nalgebra::DVector;
 
 use super::error::CalibrateError;
@@ -205,9 +204,8 @@ impl Joint {
         view: View,
         share: f64,
     ) -> Option<Self> {
-        let Solution { x, at, predicted, converged, .. } =
-            minimise_in(&objective, x, None, &view, 1.0, share)?;
-        let found = Found { x, at, view, stages: Vec::new(), predicted, converged, starts: 1 };
+        let ended = minimise_in(&objective, x, None, &view, 1.0, share)?;
+        let found = Found::of(ended, view, Vec::new());
         Some(Self::new(problem, objective, found))
     }
 
@@ -227,8 +225,9 @@ impl Joint {
         let Some(seen) = objective.see(&x, &view, None) else { return Err(objective.refusal(&x)) };
         let view = View { slopes, ..view.like(seen) };
         let Some(at) = objective.evaluate(&x, &view, None) else { return Err(objective.refusal(&x)) };
-        let found =
-            Found { x, at, view, stages: Vec::new(), predicted: f64::INFINITY, converged: false, starts: 1 };
+        let home = Some(x.clone());
+        let (predicted, converged) = (f64::INFINITY, false);
+        let found = Found { x, at, home, view, stages: Vec::new(), predicted, converged, starts: 1 };
         Ok(Self::new(problem, objective, found))
     }
 

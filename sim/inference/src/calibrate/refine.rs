@@ -6,7 +6,7 @@
 //! slopes are differences of runs on the same steps. They cost a run an unknown, and are lent from point
 //! to point as long as they predict the cost.
 
-use efam_core::levenberg_marquardt::Solution;
+use efam_core::levenberg_marquardt::{Lent, Solution};
 use efam_core::loss::Huber;
 use nalgebra::DVector;
 
@@ -73,9 +73,15 @@ fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> O
     }
     let mut best: Option<Solution<Evaluation>> = None;
     for _ in 0..MOST_ROUNDS {
-        let (x, seen) = best.as_ref().map_or((&from.x, &from.at.carried), |best| (&best.x, &best.at.carried));
+        let (x, seen, home) = match &best {
+            Some(best) => (&best.x, &best.at.carried, best.home.as_ref()),
+            None => (&from.x, &from.at.carried, from.home.as_ref()),
+        };
+        let is_alike = best.is_some() || from.view.fidelity == view.fidelity;
+        let is_own = best.is_some() || is_alike && from.view.slopes == view.slopes;
+        let lent = Lent { carried: seen, home: home.filter(|_| is_own) };
         // Until mesh and step are known where they belong, the slopes of the stages will do.
-        let lent = (best.is_some() || share > 0.0 || from.view.fidelity == view.fidelity).then_some(seen);
+        let lent = (is_alike || share > 0.0).then_some(lent);
         let spreads = seen.spreads();
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
         let solution = minimise_in(objective, x, lent, view, TOLERANCE, share)?;

@@ -6,7 +6,9 @@
 //! from the next best start. Multiple shooting would free the state at the start of each stretch, some
 //! hundred unknowns of a rod for each, of which a marker or two see little; stages have been enough.
 
-use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, NEAR_DAMPING, Search, Solution, minimise};
+use efam_core::levenberg_marquardt::{
+    Evaluated, FIRST_DAMPING, Lent, NEAR_DAMPING, Search, Solution, minimise,
+};
 use efam_core::loss::{Huber, spread};
 use nalgebra::DVector;
 
@@ -21,6 +23,8 @@ use super::view::{Evaluation, View};
 pub(crate) struct Found {
     pub x: DVector<f64>,
     pub at: Evaluated<Evaluation>,
+    /// Where its slopes were taken.
+    pub home: Option<DVector<f64>>,
     pub view: View,
     pub stages: Vec<Stage>,
     /// Decrease of the cost that is still predicted.
@@ -30,11 +34,18 @@ pub(crate) struct Found {
 }
 
 impl Found {
+    /// Where one search ended.
+    pub fn of(ended: Solution<Evaluation>, view: View, stages: Vec<Stage>) -> Self {
+        let Solution { x, at, home, predicted, converged, .. } = ended;
+        Self { x, at, home, view, stages, predicted, converged, starts: 1 }
+    }
+
     /// Takes over where a search that went on from here ended.
     pub fn go_to(&mut self, ended: Solution<Evaluation>, view: View) {
         self.stages.push(stage(self.starts - 1, None, &ended));
-        let Solution { x, at, predicted, converged, .. } = ended;
-        (self.x, self.at, self.predicted, self.converged, self.view) = (x, at, predicted, converged, view);
+        let Solution { x, at, home, predicted, converged, .. } = ended;
+        (self.x, self.at, self.home, self.predicted, self.converged, self.view) =
+            (x, at, home, predicted, converged, view);
     }
 }
 
@@ -128,9 +139,8 @@ pub(crate) fn meet(objective: &Objective, counts: &[usize]) -> Option<(Found, f6
         let share = ended.at.carried.spreads().into_iter().enumerate().map(share).fold(0.0, f64::max);
         let before = best.as_ref().map(|(_, share)| *share);
         if before.is_none_or(|before| share < before) {
-            let Solution { x, at, predicted, converged, .. } = ended;
-            best =
-                Some((Found { x, at, view, stages: Vec::new(), predicted, converged, starts: k + 1 }, share));
+            let found = Found { starts: k + 1, ..Found::of(ended, view, Vec::new()) };
+            best = Some((found, share));
         }
         if share < NEAR || before.is_some_and(|before| (share / before).ln().abs() < ALIKE) {
             break;
@@ -171,8 +181,7 @@ fn climb(
         x = solution.x.clone();
         tell(&stages[stages.len() - 1], &x);
         if is_all {
-            let Solution { at, predicted, converged, .. } = solution;
-            return Some(Found { x, at, view, stages, predicted, converged, starts: 1 });
+            return Some(Found::of(solution, view, stages));
         }
         if before.iter().all(|count| *count == 0) {
             times = swing_times(objective, &x);
@@ -195,7 +204,7 @@ pub(crate) fn go_on(objective: &Objective, found: &mut Found) -> Option<()> {
 pub(crate) fn minimise_in(
     objective: &Objective,
     x: &DVector<f64>,
-    lent: Option<&Evaluation>,
+    lent: Option<Lent<Evaluation>>,
     view: &View,
     tolerance: f64,
     relative: f64,

@@ -18,7 +18,7 @@ use super::DiagnosisSettings;
 use super::candidate::{Candidate, candidates};
 use super::design_matrix::{Column, predictions};
 use super::planned::record;
-use super::score::{APART, columns, gram, unit_distance};
+use super::score::{APART, columns, extended, gram, normal_equations, unit_distance};
 use super::section::{SHARED, USUAL_TILT, admit_tilt};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Slopes;
@@ -107,7 +107,8 @@ pub fn plan(
     let off = predictions(&fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
     let candidates = candidates(&recorded, &DiagnosisSettings::default());
     let columns = columns(&candidates, &fit, &off, tell);
-    let gram = gram(&fit, &columns);
+    let (_, hessian) = normal_equations(&fit, &extended(&fit, &columns), columns.len());
+    let gram = gram(&fit, &hessian);
     let traces: Vec<Trace> =
         candidates.iter().enumerate().map(|(c, candidate)| Trace::of(candidate, c, &columns)).collect();
     let prospect = |trace: &Trace| {

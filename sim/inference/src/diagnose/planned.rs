@@ -1,5 +1,8 @@
 //! Experiments that were not made: the releases at hand with one thing more, simulated at what is known and
 //! looked at as if they had been recorded, to say which of them would tell two effects apart.
+//!
+//! An experiment is a part of a larger one: some of its releases, markers and samples. So the largest is simulated, once,
+//! and each is looked at in it.
 
 use std::sync::Arc;
 
@@ -7,13 +10,15 @@ use efam_experiments::release::{Point, Track};
 
 use super::Course;
 use super::candidate::Candidate;
-use super::design_matrix::predictions;
-use super::score::{APART, columns, distance, gram};
+use super::design_matrix::{Column, predictions};
+use super::score::{APART, columns, distance, extended, gram, normal_equations};
 use super::verdict::{Separation, Verdict};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::refine::LAST;
-use crate::calibrate::{CalibrateError, Problem, Scope, Trial};
+use crate::calibrate::unknowns::Group;
+use crate::calibrate::view::Series;
+use crate::calibrate::{CalibrateError, Problem, Trial};
 use crate::listed::listed;
 
 /// What could be recorded besides.
@@ -25,77 +30,69 @@ enum Extra {
     LongRecord,
 }
 
-/// What may be recorded together, the least work first.
-const TOGETHER: [&[Extra]; 4] = [
-    &[Extra::BodyMarkers, Extra::Payload],
-    &[Extra::BodyMarkers, Extra::LongRecord],
-    &[Extra::Angles, Extra::Payload],
-    &[Extra::BodyMarkers, Extra::Angles, Extra::Payload, Extra::LongRecord],
+use Extra::{Angles, BodyMarkers, LongRecord, Payload};
+
+/// What may be recorded, the least work first.
+const ONE_MORE: [&[Extra]; 6] = [
+    &[BodyMarkers],
+    &[Angles],
+    &[Payload],
+    &[LongRecord],
+    &[BodyMarkers, Payload],
+    &[BodyMarkers, LongRecord],
 ];
+/// The same where that is not enough.
+const ALL_MORE: [&[Extra]; 2] = [&[Angles, Payload], &[BodyMarkers, Angles, Payload, LongRecord]];
 
 impl Extra {
-    const ALL: [Self; 4] = [Self::BodyMarkers, Self::Angles, Self::Payload, Self::LongRecord];
-
     fn words(self) -> &'static str {
         match self {
-            Self::BodyMarkers => "with markers at 0.3, 0.55 and 0.8 of the length",
-            Self::Angles => "repeated from 25 degrees below",
-            Self::Payload => "repeated with 20 g at the tip",
-            Self::LongRecord => "three times as long",
+            BodyMarkers => "with markers at 0.3, 0.55 and 0.8 of the length",
+            Angles => "repeated from 25 degrees below",
+            Payload => "repeated with 20 g at the tip",
+            LongRecord => "three times as long",
         }
     }
 
-    /// The trials of the larger experiment; none where it is no more than the one at hand.
-    fn made(self, trials: &[Arc<Trial>]) -> Option<Vec<Arc<Trial>>> {
-        let mut all = trials.to_vec();
+    /// A release of the larger experiment beside those at hand; none where it is no other one.
+    fn repeated(self, trial: &Trial) -> Option<Trial> {
+        let mut trial = trial.clone();
+        trial.is_straight().then_some(())?;
         match self {
-            Self::BodyMarkers => {
-                if trials.iter().any(|trial| trial.release.tracks.len() > 1) {
-                    return None;
-                }
-                for release in all.iter_mut().map(|trial| &mut Arc::make_mut(trial).release) {
-                    let first = release.tracks.first()?.clone();
-                    release.tracks.extend([0.3, 0.55, 0.8].map(|share| Track {
-                        marker: format!("at {share} of the length"),
-                        at: Point::Along(share),
-                        ..first.clone()
-                    }));
-                }
+            Angles => {
+                let k = trial.model.index("release.angle").ok()?;
+                trial.model.theta[k] -= 25f64.to_radians();
+                trial.release.name += ", from 25 degrees below";
             }
-            Self::Angles => {
-                let turned = |trial: &Arc<Trial>| {
-                    let mut trial = Trial::clone(trial);
-                    let k = trial.model.index("release.angle").ok()?;
-                    trial.is_straight().then_some(())?;
-                    trial.model.theta[k] -= 25f64.to_radians();
-                    trial.release.name += ", from 25 degrees below";
-                    Some(Arc::new(trial))
-                };
-                all.extend(trials.iter().map(turned).collect::<Option<Vec<_>>>()?);
+            Payload if trial.release.payload == 0.0 => {
+                trial.model = trial.model.with_effect("payload", &[("mass", 0.02)]).ok()?;
+                trial.release.name += ", with 20 g";
             }
-            Self::Payload => {
-                let loaded = |trial: &Arc<Trial>| {
-                    let mut trial = Trial::clone(trial);
-                    trial.is_straight().then_some(())?;
-                    trial.model = trial.model.with_effect("payload", &[("mass", 0.02)]).ok()?;
-                    trial.release.name += ", with 20 g";
-                    Some(Arc::new(trial))
-                };
-                if trials.iter().any(|trial| trial.release.payload > 0.0) {
-                    return None;
-                }
-                all.extend(trials.iter().map(loaded).collect::<Option<Vec<_>>>()?);
-            }
-            Self::LongRecord => {
-                for release in all.iter_mut().map(|trial| &mut Arc::make_mut(trial).release) {
-                    let (last, count) = (*release.time.last()?, release.time.len());
-                    let step = last / count as f64;
-                    release.time.extend((1..=2 * count).map(|k| last + step * k as f64));
-                }
-            }
+            Payload | BodyMarkers | LongRecord => return None,
         }
-        Some(all)
+        Some(trial)
     }
+}
+
+/// Markers along the body, if there is one marker alone.
+fn add_body_markers(trial: &mut Trial) {
+    let release = &mut trial.release;
+    if let [only] = release.tracks.as_slice() {
+        let first = only.clone();
+        release.tracks.extend([0.3, 0.55, 0.8].map(|share| Track {
+            marker: format!("at {share} of the length"),
+            at: Point::Along(share),
+            ..first.clone()
+        }));
+    }
+}
+
+/// Three times as long.
+fn lengthen(trial: &mut Trial) {
+    let time = &mut trial.release.time;
+    let (last, count) = (time.last().copied().unwrap_or(0.0), time.len());
+    let step = last / count.max(1) as f64;
+    time.extend((1..=2 * count).map(|k| last + step * k as f64));
 }
 
 /// Times that releases are recorded at most: an afternoon's work.
@@ -114,71 +111,151 @@ pub(super) struct Pair<'a> {
     pub now: f64,
 }
 
+/// Releases at hand, each with one marker and another duration, and what is recorded besides: simulated, with the traces
+/// of two effects.
+struct Simulated {
+    fit: Joint,
+    columns: Vec<Column>,
+    /// Of each release what it has that those at hand have not.
+    more: Vec<Vec<Extra>>,
+    /// Markers and samples of each release that are recorded without anything more.
+    tracks: Vec<usize>,
+    counts: Vec<usize>,
+    /// Residuals and slopes, those of the columns behind the others.
+    blocks: Vec<Vec<Series>>,
+}
+
 impl Pair<'_> {
     /// The experiment that tells them apart best, of those that could be made: several things together only where
     /// one is not enough, and the best of all more than once only where that is not.
     pub fn separation(&self) -> Option<Separation> {
-        let fitted = self.problem.trials.iter().filter(|trial| !trial.release.held_out);
-        let fitted: Vec<Arc<Trial>> = fitted.cloned().collect();
+        let repeats = [vec![Angles], vec![Payload]];
+        let one_more = self.simulated(&repeats, |more| more.is_empty())?;
         // Where their traces would be told apart already and their fits are not, traces predict nothing.
-        if self.distance(&fitted, 1).is_none_or(|distance| distance >= APART) {
+        if self.distance(&one_more, &[], 1)? >= APART {
             return None;
         }
-        let mut best: Option<(Separation, Vec<Arc<Trial>>)> = None;
-        for extras in Extra::ALL.iter().map(std::slice::from_ref).chain(TOGETHER) {
-            // One thing more is less work than several.
-            if extras.len() > 1 && best.as_ref().is_some_and(|(best, _)| best.distance >= APART) {
-                break;
-            }
-            let all = extras.iter().try_fold(fitted.clone(), |trials, extra| extra.made(&trials));
-            let Some(trials) = all else { continue };
-            let Some(distance) = self.distance(&trials, 1) else { continue };
-            if best.as_ref().is_none_or(|(best, _)| distance > best.distance) {
-                let words: Vec<String> = extras.iter().map(|extra| extra.words().to_owned()).collect();
-                let what = format!("the same releases {}", listed(&words));
-                best = Some((Separation { what, distance, distance_now: self.now }, trials));
-            }
+        let best_of = |simulated: &Simulated, all: &[&'static [Extra]]| {
+            let distances =
+                all.iter().filter_map(|extras| Some((self.distance(simulated, extras, 1)?, *extras)));
+            distances.max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        // One thing more is less work than several.
+        let single = best_of(&one_more, &ONE_MORE[..4]);
+        let found =
+            single.filter(|(distance, _)| *distance >= APART).or_else(|| best_of(&one_more, &ONE_MORE));
+        let (mut distance, mut extras) = found?;
+        let mut simulated = one_more;
+        if distance < APART
+            && let Some(all_more) =
+                self.simulated(&[vec![Angles], vec![Payload], vec![Angles, Payload]], |_| true)
+            && let Some(found) = best_of(&all_more, &ALL_MORE).filter(|found| found.0 > distance)
+        {
+            (distance, extras) = found;
+            simulated = all_more;
         }
-        let (mut best, trials) = best?;
-        let needed = (APART / best.distance).powi(2).ceil();
-        let times = (needed as u32..=MOST_TIMES).filter(|times| *times > 1);
-        for times in times {
-            let Some(distance) = self.distance(&trials, times).filter(|distance| *distance >= APART) else {
-                continue;
-            };
-            best.what += &format!(", each recorded {times} times");
-            best.distance = distance;
-            break;
+        let words: Vec<String> = extras.iter().map(|extra| extra.words().to_owned()).collect();
+        let mut what = format!("the same releases {}", listed(&words));
+        let needed = (APART / distance).powi(2).ceil() as u32;
+        let several = |times: u32| Some((times, self.distance(&simulated, extras, times)?));
+        let enough =
+            (needed.max(2)..=MOST_TIMES).filter_map(several).find(|(_, distance)| *distance >= APART);
+        if let Some((times, enough)) = enough.filter(|_| needed > 1) {
+            what += &format!(", each recorded {times} times");
+            distance = enough;
         }
-        Some(best).filter(|best| best.distance > self.now)
+        Some(Separation { what, distance, distance_now: self.now }).filter(|best| best.distance > self.now)
     }
 
-    /// How far apart they are in releases that are each recorded some times; none where those cannot be run: what
-    /// cannot be run, nobody will record.
-    fn distance(&self, trials: &[Arc<Trial>], times: u32) -> Option<f64> {
-        let mut planned = repeated(self.problem, trials, times);
-        record(&mut planned, self.known).ok()?;
+    /// The releases at hand and those `repeats` of them that can be run, with all markers, and long ones where asked.
+    /// None where those at hand cannot be run: what cannot be run, nobody will record.
+    fn simulated(&self, repeats: &[Vec<Extra>], is_long: impl Fn(&[Extra]) -> bool) -> Option<Simulated> {
+        let fitted: Vec<&Arc<Trial>> =
+            self.problem.trials.iter().filter(|trial| !trial.release.held_out).collect();
+        let of = |more: &[Extra]| -> Option<Vec<Arc<Trial>>> {
+            let made = |trial: &&Arc<Trial>| {
+                let start = Trial::clone(trial);
+                let mut trial = more.iter().try_fold(start, |trial, extra| extra.repeated(&trial))?;
+                add_body_markers(&mut trial);
+                if is_long(more) {
+                    lengthen(&mut trial);
+                }
+                Some(Arc::new(trial))
+            };
+            let trials = fitted.iter().map(made).collect::<Option<Vec<_>>>()?;
+            let mut planned = Problem { trials, ..self.problem.clone() };
+            record(&mut planned, self.known).ok()?;
+            Some(planned.trials)
+        };
+        let mut trials = of(&[])?;
+        let mut more = vec![Vec::new(); trials.len()];
+        for repeat in repeats {
+            if let Some(made) = of(repeat) {
+                more.extend(vec![repeat.clone(); made.len()]);
+                trials.extend(made);
+            }
+        }
+        let planned = Problem { trials, ..self.problem.clone() };
         let fit = Joint::at(&planned, self.known, Slopes::Differences, LAST).ok()?;
-        let off = predictions(&fit)?;
-        let columns = columns(&self.of, &fit, &off, &|_| ());
+        let columns = columns(&self.of, &fit, &predictions(&fit)?, &|_| ());
+        let hand = |r: usize| fitted[r % fitted.len()];
+        let tracks = (0..more.len()).map(|r| hand(r).release.tracks.len()).collect();
+        let within = |r: usize| {
+            let count = hand(r).release.time.len();
+            fit.objective.measured[r].samples.iter().filter(|sample| **sample < count).count()
+        };
+        let counts = (0..more.len()).map(within).collect();
+        Some(Simulated { blocks: extended(&fit, &columns), fit, columns, more, tracks, counts })
+    }
+
+    /// How far apart they are in an experiment whose releases are each recorded some times; none where that is no more than
+    /// the one at hand, or cannot be run.
+    fn distance(&self, simulated: &Simulated, extras: &[Extra], times: u32) -> Option<f64> {
+        let Simulated { fit, columns, .. } = simulated;
+        let blocks = simulated.part(extras)?;
+        let (_, mut hessian) = normal_equations(fit, &blocks, columns.len());
+        // One release stands for so many alike, each with a setup of its own: these together weigh as much more as they are
+        // against what is believed of all, so that a distance is that of one times the root of `times`.
+        for (k, _, slope) in fit.objective.prior_residuals(&fit.found.x) {
+            if !matches!(fit.objective.part.unknowns[k].group, Group::Release(_)) {
+                hessian[(k, k)] += slope * slope * (f64::from(times).recip() - 1.0);
+            }
+        }
         let of = |c: usize| (0..columns.len()).filter(|k| columns[*k].of == c).collect::<Vec<_>>();
         let (first, second) = (of(0), of(1));
         let strengths = vec![self.strength - self.of[0].null_value; first.len()];
-        let distance = distance(&gram(&fit, &columns), &first, &second, &strengths);
+        let distance = distance(&gram(fit, &hessian), &first, &second, &strengths);
         Some(distance * (f64::from(times) / self.variance_inflation).sqrt())
     }
 }
 
-/// A problem of releases one of which stands for so many alike, each with a setup of its own: these together weigh as
-/// much more as they are against what is believed of all, so that a distance is that of one times the root of `times`.
-fn repeated(problem: &Problem, trials: &[Arc<Trial>], times: u32) -> Problem {
-    let mut planned = Problem { trials: trials.to_vec(), ..problem.clone() };
-    for parameter in planned.parameters.iter_mut().filter(|own| own.scope != Scope::PerRelease) {
-        if let Some(prior) = &mut parameter.prior {
-            prior.deviation *= f64::from(times).sqrt();
-        }
+impl Simulated {
+    /// What is recorded in an experiment: its releases, markers and samples, and nothing of the others. None where it has
+    /// nothing more than the one at hand.
+    fn part(&self, extras: &[Extra]) -> Option<Vec<Vec<Series>>> {
+        let is_more = |extra: &Extra| match extra {
+            LongRecord => true,
+            BodyMarkers => self.blocks.iter().zip(&self.tracks).any(|(block, tracks)| block.len() > *tracks),
+            Angles | Payload => self.more.iter().any(|more| more.contains(extra)),
+        };
+        extras.iter().all(is_more).then_some(())?;
+        let of_track = |r: usize, t: usize, series: &Series| {
+            let is_made = self.more[r].iter().all(|extra| extras.contains(extra));
+            let is_seen = is_made && (t < self.tracks[r] || extras.contains(&BodyMarkers));
+            let is_within = |k: &usize| is_seen && (extras.contains(&LongRecord) || *k < self.counts[r]);
+            // Samples ascend.
+            let count = series.samples.iter().take_while(|k| is_within(k)).count();
+            Series {
+                samples: series.samples[..count].to_vec(),
+                residual: series.residual[..count].to_vec(),
+                slopes: series.slopes[..count].to_vec(),
+            }
+        };
+        let of_release = |(r, block): (usize, &Vec<Series>)| {
+            block.iter().enumerate().map(|(t, series)| of_track(r, t, series)).collect()
+        };
+        Some(self.blocks.iter().enumerate().map(of_release).collect())
     }
-    planned
 }
 
 /// Fills the tracks with what is predicted at what is known, whatever was in them.
@@ -232,7 +309,7 @@ mod tests {
     use efam_core::forward::{Run, uniform};
 
     use super::*;
-    use crate::calibrate::{FittedParameter, Nuisances, Prior};
+    use crate::calibrate::{FittedParameter, Nuisances, Prior, Scope};
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
     use crate::example;
@@ -243,16 +320,16 @@ mod tests {
         let track =
             Track { marker, at, position: vec![Some([0.0; 2]); time.len()], noise: 3e-4, discrepancy: 0.0 };
         let release = example::release(time, vec![track]);
-        Trial { release, model: muscle_at_15_psi(), run: Run::release(2.0, 20.0) }.into()
+        // With a payload, waves that nothing damps take a hundred times the steps.
+        let model = muscle_at_15_psi().with_effect("rayleigh_stiffness", &[("beta", 2e-3)]).unwrap();
+        Trial { release, model, run: Run::release(2.0, 20.0) }.into()
     }
 
-    /// One release that stands for four is worth four, each with its own hold and instant, and with the mass that is
-    /// believed of all.
-    #[test]
-    fn releases_that_stand_for_several_are_worth_as_much() {
+    /// A release whose stiffness and mass are unknown.
+    fn problem() -> Problem {
         let prior = |mean: f64| Some(Prior { mean, deviation: 0.01 * mean });
         let mass = muscle_at_15_psi().theta[muscle_at_15_psi().index("rod.mass").unwrap()];
-        let problem = Problem {
+        Problem {
             trials: vec![release()],
             parameters: vec![
                 FittedParameter::new("rod.bending_stiffness", Scope::Shared),
@@ -264,15 +341,41 @@ mod tests {
                 offset: Some(2e-4),
                 ..Nuisances::default()
             },
-        };
-        let all = candidates(&problem, &DiagnosisSettings::default());
+        }
+    }
+
+    /// How far apart a tip mass and a scale are in a part of what is simulated.
+    fn distance(problem: &Problem, [repeats, extras]: [&[Extra]; 2], times: u32) -> f64 {
+        let all = candidates(problem, &DiagnosisSettings::default());
         let named = |name: &str| all.iter().find(|own| own.name() == name).unwrap().clone();
         let of = [named("tip_mass"), named("scale")];
-        let pair =
-            Pair { problem: &problem, known: &[], of, strength: 1.0, variance_inflation: 1.0, now: 0.0 };
-        let one = pair.distance(&[release()], 1).unwrap();
-        let standing_for_four = pair.distance(&[release()], 4).unwrap();
-        let four = pair.distance(&vec![release(); 4], 1).unwrap();
+        let pair = Pair { problem, known: &[], of, strength: 1.0, variance_inflation: 1.0, now: 0.0 };
+        let repeats: Vec<_> = repeats.iter().map(|extra| vec![*extra]).collect();
+        let simulated = pair.simulated(&repeats, |_| !extras.is_empty()).unwrap();
+        pair.distance(&simulated, extras, times).unwrap()
+    }
+
+    /// An experiment of a release and one with a payload, and the same as a part of one with more markers that is longer.
+    #[test]
+    fn a_part_of_a_larger_experiment_is_worth_what_it_is_alone() {
+        let problem = problem();
+        let loaded = Payload.repeated(&problem.trials[0]).unwrap().into();
+        let both = Problem { trials: vec![problem.trials[0].clone(), loaded], ..problem.clone() };
+        let part = distance(&problem, [&[Payload, Angles], &[Payload]], 1);
+        let alone = distance(&both, [&[], &[]], 1);
+        assert!((part / alone - 1.0).abs() < 1e-2, "{part} {alone}");
+        assert!(part < 0.9 * distance(&problem, [&[Payload, Angles], &[Payload, BodyMarkers]], 1), "{part}");
+    }
+
+    /// One release that stands for four is worth four, each with its own hold and instant, and with the mass that is
+    /// believed of all.
+    #[test]
+    fn releases_that_stand_for_several_are_worth_as_much() {
+        let problem = problem();
+        let several = Problem { trials: vec![release(); 4], ..problem.clone() };
+        let distance = |problem: &Problem, times: u32| distance(problem, [&[], &[]], times);
+        let (one, standing_for_four, four) =
+            (distance(&problem, 1), distance(&problem, 4), distance(&several, 1));
         assert!((standing_for_four / four - 1.0).abs() < 1e-3, "{standing_for_four} {four}");
         // What is believed of the mass is worth no more for being believed four times.
         assert!(four < 1.995 * one, "{four} {one}");

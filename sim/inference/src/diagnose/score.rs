@@ -260,11 +260,9 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
     Scores { each, threshold, gram, variance_inflation }
 }
 
-/// `s⊥ᵀ s⊥` of columns at a fit, all else being free.
-pub(super) fn gram(fit: &Joint, columns: &[Column]) -> DMatrix<f64> {
-    let n = fit.found.x.len();
-    let (_, hessian) = normal_equations(fit, &extended(fit, columns), columns.len());
-    orthogonal(&hessian, n).1
+/// `s⊥ᵀ s⊥` of columns behind the unknowns of a fit, whose second derivatives are given, all else being free.
+pub(super) fn gram(fit: &Joint, hessian: &DMatrix<f64>) -> DMatrix<f64> {
+    orthogonal(hessian, fit.found.x.len()).1
 }
 
 /// What the first `n` unknowns take of the others, and what is left of those.
@@ -301,7 +299,7 @@ fn left_beside(gram: &DMatrix<f64>, first: &[usize], second: &[usize]) -> DMatri
 }
 
 /// The residuals of the fit with the slopes of all columns behind those of the unknowns.
-fn extended(fit: &Joint, columns: &[Column]) -> Vec<Vec<Series>> {
+pub(super) fn extended(fit: &Joint, columns: &[Column]) -> Vec<Vec<Series>> {
     let mut blocks = fit.found.at.carried.blocks.clone();
     for (r, block) in blocks.iter_mut().enumerate() {
         for (t, series) in block.iter_mut().enumerate() {
@@ -314,7 +312,11 @@ fn extended(fit: &Joint, columns: &[Column]) -> Vec<Vec<Series>> {
 }
 
 /// Normal equations of a fit with columns behind its unknowns.
-fn normal_equations(fit: &Joint, blocks: &[Vec<Series>], columns: usize) -> (DVector<f64>, DMatrix<f64>) {
+pub(super) fn normal_equations(
+    fit: &Joint,
+    blocks: &[Vec<Series>],
+    columns: usize,
+) -> (DVector<f64>, DMatrix<f64>) {
     fit.objective.normal_equations(blocks, &fit.found.x, &fit.found.view.loss, columns)
 }
 
