@@ -69,7 +69,8 @@ pub struct Solution<T> {
     pub x: DVector<f64>,
     /// Cost and derivatives there.
     pub at: Evaluated<T>,
-    /// Where its slopes were taken; none where they came with the start and were of another kind.
+    /// Where its slopes were taken; none where they were of another kind, or where the search did not converge: those of
+    /// its end may lead on.
     pub home: Option<DVector<f64>>,
     /// Evaluations made.
     pub evaluations: usize,
@@ -133,6 +134,7 @@ pub fn minimise<T>(
             moved.dot(&(&at.hessian * &moved)) < 1.0
         });
         if is_over && (is_home || search.is_followed) {
+            let home = home.filter(|_| converged);
             return Some(Solution { x, at, home, evaluations, predicted, converged });
         }
         let mut ratio = -1.0;
