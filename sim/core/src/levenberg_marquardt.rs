@@ -53,9 +53,9 @@ pub struct Search {
     pub is_followed: bool,
 }
 
-/// Slopes that are lent to the start of a search.
+/// Slopes of another search that the start of one reuses.
 #[derive(Debug)]
-pub struct Lent<'a, T> {
+pub struct Reused<'a, T> {
     /// What the point carries that they belong to.
     pub carried: &'a T,
     /// Where they were taken; none where they are of another kind than those of the search, and cannot be its last word.
@@ -108,7 +108,7 @@ pub type Evaluate<'a, T> = dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evalua
 /// [`Search::is_followed`].
 pub fn minimise<T>(
     start: &DVector<f64>,
-    lent: Option<Lent<T>>,
+    reused: Option<Reused<T>>,
     search: &Search,
     evaluate: &mut Evaluate<T>,
 ) -> Option<Solution<T>> {
@@ -116,9 +116,9 @@ pub fn minimise<T>(
     for (x, (low, high)) in x.iter_mut().zip(&search.bounds) {
         *x = x.clamp(*low, *high);
     }
-    let mut at = evaluate(&x, lent.as_ref().map(|lent| lent.carried))?;
+    let mut at = evaluate(&x, reused.as_ref().map(|reused| reused.carried))?;
     let mut evaluations = 1;
-    let mut home = lent.map_or_else(|| Some(x.clone()), |lent| lent.home.cloned());
+    let mut home = reused.map_or_else(|| Some(x.clone()), |reused| reused.home.cloned());
     let mut diagonal = DVector::zeros(x.len());
     let (mut damping, mut growth, mut refused, mut idle) = (search.first_damping, 2.0, 0, 0);
     let most_idle = if search.is_followed { MOST_IDLE_FOLLOWED } else { MOST_IDLE };
@@ -365,8 +365,8 @@ mod tests {
         // A search that goes on from there needs none of its own, unless it does not know where they were taken.
         let mut again = |home: Option<&DVector<f64>>| {
             let before = slopes_taken.get();
-            let lent = Lent { carried: &found.at.carried, home };
-            minimise(&found.x, Some(lent), &search, &mut evaluate).unwrap();
+            let reused = Reused { carried: &found.at.carried, home };
+            minimise(&found.x, Some(reused), &search, &mut evaluate).unwrap();
             slopes_taken.get() - before
         };
         assert_eq!((again(Some(home)), again(None)), (0, 1));

@@ -5,7 +5,7 @@
 //! white noise as large as stated.
 //! Source: Venzon and Moolgavkar (1988), Applied Statistics 37, 87-94.
 
-use efam_core::levenberg_marquardt::{Lent, NEAR_DAMPING, Search, minimise};
+use efam_core::levenberg_marquardt::{NEAR_DAMPING, Reused, Search, minimise};
 use nalgebra::DVector;
 
 use super::objective::Objective;
@@ -98,7 +98,7 @@ fn held(
         is_followed: true,
     };
     let mut evaluate = |x: &DVector<f64>, lent: Option<&Evaluation>| objective.evaluate(x, &found.view, lent);
-    let lent = Lent { carried: &found.at.carried, home: None };
-    let solution = minimise(x, Some(lent), &search, &mut evaluate)?;
+    let reused = Reused { carried: &found.at.carried, home: None };
+    let solution = minimise(x, Some(reused), &search, &mut evaluate)?;
     Some((solution.x, solution.at.cost))
 }

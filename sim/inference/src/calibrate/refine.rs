@@ -6,7 +6,7 @@
 //! slopes are differences of runs on the same steps. They cost a run an unknown, and are lent from point
 //! to point as long as they predict the cost.
 
-use efam_core::levenberg_marquardt::{Lent, Solution};
+use efam_core::levenberg_marquardt::{Reused, Solution};
 use efam_core::loss::Huber;
 use nalgebra::DVector;
 
@@ -79,12 +79,12 @@ fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> O
         };
         let is_alike = best.is_some() || from.view.fidelity == view.fidelity;
         let is_own = best.is_some() || is_alike && from.view.slopes == view.slopes;
-        let lent = Lent { carried: seen, home: home.filter(|_| is_own) };
+        let reused = Reused { carried: seen, home: home.filter(|_| is_own) };
         // Until mesh and step are known where they belong, the slopes of the stages will do.
-        let lent = (is_alike || share > 0.0).then_some(lent);
+        let reused = (is_alike || share > 0.0).then_some(reused);
         let spreads = seen.spreads();
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
-        let solution = minimise_in(objective, x, lent, view, TOLERANCE, share)?;
+        let solution = minimise_in(objective, x, reused, view, TOLERANCE, share)?;
         let now = solution.at.carried.spreads();
         let settled = |(before, now): (&f64, &f64)| (before.max(1.0) / now.max(1.0)).ln().abs() < CHANGED;
         let is_settled = spreads.iter().zip(&now).all(settled);

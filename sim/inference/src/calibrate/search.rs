@@ -7,7 +7,7 @@
 //! hundred unknowns of a rod for each, of which a marker or two see little; stages have been enough.
 
 use efam_core::levenberg_marquardt::{
-    Evaluated, FIRST_DAMPING, Lent, NEAR_DAMPING, Search, Solution, minimise,
+    Evaluated, FIRST_DAMPING, NEAR_DAMPING, Reused, Search, Solution, minimise,
 };
 use efam_core::loss::{Huber, spread};
 use nalgebra::DVector;
@@ -204,7 +204,7 @@ pub(crate) fn go_on(objective: &Objective, found: &mut Found) -> Option<()> {
 pub(crate) fn minimise_in(
     objective: &Objective,
     x: &DVector<f64>,
-    lent: Option<Lent<Evaluation>>,
+    reused: Option<Reused<Evaluation>>,
     view: &View,
     tolerance: f64,
     relative: f64,
@@ -223,7 +223,7 @@ pub(crate) fn minimise_in(
         lends_slopes: true,
         is_followed: relative > 0.0,
     };
-    minimise(x, lent, &search, &mut |x, lent| objective.evaluate(x, view, lent))
+    minimise(x, reused, &search, &mut |x, lent| objective.evaluate(x, view, lent))
 }
 
 /// Whether the samples that are new are far from the prediction.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use efam_core::integrate::Steps;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
@@ -213,6 +214,28 @@ fn fitted(fit: &Joint, place: usize) -> Vec<Moved> {
     fit.found.at.carried.blocks.iter().enumerate().map(of_release).collect()
 }
 
+/// The residuals of the fit with the slopes of all columns behind those of the unknowns.
+pub(super) fn extended(fit: &Joint, columns: &[Column]) -> Vec<Vec<Series>> {
+    let mut blocks = fit.found.at.carried.blocks.clone();
+    for (r, block) in blocks.iter_mut().enumerate() {
+        for (t, series) in block.iter_mut().enumerate() {
+            for (k, slopes) in series.slopes.iter_mut().enumerate() {
+                slopes.extend(columns.iter().map(|column| column.slopes[r][t][k]));
+            }
+        }
+    }
+    blocks
+}
+
+/// Normal equations of a fit with columns behind its unknowns.
+pub(super) fn normal_equations(
+    fit: &Joint,
+    blocks: &[Vec<Series>],
+    columns: usize,
+) -> (DVector<f64>, DMatrix<f64>) {
+    fit.objective.normal_equations(blocks, &fit.found.x, &fit.found.view.loss, columns)
+}
+
 /// What a fit predicts of all its releases; none where it cannot be run.
 pub(super) fn predictions(fit: &Joint) -> Option<Vec<Prediction>> {
     let members = &fit.objective.part.members;
@@ -240,7 +263,6 @@ mod tests {
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::{Run, uniform};
     use efam_experiments::release::{Point, Release, Track};
-    use nalgebra::DVector;
 
     use super::*;
     use crate::calibrate::prediction::{Fidelity, Slopes};

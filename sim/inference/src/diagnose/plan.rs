@@ -16,9 +16,9 @@ use serde::Serialize;
 
 use super::DiagnosisSettings;
 use super::candidate::{Candidate, candidates};
-use super::design_matrix::{Column, predictions};
+use super::design_matrix::{Column, extended, normal_equations, predictions};
 use super::planned::record;
-use super::score::{APART, columns, extended, gram, normal_equations, unit_distance};
+use super::score::{APART, columns, gram, unit_distance};
 use super::section::{SHARED, USUAL_TILT, admit_tilt};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Slopes;

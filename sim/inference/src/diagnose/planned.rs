@@ -10,8 +10,8 @@ use efam_experiments::release::{Point, Track};
 
 use super::Course;
 use super::candidate::Candidate;
-use super::design_matrix::{Column, predictions};
-use super::score::{APART, columns, distance, extended, gram, normal_equations};
+use super::design_matrix::{Column, extended, normal_equations, predictions};
+use super::score::{APART, columns, distance, gram};
 use super::verdict::{Separation, Verdict};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;

@@ -17,12 +17,11 @@ use rand_xoshiro::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::design_matrix::{self, Column, differences, movements};
+use super::design_matrix::{self, Column, differences, extended, movements, normal_equations};
 use super::mesh_check::LAW;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
 use crate::calibrate::uncertainty::{pseudo_inverse, spread};
-use crate::calibrate::view::Series;
 use crate::normal::normal;
 
 /// What is scored: one way to move the predictions, or several that belong together.
@@ -296,28 +295,6 @@ fn left_beside(gram: &DMatrix<f64>, first: &[usize], second: &[usize]) -> DMatri
     }
     let cross = pick(gram, first, second);
     left - &cross * pseudo_inverse(&pick(gram, second, second)).0 * cross.transpose()
-}
-
-/// The residuals of the fit with the slopes of all columns behind those of the unknowns.
-pub(super) fn extended(fit: &Joint, columns: &[Column]) -> Vec<Vec<Series>> {
-    let mut blocks = fit.found.at.carried.blocks.clone();
-    for (r, block) in blocks.iter_mut().enumerate() {
-        for (t, series) in block.iter_mut().enumerate() {
-            for (k, slopes) in series.slopes.iter_mut().enumerate() {
-                slopes.extend(columns.iter().map(|column| column.slopes[r][t][k]));
-            }
-        }
-    }
-    blocks
-}
-
-/// Normal equations of a fit with columns behind its unknowns.
-pub(super) fn normal_equations(
-    fit: &Joint,
-    blocks: &[Vec<Series>],
-    columns: usize,
-) -> (DVector<f64>, DMatrix<f64>) {
-    fit.objective.normal_equations(blocks, &fit.found.x, &fit.found.view.loss, columns)
 }
 
 /// Rows and columns of a matrix.
