@@ -32,16 +32,11 @@ enum Extra {
 
 use Extra::{Angles, BodyMarkers, LongRecord, Payload};
 
-/// What may be recorded, the least work first.
-const ONE_MORE: [&[Extra]; 6] = [
-    &[BodyMarkers],
-    &[Angles],
-    &[Payload],
-    &[LongRecord],
-    &[BodyMarkers, Payload],
-    &[BodyMarkers, LongRecord],
-];
+/// What may be recorded.
+const ONE_MORE: [&[Extra]; 4] = [&[BodyMarkers], &[Angles], &[Payload], &[LongRecord]];
 /// The same where that is not enough.
+const TWO_MORE: [&[Extra]; 2] = [&[BodyMarkers, Payload], &[BodyMarkers, LongRecord]];
+/// The same where that is not enough either.
 const ALL_MORE: [&[Extra]; 2] = [&[Angles, Payload], &[BodyMarkers, Angles, Payload, LongRecord]];
 
 impl Extra {
@@ -111,8 +106,7 @@ pub(super) struct Pair<'a> {
     pub now: f64,
 }
 
-/// Releases at hand, each with one marker and another duration, and what is recorded besides: simulated, with the traces
-/// of two effects.
+/// The releases at hand and what is recorded besides, simulated, with the traces of two effects.
 struct Simulated {
     fit: Joint,
     columns: Vec<Column>,
@@ -129,10 +123,12 @@ impl Pair<'_> {
     /// The experiment that tells them apart best, of those that could be made: several things together only where
     /// one is not enough, and the best of all more than once only where that is not.
     pub fn separation(&self) -> Option<Separation> {
-        let repeats = [vec![Angles], vec![Payload]];
-        let one_more = self.simulated(&repeats, |more| more.is_empty())?;
+        let (angles, payload, both) = (vec![Angles], vec![Payload], vec![Angles, Payload]);
+        let is_long = |more: &[Extra]| more.is_empty();
+        let one_more = self.simulated(&[angles.clone(), payload.clone()], is_long);
+        let mut simulated = one_more.or_else(|| self.simulated(&[], is_long))?;
         // Where their traces would be told apart already and their fits are not, traces predict nothing.
-        if self.distance(&one_more, &[], 1)? >= APART {
+        if self.distance(&simulated, &[], 1)? >= APART {
             return None;
         }
         let best_of = |simulated: &Simulated, all: &[&'static [Extra]]| {
@@ -140,15 +136,15 @@ impl Pair<'_> {
                 all.iter().filter_map(|extras| Some((self.distance(simulated, extras, 1)?, *extras)));
             distances.max_by(|a, b| a.0.total_cmp(&b.0))
         };
+        let (mut distance, mut extras) = best_of(&simulated, &ONE_MORE)?;
         // One thing more is less work than several.
-        let single = best_of(&one_more, &ONE_MORE[..4]);
-        let found =
-            single.filter(|(distance, _)| *distance >= APART).or_else(|| best_of(&one_more, &ONE_MORE));
-        let (mut distance, mut extras) = found?;
-        let mut simulated = one_more;
         if distance < APART
-            && let Some(all_more) =
-                self.simulated(&[vec![Angles], vec![Payload], vec![Angles, Payload]], |_| true)
+            && let Some(found) = best_of(&simulated, &TWO_MORE).filter(|found| found.0 > distance)
+        {
+            (distance, extras) = found;
+        }
+        if distance < APART
+            && let Some(all_more) = self.simulated(&[angles, payload, both], |_| true)
             && let Some(found) = best_of(&all_more, &ALL_MORE).filter(|found| found.0 > distance)
         {
             (distance, extras) = found;
@@ -156,19 +152,20 @@ impl Pair<'_> {
         }
         let words: Vec<String> = extras.iter().map(|extra| extra.words().to_owned()).collect();
         let mut what = format!("the same releases {}", listed(&words));
-        let needed = (APART / distance).powi(2).ceil() as u32;
-        let several = |times: u32| Some((times, self.distance(&simulated, extras, times)?));
-        let enough =
-            (needed.max(2)..=MOST_TIMES).filter_map(several).find(|(_, distance)| *distance >= APART);
-        if let Some((times, enough)) = enough.filter(|_| needed > 1) {
-            what += &format!(", each recorded {times} times");
-            distance = enough;
+        if distance < APART {
+            let needed = (APART / distance).powi(2).ceil() as u32;
+            let several = |times: u32| Some((times, self.distance(&simulated, extras, times)?));
+            let mut enough = (needed..=MOST_TIMES).filter_map(several);
+            if let Some((times, enough)) = enough.find(|(_, distance)| *distance >= APART) {
+                what += &format!(", each recorded {times} times");
+                distance = enough;
+            }
         }
         Some(Separation { what, distance, distance_now: self.now }).filter(|best| best.distance > self.now)
     }
 
-    /// The releases at hand and those `repeats` of them that can be run, with all markers, and long ones where asked.
-    /// None where those at hand cannot be run: what cannot be run, nobody will record.
+    /// The releases at hand and those `repeats` of them that can be run, with all markers, and long ones where asked; what
+    /// cannot be run, nobody will record. None where those at hand cannot be run, or an effect cannot in one of them.
     fn simulated(&self, repeats: &[Vec<Extra>], is_long: impl Fn(&[Extra]) -> bool) -> Option<Simulated> {
         let fitted: Vec<&Arc<Trial>> =
             self.problem.trials.iter().filter(|trial| !trial.release.held_out).collect();
@@ -198,6 +195,8 @@ impl Pair<'_> {
         let planned = Problem { trials, ..self.problem.clone() };
         let fit = Joint::at(&planned, self.known, Slopes::Differences, LAST).ok()?;
         let columns = columns(&self.of, &fit, &predictions(&fit)?, &|_| ());
+        let can_be_run = |c: usize| columns.iter().any(|column| column.of == c);
+        (can_be_run(0) && can_be_run(1)).then_some(())?;
         let hand = |r: usize| fitted[r % fitted.len()];
         let tracks = (0..more.len()).map(|r| hand(r).release.tracks.len()).collect();
         let within = |r: usize| {
