@@ -47,18 +47,18 @@ pub struct Search {
     /// in a valley any damping stops the step short.
     pub first_damping: f64,
     /// Whether a point may have the slopes of the one before: where they cost several evaluations.
-    pub lends_slopes: bool,
-    /// Whether another search goes on from where this one ends: it may end on lent slopes, and gives up
+    pub reuses_slopes: bool,
+    /// Whether another search goes on from where this one ends: it may end on reused slopes, and gives up
     /// sooner.
     pub is_followed: bool,
 }
 
-/// Slopes of another search that the start of one reuses.
+/// Slopes from another search, for the start of a search.
 #[derive(Debug)]
 pub struct Reused<'a, T> {
-    /// What the point carries that they belong to.
+    /// What their point carries, see [`Evaluated::carried`].
     pub carried: &'a T,
-    /// Where they were taken; none where they are of another kind than those of the search, and cannot be its last word.
+    /// Where they were taken; none if this search takes slopes of another kind. It then takes its own before it ends.
     pub home: Option<&'a DVector<f64>>,
 }
 
@@ -69,8 +69,8 @@ pub struct Solution<T> {
     pub x: DVector<f64>,
     /// Cost and derivatives there.
     pub at: Evaluated<T>,
-    /// Where its slopes were taken; none where they were of another kind, or where the search did not converge: those of
-    /// its end may lead on.
+    /// Where its slopes were taken; none if they are of another kind, or if the search did not converge. Slopes taken at its
+    /// end may then lower the cost further.
     pub home: Option<DVector<f64>>,
     /// Evaluations made.
     pub evaluations: usize,
@@ -91,19 +91,19 @@ const MOST_IDLE_FOLLOWED: usize = 2;
 pub const FIRST_DAMPING: f64 = 1e-3;
 /// That of a search that begins near its end.
 pub const NEAR_DAMPING: f64 = 1e-8;
-/// Actual over predicted decrease from which on lent slopes are good enough for another step.
+/// Actual over predicted decrease from which on reused slopes are good enough for another step.
 const TRUSTED: f64 = 0.8;
 /// Keeps the undamped system solvable where the data say nothing, relative to D.
 const LEAST_DAMPING: f64 = 1e-12;
 
-/// From a point, and perhaps what another one lends, to cost and slopes.
+/// From a point, and perhaps what another one carries whose slopes are reused, to cost and slopes.
 pub type Evaluate<'a, T> = dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evaluated<T>> + 'a;
 
 /// Minimises a cost from `start`. `evaluate` says nothing where the cost cannot be had; given what an
 /// earlier point carried, it may take the slopes of that point for its own. None, if the cost cannot be
 /// had at the start.
 ///
-/// With [`Search::lends_slopes`] slopes are lent from point to point as long as the cost falls as they
+/// With [`Search::reuses_slopes`] slopes are reused from point to point as long as the cost falls as they
 /// foretell. The last word belongs to slopes of the point itself or of one that is a standard error away, unless
 /// [`Search::is_followed`].
 pub fn minimise<T>(
@@ -140,15 +140,15 @@ pub fn minimise<T>(
         let mut ratio = -1.0;
         if !is_over {
             let (tried, decrease) = step(&at, &x, &diagonal, damping, search, true);
-            let lent = search.lends_slopes.then_some(&at.carried);
-            let next = (decrease > 0.0).then(|| evaluate(&tried, lent)).flatten();
+            let reused = search.reuses_slopes.then_some(&at.carried);
+            let next = (decrease > 0.0).then(|| evaluate(&tried, reused)).flatten();
             evaluations += usize::from(decrease > 0.0);
             ratio = next.as_ref().map_or(-1.0, |next| (at.cost - next.cost) / decrease);
             match next {
                 Some(next) if ratio > 1e-3 => {
                     idle = if at.cost - next.cost > tolerance { 0 } else { idle + 1 };
                     (x, at) = (tried, next);
-                    if !search.lends_slopes {
+                    if !search.reuses_slopes {
                         home = Some(x.clone());
                     }
                     damping *= f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3));
@@ -223,7 +223,7 @@ mod tests {
             relative: 0.0,
             most_evaluations: 200,
             first_damping: FIRST_DAMPING,
-            lends_slopes: false,
+            reuses_slopes: false,
             is_followed: false,
         };
         let mut evaluate = |x: &DVector<f64>, _: Option<&()>| {
@@ -312,7 +312,7 @@ mod tests {
             relative: 0.0,
             most_evaluations: 100,
             first_damping: FIRST_DAMPING,
-            lends_slopes: false,
+            reuses_slopes: false,
             is_followed: false,
         };
         // The first step would go to −1 + 1.5 / 0.5 = 2.
@@ -330,10 +330,10 @@ mod tests {
         assert!(minimise(&DVector::from_element(1, 2.0), None, &search, &mut evaluate).is_none());
     }
 
-    /// Residuals of Rosenbrock's valley with slopes that are lent: the same end, for less slopes than
+    /// Residuals of Rosenbrock's valley with slopes that are reused: the same end, for less slopes than
     /// points, and the last slopes are of a point within a standard error.
     #[test]
-    fn lent_slopes_lead_to_the_same_end() {
+    fn reused_slopes_lead_to_the_same_end() {
         let search = Search {
             bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); 2],
             longest: vec![f64::INFINITY; 2],
@@ -341,14 +341,14 @@ mod tests {
             relative: 0.0,
             most_evaluations: 200,
             first_damping: FIRST_DAMPING,
-            lends_slopes: true,
+            reuses_slopes: true,
             is_followed: false,
         };
         let slopes_taken = Cell::new(0);
-        let mut evaluate = |x: &DVector<f64>, lent: Option<&DMatrix<f64>>| {
+        let mut evaluate = |x: &DVector<f64>, reused: Option<&DMatrix<f64>>| {
             let (r, own) = rosenbrock(x);
-            slopes_taken.set(slopes_taken.get() + usize::from(lent.is_none()));
-            let j = lent.cloned().unwrap_or(own);
+            slopes_taken.set(slopes_taken.get() + usize::from(reused.is_none()));
+            let j = reused.cloned().unwrap_or(own);
             Some(Evaluated {
                 cost: 0.5 * r.norm_squared(),
                 gradient: j.tr_mul(&r),

@@ -136,7 +136,7 @@ impl Fit {
             relative: WORTH,
             most_evaluations: MOST_EVALUATIONS,
             first_damping: FIRST_DAMPING,
-            lends_slopes: false,
+            reuses_slopes: false,
             is_followed: false,
         };
         let all = problem.time.len();

@@ -126,7 +126,7 @@ fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
         relative: STAGE_SHARE,
         most_evaluations: MOST_EVALUATIONS,
         first_damping: FIRST_DAMPING,
-        lends_slopes: false,
+        reuses_slopes: false,
         is_followed: true,
     };
     let found = minimise(&start, None, &search, &mut |x, _| look(x).ok());

@@ -148,19 +148,19 @@ impl Objective {
         data + self.prior_residuals(x).map(|(_, residual, _)| 0.5 * residual * residual).sum::<f64>()
     }
 
-    /// Cost with its derivatives, by the slopes of this point, or by those that another one lends.
+    /// Cost with its derivatives, by the slopes of this point, or by those of another one.
     pub fn evaluate(
         &self,
         x: &DVector<f64>,
         view: &View,
-        lent: Option<&Evaluation>,
+        reused: Option<&Evaluation>,
     ) -> Option<Evaluated<Evaluation>> {
-        let mut seen = self.see(x, view, lent.is_none().then_some(view.slopes))?;
-        if let Some(lent) = lent {
-            let lenders = lent.blocks.iter().flatten();
-            for (series, lender) in seen.blocks.iter_mut().flatten().zip(lenders) {
-                assert_eq!(series.samples, lender.samples, "the same samples are looked at");
-                series.slopes.clone_from(&lender.slopes);
+        let mut seen = self.see(x, view, reused.is_none().then_some(view.slopes))?;
+        if let Some(reused) = reused {
+            let others = reused.blocks.iter().flatten();
+            for (series, other) in seen.blocks.iter_mut().flatten().zip(others) {
+                assert_eq!(series.samples, other.samples, "the same samples are looked at");
+                series.slopes.clone_from(&other.slopes);
             }
         }
         let (gradient, hessian) = self.normal_equations(&seen.blocks, x, &view.loss, 0);

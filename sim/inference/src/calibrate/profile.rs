@@ -94,10 +94,11 @@ fn held(
         relative: 0.0,
         most_evaluations: 10,
         first_damping: NEAR_DAMPING,
-        lends_slopes: true,
+        reuses_slopes: true,
         is_followed: true,
     };
-    let mut evaluate = |x: &DVector<f64>, lent: Option<&Evaluation>| objective.evaluate(x, &found.view, lent);
+    let mut evaluate =
+        |x: &DVector<f64>, reused: Option<&Evaluation>| objective.evaluate(x, &found.view, reused);
     let reused = Reused { carried: &found.at.carried, home: None };
     let solution = minimise(x, Some(reused), &search, &mut evaluate)?;
     Some((solution.x, solution.at.cost))

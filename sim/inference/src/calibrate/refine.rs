@@ -3,8 +3,8 @@
 //!
 //! The stages come near with the slopes of the variational equation. Where two unknowns do almost the
 //! same, that error of a per cent or two, magnified along their valley, would be the last word; so here
-//! slopes are differences of runs on the same steps. They cost a run an unknown, and are lent from point
-//! to point as long as they predict the cost.
+//! slopes are differences of runs on the same steps. They cost a run an unknown, and are reused from
+//! point to point as long as they predict the cost.
 
 use efam_core::levenberg_marquardt::{Reused, Solution};
 use efam_core::loss::Huber;
@@ -71,18 +71,18 @@ fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> O
     if view.steps.is_none() {
         view.steps = Some(objective.see(&from.x, view, None)?.steps);
     }
+    let is_alike = from.view.fidelity == view.fidelity;
+    let start_home = from.home.as_ref().filter(|_| is_alike && from.view.slopes == view.slopes);
     let mut best: Option<Solution<Evaluation>> = None;
     for _ in 0..MOST_ROUNDS {
-        let (x, seen, home) = match &best {
+        let (x, carried, home) = match &best {
             Some(best) => (&best.x, &best.at.carried, best.home.as_ref()),
-            None => (&from.x, &from.at.carried, from.home.as_ref()),
+            None => (&from.x, &from.at.carried, start_home),
         };
-        let is_alike = best.is_some() || from.view.fidelity == view.fidelity;
-        let is_own = best.is_some() || is_alike && from.view.slopes == view.slopes;
-        let reused = Reused { carried: seen, home: home.filter(|_| is_own) };
         // Until mesh and step are known where they belong, the slopes of the stages will do.
-        let reused = (is_alike || share > 0.0).then_some(reused);
-        let spreads = seen.spreads();
+        let is_reused = best.is_some() || is_alike || share > 0.0;
+        let reused = is_reused.then_some(Reused { carried, home });
+        let spreads = carried.spreads();
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
         let solution = minimise_in(objective, x, reused, view, TOLERANCE, share)?;
         let now = solution.at.carried.spreads();

@@ -23,7 +23,7 @@ use super::view::{Evaluation, View};
 pub(crate) struct Found {
     pub x: DVector<f64>,
     pub at: Evaluated<Evaluation>,
-    /// Where its slopes were taken.
+    /// Where its slopes were taken, as [`Solution::home`].
     pub home: Option<DVector<f64>>,
     pub view: View,
     pub stages: Vec<Stage>,
@@ -42,10 +42,9 @@ impl Found {
 
     /// Takes over where a search that went on from here ended.
     pub fn go_to(&mut self, ended: Solution<Evaluation>, view: View) {
-        self.stages.push(stage(self.starts - 1, None, &ended));
-        let Solution { x, at, home, predicted, converged, .. } = ended;
-        (self.x, self.at, self.home, self.predicted, self.converged, self.view) =
-            (x, at, home, predicted, converged, view);
+        let mut stages = std::mem::take(&mut self.stages);
+        stages.push(stage(self.starts - 1, None, &ended));
+        *self = Self { starts: self.starts, ..Self::of(ended, view, stages) };
     }
 }
 
@@ -220,10 +219,10 @@ pub(crate) fn minimise_in(
         relative,
         most_evaluations: MOST_EVALUATIONS,
         first_damping: if is_last { NEAR_DAMPING } else { FIRST_DAMPING },
-        lends_slopes: true,
+        reuses_slopes: true,
         is_followed: relative > 0.0,
     };
-    minimise(x, reused, &search, &mut |x, lent| objective.evaluate(x, view, lent))
+    minimise(x, reused, &search, &mut |x, reused| objective.evaluate(x, view, reused))
 }
 
 /// Whether the samples that are new are far from the prediction.

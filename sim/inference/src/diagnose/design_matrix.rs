@@ -214,6 +214,11 @@ fn fitted(fit: &Joint, place: usize) -> Vec<Moved> {
     fit.found.at.carried.blocks.iter().enumerate().map(of_release).collect()
 }
 
+/// The places of the columns of one candidate among all.
+pub(super) fn places(columns: &[Column], of: usize) -> Vec<usize> {
+    (0..columns.len()).filter(|k| columns[*k].of == of).collect()
+}
+
 /// The residuals of the fit with the slopes of all columns behind those of the unknowns.
 pub(super) fn extended(fit: &Joint, columns: &[Column]) -> Vec<Vec<Series>> {
     let mut blocks = fit.found.at.carried.blocks.clone();

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::DiagnosisSettings;
 use super::candidate::{Candidate, candidates};
-use super::design_matrix::{Column, extended, normal_equations, predictions};
+use super::design_matrix::{Column, extended, normal_equations, places, predictions};
 use super::planned::record;
 use super::score::{APART, columns, gram, unit_distance};
 use super::section::{SHARED, USUAL_TILT, admit_tilt};
@@ -163,7 +163,7 @@ struct Trace<'a> {
 
 impl<'a> Trace<'a> {
     fn of(candidate: &'a Candidate, place: usize, columns: &[Column]) -> Self {
-        Self { candidate, columns: (0..columns.len()).filter(|k| columns[*k].of == place).collect() }
+        Self { candidate, columns: places(columns, place) }
     }
 }
 

@@ -10,7 +10,7 @@ use efam_experiments::release::{Point, Track};
 
 use super::Course;
 use super::candidate::Candidate;
-use super::design_matrix::{Column, extended, normal_equations, predictions};
+use super::design_matrix::{Column, extended, normal_equations, places, predictions};
 use super::score::{APART, columns, distance, gram};
 use super::verdict::{Separation, Verdict};
 use crate::calibrate::joint::{Estimate, Joint};
@@ -195,8 +195,9 @@ impl Pair<'_> {
         let planned = Problem { trials, ..self.problem.clone() };
         let fit = Joint::at(&planned, self.known, Slopes::Differences, LAST).ok()?;
         let columns = columns(&self.of, &fit, &predictions(&fit)?, &|_| ());
-        let can_be_run = |c: usize| columns.iter().any(|column| column.of == c);
-        (can_be_run(0) && can_be_run(1)).then_some(())?;
+        if places(&columns, 0).is_empty() || places(&columns, 1).is_empty() {
+            return None;
+        }
         let hand = |r: usize| fitted[r % fitted.len()];
         let tracks = (0..more.len()).map(|r| hand(r).release.tracks.len()).collect();
         let within = |r: usize| {
@@ -220,8 +221,7 @@ impl Pair<'_> {
                 hessian[(k, k)] += slope * slope * (f64::from(times).recip() - 1.0);
             }
         }
-        let of = |c: usize| (0..columns.len()).filter(|k| columns[*k].of == c).collect::<Vec<_>>();
-        let (first, second) = (of(0), of(1));
+        let (first, second) = (places(columns, 0), places(columns, 1));
         let strengths = vec![self.strength - self.of[0].null_value; first.len()];
         let distance = distance(&gram(fit, &hessian), &first, &second, &strengths);
         Some(distance * (f64::from(times) / self.variance_inflation).sqrt())

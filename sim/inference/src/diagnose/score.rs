@@ -17,7 +17,7 @@ use rand_xoshiro::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
-use super::design_matrix::{self, Column, differences, extended, movements, normal_equations};
+use super::design_matrix::{self, Column, differences, extended, movements, normal_equations, places};
 use super::mesh_check::LAW;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
@@ -183,7 +183,7 @@ pub(super) fn columns(
     let columns = design_matrix::columns(fit, candidates, &moved);
     let n = fit.found.x.len();
     let (_, hessian) = normal_equations(fit, &extended(fit, &columns), columns.len());
-    let (_, gram) = orthogonal(&hessian, n);
+    let gram = gram(fit, &hessian);
     let is_hidden = |(k, column): (usize, &Column)| {
         (LAW * gram[(k, k)] < OF_SLOPES * hessian[(n + k, n + k)]).then_some(column.of)
     };
@@ -246,7 +246,7 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
     let variance_inflation = seen.max(1.0);
     let (each, weights): (Vec<Score>, Vec<Weight>) = (0..subjects.len())
         .map(|c| {
-            let own: Vec<usize> = (0..m).filter(|k| columns[*k].of == c && is_own(*k)).collect();
+            let own: Vec<usize> = places(columns, c).into_iter().filter(|k| is_own(*k)).collect();
             let weight = subjects[c].weight(
                 &pick(&gram, &own, &own),
                 &pick(&variance, &own, &own),

@@ -176,7 +176,6 @@ mod tests {
         assert_eq!(several(&answer(Verdict::Unknown, &two)), None);
     }
 
-    /// A part that is zero is absent, and at no bound.
     #[test]
     fn a_damping_that_does_not_repeat_contradicts_no_statement() {
         let of = |kind: UnknownKind| {
@@ -187,6 +186,7 @@ mod tests {
         assert_eq!((of(UnknownKind::HoldAngle), of(UnknownKind::MassDamping)), (Some(5.0), None));
     }
 
+    /// A part that is zero is absent, and at no bound.
     #[test]
     fn what_stands_at_an_end_of_its_range_is_warned_of() {
         let known = |name: &str, value: f64| Estimate {
