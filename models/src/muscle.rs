@@ -21,7 +21,7 @@ use crate::model::ModelSpec;
 
 pub use between::Interpolation;
 pub use error::MuscleError;
-pub use known::{CalibratedParameter, Here, Known, KnownAt, Misfit};
+pub use known::{CalibratedParameter, Here, Known, KnownAt, Marker, Misfit};
 pub use write::{CALIBRATED, CalibratedColumn, Found};
 
 /// Names of the built-in muscles, and their data.

@@ -22,6 +22,9 @@ pub struct Known {
     /// How far the model was from the recordings that it was calibrated on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misfit: Option<Misfit>,
+    /// Where the marker of the tip was seen beside the tip of the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub marker: Option<Marker>,
     /// How parameters are interpolated between calibrated pressures, and how far that may be off.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub interpolation: Vec<Interpolation>,
@@ -43,6 +46,40 @@ pub struct Misfit {
     pub damping_ratio: f64,
     /// Lowest and highest frequency of the recordings, Hz; none where none has one.
     pub frequency_hz: Option<[f64; 2]>,
+}
+
+/// How far the marker of the tip was seen from the tip of the model: it stands off the rod's end, or the clamp is not where
+/// it is stated. Axes of the model: along the level, and up.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Marker {
+    /// Its name.
+    pub name: String,
+    /// Mean over the releases, m.
+    pub offset_m: [f64; 2],
+    /// Standard error of the offset of one more release, m.
+    pub standard_error_m: [f64; 2],
+}
+
+impl Marker {
+    /// That of releases with an offset and its standard error along each axis; none without any.
+    ///
+    /// The errors do not average out, since all come from the same parameters of the rod. What the releases differ by
+    /// counts for the mean and for one more release.
+    pub fn of(name: &str, releases: &[[(f64, f64); 2]]) -> Option<Self> {
+        let count = releases.len() as f64;
+        let mean = |axis: usize, of: fn((f64, f64)) -> f64| {
+            releases.iter().map(|release| of(release[axis])).sum::<f64>() / count
+        };
+        let offset_m = [0, 1].map(|axis| mean(axis, |(offset, _)| offset));
+        let standard_error = |axis: usize| {
+            let square = |release: &[(f64, f64); 2]| (release[axis].0 - offset_m[axis]).powi(2);
+            let spread = releases.iter().map(square).sum::<f64>() / (count - 1.0).max(1.0);
+            (mean(axis, |(_, error)| error * error) + spread * (1.0 + 1.0 / count)).sqrt()
+        };
+        let standard_error_m = [0, 1].map(standard_error);
+        (!releases.is_empty()).then(|| Self { name: name.to_owned(), offset_m, standard_error_m })
+    }
 }
 
 /// One number that was found.
@@ -245,6 +282,15 @@ impl Known {
                 return wrong(format!("{name}: correlations must lie in -1 to 1, and be 1 with itself"));
             }
         }
+        if let Some(marker) = &self.marker {
+            let is_error = |error: &f64| *error >= 0.0 && error.is_finite();
+            let has_place = marker.offset_m.iter().all(|offset| offset.is_finite());
+            if !has_place || !marker.standard_error_m.iter().all(is_error) {
+                return wrong(
+                    "calibration.marker: offset_m must be finite, standard_error_m not negative".to_owned(),
+                );
+            }
+        }
         for own in &self.interpolation {
             let name = format!("calibration.interpolation of {}", own.path);
             if !(own.variance_per_pa >= 0.0 && own.variance_per_pa.is_finite()) {
@@ -307,6 +353,21 @@ mod tests {
         assert!((between / (0.5 * 1e-4f64.hypot(2e-4)) - 1.0).abs() < 1e-9, "{between}");
         assert!((at(9e5).covariance[0][0].sqrt() / 2e-4 - 1.0).abs() < 1e-6);
         assert!(known().is_silent_at(1.5e5) && !known().is_silent_at(1e5));
+    }
+
+    /// Two releases a millimetre apart: the variance of each is half a square millimetre, that of a third one beside their
+    /// mean half as much again. The errors of the offsets themselves are added as they are.
+    #[test]
+    fn a_marker_has_the_spread_of_one_more_release() {
+        let of = |x: f64| [(x, 2e-4), (1e-3, 3e-4)];
+        let marker = Marker::of("Tip", &[of(0.0), of(1e-3)]).unwrap();
+        assert_eq!(marker.offset_m, [5e-4, 1e-3]);
+        let [x, z] = marker.standard_error_m;
+        assert!((x / (0.75e-6f64 + 4e-8).sqrt() - 1.0).abs() < 1e-12 && (z / 3e-4 - 1.0).abs() < 1e-12);
+        assert_eq!(Marker::of("Tip", &[of(1e-3)]).unwrap().standard_error_m, [2e-4, 3e-4]);
+        assert!(Marker::of("Tip", &[]).is_none());
+        let wrong = Marker { standard_error_m: [-1.0, 0.0], ..marker };
+        assert!(Known { marker: Some(wrong), ..known() }.check().is_err());
     }
 
     /// With a ratio to a shape each number moves the value by its own share of it; what interpolation may be off by

@@ -1,9 +1,12 @@
 //! What a calibration has found, as it is written to `calibration.json`.
 
+use efam_experiments::release::Release;
+use models::muscle::Marker;
 use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::marker::marker;
 use super::misfit::{FrequencyAndDamping, Misfit};
 use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
 use super::repeats::Repeats;
@@ -199,6 +202,17 @@ impl Calibration {
     pub fn nuisance(&self, release: &str, name: &str) -> f64 {
         let is_it = |one: &&Calibrated| one.name == name && one.release.as_deref() == Some(release);
         self.nuisances.iter().find(is_it).map_or(0.0, |one| one.value)
+    }
+
+    /// Where the marker of the tip was seen beside the tip of the models; none where it was taken as given.
+    pub fn marker(&self, problem: &Problem) -> Option<Marker> {
+        let found = |release: &Release, name: &str| {
+            let is_it = |one: &&Calibrated| one.name == name && one.release.as_ref() == Some(&release.name);
+            let one = self.nuisances.iter().find(is_it)?;
+            Some((one.value, one.standard_error.or(one.prior.map(|prior| prior.deviation))?))
+        };
+        let releases = problem.trials.iter().map(|trial| &trial.release);
+        marker(releases.filter(|release| !release.held_out), found)
     }
 
     /// The parameters of a path, in the order of their pressures.

@@ -12,6 +12,7 @@ pub(crate) mod ghosts;
 pub(crate) mod hold;
 mod identifiability;
 pub(crate) mod joint;
+pub(crate) mod marker;
 pub mod misfit;
 pub(crate) mod numerics;
 pub(crate) mod objective;

@@ -15,6 +15,11 @@ pub(crate) const HOLD_ANGLE: &str = "hold angle";
 pub(crate) const CLAMP_ANGLE: &str = "error of the clamp angle";
 pub(crate) const MASS_DAMPING: &str = "own mass damping";
 
+/// Likewise of a marker, along an axis.
+pub(crate) fn offset_of(marker: &str, letter: &str) -> String {
+    format!("offset of {marker} in {letter}")
+}
+
 /// One number to be found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Unknown {
@@ -264,7 +269,7 @@ impl Unknowns {
         if let Some(deviation) = nuisances.offset {
             for (track, of) in trial.release.tracks.iter().enumerate() {
                 for (axis, letter) in ["x", "z"].into_iter().enumerate() {
-                    let name = format!("offset of {} in {letter}", of.marker);
+                    let name = offset_of(&of.marker, letter);
                     let (kind, acts) = (UnknownKind::Offset { track, axis }, Acts::Offset { track, axis });
                     add(kind, acts, &name, "m", deviation, nuisances.farthest);
                 }

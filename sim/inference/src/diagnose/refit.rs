@@ -1,11 +1,13 @@
 //! A candidate fitted in full: its parameters beside all others, mesh and step removed anew.
 
+use efam_experiments::release::Release;
 use models::muscle::{self, CalibratedParameter};
 use models::quantity::format_si;
 
 use super::candidate::Candidate;
 use super::verdict::{Added, ParameterValue};
 use crate::calibrate::joint::{Estimate, Joint};
+use crate::calibrate::marker::marker;
 use crate::calibrate::profile::profile;
 use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::{Uncertainty, uncertainty};
@@ -185,11 +187,20 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
         }
     };
     let trials = || fit.objective.part.members.iter();
+    let nuisance = |release: &Release, name: &str| {
+        let is_of = |t: usize| fit.problem.trials[t].release.name == release.name;
+        let k = all.iter().position(|known| {
+            known.unknown.name == name && matches!(known.unknown.group, Group::Release(t) if is_of(t))
+        })?;
+        let own = of.is_determined[k].then(|| deviation(k) * all[k].unknown.scaled.slope(all[k].x).abs());
+        Some((all[k].value(), own.or(all[k].unknown.prior.map(|prior| prior.deviation))?))
+    };
     muscle::Known {
         releases: trials().count(),
         pressure_pa: muscle::Known::span(trials().filter_map(|trial| trial.release.pressure)),
         payload_kg: muscle::Known::span(trials().map(|trial| trial.release.payload)),
         parameter: own.iter().map(parameter).collect(),
+        marker: marker(trials().map(|trial| &trial.release), nuisance),
         ..muscle::Known::default()
     }
 }

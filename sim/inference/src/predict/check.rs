@@ -14,11 +14,12 @@ use efam_experiments::experiment::{Experiment, ExperimentError};
 use efam_experiments::scenario::Case;
 use efam_store::MARK;
 use efam_store::input;
-use models::muscle::Known;
+use models::muscle::{Known, Marker};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::quantity::SEEN;
 use super::{PredictError, Prediction, PredictionSettings, predict};
 use crate::calibrate::{CalibrateError, SectionError, marker_error, trial};
 use crate::normal::NORMAL_95;
@@ -165,6 +166,9 @@ fn one(
     let (measured, rest) = measured(of);
     let error = rest.map_or([marker; 2], |rest| rest.error.map(|error| error.hypot(marker)));
     let rest = rest.map_or(of.statistics.rest, |rest| rest.position);
+    let calibrated = known.and_then(|known| known.marker.as_ref());
+    let is_seen = |marker: &Marker| of.release.tracks[of.release.leading_track()].marker == marker.name;
+    let names = if calibrated.is_some_and(is_seen) { SEEN } else { REST };
     let mut warnings = prediction.warnings.clone();
     let measured = measured.map_err(|error| warnings.push(error.to_string())).ok();
     Ok(Checked {
@@ -172,14 +176,18 @@ fn one(
         took_part,
         pressure_pa: prediction.pressure_pa,
         payload_kg: prediction.payload_kg,
-        numbers: numbers(&prediction, (rest, error), measured.as_ref()),
+        numbers: numbers(&prediction, names, (rest, error), measured.as_ref()),
         warnings,
     })
 }
 
-/// What a recording and a prediction both say; `rest` with its standard error.
+/// The rest of the tip itself.
+const REST: [&str; 2] = ["rest_x_m", "rest_z_m"];
+
+/// What a recording and a prediction both say; `rest` with its standard error, and its names among the quantities.
 fn numbers(
     prediction: &Prediction,
+    names: [&str; 2],
     (rest, error): ([f64; 2], [f64; 2]),
     measured: Option<&Measured>,
 ) -> Vec<Number> {
@@ -190,8 +198,8 @@ fn numbers(
         Some((frequency, whole.frequency_error().unwrap_or(0.0) * frequency))
     });
     let told = [
-        ("rest_x_m", Some((rest[0], error[0]))),
-        ("rest_z_m", Some((rest[1], error[1]))),
+        (names[0], Some((rest[0], error[0]))),
+        (names[1], Some((rest[1], error[1]))),
         ("frequency_hz", frequency),
         ("damping_ratio", whole.and_then(|whole| Some((whole.decay.as_ref().ok()?.damping_ratio, 0.0)))),
     ];

@@ -1,8 +1,11 @@
 //! The numbers of a prediction: what they mean, and where they stand in a run.
 
 use efam_experiments::summary::{Mode, Summary};
+use models::muscle::Marker;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::normal::NORMAL_95;
 
 /// One predicted number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -56,6 +59,31 @@ pub(super) enum Off {
     Damping,
     /// What no recording of a swing tells.
     Untold,
+}
+
+/// The rest as the marker of the calibration shows it, along the level and in height.
+pub(super) const SEEN: [&str; 2] = ["seen_rest_x_m", "seen_rest_z_m"];
+
+/// That of predicted quantities. Errors of the rest and of the marker's offset are added as if they were independent: a rod
+/// that is too soft in the calibration has its marker too high, so the interval is on the wide side.
+pub(super) fn seen(quantities: &[Quantity], marker: &Marker) -> Vec<Quantity> {
+    let along = |axis: usize| {
+        let rest = quantities.get(axis)?;
+        let (value, off) = (rest.value?, NORMAL_95 * marker.standard_error_m[axis]);
+        let seen = value + marker.offset_m[axis];
+        let ends = rest
+            .interval_95
+            .map(|ends| ends.map(|end| seen + (end - value).hypot(off).copysign(end - value)));
+        let meaning = format!("marker of the {}", rest.meaning);
+        Some(Quantity {
+            name: SEEN[axis].to_owned(),
+            meaning,
+            value: Some(seen),
+            interval_95: ends,
+            ..rest.clone()
+        })
+    };
+    (0..SEEN.len()).filter_map(along).collect()
 }
 
 /// A kind of number.

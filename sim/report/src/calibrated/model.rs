@@ -6,7 +6,9 @@ use efam_experiments::scenario::resolved::plain;
 use efam_inference::calibrate::calibration::{Calibrated, Correlations, ReleaseFit};
 use efam_inference::calibrate::problem::is_of_pressure;
 use efam_inference::calibrate::{Calibration, CalibrationSettings, Problem};
-use models::muscle::{CalibratedColumn, CalibratedParameter, Found, Known, Misfit, Muscle, MuscleError};
+use models::muscle::{
+    CalibratedColumn, CalibratedParameter, Found, Known, Marker, Misfit, Muscle, MuscleError,
+};
 
 /// A file with a calibrated model.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +51,8 @@ pub fn models(
     let nodes = kept.map(|trial| trial.model.edges + 1);
     match experiment.muscle().zip(experiment.stiffness()) {
         Some((muscle, stiffness)) => {
-            Ok(muscle_file(muscle, calibration, nodes, stiffness, &source)?.into_iter().collect())
+            let marker = calibration.marker(problem);
+            Ok(muscle_file(muscle, calibration, marker, nodes, stiffness, &source)?.into_iter().collect())
         }
         None => Ok(rod_files(problem, calibration, nodes, &source)),
     }
@@ -57,12 +60,13 @@ pub fn models(
 
 /// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value
 /// for each release. `stiffness` is the muscle's estimate of bending stiffness whose shape over pressure is kept
-/// between calibrated pressures.
+/// between calibrated pressures; `marker` is where that of the tip was seen.
 /// # Errors
 /// [`MuscleError`] for a pressure at which the muscle is none.
 pub fn muscle_file(
     muscle: &Muscle,
     calibration: &Calibration,
+    marker: Option<Marker>,
     nodes: Option<usize>,
     stiffness: &str,
     source: &str,
@@ -87,7 +91,7 @@ pub fn muscle_file(
         return Ok(None);
     }
     let shared = |path: &str| usable(path).filter(|found| found.len() == 1).map(|found| found[0].value);
-    let mut known = known(calibration, nodes, &|one| {
+    let mut known = known(calibration, marker, nodes, &|one| {
         let path = one.name.as_str();
         COLUMNS.iter().any(|(column, _)| *column == path) || [ROD_MASS, END_FITTING_MASS].contains(&path)
     });
@@ -108,7 +112,7 @@ pub fn rod_files(
 ) -> Vec<ModelFile> {
     let mut pressures: Vec<Option<f64>> = Vec::new();
     let mut files = Vec::new();
-    let known = known(calibration, nodes, &|_| true);
+    let known = known(calibration, calibration.marker(problem), nodes, &|_| true);
     let applied = calibration.applied(problem);
     for trial in applied.trials.iter().filter(|trial| !trial.release.held_out) {
         let pressure = trial.release.pressure;
@@ -154,7 +158,12 @@ fn misfit<'a>(
 }
 
 /// How well a calibration knows some of its numbers.
-fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Calibrated) -> bool) -> Known {
+fn known(
+    calibration: &Calibration,
+    marker: Option<Marker>,
+    nodes: Option<usize>,
+    is_told: &dyn Fn(&Calibrated) -> bool,
+) -> Known {
     let is_told = |one: &&Calibrated| one.release.is_none() && is_told(one);
     let own: Vec<&Calibrated> = calibration.parameters.iter().filter(is_told).collect();
     let correlation = |a: &Calibrated, b: &Calibrated| {
@@ -184,6 +193,7 @@ fn known(calibration: &Calibration, nodes: Option<usize>, is_told: &dyn Fn(&Cali
         excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
         nodes,
         misfit: misfit(fitted().filter(|release| release.excursion_m > 0.0), [stiffnesses, losses]),
+        marker,
         interpolation: Vec::new(),
         parameter: own.iter().map(parameter).collect(),
     }

@@ -38,7 +38,7 @@ fn found(values: &[(f64, f64)]) -> Calibration {
 
 fn calibrated(published: &Muscle, stiffness: &str, values: &[(f64, f64)]) -> String {
     // The mesh is kept: what is compared has the same.
-    let file = muscle_file(published, &found(values), Some(16), stiffness, "rows of the paper");
+    let file = muscle_file(published, &found(values), None, Some(16), stiffness, "rows of the paper");
     file.expect("a muscle").expect("columns").text
 }
 

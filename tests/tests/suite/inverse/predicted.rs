@@ -63,7 +63,8 @@ fn seen(plan: Plan, seed: u64, is_it: &dyn Fn(&DrawnRelease) -> bool) -> [Option
 fn calibrated(problem: &Problem) -> String {
     let outcome = calibrate(problem, &CalibrationSettings::default(), &|_: &str| ()).expect("a fit");
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
-    let file = muscle_file(&muscle, &outcome.calibration, None, "pder_32", "twin")
+    let marker = outcome.calibration.marker(problem);
+    let file = muscle_file(&muscle, &outcome.calibration, marker, None, "pder_32", "twin")
         .expect("a muscle")
         .expect("columns");
     format!(
