@@ -1,4 +1,4 @@
-//! diffsol's methods on the rod: they converge to one another, keep their order, end their steps on
+//! diffsol's methods on the rod: they converge to one another and to ours, keep their order, end their steps on
 //! stops, and solve their stages with the right tangents.
 
 use std::sync::Arc;
@@ -125,10 +125,12 @@ fn the_standard_case_converges() {
             [1e-5, 1e-6].map(|tolerance| rms(&path(&model, method, control(tolerance), 5.0).0, &tight));
         assert!(loose < 5e-5 && finer < 0.4 * loose, "{method:?}: {loose} m, then {finer} m");
     }
+    let ours = rms(&path(&model, Method::Rodas4, control(3e-5), 5.0).0, &tight);
+    assert!(ours < 5e-5, "{ours} m");
 }
 
 #[test]
-fn with_memory_and_drag_both_methods_agree_and_newton_is_quick() {
+fn with_memory_and_drag_all_implicit_methods_agree_and_newton_is_quick() {
     let effects: &[(&str, &[(&str, f64)])] = &[
         ("viscoelastic", &[("branch_stiffness", 0.5), ("relaxation_time", 0.05)]),
         ("air_drag", &[("drag_coefficient", 2.0)]),
@@ -139,6 +141,9 @@ fn with_memory_and_drag_both_methods_agree_and_newton_is_quick() {
     let [(a, effort), (b, _)] = [(Method::TrBdf2, 1e-7), (Method::Esdirk34, 1e-7)]
         .map(|(m, tolerance)| path(&model, m, control(tolerance), 1.0));
     assert!(rms(&a, &b) < 2e-6, "{} m apart", rms(&a, &b));
+    // Ours shares with them the equations, and neither the formulas of its stages nor its error control.
+    let (ours, _) = path(&model, Method::Rodas4, control(1e-7), 1.0);
+    assert!(rms(&a, &ours) < 2e-6, "{} m apart", rms(&a, &ours));
     // Two stages a step, three iterations a stage with a tangent that is up to five steps old.
     assert!(effort.newton_iterations < 6 * effort.steps, "{effort:?}");
     assert!(effort.rejected < effort.steps / 20, "{effort:?}");

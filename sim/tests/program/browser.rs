@@ -171,6 +171,7 @@ fn used(browser: &Path, bench: &Bench) {
 }
 
 #[test]
+#[ignore = "long, and needs Chromium; .ci/run runs it"]
 fn every_page_can_be_read_and_keeps_to_itself() {
     let Some(browser) = browser() else { return };
     let bench = Bench::new("browser");

@@ -79,6 +79,7 @@ fn limited(bench: &Bench, processes: usize, arguments: &[&str]) -> Option<(Optio
 /// Half of these runs get some of the threads that they ask for, the first none at all.
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn without_threads_all_is_done_on_one() {
     let bench = crate::work::bench("limits-processes");
     let whole = bench.json(&["simulate", "s.toml", "--csv", "--json", "--out", "whole"]);

@@ -246,6 +246,7 @@ fn a_pressure_between_the_calibrated_ones_lies_in_its_interval() {
 /// Stiffness damping on its bound of zero, known to 4 ms only: whatever hangs on it lies in its own interval, at its end;
 /// and it is warned of.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn a_loss_on_its_bound_lies_in_its_own_interval_and_is_warned_of() {
     let bench = Bench::new("predict-bound");
     let muscle = include_str!("../../../models/muscles/garbulinski-2022.toml");

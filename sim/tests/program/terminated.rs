@@ -103,6 +103,7 @@ impl Signals {
 }
 
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn a_simulation_keeps_what_was_integrated() {
     let bench = bench("terminated-simulate");
     let arguments = ["simulate", "s.toml", "--csv", "--no-error-estimate", "-q", "--out"];
@@ -151,6 +152,7 @@ fn a_simulation_keeps_what_was_integrated() {
 }
 
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn of_a_search_nothing_is_left_or_all_that_it_found() {
     let bench = bench("terminated-search");
     let mut draws = Draws::new("terminated search");

@@ -129,6 +129,7 @@ fn a_muscle_of_ones_own() {
 }
 
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn a_recording() {
     follow("recording");
 }

@@ -307,7 +307,7 @@ fn every_long_test_runs_in_ci() {
     let listed = fs::read_to_string(root().join(".ci/long")).expect("a list");
     let listed: Vec<&str> = listed.lines().filter(|line| !line.starts_with('#')).collect();
     let mut found = 0;
-    for folder in ["tests/tests", "sim/tests"] {
+    for folder in ["tests/tests", "sim", "models"] {
         for (file, text) in files(folder, ".rs") {
             for (at, _) in text.match_indices("#[ignore = \"long; .ci/run runs it\"]\n") {
                 let (_, name) = text[at..].split_once("fn ").expect("a function");

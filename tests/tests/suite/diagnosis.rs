@@ -38,6 +38,7 @@ fn worst_gap(diagnosis: &Diagnosis) -> f64 {
 }
 
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn where_nothing_is_hidden_nothing_is_named() {
     let found = diagnosed(&[], 901, &DiagnosisSettings::default()).diagnosis;
     assert_eq!(found.verdict, Verdict::NothingMissing, "{} {:?}", found.summary, found.shapes);

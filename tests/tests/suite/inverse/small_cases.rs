@@ -1,12 +1,11 @@
 //! Goal: a calibration finds what made the data, and knows how well.
-//! Setup: the paper's muscle on 160 nodes, integrated by diffsol's ESDIRK34 at 1e-6, sampled a hundred
-//! times a second, with seeded noise and lost samples; fitted on 32 nodes with RODAS4. (With 48 nodes the
+//! Setup: the paper's muscle on 160 nodes, integrated at a tolerance of 1e-7, sampled a hundred
+//! times a second, with seeded noise and lost samples; fitted on 32 nodes. (With 48 nodes the
 //! truth would have a mesh of its own, worth 0.2 % of EI.) Twins of whole experiments are beside this; here
 //! each claim has its own small case.
 //! Expected: estimates within their stated errors; words where the data cannot tell.
 
 use efam_core::forward::{Run, uniform};
-use efam_core::integrate::Method;
 use efam_experiments::release::{Point, Release, Track};
 use efam_inference::calibrate::{
     CalibrationOutcome, CalibrationSettings, FittedParameter, Nuisances, Problem, Scope, Trial, calibrate,
@@ -58,8 +57,7 @@ fn record(truth: &Model, psi: f64, of: Recording, points: &[Point]) -> Release {
     let time = uniform(of.duration, 100.0);
     let run = Run {
         samples: time.iter().map(|t| (t - of.late).max(0.0)).collect(),
-        method: Method::Esdirk34,
-        tolerance: 1e-6,
+        tolerance: 1e-7,
         points: points.to_vec(),
         ..Run::release(of.duration, 100.0)
     };

@@ -72,18 +72,6 @@ fn verlet_has_order_two() {
     assert!((found - 2.0).abs() < 0.2, "{found}");
 }
 
-#[test]
-fn tr_bdf2_has_order_two() {
-    let found = order_of(Method::TrBdf2, halved(2e-3), true);
-    assert!((found - 2.0).abs() < 0.2, "{found}");
-}
-
-#[test]
-fn esdirk34_has_order_three() {
-    let found = order_of(Method::Esdirk34, halved(2e-3), true);
-    assert!((found - 3.0).abs() < 0.2, "{found}");
-}
-
 /// A fit compares models on the steps of one of them. A loss that bends the path more sharply than those steps
 /// were made for has them halved, down to where it is resolved: until it was, such a fit ended where it began.
 #[test]

@@ -114,6 +114,7 @@ fn by_every_parameter_of_every_effect() {
 /// With a history the memory at the start follows the rest in which the rod hung, the posture of release
 /// and the laws.
 #[test]
+#[ignore = "long; .ci/run runs it"]
 fn with_a_history() {
     let model = everything();
     let run = Run {
