@@ -71,7 +71,7 @@ const DOORS: [(&str, &[&str]); 33] = [
         "rand_xoshiro",
         &[
             "sim/inference/src/normal.rs",
-            "sim/inference/src/diagnose/score.rs",
+            "sim/inference/src/diagnose/threshold.rs",
             "sim/inference/src/predict/errors.rs",
             "sim/inference/src/calibrate/",
             "sim/sweeps/src/design.rs",

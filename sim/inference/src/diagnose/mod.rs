@@ -38,6 +38,7 @@ mod stated;
 mod stop;
 mod summary_text;
 mod swing;
+mod threshold;
 mod validation;
 pub mod verdict;
 mod warnings;

@@ -11,18 +11,16 @@
 //! nothing is no normal number. Its law follows from the covariance of all U: it is drawn, and the threshold
 //! is the quantile that the asked false-alarm level says.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidate::Candidate;
 use super::design_matrix::{self, Column, differences, extended, movements, normal_equations, places};
 use super::mesh_check::LAW;
+use super::threshold::threshold;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Prediction;
 use crate::calibrate::uncertainty::{pseudo_inverse, spread};
-use crate::normal::normal;
 
 /// What is scored: one way to move the predictions, or several that belong together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,7 +38,7 @@ pub(super) struct Subject {
 }
 
 /// What a score vector is weighed by.
-struct Weight {
+pub(super) struct Weight {
     /// `statistic = Uᵀ inverse U`.
     inverse: DMatrix<f64>,
     /// What the statistic is where nothing is missing, on average.
@@ -51,7 +49,7 @@ struct Weight {
 
 impl Weight {
     /// The size of a score vector, as a normal number.
-    fn size(&self, score_vector: &DVector<f64>) -> f64 {
+    pub fn size(&self, score_vector: &DVector<f64>) -> f64 {
         normal_size(score_vector.dot(&(&self.inverse * score_vector)), self.degrees)
     }
 }
@@ -86,7 +84,7 @@ impl Subject {
     }
 
     /// With the columns' gram matrix, the variance of their score vector, and its variance inflation.
-    fn weight(self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, variance_inflation: f64) -> Weight {
+    pub fn weight(self, gram: &DMatrix<f64>, variance: &DMatrix<f64>, variance_inflation: f64) -> Weight {
         let count = gram.nrows();
         let belief = self.believed.map_or(0.0, |deviation| variance_inflation / (deviation * deviation));
         let to_strengths = pseudo_inverse(&(gram + DMatrix::identity(count, count) * belief)).0;
@@ -102,7 +100,7 @@ impl Subject {
     }
 
     /// Whether a strength is on its side.
-    fn admits(&self, columns: usize, estimate: f64) -> bool {
+    pub fn admits(&self, columns: usize, estimate: f64) -> bool {
         columns > 1 || self.side == 0.0 || self.side * (estimate - self.null_value) > 0.0
     }
 }
@@ -148,12 +146,6 @@ pub(super) struct Scores {
 /// Residuals may be quieter than the stated noise by this share of its variance; below that what they say is
 /// of mesh and step.
 const QUIETEST: f64 = 0.25;
-/// Draws of the law of the largest score.
-const DRAWS: usize = 20_000;
-/// Blocks that they are made in, each with its own seed.
-const BLOCKS: usize = 20;
-const SEED: u64 = 20_220_517;
-
 /// Scores candidates at a fit that predicts `off`; `tell` hears their names.
 pub(super) fn scores_of(
     candidates: &[Candidate],
@@ -298,7 +290,7 @@ fn left_beside(gram: &DMatrix<f64>, first: &[usize], second: &[usize]) -> DMatri
 }
 
 /// Rows and columns of a matrix.
-fn pick(matrix: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
+pub(super) fn pick(matrix: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
     DMatrix::from_fn(rows.len(), columns.len(), |a, b| matrix[(rows[a], columns[b])])
 }
 
@@ -349,39 +341,6 @@ fn statistic(size: f64, k: f64) -> f64 {
     }
     let spread = 2.0 / (9.0 * k);
     k * (1.0 - spread + size * spread.sqrt()).powi(3)
-}
-
-/// The quantile of the largest score where nothing is missing.
-fn threshold(
-    subjects: &[Subject],
-    scores: &[Score],
-    weights: &[Weight],
-    variance: &DMatrix<f64>,
-    false_alarm: f64,
-) -> f64 {
-    let eigen = SymmetricEigen::new(variance.clone());
-    let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
-    let root = &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
-    let draw = |random: &mut Xoshiro256PlusPlus| {
-        let score_vector = &root * DVector::from_fn(variance.nrows(), |_, _| normal(random));
-        let of = |(c, score): (usize, &Score)| {
-            let own = DVector::from_fn(score.columns.len(), |a, _| score_vector[score.columns[a]]);
-            let estimate = subjects[c].null_value + own.iter().next().copied().unwrap_or(0.0);
-            if !subjects[c].admits(own.len(), estimate) {
-                return 0.0;
-            }
-            weights[c].size(&own)
-        };
-        scores.iter().enumerate().map(of).fold(0.0, f64::max)
-    };
-    let block = |block: usize| {
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED + block as u64);
-        (0..DRAWS / BLOCKS).map(|_| draw(&mut random)).collect::<Vec<f64>>()
-    };
-    let mut largest: Vec<f64> = (0..BLOCKS).into_par_iter().flat_map_iter(block).collect();
-    largest.sort_by(f64::total_cmp);
-    let place = ((1.0 - false_alarm) * DRAWS as f64) as usize;
-    largest[place.min(DRAWS - 1)]
 }
 
 #[cfg(test)]
