@@ -1,5 +1,6 @@
 //! All releases fitted together, for one who goes on from there: a diagnosis.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -96,13 +97,18 @@ impl Joint {
         Ok(Self { left_of_mesh, ..Self::new(problem, objective, found) })
     }
 
-    /// Fits the first samples of each release at once, with what mesh and step do; and how far the best is from them,
-    /// as a share of their motion. None where no start can be run.
+    /// Fits the first samples of each release at once from some of the starts, with what mesh and step do; and how far the
+    /// best is from them, as a share of their motion. None where no start comes nearer than was come `before`.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn meet(problem: &Problem, counts: &[usize]) -> Result<Option<(Self, f64)>, CalibrateError> {
+    pub fn meet(
+        problem: &Problem,
+        counts: &[usize],
+        starts: Range<usize>,
+        before: Option<f64>,
+    ) -> Result<Option<(Self, f64)>, CalibrateError> {
         let objective = objective_of(problem)?;
-        let met = meet(&objective, counts);
+        let met = meet(&objective, counts, starts, before);
         Ok(met.map(|(found, share)| (Self::new(problem, objective, found), share)))
     }
 

@@ -6,6 +6,8 @@
 //! from the next best start. Multiple shooting would free the state at the start of each stretch, some
 //! hundred unknowns of a rod for each, of which a marker or two see little; stages have been enough.
 
+use std::ops::Range;
+
 use efam_core::levenberg_marquardt::{
     Evaluated, FIRST_DAMPING, NEAR_DAMPING, Reused, Search, Solution, minimise,
 };
@@ -49,7 +51,7 @@ impl Found {
 }
 
 /// Searches begun at most.
-const MOST_STARTS: usize = 4;
+pub(crate) const MOST_STARTS: usize = 4;
 /// Logarithm of the ratio of two costs that are one: stages end within a few per cent.
 const ALIKE: f64 = 0.05;
 /// Residuals of this spread, in units of the noise, are explained.
@@ -123,12 +125,19 @@ fn excursion(objective: &Objective, r: usize, from: usize, to: usize) -> f64 {
     (sum / (2 * count).max(1) as f64).sqrt()
 }
 
-/// The best fit to the first samples of each release, fitted at once, and how far it is from them: the largest robust
-/// spread of its residuals as a share of the motion. None where no start can be run.
-pub(crate) fn meet(objective: &Objective, counts: &[usize]) -> Option<(Found, f64)> {
+/// The best fit to the first samples of each release, fitted at once from some of the starts, and how far it is from them:
+/// the largest robust spread of its residuals as a share of the motion. None where no start comes nearer than was come
+/// `before`.
+pub(crate) fn meet(
+    objective: &Objective,
+    counts: &[usize],
+    starts: Range<usize>,
+    mut before: Option<f64>,
+) -> Option<(Found, f64)> {
     let view = View { counts: counts.to_vec(), ..View::of_all(objective.all()) };
-    let mut best: Option<(Found, f64)> = None;
-    for (k, start) in ranked(objective, &objective.start()).iter().enumerate().take(MOST_STARTS) {
+    let mut best = None;
+    let all = ranked(objective, &objective.start());
+    for (k, start) in all.iter().enumerate().take(starts.end).skip(starts.start) {
         let Some(seen) = objective.see(start, &view, None) else { continue };
         let view = view.clone().like(seen);
         let Some(ended) = minimise_in(objective, start, None, &view, STAGE_TOLERANCE, STAGE_SHARE) else {
@@ -136,16 +145,21 @@ pub(crate) fn meet(objective: &Objective, counts: &[usize]) -> Option<(Found, f6
         };
         let share = |(r, spread): (usize, f64)| spread / excursion(objective, r, 0, view.counts[r]);
         let share = ended.at.carried.spreads().into_iter().enumerate().map(share).fold(0.0, f64::max);
-        let before = best.as_ref().map(|(_, share)| *share);
+        let is_found_again = before.is_some_and(|before| (share / before).ln().abs() < ALIKE);
         if before.is_none_or(|before| share < before) {
-            let found = Found { starts: k + 1, ..Found::of(ended, view, Vec::new()) };
-            best = Some((found, share));
+            before = Some(share);
+            best = Some((Found { starts: k + 1, ..Found::of(ended, view, Vec::new()) }, share));
         }
-        if share < NEAR || before.is_some_and(|before| (share / before).ln().abs() < ALIKE) {
+        if is_met(share) || is_found_again {
             break;
         }
     }
     best
+}
+
+/// Whether residuals of this share of the motion, in the first swings, need not come from a search gone astray.
+pub(crate) fn is_met(share: f64) -> bool {
+    share < NEAR
 }
 
 /// One search, from the first swing to the whole recordings.
