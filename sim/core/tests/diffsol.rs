@@ -97,7 +97,7 @@ fn advance(run: &mut dyn Integrator, stops: &[f64]) -> Result<(), IntegrateError
 /// Positions of the end body every 10 ms.
 fn path(model: &Model, method: Method, control: Control, end: f64) -> (Vec<[f64; 2]>, Effort) {
     let mut run = start(model, method, control);
-    let mut at = State::default();
+    let mut at = run.state().clone();
     let mut path = Vec::new();
     let last = 2 * model.edges;
     while run.state().time < end {
@@ -183,7 +183,7 @@ fn steps_end_on_stops_and_the_run_on_the_last() {
     for method in METHODS {
         let mut run = start(&model, method, control(1e-5));
         let mut ends = vec![0.0];
-        let mut at = State::default();
+        let mut at = run.state().clone();
         while run.state().time < 0.13 {
             advance(&mut *run, &stops).unwrap();
             assert_eq!(run.step_start(), *ends.last().unwrap());
@@ -226,7 +226,7 @@ fn a_run_that_cannot_go_on_says_so() {
             matches!(failure, IntegrateError::Stalled { time, .. } if (time - 0.05).abs() < 1e-3),
             "{failure}"
         );
-        let mut at = State::default();
+        let mut at = run.state().clone();
         run.interpolate(0.049, &mut at);
         assert_eq!(&at, run.state());
     }
