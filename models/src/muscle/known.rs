@@ -22,7 +22,7 @@ pub struct Known {
     /// How far the model was from the recordings that it was calibrated on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misfit: Option<Misfit>,
-    /// Where the marker of the tip was seen beside the tip of the model.
+    /// Offset of the tip's marker from the tip of the model; none where it was taken as given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub marker: Option<Marker>,
     /// How parameters are interpolated between calibrated pressures, and how far that may be off.
@@ -48,8 +48,8 @@ pub struct Misfit {
     pub frequency_hz: Option<[f64; 2]>,
 }
 
-/// How far the marker of the tip was seen from the tip of the model: it stands off the rod's end, or the clamp is not where
-/// it is stated. Axes of the model: along the level, and up.
+/// Offset of the tip's marker from the tip of the model. The marker stands off the rod's end, or the clamp is not where it is
+/// stated. Axes of the model: along the level, and up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Marker {
@@ -62,7 +62,7 @@ pub struct Marker {
 }
 
 impl Marker {
-    /// That of releases with an offset and its standard error along each axis; none without any.
+    /// From the offset of each release with its standard error, along each axis; none without releases.
     ///
     /// The errors do not average out, since all come from the same parameters of the rod. What the releases differ by
     /// counts for the mean and for one more release.
@@ -287,7 +287,7 @@ impl Known {
             let has_place = marker.offset_m.iter().all(|offset| offset.is_finite());
             if !has_place || !marker.standard_error_m.iter().all(is_error) {
                 return wrong(
-                    "calibration.marker: offset_m must be finite, standard_error_m not negative".to_owned(),
+                    "calibration.marker: offset_m must be finite, and standard_error_m finite and not negative".to_owned(),
                 );
             }
         }

@@ -143,7 +143,8 @@ pub trait Integrator {
     fn state(&self) -> &State;
     /// Where the last step began, s.
     fn step_start(&self) -> f64;
-    /// The state at a time within the last step.
+    /// The state at a time within the last step, written into one of the same size, such as a clone of
+    /// [`Integrator::state`].
     fn interpolate(&mut self, time: f64, state: &mut State);
     /// Size that the next step would have, s.
     fn next_step(&self) -> f64;

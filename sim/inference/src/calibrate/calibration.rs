@@ -204,7 +204,7 @@ impl Calibration {
         self.nuisances.iter().find(is_it).map_or(0.0, |one| one.value)
     }
 
-    /// Where the marker of the tip was seen beside the tip of the models; none where it was taken as given.
+    /// Offset of the tip's marker from the tip of the models; none where it was taken as given.
     pub fn marker(&self, problem: &Problem) -> Option<Marker> {
         let found = |release: &Release, name: &str| {
             let is_it = |one: &&Calibrated| one.name == name && one.release.as_ref() == Some(&release.name);

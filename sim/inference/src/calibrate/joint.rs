@@ -1,6 +1,5 @@
 //! All releases fitted together, for one who goes on from there: a diagnosis.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -11,7 +10,7 @@ use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
 use super::refine::{LAST, refine};
-use super::search::{EXPLAINED, Found, common_cost, meet, minimise_in, search};
+use super::search::{EXPLAINED, Found, Meeting, common_cost, minimise_in, search};
 use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Unknown, UnknownKind, Unknowns};
 use super::view::{Evaluation, View};
@@ -97,19 +96,17 @@ impl Joint {
         Ok(Self { left_of_mesh, ..Self::new(problem, objective, found) })
     }
 
-    /// Fits the first samples of each release at once from some of the starts, with what mesh and step do; and how far the
-    /// best is from them, as a share of their motion. None where no start comes nearer than was come `before`.
+    /// Begins a search in the first samples of each release.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn meet(
-        problem: &Problem,
-        counts: &[usize],
-        starts: Range<usize>,
-        before: Option<f64>,
-    ) -> Result<Option<(Self, f64)>, CalibrateError> {
-        let objective = objective_of(problem)?;
-        let met = meet(&objective, counts, starts, before);
-        Ok(met.map(|(found, share)| (Self::new(problem, objective, found), share)))
+    pub fn meeting(problem: &Problem, counts: &[usize]) -> Result<Meeting, CalibrateError> {
+        Ok(Meeting::new(objective_of(problem)?, counts))
+    }
+
+    /// The best fit of such a search, with what mesh and step do. None where no start could be run.
+    pub fn met(problem: &Problem, meeting: Meeting) -> Option<Self> {
+        let (problem, objective) = (problem.clone(), meeting.objective);
+        meeting.best.map(|found| Self { problem, objective, found, left_of_mesh: None })
     }
 
     /// How many samples of each release lie within so many small swings of the slowest one.

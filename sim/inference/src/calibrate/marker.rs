@@ -1,4 +1,4 @@
-//! Where the marker of the tip was seen beside the tip of the model, as the fits of its releases found it.
+//! Offset of the tip's marker from the tip of the model, over the releases of a fit.
 
 use efam_core::point::Point;
 use efam_experiments::release::Release;
@@ -6,8 +6,8 @@ use models::muscle::Marker;
 
 use super::unknowns::offset_of;
 
-/// That of the marker of the first release, over all releases that have it; `found` gives a nuisance of a release, with
-/// its standard error. None where the offset was taken as given.
+/// The offset of the first release's marker, over all releases that have this marker. `found` gives a nuisance parameter of a
+/// release with its standard error. None where the offset was taken as given.
 pub(crate) fn marker<'a>(
     releases: impl Iterator<Item = &'a Release>,
     found: impl Fn(&Release, &str) -> Option<(f64, f64)>,

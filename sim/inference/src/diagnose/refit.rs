@@ -167,6 +167,7 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
         |known: &Estimate| !known.unknown.is_nuisance() && !matches!(known.unknown.group, Group::Release(_));
     let own: Vec<usize> = (0..all.len()).filter(|k| is_told(&all[*k])).collect();
     let deviation = |k: usize| of.covariance[(k, k)].max(0.0).sqrt();
+    let error = |k: usize| deviation(k) * all[k].unknown.scaled.slope(all[k].x).abs();
     let correlation = |k: usize, l: usize| match (k == l, deviation(k) * deviation(l)) {
         (true, _) => 1.0,
         (false, both) if both > 0.0 => (of.covariance[(k, l)] / both).clamp(-1.0, 1.0),
@@ -174,7 +175,6 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
     };
     let parameter = |k: &usize| {
         let (unknown, x) = (&all[*k].unknown, all[*k].x);
-        let error = deviation(*k) * unknown.scaled.slope(x).abs();
         CalibratedParameter {
             path: unknown.name.clone(),
             pressure_pa: match unknown.group {
@@ -182,7 +182,7 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
                 _ => None,
             },
             value: unknown.scaled.value(x),
-            standard_error: Some(error).filter(|error| of.is_determined[*k] && error.is_finite()),
+            standard_error: Some(error(*k)).filter(|error| of.is_determined[*k] && error.is_finite()),
             correlations: own.iter().map(|l| correlation(*k, *l)).collect(),
         }
     };
@@ -192,7 +192,7 @@ pub(super) fn errors(fit: &Joint) -> muscle::Known {
         let k = all.iter().position(|known| {
             known.unknown.name == name && matches!(known.unknown.group, Group::Release(t) if is_of(t))
         })?;
-        let own = of.is_determined[k].then(|| deviation(k) * all[k].unknown.scaled.slope(all[k].x).abs());
+        let own = of.is_determined[k].then(|| error(k));
         Some((all[k].value(), own.or(all[k].unknown.prior.map(|prior| prior.deviation))?))
     };
     muscle::Known {

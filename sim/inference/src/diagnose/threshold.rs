@@ -1,33 +1,18 @@
 //! The threshold of scores: the quantile of the largest one where nothing is missing, from draws.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 use rayon::prelude::*;
 
 use super::score::{Score, Subject, Weight, pick};
-use crate::normal::normal;
+use crate::normal::{normal, root};
 
 /// Draws of the law of the largest score.
 const DRAWS: usize = 20_000;
 /// Blocks that they are made in, each with its own seed.
 const BLOCKS: usize = 20;
 const SEED: u64 = 20_220_517;
-
-/// What takes independent normal numbers to ones of this covariance. It is taken of the correlations: columns have very
-/// different sizes, and of the covariance itself the small ones would be drawn with the rounding of the large ones.
-fn root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
-    let deviations = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
-    let correlation = |a: usize, b: usize| match deviations[a] * deviations[b] {
-        // Rounding has left nothing of it.
-        0.0 => 0.0,
-        both => (covariance[(a, b)] / both).clamp(-1.0, 1.0),
-    };
-    let correlations = DMatrix::from_fn(covariance.nrows(), covariance.ncols(), correlation);
-    let eigen = SymmetricEigen::new(correlations);
-    let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
-    DMatrix::from_diagonal(&deviations) * &eigen.eigenvectors * DMatrix::from_diagonal(&roots)
-}
 
 /// The quantile of the largest score where nothing is missing.
 pub(super) fn threshold(
@@ -37,8 +22,7 @@ pub(super) fn threshold(
     variance: &DMatrix<f64>,
     false_alarm: f64,
 ) -> f64 {
-    // Of the columns that are scored alone: of another next to nothing is left beside the fit, and its correlations are
-    // rounding.
+    // Of a column that is not scored, next to nothing is left beside the fit, and its correlations are rounding.
     let scored: Vec<usize> = scores.iter().flat_map(|score| score.columns.iter().copied()).collect();
     let root = root(&pick(variance, &scored, &scored));
     let begins: Vec<usize> = scores
@@ -71,11 +55,11 @@ pub(super) fn threshold(
 mod tests {
     use super::*;
 
-    /// Two columns of which one is 1e12 times as large: the threshold is that of two normal numbers, which exceed
+    /// Two columns of which one is 1e12 times as large: the threshold is that of two normal numbers, of which one exceeds
     /// 2.806 once in a hundred.
     #[test]
     fn a_column_of_another_size_sets_no_threshold() {
-        // Nearly one with the large one, as two columns of a model are: their small ones come from rounding.
+        // Another column is nearly the large one: the covariance then has an eigenvalue of nearly zero.
         let variance = DMatrix::from_row_slice(
             3,
             3,

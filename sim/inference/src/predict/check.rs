@@ -19,7 +19,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::quantity::SEEN;
+use super::quantity::{REST, SEEN};
 use super::{PredictError, Prediction, PredictionSettings, predict};
 use crate::calibrate::{CalibrateError, SectionError, marker_error, trial};
 use crate::normal::NORMAL_95;
@@ -180,9 +180,6 @@ fn one(
         warnings,
     })
 }
-
-/// The rest of the tip itself.
-const REST: [&str; 2] = ["rest_x_m", "rest_z_m"];
 
 /// What a recording and a prediction both say; `rest` with its standard error, and its names among the quantities.
 fn numbers(

@@ -3,13 +3,12 @@
 use efam_experiments::scenario::Case;
 use models::model::Model;
 use models::muscle::{CalibratedParameter, Here, Known};
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
 use super::loss::Loss;
-use crate::normal::NORMAL_95;
-use crate::normal::normal;
+use crate::normal::{NORMAL_95, normal, root};
 
 /// Draws after which one that is not admitted is put on its bounds.
 const TRIES: usize = 10_000;
@@ -83,15 +82,7 @@ impl Errors {
             Drawn { path: path.clone(), value, range: [low, high], is_logarithmic }
         };
         let covariance = DMatrix::from_fn(own.len(), own.len(), |a, b| at.covariance[own[a]][own[b]]);
-        // Numbers of very different size: the root is taken of the correlations.
-        let deviations = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
-        let scaled = DMatrix::from_fn(own.len(), own.len(), |a, b| {
-            covariance[(a, b)] / (deviations[a] * deviations[b]).max(f64::MIN_POSITIVE)
-        });
-        let eigen = SymmetricEigen::new(scaled);
-        let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
-        let mut root =
-            DMatrix::from_diagonal(&deviations) * &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+        let mut root = root(&covariance);
         let drawn: Vec<Drawn> = own.iter().map(drawn).collect();
         let loss = Loss::of(known, &case.model).filter(|loss| drawn.iter().any(|own| own.path == loss.path));
         if let Some(loss) = &loss {

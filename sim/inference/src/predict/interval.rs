@@ -2,7 +2,7 @@
 //!
 //! Its parts are the errors of the calibration and of interpolation over pressure, both in the covariance of
 //! [`models::muscle::KnownAt`], which reach a number by draws or along the principal directions of that covariance; and
-//! those of the model itself (`model_error.rs`).
+//! those of the model itself (`model_error.rs`) and of the marker (`quantity.rs`).
 
 use efam_core::quantile::quantile;
 
@@ -20,6 +20,11 @@ pub(super) fn of_draws(own: f64, values: Vec<f64>, draws: usize) -> Option<[f64;
     }
     let [low, high] = ENDS.map(|share| quantile(values.clone(), share));
     Some([low?.min(own), high?.max(own)])
+}
+
+/// The interval of a number with an independent error, half of whose own interval is given.
+pub(super) fn with_error(own: f64, [low, high]: [f64; 2], half: f64) -> [f64; 2] {
+    [own - (own - low).hypot(half), own + (high - own).hypot(half)]
 }
 
 /// What a number does along one direction of the errors, to one side.
@@ -79,6 +84,12 @@ mod tests {
         assert_eq!(interval, [0.03, 0.03 + NORMAL_95 * 0.01]);
         let near = Some(Change { slope: -0.01, room: 0.5 });
         assert_eq!(carried(0.03, [[near, side(0.01)]].into_iter()).unwrap()[0], 0.03 - 0.005);
+    }
+
+    /// A number at the end of its draws may be beyond that end by the error that is added.
+    #[test]
+    fn an_error_widens_both_sides() {
+        assert_eq!(with_error(2.0, [2.0, 5.0], 4.0), [-2.0, 7.0]);
     }
 
     #[test]

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use errors::Errors;
 use interval::of_draws;
 use model_error::ModelError;
-use quantity::{Off, QUANTITIES, Quantity, SEEN, seen};
+use quantity::{Off, QUANTITIES, Quantity, REST, seen};
 use simulated::{Mesh, Simulated, simulate, value};
 use warnings::{Extent, warnings};
 
@@ -163,9 +163,8 @@ pub fn predict(
         warnings: case.warnings.clone(),
     };
     if let Some(marker) = known.and_then(|known| known.marker.as_ref()) {
-        // After the rest of the rod itself.
         let seen = seen(&prediction.quantities, marker);
-        prediction.quantities.splice(SEEN.len()..SEEN.len(), seen);
+        prediction.quantities.splice(REST.len()..REST.len(), seen);
     }
     let extent = Extent {
         pressures: case.pressure.as_slice(),

@@ -7,6 +7,7 @@
 use efam_experiments::scenario::Case;
 use models::muscle::{Known, Misfit};
 
+use super::interval::with_error;
 use super::quantity::Off;
 use super::simulated::Simulated;
 use crate::normal::NORMAL_95;
@@ -54,10 +55,7 @@ impl ModelError {
                 let end = |end: f64| (end / value).ln().hypot(NORMAL_95 * own);
                 [value * (-end(low)).exp(), value * end(high).exp()]
             }
-            _ => {
-                let own = NORMAL_95 * self.deviation(off, value);
-                [value - (value - low).hypot(own), value + (high - value).hypot(own)]
-            }
+            _ => with_error(value, [low, high], NORMAL_95 * self.deviation(off, value)),
         }
     }
 }

@@ -5,6 +5,7 @@ use models::muscle::Marker;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::interval::with_error;
 use crate::normal::NORMAL_95;
 
 /// One predicted number.
@@ -61,25 +62,26 @@ pub(super) enum Off {
     Untold,
 }
 
-/// The rest as the marker of the calibration shows it, along the level and in height.
+/// The rest of the tip, along the level and in height; the first two of all numbers.
+pub(super) const REST: [&str; 2] = ["rest_x_m", "rest_z_m"];
+/// The rest of its marker, likewise.
 pub(super) const SEEN: [&str; 2] = ["seen_rest_x_m", "seen_rest_z_m"];
 
-/// That of predicted quantities. Errors of the rest and of the marker's offset are added as if they were independent: a rod
-/// that is too soft in the calibration has its marker too high, so the interval is on the wide side.
+/// The rest of the marker, from that of the tip. The errors of the rest and of the marker's offset are added as if they were
+/// independent: a rod that is too soft in the calibration has its marker too high, so the interval is on the wide side.
 pub(super) fn seen(quantities: &[Quantity], marker: &Marker) -> Vec<Quantity> {
     let along = |axis: usize| {
-        let rest = quantities.get(axis)?;
-        let (value, off) = (rest.value?, NORMAL_95 * marker.standard_error_m[axis]);
-        let seen = value + marker.offset_m[axis];
-        let ends = rest
-            .interval_95
-            .map(|ends| ends.map(|end| seen + (end - value).hypot(off).copysign(end - value)));
-        let meaning = format!("marker of the {}", rest.meaning);
+        let rest = quantities.iter().find(|quantity| quantity.name == REST[axis])?;
+        let value = rest.value? + marker.offset_m[axis];
+        let moved = |ends: [f64; 2]| {
+            let ends = ends.map(|end| end + marker.offset_m[axis]);
+            with_error(value, ends, NORMAL_95 * marker.standard_error_m[axis])
+        };
         Some(Quantity {
             name: SEEN[axis].to_owned(),
-            meaning,
-            value: Some(seen),
-            interval_95: ends,
+            meaning: format!("marker of the {}", rest.meaning),
+            value: Some(value),
+            interval_95: rest.interval_95.map(moved),
             ..rest.clone()
         })
     };
@@ -126,8 +128,8 @@ const fn kind(
 /// All numbers, in the order in which they are told.
 #[rustfmt::skip]
 pub(super) const QUANTITIES: [PredictedKind; 19] = [
-    kind("rest_x_m", "tip at rest, along the level", "m", "rest", |t| Some(t.summary.rest?.tip_x_m), Off::Rest),
-    kind("rest_z_m", "tip at rest, height over the clamp", "m", "rest", |t| Some(t.summary.rest?.tip_z_m), Off::Rest),
+    kind(REST[0], "tip at rest, along the level", "m", "rest", |t| Some(t.summary.rest?.tip_x_m), Off::Rest),
+    kind(REST[1], "tip at rest, height over the clamp", "m", "rest", |t| Some(t.summary.rest?.tip_z_m), Off::Rest),
     kind("rest_angle_rad", "angle of the tip at rest", "rad", "rest", |t| Some(t.summary.rest?.tip_angle_rad), Off::RestAngle),
     kind("small_frequency_hz", "frequency of small swings", "Hz", "modes", |t| Some(mode(t, 0)?.natural_frequency_hz), Off::Frequency),
     kind("small_damping_ratio", "damping ratio of small swings", "", "modes", |t| Some(mode(t, 0)?.damping_ratio), Off::Damping),

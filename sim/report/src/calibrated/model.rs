@@ -60,7 +60,7 @@ pub fn models(
 
 /// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value
 /// for each release. `stiffness` is the muscle's estimate of bending stiffness whose shape over pressure is kept
-/// between calibrated pressures; `marker` is where that of the tip was seen.
+/// between calibrated pressures; `marker` is the offset of the tip's marker.
 /// # Errors
 /// [`MuscleError`] for a pressure at which the muscle is none.
 pub fn muscle_file(
