@@ -1,11 +1,116 @@
-//! The least value of a convex quadratic within bounds: `gᵀs + sᵀA s / 2`, `low ≤ s ≤ high`.
+//! The cost near a point as a quadratic, and its least value within bounds: `gᵀs + sᵀA s / 2`, `low ≤ s ≤ high`.
 //!
-//! A primal active set: from zero to the minimum over the free variables, or to the first bound on the way, whose
-//! variable is then held; at the minimum of a face the variable is set free that gains most. The value falls in every
+//! It is found by a primal active set: from zero to the minimum over the free variables, or to the first bound on the way,
+//! whose variable is then held; at the minimum of a face the variable is set free that gains most. The value falls in every
 //! step. Putting all that would leave the bounds onto them at once is shorter, and in a narrow valley may end above zero.
 //! Source: Nocedal and Wright (2006), Numerical Optimization, section 16.5.
 
 use nalgebra::{DMatrix, DVector};
+
+use super::second_order::SecondOrder;
+use super::{Evaluated, Search};
+
+/// Damping at which a step is no step any more, relative to D.
+const MOST_DAMPING: f64 = 1e12;
+/// Keeps the undamped system solvable where the data say nothing, relative to D.
+pub const LEAST_DAMPING: f64 = 1e-12;
+
+/// The cost near a point, as a quadratic.
+pub struct Quadratic {
+    pub gradient: DVector<f64>,
+    pub hessian: DMatrix<f64>,
+}
+
+impl Quadratic {
+    /// At a point that is `moved` away from where its slopes were taken. Without the terms of second order where the matrix is
+    /// not positive definite with them.
+    pub fn of<T>(
+        at: &Evaluated<T>,
+        moved: Option<&DVector<f64>>,
+        second_order: &SecondOrder,
+        diagonal: &DVector<f64>,
+    ) -> Self {
+        let hessian = &at.hessian + second_order.matrix();
+        let solvable = &hessian + DMatrix::from_diagonal(&(LEAST_DAMPING * diagonal));
+        match moved {
+            Some(moved) if solvable.cholesky().is_some() => {
+                Self { gradient: &at.gradient + second_order.matrix() * moved, hessian }
+            }
+            _ => Self::plain(at),
+        }
+    }
+
+    /// Without the terms of second order.
+    pub fn plain<T>(at: &Evaluated<T>) -> Self {
+        Self { gradient: at.gradient.clone(), hessian: at.hessian.clone() }
+    }
+
+    /// The step of least damping that is no longer than the radius, as [`Quadratic::step`].
+    pub fn step_within(
+        &self,
+        radius: f64,
+        x: &DVector<f64>,
+        diagonal: &DVector<f64>,
+        least_damping: f64,
+        search: &Search,
+    ) -> (DVector<f64>, f64) {
+        let mut damping = least_damping;
+        loop {
+            let (tried, decrease) = self.step(x, diagonal, damping, search, true);
+            if length(&(&tried - x), diagonal) <= radius || damping > MOST_DAMPING {
+                return (tried, decrease);
+            }
+            damping *= 2.0;
+        }
+    }
+
+    /// What it says of the cost at a step, less that at the point.
+    pub fn at(&self, step: &DVector<f64>) -> f64 {
+        self.gradient.dot(step) + 0.5 * step.dot(&(&self.hessian * step))
+    }
+
+    /// The point that minimises it, damped, within the bounds, and the decrease that it predicts there without damping.
+    pub fn step(
+        &self,
+        x: &DVector<f64>,
+        diagonal: &DVector<f64>,
+        damping: f64,
+        search: &Search,
+        is_limited: bool,
+    ) -> (DVector<f64>, f64) {
+        let room = |k: usize| {
+            let (low, high) = search.bounds[k];
+            let most = if is_limited { search.longest[k] } else { f64::INFINITY };
+            ((low - x[k]).max(-most), (high - x[k]).min(most))
+        };
+        let room: Vec<(f64, f64)> = (0..x.len()).map(room).collect();
+        let damped = &self.hessian + DMatrix::from_diagonal(&(damping * diagonal));
+        let s = least_within(&damped, &self.gradient, &room);
+        let predicted = -self.at(&s);
+        let mut tried = x + s;
+        for (value, (low, high)) in tried.iter_mut().zip(&search.bounds) {
+            *value = value.clamp(*low, *high);
+        }
+        (tried, predicted)
+    }
+}
+
+/// The largest diagonal so far; a variable that does nothing counts as the weakest that does.
+pub fn widen(diagonal: &mut DVector<f64>, hessian: &DMatrix<f64>) {
+    for (d, h) in diagonal.iter_mut().zip(hessian.diagonal().iter()) {
+        *d = d.max(*h);
+    }
+    let least = diagonal.iter().copied().filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
+    let least = if least.is_finite() { least } else { 1.0 };
+    for d in diagonal.iter_mut().filter(|d| **d <= 0.0) {
+        *d = least;
+    }
+}
+
+/// Length of a step in the scale of the diagonal.
+pub fn length(step: &DVector<f64>, diagonal: &DVector<f64>) -> f64 {
+    step.iter().zip(diagonal).map(|(step, scale)| scale * step * step).sum::<f64>().sqrt()
+}
 
 /// Steps for each variable after which to stop: round-off may set free and hold in turn.
 const MOST_STEPS: usize = 4;

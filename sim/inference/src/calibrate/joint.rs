@@ -9,8 +9,8 @@ use super::objective::Objective;
 use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
-use super::refine::{LAST, refine};
-use super::search::{EXPLAINED, Found, Meeting, common_cost, minimise_in, search};
+use super::refine::{LAST, RESOLUTION_COMPARED, refine};
+use super::search::{EXPLAINED, Found, Meeting, common_cost, is_explained, minimise_in, search};
 use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Unknown, UnknownKind, Unknowns};
 use super::view::{Evaluation, View};
@@ -92,7 +92,8 @@ impl Joint {
             None => tell(&format!("residuals {:.2} times the noise", stage.spread)),
         };
         let Some(mut found) = search(&objective, &start, &say) else { return Err(objective.refusal(&start)) };
-        let left_of_mesh = refine(&objective, &mut found, false, tell).map(|mesh| mesh.left);
+        let left_of_mesh =
+            refine(&objective, &mut found, false, RESOLUTION_COMPARED, tell).map(|mesh| mesh.left);
         Ok(Self { left_of_mesh, ..Self::new(problem, objective, found) })
     }
 
@@ -133,7 +134,9 @@ impl Joint {
             Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
             Err(error) => return Err(error),
         };
-        let Some(mesh) = refine(&fit.objective, &mut fit.found, false, tell) else { return Ok(None) };
+        let Some(mesh) = refine(&fit.objective, &mut fit.found, false, RESOLUTION_COMPARED, tell) else {
+            return Ok(None);
+        };
         fit.left_of_mesh = Some(mesh.left);
         Ok(Some(fit))
     }
@@ -244,6 +247,11 @@ impl Joint {
             Some(seen) => Ok((objective, seen)),
             None => Err(objective.refusal(&x)),
         }
+    }
+
+    /// Whether what is left need not come from a search gone astray: it is noise, or small beside the motion.
+    pub fn is_met(&self) -> bool {
+        is_explained(&self.objective, &self.found)
     }
 
     /// Whether the noise explains its residuals.

@@ -51,7 +51,7 @@ use numerics::Correction;
 use objective::Objective;
 use part::{Part, parts};
 use pure_error::differences;
-use refine::{MOST_ROUNDS, refine, shift};
+use refine::{MOST_ROUNDS, RESOLUTION, refine, shift};
 use repeats::{Repeats, conditions};
 use search::{Found, go_on, search};
 use uncertainty::{Uncertainty, uncertainty};
@@ -174,7 +174,9 @@ fn fit(
         return Err(objective.refusal(&start));
     };
     let refined = |objective: &Objective, found: &mut Found| {
-        refine(objective, found, !settings.remove_mesh, &|what| listener.doing(&format!("{name}: {what}")))
+        refine(objective, found, !settings.remove_mesh, RESOLUTION, &|what| {
+            listener.doing(&format!("{name}: {what}"))
+        })
     };
     // Mesh and step swing as the rod does: what a model misses is only seen without them.
     let mut numerics = refined(&objective, &mut found);

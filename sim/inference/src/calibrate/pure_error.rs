@@ -252,13 +252,14 @@ pub mod tests {
         }
     }
 
-    /// What decays faster has another damping; ghosts are no distance.
+    /// What decays faster by a tenth has another damping; ghosts are no distance. Two releases are compared along their slopes, so
+    /// the distance is too large by the square of that: 2 % here, and 10 % at twice the difference.
     #[test]
     fn a_damping_that_differs_is_found() {
-        let faster = released(&[("effects.rayleigh_mass.alpha", 1.2)], 0.0, 2);
+        let faster = released(&[("effects.rayleigh_mass.alpha", 1.1)], 0.0, 2);
         let found = difference_of(released(&[], 0.0, 1), faster);
         assert!((found.square / BOTH - 1.0).abs() < 0.1, "{}", found.square / BOTH);
-        assert!((found.mass_damping / -0.2 - 1.0).abs() < 0.05, "{}", found.mass_damping);
+        assert!((found.mass_damping / -0.1 - 1.0).abs() < 0.05, "{}", found.mass_damping);
         let mut with_ghosts = released(&[], 0.0, 2);
         for k in [50, 51, 200] {
             with_ghosts.release.tracks[0].position[k] = Some([0.2, 0.1]);

@@ -20,8 +20,9 @@ use crate::normal::CLEAR;
 
 /// Share of a standard error to which a fit is found, and half of that to which the ends of an interval are.
 pub(super) const RESOLUTION: f64 = 0.02;
-/// Predicted decrease, for residuals of unit spread, at which the search stops.
-const TOLERANCE: f64 = 0.5 * RESOLUTION * RESOLUTION;
+/// The same of fits that are compared with each other: χ² is then right to a hundredth, where it takes some units to tell two
+/// models apart.
+pub(super) const RESOLUTION_COMPARED: f64 = 0.1;
 /// Rounds in which the loss and the weights follow what a fit misses.
 pub(crate) const MOST_ROUNDS: usize = 4;
 /// Change of the spread of what is missed that is worth another round.
@@ -34,11 +35,12 @@ const UNCORRECTED_SHARE: f64 = 1e-3;
 pub(crate) const LAST: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
 
 /// Follows a fit to its end, one of [`LAST`] fidelity being near it, without the errors of the step, and of the mesh unless that is kept; says
-/// what they did.
+/// what they did. The end is found to so many standard errors.
 pub(crate) fn refine(
     objective: &Objective,
     found: &mut Found,
     keep_mesh: bool,
+    resolution: f64,
     tell: &dyn Fn(&str),
 ) -> Option<Correction> {
     let mut numerics = None;
@@ -53,7 +55,7 @@ pub(crate) fn refine(
         let finer = correction(objective, &found.x, &view, keep_mesh)?;
         view.steps = Some(finer.own_steps.clone());
         view.corrections = Some(finer.corrections.clone());
-        let better = settle(objective, found, &mut view, share)?;
+        let better = settle(objective, found, &mut view, resolution, share)?;
         let errors = pseudo_inverse(&better.at.hessian).0.diagonal();
         let moved = (&better.x - &found.x).zip_map(&errors, |x, error| x / error.max(1e-300).sqrt());
         found.go_to(better, view.clone());
@@ -67,7 +69,13 @@ pub(crate) fn refine(
 
 /// Minimises with a loss whose threshold follows the spread of the residuals, on the steps that the
 /// view has, or else on those of the start.
-fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> Option<Solution<Evaluation>> {
+fn settle(
+    objective: &Objective,
+    from: &Found,
+    view: &mut View,
+    resolution: f64,
+    share: f64,
+) -> Option<Solution<Evaluation>> {
     if view.steps.is_none() {
         view.steps = Some(objective.see(&from.x, view, None)?.steps);
     }
@@ -84,7 +92,7 @@ fn settle(objective: &Objective, from: &Found, view: &mut View, share: f64) -> O
         let reused = is_reused.then_some(Reused { carried, home });
         let spreads = carried.spreads();
         view.loss = spreads.iter().map(|spread| Huber::for_spread(*spread)).collect();
-        let solution = minimise_in(objective, x, reused, view, TOLERANCE, share)?;
+        let solution = minimise_in(objective, x, reused, view, 0.5 * resolution * resolution, share)?;
         let now = solution.at.carried.spreads();
         let settled = |(before, now): (&f64, &f64)| (before.max(1.0) / now.max(1.0)).ln().abs() < CHANGED;
         let is_settled = spreads.iter().zip(&now).all(settled);

@@ -100,7 +100,7 @@ pub(crate) fn common_cost(objective: &Objective, found: &Found) -> f64 {
 }
 
 /// Whether the residuals are noise, or small beside the motion.
-fn is_explained(objective: &Objective, found: &Found) -> bool {
+pub(super) fn is_explained(objective: &Objective, found: &Found) -> bool {
     let spreads = found.at.carried.spreads();
     let of = |(r, spread): (usize, &f64)| {
         let motion = excursion(objective, r, 0, found.view.counts[r]);

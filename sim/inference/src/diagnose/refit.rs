@@ -44,6 +44,13 @@ pub(super) struct Rough {
     most_steps: usize,
 }
 
+impl Rough {
+    /// How many unknowns it brought.
+    pub fn unknowns(&self) -> usize {
+        self.known.len() - self.without
+    }
+}
+
 /// Width of an interval, as a share of the value, from which on a parabola is not asked alone.
 const WIDE: f64 = 0.2;
 

@@ -19,6 +19,7 @@ use super::validation::{HeldOut, agreement};
 use super::verdict::{Contradiction, Verdict};
 use super::warnings::{contradictions, deviations_off};
 use crate::calibrate::joint::{Estimate, Joint};
+use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::unknowns::{CLAMP_ANGLE, Group, Unknown, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -177,14 +178,19 @@ impl<'a> Course<'a> {
         known.len().saturating_sub(self.before.known.len())
     }
 
-    /// The model without any effect and with a belief lifted. From the start, since a belief at its limit may have lost the
-    /// phase of the swing. What mesh and step do is known from the baseline, unless that misses the first swings.
+    /// The model without any effect and with a belief lifted. From the baseline where that meets the recordings, or else from
+    /// the start, since a belief at its limit may have lost the phase of the swing. What mesh and step do is known from the
+    /// baseline, unless that misses the first swings.
     fn lift(&self, own: &Estimate) -> Result<Lift, CalibrateError> {
         self.listener.doing(&format!("test of the stated {}", own.unknown.name));
         let problem = ending_by(&lifted(&self.problem, own), &self.listener.stop());
-        let view = &self.before.model.found.view;
+        let baseline = &self.before.model;
+        let view = &baseline.found.view;
         let fit = match view.corrections {
-            Some(_) => Joint::search_like(&problem, view, 0.0),
+            Some(_) if baseline.is_met() => {
+                Joint::approach(&problem, &self.before.known, view, true, STAGE_SHARE)
+            }
+            Some(_) => Joint::search_like(&problem, view, STAGE_SHARE),
             None => Joint::search(&problem, &|_| ()).map(Some),
         };
         let fit = match fit {

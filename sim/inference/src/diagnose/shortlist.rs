@@ -230,16 +230,23 @@ fn fit_all(
         Ok::<(), CalibrateError>(())
     })?;
     let by_cost = |a: &(&Entry, &Rough), b: &(&Entry, &Rough)| a.1.cost.total_cmp(&b.1.cost);
-    let run = shortlist.iter().filter_map(|entry| Some((entry, entry.rough.as_ref()?)));
-    let Some((best, rough)) = run.min_by(by_cost) else { return Ok(()) };
+    let run = || shortlist.iter().filter_map(|entry| Some((entry, entry.rough.as_ref()?)));
+    let Some((best, rough)) = run().min_by(by_cost) else { return Ok(()) };
     let (least, led) = (rough.cost, rough.known.clone());
     let distances: Vec<f64> = shortlist[from..].iter().map(|entry| apart(best, entry, scores)).collect();
+    // Behind as the choice will count it, each unknown as a penalty or as what it takes away where it means nothing.
+    let variance_inflation = scores.variance_inflation;
+    let least_of = |own: &mut dyn Iterator<Item = f64>| own.fold(f64::INFINITY, f64::min);
+    let counted = [penalty(fit, variance_inflation), FAIR];
+    let worth = |own: &Rough, each: f64| 2.0 * own.cost / variance_inflation + each * own.unknowns() as f64;
+    let leasts = counted.map(|each| least_of(&mut run().map(|(_, own)| worth(own, each))));
+    let behind = |own: &Rough| least_of(&mut (0..2).map(|k| worth(own, counted[k]) - leasts[k]));
     // A search near its end was seen to gain up to a quarter of what it is behind, and by half it would not catch up.
-    let near = STAGE_SHARE * least + 2.0 * LEAD * scores.variance_inflation;
-    let farther = near.max(LAW * (fit.cost() - least));
+    let near = 2.0 * (STAGE_SHARE * least / variance_inflation + LEAD);
+    let farther = near.max(2.0 * LAW * (fit.cost() - least) / variance_inflation);
     // Far from its fit, a search that begins without the candidate may end beside the minimum. Those that the best leads by
     // no more than the error of a law begin once more, from where the best has ended.
-    let is_led = |rough: &&Rough| (near..farther).contains(&(rough.cost - least));
+    let is_led = |rough: &&Rough| (near..farther).contains(&behind(rough));
     shortlist[from..].par_iter_mut().try_for_each(|entry| {
         let Some(own) = entry.rough.as_ref().filter(is_led).map(|own| own.cost) else { return Ok(()) };
         let found = rough_from(&entry.candidate, entry.candidate.null_value, &led, fit)?;
@@ -248,7 +255,7 @@ fn fit_all(
     })?;
     shortlist[from..].par_iter_mut().zip(distances).try_for_each(|(entry, distance)| {
         let room = |rough: &Rough| if rough.is_near { near } else { farther };
-        let is_worth = |rough: &&Rough| rough.cost < least + room(rough) || distance < ONE;
+        let is_worth = |rough: &&Rough| behind(rough) < room(rough) || distance < ONE;
         if let Some(rough) = entry.rough.as_ref().filter(is_worth) {
             entry.refit = refit(rough, &entry.candidate)?;
             if entry.refit.is_none() {
