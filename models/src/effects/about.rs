@@ -22,6 +22,14 @@ pub enum Kind {
     Description,
 }
 
+impl Kind {
+    /// Whether it is a law of a material or of a fluid, which holds to some accuracy. A mass, a load or the place of a marker
+    /// is what it is.
+    pub fn is_law(self) -> bool {
+        matches!(self, Self::Elastic | Self::Dissipative)
+    }
+}
+
 /// A part of the rod that an effect can act on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {

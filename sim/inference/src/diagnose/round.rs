@@ -76,7 +76,8 @@ pub(super) fn round(
     }
     let explained = added.iter().map(|best| best.gain).sum::<f64>();
     // What is less than an error of the laws that were found is not looked for.
-    let negligible = LAW * LAW * explained;
+    let by_laws = added.iter().filter(|best| best.candidate.effect.about().kind.is_law());
+    let negligible = LAW * LAW * by_laws.map(|best| best.gain).sum::<f64>();
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
