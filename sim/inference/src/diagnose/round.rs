@@ -1,5 +1,7 @@
 //! One round: score, fit the shortlist, choose.
 
+use models::effects::Kind;
+
 use super::candidate::{candidates, has_several_pressures};
 use super::design_matrix::predictions;
 use super::localise::shapes;
@@ -54,6 +56,12 @@ const PROMISING: f64 = 0.25;
 /// Share of the χ² that was explained before below which a shape is no sign of anything more: it fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
 
+/// χ² of what is not looked for beside effects that were found, by their kinds and by the χ² that each explains: an error of
+/// their laws.
+fn negligible(found: impl Iterator<Item = (Kind, f64)>) -> f64 {
+    LAW * LAW * found.filter(|(kind, _)| kind.is_law()).map(|(_, gain)| gain).sum::<f64>()
+}
+
 /// Looks for one effect beside those that the problem's models have, `added` among them; or for one of these that
 /// is not as strong at one pressure as at another. `before` is how they meet held-out releases.
 pub(super) fn round(
@@ -75,9 +83,7 @@ pub(super) fn round(
         candidates.extend(added.iter().filter_map(|best| best.candidate.of_each_pressure()));
     }
     let explained = added.iter().map(|best| best.gain).sum::<f64>();
-    // What is less than an error of the laws that were found is not looked for.
-    let by_laws = added.iter().filter(|best| best.candidate.effect.about().kind.is_law());
-    let negligible = LAW * LAW * by_laws.map(|best| best.gain).sum::<f64>();
+    let negligible = negligible(added.iter().map(|best| (best.candidate.effect.about().kind, best.gain)));
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
@@ -122,4 +128,17 @@ pub(super) fn round(
     let is_beyond_noise = |own: &Evidence| own.rejected.as_deref() == Some(LITTLE);
     let is_heard = one_more.is_some() || loudest_shape.is_some() || evidence.iter().any(is_beyond_noise);
     Ok(Round { threshold, evidence, shapes, is_shaped, is_heard, negligible, outcome })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However much a mass explains, what is left beside it is no error of a law.
+    #[test]
+    fn a_mass_hides_nothing() {
+        assert_eq!(negligible([(Kind::Inertial, 1e6), (Kind::Measurement, 1e6)].into_iter()), 0.0);
+        let with_laws = [(Kind::Inertial, 1e6), (Kind::Dissipative, 1e3), (Kind::Elastic, 1e3)];
+        assert!((negligible(with_laws.into_iter()) - 20.0).abs() < 1e-9);
+    }
 }
