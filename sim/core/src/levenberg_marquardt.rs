@@ -101,6 +101,7 @@ const TRUSTED: f64 = 0.8;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
 const SHORTER: f64 = 0.25;
+
 /// From a point, and perhaps what another one carries whose slopes are reused, to cost and slopes.
 pub type Evaluate<'a, T> = dyn FnMut(&DVector<f64>, Option<&T>) -> Option<Evaluated<T>> + 'a;
 
