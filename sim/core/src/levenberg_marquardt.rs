@@ -2,7 +2,7 @@
 //!
 //! A step minimises the quadratic model `cost + gᵀs + sᵀ(H + S + μ D)s / 2` within the bounds, where H is
 //! Gauss's and Newton's approximation of the second derivatives, S what slopes at several points have shown of the rest
-//! ([`second_order`]), and D the largest diagonal of H so far; μ is the least with which the step is within a radius, in the
+//! (`second_order.rs`), and D the largest diagonal of H so far; μ is the least with which the step is within a radius, in the
 //! scale of D, that follows the ratio of actual to predicted decrease. The search stops where the *undamped* model
 //! predicts no decrease worth having: with residuals in units of their noise, a predicted decrease
 //! of `ε² / 2` means that no combination of parameters is more than `ε` standard errors from the
