@@ -23,8 +23,8 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Whether it is a law of a material or of a fluid, which holds to some accuracy. A mass, a load or the place of a marker
-    /// is what it is.
+    /// Whether it is the law of a material or of a fluid, which holds to a limited accuracy. A mass, a load or the place of a
+    /// marker has no such error.
     pub fn is_law(self) -> bool {
         matches!(self, Self::Elastic | Self::Dissipative)
     }

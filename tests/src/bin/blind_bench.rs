@@ -258,7 +258,7 @@ fn ask(case: &Case, limits: Option<Limits>, usual: f64, words: &Words, begin: In
             eprintln!("{:8.1} s  {what}", begin.elapsed().as_secs_f64());
         }
     };
-    // A rod that a large effect makes so soft that it buckles has no motion that the beam can follow.
+    // A large effect can soften the rod so much that it buckles, and the beam cannot integrate that.
     let Ok(drawn) = catch_unwind(|| case.plan(words.body).draw(case.seed)) else {
         println!("{:44} {:5}  cannot be drawn", case.name(), case.seed);
         return None;

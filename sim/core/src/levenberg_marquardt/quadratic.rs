@@ -1,6 +1,6 @@
 //! The cost near a point as a quadratic, and its least value within bounds: `gᵀs + sᵀA s / 2`, `low ≤ s ≤ high`.
 //!
-//! It is found by a primal active set: from zero to the minimum over the free variables, or to the first bound on the way,
+//! The least value is found by a primal active set: from zero to the minimum over the free variables, or to the first bound on the way,
 //! whose variable is then held; at the minimum of a face the variable is set free that gains most. The value falls in every
 //! step. Putting all that would leave the bounds onto them at once is shorter, and in a narrow valley may end above zero.
 //! Source: Nocedal and Wright (2006), Numerical Optimization, section 16.5.
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use super::second_order::SecondOrder;
 use super::{Evaluated, Search};
 
-/// Damping at which a step is no step any more, relative to D.
+/// Largest damping that is tried, relative to D: a step is zero then, to all digits.
 const MOST_DAMPING: f64 = 1e12;
 /// Keeps the undamped system solvable where the data say nothing, relative to D.
 pub const LEAST_DAMPING: f64 = 1e-12;
@@ -64,7 +64,7 @@ impl Quadratic {
         }
     }
 
-    /// What it says of the cost at a step, less that at the point.
+    /// The change of the cost by a step.
     pub fn at(&self, step: &DVector<f64>) -> f64 {
         self.gradient.dot(step) + 0.5 * step.dot(&(&self.hessian * step))
     }

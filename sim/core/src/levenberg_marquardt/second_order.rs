@@ -1,18 +1,17 @@
-//! What Gauss's and Newton's approximation leaves out of the second derivatives: residuals times their own curvatures.
+//! The terms of second order that the approximation of Gauss and Newton omits: residuals times their second derivatives.
 //!
-//! Where a model misses the data, or in a curved valley, that is as large as what it keeps, and steps without it come nearer
-//! by a constant factor only. Slopes `J` taken anew at a point that the last ones were `s` away from show it along `s`: with
-//! the same residuals `r`, `S s = (J - J_before)ᵀ r`. The update is the least one that says so, in a metric in which `s`
-//! becomes the whole change of the gradient, `y = JᵀJ s + S s`.
+//! With large residuals, or in a curved valley, they are as large as `JᵀJ`. Without them a search converges linearly. New slopes
+//! `J` at a distance `s` from the last ones give them along `s`: `S s = (J - J_before)ᵀ r`, with the same residuals `r`. The
+//! update is the smallest one with this property, in a metric that maps `s` to the change of the gradient, `y = JᵀJ s + S s`.
 //! Source: Dennis, Gay and Welsch (1981), ACM Transactions on Mathematical Software 7, 348-368.
 
 use nalgebra::{DMatrix, DVector};
 
-/// The matrix S.
+/// An estimate of the matrix S.
 pub struct SecondOrder(DMatrix<f64>);
 
 impl SecondOrder {
-    /// Nothing is known of it.
+    /// Zero.
     pub fn none(size: usize) -> Self {
         Self(DMatrix::zeros(size, size))
     }
@@ -22,26 +21,26 @@ impl SecondOrder {
         &self.0
     }
 
-    /// Whether anything is.
+    /// Whether it is not zero.
     pub fn is_known(&self) -> bool {
         self.0.iter().any(|entry| *entry != 0.0)
     }
 
-    /// Forgets all.
+    /// Sets it to zero.
     pub fn forget(&mut self) {
         self.0.fill(0.0);
     }
 
-    /// Learns from new slopes at a point that the last ones were `moved` away from: the gradient there `changed` by so much,
-    /// the residuals being the same, and `hessian` is the new `JᵀJ`.
+    /// Updates it with new slopes, taken where the search has `moved` from the last ones. The new slopes `changed` the gradient
+    /// there, and `hessian` is the new `JᵀJ`.
     pub fn learn(&mut self, moved: &DVector<f64>, changed: &DVector<f64>, hessian: &DMatrix<f64>) {
         let whole = hessian * moved + changed;
         let curvature = whole.dot(moved);
-        // A metric needs a cost that bends upwards along the way.
+        // The metric needs a positive curvature.
         if !(curvature > 0.0 && curvature.is_finite()) {
             return;
         }
-        // What was larger along the way before shrinks first.
+        // A larger curvature along the same direction shrinks first.
         let own = moved.dot(&(&self.0 * moved)).abs();
         if own > 0.0 {
             self.0 *= (moved.dot(changed).abs() / own).min(1.0);
@@ -57,9 +56,9 @@ impl SecondOrder {
 mod tests {
     use super::*;
 
-    /// After one way the matrix is right along it, and stays symmetric.
+    /// After an update the matrix is right along that direction, and symmetric.
     #[test]
-    fn what_was_seen_along_a_way_is_known() {
+    fn an_update_is_right_along_its_direction() {
         let truth = DMatrix::from_row_slice(3, 3, &[2.0, -1.0, 0.5, -1.0, 3.0, 0.0, 0.5, 0.0, -1.0]);
         let hessian = DMatrix::from_diagonal(&DVector::from_column_slice(&[4.0, 1.0, 9.0]));
         let mut own = SecondOrder::none(3);

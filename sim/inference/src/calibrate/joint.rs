@@ -10,7 +10,8 @@ use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
 use super::refine::{LAST, RESOLUTION_COMPARED, refine};
-use super::search::{EXPLAINED, Found, Meeting, common_cost, is_explained, minimise_in, search};
+use super::search::{EXPLAINED, Found, Meeting, common_cost, is_met, minimise_in, search};
+use super::stage::STAGE_SHARE;
 use super::starts::{counts, swing_times};
 use super::unknowns::{Group, Unknown, UnknownKind, Unknowns};
 use super::view::{Evaluation, View};
@@ -158,13 +159,13 @@ impl Joint {
         Ok(Self::like(problem, objective, &x, like, has_own_steps, share))
     }
 
-    /// Searches from the problem's start, and then as [`Joint::approach`] does.
+    /// Searches from the problem's start, and then as [`Joint::approach`] does, to [`STAGE_SHARE`].
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
-    pub fn search_like(problem: &Problem, like: &View, share: f64) -> Result<Option<Self>, CalibrateError> {
+    pub fn search_like(problem: &Problem, like: &View) -> Result<Option<Self>, CalibrateError> {
         let objective = objective_of(problem)?;
         let found = search(&objective, &objective.start(), &|_, _| ());
-        Ok(found.and_then(|found| Self::like(problem, objective, &found.x, like, true, share)))
+        Ok(found.and_then(|found| Self::like(problem, objective, &found.x, like, true, STAGE_SHARE)))
     }
 
     /// The minimum near a point with what mesh and step do as another fit has found it.
@@ -249,9 +250,9 @@ impl Joint {
         }
     }
 
-    /// Whether what is left need not come from a search gone astray: it is noise, or small beside the motion.
+    /// Whether its residuals are noise, or small beside the motion, so that the search found the right minimum.
     pub fn is_met(&self) -> bool {
-        is_explained(&self.objective, &self.found)
+        is_met(&self.objective, &self.found)
     }
 
     /// Whether the noise explains its residuals.

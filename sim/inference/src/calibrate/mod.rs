@@ -50,6 +50,7 @@ pub use stage::Stage;
 use numerics::Correction;
 use objective::Objective;
 use part::{Part, parts};
+use prediction::FIT;
 use pure_error::differences;
 use refine::{MOST_ROUNDS, RESOLUTION, refine, shift};
 use repeats::{Repeats, conditions};
@@ -184,7 +185,7 @@ fn fit(
         if !discrepancy::hear(&mut objective, &found) {
             break;
         }
-        if go_on(&objective, &mut found).is_none() {
+        if go_on(&objective, &mut found, FIT).is_none() {
             return Err(objective.refusal(&found.x));
         }
         numerics = refined(&objective, &mut found);

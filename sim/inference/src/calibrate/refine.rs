@@ -20,8 +20,7 @@ use crate::normal::CLEAR;
 
 /// Share of a standard error to which a fit is found, and half of that to which the ends of an interval are.
 pub(super) const RESOLUTION: f64 = 0.02;
-/// The same of fits that are compared with each other: χ² is then right to a hundredth, where it takes some units to tell two
-/// models apart.
+/// The same for fits that are compared with each other: the error of χ² is then 0.01, and a lead of several units decides.
 pub(super) const RESOLUTION_COMPARED: f64 = 0.1;
 /// Rounds in which the loss and the weights follow what a fit misses.
 pub(crate) const MOST_ROUNDS: usize = 4;
@@ -35,7 +34,7 @@ const UNCORRECTED_SHARE: f64 = 1e-3;
 pub(crate) const LAST: Fidelity = Fidelity { tolerance: 2e-5, refinement: 1 };
 
 /// Follows a fit to its end, one of [`LAST`] fidelity being near it, without the errors of the step, and of the mesh unless that is kept; says
-/// what they did. The end is found to so many standard errors.
+/// what they did. `resolution` is the distance from the minimum at which it stops, standard errors.
 pub(crate) fn refine(
     objective: &Objective,
     found: &mut Found,

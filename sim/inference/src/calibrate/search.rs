@@ -15,7 +15,7 @@ use efam_core::loss::{Huber, spread};
 use nalgebra::DVector;
 
 use super::objective::Objective;
-use super::prediction::Slopes;
+use super::prediction::{Fidelity, Slopes};
 use super::stage::{MOST_EVALUATIONS, STAGE_SHARE, STAGE_TOLERANCE, Stage};
 use super::starts::{FIRST_SWINGS, counts, ranked, swing_times};
 use super::view::{Evaluation, View};
@@ -82,7 +82,7 @@ pub(crate) fn search(
         let cost = common_cost(objective, &found);
         // Two searches that end alike are not both astray: what is left is no fault of the search.
         let is_found_again = before.is_some_and(|before| (cost / before).ln().abs() < ALIKE);
-        let is_done = is_found_again || is_explained(objective, &found);
+        let is_done = is_found_again || is_met(objective, &found);
         if before.is_none_or(|before| cost < before) {
             best = Some(found);
         }
@@ -100,7 +100,7 @@ pub(crate) fn common_cost(objective: &Objective, found: &Found) -> f64 {
 }
 
 /// Whether the residuals are noise, or small beside the motion.
-pub(super) fn is_explained(objective: &Objective, found: &Found) -> bool {
+pub(super) fn is_met(objective: &Objective, found: &Found) -> bool {
     let spreads = found.at.carried.spreads();
     let of = |(r, spread): (usize, &f64)| {
         let motion = excursion(objective, r, 0, found.view.counts[r]);
@@ -226,9 +226,9 @@ fn climb(
     }
 }
 
-/// Goes on from where a search ended, under weights that have changed since.
-pub(crate) fn go_on(objective: &Objective, found: &mut Found) -> Option<()> {
-    let view = View::of_all(objective.all());
+/// Goes on from where a search ended, under weights that have changed since, or with finer steps.
+pub(crate) fn go_on(objective: &Objective, found: &mut Found, fidelity: Fidelity) -> Option<()> {
+    let view = View { fidelity, ..View::of_all(objective.all()) };
     let view = view.clone().like(objective.see(&found.x, &view, None)?);
     let solution = minimise_in(objective, &found.x, None, &view, STAGE_TOLERANCE, STAGE_SHARE)?;
     found.go_to(solution, view);

@@ -51,6 +51,11 @@ impl Rough {
     }
 }
 
+/// χ² of a fit with a penalty for each of the unknowns that it brought.
+pub(super) fn penalised(cost: f64, unknowns: usize, each: f64, variance_inflation: f64) -> f64 {
+    2.0 * cost / variance_inflation + each * unknowns as f64
+}
+
 /// Width of an interval, as a share of the value, from which on a parabola is not asked alone.
 const WIDE: f64 = 0.2;
 

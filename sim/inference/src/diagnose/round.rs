@@ -56,8 +56,8 @@ const PROMISING: f64 = 0.25;
 /// Share of the χ² that was explained before below which a shape is no sign of anything more: it fits whatever is there.
 const NEGLIGIBLE_SHAPE: f64 = 0.02;
 
-/// χ² of what is not looked for beside effects that were found, by their kinds and by the χ² that each explains: an error of
-/// their laws.
+/// χ² that errors of the laws of found effects may leave, given the kind of each effect and the χ² that it explains. Smaller effects
+/// are not looked for.
 fn negligible(found: impl Iterator<Item = (Kind, f64)>) -> f64 {
     LAW * LAW * found.filter(|(kind, _)| kind.is_law()).map(|(_, gain)| gain).sum::<f64>()
 }
@@ -134,7 +134,7 @@ pub(super) fn round(
 mod tests {
     use super::*;
 
-    /// However much a mass explains, what is left beside it is no error of a law.
+    /// A mass has no error of a law, however much it explains.
     #[test]
     fn a_mass_hides_nothing() {
         assert_eq!(negligible([(Kind::Inertial, 1e6), (Kind::Measurement, 1e6)].into_iter()), 0.0);

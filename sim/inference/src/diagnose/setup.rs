@@ -190,7 +190,7 @@ impl<'a> Course<'a> {
             Some(_) if baseline.is_met() => {
                 Joint::approach(&problem, &self.before.known, view, true, STAGE_SHARE)
             }
-            Some(_) => Joint::search_like(&problem, view, STAGE_SHARE),
+            Some(_) => Joint::search_like(&problem, view),
             None => Joint::search(&problem, &|_| ()).map(Some),
         };
         let fit = match fit {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use super::curve::is_noise;
 use super::mesh_check::LAW;
-use super::refit::{Refit, Rough, refit, rough, rough_from};
+use super::refit::{Refit, Rough, penalised, refit, rough, rough_from};
 use super::score::{APART, ONE, Score, Scores, distance};
 use super::stop::{CUT_SHORT, is_stopped};
 use super::validation::{HeldOut, agreement};
@@ -234,13 +234,16 @@ fn fit_all(
     let Some((best, rough)) = run().min_by(by_cost) else { return Ok(()) };
     let (least, led) = (rough.cost, rough.known.clone());
     let distances: Vec<f64> = shortlist[from..].iter().map(|entry| apart(best, entry, scores)).collect();
-    // Behind as the choice will count it, each unknown as a penalty or as what it takes away where it means nothing.
+    // χ² behind the best, as [`choose`] counts it.
     let variance_inflation = scores.variance_inflation;
-    let least_of = |own: &mut dyn Iterator<Item = f64>| own.fold(f64::INFINITY, f64::min);
-    let counted = [penalty(fit, variance_inflation), FAIR];
-    let worth = |own: &Rough, each: f64| 2.0 * own.cost / variance_inflation + each * own.unknowns() as f64;
-    let leasts = counted.map(|each| least_of(&mut run().map(|(_, own)| worth(own, each))));
-    let behind = |own: &Rough| least_of(&mut (0..2).map(|k| worth(own, counted[k]) - leasts[k]));
+    let each = [penalty(fit, variance_inflation), FAIR];
+    let worth = |own: &Rough| each.map(|each| penalised(own.cost, own.unknowns(), each, variance_inflation));
+    let lower = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
+    let Some(least_worth) = run().map(|(_, own)| worth(own)).reduce(lower) else { return Ok(()) };
+    let behind = |own: &Rough| {
+        let own = worth(own);
+        (own[0] - least_worth[0]).min(own[1] - least_worth[1])
+    };
     // A search near its end was seen to gain up to a quarter of what it is behind, and by half it would not catch up.
     let near = 2.0 * (STAGE_SHARE * least / variance_inflation + LEAD);
     let farther = near.max(2.0 * LAW * (fit.cost() - least) / variance_inflation);
@@ -284,10 +287,9 @@ pub(super) fn choose(
     let variance_inflation = least_inflation(shortlist, scores.variance_inflation)?;
     let each = penalty(fit, variance_inflation);
     let penalty = |refit: &Refit| refit.unknowns as f64 * each;
-    let left = |refit: &Refit| 2.0 * refit.cost / variance_inflation;
-    let worth = |refit: &Refit| left(refit) + penalty(refit);
+    let worth = |refit: &Refit| penalised(refit.cost, refit.unknowns, each, variance_inflation);
     // An unknown less is a reason to be asked first, and none to stand alone.
-    let fair = |refit: &Refit| left(refit) + FAIR * refit.unknowns as f64;
+    let fair = |refit: &Refit| penalised(refit.cost, refit.unknowns, FAIR, variance_inflation);
     let of = |entry: &Entry| entry.refit.as_ref().map_or(f64::INFINITY, worth);
     shortlist.sort_by(|a, b| of(a).total_cmp(&of(b)));
     let Some(best) = shortlist.first().and_then(|entry| entry.refit.as_ref()) else {
