@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use efam_core::forward::{ForwardError, Run, forward};
-use efam_core::integrate::{Method, Steps};
+use efam_core::integrate::{IntegrateError, Method, Steps};
 use efam_core::trajectory::{Status, Trajectory};
 use efam_experiments::release::Point;
 use models::sensor::Sensor;
@@ -211,11 +211,23 @@ impl Member<'_> {
         let Self { trial, measured, locals, unknowns } = *self;
         let RunRequest { count, fidelity, .. } = request;
         let (theta, instant) = self.values(x);
-        let watched = match slopes {
+        let watched: Vec<usize> = match slopes {
             Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
             _ => Vec::new(),
         };
-        let path = self.simulate(&theta, instant, request, watched)?;
+        let slips = trial.with(&theta).0.slipping().is_some();
+        // Friction that rests turns either way by rounding: a run that repeats the steps of another, or its own, may have to
+        // resolve what that one had not to.
+        let resolving = match &request.steps {
+            Steps::Repeated(ends) if slips => Some(Steps::Given(ends.clone())),
+            _ => None,
+        };
+        let path = match (self.simulate(&theta, instant, request, watched.clone()), resolving) {
+            (Err(ForwardError::Integrate { error: IntegrateError::StepTooLong { .. }, .. }), Some(steps)) => {
+                self.simulate(&theta, instant, RunRequest { count, fidelity, steps }, watched)?
+            }
+            (path, _) => path?,
+        };
         let tracks = trial.release.tracks.len();
         // A hand that moves brings the markers along a straight line to where it lets go.
         let way = |track: usize, sample: usize| {
@@ -241,9 +253,8 @@ impl Member<'_> {
             steps_in_all: path.steps.len(),
         };
         if let Some(slopes) = slopes {
-            let slips = || trial.with(&theta).0.slipping().is_some();
             let difference = match slopes {
-                Slopes::Differences if slips() => DIFFERENCE_WITH_FRICTION,
+                Slopes::Differences if slips => DIFFERENCE_WITH_FRICTION,
                 _ => DIFFERENCE,
             };
             let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {
