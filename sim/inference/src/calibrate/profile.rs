@@ -9,16 +9,16 @@ use efam_core::levenberg_marquardt::{NEAR_DAMPING, Reused, Search, minimise};
 use nalgebra::DVector;
 
 use super::objective::Objective;
-use super::refine::RESOLUTION;
 use super::search::Found;
 use super::uncertainty::Uncertainty;
 use super::view::Evaluation;
 use crate::normal::NORMAL_95;
 
-/// How near the root of the rise has to come to the wanted one, 1.96.
-const NEAR: f64 = 2.0 * RESOLUTION;
+/// How near the root of the rise has to come to the wanted one, 1.96, for a line through the last two points to lead to it. What
+/// is left of its curvature is a hundredth.
+const NEAR: f64 = 0.2;
 /// Predicted decrease of the cost at which the others have followed: the root of the rise is off by half of that.
-const TOLERANCE: f64 = 0.25 * NEAR;
+const TOLERANCE: f64 = 0.02;
 /// Points at which the profile is looked at, at most.
 const MOST_POINTS: usize = 6;
 
@@ -58,22 +58,23 @@ fn bound(
         let (next, cost) = held(objective, found, &x, unknown, value)?;
         x = next;
         let rise = (2.0 * (cost - found.at.cost) / variance_inflation).max(0.0).sqrt();
-        if (rise - NORMAL_95).abs() < NEAR {
-            return Some(value);
-        }
         if value != wanted && rise < NORMAL_95 {
             // The admissible values end before the data object.
             return Some(value);
         }
         let slope = (rise - before.1) / (moved - before.0);
+        let is_near = (rise - NORMAL_95).abs() < NEAR;
         before = (moved, rise);
         length = if slope > 0.0 {
             (moved + (NORMAL_95 - rise) / slope).clamp(0.3 * moved, 3.0 * moved)
         } else {
             2.0 * moved
         };
+        if is_near {
+            break;
+        }
     }
-    Some(found.x[unknown] + length * step)
+    Some((found.x[unknown] + length * step).clamp(low, high))
 }
 
 /// The least cost with one unknown held.
