@@ -9,7 +9,7 @@ use super::objective::Objective;
 use super::part::whole;
 use super::prediction::{Fidelity, Slopes};
 use super::problem::{Problem, Trial};
-use super::refine::{LAST, RESOLUTION_COMPARED, refine};
+use super::refine::{LAST, RESOLUTION_FITTED, refine};
 use super::search::{EXPLAINED, Found, Meeting, common_cost, is_met, minimise_in, search};
 use super::stage::STAGE_SHARE;
 use super::starts::{counts, swing_times};
@@ -94,7 +94,7 @@ impl Joint {
         };
         let Some(mut found) = search(&objective, &start, &say) else { return Err(objective.refusal(&start)) };
         let left_of_mesh =
-            refine(&objective, &mut found, false, RESOLUTION_COMPARED, tell).map(|mesh| mesh.left);
+            refine(&objective, &mut found, false, RESOLUTION_FITTED, tell).map(|mesh| mesh.left);
         Ok(Self { left_of_mesh, ..Self::new(problem, objective, found) })
     }
 
@@ -121,25 +121,27 @@ impl Joint {
         Ok(counts(&objective, &vec![longest; times.len()], swings))
     }
 
-    /// Goes on from what is known: unknowns that are among it begin there, others at their start. None
-    /// where the model cannot be run there, or not on a finer mesh.
+    /// Goes on from what is known to `resolution`, the distance from the minimum in standard errors: unknowns that are among
+    /// it begin there, others at their start. None where the model cannot be run there, or not on a finer mesh.
     /// # Errors
     /// [`CalibrateError`] for a problem that makes no sense.
     pub fn follow(
         problem: &Problem,
         known: &[Estimate],
-        tell: &dyn Fn(&str),
+        resolution: f64,
     ) -> Result<Option<Self>, CalibrateError> {
-        let mut fit = match Self::at(problem, known, Slopes::Differences, LAST) {
-            Ok(fit) => fit,
-            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
-            Err(error) => return Err(error),
-        };
-        let Some(mesh) = refine(&fit.objective, &mut fit.found, false, RESOLUTION_COMPARED, tell) else {
-            return Ok(None);
-        };
-        fit.left_of_mesh = Some(mesh.left);
-        Ok(Some(fit))
+        match Self::at(problem, known, Slopes::Differences, LAST) {
+            Ok(fit) => Ok(fit.refined(resolution)),
+            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Goes on to `resolution` from where it is. None where it cannot be run on a finer mesh.
+    pub fn refined(mut self, resolution: f64) -> Option<Self> {
+        let mesh = refine(&self.objective, &mut self.found, false, resolution, &|_| ())?;
+        self.left_of_mesh = Some(mesh.left);
+        Some(self)
     }
 
     /// Comes near the minimum from what is known, with what mesh and step do as another fit of the same

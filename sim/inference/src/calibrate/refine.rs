@@ -20,8 +20,10 @@ use crate::normal::CLEAR;
 
 /// Share of a standard error to which a fit is found, and half of that to which the ends of an interval are.
 pub(super) const RESOLUTION: f64 = 0.02;
-/// The same for fits that are compared with each other: the error of χ² is then 0.01, and a lead of several units decides.
-pub(super) const RESOLUTION_COMPARED: f64 = 0.1;
+/// The same for the fits of a diagnosis, and for those that are only compared with each other: the error of χ² is then 0.01, and
+/// 0.25 where a lead of several units decides.
+pub(crate) const RESOLUTION_FITTED: f64 = 0.1;
+pub(crate) const RESOLUTION_COMPARED: f64 = 0.5;
 /// Rounds in which the loss and the weights follow what a fit misses.
 pub(crate) const MOST_ROUNDS: usize = 4;
 /// Change of the spread of what is missed that is worth another round.

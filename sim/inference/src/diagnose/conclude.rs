@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::between::between_releases;
 use super::candidate::Candidate;
 use super::describe::describe;
 use super::refit::errors;
@@ -13,13 +14,14 @@ use super::{Course, DiagnosisOutcome, first_swings, misfit, summary_text};
 use crate::calibrate::CalibrateError;
 use crate::calibrate::discrepancy::heard;
 use crate::calibrate::joint::Joint;
-use crate::calibrate::refine::MOST_ROUNDS;
+use crate::calibrate::refine::{MOST_ROUNDS, RESOLUTION_FITTED};
 
 impl Course<'_> {
     /// Says what it all comes to.
     pub(super) fn conclude(mut self) -> Result<DiagnosisOutcome, CalibrateError> {
         self.weigh()?;
-        let (known, errors) = (self.model.known(), errors(&self.model));
+        let between = self.between_releases()?;
+        let (known, errors) = (self.model.known(), errors(&self.model, &between));
         let (gap, curves) = self.gaps();
         match self.diagnosis.verdict {
             // A phase that is lost has no moment that describes it.
@@ -33,7 +35,7 @@ impl Course<'_> {
             _ => {
                 if !self.is_stopped() {
                     self.listener.doing("intervals");
-                    self.profile()?;
+                    self.profile(&between)?;
                 }
                 self.tell_apart(&known);
             }
@@ -79,7 +81,7 @@ impl Course<'_> {
         for _ in 0..MOST_ROUNDS {
             let Some(problem) = heard(&self.model) else { break };
             let stopped = ending_by(&problem, &stop);
-            let Some(fit) = Joint::follow(&stopped, &self.model.known(), &|_| ())? else { break };
+            let Some(fit) = Joint::follow(&stopped, &self.model.known(), RESOLUTION_FITTED)? else { break };
             self.model = fit.with_problem(problem)?;
         }
         let known = self.model.known();
@@ -90,11 +92,21 @@ impl Course<'_> {
         Ok(())
     }
 
+    /// The standard error of each unknown because it differs between releases, held-out ones among them.
+    fn between_releases(&self) -> Result<Vec<f64>, CalibrateError> {
+        if self.added.is_empty() || self.diagnosis.verdict == Verdict::Unknown || self.is_stopped() {
+            return Ok(vec![0.0; self.model.found.x.len()]);
+        }
+        let all = self.held_out().map(|held_out| held_out.together(&self.model)).transpose()?.flatten();
+        let candidates = self.added.iter().map(|best| &best.candidate);
+        Ok(between_releases(&self.model, all.unwrap_or(&self.model), candidates))
+    }
+
     /// Bounds of what is badly known, from the profile of the likelihood.
-    fn profile(&mut self) -> Result<(), CalibrateError> {
+    fn profile(&mut self, between: &[f64]) -> Result<(), CalibrateError> {
         let fit = self.ending()?;
         let candidates: Vec<_> = self.added.iter().map(|best| &best.candidate).collect();
-        let profiled = |candidate: &&Candidate| Added::profiled(&fit, candidate);
+        let profiled = |candidate: &&Candidate| Added::profiled(&fit, candidate, between);
         self.diagnosis.effects = candidates.par_iter().map(profiled).collect();
         Ok(())
     }

@@ -18,9 +18,9 @@ use crate::calibrate::joint::Joint;
 /// Why an effect is not believed that would have to differ from release to release.
 pub(super) const INCONSTANT: &str = "its strength would have to differ between releases";
 
-/// Share of what an effect explains of χ² that its differences between releases have to be worth: a fifth in size. Right
-/// names were seen up to a seventh, similar effects from a quarter on.
-const UNLIKE: f64 = 0.04;
+/// By how much of its size an effect has to differ between releases: right names were seen up to a seventh, similar
+/// effects from a quarter on.
+pub(super) const UNLIKE: f64 = 0.2;
 
 /// The effects of a fit that would have to differ from release to release, by more than noise would have it, a fifth
 /// of their size, and a tenth of what all of them do: a small effect takes up the error of a large one's law.
@@ -33,7 +33,10 @@ pub(super) fn inconstant(fit: &Joint, added: &[Best], false_alarm: f64) -> Vec<&
 fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static str> {
     let of = |(place, (candidate, _)): (usize, &(&Candidate, f64))| {
         let prefix = prefix(candidate.name());
-        of_releases(fit, |name| name.starts_with(&prefix), place)
+        let unknowns = fit.objective.part.unknowns.iter().enumerate();
+        let own = unknowns.filter(move |(_, own)| own.name.starts_with(&prefix));
+        // Where the first has its value, the others may have theirs.
+        own.flat_map(move |(unknown, _)| of_releases(fit, unknown, place).into_iter().skip(1))
     };
     let columns: Vec<Column> = added.iter().enumerate().flat_map(of).collect();
     let subjects = vec![Subject { own: RESOLVED, ..Subject::default() }; added.len()];
@@ -42,14 +45,14 @@ fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static s
     let pairs = added.iter().zip(&scores.each);
     pairs
         .filter(|((_, gain), score)| {
-            score.size > scores.threshold && score.decrease >= negligible.max(UNLIKE * gain)
+            score.size > scores.threshold && score.decrease >= negligible.max(UNLIKE * UNLIKE * gain)
         })
         .map(|((candidate, _), _)| candidate.name())
         .collect()
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::ops::ControlFlow;
 
     use efam_core::example::muscle_at_15_psi;
@@ -82,8 +85,8 @@ mod tests {
         Trial { release, model, run }
     }
 
-    /// What would have to differ, of a scale fitted to three releases where it is what is given.
-    fn asked(relative_error: [f64; 3]) -> Vec<&'static str> {
+    /// A scale fitted to three releases where it is what is given.
+    pub fn fitted(relative_error: [f64; 3]) -> (Joint, Candidate) {
         let mut count = 0.0;
         let base = Problem {
             trials: relative_error.map(|own| release(own, &mut count).into()).to_vec(),
@@ -98,8 +101,13 @@ mod tests {
         let all = candidates(&base, &DiagnosisSettings::default());
         let scale = all.iter().find(|own| own.name() == "scale").unwrap();
         let problem = scale.added_to(&base, 0.01).unwrap();
-        let fit = Joint::at(&problem, &[], Slopes::Variational, LAST).unwrap();
-        found(&fit, &[(scale, 1e3)], 1e-4)
+        (Joint::at(&problem, &[], Slopes::Variational, LAST).unwrap(), scale.clone())
+    }
+
+    /// What of that would have to differ.
+    fn asked(relative_error: [f64; 3]) -> Vec<&'static str> {
+        let (fit, scale) = fitted(relative_error);
+        found(&fit, &[(&scale, 1e3)], 1e-4)
     }
 
     #[test]

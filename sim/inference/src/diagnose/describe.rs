@@ -16,6 +16,7 @@ use super::score::{Score, scores_of};
 use super::validation::agreement;
 use super::verdict::{Added, Description};
 use crate::calibrate::joint::Joint;
+use crate::calibrate::refine::RESOLUTION_FITTED;
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 const MOMENT: &str = "latent_moment";
@@ -63,7 +64,7 @@ fn with_another(
     let tried = each.iter().zip(tried).filter_map(|((candidate, _), rough)| Some((*candidate, rough?)));
     let best = tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     let Some((candidate, rough)) = best else { return Ok(None) };
-    let Some(fit) = Joint::follow(&rough.problem, &rough.known, &|_| ())? else { return Ok(None) };
+    let Some(fit) = Joint::follow(&rough.problem, &rough.known, RESOLUTION_FITTED)? else { return Ok(None) };
     let share = beyond(&agreement(&fit)) / left.gap;
     if left.share - share < LAW {
         return Ok(None);

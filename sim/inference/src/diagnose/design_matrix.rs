@@ -171,19 +171,13 @@ impl Column {
     }
 }
 
-/// The columns of unknowns that are fitted, for each release beyond the first that has its value from the same: how the
-/// predictions would move if these had another one than the first.
-pub(super) fn of_releases(fit: &Joint, is_asked: impl Fn(&str) -> bool, of: usize) -> Vec<Column> {
-    let part = &fit.objective.part;
-    let mut columns = Vec::new();
-    for place in (0..part.unknowns.len()).filter(|place| is_asked(&part.unknowns[*place].name)) {
-        let all = fitted(fit, place);
-        let has_it = |r: &usize| part.locals[*r].iter().any(|local| local.unknown == place);
-        for own in (0..all.len()).filter(has_it).skip(1) {
-            columns.push(Column::only(of, columns.len(), &all, |release| release == own));
-        }
-    }
-    columns
+/// The columns of an unknown that is fitted, for each release that has it, in units of its value: how the predictions
+/// would move if this release had another value than the others.
+pub(super) fn of_releases(fit: &Joint, place: usize, of: usize) -> Vec<Column> {
+    let all = fitted(fit, place);
+    let has_it = |r: &usize| fit.objective.part.locals[*r].iter().any(|local| local.unknown == place);
+    let column = |(part, own): (usize, usize)| Column::only(of, part, &all, |release| release == own);
+    (0..all.len()).filter(has_it).enumerate().map(column).collect()
 }
 
 /// Of what moves in all releases a column for each pressure.

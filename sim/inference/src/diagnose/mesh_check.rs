@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibrate::joint::Joint;
 use crate::calibrate::prediction::Measured;
+use crate::calibrate::refine::RESOLUTION_FITTED;
 use crate::calibrate::view::Series;
 use crate::calibrate::{CalibrateError, Problem};
 
@@ -37,7 +38,7 @@ pub(super) fn on_fine_mesh(
     let nodes_given = nodes(problem);
     let mut fitted = Joint::search(problem, tell)?;
     if let Some(problem) = with_errors_of_laws(&fitted)
-        && let Some(fit) = Joint::follow(&problem, &fitted.known(), &|_| ())?
+        && let Some(fit) = Joint::follow(&problem, &fitted.known(), RESOLUTION_FITTED)?
     {
         fitted = fit;
     }
@@ -49,7 +50,7 @@ pub(super) fn on_fine_mesh(
             break;
         }
         tell(&format!("mesh error up to {left:.2} times the noise: now {} nodes", nodes(&finer)));
-        let Some(fit) = Joint::follow(&finer, &fitted.known(), &|_| ())? else { break };
+        let Some(fit) = Joint::follow(&finer, &fitted.known(), RESOLUTION_FITTED)? else { break };
         fitted = fit;
         left = left_of_mesh(&fitted);
     }

@@ -14,6 +14,7 @@
 //! strength from pressure to pressure. Where the baseline misses even the first swings, scores say nothing, and
 //! candidates are fitted to these (`first_swings.rs`).
 
+mod between;
 mod candidate;
 mod conclude;
 mod constancy;

@@ -7,6 +7,7 @@ use super::shortlist::Best;
 use super::validation::{HeldOut, agreement};
 use super::verdict::{Added, Evidence};
 use crate::calibrate::joint::{Estimate, Joint};
+use crate::calibrate::refine::RESOLUTION_FITTED;
 use crate::calibrate::{CalibrateError, Problem};
 
 /// A model without an unnecessary effect, fitted.
@@ -36,7 +37,7 @@ pub(super) fn pruned(
         let others = || (0..added.len()).filter(|k| *k != left_out).map(|k| &added[k].candidate);
         let with = |problem: Problem, other: &Candidate| other.added_to(&problem, other.null_value);
         let Ok(lean) = others().try_fold(problem.clone(), with) else { continue };
-        let Some(fit) = Joint::follow(&lean, known, &|_| ())? else { continue };
+        let Some(fit) = Joint::follow(&lean, known, RESOLUTION_FITTED)? else { continue };
         let loss = 2.0 * (fit.cost() - cost) / added[left_out].variance_inflation;
         if loss < added[left_out].penalty {
             let effects = others().map(|candidate| Added::of(&fit, candidate)).collect();

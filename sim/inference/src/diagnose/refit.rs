@@ -9,6 +9,7 @@ use super::verdict::{Added, ParameterValue};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::marker::marker;
 use crate::calibrate::profile::profile;
+use crate::calibrate::refine::{RESOLUTION_COMPARED, RESOLUTION_FITTED};
 use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::{Uncertainty, uncertainty};
 use crate::calibrate::unknowns::Group;
@@ -40,6 +41,8 @@ pub(super) struct Rough {
     pub cost: f64,
     /// Whether it is within [`STAGE_SHARE`] of its least.
     pub is_near: bool,
+    /// Whether the noise explains its residuals.
+    pub is_explained: bool,
     /// Steps that a run of a fit may take.
     most_steps: usize,
 }
@@ -112,21 +115,27 @@ pub(super) fn rough_from(
     let limited = within_steps(&problem, most_steps);
     let found = Joint::approach(&limited, known, view, has_own_steps, STAGE_SHARE)?;
     Ok(found.map(|fit| {
-        let (known, cost, is_near) = (fit.known(), fit.cost(), fit.found.converged);
-        Rough { problem, known, without: without.found.x.len(), cost, is_near, most_steps }
+        let (known, cost, without) = (fit.known(), fit.cost(), without.found.x.len());
+        let (is_near, is_explained) = (fit.found.converged, fit.is_explained());
+        Rough { problem, known, without, cost, is_near, is_explained, most_steps }
     }))
 }
 
-/// Follows a candidate to its fit. None where it cannot be run.
-pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit>, CalibrateError> {
+/// Follows a candidate to a fit that can be compared with others; `is_surpassed` where one of them leaves noise alone, and this
+/// one is far behind. None where it cannot be run.
+pub(super) fn refit(
+    rough: &Rough,
+    candidate: &Candidate,
+    is_surpassed: bool,
+) -> Result<Option<Refit>, CalibrateError> {
     let mut known = rough.known.clone();
     let fitted = candidate.within_ranges(rough.problem.clone(), |problem| {
         let limited = within_steps(problem, rough.most_steps);
-        let followed = Joint::follow(&limited, &known, &|_| ())?;
+        let followed = Joint::follow(&limited, &known, RESOLUTION_COMPARED)?;
         // The way from the fit without it may end beside the best, for friction changes the phase, or where no run
-        // ends: that says nothing of the effect.
+        // ends: that says nothing of the effect. One that is surpassed has begun from where the best ended as well.
         let is_met = |fit: &Joint| !candidate.strength.is_friction || fit.is_explained();
-        let is_over = followed.as_ref().is_some_and(is_met);
+        let is_over = is_surpassed || followed.as_ref().is_some_and(is_met);
         let searched = if is_over { None } else { Joint::search(&limited, &|_| ()).ok() };
         let by_cost = |a: &Joint, b: &Joint| a.cost().total_cmp(&b.cost());
         let Some(fit) = followed.into_iter().chain(searched).min_by(by_cost) else { return Ok(None) };
@@ -137,6 +146,13 @@ pub(super) fn refit(rough: &Rough, candidate: &Candidate) -> Result<Option<Refit
 }
 
 impl Refit {
+    /// The same fit, followed to its end.
+    pub(super) fn finished(self, candidate: &Candidate) -> Self {
+        let without = self.known.len() - self.unknowns;
+        let finished = self.fitted.clone().refined(RESOLUTION_FITTED);
+        finished.map_or(self, |fitted| Self::of(fitted, candidate, without))
+    }
+
     /// A fit with a candidate, which has so many unknowns `without` it.
     pub(super) fn of(fitted: Joint, candidate: &Candidate, without: usize) -> Self {
         let values = Added::of(&fitted, candidate).parameters;
@@ -155,8 +171,8 @@ impl Added {
     }
 
     /// The same, where what is badly known has its bounds from the profile of the likelihood: there the cost is no
-    /// parabola.
-    pub(super) fn profiled(fit: &Joint, candidate: &Candidate) -> Self {
+    /// parabola. `between` is the standard error of each unknown because it differs between releases.
+    pub(super) fn profiled(fit: &Joint, candidate: &Candidate, between: &[f64]) -> Self {
         let of = uncertainty(&fit.objective, &fit.found);
         let bounds = |k: usize, known: &Estimate| {
             let linear = parabola(&of, k, known);
@@ -164,7 +180,9 @@ impl Added {
             let is_wide = (high - low).abs() > WIDE * known.value().abs();
             let is_asked = is_wide && !matches!(known.unknown.group, Group::Release(_));
             let profile = || profile(&fit.objective, &fit.found, &of, k);
-            is_asked.then(profile).flatten().unwrap_or(linear)
+            let of_noise = is_asked.then(profile).flatten().unwrap_or(linear);
+            // Two independent errors.
+            of_noise.map(|x| known.x + (x - known.x).hypot(NORMAL_95 * between[k]).copysign(x - known.x))
         };
         let parameters = values(fit, candidate, &of, &bounds);
         Self { effect: candidate.name().to_owned(), parameters }
@@ -172,14 +190,14 @@ impl Added {
 }
 
 /// How well a fit knows the parameters that all releases or those of a pressure share; the error of the mesh is
-/// removed from them.
-pub(super) fn errors(fit: &Joint) -> muscle::Known {
+/// removed from them. `between` as in [`Added::profiled`].
+pub(super) fn errors(fit: &Joint, between: &[f64]) -> muscle::Known {
     let (all, of) = (fit.known(), uncertainty(&fit.objective, &fit.found));
     let is_told =
         |known: &Estimate| !known.unknown.is_nuisance() && !matches!(known.unknown.group, Group::Release(_));
     let own: Vec<usize> = (0..all.len()).filter(|k| is_told(&all[*k])).collect();
     let deviation = |k: usize| of.covariance[(k, k)].max(0.0).sqrt();
-    let error = |k: usize| deviation(k) * all[k].unknown.scaled.slope(all[k].x).abs();
+    let error = |k: usize| deviation(k).hypot(between[k]) * all[k].unknown.scaled.slope(all[k].x).abs();
     let correlation = |k: usize, l: usize| match (k == l, deviation(k) * deviation(l)) {
         (true, _) => 1.0,
         (false, both) if both > 0.0 => (of.covariance[(k, l)] / both).clamp(-1.0, 1.0),

@@ -192,63 +192,93 @@ pub(super) fn columns(
     design_matrix::columns(fit, candidates, &moved)
 }
 
-/// Scores subjects at a fit.
-pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], false_alarm: f64) -> Scores {
-    let n = fit.found.x.len();
-    let m = columns.len();
-    if m == 0 {
-        let each = vec![Score::default(); subjects.len()];
-        return Scores { each, threshold: 0.0, gram: DMatrix::zeros(0, 0), variance_inflation: 1.0 };
-    }
-    let extended = extended(fit, columns);
-    let (gradient, hessian) = normal_equations(fit, &extended, m);
-    // What is left when the fit and all candidates have had their way.
-    let whole = &pseudo_inverse(&hessian).0 * &gradient;
-    let mut left = extended;
-    for (r, block) in left.iter_mut().enumerate() {
-        let places = fit.objective.places(r, m);
-        for series in block {
-            for (residual, slopes) in series.residual.iter_mut().zip(&series.slopes) {
-                for (place, slope) in places.iter().zip(slopes) {
-                    let step = whole[*place];
-                    residual[0] += step * slope[0];
-                    residual[1] += step * slope[1];
+/// How the residuals of a fit pull on columns, all else that it knows being free.
+pub(super) struct Pulls {
+    /// `U = s⊥ᵀ r` of each column.
+    pub score_vector: DVector<f64>,
+    /// Its covariance, as residuals follow one another.
+    variance: DMatrix<f64>,
+    /// `s⊥ᵀ s⊥`.
+    pub gram: DMatrix<f64>,
+    /// How far the fit's scaled unknowns move with a unit of each column, to follow it: shape `[unknown][column]`.
+    pub followed: DMatrix<f64>,
+    /// Whether enough of a column is left.
+    is_own: Vec<bool>,
+    /// As in [`Scores`].
+    pub variance_inflation: f64,
+}
+
+impl Pulls {
+    /// Of some columns at least; `own` is the share of each one's square that must be left when the fit has had its way.
+    pub fn of(fit: &Joint, columns: &[Column], own: impl Fn(&Column) -> f64) -> Self {
+        let n = fit.found.x.len();
+        let m = columns.len();
+        let extended = extended(fit, columns);
+        let (gradient, hessian) = normal_equations(fit, &extended, m);
+        // What is left when the fit and all columns have had their way.
+        let whole = &pseudo_inverse(&hessian).0 * &gradient;
+        let mut left = extended;
+        for (r, block) in left.iter_mut().enumerate() {
+            let places = fit.objective.places(r, m);
+            for series in block {
+                for (residual, slopes) in series.residual.iter_mut().zip(&series.slopes) {
+                    for (place, slope) in places.iter().zip(slopes) {
+                        let step = whole[*place];
+                        residual[0] += step * slope[0];
+                        residual[1] += step * slope[1];
+                    }
                 }
             }
         }
+        let lost =
+            |r: usize| (fit.objective.part.locals[r].len() + m) as f64 / (left[r].len() * left.len()) as f64;
+        let (spread, _) = spread(&fit.objective, &fit.found, &left, m, &lost);
+        let (followed, gram) = orthogonal(&hessian, n);
+        let score_vector = -(gradient.rows(n, m) - followed.transpose() * gradient.rows(0, n));
+        // U = [−Aᵀ 1] g
+        let mut take = DMatrix::zeros(m, n + m);
+        take.view_mut((0, 0), (m, n)).copy_from(&(-followed.transpose()));
+        take.view_mut((0, n), (m, m)).fill_with_identity();
+        let mut variance = &take * spread * take.transpose();
+        let is_own: Vec<bool> =
+            (0..m).map(|k| gram[(k, k)] > own(&columns[k]) * hessian[(n + k, n + k)]).collect();
+        let mut inflations: Vec<f64> =
+            (0..m).filter(|k| is_own[*k]).map(|k| variance[(k, k)] / gram[(k, k)]).collect();
+        inflations.sort_by(f64::total_cmp);
+        let seen = inflations.get(inflations.len() / 2).copied().unwrap_or(1.0);
+        if seen < QUIETEST {
+            variance *= QUIETEST / seen.max(f64::MIN_POSITIVE);
+        }
+        Self { score_vector, variance, gram, followed, is_own, variance_inflation: seen.max(1.0) }
     }
-    let lost =
-        |r: usize| (fit.objective.part.locals[r].len() + m) as f64 / (left[r].len() * left.len()) as f64;
-    let (spread, _) = spread(&fit.objective, &fit.found, &left, m, &lost);
-    let (to_own, gram) = orthogonal(&hessian, n);
-    let score_vector = -(gradient.rows(n, m) - to_own.transpose() * gradient.rows(0, n));
-    // U = [−Aᵀ 1] g
-    let mut take = DMatrix::zeros(m, n + m);
-    take.view_mut((0, 0), (m, n)).copy_from(&(-to_own.transpose()));
-    take.view_mut((0, n), (m, m)).fill_with_identity();
-    let mut variance = &take * spread * take.transpose();
-    let is_own = |k: usize| gram[(k, k)] > subjects[columns[k].of].own * hessian[(n + k, n + k)];
-    let mut inflations: Vec<f64> =
-        (0..m).filter(|k| is_own(*k)).map(|k| variance[(k, k)] / gram[(k, k)]).collect();
-    inflations.sort_by(f64::total_cmp);
-    let seen = inflations.get(inflations.len() / 2).copied().unwrap_or(1.0);
-    if seen < QUIETEST {
-        variance *= QUIETEST / seen.max(f64::MIN_POSITIVE);
+
+    /// Those of some columns of which enough is left.
+    pub fn own(&self, columns: impl IntoIterator<Item = usize>) -> Vec<usize> {
+        columns.into_iter().filter(|k| self.is_own[*k]).collect()
     }
-    let variance_inflation = seen.max(1.0);
+}
+
+/// Scores subjects at a fit.
+pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], false_alarm: f64) -> Scores {
+    if columns.is_empty() {
+        let each = vec![Score::default(); subjects.len()];
+        return Scores { each, threshold: 0.0, gram: DMatrix::zeros(0, 0), variance_inflation: 1.0 };
+    }
+    let pulls = Pulls::of(fit, columns, |column| subjects[column.of].own);
+    let variance_inflation = pulls.variance_inflation;
     let (each, weights): (Vec<Score>, Vec<Weight>) = (0..subjects.len())
         .map(|c| {
-            let own: Vec<usize> = places(columns, c).into_iter().filter(|k| is_own(*k)).collect();
+            let own = pulls.own(places(columns, c));
             let weight = subjects[c].weight(
-                &pick(&gram, &own, &own),
-                &pick(&variance, &own, &own),
+                &pick(&pulls.gram, &own, &own),
+                &pick(&pulls.variance, &own, &own),
                 variance_inflation,
             );
-            (score(subjects[c], own, &score_vector, &weight, variance_inflation), weight)
+            (score(subjects[c], own, &pulls.score_vector, &weight, variance_inflation), weight)
         })
         .unzip();
-    let threshold = threshold(subjects, &each, &weights, &variance, false_alarm);
-    Scores { each, threshold, gram, variance_inflation }
+    let threshold = threshold(subjects, &each, &weights, &pulls.variance, false_alarm);
+    Scores { each, threshold, gram: pulls.gram, variance_inflation }
 }
 
 /// `s⊥ᵀ s⊥` of columns behind the unknowns of a fit, whose second derivatives are given, all else being free.

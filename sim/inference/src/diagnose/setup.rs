@@ -19,6 +19,7 @@ use super::validation::{HeldOut, agreement};
 use super::verdict::{Contradiction, Verdict};
 use super::warnings::{contradictions, deviations_off};
 use crate::calibrate::joint::{Estimate, Joint};
+use crate::calibrate::refine::RESOLUTION_FITTED;
 use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::unknowns::{CLAMP_ANGLE, Group, Unknown, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem};
@@ -135,7 +136,7 @@ impl<'a> Course<'a> {
         }
         let problem = lifted(&self.problem, &best.own);
         let stopped = ending_by(&problem, &self.listener.stop());
-        let Some(fit) = Joint::follow(&stopped, &best.known, &|_| ())? else { return Ok(None) };
+        let Some(fit) = Joint::follow(&stopped, &best.known, RESOLUTION_FITTED)? else { return Ok(None) };
         let mut alone = Self::new(self.before, self.settings, self.listener, self.diagnosis.clone());
         (alone.after, alone.cost) = (agreement(&fit), fit.cost());
         if !alone.is_within_noise() {

@@ -7,13 +7,13 @@ use super::curve::is_noise;
 use super::mesh_check::LAW;
 use super::refit::{Refit, Rough, penalised, refit, rough, rough_from};
 use super::score::{APART, ONE, Score, Scores, distance};
-use super::stop::{CUT_SHORT, is_stopped};
+use super::stop::{CUT_SHORT, not_run};
 use super::validation::{HeldOut, agreement};
 use super::verdict::{Evidence, Member};
+use crate::calibrate::CalibrateError;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::uncertainty;
-use crate::calibrate::{CalibrateError, Problem};
 
 /// Candidates fitted at once. Others follow while the best leaves more than noise: scores may put the gain of the right one too
 /// low. The number is a matter of time, not of statistics.
@@ -232,7 +232,7 @@ fn fit_all(
     let by_cost = |a: &(&Entry, &Rough), b: &(&Entry, &Rough)| a.1.cost.total_cmp(&b.1.cost);
     let run = || shortlist.iter().filter_map(|entry| Some((entry, entry.rough.as_ref()?)));
     let Some((best, rough)) = run().min_by(by_cost) else { return Ok(()) };
-    let (least, led) = (rough.cost, rough.known.clone());
+    let (least, led, is_explained) = (rough.cost, rough.known.clone(), rough.is_explained);
     let distances: Vec<f64> = shortlist[from..].iter().map(|entry| apart(best, entry, scores)).collect();
     // χ² behind the best, as [`choose`] counts it.
     let variance_inflation = scores.variance_inflation;
@@ -260,18 +260,14 @@ fn fit_all(
         let room = |rough: &Rough| if rough.is_near { near } else { farther };
         let is_worth = |rough: &&Rough| behind(rough) < room(rough) || distance < ONE;
         if let Some(rough) = entry.rough.as_ref().filter(is_worth) {
-            entry.refit = refit(rough, &entry.candidate)?;
+            let is_surpassed = is_explained && behind(rough) >= near;
+            entry.refit = refit(rough, &entry.candidate, is_surpassed)?;
             if entry.refit.is_none() {
                 entry.reject(not_run(&fit.problem));
             }
         }
         Ok(())
     })
-}
-
-/// Why a candidate has no fit.
-pub(super) fn not_run(problem: &Problem) -> &'static str {
-    if is_stopped(problem) { CUT_SHORT } else { "a model with it cannot be simulated" }
 }
 
 /// Takes the one that fits best for its unknowns, and those that fit as well, if that is more than noise would
@@ -302,8 +298,8 @@ pub(super) fn choose(
     let most = 2.0 * (null - best.cost) / variance_inflation;
     // What cannot be told apart by its trace, no lead tells apart: it would come from an error of a law.
     let distances: Vec<f64> = shortlist.iter().map(|entry| apart(&shortlist[0], entry, scores)).collect();
-    let roughs = shortlist.iter().filter_map(|entry| entry.rough.as_ref());
-    let roughest = roughs.map(|rough| rough.cost).fold(f64::INFINITY, f64::min);
+    let roughs = shortlist.iter().filter_map(|entry| Some(entry.rough.as_ref()?.cost));
+    let roughest = roughs.fold(f64::INFINITY, f64::min);
     for (entry, distance) in shortlist.iter_mut().zip(distances) {
         let Some(refit) = &entry.refit else {
             let behind = entry.rough.as_ref().map(|rough| 2.0 * (rough.cost - roughest) / variance_inflation);
@@ -346,6 +342,7 @@ pub(super) fn choose(
             entry.reject(format!("in the full fit it lowers χ² by {own:.1}, and noise by {noise:.1}"));
             continue;
         }
+        let refit = refit.finished(&entry.candidate);
         tell("validation on held-out releases");
         let held_out = HeldOut::meet(&refit.fitted.problem, &refit.known)?;
         if let (Some(before), Some(after)) = (before, &held_out) {
@@ -418,7 +415,7 @@ mod tests {
     use efam_core::forward::Run;
 
     use super::*;
-    use crate::calibrate::{Nuisances, Trial};
+    use crate::calibrate::{Nuisances, Problem, Trial};
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
     use crate::example::release;

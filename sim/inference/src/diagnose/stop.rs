@@ -18,6 +18,11 @@ pub(super) fn is_stopped(problem: &Problem) -> bool {
     problem.trials.iter().any(|trial| trial.run.cancel.is_requested())
 }
 
+/// Why a candidate has no fit.
+pub(super) fn not_run(problem: &Problem) -> &'static str {
+    if is_stopped(problem) { CUT_SHORT } else { "a model with it cannot be simulated" }
+}
+
 /// The same problem, whose runs end when a request says so.
 pub(super) fn ending_by(problem: &Problem, stop: &Cancel) -> Problem {
     let mut problem = problem.clone();
