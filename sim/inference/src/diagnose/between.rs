@@ -66,6 +66,9 @@ fn variance(fit: &Joint, place: usize, most: f64) -> Option<f64> {
     }
     let pulls = Pulls::of(fit, &columns, |_| RESOLVED);
     let own = pulls.own(0..columns.len());
+    if own.is_empty() {
+        return Some(mean_square(&[], most));
+    }
     let score_vector = DVector::from_fn(own.len(), |k, _| pulls.score_vector[own[k]]);
     let eigen = SymmetricEigen::new(pick(&pulls.gram, &own, &own));
     let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
