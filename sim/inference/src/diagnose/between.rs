@@ -13,7 +13,7 @@
 //! Source: Harville (1977), Journal of the American Statistical Association 72, 320-338, for what is left beside the
 //! mean; Gelman (2006), Bayesian Analysis 1, 515-534, for a uniform belief of τ.
 
-use nalgebra::{DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::candidate::Candidate;
 use super::constancy::UNLIKE;
@@ -66,21 +66,26 @@ fn variance(fit: &Joint, place: usize, most: f64) -> Option<f64> {
     }
     let pulls = Pulls::of(fit, &columns, |_| RESOLVED);
     let own = pulls.own(0..columns.len());
-    if own.is_empty() {
-        return Some(mean_square(&[], most));
-    }
     let score_vector = DVector::from_fn(own.len(), |k, _| pulls.score_vector[own[k]]);
-    let eigen = SymmetricEigen::new(pick(&pulls.gram, &own, &own));
-    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let parts = parts(pick(&pulls.gram, &own, &own), &score_vector, pulls.variance_inflation);
+    Some(mean_square(&parts, most))
+}
+
+/// Of each independent part of a score vector: y², and λ. None where no release shows anything by itself.
+fn parts(gram: DMatrix<f64>, score_vector: &DVector<f64>, noise: f64) -> Vec<(f64, f64)> {
+    if gram.is_empty() {
+        return Vec::new();
+    }
+    let eigen = SymmetricEigen::new(gram);
+    let largest = eigen.eigenvalues.amax();
     let parts = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
     // The mean is fitted, and what is left along it are errors of slopes.
     let parts = parts.filter(|(value, _)| **value > RESOLVED * largest);
-    let noise = pulls.variance_inflation;
     let part = |(value, vector): (&f64, _)| {
         let pull: f64 = score_vector.dot(&vector);
         (pull * pull / (noise * value), value / noise)
     };
-    Some(mean_square(&parts.map(part).collect::<Vec<_>>(), most))
+    parts.map(part).collect()
 }
 
 /// Points at which the probability of τ is taken.
@@ -123,6 +128,18 @@ mod tests {
         let most = 0.002 / 3f64.sqrt();
         assert!((0.85 * most..1.01 * most).contains(&unlike), "{unlike} of {most}");
         assert!(alike < most / 3f64.sqrt(), "{alike} of {most}");
+    }
+
+    /// Two releases whose sizes are 1 and -1 from their mean: their difference is one part, with twice the square of that. Nothing
+    /// has no part.
+    #[test]
+    fn two_releases_have_one_part() {
+        let gram = DMatrix::from_row_slice(2, 2, &[0.5, -0.5, -0.5, 0.5]);
+        let score_vector = &gram * DVector::from_column_slice(&[1.0, -1.0]);
+        let found = parts(gram, &score_vector, 2.0);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].0 - 1.0).abs() < 1e-12 && (found[0].1 - 0.5).abs() < 1e-12, "{found:?}");
+        assert_eq!(parts(DMatrix::zeros(0, 0), &DVector::zeros(0), 1.0), []);
     }
 
     /// Parts that say nothing leave a third of the square of the most; many that agree on 0.1 leave that; many without
