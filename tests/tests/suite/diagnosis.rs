@@ -324,7 +324,7 @@ fn what_the_catalogue_does_not_hold_is_unknown() {
 /// Robbed of every stiffness that grows with bending, the catalogue has no name for one; its moment is found
 /// for what it is, a cube of the curvature.
 #[test]
-#[ignore = "a minute or more; its kind has a shorter test beside it"]
+#[ignore = "long; .ci/run runs it"]
 fn what_has_no_name_is_described() {
     let hidden = Hidden::named("cubic_stiffness", 1.0).expect("it is known");
     let found = robbed(hidden, 904);

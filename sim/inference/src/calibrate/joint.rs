@@ -25,7 +25,7 @@ pub(crate) struct Estimate {
 
 impl Estimate {
     /// Whether it is the same unknown, perhaps of a problem with other parameters, where its place is another one.
-    fn is(&self, other: &Unknown) -> bool {
+    pub fn is(&self, other: &Unknown) -> bool {
         self.unknown.name == other.name && self.unknown.group.is(other.group)
     }
 

@@ -215,16 +215,16 @@ impl Member<'_> {
             Some(Slopes::Variational) => theta.iter().map(|(k, _)| *k).collect(),
             _ => Vec::new(),
         };
-        let slips = trial.with(&theta).0.slipping().is_some();
-        // Friction that rests turns either way by rounding: a run that repeats the steps of another, or its own, may have to
-        // resolve what that one had not to.
-        let resolving = match &request.steps {
-            Steps::Repeated(ends) if slips => Some(Steps::Given(ends.clone())),
-            _ => None,
-        };
-        let path = match (self.simulate(&theta, instant, request, watched.clone()), resolving) {
-            (Err(ForwardError::Integrate { error: IntegrateError::StepTooLong { .. }, .. }), Some(steps)) => {
-                self.simulate(&theta, instant, RunRequest { count, fidelity, steps }, watched)?
+        let slips = || trial.with(&theta).0.slipping().is_some();
+        let path = match (self.simulate(&theta, instant, request.clone(), watched.clone()), request.steps) {
+            // Friction at rest turns either way by rounding: a run on the steps of another, or on its own, may have to resolve
+            // a turn that the first one did not.
+            (
+                Err(ForwardError::Integrate { error: IntegrateError::StepTooLong { .. }, .. }),
+                Steps::Repeated(ends),
+            ) if slips() => {
+                let resolving = RunRequest { count, fidelity, steps: Steps::Given(ends) };
+                self.simulate(&theta, instant, resolving, watched)?
             }
             (path, _) => path?,
         };
@@ -254,7 +254,7 @@ impl Member<'_> {
         };
         if let Some(slopes) = slopes {
             let difference = match slopes {
-                Slopes::Differences if slips => DIFFERENCE_WITH_FRICTION,
+                Slopes::Differences if slips() => DIFFERENCE_WITH_FRICTION,
                 _ => DIFFERENCE,
             };
             let moved = |(l, local): (usize, &Local)| match (slopes, local.acts) {

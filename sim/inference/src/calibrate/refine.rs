@@ -18,11 +18,11 @@ use super::uncertainty::pseudo_inverse;
 use super::view::{Evaluation, View};
 use crate::normal::CLEAR;
 
-/// Share of a standard error to which a fit is found, and half of that to which the ends of an interval are.
+/// Share of a standard error to which the fit of a calibration is found.
 pub(super) const RESOLUTION: f64 = 0.02;
-/// The same for the fits of a diagnosis, and for those that are only compared with each other: the error of χ² is then 0.01, and
-/// 0.25 where a lead of several units decides.
+/// The same for a fit of a diagnosis: the error of χ² is then 0.01.
 pub(crate) const RESOLUTION_FITTED: f64 = 0.1;
+/// The same for a fit that is only compared with others: the error of χ² is then 0.25, and a lead of 12 decides.
 pub(crate) const RESOLUTION_COMPARED: f64 = 0.5;
 /// Rounds in which the loss and the weights follow what a fit misses.
 pub(crate) const MOST_ROUNDS: usize = 4;

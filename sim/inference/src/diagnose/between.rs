@@ -1,64 +1,57 @@
-//! By how much a parameter of an effect differs from release to release, and what that adds to the error of their mean.
+//! How much the parameters of an effect differ between releases, and what that adds to their errors.
 //!
-//! In release r let it be θ + δ_r, with independent δ_r of standard deviation τ. One value for all, fitted, has the
-//! error `c τ²` beside that of the noise. c is the sum of the squares of the releases' weights in it: 1/n where n
-//! releases say as much.
+//! Let a parameter have the value θ + δ_r in release r, with independent δ_r of standard deviation τ. A fit of one value to
+//! all releases then has the variance `c τ²` beside that of the noise. c is the sum of the squared weights of the releases in
+//! that value: 1/n for n releases of equal weight.
 //!
-//! What the residuals ask for in each release, while the fit and its one value have had their way, says how large τ may be.
-//! Along the eigenvectors of its Gram matrix, and in units of the noise, the score vector has components y_k. They are
-//! independent with variances `1 + τ² λ_k`, with λ_k the eigenvalues over that noise. Before them, τ may be anything up to the
-//! share of the size from which on an effect is not believed (`constancy.rs`); its mean square after them is what counts.
-//! Of a parameter in one release alone nothing is known: its interval is that of this release.
+//! τ follows from the score vector of the releases' own values at the fit. Along the eigenvectors of its Gram matrix, in units
+//! of the noise, the components y_k of the score vector are independent and have the variances `1 + τ² λ_k`, with λ_k the
+//! eigenvalues over the noise. The prior of τ is uniform up to the share of the size beyond which an effect is not believed
+//! (`constancy.rs`), and the posterior mean of τ² is taken. With one release nothing is known of τ, and the interval is that
+//! of this release.
 //!
-//! Source: Harville (1977), Journal of the American Statistical Association 72, 320-338, for what is left beside the
-//! mean; Gelman (2006), Bayesian Analysis 1, 515-534, for a uniform belief of τ.
+//! Source: Harville (1977), Journal of the American Statistical Association 72, 320-338, for the variance beside a fitted
+//! mean; Gelman (2006), Bayesian Analysis 1, 515-534, for the uniform prior.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::candidate::Candidate;
 use super::constancy::UNLIKE;
 use super::design_matrix::of_releases;
-use super::refit::prefix;
-use super::score::{Pulls, RESOLVED, pick};
+use super::refit::places_of;
+use super::score::{Pulls, RESOLVED, followed, pick};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::unknowns::Group;
 
-/// Standard error of each scaled unknown of a fit because it differs between releases, beside that of the noise: 0 but for
-/// parameters of the effects of candidates. `all` is a fit of the same model to these releases and, where there are any, to
-/// held-out ones.
+/// Standard error of each scaled unknown of a fit that comes from differences between releases, beside that of the noise. It is
+/// zero except for parameters of the candidates' effects. `all` is a fit of the same model to these releases and any held-out
+/// ones.
 pub(super) fn between_releases<'a>(
     fit: &Joint,
     all: &Joint,
     candidates: impl IntoIterator<Item = &'a Candidate>,
 ) -> Vec<f64> {
+    let known = all.known();
     let mut errors = vec![0.0; fit.found.x.len()];
     for candidate in candidates {
-        let prefix = prefix(candidate.name());
-        for (place, own) in fit.objective.part.unknowns.iter().enumerate() {
-            let is_asked = own.name.starts_with(&prefix) && !matches!(own.group, Group::Release(_));
-            if !is_asked {
+        for place in places_of(fit, candidate) {
+            let own = &fit.objective.part.unknowns[place];
+            if matches!(own.group, Group::Release(_)) {
                 continue;
             }
             let null_value = if own.name == candidate.path() { candidate.null_value } else { 0.0 };
             let size = (own.scaled.value(fit.found.x[place]) - null_value).abs();
-            let unknowns = &all.objective.part.unknowns;
-            let there =
-                unknowns.iter().position(|other| (&other.name, other.group) == (&own.name, own.group));
+            let there = known.iter().position(|known| known.is(own));
             if let Some(variance) = there.and_then(|there| variance(all, there, UNLIKE * size)) {
-                errors[place] = (squared_weights(fit, place) * variance).sqrt();
+                let weights = followed(fit, &of_releases(fit, place, 0));
+                errors[place] = (weights.row(place).norm_squared() * variance).sqrt();
             }
         }
     }
     errors
 }
 
-/// Sum of the squares of what each release adds to the scaled unknown with a unit of its own value.
-fn squared_weights(fit: &Joint, place: usize) -> f64 {
-    let columns = of_releases(fit, place, 0);
-    Pulls::of(fit, &columns, |_| RESOLVED).followed.row(place).norm_squared()
-}
-
-/// τ² of an unknown, where τ may be so large at most, both in units of its value; none where one release has it.
+/// The posterior mean of τ² of an unknown in units of its value, with τ up to `most`; none where only one release has it.
 fn variance(fit: &Joint, place: usize, most: f64) -> Option<f64> {
     let columns = of_releases(fit, place, 0);
     if columns.len() < 2 {
@@ -71,7 +64,7 @@ fn variance(fit: &Joint, place: usize, most: f64) -> Option<f64> {
     Some(mean_square(&parts, most))
 }
 
-/// Of each independent part of a score vector: y², and λ. None where no release shows anything by itself.
+/// y² and λ of each independent component of a score vector; none where no release shows its own value.
 fn parts(gram: DMatrix<f64>, score_vector: &DVector<f64>, noise: f64) -> Vec<(f64, f64)> {
     if gram.is_empty() {
         return Vec::new();
@@ -79,7 +72,7 @@ fn parts(gram: DMatrix<f64>, score_vector: &DVector<f64>, noise: f64) -> Vec<(f6
     let eigen = SymmetricEigen::new(gram);
     let largest = eigen.eigenvalues.amax();
     let parts = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
-    // The mean is fitted, and what is left along it are errors of slopes.
+    // Along the mean, which is fitted, there are only errors of slopes.
     let parts = parts.filter(|(value, _)| **value > RESOLVED * largest);
     let part = |(value, vector): (&f64, _)| {
         let pull: f64 = score_vector.dot(&vector);
@@ -88,10 +81,10 @@ fn parts(gram: DMatrix<f64>, score_vector: &DVector<f64>, noise: f64) -> Vec<(f6
     parts.map(part).collect()
 }
 
-/// Points at which the probability of τ is taken.
+/// Points at which the probability density of τ is summed.
 const POINTS: usize = 200;
 
-/// Mean square of τ, uniform up to the most before, after parts with squares y² and their λ.
+/// Posterior mean of τ² from components with such y² and λ, with a uniform prior of τ up to `most`.
 fn mean_square(parts: &[(f64, f64)], most: f64) -> f64 {
     let squares = (0..POINTS).map(|k| (most * (k as f64 + 0.5) / POINTS as f64).powi(2));
     let logarithm = |square: f64| {
@@ -114,8 +107,8 @@ mod tests {
     use super::*;
     use crate::diagnose::constancy::tests::fitted;
 
-    /// Of a scale of 0.01, τ is 0.002 at most: releases that differ by 0.005 leave nearly that, over the root of three; releases
-    /// that are alike leave less than τ has before them.
+    /// With a scale of 0.01 τ is at most 0.002. Three releases that differ by 0.005 give nearly that over the root of three; three
+    /// equal ones give less than the prior alone.
     #[test]
     fn the_mean_of_three_is_as_well_known_as_they_are_alike() {
         let error = |scales| {
@@ -130,10 +123,9 @@ mod tests {
         assert!(alike < most / 3f64.sqrt(), "{alike} of {most}");
     }
 
-    /// Two releases whose sizes are 1 and -1 from their mean: their difference is one part, with twice the square of that. Nothing
-    /// has no part.
+    /// Two releases, 1 above and 1 below their mean, have one component: their difference. An empty matrix has none.
     #[test]
-    fn two_releases_have_one_part() {
+    fn two_releases_have_one_component() {
         let gram = DMatrix::from_row_slice(2, 2, &[0.5, -0.5, -0.5, 0.5]);
         let score_vector = &gram * DVector::from_column_slice(&[1.0, -1.0]);
         let found = parts(gram, &score_vector, 2.0);
@@ -142,10 +134,9 @@ mod tests {
         assert_eq!(parts(DMatrix::zeros(0, 0), &DVector::zeros(0), 1.0), []);
     }
 
-    /// Parts that say nothing leave a third of the square of the most; many that agree on 0.1 leave that; many without
-    /// any leave nothing.
+    /// Components without information leave the prior, a third of the square of its end. Many components tell 0.1 from zero.
     #[test]
-    fn parts_say_how_large_it_is() {
+    fn many_components_determine_the_spread() {
         assert!((mean_square(&[], 0.2) - 0.04 / 3.0).abs() < 1e-6);
         assert!((mean_square(&[(1.0, 1e-6)], 0.2) - 0.04 / 3.0).abs() < 1e-6);
         let (found, none) = (mean_square(&[(101.0, 1e4); 100], 0.3), mean_square(&[(1.0, 1e4); 100], 0.3));

@@ -92,7 +92,7 @@ impl Course<'_> {
         Ok(())
     }
 
-    /// The standard error of each unknown because it differs between releases, held-out ones among them.
+    /// The standard error of each unknown from differences between releases, held-out ones included.
     fn between_releases(&self) -> Result<Vec<f64>, CalibrateError> {
         if self.added.is_empty() || self.diagnosis.verdict == Verdict::Unknown || self.is_stopped() {
             return Ok(vec![0.0; self.model.found.x.len()]);

@@ -9,7 +9,7 @@
 use super::candidate::Candidate;
 use super::design_matrix::{Column, of_releases};
 use super::mesh_check::LAW;
-use super::refit::prefix;
+use super::refit::places_of;
 use super::round::RARER;
 use super::score::{RESOLVED, Subject, scores};
 use super::shortlist::Best;
@@ -18,8 +18,8 @@ use crate::calibrate::joint::Joint;
 /// Why an effect is not believed that would have to differ from release to release.
 pub(super) const INCONSTANT: &str = "its strength would have to differ between releases";
 
-/// By how much of its size an effect has to differ between releases: right names were seen up to a seventh, similar
-/// effects from a quarter on.
+/// Share of its size by which an effect that is not believed differs between releases. Correct effects were seen to need up to a
+/// seventh, similar effects a quarter or more.
 pub(super) const UNLIKE: f64 = 0.2;
 
 /// The effects of a fit that would have to differ from release to release, by more than noise would have it, a fifth
@@ -32,11 +32,9 @@ pub(super) fn inconstant(fit: &Joint, added: &[Best], false_alarm: f64) -> Vec<&
 /// The same of candidates, each with what it explains of χ².
 fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static str> {
     let of = |(place, (candidate, _)): (usize, &(&Candidate, f64))| {
-        let prefix = prefix(candidate.name());
-        let unknowns = fit.objective.part.unknowns.iter().enumerate();
-        let own = unknowns.filter(move |(_, own)| own.name.starts_with(&prefix));
-        // Where the first has its value, the others may have theirs.
-        own.flat_map(move |(unknown, _)| of_releases(fit, unknown, place).into_iter().skip(1))
+        // The first release has the value of the fit, and the others may have another.
+        places_of(fit, candidate)
+            .flat_map(move |unknown| of_releases(fit, unknown, place).into_iter().skip(1))
     };
     let columns: Vec<Column> = added.iter().enumerate().flat_map(of).collect();
     let subjects = vec![Subject { own: RESOLVED, ..Subject::default() }; added.len()];

@@ -121,8 +121,8 @@ pub(super) fn rough_from(
     }))
 }
 
-/// Follows a candidate to a fit that can be compared with others; `is_surpassed` where one of them leaves noise alone, and this
-/// one is far behind. None where it cannot be run.
+/// Follows a candidate to a fit that can be compared with others. It `is_surpassed` if another one leaves only noise and it is
+/// far behind. None where it cannot be run.
 pub(super) fn refit(
     rough: &Rough,
     candidate: &Candidate,
@@ -133,7 +133,7 @@ pub(super) fn refit(
         let limited = within_steps(problem, rough.most_steps);
         let followed = Joint::follow(&limited, &known, RESOLUTION_COMPARED)?;
         // The way from the fit without it may end beside the best, for friction changes the phase, or where no run
-        // ends: that says nothing of the effect. One that is surpassed has begun from where the best ended as well.
+        // ends: that says nothing of the effect. One that is surpassed is too far behind to be worth a search.
         let is_met = |fit: &Joint| !candidate.strength.is_friction || fit.is_explained();
         let is_over = is_surpassed || followed.as_ref().is_some_and(is_met);
         let searched = if is_over { None } else { Joint::search(&limited, &|_| ()).ok() };
@@ -171,7 +171,7 @@ impl Added {
     }
 
     /// The same, where what is badly known has its bounds from the profile of the likelihood: there the cost is no
-    /// parabola. `between` is the standard error of each unknown because it differs between releases.
+    /// parabola. `between` is the standard error of each unknown from differences between releases (`between.rs`).
     pub(super) fn profiled(fit: &Joint, candidate: &Candidate, between: &[f64]) -> Self {
         let of = uncertainty(&fit.objective, &fit.found);
         let bounds = |k: usize, known: &Estimate| {
@@ -233,6 +233,13 @@ pub(super) fn errors(fit: &Joint, between: &[f64]) -> muscle::Known {
         marker: marker(trials().map(|trial| &trial.release), nuisance),
         ..muscle::Known::default()
     }
+}
+
+/// Places of the unknowns of a fit that are parameters of a candidate's effect.
+pub(super) fn places_of<'a>(fit: &'a Joint, candidate: &Candidate) -> impl Iterator<Item = usize> + use<'a> {
+    let prefix = prefix(candidate.name());
+    let unknowns = fit.objective.part.unknowns.iter().enumerate();
+    unknowns.filter(move |(_, own)| own.name.starts_with(&prefix)).map(|(place, _)| place)
 }
 
 /// What names of an effect's parameters begin with.

@@ -192,7 +192,7 @@ pub(super) fn columns(
     design_matrix::columns(fit, candidates, &moved)
 }
 
-/// How the residuals of a fit pull on columns, all else that it knows being free.
+/// The score vector of columns, with the unknowns of a fit free, and what it is measured by.
 pub(super) struct Pulls {
     /// `U = s⊥ᵀ r` of each column.
     pub score_vector: DVector<f64>,
@@ -200,8 +200,6 @@ pub(super) struct Pulls {
     variance: DMatrix<f64>,
     /// `s⊥ᵀ s⊥`.
     pub gram: DMatrix<f64>,
-    /// How far the fit's scaled unknowns move with a unit of each column, to follow it: shape `[unknown][column]`.
-    pub followed: DMatrix<f64>,
     /// Whether enough of a column is left.
     is_own: Vec<bool>,
     /// As in [`Scores`].
@@ -209,7 +207,7 @@ pub(super) struct Pulls {
 }
 
 impl Pulls {
-    /// Of some columns at least; `own` is the share of each one's square that must be left when the fit has had its way.
+    /// Of at least one column; `own` is [`Subject::own`] of each.
     pub fn of(fit: &Joint, columns: &[Column], own: impl Fn(&Column) -> f64) -> Self {
         let n = fit.found.x.len();
         let m = columns.len();
@@ -249,10 +247,10 @@ impl Pulls {
         if seen < QUIETEST {
             variance *= QUIETEST / seen.max(f64::MIN_POSITIVE);
         }
-        Self { score_vector, variance, gram, followed, is_own, variance_inflation: seen.max(1.0) }
+        Self { score_vector, variance, gram, is_own, variance_inflation: seen.max(1.0) }
     }
 
-    /// Those of some columns of which enough is left.
+    /// Of these columns those of which enough is left.
     pub fn own(&self, columns: impl IntoIterator<Item = usize>) -> Vec<usize> {
         columns.into_iter().filter(|k| self.is_own[*k]).collect()
     }
@@ -284,6 +282,12 @@ pub(super) fn scores(fit: &Joint, subjects: &[Subject], columns: &[Column], fals
 /// `s⊥ᵀ s⊥` of columns behind the unknowns of a fit, whose second derivatives are given, all else being free.
 pub(super) fn gram(fit: &Joint, hessian: &DMatrix<f64>) -> DMatrix<f64> {
     orthogonal(hessian, fit.found.x.len()).1
+}
+
+/// How far the scaled unknowns of a fit move to follow a unit of each column, shape `[unknown][column]`.
+pub(super) fn followed(fit: &Joint, columns: &[Column]) -> DMatrix<f64> {
+    let (_, hessian) = normal_equations(fit, &extended(fit, columns), columns.len());
+    orthogonal(&hessian, fit.found.x.len()).0
 }
 
 /// What the first `n` unknowns take of the others, and what is left of those.
