@@ -179,9 +179,13 @@ impl Objective {
     ) -> (DVector<f64>, DMatrix<f64>) {
         let size = x.len() + columns;
         let (mut gradient, mut hessian) = (DVector::zeros(size), DMatrix::zeros(size, size));
-        for (r, block) in blocks.iter().enumerate() {
+        let of = |(r, block): (usize, &Vec<Series>)| {
             let places = self.places(r, columns);
             let (own_gradient, own_hessian) = normal_equations_of(block, places.len(), loss[r]);
+            (places, own_gradient, own_hessian)
+        };
+        let each: Vec<_> = blocks.par_iter().enumerate().map(of).collect();
+        for (places, own_gradient, own_hessian) in each {
             for (a, place) in places.iter().enumerate() {
                 gradient[*place] += own_gradient[a];
             }

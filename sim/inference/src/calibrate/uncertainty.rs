@@ -189,17 +189,17 @@ pub(crate) fn pseudo_inverse(hessian: &DMatrix<f64>) -> (DMatrix<f64>, Vec<bool>
     let scaled = DMatrix::from_fn(n, n, |a, b| hessian[(a, b)] * unit(a) * unit(b));
     let eigen = SymmetricEigen::new(scaled);
     let most = eigen.eigenvalues.amax();
-    let mut inverse = DMatrix::zeros(n, n);
+    let mut per_value = eigen.eigenvectors.clone();
     let mut flat_share = vec![0.0; n];
-    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+    for (value, mut vector) in eigen.eigenvalues.iter().zip(per_value.column_iter_mut()) {
         if *value > FLAT * most {
-            inverse += vector * vector.transpose() / *value;
+            vector /= *value;
         } else {
-            for (share, v) in flat_share.iter_mut().zip(vector.iter()) {
-                *share += v * v;
-            }
+            flat_share.iter_mut().zip(vector.iter()).for_each(|(share, v)| *share += v * v);
+            vector.fill(0.0);
         }
     }
+    let inverse = per_value * eigen.eigenvectors.transpose();
     let inverse = DMatrix::from_fn(n, n, |a, b| inverse[(a, b)] * unit(a) * unit(b));
     let is_determined = (0..n).map(|k| size[k] > 0.0 && flat_share[k] < SHARE).collect();
     (inverse, is_determined)

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use efam_experiments::release::{Point, Track};
+use nalgebra::DMatrix;
 
 use super::Course;
 use super::candidate::Candidate;
@@ -128,12 +129,13 @@ impl Pair<'_> {
         let one_more = self.simulated(&[angles.clone(), payload.clone()], is_long);
         let mut simulated = one_more.or_else(|| self.simulated(&[], is_long))?;
         // Where their traces would be told apart already and their fits are not, traces predict nothing.
-        if self.distance(&simulated, &[], 1)? >= APART {
+        if self.distance(&simulated, simulated.hessian(&[])?, 1) >= APART {
             return None;
         }
         let best_of = |simulated: &Simulated, all: &[&'static [Extra]]| {
-            let distances =
-                all.iter().filter_map(|extras| Some((self.distance(simulated, extras, 1)?, *extras)));
+            let distances = all.iter().filter_map(|extras| {
+                Some((self.distance(simulated, simulated.hessian(extras)?, 1), *extras))
+            });
             distances.max_by(|a, b| a.0.total_cmp(&b.0))
         };
         let (mut distance, mut extras) = best_of(&simulated, &ONE_MORE)?;
@@ -154,8 +156,9 @@ impl Pair<'_> {
         let mut what = format!("the same releases {}", listed(&words));
         if distance < APART {
             let needed = (APART / distance).powi(2).ceil() as u32;
-            let several = |times: u32| Some((times, self.distance(&simulated, extras, times)?));
-            let mut enough = (needed..=MOST_TIMES).filter_map(several);
+            let hessian = simulated.hessian(extras)?;
+            let several = |times: u32| (times, self.distance(&simulated, hessian.clone(), times));
+            let mut enough = (needed..=MOST_TIMES).map(several);
             if let Some((times, enough)) = enough.find(|(_, distance)| *distance >= APART) {
                 what += &format!(", each recorded {times} times");
                 distance = enough;
@@ -208,12 +211,9 @@ impl Pair<'_> {
         Some(Simulated { blocks: extended(&fit, &columns), fit, columns, more, tracks, counts })
     }
 
-    /// How far apart they are in an experiment whose releases are each recorded some times; none where that is no more than
-    /// the one at hand, or cannot be run.
-    fn distance(&self, simulated: &Simulated, extras: &[Extra], times: u32) -> Option<f64> {
+    /// How far apart they are in an experiment with these second derivatives, whose releases are each recorded some times.
+    fn distance(&self, simulated: &Simulated, mut hessian: DMatrix<f64>, times: u32) -> f64 {
         let Simulated { fit, columns, .. } = simulated;
-        let blocks = simulated.part(extras)?;
-        let (_, mut hessian) = normal_equations(fit, &blocks, columns.len());
         // One release stands for so many alike, each with a setup of its own: these together weigh as much more as they are
         // against what is believed of all, so that a distance is that of one times the root of `times`.
         for (k, _, slope) in fit.objective.prior_residuals(&fit.found.x) {
@@ -224,11 +224,18 @@ impl Pair<'_> {
         let (first, second) = (places(columns, 0), places(columns, 1));
         let strengths = vec![self.strength - self.of[0].null_value; first.len()];
         let distance = distance(&gram(fit, &hessian), &first, &second, &strengths);
-        Some(distance * (f64::from(times) / self.variance_inflation).sqrt())
+        distance * (f64::from(times) / self.variance_inflation).sqrt()
     }
 }
 
 impl Simulated {
+    /// Second derivatives of an experiment, by the unknowns and the strengths of both effects behind them. None where it has
+    /// nothing more than the one at hand.
+    fn hessian(&self, extras: &[Extra]) -> Option<DMatrix<f64>> {
+        let blocks = self.part(extras)?;
+        Some(normal_equations(&self.fit, &blocks, self.columns.len()).1)
+    }
+
     /// What is recorded in an experiment: its releases, markers and samples, and nothing of the others. None where it has
     /// nothing more than the one at hand.
     fn part(&self, extras: &[Extra]) -> Option<Vec<Vec<Series>>> {
@@ -351,7 +358,7 @@ mod tests {
         let pair = Pair { problem, known: &[], of, strength: 1.0, variance_inflation: 1.0, now: 0.0 };
         let repeats: Vec<_> = repeats.iter().map(|extra| vec![*extra]).collect();
         let simulated = pair.simulated(&repeats, |_| !extras.is_empty()).unwrap();
-        pair.distance(&simulated, extras, times).unwrap()
+        pair.distance(&simulated, simulated.hessian(extras).unwrap(), times)
     }
 
     /// An experiment of a release and one with a payload, and the same as a part of one with more markers that is longer.
