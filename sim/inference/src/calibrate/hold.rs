@@ -44,19 +44,23 @@ pub(super) fn shows_moment(release: &Release) -> bool {
 }
 
 /// Lets a trial start at rest in the hand that holds its markers where they are seen.
-pub(super) fn hold(trial: &mut Trial) -> Result<(), ForwardError> {
+pub(crate) fn hold(trial: &mut Trial) -> Result<(), ForwardError> {
     trial.model = trial.model.with_effect(NAME, &[("held", 0.0)])?;
     let mut holding = trial.model.clone();
     holding.set(HELD, 1.0)?;
     let own = vec![holding.index(HELD)?];
     trial.run.initial = Initial::Equilibrium { hold: Box::new(holding), own };
-    let (mut model, mut run) = (trial.model.clone(), trial.run.clone());
-    if model.edges >= NODES {
-        (model, run) = run.on_mesh(&model, NODES)?;
-    }
-    let values = find(&Trial { release: trial.release.clone(), model, run })?;
+    let values = find(trial)?;
     (trial.model, trial.run.initial) = trial.with(&values);
     Ok(())
+}
+
+/// By how much the load of the hand has to change, SI, so that the markers stay where they are when the model of a trial becomes that
+/// of `after`.
+pub(crate) fn change(before: &Trial, after: &Trial) -> Result<Vec<(&'static str, f64)>, ForwardError> {
+    let [x, z, _, _, moment] = PULL;
+    let changes = find(before)?.into_iter().zip(find(after)?).map(|((_, from), (_, to))| to - from);
+    Ok([x, z, moment].into_iter().zip(changes).collect())
 }
 
 /// Where the force, and the moment if the release can tell it, stand in `theta`, and their sizes.
@@ -83,8 +87,12 @@ fn targets(release: &Release) -> Vec<Option<[f64; 2]>> {
 
 /// The load that brings the markers nearest to where they are, beside what a hand may do.
 fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
+    let mut trial = trial.clone();
+    if trial.model.edges >= NODES {
+        (trial.model, trial.run) = trial.run.on_mesh(&trial.model, NODES)?;
+    }
     let targets = targets(&trial.release);
-    let load = load(trial)?;
+    let load = load(&trial)?;
     let unknowns = load.len();
     let scaled = |x: &DVector<f64>| -> Vec<_> {
         load.iter().zip(x.iter()).map(|((place, size), x)| (*place, size * x)).collect()
@@ -136,10 +144,12 @@ fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
 #[cfg(test)]
 mod tests {
     use efam_core::example::muscle_at_15_psi;
+    use efam_experiments::release::Point;
     use models::statics::equilibrium;
     use models::system::System;
 
     use super::*;
+    use crate::example;
 
     /// Held as high as the clamp and pushed towards it, and pulled down.
     #[test]
@@ -159,5 +169,33 @@ mod tests {
             println!("({x}, {z}): {off:e} of the length");
             assert!(off < 0.1 * PLACE, "({x}, {z}): {off} of the length");
         }
+    }
+
+    /// With a set curvature the hand has to pull otherwise for the markers to stay within their errors. With the same pull the tip moves
+    /// by a twentieth of the length.
+    #[test]
+    fn another_pull_holds_a_curved_rod_in_the_same_place() {
+        let before = example::pulled(0.0);
+        let length = before.model.rod().length;
+        let after = before.with_effect("set_curvature", &[("natural_curvature", -1.0 / length)]).unwrap();
+        let pulls = |changes: &[(&str, f64)]| -> Vec<(usize, f64)> {
+            let place = |path: &str| after.model.index(path).unwrap();
+            changes
+                .iter()
+                .map(|(path, change)| (place(path), after.model.theta[place(path)] + change))
+                .collect()
+        };
+        let tip = |trial: &Trial, values: &[(usize, f64)]| {
+            let (model, initial) = trial.with(values);
+            let run = Run { initial, points: vec![Point::Tip], samples: vec![0.0], ..Run::release(0.0, 1.0) };
+            forward(&model, &run, &mut |_| ControlFlow::Continue(())).unwrap().points[0][0]
+        };
+        let held = tip(&before, &[]);
+        let off = |values: &[(usize, f64)]| {
+            let [x, z] = tip(&after, values);
+            (x - held[0]).hypot(z - held[1]) / length
+        };
+        let (changed, same) = (off(&pulls(&change(&before, &after).unwrap())), off(&[]));
+        assert!(changed < PLACE && same > 10.0 * PLACE, "{changed} and {same} of the length");
     }
 }

@@ -130,11 +130,8 @@ impl Joint {
         known: &[Estimate],
         resolution: f64,
     ) -> Result<Option<Self>, CalibrateError> {
-        match Self::at(problem, known, Slopes::Differences, LAST) {
-            Ok(fit) => Ok(fit.refined(resolution)),
-            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
-            Err(error) => Err(error),
-        }
+        let fit = CalibrateError::if_run(Self::at(problem, known, Slopes::Differences, LAST))?;
+        Ok(fit.and_then(|fit| fit.refined(resolution)))
     }
 
     /// Goes on to `resolution` from where it is. None where it cannot be run on a finer mesh.

@@ -92,13 +92,7 @@ impl Candidate {
                 if Some(value) == of.null_value {
                     continue;
                 }
-                let wider = match value - low < high - value {
-                    true if low < 0.0 => (10.0 * low, high),
-                    true => (0.1 * low, high),
-                    false => (low, 10.0 * high),
-                };
-                let (least, most) = self.farthest(of);
-                let wider = (wider.0.max(least), wider.1.min(most));
+                let wider = self.wider(of, (low, high), value);
                 is_wider |= wider != (low, high);
                 own.bounds = Some(wider);
             }
@@ -106,21 +100,54 @@ impl Candidate {
         is_wider
     }
 
-    /// How far the believed range of a parameter may be widened: one that is stated not at all; a measurement is part of the setup, and as far off as
-    /// that may be; what is believed of it holds two deviations to each side.
+    /// A range of a parameter that is wider towards a value, tenfold and up to what is admissible.
+    fn wider(&self, of: &EffectParameter, (low, high): (f64, f64), value: f64) -> (f64, f64) {
+        let wider = match value - low < high - value {
+            true if low < 0.0 => (10.0 * low, high),
+            true => (0.1 * low, high),
+            false => (low, 10.0 * high),
+        };
+        let (least, most) = self.farthest(of);
+        (wider.0.max(least), wider.1.min(most))
+    }
+
+    /// The range of the strength, wider than believed where a score asks for more, and where in it a fit begins. With a value for each
+    /// release it begins where it is off.
+    fn begin(&self, estimate: f64) -> ((f64, f64), f64) {
+        let (low, high) = self.believed();
+        if self.scope == Scope::PerRelease {
+            return ((low, high), self.null_value);
+        }
+        let is_believed = (low..=high).contains(&estimate);
+        let (low, high) =
+            if is_believed { (low, high) } else { self.wider(self.strength, (low, high), estimate) };
+        ((low, high), estimate.clamp(low, high))
+    }
+
+    /// The same trial with the effect where a fit begins that a score asks for.
+    pub fn begun(&self, trial: &Trial, estimate: f64) -> Result<Trial, ModelError> {
+        self.on(trial, self.begin(estimate).1)
+    }
+
+    /// How far the believed range of a parameter may be widened: one that is stated not at all; what is part of the setup as far as
+    /// that may be off. What is believed of it holds two deviations to each side.
     fn farthest(&self, of: &EffectParameter) -> (f64, f64) {
         if let Some(stated) = self.stated_range(of) {
             return stated;
         }
         let (low, high) = of.range;
-        match of.plausible {
-            Some(_) if self.effect.about().kind == Kind::Measurement => {
-                let (least, most) = believed(of, &self.rod);
-                let (middle, half) = (0.5 * (least + most), 0.25 * FARTHEST * (most - least));
-                ((middle - half).max(low), (middle + half).min(high))
-            }
-            _ => (low, high),
+        if of.plausible.is_none() || !self.is_of_setup(of) {
+            return (low, high);
         }
+        let (least, most) = believed(of, &self.rod);
+        let (middle, half) = (0.5 * (least + most), 0.25 * FARTHEST * (most - least));
+        ((middle - half).max(low), (middle + half).min(high))
+    }
+
+    /// Whether a parameter is part of the setup: of a measurement, and how long a hand acts. A hand of any time acts as any slow loss.
+    fn is_of_setup(&self, of: &EffectParameter) -> bool {
+        let about = self.effect.about();
+        about.kind == Kind::Measurement || about.reach == Reach::Release && of.null_value.is_none()
     }
 
     /// What a fit finds, made anew with wider ranges while it ends at one; none where it cannot be made.
@@ -153,7 +180,7 @@ impl Candidate {
     /// scope of this. `estimate` is where the strength begins.
     pub fn added_to(&self, problem: &Problem, estimate: f64) -> Result<Problem, ModelError> {
         let scope = self.scope;
-        let (low, high) = self.believed();
+        let (bounds, start) = self.begin(estimate);
         let mut problem = problem.clone();
         let path = self.path();
         if let Some(own) = problem.parameters.iter_mut().find(|parameter| parameter.path == path) {
@@ -164,8 +191,8 @@ impl Candidate {
             *trial = self.on(trial, self.null_value)?;
         }
         problem.parameters.push(FittedParameter {
-            start: Some(if scope == Scope::PerRelease { self.null_value } else { estimate.clamp(low, high) }),
-            bounds: Some((low, high)),
+            start: Some(start),
+            bounds: Some(bounds),
             prior: self.belief(),
             scale: Some(Scale::Linear),
             ..FittedParameter::new(&path, scope)

@@ -10,6 +10,8 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
+use super::Course;
+use super::before::Before;
 use super::candidate::{Candidate, candidates};
 use super::mesh_check::{self, LAW, Numerics};
 use super::refit::{Refit, most_steps, within_steps};
@@ -19,7 +21,6 @@ use super::stop::{CUT_SHORT, ending_by, not_run};
 use super::validation::{HeldOut, set};
 use super::verdict::{Evidence, Member};
 use super::warnings::is_strained;
-use super::{Before, Course};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::{FIT, Slopes};
 use crate::calibrate::search::Meeting;
@@ -75,11 +76,8 @@ pub(super) fn before(problem: &Problem) -> Result<Option<Before>, CalibrateError
     let Some(first_swings) = lost(problem)? else { return Ok(None) };
     let mut problem = problem.clone();
     set(&mut problem, &first_swings.known);
-    let fit = match Joint::at(&problem, &first_swings.known, Slopes::Variational, FIT) {
-        Ok(fit) => fit,
-        Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => return Ok(None),
-        Err(error) => return Err(error),
-    };
+    let fit = Joint::at(&problem, &first_swings.known, Slopes::Variational, FIT);
+    let Some(fit) = CalibrateError::if_run(fit)? else { return Ok(None) };
     Before::of(fit, HeldOut::as_predicted, Some(first_swings)).map(Some)
 }
 
@@ -166,15 +164,13 @@ impl Met {
         set(&mut with, known);
         // Each begins where the models are now.
         with.parameters.iter_mut().for_each(|parameter| parameter.start = None);
-        let found =
-            self.candidate.within_ranges(with, |problem| match mesh_check::on_fine_mesh(problem, tell) {
-                Ok((fitted, numerics)) => {
-                    let known = fitted.known();
-                    Ok(Some(((fitted, numerics), known)))
-                }
-                Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
-                Err(error) => Err(error),
-            })?;
+        let found = self.candidate.within_ranges(with, |problem| {
+            let found = CalibrateError::if_run(mesh_check::on_fine_mesh(problem, tell))?;
+            Ok(found.map(|(fitted, numerics)| {
+                let known = fitted.known();
+                ((fitted, numerics), known)
+            }))
+        })?;
         let Some((fitted, numerics)) = found else { return Ok(None) };
         let refit = Refit::of(fitted, &self.candidate, without);
         let fit = &refit.fitted;

@@ -14,6 +14,7 @@
 //! strength from pressure to pressure. Where the baseline misses even the first swings, scores say nothing, and
 //! candidates are fitted to these (`first_swings.rs`).
 
+mod before;
 mod between;
 mod candidate;
 mod conclude;
@@ -47,7 +48,7 @@ mod warnings;
 use efam_core::forward::Cancel;
 use models::muscle;
 
-use crate::calibrate::joint::{Estimate, Joint};
+use crate::calibrate::joint::Joint;
 use crate::calibrate::repeats::Repeats;
 use crate::calibrate::{CalibrateError, Problem};
 pub use curve::Curve;
@@ -55,9 +56,9 @@ pub use section::{admit_tilt, known_effects, problem};
 pub use stated::without;
 pub use verdict::{Diagnosis, Verdict};
 
+use before::Before;
 use candidate::has_several_pressures;
 use curve::{Agreement, curves};
-use first_swings::FirstSwings;
 use round::{Round, RoundRequest, round};
 use setup::Lift;
 use share::Step;
@@ -153,20 +154,25 @@ pub fn diagnose(
     listener.doing("the first swings");
     let before = match first_swings::before(problem)? {
         Some(before) => before,
-        None => {
-            let tell = |what: &str| listener.doing(&format!("baseline: {what}"));
-            let (model, numerics) = mesh_check::on_fine_mesh(problem, &tell)?;
-            diagnosis.numerics = numerics;
-            listener.doing("validation on held-out releases");
-            Before::of(model, HeldOut::meet, None)?
-        }
+        None => Before::searched(problem, listener, &mut diagnosis)?,
     };
+    let searched;
     listener.began();
     let mut course = Course::new(&before, settings, listener, diagnosis);
     if let Some(alone) = course.misstated_alone()? {
         return alone.conclude();
     }
     course.search()?;
+    // Perhaps only two effects together bring the first swings about. The whole recordings may still tell of one.
+    if course.misses_first_swings_with_each() {
+        let mut diagnosis =
+            Diagnosis { verdict: Verdict::default(), misses_first_swings: true, ..course.diagnosis.clone() };
+        if let Some(before) = CalibrateError::if_run(Before::searched(problem, listener, &mut diagnosis))? {
+            searched = before;
+            course = Course::new(&searched, settings, listener, diagnosis);
+            course.search()?;
+        }
+    }
     let is_unknown = course.diagnosis.verdict == Verdict::Unknown && settings.most_effects > 0;
     if is_unknown && has_several_pressures(problem) && !course.is_stopped() {
         listener.doing("second search, with a strength for each pressure");
@@ -205,30 +211,6 @@ struct Course<'a> {
     /// Whether effects of the rod's material have a strength for each pressure.
     is_widened: bool,
     diagnosis: Diagnosis,
-}
-
-/// The baseline: its cost, how it meets what it was fitted to, and held-out releases; what it found.
-struct Before {
-    model: Joint,
-    cost: f64,
-    fitted: Agreement,
-    held_out: Option<HeldOut>,
-    known: Vec<Estimate>,
-    /// The first swings, where it does not meet even those.
-    first_swings: Option<FirstSwings>,
-}
-
-impl Before {
-    /// A model that is shown held-out releases.
-    fn of(
-        model: Joint,
-        show: fn(&Problem, &[Estimate]) -> Result<Option<HeldOut>, CalibrateError>,
-        first_swings: Option<FirstSwings>,
-    ) -> Result<Self, CalibrateError> {
-        let (fitted, cost, known) = (agreement(&model), model.cost(), model.known());
-        let held_out = show(&model.problem, &known)?;
-        Ok(Self { model, cost, fitted, held_out, known, first_swings })
-    }
 }
 
 impl<'a> Course<'a> {
@@ -299,6 +281,12 @@ impl<'a> Course<'a> {
         }
         self.diagnosis.contradictions = misstated.map_or(Vec::new(), |own| own.values);
         Ok(())
+    }
+
+    /// Whether no effect alone brings the model to meet the first swings.
+    fn misses_first_swings_with_each(&self) -> bool {
+        let is_lost = self.before.first_swings.is_some() && self.added.is_empty();
+        is_lost && self.settings.most_effects > 0 && !self.is_stopped()
     }
 
     fn add_all(&mut self) -> Result<(), CalibrateError> {

@@ -5,7 +5,9 @@ use models::muscle::{self, CalibratedParameter};
 use models::quantity::format_si;
 
 use super::candidate::Candidate;
+use super::validation::set;
 use super::verdict::{Added, ParameterValue};
+use crate::calibrate::hold;
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::marker::marker;
 use crate::calibrate::profile::profile;
@@ -13,7 +15,7 @@ use crate::calibrate::refine::{RESOLUTION_COMPARED, RESOLUTION_FITTED};
 use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::{Uncertainty, uncertainty};
 use crate::calibrate::unknowns::Group;
-use crate::calibrate::{CalibrateError, Problem};
+use crate::calibrate::{CalibrateError, Problem, Trial};
 use crate::normal::NORMAL_95;
 
 /// A model with one more effect, fitted.
@@ -113,12 +115,34 @@ pub(super) fn rough_from(
     let (view, most_steps) = (&without.found.view, most_steps(without));
     let Ok(problem) = candidate.added_to(&without.problem, strength) else { return Ok(None) };
     let limited = within_steps(&problem, most_steps);
-    let found = Joint::approach(&limited, known, view, has_own_steps, STAGE_SHARE)?;
+    let known = held(candidate, strength, known, &without.problem);
+    let found = Joint::approach(&limited, &known, view, has_own_steps, STAGE_SHARE)?;
     Ok(found.map(|fit| {
         let (known, cost, without) = (fit.known(), fit.cost(), without.found.x.len());
         let (is_near, is_explained) = (fit.found.converged, fit.is_explained());
         Rough { problem, known, without, cost, is_near, is_explained, most_steps }
     }))
+}
+
+/// What is known, with loads of the hands that hold the rod where it was when a candidate comes in at a strength.
+fn held(candidate: &Candidate, strength: f64, known: &[Estimate], problem: &Problem) -> Vec<Estimate> {
+    let mut problem = problem.clone();
+    set(&mut problem, known);
+    let mut known = known.to_vec();
+    for (place, before) in problem.trials.iter().enumerate() {
+        if !before.is_held() || before.release.held_out {
+            continue;
+        }
+        let change = |after: Trial| hold::change(before, &after).ok();
+        let changes = candidate.begun(before, strength).ok().and_then(change);
+        for (path, change) in changes.into_iter().flatten() {
+            let group = Group::Release(place);
+            for own in known.iter_mut().filter(|own| own.unknown.name == path && own.unknown.group == group) {
+                own.x = own.unknown.scaled.variable(own.value() + change);
+            }
+        }
+    }
+    known
 }
 
 /// Follows a candidate to a fit that can be compared with others. It `is_surpassed` if another one leaves only noise and it is
@@ -285,4 +309,45 @@ fn values(
 fn parabola(of: &Uncertainty, k: usize, known: &Estimate) -> [f64; 2] {
     let deviation = of.covariance[(k, k)].max(0.0).sqrt();
     [-1.0, 1.0].map(|side| known.x + side * NORMAL_95 * deviation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::{FittedParameter, Nuisances, Prior, Scope};
+    use crate::diagnose::DiagnosisSettings;
+    use crate::diagnose::candidate::candidates;
+    use crate::diagnose::planned::record;
+    use crate::example;
+
+    /// A rod that a hand holds aside, with an EI that is stated.
+    fn pulled(curvature: f64) -> Problem {
+        let trial = example::pulled(curvature);
+        let bending_stiffness = trial.model.rod().bending_stiffness;
+        let prior = Some(Prior { mean: bending_stiffness, deviation: 0.05 * bending_stiffness });
+        let stiffness =
+            FittedParameter { prior, ..FittedParameter::new("rod.bending_stiffness", Scope::Shared) };
+        let nuisances = Nuisances { offset: Some(5e-4), release_instant: true, ..Nuisances::default() };
+        Problem { trials: vec![trial.into()], parameters: vec![stiffness], nuisances }
+    }
+
+    /// Nearly three times as much as is believed, from a score that asks for 0.8 of it.
+    #[test]
+    fn a_set_curvature_beyond_what_is_believed_is_found() {
+        let curvature = -0.4;
+        let mut seen = pulled(curvature);
+        record(&mut seen, &[]).unwrap();
+        let mut problem = pulled(0.0);
+        for (trial, seen) in problem.trials_mut().zip(&seen.trials) {
+            trial.release = seen.release.clone();
+            hold::hold(trial).unwrap();
+        }
+        let without = Joint::search(&problem, &|_| ()).unwrap();
+        let all = candidates(&problem, &DiagnosisSettings::default());
+        let candidate = all.iter().find(|own| own.name() == "set_curvature").unwrap();
+        let asked = curvature / problem.trials[0].model.rod().length;
+        let found = rough(candidate, 0.8 * asked, &without).unwrap().unwrap();
+        let own = found.known.iter().find(|own| own.unknown.name == candidate.path()).unwrap();
+        assert!((own.value() / asked - 1.0).abs() < 0.02, "{} of {asked}", own.value());
+    }
 }

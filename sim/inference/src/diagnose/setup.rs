@@ -194,10 +194,7 @@ impl<'a> Course<'a> {
             Some(_) => Joint::search_like(&problem, view),
             None => Joint::search(&problem, &|_| ()).map(Some),
         };
-        let fit = match fit {
-            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => None,
-            fit => fit?.map(|fit| (fit.cost(), fit.known())),
-        };
+        let fit = CalibrateError::if_run(fit)?.flatten().map(|fit| (fit.cost(), fit.known()));
         let (cost, known) = fit.unwrap_or((f64::INFINITY, Vec::new()));
         Ok(Lift { own: own.clone(), cost, known })
     }

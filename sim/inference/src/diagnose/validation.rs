@@ -53,11 +53,8 @@ impl HeldOut {
         }
         // EI of a pressure that was held out as a whole is not known from elsewhere.
         held_out.parameters.retain(|parameter| parameter.scope != Scope::Shared);
-        match fit(&held_out) {
-            Ok(fitted) => Ok(Some(Self { agreement: agreement(&fitted), fitted, together: OnceLock::new() })),
-            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) => Ok(None),
-            Err(error) => Err(error),
-        }
+        let fitted = CalibrateError::if_run(fit(&held_out))?;
+        Ok(fitted.map(|fitted| Self { agreement: agreement(&fitted), fitted, together: OnceLock::new() }))
     }
 
     /// What belongs to them alone, as fitted to them.
