@@ -33,10 +33,17 @@ pub(super) fn pruned(
     known: &[Estimate],
     cost: f64,
 ) -> Result<Option<Lean>, CalibrateError> {
-    for left_out in 0..added.len().saturating_sub(1) {
+    let Some(last) = added.last() else { return Ok(None) };
+    for left_out in 0..added.len() - 1 {
         let others = || (0..added.len()).filter(|k| *k != left_out).map(|k| &added[k].candidate);
         let with = |problem: Problem, other: &Candidate| other.added_to(&problem, other.null_value);
-        let Ok(lean) = others().try_fold(problem.clone(), with) else { continue };
+        let Ok(mut lean) = others().try_fold(problem.clone(), with) else { continue };
+        // A range that was widened stays so.
+        for own in &mut lean.parameters {
+            let all = &last.refit.fitted.problem.parameters;
+            own.bounds =
+                all.iter().find(|of_all| of_all.path == own.path).map_or(own.bounds, |of_all| of_all.bounds);
+        }
         let Some(fit) = Joint::follow(&lean, known, RESOLUTION_FITTED)? else { continue };
         let loss = 2.0 * (fit.cost() - cost) / added[left_out].variance_inflation;
         if loss < added[left_out].penalty {

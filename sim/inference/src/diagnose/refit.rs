@@ -318,6 +318,8 @@ mod tests {
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
     use crate::diagnose::planned::record;
+    use crate::diagnose::prune::pruned;
+    use crate::diagnose::shortlist::Best;
     use crate::example;
 
     /// A rod that a hand holds aside, with an EI that is stated.
@@ -331,10 +333,8 @@ mod tests {
         Problem { trials: vec![trial.into()], parameters: vec![stiffness], nuisances }
     }
 
-    /// Nearly three times as much as is believed, from a score that asks for 0.8 of it.
-    #[test]
-    fn a_set_curvature_beyond_what_is_believed_is_found() {
-        let curvature = -0.4;
+    /// Releases of a rod with such a natural curvature, over its length, and a model without it.
+    fn curved(curvature: f64) -> Problem {
         let mut seen = pulled(curvature);
         record(&mut seen, &[]).unwrap();
         let mut problem = pulled(0.0);
@@ -342,12 +342,48 @@ mod tests {
             trial.release = seen.release.clone();
             hold::hold(trial).unwrap();
         }
+        problem
+    }
+
+    fn named(problem: &Problem, name: &str) -> Candidate {
+        let all = candidates(problem, &DiagnosisSettings::default());
+        all.into_iter().find(|own| own.name() == name).unwrap()
+    }
+
+    /// Natural curvature over what is asked.
+    fn share(known: &[Estimate], asked: f64) -> f64 {
+        let path = "effects.set_curvature.natural_curvature";
+        known.iter().find(|own| own.unknown.name == path).unwrap().value() / asked
+    }
+
+    /// Nearly three times as much as is believed, from a score that asks for 0.8 of it.
+    #[test]
+    fn a_set_curvature_beyond_what_is_believed_is_found() {
+        let problem = curved(-0.4);
+        let asked = -0.4 / problem.trials[0].model.rod().length;
         let without = Joint::search(&problem, &|_| ()).unwrap();
-        let all = candidates(&problem, &DiagnosisSettings::default());
-        let candidate = all.iter().find(|own| own.name() == "set_curvature").unwrap();
-        let asked = curvature / problem.trials[0].model.rod().length;
-        let found = rough(candidate, 0.8 * asked, &without).unwrap().unwrap();
-        let own = found.known.iter().find(|own| own.unknown.name == candidate.path()).unwrap();
-        assert!((own.value() / asked - 1.0).abs() < 0.02, "{} of {asked}", own.value());
+        let found = rough(&named(&problem, "set_curvature"), 0.8 * asked, &without).unwrap().unwrap();
+        let share = share(&found.known, asked);
+        assert!((share - 1.0).abs() < 0.02, "{share}");
+    }
+
+    /// A scale that was taken for it is not needed beside it, and it keeps its size.
+    #[test]
+    fn what_is_beyond_what_is_believed_stays_when_another_effect_goes() {
+        let problem = curved(-0.4);
+        let asked = -0.4 / problem.trials[0].model.rod().length;
+        let added = |fit: &Joint, name: &str, strength: f64| {
+            let candidate = named(&problem, name);
+            let found = rough(&candidate, strength, fit).unwrap().unwrap();
+            let refit = refit(&found, &candidate, false).unwrap().unwrap();
+            let (held_out, members) = (None, Vec::new());
+            Best { candidate, refit, held_out, variance_inflation: 1.0, penalty: 4.0, gain: 0.0, members }
+        };
+        let scale = added(&Joint::search(&problem, &|_| ()).unwrap(), "scale", 0.01);
+        let curvature = added(&scale.refit.fitted, "set_curvature", 0.8 * asked);
+        let (known, cost) = (curvature.refit.known.clone(), curvature.refit.cost);
+        let lean = pruned(&problem, &[scale, curvature], &known, cost).unwrap().expect("one is unnecessary");
+        let share = share(&lean.known, asked);
+        assert!(lean.left_out == 0 && (share - 1.0).abs() < 0.02, "{share}");
     }
 }
