@@ -142,14 +142,40 @@ fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use efam_core::example::muscle_at_15_psi;
-    use efam_experiments::release::Point;
+    use efam_core::forward::uniform;
+    use efam_experiments::release::{Point, Track};
     use models::statics::equilibrium;
     use models::system::System;
 
     use super::*;
     use crate::example;
+
+    /// A hanging rod that a hand holds aside at two markers: at the release they have these places, and at no other time any. The rod has
+    /// a natural curvature, over its length, or none.
+    pub fn pulled(curvature: f64) -> Trial {
+        let mut model = muscle_at_15_psi().with_nodes(9).unwrap();
+        model.set("rod.base_angle", -90f64.to_radians()).unwrap();
+        model.set("effects.rayleigh_stiffness.beta", 0.01).unwrap();
+        let length = model.rod().length;
+        if curvature != 0.0 {
+            let values = [("natural_curvature", curvature / length)];
+            model = model.with_effect("set_curvature", &values).unwrap();
+        }
+        let time = uniform(1.5, 50.0);
+        let track = |marker: &str, at, seen: [f64; 2]| {
+            let mut position = vec![None; time.len()];
+            position[0] = Some(seen.map(|x| x * length));
+            Track { marker: marker.to_owned(), at, position, noise: 1e-3, discrepancy: 0.0 }
+        };
+        let tracks =
+            vec![track("mid", Point::Along(0.5), [0.13, -0.46]), track("tip", Point::Tip, [0.48, -0.82])];
+        let mut trial =
+            Trial { release: example::release(time, tracks), model, run: Run::release(1.5, 50.0) };
+        hold(&mut trial).unwrap();
+        trial
+    }
 
     /// Held as high as the clamp and pushed towards it, and pulled down.
     #[test]
@@ -175,7 +201,7 @@ mod tests {
     /// by a twentieth of the length.
     #[test]
     fn another_pull_holds_a_curved_rod_in_the_same_place() {
-        let before = example::pulled(0.0);
+        let before = pulled(0.0);
         let length = before.model.rod().length;
         let after = before.with_effect("set_curvature", &[("natural_curvature", -1.0 / length)]).unwrap();
         let pulls = |changes: &[(&str, f64)]| -> Vec<(usize, f64)> {

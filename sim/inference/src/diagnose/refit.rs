@@ -320,11 +320,10 @@ mod tests {
     use crate::diagnose::planned::record;
     use crate::diagnose::prune::pruned;
     use crate::diagnose::shortlist::Best;
-    use crate::example;
 
     /// A rod that a hand holds aside, with an EI that is stated.
     fn pulled(curvature: f64) -> Problem {
-        let trial = example::pulled(curvature);
+        let trial = hold::tests::pulled(curvature);
         let bending_stiffness = trial.model.rod().bending_stiffness;
         let prior = Some(Prior { mean: bending_stiffness, deviation: 0.05 * bending_stiffness });
         let stiffness =
