@@ -11,6 +11,9 @@ use crate::twin::drawn::Plan;
 use crate::twin::hidden::{self, Hidden, IN_CATALOGUE};
 use crate::twin::random::Random;
 
+/// Effects of one law, which differ in what is believed of its time alone: without one of them the catalogue still has the law.
+const ONE_LAW: [&str; 2] = ["creep", "viscoelastic"];
+
 /// One question.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Case {
@@ -63,10 +66,13 @@ impl Case {
         !self.is_robbed && self.hidden.iter().all(|(name, _)| by_name(name).is_some())
     }
 
-    /// What is put out of the catalogue.
+    /// What is put out of the catalogue: the hidden effect, and what is the same law.
     pub fn excluded(&self) -> Vec<String> {
         let names = self.hidden.iter().filter(|_| self.is_robbed);
-        names.map(|(name, _)| (*name).to_owned()).collect()
+        let of = |(name, _): &(&'static str, f64)| {
+            if ONE_LAW.contains(name) { ONE_LAW.to_vec() } else { vec![*name] }
+        };
+        names.flat_map(of).map(str::to_owned).collect()
     }
 }
 
@@ -138,4 +144,17 @@ pub fn limits(problem: &Problem) -> Result<BTreeMap<&'static str, Limits>, Calib
         limits.detectable_from.is_finite().then_some((name, limits))
     };
     Ok(kinds().filter_map(of).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_is_removed_under_all_its_names() {
+        let without = |name| Case { is_robbed: true, ..Case::of(name, 1.0, 1) }.excluded();
+        assert_eq!(without("creep"), ["creep", "viscoelastic"]);
+        assert_eq!(without("dahl"), ["dahl"]);
+        assert!(Case::of("creep", 1.0, 1).excluded().is_empty());
+    }
 }

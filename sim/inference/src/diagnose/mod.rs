@@ -163,14 +163,18 @@ pub fn diagnose(
         return alone.conclude();
     }
     course.search()?;
-    // Perhaps only two effects together bring the first swings about. The whole recordings may still tell of one.
+    // Perhaps only two effects together bring the first swings about, and the whole recordings tell of one. Scores of a phase that is
+    // lost say little, so the end must be noise or what does not repeat.
     if course.misses_first_swings_with_each() {
         let mut diagnosis =
             Diagnosis { verdict: Verdict::default(), misses_first_swings: true, ..course.diagnosis.clone() };
         if let Some(before) = CalibrateError::if_run(Before::searched(problem, listener, &mut diagnosis))? {
             searched = before;
-            course = Course::new(&searched, settings, listener, diagnosis);
-            course.search()?;
+            let mut whole = Course::new(&searched, settings, listener, diagnosis);
+            whole.search()?;
+            if whole.diagnosis.verdict != Verdict::Unknown && whole.is_within_noise() {
+                course = whole;
+            }
         }
     }
     let is_unknown = course.diagnosis.verdict == Verdict::Unknown && settings.most_effects > 0;
