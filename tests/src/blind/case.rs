@@ -11,8 +11,8 @@ use crate::twin::drawn::Plan;
 use crate::twin::hidden::{self, Hidden, IN_CATALOGUE};
 use crate::twin::random::Random;
 
-/// Effects of one law: two differ in what is believed of its time alone, and a relaxation whose times are equal is the same. Without one
-/// of them the catalogue still has the law.
+/// Effects of one law. Two differ only in the range of its time, and a relaxation with equal times is the same. A catalogue without one
+/// of them still has the law.
 const ONE_LAW: [&str; 3] = ["creep", "viscoelastic", "relaxation"];
 
 /// One question.

@@ -55,8 +55,7 @@ pub(crate) fn hold(trial: &mut Trial) -> Result<(), ForwardError> {
     Ok(())
 }
 
-/// By how much the load of the hand has to change, SI, so that the markers stay where they are when the model of a trial becomes that
-/// of `after`.
+/// The change of the hand's load, SI, with which the markers stay where they are when the model of a trial becomes that of `after`.
 pub(crate) fn change(before: &Trial, after: &Trial) -> Result<Vec<(&'static str, f64)>, ForwardError> {
     let [x, z, _, _, moment] = PULL;
     let changes = find(before)?.into_iter().zip(find(after)?).map(|((_, from), (_, to))| to - from);
@@ -152,8 +151,8 @@ pub(crate) mod tests {
     use super::*;
     use crate::example;
 
-    /// A hanging rod that a hand holds aside at two markers: at the release they have these places, and at no other time any. The rod has
-    /// a natural curvature, over its length, or none.
+    /// A hanging rod that a hand holds aside. Its two markers are seen at the release only. `curvature` is its natural curvature times
+    /// its length; zero leaves the effect out.
     pub fn pulled(curvature: f64) -> Trial {
         let mut model = muscle_at_15_psi().with_nodes(9).unwrap();
         model.set("rod.base_angle", -90f64.to_radians()).unwrap();
@@ -197,10 +196,10 @@ pub(crate) mod tests {
         }
     }
 
-    /// With a set curvature the hand has to pull otherwise for the markers to stay within their errors. With the same pull the tip moves
-    /// by a twentieth of the length.
+    /// With a set curvature another load keeps the tip within the error of a marker. With the same load the tip moves by more than ten
+    /// times as much.
     #[test]
-    fn another_pull_holds_a_curved_rod_in_the_same_place() {
+    fn another_load_holds_a_curved_rod_in_the_same_place() {
         let before = pulled(0.0);
         let length = before.model.rod().length;
         let after = before.with_effect("set_curvature", &[("natural_curvature", -1.0 / length)]).unwrap();

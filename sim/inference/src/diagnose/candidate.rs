@@ -111,26 +111,25 @@ impl Candidate {
         (wider.0.max(least), wider.1.min(most))
     }
 
-    /// The range of the strength, wider than believed where a score asks for more, and where in it a fit begins. With a value for each
-    /// release it begins where it is off.
+    /// Bounds and start of the strength in a fit. If the score's estimate is outside the believed range, the bounds are wider. A strength
+    /// of each release starts where the effect is off.
     fn begin(&self, estimate: f64) -> ((f64, f64), f64) {
-        let (low, high) = self.believed();
+        let believed @ (low, high) = self.believed();
         if self.scope == Scope::PerRelease {
-            return ((low, high), self.null_value);
+            return (believed, self.null_value);
         }
         let is_believed = (low..=high).contains(&estimate);
-        let (low, high) =
-            if is_believed { (low, high) } else { self.wider(self.strength, (low, high), estimate) };
-        ((low, high), estimate.clamp(low, high))
+        let bounds = if is_believed { believed } else { self.wider(self.strength, believed, estimate) };
+        (bounds, estimate.clamp(bounds.0, bounds.1))
     }
 
-    /// The same trial with the effect where a fit begins that a score asks for.
+    /// The same trial with the effect at the strength where a fit starts.
     pub fn begun(&self, trial: &Trial, estimate: f64) -> Result<Trial, ModelError> {
         self.on(trial, self.begin(estimate).1)
     }
 
-    /// How far the believed range of a parameter may be widened: one that is stated not at all; what is part of the setup as far as
-    /// that may be off. What is believed of it holds two deviations to each side.
+    /// The widest range of a parameter. A stated range stays. A parameter of the setup may be [`FARTHEST`] deviations off; its believed
+    /// range holds two to each side.
     fn farthest(&self, of: &EffectParameter) -> (f64, f64) {
         if let Some(stated) = self.stated_range(of) {
             return stated;
@@ -144,7 +143,8 @@ impl Candidate {
         ((middle - half).max(low), (middle + half).min(high))
     }
 
-    /// Whether a parameter is part of the setup: of a measurement, and how long a hand acts. A hand of any time acts as any slow loss.
+    /// Whether a parameter is part of the setup: those of a measurement, and the time in which a hand lets go. With a longer time the
+    /// force of the hand resembles a slow loss.
     fn is_of_setup(&self, of: &EffectParameter) -> bool {
         let about = self.effect.about();
         about.kind == Kind::Measurement || about.reach == Reach::Release && of.null_value.is_none()

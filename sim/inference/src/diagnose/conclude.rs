@@ -45,9 +45,9 @@ impl Course<'_> {
         let held_out = self.problem.trials.iter().filter(|trial| trial.release.held_out);
         self.diagnosis.held_out = held_out.map(|trial| trial.release.name.clone()).collect();
         if self.before.first_swings.is_some() {
-            self.diagnosis.misses_first_swings = true;
             self.diagnosis.warnings.push(first_swings::WARNING.to_owned());
-        } else {
+        }
+        if !self.diagnosis.misses_first_swings {
             self.diagnosis.misfits = misfit::misfits(&curves);
         }
         if self.diagnosis.contradictions.is_empty() {

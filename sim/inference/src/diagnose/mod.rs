@@ -156,6 +156,7 @@ pub fn diagnose(
         Some(before) => before,
         None => Before::searched(problem, listener, &mut diagnosis)?,
     };
+    diagnosis.misses_first_swings = before.first_swings.is_some();
     let searched;
     listener.began();
     let mut course = Course::new(&before, settings, listener, diagnosis);
@@ -163,11 +164,10 @@ pub fn diagnose(
         return alone.conclude();
     }
     course.search()?;
-    // Perhaps only two effects together bring the first swings about, and the whole recordings tell of one. Scores of a phase that is
-    // lost say little, so the end must be noise or what does not repeat.
+    // Two missing effects may meet the first swings only together. Then the whole recordings are searched. Scores are unreliable where the
+    // phase is lost, so that answer counts only if its residual is noise or does not repeat.
     if course.misses_first_swings_with_each() {
-        let mut diagnosis =
-            Diagnosis { verdict: Verdict::default(), misses_first_swings: true, ..course.diagnosis.clone() };
+        let mut diagnosis = Diagnosis { verdict: Verdict::default(), ..course.diagnosis.clone() };
         if let Some(before) = CalibrateError::if_run(Before::searched(problem, listener, &mut diagnosis))? {
             searched = before;
             let mut whole = Course::new(&searched, settings, listener, diagnosis);
@@ -389,15 +389,15 @@ impl<'a> Course<'a> {
     /// The same search with strengths that differ from pressure to pressure, if that has an answer; or else
     /// this, with the evidence of both.
     fn widened(mut self) -> Result<Self, CalibrateError> {
-        let Diagnosis { false_alarm, numerics, evidence, thresholds, shapes, repeats, .. } =
-            self.diagnosis.clone();
+        let own = &self.diagnosis;
         let diagnosis = Diagnosis {
-            false_alarm,
-            numerics,
-            evidence,
-            thresholds,
-            shapes,
-            repeats,
+            false_alarm: own.false_alarm,
+            numerics: own.numerics.clone(),
+            evidence: own.evidence.clone(),
+            thresholds: own.thresholds.clone(),
+            shapes: own.shapes.clone(),
+            repeats: own.repeats.clone(),
+            misses_first_swings: own.misses_first_swings,
             ..Diagnosis::default()
         };
         let mut wider = Self::new(self.before, self.settings, self.listener, diagnosis);

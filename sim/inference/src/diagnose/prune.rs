@@ -39,10 +39,11 @@ pub(super) fn pruned(
         let with = |problem: Problem, other: &Candidate| other.added_to(&problem, other.null_value);
         let Ok(mut lean) = others().try_fold(problem.clone(), with) else { continue };
         // A range that was widened stays so.
+        let all = &last.refit.fitted.problem.parameters;
         for own in &mut lean.parameters {
-            let all = &last.refit.fitted.problem.parameters;
-            own.bounds =
-                all.iter().find(|of_all| of_all.path == own.path).map_or(own.bounds, |of_all| of_all.bounds);
+            if let Some(fitted) = all.iter().find(|fitted| fitted.path == own.path) {
+                own.bounds = fitted.bounds;
+            }
         }
         let Some(fit) = Joint::follow(&lean, known, RESOLUTION_FITTED)? else { continue };
         let loss = 2.0 * (fit.cost() - cost) / added[left_out].variance_inflation;

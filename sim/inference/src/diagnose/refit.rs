@@ -124,25 +124,27 @@ pub(super) fn rough_from(
     }))
 }
 
-/// What is known, with loads of the hands that hold the rod where it was when a candidate comes in at a strength.
+/// What is known, with the loads of hands changed so that the markers stay where they are when a candidate is added.
 fn held(candidate: &Candidate, strength: f64, known: &[Estimate], problem: &Problem) -> Vec<Estimate> {
+    let is_fitted = |trial: &Trial| trial.is_held() && !trial.release.held_out;
+    let mut changed = known.to_vec();
+    if !problem.trials.iter().any(|trial| is_fitted(trial)) {
+        return changed;
+    }
     let mut problem = problem.clone();
     set(&mut problem, known);
-    let mut known = known.to_vec();
-    for (place, before) in problem.trials.iter().enumerate() {
-        if !before.is_held() || before.release.held_out {
-            continue;
-        }
+    for (place, before) in problem.trials.iter().enumerate().filter(|(_, trial)| is_fitted(trial)) {
         let change = |after: Trial| hold::change(before, &after).ok();
         let changes = candidate.begun(before, strength).ok().and_then(change);
         for (path, change) in changes.into_iter().flatten() {
             let group = Group::Release(place);
-            for own in known.iter_mut().filter(|own| own.unknown.name == path && own.unknown.group == group) {
+            let is_own = |own: &&mut Estimate| own.unknown.name == path && own.unknown.group == group;
+            for own in changed.iter_mut().filter(is_own) {
                 own.x = own.unknown.scaled.variable(own.value() + change);
             }
         }
     }
-    known
+    changed
 }
 
 /// Follows a candidate to a fit that can be compared with others. It `is_surpassed` if another one leaves only noise and it is
@@ -321,7 +323,7 @@ mod tests {
     use crate::diagnose::prune::pruned;
     use crate::diagnose::shortlist::Best;
 
-    /// A rod that a hand holds aside, with an EI that is stated.
+    /// A rod that a hand holds aside, with a prior of EI. `curvature` is its natural curvature times its length.
     fn pulled(curvature: f64) -> Problem {
         let trial = hold::tests::pulled(curvature);
         let bending_stiffness = trial.model.rod().bending_stiffness;
@@ -332,7 +334,7 @@ mod tests {
         Problem { trials: vec![trial.into()], parameters: vec![stiffness], nuisances }
     }
 
-    /// Releases of a rod with such a natural curvature, over its length, and a model without it.
+    /// A release of a rod with a natural curvature, as in `pulled`, and a model without it.
     fn curved(curvature: f64) -> Problem {
         let mut seen = pulled(curvature);
         record(&mut seen, &[]).unwrap();
