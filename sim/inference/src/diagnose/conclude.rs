@@ -7,7 +7,7 @@ use super::candidate::Candidate;
 use super::describe::describe;
 use super::refit::errors;
 use super::stop::ending_by;
-use super::validation::{HeldOut, set, turn_clamps};
+use super::validation::{HeldOut, pose, set};
 use super::verdict::{Added, Shares, Verdict};
 use super::warnings::{contradictions, warnings};
 use super::{Course, DiagnosisOutcome, first_swings, misfit, summary_text};
@@ -62,11 +62,11 @@ impl Course<'_> {
         let (mut baseline, mut repaired) = (self.problem, self.model.problem);
         for known in [&before, &self.before.known] {
             set(&mut baseline, known);
-            turn_clamps(&mut baseline, known);
+            pose(&mut baseline, known);
         }
         for known in [&after, &known] {
             set(&mut repaired, known);
-            turn_clamps(&mut repaired, known);
+            pose(&mut repaired, known);
         }
         Ok(DiagnosisOutcome { diagnosis: self.diagnosis, baseline, repaired, errors, curves })
     }

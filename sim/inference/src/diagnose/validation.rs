@@ -185,23 +185,47 @@ pub(super) fn set(problem: &mut Problem, known: &[Estimate]) {
     }
 }
 
-/// Turns the clamps of models by the errors of their angles that were found, for one who simulates them; a fit has these errors
-/// beside its models.
-pub(super) fn turn_clamps(problem: &mut Problem, known: &[Estimate]) {
-    let found = |known: &&Estimate| known.unknown.kind == UnknownKind::ClampAngle;
-    for known in known.iter().filter(found) {
+/// Gives models the clamp angles and the loads of hands that were found, for one who simulates them; a fit has these beside its models.
+pub(super) fn pose(problem: &mut Problem, known: &[Estimate]) {
+    for known in known {
         let Group::Release(t) = known.unknown.group else { continue };
-        let trial = Arc::make_mut(&mut problem.trials[t]);
-        if let Ok(k) = trial.model.index(BASE_ANGLE) {
-            let (model, initial) = trial.with(&[(k, trial.model.theta[k] + known.value())]);
-            (trial.model, trial.run.initial) = (model, initial);
+        let model = &problem.trials[t].model;
+        let of = |path: &str| model.index(path).ok();
+        let found = match known.unknown.kind {
+            UnknownKind::ClampAngle => of(BASE_ANGLE).map(|k| (k, model.theta[k] + known.value())),
+            UnknownKind::Pull => of(&known.unknown.name).map(|k| (k, known.value())),
+            _ => None,
+        };
+        if let Some(found) = found {
+            let trial = Arc::make_mut(&mut problem.trials[t]);
+            (trial.model, trial.run.initial) = trial.with(&[found]);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use efam_core::forward::Initial;
+
     use super::*;
+    use crate::calibrate::hold::tests::pulled;
+    use crate::calibrate::unknowns::Unknown;
+    use crate::calibrate::{FittedParameter, Nuisances};
+
+    /// The load of the hand that was found, also in what holds the rod.
+    #[test]
+    fn a_rod_starts_where_the_hand_was_found_to_hold_it() {
+        let parameters = vec![FittedParameter::new("rod.bending_stiffness", Scope::Shared)];
+        let mut problem =
+            Problem { trials: vec![pulled(0.0).into()], parameters, nuisances: Nuisances::default() };
+        let path = "effects.tip_hold.force_x";
+        let unknown = Unknown::nuisance(UnknownKind::Pull, path, "N", Group::Release(0), 1.0, f64::INFINITY);
+        pose(&mut problem, &[Estimate { unknown, x: 7.0 }]);
+        let trial = &problem.trials[0];
+        let Initial::Equilibrium { hold, .. } = &trial.run.initial else { panic!("it is held") };
+        let force = |model: &models::model::Model| model.theta[model.index(path).unwrap()];
+        assert_eq!((force(&trial.model), force(hold)), (7.0, 7.0));
+    }
 
     /// Coloured noise that is larger than stated is in what was fitted as well; an effect in the place of another
     /// is not.
