@@ -201,7 +201,7 @@ pub(super) fn conditions(problem: &Problem) -> Vec<Vec<usize>> {
 
 /// Whether two releases are of one rod, pressure, payload and posture: whether their models differ in nothing but how
 /// they are let go.
-fn is_one_condition(a: &Trial, b: &Trial) -> bool {
+pub(crate) fn is_one_condition(a: &Trial, b: &Trial) -> bool {
     let is_same = |k: usize| {
         let [one, other] = [a, b].map(|trial| trial.model.theta[k]);
         match a.model.parameters[k].path.as_str() {

@@ -22,6 +22,7 @@ mod constancy;
 pub mod curve;
 pub mod describe;
 mod design_matrix;
+mod extra;
 mod first_swings;
 pub mod localise;
 pub mod mesh_check;

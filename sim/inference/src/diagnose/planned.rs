@@ -2,94 +2,27 @@
 //! looked at as if they had been recorded, to say which of them would tell two effects apart.
 //!
 //! An experiment is a part of a larger one: some of its releases, markers and samples. So the largest is simulated, once,
-//! and each is looked at in it.
+//! and each is looked at in it. Releases of one condition show the same but for noise: one is simulated, and counts as many times.
 
 use std::sync::Arc;
 
-use efam_experiments::release::{Point, Track};
 use nalgebra::DMatrix;
 
 use super::Course;
 use super::candidate::Candidate;
 use super::design_matrix::{Column, extended, normal_equations, places, predictions};
+use super::extra::Extra::{self, Angles, BodyMarkers, LongRecord, Payload};
+use super::extra::{ALL_MORE, ONE_MORE, TWO_MORE, add_body_markers, lengthen};
 use super::score::{APART, columns, distance, gram};
 use super::verdict::{Separation, Verdict};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::refine::LAST;
-use crate::calibrate::unknowns::Group;
+use crate::calibrate::repeats::is_one_condition;
+use crate::calibrate::unknowns::{Group, Unknown};
 use crate::calibrate::view::Series;
 use crate::calibrate::{CalibrateError, Problem, Trial};
 use crate::listed::listed;
-
-/// What could be recorded besides.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Extra {
-    BodyMarkers,
-    Angles,
-    Payload,
-    LongRecord,
-}
-
-use Extra::{Angles, BodyMarkers, LongRecord, Payload};
-
-/// What may be recorded.
-const ONE_MORE: [&[Extra]; 4] = [&[BodyMarkers], &[Angles], &[Payload], &[LongRecord]];
-/// The same where that is not enough.
-const TWO_MORE: [&[Extra]; 2] = [&[BodyMarkers, Payload], &[BodyMarkers, LongRecord]];
-/// The same where that is not enough either.
-const ALL_MORE: [&[Extra]; 2] = [&[Angles, Payload], &[BodyMarkers, Angles, Payload, LongRecord]];
-
-impl Extra {
-    fn words(self) -> &'static str {
-        match self {
-            BodyMarkers => "with markers at 0.3, 0.55 and 0.8 of the length",
-            Angles => "repeated from 25 degrees below",
-            Payload => "repeated with 20 g at the tip",
-            LongRecord => "three times as long",
-        }
-    }
-
-    /// A release of the larger experiment beside those at hand; none where it is no other one.
-    fn repeated(self, trial: &Trial) -> Option<Trial> {
-        let mut trial = trial.clone();
-        trial.is_straight().then_some(())?;
-        match self {
-            Angles => {
-                let k = trial.model.index("release.angle").ok()?;
-                trial.model.theta[k] -= 25f64.to_radians();
-                trial.release.name += ", from 25 degrees below";
-            }
-            Payload if trial.release.payload == 0.0 => {
-                trial.model = trial.model.with_effect("payload", &[("mass", 0.02)]).ok()?;
-                trial.release.name += ", with 20 g";
-            }
-            Payload | BodyMarkers | LongRecord => return None,
-        }
-        Some(trial)
-    }
-}
-
-/// Markers along the body, if there is one marker alone.
-fn add_body_markers(trial: &mut Trial) {
-    let release = &mut trial.release;
-    if let [only] = release.tracks.as_slice() {
-        let first = only.clone();
-        release.tracks.extend([0.3, 0.55, 0.8].map(|share| Track {
-            marker: format!("at {share} of the length"),
-            at: Point::Along(share),
-            ..first.clone()
-        }));
-    }
-}
-
-/// Three times as long.
-fn lengthen(trial: &mut Trial) {
-    let time = &mut trial.release.time;
-    let (last, count) = (time.last().copied().unwrap_or(0.0), time.len());
-    let step = last / count.max(1) as f64;
-    time.extend((1..=2 * count).map(|k| last + step * k as f64));
-}
 
 /// Times that releases are recorded at most: an afternoon's work.
 const MOST_TIMES: u32 = 10;
@@ -113,6 +46,8 @@ struct Simulated {
     columns: Vec<Column>,
     /// Of each release what it has that those at hand have not.
     more: Vec<Vec<Extra>>,
+    /// How many releases of its condition each stands for.
+    times: Vec<usize>,
     /// Markers and samples of each release that are recorded without anything more.
     tracks: Vec<usize>,
     counts: Vec<usize>,
@@ -170,11 +105,12 @@ impl Pair<'_> {
     /// The releases at hand and those `repeats` of them that can be run, with all markers, and long ones where asked; what
     /// cannot be run, nobody will record. None where those at hand cannot be run, or an effect cannot in one of them.
     fn simulated(&self, repeats: &[Vec<Extra>], is_long: impl Fn(&[Extra]) -> bool) -> Option<Simulated> {
-        let fitted: Vec<&Arc<Trial>> =
-            self.problem.trials.iter().filter(|trial| !trial.release.held_out).collect();
+        let (fitted, times): (Vec<usize>, Vec<usize>) =
+            one_of_each_condition(self.problem).into_iter().unzip();
+        let hand = |r: usize| &self.problem.trials[fitted[r % fitted.len()]];
         let of = |more: &[Extra]| -> Option<Vec<Arc<Trial>>> {
-            let made = |trial: &&Arc<Trial>| {
-                let start = Trial::clone(trial);
+            let made = |r: usize| {
+                let start = Trial::clone(hand(r));
                 let mut trial = more.iter().try_fold(start, |trial, extra| extra.repeated(&trial))?;
                 add_body_markers(&mut trial);
                 if is_long(more) {
@@ -182,9 +118,9 @@ impl Pair<'_> {
                 }
                 Some(Arc::new(trial))
             };
-            let trials = fitted.iter().map(made).collect::<Option<Vec<_>>>()?;
+            let trials = (0..fitted.len()).map(made).collect::<Option<Vec<_>>>()?;
             let mut planned = Problem { trials, ..self.problem.clone() };
-            record(&mut planned, self.known).ok()?;
+            record(&mut planned, &known_of(self.known, &fitted)).ok()?;
             Some(planned.trials)
         };
         let mut trials = of(&[])?;
@@ -195,20 +131,22 @@ impl Pair<'_> {
                 trials.extend(made);
             }
         }
+        let count = trials.len();
         let planned = Problem { trials, ..self.problem.clone() };
-        let fit = Joint::at(&planned, self.known, Slopes::Differences, LAST).ok()?;
+        let known = known_of(self.known, &fitted.repeat(count / fitted.len()));
+        let fit = Joint::at(&planned, &known, Slopes::Differences, LAST).ok()?;
         let columns = columns(&self.of, &fit, &predictions(&fit)?, &|_| ());
         if places(&columns, 0).is_empty() || places(&columns, 1).is_empty() {
             return None;
         }
-        let hand = |r: usize| fitted[r % fitted.len()];
-        let tracks = (0..more.len()).map(|r| hand(r).release.tracks.len()).collect();
+        let tracks = (0..count).map(|r| hand(r).release.tracks.len()).collect();
         let within = |r: usize| {
             let count = hand(r).release.time.len();
             fit.objective.measured[r].samples.iter().filter(|sample| **sample < count).count()
         };
-        let counts = (0..more.len()).map(within).collect();
-        Some(Simulated { blocks: extended(&fit, &columns), fit, columns, more, tracks, counts })
+        let counts = (0..count).map(within).collect();
+        let times = times.repeat(count / fitted.len());
+        Some(Simulated { blocks: extended(&fit, &columns), fit, columns, more, times, tracks, counts })
     }
 
     /// How far apart they are in an experiment with these second derivatives, whose releases are each recorded some times.
@@ -217,9 +155,11 @@ impl Pair<'_> {
         // One release stands for so many alike, each with a setup of its own: these together weigh as much more as they are
         // against what is believed of all, so that a distance is that of one times the root of `times`.
         for (k, _, slope) in fit.objective.prior_residuals(&fit.found.x) {
-            if !matches!(fit.objective.part.unknowns[k].group, Group::Release(_)) {
-                hessian[(k, k)] += slope * slope * (f64::from(times).recip() - 1.0);
-            }
+            let weight = match fit.objective.part.unknowns[k].group {
+                Group::Release(r) => simulated.times[r] as f64,
+                Group::All | Group::Pressure(_) => f64::from(times).recip(),
+            };
+            hessian[(k, k)] += slope * slope * (weight - 1.0);
         }
         let (first, second) = (places(columns, 0), places(columns, 1));
         let strengths = vec![self.strength - self.of[0].null_value; first.len()];
@@ -251,10 +191,12 @@ impl Simulated {
             let is_within = |k: &usize| is_seen && (extras.contains(&LongRecord) || *k < self.counts[r]);
             // Samples ascend.
             let count = series.samples.iter().take_while(|k| is_within(k)).count();
+            let weighted = |own: &[f64; 2]| own.map(|own| (self.times[r] as f64).sqrt() * own);
+            let slopes = series.slopes[..count].iter().map(|own| own.iter().map(weighted).collect());
             Series {
                 samples: series.samples[..count].to_vec(),
-                residual: series.residual[..count].to_vec(),
-                slopes: series.slopes[..count].to_vec(),
+                residual: series.residual[..count].iter().map(weighted).collect(),
+                slopes: slopes.collect(),
             }
         };
         let of_release = |(r, block): (usize, &Vec<Series>)| {
@@ -262,6 +204,36 @@ impl Simulated {
         };
         Some(self.blocks.iter().enumerate().map(of_release).collect())
     }
+}
+
+/// Places of the releases that are fitted, one of those of one condition with the same markers, and how many it stands for.
+fn one_of_each_condition(problem: &Problem) -> Vec<(usize, usize)> {
+    let is_alike = |a: &Trial, b: &Trial| {
+        let [one, other] = [a, b].map(|trial| trial.release.tracks.iter().map(|track| track.at));
+        one.eq(other) && is_one_condition(a, b)
+    };
+    let mut all: Vec<(usize, usize)> = Vec::new();
+    for (t, trial) in problem.trials.iter().enumerate().filter(|(_, trial)| !trial.release.held_out) {
+        match all.iter_mut().find(|(own, _)| is_alike(&problem.trials[*own], trial)) {
+            Some((_, times)) => *times += 1,
+            None => all.push((t, 1)),
+        }
+    }
+    all
+}
+
+/// What is known, for releases that are made like those at these places.
+fn known_of(known: &[Estimate], places: &[usize]) -> Vec<Estimate> {
+    let of_release = |known: &Estimate, r: usize, t: usize| {
+        let unknown = Unknown { group: Group::Release(r), ..known.unknown.clone() };
+        (known.unknown.group == Group::Release(t)).then_some(Estimate { unknown, x: known.x })
+    };
+    let is_of_several = |known: &&Estimate| !matches!(known.unknown.group, Group::Release(_));
+    let of_several = known.iter().filter(is_of_several).cloned();
+    let of_releases = places.iter().enumerate();
+    let of_releases =
+        of_releases.flat_map(|(r, t)| known.iter().filter_map(move |known| of_release(known, r, *t)));
+    of_several.chain(of_releases).collect()
 }
 
 /// Fills the tracks with what is predicted at what is known, whatever was in them.
@@ -313,8 +285,10 @@ impl Course<'_> {
 mod tests {
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::{Run, uniform};
+    use efam_experiments::release::{Point, Track};
 
     use super::*;
+    use crate::calibrate::unknowns::UnknownKind;
     use crate::calibrate::{FittedParameter, Nuisances, Prior, Scope};
     use crate::diagnose::DiagnosisSettings;
     use crate::diagnose::candidate::candidates;
@@ -378,12 +352,37 @@ mod tests {
     #[test]
     fn releases_that_stand_for_several_are_worth_as_much() {
         let problem = problem();
-        let several = Problem { trials: vec![release(); 4], ..problem.clone() };
+        let alike = Problem { trials: vec![release(); 4], ..problem.clone() };
+        let mut apart = alike.clone();
+        let k = problem.trials[0].model.index("effects.gravity.acceleration").unwrap();
+        apart.trials_mut().enumerate().for_each(|(r, trial)| trial.model.theta[k] *= 1.0 + 1e-4 * r as f64);
         let distance = |problem: &Problem, times: u32| distance(problem, [&[], &[]], times);
-        let (one, standing_for_four, four) =
-            (distance(&problem, 1), distance(&problem, 4), distance(&several, 1));
-        assert!((standing_for_four / four - 1.0).abs() < 1e-3, "{standing_for_four} {four}");
+        let (one, four) = (distance(&problem, 1), distance(&apart, 1));
+        for standing_for_four in [distance(&problem, 4), distance(&alike, 1)] {
+            assert!((standing_for_four / four - 1.0).abs() < 1e-3, "{standing_for_four} {four}");
+        }
         // What is believed of the mass is worth no more for being believed four times.
         assert!(four < 1.995 * one, "{four} {one}");
+    }
+
+    /// Two alike and one held out between them.
+    #[test]
+    fn one_release_of_a_condition_is_simulated() {
+        let mut trials = vec![release(); 4];
+        Arc::make_mut(&mut trials[1]).release.held_out = true;
+        Arc::make_mut(&mut trials[2]).release.tracks[0].at = Point::Along(0.5);
+        let problem = Problem { trials, ..problem() };
+        assert_eq!(one_of_each_condition(&problem), [(0, 2), (2, 1)]);
+        let known = |name: &str, group, x: f64| {
+            let unknown = Unknown::nuisance(UnknownKind::HoldAngle, name, "rad", group, 1.0, 1.0);
+            Estimate { unknown, x }
+        };
+        let all = [("shared", Group::All), ("a", Group::Release(0)), ("b", Group::Release(2))];
+        let all: Vec<Estimate> =
+            all.iter().zip([1.0, 2.0, 3.0]).map(|((name, group), x)| known(name, *group, x)).collect();
+        let found = known_of(&all, &[0, 2, 0]);
+        let found: Vec<(Group, f64)> = found.iter().map(|own| (own.unknown.group, own.x)).collect();
+        let releases = [2.0, 3.0, 2.0].into_iter().enumerate().map(|(r, x)| (Group::Release(r), x));
+        assert_eq!(found, [(Group::All, 1.0)].into_iter().chain(releases).collect::<Vec<_>>());
     }
 }
