@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Excursion;
-use super::peaks::{self, PeakRules, upper_peaks};
+use super::peaks::{Peak, PeakRules, upper_peaks};
 use super::settling::settling_time;
 use super::spectrum::{Spectrum, Window, amplitude_spectrum};
 
@@ -25,14 +25,26 @@ pub fn swing_spectrum(excursion: &Excursion) -> Spectrum {
     amplitude_spectrum(part.as_ref().unwrap_or(excursion), Window::default(), PADDING)
 }
 
+/// An upper peak that lies too near to others to count at this period. Upper peaks descend, so a maximum between two of them
+/// that is higher than the second is one of them, unless it belongs to the top of either.
+fn passed_over(excursion: &Excursion, upper: &[&Peak], period: f64) -> Option<Peak> {
+    let rules = PeakRules::default();
+    // Half way to the least distance at which a maximum is a peak of its own.
+    let own_top = 0.5 * rules.least_separation * period;
+    let all = upper_peaks(excursion, period, &PeakRules { least_separation: 0.0, ..rules });
+    all.into_iter().find(|peak| {
+        let is_apart = upper.iter().all(|own| (own.time - peak.time).abs() > own_top);
+        let mut pairs = upper.windows(2);
+        let is_between = |pair: &[&Peak]| (pair[0].time..pair[1].time).contains(&peak.time);
+        is_apart && pairs.any(|pair| is_between(pair) && peak.height > pair[1].height)
+    })
+}
+
 /// Damped frequency, rad/s, and upper peaks.
 ///
 /// A recording of less than about two swings has side lobes of its window in the spectrum, or the
 /// bump's harmonic, and no peak of the swing: a frequency counts if upper peaks above rest come with its period.
-pub fn swing(
-    excursion: &Excursion,
-    spectrum: &Spectrum,
-) -> (Result<f64, String>, Result<Vec<peaks::Peak>, String>) {
+pub fn swing(excursion: &Excursion, spectrum: &Spectrum) -> (Result<f64, String>, Result<Vec<Peak>, String>) {
     let omega = match spectrum.peak() {
         Ok(peak) => peak.frequency,
         Err(error) => return (Err(error.to_string()), Err(format!("needs the damped frequency: {error}"))),
@@ -44,15 +56,46 @@ pub fn swing(
         [] | [_] => format!("{} upper peaks above rest: two tell a swing; try a longer run", above.len()),
         [first, .., last] => {
             let between = (last.time - first.time) / (above.len() - 1) as f64;
-            if (between / period - 1.0).abs() < MOST_DRIFT {
-                return (Ok(omega), Ok(upper));
+            let is_near = (between / period - 1.0).abs() < MOST_DRIFT;
+            let hertz = omega / TAU;
+            match passed_over(excursion, &above, period) {
+                None if is_near => return (Ok(omega), Ok(upper)),
+                None => format!(
+                    "the spectrum has its peak at {hertz:.3} Hz, but upper peaks are {between:.3} s apart; \
+                     try a longer run"
+                ),
+                Some(peak) => format!(
+                    "the spectrum has its peak at {hertz:.3} Hz, but the upper peak at {:.3} s lies nearer to \
+                     others than that period; small swings are faster than the first ones",
+                    peak.time
+                ),
             }
-            format!(
-                "the spectrum has its peak at {:.3} Hz, but upper peaks are {between:.3} s apart; \
-                 try a longer run",
-                omega / TAU
-            )
         }
     };
     (Err(why.clone()), Err(format!("needs the damped frequency: {why}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half swings from 0.53 to 0.2 s, of which each is smaller than the one before, as of a hanging arm that a hand lets go. The
+    /// spectrum has its peak at the slow ones, and an upper peak of the fast ones is nearer to another than that period.
+    #[test]
+    fn a_frequency_that_rises_by_too_much_is_refused() {
+        let step = 0.01;
+        let mut z = Vec::new();
+        for n in 0..16 {
+            let turn = |n: i32| (-1f64).powi(n) * (0.15 * 0.5f64.powi(n) + 0.02 * 0.75f64.powi(n));
+            let half = 0.2 + 0.33 * 0.6f64.powi(n);
+            let (from, to) = (turn(n), turn(n + 1));
+            let samples = (half / step).round() as usize;
+            let share = |i: usize| 0.5 * (1.0 - (0.5 * TAU * i as f64 / samples as f64).cos());
+            z.extend((0..samples).map(|i| from + (to - from) * share(i)));
+        }
+        let excursion = Excursion::about(0.0, &z, step).unwrap();
+        let spectrum = swing_spectrum(&excursion);
+        let found = swing(&excursion, &spectrum).0;
+        assert!(found.unwrap_err().contains("nearer"));
+    }
 }

@@ -8,9 +8,8 @@
 
 use super::candidate::Candidate;
 use super::design_matrix::{Column, of_releases};
-use super::mesh_check::LAW;
 use super::refit::places_of;
-use super::round::RARER;
+use super::round::{RARER, negligible};
 use super::score::{RESOLVED, Subject, scores};
 use super::shortlist::Best;
 use crate::calibrate::joint::Joint;
@@ -23,7 +22,7 @@ pub(super) const INCONSTANT: &str = "its strength would have to differ between r
 pub(super) const UNLIKE: f64 = 0.2;
 
 /// The effects of a fit that would have to differ from release to release, by more than noise would have it, a fifth
-/// of their size, and a tenth of what all of them do: a small effect takes up the error of a large one's law.
+/// of their size, and the error of the laws of all: a small effect takes up the error of a large one's law.
 pub(super) fn inconstant(fit: &Joint, added: &[Best], false_alarm: f64) -> Vec<&'static str> {
     let added: Vec<_> = added.iter().map(|best| (&best.candidate, best.gain)).collect();
     found(fit, &added, RARER * false_alarm)
@@ -39,7 +38,7 @@ fn found(fit: &Joint, added: &[(&Candidate, f64)], level: f64) -> Vec<&'static s
     let columns: Vec<Column> = added.iter().enumerate().flat_map(of).collect();
     let subjects = vec![Subject { own: RESOLVED, ..Subject::default() }; added.len()];
     let scores = scores(fit, &subjects, &columns, level);
-    let negligible = LAW * LAW * added.iter().map(|(_, gain)| gain).sum::<f64>();
+    let negligible = negligible(added.iter().map(|(own, gain)| (own.effect.about().kind, *gain)));
     let pairs = added.iter().zip(&scores.each);
     pairs
         .filter(|((_, gain), score)| {

@@ -58,7 +58,7 @@ const NEGLIGIBLE_SHAPE: f64 = 0.02;
 
 /// χ² that errors of the laws of found effects may leave, given the kind of each effect and the χ² that it explains. Smaller effects
 /// are not looked for.
-fn negligible(found: impl Iterator<Item = (Kind, f64)>) -> f64 {
+pub(super) fn negligible(found: impl Iterator<Item = (Kind, f64)>) -> f64 {
     LAW * LAW * found.filter(|(kind, _)| kind.is_law()).map(|(_, gain)| gain).sum::<f64>()
 }
 
