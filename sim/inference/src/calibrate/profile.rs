@@ -14,8 +14,7 @@ use super::uncertainty::Uncertainty;
 use super::view::Evaluation;
 use crate::normal::NORMAL_95;
 
-/// How near the root of the rise has to come to the wanted one, 1.96, for a line through the last two points to lead to it. What
-/// is left of its curvature is a hundredth.
+/// How near the root of the rise has to come to the wanted one, 1.96, for a line through the last two points to lead to it.
 const NEAR: f64 = 0.2;
 /// Predicted decrease of the cost at which the others have followed: the root of the rise is off by half of that.
 const TOLERANCE: f64 = 0.02;
