@@ -355,7 +355,9 @@ mod tests {
         let alike = Problem { trials: vec![release(); 4], ..problem.clone() };
         let mut apart = alike.clone();
         let k = problem.trials[0].model.index("effects.gravity.acceleration").unwrap();
-        apart.trials_mut().enumerate().for_each(|(r, trial)| trial.model.theta[k] *= 1.0 + 1e-4 * r as f64);
+        let others = apart.trials_mut().zip([0.997, 0.999, 1.001, 1.003]);
+        others.for_each(|(trial, gravity)| trial.model.theta[k] *= gravity);
+        assert_eq!(one_of_each_condition(&apart).len(), 4);
         let distance = |problem: &Problem, times: u32| distance(problem, [&[], &[]], times);
         let (one, four) = (distance(&problem, 1), distance(&apart, 1));
         for standing_for_four in [distance(&problem, 4), distance(&alike, 1)] {
