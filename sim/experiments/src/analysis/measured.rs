@@ -98,7 +98,7 @@ pub fn analyse_along(
             (bridged, excursion) = about(longest, Some(peak.frequency))?;
         }
     }
-    let mut swing = one_swing(&excursion, 0.0, tip.noise);
+    let mut swing = one_swing(&excursion, 0.0, tip.noise, coordinate);
     // Where the first, large swings have another frequency than the rest, they are left out.
     let period = swing.spectrum.peak().map_or(0.0, |peak| TAU / peak.frequency);
     for skipped in 1..=MOST_SKIPPED {
@@ -109,7 +109,7 @@ pub fn analyse_along(
         let first = (since / step).round() as usize;
         let Some(values) = excursion.values().get(first..) else { break };
         let Ok(later) = Excursion::about(0.0, values, step) else { break };
-        let other = one_swing(&later, first as f64 * step, tip.noise);
+        let other = one_swing(&later, first as f64 * step, tip.noise, coordinate);
         if other.decay.is_ok() {
             swing = other;
         }
@@ -142,9 +142,9 @@ struct OneSwing {
 }
 
 /// The swing of an excursion that begins `since` after the release, s.
-fn one_swing(excursion: &Excursion, since: f64, noise: f64) -> OneSwing {
+fn one_swing(excursion: &Excursion, since: f64, noise: f64, coordinate: Coordinate) -> OneSwing {
     let spectrum = swing_spectrum(excursion);
-    let (damped_frequency, upper) = swing(excursion, &spectrum);
+    let (damped_frequency, upper) = swing(excursion, &spectrum, coordinate == Coordinate::Z);
     let mut peaks = upper.clone().unwrap_or_default();
     let least = LEAST_PEAK * noise;
     peaks.truncate(peaks.iter().position(|peak| peak.height < least).unwrap_or(peaks.len()));

@@ -43,8 +43,13 @@ fn passed_over(excursion: &Excursion, upper: &[&Peak], period: f64) -> Option<Pe
 /// Damped frequency, rad/s, and upper peaks.
 ///
 /// A recording of less than about two swings has side lobes of its window in the spectrum, or the
-/// bump's harmonic, and no peak of the swing: a frequency counts if upper peaks above rest come with its period.
-pub fn swing(excursion: &Excursion, spectrum: &Spectrum) -> (Result<f64, String>, Result<Vec<Peak>, String>) {
+/// bump's harmonic, and no peak of the swing: a frequency counts if upper peaks above rest come with its period. A height
+/// `may_bump` in its troughs; a level coordinate does not, and then all maxima count.
+pub fn swing(
+    excursion: &Excursion,
+    spectrum: &Spectrum,
+    may_bump: bool,
+) -> (Result<f64, String>, Result<Vec<Peak>, String>) {
     let omega = match spectrum.peak() {
         Ok(peak) => peak.frequency,
         Err(error) => return (Err(error.to_string()), Err(format!("needs the damped frequency: {error}"))),
@@ -58,7 +63,8 @@ pub fn swing(excursion: &Excursion, spectrum: &Spectrum) -> (Result<f64, String>
             let between = (last.time - first.time) / (above.len() - 1) as f64;
             let is_near = (between / period - 1.0).abs() < MOST_DRIFT;
             let hertz = omega / TAU;
-            match passed_over(excursion, &above, period) {
+            let passed_over = if may_bump { None } else { passed_over(excursion, &above, period) };
+            match passed_over {
                 None if is_near => return (Ok(omega), Ok(upper)),
                 None => format!(
                     "the spectrum has its peak at {hertz:.3} Hz, but upper peaks are {between:.3} s apart; \
@@ -95,7 +101,7 @@ mod tests {
         }
         let excursion = Excursion::about(0.0, &z, step).unwrap();
         let spectrum = swing_spectrum(&excursion);
-        let found = swing(&excursion, &spectrum).0;
+        let found = swing(&excursion, &spectrum, false).0;
         assert!(found.unwrap_err().contains("nearer"));
     }
 }
