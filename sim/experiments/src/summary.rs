@@ -252,7 +252,7 @@ pub fn summarise(
     let excursion = excursion(model, trace, rest);
     let spectrum = excursion.as_ref().map_err(Clone::clone).map(swing_spectrum);
     let (damped, upper) = match (&excursion, &spectrum) {
-        (Ok(excursion), Ok(spectrum)) => swing(excursion, spectrum, true),
+        (Ok(excursion), Ok(spectrum)) => swing(excursion, spectrum),
         (Err(why), _) | (_, Err(why)) => (Err(why.clone()), Err(why.clone())),
     };
     let decay =
@@ -533,7 +533,7 @@ mod tests {
             .map(|phase| (-0.02 * phase).exp() * (0.1 * phase.cos() + 0.15 * (2.0 * phase).cos() - 0.1))
             .collect();
         let excursion = Excursion::about(0.0, &z, 0.01).unwrap();
-        let (damped, upper) = swing(&excursion, &swing_spectrum(&excursion), true);
+        let (damped, upper) = swing(&excursion, &swing_spectrum(&excursion));
         assert!(damped.unwrap_err().ends_with("upper peaks are 0.698 s apart; try a longer run"));
         assert!(upper.is_err());
     }

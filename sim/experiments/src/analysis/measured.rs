@@ -12,7 +12,7 @@ use super::decay::{self, Cycle, Decay};
 use super::gaps::{Bridged, bridge};
 use super::peaks::Peak;
 use super::spectrum::Spectrum;
-use super::swing::{swing, swing_spectrum};
+use super::swing::{level_swing, swing, swing_spectrum};
 use super::{AnalysisError, Excursion};
 use crate::release::Release;
 
@@ -144,7 +144,10 @@ struct OneSwing {
 /// The swing of an excursion that begins `since` after the release, s.
 fn one_swing(excursion: &Excursion, since: f64, noise: f64, coordinate: Coordinate) -> OneSwing {
     let spectrum = swing_spectrum(excursion);
-    let (damped_frequency, upper) = swing(excursion, &spectrum, coordinate == Coordinate::Z);
+    let (damped_frequency, upper) = match coordinate {
+        Coordinate::X => level_swing(excursion, &spectrum),
+        Coordinate::Z => swing(excursion, &spectrum),
+    };
     let mut peaks = upper.clone().unwrap_or_default();
     let least = LEAST_PEAK * noise;
     peaks.truncate(peaks.iter().position(|peak| peak.height < least).unwrap_or(peaks.len()));

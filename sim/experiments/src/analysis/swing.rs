@@ -25,31 +25,11 @@ pub fn swing_spectrum(excursion: &Excursion) -> Spectrum {
     amplitude_spectrum(part.as_ref().unwrap_or(excursion), Window::default(), PADDING)
 }
 
-/// An upper peak that lies too near to others to count at this period. Upper peaks descend, so a maximum between two of them
-/// that is higher than the second is one of them, unless it belongs to the top of either.
-fn passed_over(excursion: &Excursion, upper: &[&Peak], period: f64) -> Option<Peak> {
-    let rules = PeakRules::default();
-    // Half way to the least distance at which a maximum is a peak of its own.
-    let own_top = 0.5 * rules.least_separation * period;
-    let all = upper_peaks(excursion, period, &PeakRules { least_separation: 0.0, ..rules });
-    all.into_iter().find(|peak| {
-        let is_apart = upper.iter().all(|own| (own.time - peak.time).abs() > own_top);
-        let mut pairs = upper.windows(2);
-        let is_between = |pair: &[&Peak]| (pair[0].time..pair[1].time).contains(&peak.time);
-        is_apart && pairs.any(|pair| is_between(pair) && peak.height > pair[1].height)
-    })
-}
-
 /// Damped frequency, rad/s, and upper peaks.
 ///
 /// A recording of less than about two swings has side lobes of its window in the spectrum, or the
-/// bump's harmonic, and no peak of the swing: a frequency counts if upper peaks above rest come with its period. A height
-/// `may_bump` in its troughs; a level coordinate does not, and then all maxima count.
-pub fn swing(
-    excursion: &Excursion,
-    spectrum: &Spectrum,
-    may_bump: bool,
-) -> (Result<f64, String>, Result<Vec<Peak>, String>) {
+/// bump's harmonic, and no peak of the swing: a frequency counts if upper peaks above rest come with its period.
+pub fn swing(excursion: &Excursion, spectrum: &Spectrum) -> (Result<f64, String>, Result<Vec<Peak>, String>) {
     let omega = match spectrum.peak() {
         Ok(peak) => peak.frequency,
         Err(error) => return (Err(error.to_string()), Err(format!("needs the damped frequency: {error}"))),
@@ -61,32 +41,61 @@ pub fn swing(
         [] | [_] => format!("{} upper peaks above rest: two tell a swing; try a longer run", above.len()),
         [first, .., last] => {
             let between = (last.time - first.time) / (above.len() - 1) as f64;
-            let is_near = (between / period - 1.0).abs() < MOST_DRIFT;
-            let hertz = omega / TAU;
-            let passed_over = if may_bump { None } else { passed_over(excursion, &above, period) };
-            match passed_over {
-                None if is_near => return (Ok(omega), Ok(upper)),
-                None => format!(
-                    "the spectrum has its peak at {hertz:.3} Hz, but upper peaks are {between:.3} s apart; \
-                     try a longer run"
-                ),
-                Some(peak) => format!(
-                    "the spectrum has its peak at {hertz:.3} Hz, but the upper peak at {:.3} s lies nearer to \
-                     others than that period; small swings are faster than the first ones",
-                    peak.time
-                ),
+            if (between / period - 1.0).abs() < MOST_DRIFT {
+                return (Ok(omega), Ok(upper));
             }
+            format!(
+                "the spectrum has its peak at {:.3} Hz, but upper peaks are {between:.3} s apart; \
+                 try a longer run",
+                omega / TAU
+            )
         }
     };
     (Err(why.clone()), Err(format!("needs the damped frequency: {why}")))
+}
+
+/// The same of a level coordinate, which has no bumps in its troughs: the frequency does not count if an upper peak is missing
+/// because it lies too near to another for that period.
+pub fn level_swing(
+    excursion: &Excursion,
+    spectrum: &Spectrum,
+) -> (Result<f64, String>, Result<Vec<Peak>, String>) {
+    let (omega, upper) = swing(excursion, spectrum);
+    if let (Ok(omega), Ok(upper)) = (&omega, &upper)
+        && let Some(missing) = missing_peak(excursion, upper, TAU / omega)
+    {
+        let why = format!(
+            "the spectrum has its peak at {:.3} Hz, but the upper peak at {:.3} s lies nearer to others than \
+             that period; small swings are faster than the first ones",
+            omega / TAU,
+            missing.time
+        );
+        return (Err(why.clone()), Err(format!("needs the damped frequency: {why}")));
+    }
+    (omega, upper)
+}
+
+/// An upper peak that is not among those found with a period. Upper peaks descend: a maximum between two of them that is higher
+/// than the second is one as well, unless it belongs to the top of either.
+fn missing_peak(excursion: &Excursion, upper: &[Peak], period: f64) -> Option<Peak> {
+    let rules = PeakRules::default();
+    // Half of the least distance at which a maximum is a peak of its own.
+    let own_top = 0.5 * rules.least_separation * period;
+    let all = upper_peaks(excursion, period, &PeakRules { least_separation: 0.0, ..rules });
+    let above: Vec<&Peak> = upper.iter().filter(|peak| peak.height > 0.0).collect();
+    all.into_iter().find(|peak| {
+        let is_apart = above.iter().all(|own| (own.time - peak.time).abs() > own_top);
+        let is_between = |pair: &[&Peak]| (pair[0].time..pair[1].time).contains(&peak.time);
+        is_apart && above.windows(2).any(|pair| is_between(pair) && peak.height > pair[1].height)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Half swings from 0.53 to 0.2 s, of which each is smaller than the one before, as of a hanging arm that a hand lets go. The
-    /// spectrum has its peak at the slow ones, and an upper peak of the fast ones is nearer to another than that period.
+    /// Half swings from 0.53 s down to 0.2 s, each smaller than the one before, like those of a hanging arm that a hand lets go. The
+    /// spectrum has its peak at the slow ones. An upper peak of the fast ones is nearer to another than that period.
     #[test]
     fn a_frequency_that_rises_by_too_much_is_refused() {
         let step = 0.01;
@@ -101,7 +110,8 @@ mod tests {
         }
         let excursion = Excursion::about(0.0, &z, step).unwrap();
         let spectrum = swing_spectrum(&excursion);
-        let found = swing(&excursion, &spectrum, false).0;
+        assert!(swing(&excursion, &spectrum).0.is_ok());
+        let found = level_swing(&excursion, &spectrum).0;
         assert!(found.unwrap_err().contains("nearer"));
     }
 }

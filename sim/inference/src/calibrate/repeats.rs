@@ -187,16 +187,26 @@ fn noise(problem: &Problem) -> f64 {
 
 /// Places of releases of one condition, of each condition that was repeated.
 pub(super) fn conditions(problem: &Problem) -> Vec<Vec<usize>> {
-    let trials = &problem.trials;
-    let mut conditions: Vec<Vec<usize>> = Vec::new();
-    for (k, trial) in trials.iter().enumerate() {
-        match conditions.iter_mut().find(|own| is_one_condition(&trials[own[0]], trial)) {
-            Some(own) => own.push(k),
-            None => conditions.push(vec![k]),
-        }
-    }
+    let mut conditions = grouped(problem, |_| true, is_one_condition);
     conditions.retain(|own| own.len() > 1);
     conditions
+}
+
+/// Places of the releases that count, those that are alike together.
+pub(crate) fn grouped(
+    problem: &Problem,
+    counts: impl Fn(&Trial) -> bool,
+    is_alike: impl Fn(&Trial, &Trial) -> bool,
+) -> Vec<Vec<usize>> {
+    let trials = &problem.trials;
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (k, trial) in trials.iter().enumerate().filter(|(_, trial)| counts(trial)) {
+        match groups.iter_mut().find(|own| is_alike(&trials[own[0]], trial)) {
+            Some(own) => own.push(k),
+            None => groups.push(vec![k]),
+        }
+    }
+    groups
 }
 
 /// Whether two releases are of one rod, pressure, payload and posture: whether their models differ in nothing but how

@@ -21,8 +21,8 @@ pub(super) const INCONSTANT: &str = "its strength would have to differ between r
 /// seventh, similar effects a quarter or more.
 pub(super) const UNLIKE: f64 = 0.2;
 
-/// The effects of a fit that would have to differ from release to release, by more than noise would have it, a fifth
-/// of their size, and the error of the laws of all: a small effect takes up the error of a large one's law.
+/// The effects of a fit whose strength would have to differ between releases by more than noise gives, than a fifth of their
+/// size, and than the errors of the laws of all of them: a small effect takes up the error of a large one's law.
 pub(super) fn inconstant(fit: &Joint, added: &[Best], false_alarm: f64) -> Vec<&'static str> {
     let added: Vec<_> = added.iter().map(|best| (&best.candidate, best.gain)).collect();
     found(fit, &added, RARER * false_alarm)

@@ -2,7 +2,8 @@
 //! looked at as if they had been recorded, to say which of them would tell two effects apart.
 //!
 //! An experiment is a part of a larger one: some of its releases, markers and samples. So the largest is simulated, once,
-//! and each is looked at in it. Releases of one condition show the same but for noise: one is simulated, and counts as many times.
+//! and each is looked at in it. Releases of one condition differ by
+//! noise alone: one of them is simulated, with the weight of all.
 
 use std::sync::Arc;
 
@@ -18,7 +19,7 @@ use super::verdict::{Separation, Verdict};
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::Slopes;
 use crate::calibrate::refine::LAST;
-use crate::calibrate::repeats::is_one_condition;
+use crate::calibrate::repeats::{grouped, is_one_condition};
 use crate::calibrate::unknowns::{Group, Unknown};
 use crate::calibrate::view::Series;
 use crate::calibrate::{CalibrateError, Problem, Trial};
@@ -46,7 +47,7 @@ struct Simulated {
     columns: Vec<Column>,
     /// Of each release what it has that those at hand have not.
     more: Vec<Vec<Extra>>,
-    /// How many releases of its condition each stands for.
+    /// Number of releases of its condition for which each stands.
     times: Vec<usize>,
     /// Markers and samples of each release that are recorded without anything more.
     tracks: Vec<usize>,
@@ -191,7 +192,8 @@ impl Simulated {
             let is_within = |k: &usize| is_seen && (extras.contains(&LongRecord) || *k < self.counts[r]);
             // Samples ascend.
             let count = series.samples.iter().take_while(|k| is_within(k)).count();
-            let weighted = |own: &[f64; 2]| own.map(|own| (self.times[r] as f64).sqrt() * own);
+            let root = (self.times[r] as f64).sqrt();
+            let weighted = |own: &[f64; 2]| own.map(|own| root * own);
             let slopes = series.slopes[..count].iter().map(|own| own.iter().map(weighted).collect());
             Series {
                 samples: series.samples[..count].to_vec(),
@@ -206,34 +208,27 @@ impl Simulated {
     }
 }
 
-/// Places of the releases that are fitted, one of those of one condition with the same markers, and how many it stands for.
+/// The place of one fitted release of each condition with the same markers, and the number of such releases.
 fn one_of_each_condition(problem: &Problem) -> Vec<(usize, usize)> {
+    let is_fitted = |trial: &Trial| !trial.release.held_out;
     let is_alike = |a: &Trial, b: &Trial| {
         let [one, other] = [a, b].map(|trial| trial.release.tracks.iter().map(|track| track.at));
         one.eq(other) && is_one_condition(a, b)
     };
-    let mut all: Vec<(usize, usize)> = Vec::new();
-    for (t, trial) in problem.trials.iter().enumerate().filter(|(_, trial)| !trial.release.held_out) {
-        match all.iter_mut().find(|(own, _)| is_alike(&problem.trials[*own], trial)) {
-            Some((_, times)) => *times += 1,
-            None => all.push((t, 1)),
-        }
-    }
-    all
+    grouped(problem, is_fitted, is_alike).into_iter().map(|own| (own[0], own.len())).collect()
 }
 
-/// What is known, for releases that are made like those at these places.
+/// What is known of releases planned like those at these places: each takes over the values of its own.
 fn known_of(known: &[Estimate], places: &[usize]) -> Vec<Estimate> {
     let of_release = |known: &Estimate, r: usize, t: usize| {
         let unknown = Unknown { group: Group::Release(r), ..known.unknown.clone() };
         (known.unknown.group == Group::Release(t)).then_some(Estimate { unknown, x: known.x })
     };
+    let of_place =
+        |(r, t): (usize, &usize)| known.iter().filter_map(|own| of_release(own, r, *t)).collect::<Vec<_>>();
     let is_of_several = |known: &&Estimate| !matches!(known.unknown.group, Group::Release(_));
     let of_several = known.iter().filter(is_of_several).cloned();
-    let of_releases = places.iter().enumerate();
-    let of_releases =
-        of_releases.flat_map(|(r, t)| known.iter().filter_map(move |known| of_release(known, r, *t)));
-    of_several.chain(of_releases).collect()
+    of_several.chain(places.iter().enumerate().flat_map(of_place)).collect()
 }
 
 /// Fills the tracks with what is predicted at what is known, whatever was in them.

@@ -51,7 +51,7 @@ fn seen(plan: Plan, seed: u64, is_it: &dyn Fn(&DrawnRelease) -> bool) -> [Option
     let rest = Excursion::about_end(3.0, &z, 1.0 / RATE).expect("thirty seconds").rest();
     let seen: Vec<f64> = z.iter().copied().step_by(10).take((100.0 * SECONDS) as usize).collect();
     let excursion = Excursion::about(rest, &seen, 0.01).expect("twenty seconds");
-    let (omega, peaks) = swing(&excursion, &swing_spectrum(&excursion), true);
+    let (omega, peaks) = swing(&excursion, &swing_spectrum(&excursion));
     let omega = omega.ok();
     let decay = omega.zip(peaks.ok()).and_then(|(omega, peaks)| fit_decay(&peaks, omega).ok());
     let ratio = decay.map(|decay| decay.damping_ratio);
