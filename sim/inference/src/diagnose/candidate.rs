@@ -213,6 +213,11 @@ impl Candidate {
     }
 }
 
+/// Whether a model of a problem has an effect.
+pub(super) fn has(problem: &Problem, effect: &str) -> bool {
+    problem.trials.iter().any(|trial| trial.model.effect(effect).is_some())
+}
+
 /// Whether releases at several pressures are fitted.
 pub(super) fn has_several_pressures(problem: &Problem) -> bool {
     let fitted = problem.trials.iter().filter(|trial| !trial.release.held_out);
@@ -242,7 +247,7 @@ fn strengths(about: &About, is_pressure_varied: bool) -> Vec<(&'static EffectPar
 /// The candidates for a problem: every cause in the catalogue of its models, laws as text included, that they do not have
 /// already, but for those that the settings exclude.
 pub(super) fn candidates(problem: &Problem, settings: &DiagnosisSettings) -> Vec<Candidate> {
-    let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
+    let has = |name: &str| has(problem, name);
     let mut all = Vec::new();
     let Some(model) = problem.trials.first().map(|trial| &trial.model) else { return all };
     let rod = model.rod();

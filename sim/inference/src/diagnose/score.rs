@@ -14,7 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::candidate::Candidate;
+use super::candidate::{Candidate, has};
 use super::design_matrix::{self, Column, differences, extended, movements, normal_equations, places};
 use super::mesh_check::LAW;
 use super::threshold::threshold;
@@ -62,11 +62,11 @@ pub(super) const APART: f64 = 5.0;
 pub(super) const ONE: f64 = 2.0;
 
 impl Subject {
-    /// What a score needs of a candidate.
-    fn of(candidate: &Candidate) -> Self {
+    /// What a score needs of a candidate for a fit.
+    fn of(candidate: &Candidate, fit: &Joint) -> Self {
         let (low, high) = candidate.believed();
-        let side = if candidate.is_widened() {
-            0.0 // more at one pressure is less at another
+        let side = if has(&fit.problem, candidate.name()) {
+            0.0 // more at one pressure than the fit has is less at another
         } else if low >= candidate.null_value {
             1.0
         } else if high <= candidate.null_value {
@@ -99,9 +99,11 @@ impl Subject {
         Weight { inverse, degrees, to_strengths }
     }
 
-    /// Whether a strength is on its side.
-    pub fn admits(&self, columns: usize, estimate: f64) -> bool {
-        columns > 1 || self.side == 0.0 || self.side * (estimate - self.null_value) > 0.0
+    /// Whether the strengths that a score vector asks for are on their side: one for all, or the mean of those of each
+    /// pressure. Those of each release may differ in sign.
+    pub fn admits(&self, score_vector: &DVector<f64>, weight: &Weight) -> bool {
+        let is_of_releases = self.believed.is_some() && score_vector.len() > 1;
+        self.side == 0.0 || is_of_releases || self.side * (&weight.to_strengths * score_vector).sum() > 0.0
     }
 }
 
@@ -155,7 +157,7 @@ pub(super) fn scores_of(
     tell: &(dyn Fn(&str) + Sync),
 ) -> Scores {
     let columns = columns(candidates, fit, off, tell);
-    let subjects: Vec<Subject> = candidates.iter().map(Subject::of).collect();
+    let subjects: Vec<Subject> = candidates.iter().map(|own| Subject::of(own, fit)).collect();
     scores(fit, &subjects, &columns, false_alarm)
 }
 
@@ -345,7 +347,7 @@ fn score(
         Some(_) if columns.len() > 1 => mean(|x| x * x).sqrt(),
         _ => subject.null_value + mean(|x| x),
     };
-    let is_admissible = subject.admits(columns.len(), estimate);
+    let is_admissible = subject.admits(&own, weight);
     Score {
         size: if is_admissible { weight.size(&own) } else { 0.0 },
         degrees: weight.degrees,
@@ -397,6 +399,19 @@ mod tests {
         assert!((weight(None).to_strengths * &score_vector).amax() > 1.0);
         let weight = weight(Some(0.015));
         assert!((weight.degrees - 1.0).abs() < 0.01, "{}", weight.degrees);
+    }
+
+    /// What only adds, at two pressures of which the second shows it better: less at that one than nothing is no strength.
+    #[test]
+    fn strengths_of_the_wrong_sign_on_average_are_not_admitted() {
+        let gram = DMatrix::from_diagonal(&DVector::from_column_slice(&[1.0, 4.0]));
+        let admits = |side, strengths: [f64; 2]| {
+            let subject = Subject { side, ..Subject::default() };
+            let score_vector = &gram * DVector::from_column_slice(&strengths);
+            subject.admits(&score_vector, &subject.weight(&gram, &gram, 1.0))
+        };
+        assert!(admits(1.0, [-0.1, 0.3]) && !admits(1.0, [0.1, -0.3]) && !admits(1.0, [-0.1, -0.3]));
+        assert!(admits(-1.0, [0.1, -0.3]) && admits(0.0, [-0.1, -0.3]));
     }
 
     /// Six strengths that are noise take 16.8 of χ² once in a hundred, one takes 6.63 (any table of χ²).

@@ -33,8 +33,7 @@ pub(super) fn threshold(
         let score_vector = &root * DVector::from_fn(scored.len(), |_, _| normal(random));
         let of = |(c, score): (usize, &Score)| {
             let own = score_vector.rows(begins[c], score.columns.len()).into_owned();
-            let estimate = subjects[c].null_value + own.iter().next().copied().unwrap_or(0.0);
-            if !subjects[c].admits(own.len(), estimate) {
+            if !subjects[c].admits(&own, &weights[c]) {
                 return 0.0;
             }
             weights[c].size(&own)
