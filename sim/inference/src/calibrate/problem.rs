@@ -124,6 +124,11 @@ impl Problem {
         self.trials.iter_mut().map(Arc::make_mut)
     }
 
+    /// Whether the model of a trial has an effect.
+    pub(crate) fn has(&self, effect: &str) -> bool {
+        self.trials.iter().any(|trial| trial.model.effect(effect).is_some())
+    }
+
     /// The problem with an effect of no interest in all its models, at zero, whose strength is an unknown with a prior of a
     /// deviation about that; none where models have the effect already, or cannot have it.
     pub(crate) fn with_nuisance(
@@ -133,7 +138,7 @@ impl Problem {
         scope: Scope,
         deviation: f64,
     ) -> Option<Self> {
-        if self.trials.iter().any(|trial| trial.model.effect(effect).is_some()) {
+        if self.has(effect) {
             return None;
         }
         let trials =

@@ -213,11 +213,6 @@ impl Candidate {
     }
 }
 
-/// Whether a model of a problem has an effect.
-pub(super) fn has(problem: &Problem, effect: &str) -> bool {
-    problem.trials.iter().any(|trial| trial.model.effect(effect).is_some())
-}
-
 /// Whether releases at several pressures are fitted.
 pub(super) fn has_several_pressures(problem: &Problem) -> bool {
     let fitted = problem.trials.iter().filter(|trial| !trial.release.held_out);
@@ -247,7 +242,6 @@ fn strengths(about: &About, is_pressure_varied: bool) -> Vec<(&'static EffectPar
 /// The candidates for a problem: every cause in the catalogue of its models, laws as text included, that they do not have
 /// already, but for those that the settings exclude.
 pub(super) fn candidates(problem: &Problem, settings: &DiagnosisSettings) -> Vec<Candidate> {
-    let has = |name: &str| has(problem, name);
     let mut all = Vec::new();
     let Some(model) = problem.trials.first().map(|trial| &trial.model) else { return all };
     let rod = model.rod();
@@ -255,12 +249,12 @@ pub(super) fn candidates(problem: &Problem, settings: &DiagnosisSettings) -> Vec
     for effect in model.catalogue.iter() {
         let about = effect.about();
         let is_excluded = settings.excluded.iter().any(|name| name == about.name);
-        if has(about.name) || is_excluded || about.kind == Kind::Description {
+        if problem.has(about.name) || is_excluded || about.kind == Kind::Description {
             continue;
         }
         let mut tried: Vec<Vec<(&'static EffectParameter, f64)>> = vec![Vec::new()];
         let is_tried = |parameter: &&EffectParameter| {
-            !parameter.tries.is_empty() && parameter.tries_beside.is_none_or(has)
+            !parameter.tries.is_empty() && parameter.tries_beside.is_none_or(|beside| problem.has(beside))
         };
         for parameter in about.parameters.iter().filter(is_tried) {
             tried = tried

@@ -14,7 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, has};
+use super::candidate::Candidate;
 use super::design_matrix::{self, Column, differences, extended, movements, normal_equations, places};
 use super::mesh_check::LAW;
 use super::threshold::threshold;
@@ -45,6 +45,8 @@ pub(super) struct Weight {
     degrees: f64,
     /// Takes the score vector to the strengths that it asks for.
     to_strengths: DMatrix<f64>,
+    /// Takes it to the sum of these strengths.
+    to_sum: DVector<f64>,
 }
 
 impl Weight {
@@ -65,8 +67,8 @@ impl Subject {
     /// What a score needs of a candidate for a fit.
     fn of(candidate: &Candidate, fit: &Joint) -> Self {
         let (low, high) = candidate.believed();
-        let side = if has(&fit.problem, candidate.name()) {
-            0.0 // more at one pressure than the fit has is less at another
+        let side = if fit.problem.has(candidate.name()) {
+            0.0 // a change of the strength that the fit has may have either sign
         } else if low >= candidate.null_value {
             1.0
         } else if high <= candidate.null_value {
@@ -96,14 +98,15 @@ impl Subject {
                 (inverse, degrees)
             }
         };
-        Weight { inverse, degrees, to_strengths }
+        let to_sum = to_strengths.row_sum_tr();
+        Weight { inverse, degrees, to_strengths, to_sum }
     }
 
     /// Whether the strengths that a score vector asks for are on their side: one for all, or the mean of those of each
     /// pressure. Those of each release may differ in sign.
     pub fn admits(&self, score_vector: &DVector<f64>, weight: &Weight) -> bool {
         let is_of_releases = self.believed.is_some() && score_vector.len() > 1;
-        self.side == 0.0 || is_of_releases || self.side * (&weight.to_strengths * score_vector).sum() > 0.0
+        self.side == 0.0 || is_of_releases || self.side * weight.to_sum.dot(score_vector) > 0.0
     }
 }
 
@@ -401,9 +404,9 @@ mod tests {
         assert!((weight.degrees - 1.0).abs() < 0.01, "{}", weight.degrees);
     }
 
-    /// What only adds, at two pressures of which the second shows it better: less at that one than nothing is no strength.
+    /// An effect that cannot be negative, with strengths at two pressures of which the second is known better.
     #[test]
-    fn strengths_of_the_wrong_sign_on_average_are_not_admitted() {
+    fn strengths_with_a_mean_of_the_wrong_sign_are_not_admitted() {
         let gram = DMatrix::from_diagonal(&DVector::from_column_slice(&[1.0, 4.0]));
         let admits = |side, strengths: [f64; 2]| {
             let subject = Subject { side, ..Subject::default() };

@@ -103,8 +103,7 @@ fn had(problem: &Problem) -> Vec<&'static str> {
     let causes = all.iter().map(|effect| effect.about()).filter(|about| about.kind != Kind::Description);
     let could =
         causes.filter(|about| about.parameters.iter().any(|parameter| parameter.null_value.is_some()));
-    let has = |name: &str| problem.trials.iter().any(|trial| trial.model.effect(name).is_some());
-    could.map(|about| about.name).filter(|name| !STANDING.contains(name) && has(name)).collect()
+    could.map(|about| about.name).filter(|name| !STANDING.contains(name) && problem.has(name)).collect()
 }
 
 /// A release that is seen for less than that, s, says little of how a swing dies away.
