@@ -45,7 +45,7 @@ impl Quadratic {
         Self { gradient: at.gradient.clone(), hessian: at.hessian.clone() }
     }
 
-    /// The step of least damping that is no longer than the radius, as [`Quadratic::step`].
+    /// The step of least damping that is no longer than the radius, as [`Quadratic::step`], and whether the radius shortens it.
     pub fn step_within(
         &self,
         radius: f64,
@@ -53,12 +53,12 @@ impl Quadratic {
         diagonal: &DVector<f64>,
         least_damping: f64,
         search: &Search,
-    ) -> (DVector<f64>, f64) {
+    ) -> (DVector<f64>, f64, bool) {
         let mut damping = least_damping;
         loop {
             let (tried, decrease) = self.step(x, diagonal, damping, search, true);
             if length(&(&tried - x), diagonal) <= radius || damping > MOST_DAMPING {
-                return (tried, decrease);
+                return (tried, decrease, damping > least_damping);
             }
             damping *= 2.0;
         }
