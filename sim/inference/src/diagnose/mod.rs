@@ -252,11 +252,15 @@ impl<'a> Course<'a> {
             self.diagnosis.verdict = Verdict::Unknown;
             return Ok(());
         }
-        self.add_all()?;
-        let is_cut_short = self.diagnosis.cut_short_in_round.is_some();
-        if !is_cut_short {
-            self.prune()?;
+        let mut kept_out = self.add_pruned()?;
+        // What was left out makes room for another, once: two might take turns.
+        if kept_out.is_some() && self.added.len() < self.settings.most_effects {
+            kept_out = self.add_pruned()?;
         }
+        if let Some(effect) = kept_out {
+            self.end_at_limit(effect);
+        }
+        let is_cut_short = self.diagnosis.cut_short_in_round.is_some();
         let misstated = self.misstated()?;
         let is_within = !self.added.is_empty() && self.is_within_repeats()?;
         let is_misstated = misstated.as_ref().is_some_and(|own| own.leads);
@@ -294,17 +298,26 @@ impl<'a> Course<'a> {
         is_lost && self.settings.most_effects > 0 && !self.is_stopped()
     }
 
-    fn add_all(&mut self) -> Result<(), CalibrateError> {
+    /// Adds effects, and leaves out again what is not needed beside later ones; says what [`Course::add_all`] says.
+    fn add_pruned(&mut self) -> Result<Option<&'static str>, CalibrateError> {
+        let kept_out = self.add_all()?;
+        if self.diagnosis.cut_short_in_round.is_none() {
+            self.prune()?;
+        }
+        Ok(kept_out)
+    }
+
+    /// Adds effects as long as something speaks; says what would be the next where no more may be added.
+    fn add_all(&mut self) -> Result<Option<&'static str>, CalibrateError> {
         for place in self.added.len()..=self.settings.most_effects {
             if !self.added.is_empty() && self.is_within_repeats()? {
-                return Ok(());
+                return Ok(None);
             }
-            let (number, is_last) =
-                (self.diagnosis.thresholds.len() + 1, place == self.settings.most_effects);
-            let request = RoundRequest { number, is_last, is_widened: self.is_widened };
+            let (number, is_widened) = (self.diagnosis.thresholds.len() + 1, self.is_widened);
+            let request = RoundRequest { number, is_last: place == self.settings.most_effects, is_widened };
             if self.is_stopped() {
                 self.diagnosis.cut_short(number);
-                return Ok(());
+                return Ok(None);
             }
             let found = match self.first_round.take().filter(|_| number == 1) {
                 Some(found) => Ok(found),
@@ -315,7 +328,7 @@ impl<'a> Course<'a> {
             }
             let found = match found {
                 Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) if self.is_stopped() => {
-                    return Ok(());
+                    return Ok(None);
                 }
                 found => found?,
             };
@@ -328,24 +341,26 @@ impl<'a> Course<'a> {
             }));
             match found.outcome {
                 RoundOutcome::Effect(best) => self.add(best)?,
-                RoundOutcome::LimitReached(effect) => {
-                    self.diagnosis.warnings.push(format!(
-                        "the repaired model lacks {effect} or another effect, because --most {} ended the search",
-                        self.settings.most_effects
-                    ));
-                    if self.settings.most_effects >= TOO_MANY || self.added.is_empty() {
-                        self.diagnosis.verdict = Verdict::Unknown;
-                    }
-                    return Ok(());
-                }
-                RoundOutcome::Nothing if !found.is_shaped => return Ok(()),
+                RoundOutcome::LimitReached(effect) => return Ok(Some(effect)),
+                RoundOutcome::Nothing if !found.is_shaped => return Ok(None),
                 RoundOutcome::Nothing | RoundOutcome::Unexplained => {
                     self.diagnosis.verdict = Verdict::Unknown;
-                    return Ok(());
+                    return Ok(None);
                 }
             }
         }
-        Ok(())
+        Ok(None)
+    }
+
+    /// Says what the repaired model lacks, where no more may be added.
+    fn end_at_limit(&mut self, effect: &str) {
+        let most = self.settings.most_effects;
+        self.diagnosis.warnings.push(format!(
+            "the repaired model lacks {effect} or another effect, because --most {most} ended the search"
+        ));
+        if most >= TOO_MANY || self.added.is_empty() {
+            self.diagnosis.verdict = Verdict::Unknown;
+        }
     }
 
     /// Looks for one more effect.

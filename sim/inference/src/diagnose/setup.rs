@@ -144,8 +144,9 @@ impl<'a> Course<'a> {
         }
         alone.lifted_held_out = HeldOut::meet(&problem, &fit.known())?;
         (alone.model, alone.problem) = (fit.with_problem(problem.clone())?, problem);
-        alone.add_all()?;
-        let is_all = alone.added.is_empty() && alone.diagnosis.verdict == Verdict::NothingMissing;
+        let is_all = alone.add_all()?.is_none()
+            && alone.added.is_empty()
+            && alone.diagnosis.verdict == Verdict::NothingMissing;
         if !is_all || alone.diagnosis.cut_short_in_round.is_some() || alone.is_astray()? {
             return Ok(None);
         }
