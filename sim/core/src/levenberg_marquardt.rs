@@ -79,7 +79,7 @@ pub struct Solution<T> {
     pub evaluations: usize,
     /// Decrease that the undamped model still predicts.
     pub predicted: f64,
-    /// Whether that is below the tolerance, or was with terms of second order that short steps have confirmed.
+    /// Whether that is below the tolerance, or was so with terms of second order, and steps without them gain nothing.
     pub converged: bool,
 }
 
@@ -149,9 +149,9 @@ pub fn minimise<T>(
             }
         }
         let (tried, decrease, is_shortened) = model.step_within(radius, &x, &diagonal, least_damping, search);
-        // A step that is short enough not to be refused is not worth one.
+        // After a refused step, any step within the smaller radius would gain less than the tolerance.
         let is_worthless = is_refused && is_shortened && decrease <= tolerance;
-        // Where steps without terms of second order gain nothing, these were right.
+        // It had converged with terms of second order, and steps without them gain nothing.
         converged |= is_worthless && is_settled;
         let is_stuck = is_worthless || idle >= most_idle;
         let is_over = converged || is_stuck || evaluations >= search.most_evaluations;
@@ -327,7 +327,7 @@ mod tests {
         assert!(taken.get() < 40, "slopes taken {} times", taken.get());
     }
 
-    /// A cost that jumps up before its minimum, as that of a rod with friction: beside the jump no step is worth its run.
+    /// The cost jumps up before its minimum, as that of a rod with friction does. At the jump the search ends.
     #[test]
     fn a_search_ends_beside_a_jump() {
         let mut evaluate = |x: &DVector<f64>, _: Option<&()>| {

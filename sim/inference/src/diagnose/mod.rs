@@ -253,7 +253,7 @@ impl<'a> Course<'a> {
             return Ok(());
         }
         let mut kept_out = self.add_pruned()?;
-        // What was left out makes room for another, once: two might take turns.
+        // A pruned effect makes room for another. Only once: two effects might replace each other for ever.
         if kept_out.is_some() && self.added.len() < self.settings.most_effects {
             kept_out = self.add_pruned()?;
         }
@@ -298,7 +298,7 @@ impl<'a> Course<'a> {
         is_lost && self.settings.most_effects > 0 && !self.is_stopped()
     }
 
-    /// Adds effects, and leaves out again what is not needed beside later ones; says what [`Course::add_all`] says.
+    /// Adds effects, then prunes; returns the effect that [`Course::add_all`] returns.
     fn add_pruned(&mut self) -> Result<Option<&'static str>, CalibrateError> {
         let kept_out = self.add_all()?;
         if self.diagnosis.cut_short_in_round.is_none() {
@@ -307,7 +307,7 @@ impl<'a> Course<'a> {
         Ok(kept_out)
     }
 
-    /// Adds effects as long as something speaks; says what would be the next where no more may be added.
+    /// Adds effects while one scores above the threshold; returns the next one where the limit keeps it out.
     fn add_all(&mut self) -> Result<Option<&'static str>, CalibrateError> {
         for place in self.added.len()..=self.settings.most_effects {
             if !self.added.is_empty() && self.is_within_repeats()? {
@@ -352,7 +352,7 @@ impl<'a> Course<'a> {
         Ok(None)
     }
 
-    /// Says what the repaired model lacks, where no more may be added.
+    /// Warns that the limit kept an effect out.
     fn end_at_limit(&mut self, effect: &str) {
         let most = self.settings.most_effects;
         self.diagnosis.warnings.push(format!(
