@@ -1,7 +1,8 @@
 //! A rod that is held at its end: by a string, which pulls, or by a hand, which turns it as well.
 //!
-//! The load with which it is held is dead: a force, and a moment if it is turned, on the end of the active length. It
-//! is found by Newton's method on what the hold asks for, each step of which finds a rest; what is asked for moves from
+//! The load with which it is held is dead: a force at right angles to the clamp, and a moment if it is turned, on the end
+//! of the active length. At a level clamp the force is vertical, as a string is in a laboratory; a vertical one would only
+//! stretch a rod that hangs. The load is found by Newton's method on what the hold asks for, each step of which finds a rest; what is asked for moves from
 //! the free rest to where it is wanted, in steps as large as Newton's method can follow.
 
 use nalgebra::{DMatrix, DVector};
@@ -14,7 +15,7 @@ use crate::system::System;
 /// How the end of the active length is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
-    /// Direction from the clamp in which it is held, rad above the horizontal, by a vertical force.
+    /// Direction from the clamp in which it is held, rad above the horizontal, by a force at right angles to the clamp.
     pub direction: f64,
     /// Angle at which the end body is held, rad from x towards z; none for a string, which lets it turn.
     pub end_angle: Option<f64>,
@@ -22,7 +23,7 @@ pub struct Hold {
 
 /// The effect by which a model is held.
 const LOAD: &str = "tip_load";
-const PATHS: [&str; 2] = ["effects.tip_load.force_z", "effects.tip_load.moment"];
+const PATHS: [&str; 3] = ["effects.tip_load.force_x", "effects.tip_load.force_z", "effects.tip_load.moment"];
 /// What is left of directions and angles, rad.
 const TOLERANCE: f64 = 1e-9;
 const MOST_ITERATIONS: usize = 20;
@@ -63,6 +64,8 @@ struct Search<'h> {
     model: Model,
     hold: &'h Hold,
     places: Vec<usize>,
+    /// Place of the angle of the clamp.
+    base_angle: usize,
     before: Vec<f64>,
     /// Size of a force that bends the rod, N.
     force: f64,
@@ -74,9 +77,17 @@ impl<'h> Search<'h> {
             if model.effect(LOAD).is_some() { model.clone() } else { model.with_effect(LOAD, &[])? };
         model.schedule = None;
         let places = PATHS.iter().map(|path| model.index(path)).collect::<Result<Vec<_>, _>>()?;
+        let base_angle = model.index("rod.base_angle")?;
         let before = places.iter().map(|k| model.theta[*k]).collect();
         let rod = model.rod();
-        Ok(Self { hold, places, before, force: rod.bending_stiffness / rod.length.powi(2) + 1e-3, model })
+        Ok(Self {
+            hold,
+            places,
+            base_angle,
+            before,
+            force: rod.bending_stiffness / rod.length.powi(2) + 1e-3,
+            model,
+        })
     }
 
     fn unknowns(&self) -> usize {
@@ -85,7 +96,9 @@ impl<'h> Search<'h> {
 
     /// Puts a load, over the size of a force and over that times the rod's length, into the model.
     fn load(&mut self, load: &DVector<f64>) {
-        let values = [load[0], load.get(1).copied().unwrap_or(0.0) * self.model.rod().length];
+        let (sin, cos) = self.model.theta[self.base_angle].sin_cos();
+        let moment = load.get(1).copied().unwrap_or(0.0) * self.model.rod().length;
+        let values = [-sin * load[0], cos * load[0], moment];
         for ((place, before), value) in self.places.iter().zip(&self.before).zip(values) {
             self.model.theta[*place] = before + self.force * value;
         }
@@ -162,16 +175,13 @@ mod tests {
         let angle: f64 = 1e-3;
         let (string, places) = held(&model, &Hold { direction: angle, end_angle: None }).unwrap();
         let due = 3.0 * stiffness * angle / length.powi(2);
-        assert!(
-            (string.theta[places[0]] / due - 1.0).abs() < 1e-4,
-            "{} N, due {due} N",
-            string.theta[places[0]]
-        );
+        let found = string.theta[places[1]];
+        assert!((found / due - 1.0).abs() < 1e-4, "{found} N, due {due} N");
         let turned = 2e-3;
         let (hand, places) = held(&model, &Hold { direction: angle, end_angle: Some(turned) }).unwrap();
         let force = 6.0 * stiffness * (2.0 * angle - turned) / length.powi(2);
         let moment = 2.0 * stiffness * (2.0 * turned - 3.0 * angle) / length;
-        let found = [hand.theta[places[0]], hand.theta[places[1]]];
+        let found = [hand.theta[places[1]], hand.theta[places[2]]];
         assert!((found[0] - force).abs() < 1e-4 * moment.abs() / length, "{found:?}, due {force} N");
         assert!((found[1] / moment - 1.0).abs() < 1e-4, "{found:?}, due {moment} N m");
     }
@@ -190,6 +200,35 @@ mod tests {
                 (z.atan2(x) - angle).abs() < 1e-8 && (turned - angle).abs() < 1e-8,
                 "{degrees}: {turned}"
             );
+        }
+    }
+
+    /// However steep the clamp: a rod that hangs is pulled aside by the force of a beam, which holds a small angle with
+    /// `3 EI θ / L²`. A vertical force found none at -90 degrees.
+    #[test]
+    fn a_rod_that_hangs_is_pulled_aside() {
+        let mut model = rod_with(&[LIGHT]);
+        let rod = model.rod();
+        for degrees in [-90.0_f64, -89.99, -90.0 + 1e-9, 90.0, 180.0, -60.0] {
+            let base = degrees.to_radians();
+            model.set("rod.base_angle", base).unwrap();
+            let aside = 1e-3;
+            let (string, places) = held(&model, &Hold { direction: base + aside, end_angle: None }).unwrap();
+            let force = [string.theta[places[0]], string.theta[places[1]]];
+            let due = 3.0 * rod.bending_stiffness * aside / rod.length.powi(2);
+            let along = force[0] * base.cos() + force[1] * base.sin();
+            let across = force[1] * base.cos() - force[0] * base.sin();
+            assert!((across / due - 1.0).abs() < 1e-4 && along.abs() < 2e-3 * due, "{degrees}: {force:?}");
+        }
+        let mut heavy = rod_with(&[("end_fitting", &[("mass", 0.05), ("center_of_mass", 0.017)])]);
+        heavy.set("rod.base_angle", -90f64.to_radians()).unwrap();
+        for degrees in [-120.0_f64, -75.0, -50.0] {
+            let angle = degrees.to_radians();
+            for end_angle in [None, Some(angle)] {
+                let (string, _) = held(&heavy, &Hold { direction: angle, end_angle }).unwrap();
+                let ([x, z], _) = end(&string);
+                assert!((z.atan2(x) - angle).abs() < 1e-8, "{degrees}: {}", z.atan2(x).to_degrees());
+            }
         }
     }
 
