@@ -6,6 +6,7 @@ use std::time::Instant;
 use efam_core::forward::Cancel;
 use efam_experiments::analyse as analysis;
 use efam_experiments::analysis::static_stiffness::NODES;
+use efam_experiments::kind::FileKind;
 use efam_inference::calibrate as calibration;
 use efam_inference::diagnose as diagnosis;
 use efam_inference::predict as prediction;
@@ -171,7 +172,7 @@ pub fn diagnose(
 /// The rod that is asked about: a scenario by its text or path, or a muscle.
 fn request(of: &str) -> Result<CaseRequest, Failure> {
     let is_built_in = BUILT_IN.iter().any(|(name, _)| *name == of);
-    if is_built_in || Path::new(of).file_name().is_some_and(|name| name == "muscle.toml") {
+    if is_built_in || FileKind::of(Path::new(of)) == Some(FileKind::Muscle) {
         return Ok(CaseRequest::muscle(of));
     }
     if of.contains('\n') {

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
+use efam_experiments::kind::FileKind;
 use efam_inference::predict::ensemble::{Member, ensemble};
 use efam_inference::predict::grid::{Cell, Grid, grid, runs};
 use efam_inference::predict::request::CaseRequest;
@@ -57,7 +58,7 @@ const CASE: [&str; 8] = [
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Predict {
-    /// Scenario with the rod, such as the rod.toml of a calibration; or use --muscle.
+    /// Scenario with the rod, such as the rod.toml of a calibration; or a muscle, as with --muscle.
     #[arg(value_name = "SCENARIO")]
     scenario: Option<PathBuf>,
     /// Muscle file that a calibration wrote, or the name of a built-in muscle.
@@ -114,21 +115,45 @@ pub enum Printed<'a> {
     Check(check::Printed<'a>),
 }
 
+/// What is predicted: a scenario's rod, or a muscle.
+#[derive(Clone, Copy)]
+enum RodFile<'a> {
+    Scenario(&'a Path),
+    Muscle(&'a str),
+}
+
+impl Predict {
+    /// As it was given, a muscle by its option or in the place of a scenario.
+    fn rod(&self) -> Option<RodFile<'_>> {
+        let muscle = self.muscle.as_deref();
+        let Some(scenario) = &self.scenario else { return muscle.map(RodFile::Muscle) };
+        let is_muscle = |file: &&str| {
+            BUILT_IN.iter().any(|(name, _)| name == file) || FileKind::of(scenario) == Some(FileKind::Muscle)
+        };
+        Some(match scenario.to_str().filter(is_muscle) {
+            Some(muscle) => RodFile::Muscle(muscle),
+            None => RodFile::Scenario(scenario),
+        })
+    }
+}
+
 pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(experiment) = &args.check {
         return check::run(args, experiment, console);
     }
-    if args.scenario.is_none() && args.muscle.is_none() {
+    let Some(rod) = args.rod() else {
         return Err(Failure::Usage(format!(
             "which rod? give the rod.toml of a calibration; or --muscle muscle.toml --pressure 40psi; or a built-in muscle: {}",
             built_in()
         )));
-    }
-    if args.muscle.is_some() && args.pressure.is_none() {
-        return Err(Failure::Usage("--muscle needs --pressure, such as --pressure 40psi".to_owned()));
+    };
+    if let (RodFile::Muscle(muscle), None) = (rod, &args.pressure) {
+        return Err(Failure::Usage(format!(
+            "{muscle} is a muscle, which needs --pressure, such as --pressure 40psi"
+        )));
     }
     let begin = Instant::now();
-    let (cases, input_hashes) = case_request(args)?;
+    let (cases, input_hashes) = case_request(args, rod)?;
     once("--pressure", args.pressure.as_ref(), "muscle.pressure", &args.set)?;
     once("--payload", args.payload.as_ref(), "effects.payload.mass", &args.set)?;
     let pressures = several("--pressure", &args.pressure, "Pa")?;
@@ -251,15 +276,15 @@ fn tell(
 /// What is asked, in words: `40psi with 80g`.
 fn title(args: &Predict, case: &str) -> String {
     let payload = args.payload.as_ref().map_or(String::new(), |payload| format!(" with {payload}"));
-    match (&args.scenario, &args.pressure) {
-        (None, Some(pressure)) => format!("{pressure}{payload}"),
+    match (args.rod(), &args.pressure) {
+        (Some(RodFile::Muscle(_)), Some(pressure)) => format!("{pressure}{payload}"),
         (_, Some(pressure)) => format!("{case} at {pressure}{payload}"),
         (_, None) => format!("{case}{payload}"),
     }
 }
 
 /// The rod that is asked about, and the hash of its file.
-fn case_request(args: &Predict) -> Result<(CaseRequest, BTreeMap<String, String>), Failure> {
+fn case_request(args: &Predict, rod: RodFile) -> Result<(CaseRequest, BTreeMap<String, String>), Failure> {
     let mut hashes = BTreeMap::new();
     let mut read = |file: &Path, what: &str| {
         let text = input::text(file).map_err(|error| {
@@ -268,13 +293,12 @@ fn case_request(args: &Predict) -> Result<(CaseRequest, BTreeMap<String, String>
         hashes.insert(file.display().to_string(), efam_store::sha::sha256(text.as_bytes()));
         Ok::<_, Failure>(text)
     };
-    let mut request = match (&args.scenario, &args.muscle) {
-        (Some(scenario), _) => CaseRequest::scenario(
+    let mut request = match rod {
+        RodFile::Scenario(scenario) => CaseRequest::scenario(
             scenario,
             read(scenario, "a scenario, such as the rod.toml of a calibration")?,
         ),
-        (None, muscle) => {
-            let muscle = muscle.as_deref().unwrap_or_default();
+        RodFile::Muscle(muscle) => {
             if !BUILT_IN.iter().any(|(name, _)| *name == muscle) {
                 read(
                     Path::new(muscle),

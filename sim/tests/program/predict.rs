@@ -310,3 +310,17 @@ fn a_loss_on_its_bound_lies_in_its_own_interval_and_is_warned_of() {
     assert!(intervals.iter().all(|(low, high)| low != high), "{stdout}");
     assert!(!bench.text("text/report.html").contains("<h3>Warnings</h3>\n<p>None.</p>"));
 }
+
+/// A muscle file in the place of a scenario is the muscle, and says what it needs.
+#[test]
+fn a_muscle_in_the_place_of_a_scenario_is_predicted() {
+    let bench = bench("predict-position");
+    let (code, _, stderr) = bench.run(&["predict", "known.toml"]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("known.toml is a muscle, which needs --pressure"), "{stderr}");
+    let asked = ["--pressure", "40 psi", "--duration", "4 s", "--draws", "3", "--json"];
+    let by = |rod: &[&str], out: &str| {
+        bench.json(&[&["predict"], rod, &asked, &["--out", out], &ALPHA].concat())["prediction"].clone()
+    };
+    assert_eq!(by(&["known.toml"], "position"), by(&["--muscle", "known.toml"], "option"));
+}

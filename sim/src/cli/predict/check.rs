@@ -38,15 +38,15 @@ pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, F
     let begin = Instant::now();
     let own = of_kind(FileKind::Experiment, file, Experiment::load(file, &args.set))?;
     let mut input_hashes = input_hashes(&own);
-    let rod = args.scenario.as_deref().or(args.muscle.as_deref().map(Path::new));
-    let (experiment, known, left_out) = match rod {
+    let (experiment, known, left_out) = match args.rod() {
         None => (own.clone(), own.known().cloned(), Vec::new()),
-        Some(_) => {
-            let (cases, hashes) = case_request(args)?;
+        Some(rod) => {
+            let (cases, hashes) = case_request(args, rod)?;
             input_hashes.extend(hashes);
             cases.in_experiment(&own)?
         }
     };
+    let rod = args.scenario.as_deref().or(args.muscle.as_deref().map(Path::new));
     let fitted = rod.map(fitted_files).unwrap_or_default();
     let request = Request {
         name: format!("{} predicted", own.name),
