@@ -91,6 +91,26 @@ pub enum CleaningError {
         /// Releases in the recording.
         found: usize,
     },
+    /// A tip that is held beside the straight rod.
+    #[error(
+        "{file}: release {number}: a straight rod at {:.1} deg ends {:.1} mm from where the tip is held, {:.0} % of its \
+         reach: check up, unit, angle and clamp under {key}; without angle its posture follows from the markers",
+        angle.to_degrees(), 1e3 * off, 1e2 * off / reach
+    )]
+    OffPlace {
+        /// The recording.
+        file: String,
+        /// Where the recording stands in the experiment file.
+        key: String,
+        /// The release, from one.
+        number: usize,
+        /// The angle, rad.
+        angle: f64,
+        /// Distance of the two, m.
+        off: f64,
+        /// Reach of the rod, m.
+        reach: f64,
+    },
     /// A tip that cannot be that of the rod.
     #[error(
         "{file}: release {number}: held straight, the tip stands {:.1} mm from the clamp, and the rod with its \

@@ -10,8 +10,8 @@ use efam_core::quantile::quantile;
 use efam_recordings::Recording;
 use efam_store::escape::{escaped, toml_string};
 
-use crate::cleaning::{CleanRecording, CleanRelease, Cleaned, clean_all, distance};
-use crate::experiment::{Experiment, ExperimentError};
+use crate::cleaning::{CleanRecording, CleanRelease, Cleaned, IS_UP, SURELY, clean_all, distance};
+use crate::experiment::{Direction, Experiment, ExperimentError};
 use crate::scenario::plan;
 
 /// Motion of base markers in that of the most moving one, at most.
@@ -129,7 +129,8 @@ pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
             for decision in cleaned.decisions.iter().filter(|decision| decision.key == "up") {
                 let is_about = |clean: &CleanRecording| clean.name == decision.about;
                 if let Some(k) = cleaned.recordings.iter().position(is_about) {
-                    found[k].push(decision.what.clone());
+                    let (axis, _) = Direction::nearest(cleaned.recordings[k].frame.axes[2]);
+                    starts[k].up = Some((axis, decision.what.clone()));
                 }
             }
         }
@@ -169,8 +170,7 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
         pressure_and_payload(&mut out, file);
         markers(&mut out, recording);
         start(&mut out, &starts[k]);
-        out += "# up = \"+z\"         # against gravity; found from the fall of the tip unless it stands here\n\
-                # clamp = [\"0 mm\", \"0 mm\", \"0 mm\"]   # where the rod leaves the clamp, in the file's frame\n\
+        out += "# clamp = [\"0 mm\", \"0 mm\", \"0 mm\"]   # where the rod leaves the clamp, in the file's frame\n\
                 # held_out = true   # no part of any fit, and validates it\n";
     }
     out + GUESSED_STIFFNESS
@@ -198,6 +198,8 @@ struct Guessed {
     why: &'static str,
     /// Direction in which the tip of a rod is held that seems to be straight and level, rad.
     angle: Option<f64>,
+    /// Which axis of the file seems to be up, and how that is known.
+    up: Option<(Direction, String)>,
 }
 
 impl Guessed {
@@ -208,7 +210,7 @@ impl Guessed {
         let at_once = Guessed {
             instants: recording.1.time.first().copied().into_iter().collect(),
             why: "the file has no hold, so the rod is let go at its first sample",
-            angle: None,
+            ..Guessed::default()
         };
         if !is_found(Guessed::default()) && is_found(at_once.clone()) { at_once } else { Guessed::default() }
     }
@@ -238,11 +240,13 @@ fn start(out: &mut String, guessed: &Guessed) {
         let instants: Vec<String> = guessed.instants.iter().map(to_a_millisecond).collect();
         let _ = writeln!(out, "instants = [{}]   # GUESS: {}", instants.join(", "), guessed.why);
     }
+    let knows_up = up(out, guessed.up.as_ref());
     match guessed.angle {
         Some(held) => {
+            let sure = if knows_up && held.abs() <= -LEVEL.start() { "surely" } else { "perhaps" };
             let _ = writeln!(
                 out,
-                "angle = \"0 deg\"   # GUESS: held straight and level (seen at {:.1} deg); what the tip marker stands off\n\
+                "angle = \"0 deg\"   # GUESS, {sure}: held straight and level (seen at {:.1} deg); what the tip marker stands off\n\
                  \x20                 # the rod's end is then taken off. Switch off if it was not held straight.",
                 held.to_degrees()
             );
@@ -252,6 +256,20 @@ fn start(out: &mut String, guessed: &Guessed) {
                      \x20                 # is held bent by a hand, and its posture follows from the markers\n"
         }
     }
+}
+
+/// The axis that is up, switched off where the rod's angle may still decide otherwise; whether it is known.
+fn up(out: &mut String, up: Option<&(Direction, String)>) -> bool {
+    let Some((axis, what)) = up else {
+        *out += "# up = \"+z\"         # FILL IN: against gravity\n";
+        return false;
+    };
+    let why = what.split_once(IS_UP).map_or(what.as_str(), |(_, why)| why);
+    let is_sure = why.starts_with(SURELY);
+    let (switch, or) =
+        if is_sure { ("", "") } else { ("# ", "; say it, or rod.base_angle, if it is not so") };
+    let _ = writeln!(out, "{switch}up = \"{}\"   # GUESS, {}{or}", axis.text(), escaped(why));
+    is_sure
 }
 
 fn pressure_and_payload(out: &mut String, file: &str) {
@@ -343,7 +361,11 @@ mod tests {
     fn a_start_is_guessed_from_the_recording() {
         let draft = |recording: Recording| draft("name", &[("a.csv".to_owned(), recording)]);
         let level = draft(swing(0.01, -0.4));
-        assert!(level.contains("\nangle = \"0 deg\"   # GUESS") && !level.contains("\ninstants"), "{level}");
+        assert!(
+            level.contains("\nangle = \"0 deg\"   # GUESS, surely") && !level.contains("\ninstants"),
+            "{level}"
+        );
+        assert!(level.contains("\nup = \"+z\"   # GUESS, surely: "), "{level}");
         let bent = draft(swing(-0.03, -0.4));
         assert!(bent.contains("\n# angle = ") && !bent.contains("\ninstants"), "{bent}");
         let at_once = draft(swing(0.01, 0.1));

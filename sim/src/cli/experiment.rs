@@ -138,6 +138,9 @@ pub fn init(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
         if recordings.len() == 1 { "" } else { "s" },
         shell_word(out)
     )?;
+    for line in text.lines().filter(|line| line.contains("# GUESS, ")) {
+        writeln!(stdout(), "  {}", line.trim_start_matches("# "))?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

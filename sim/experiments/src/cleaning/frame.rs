@@ -1,7 +1,6 @@
 //! The frame at the clamp: x level and away from the clamp in the plane of the swing, z against gravity.
 //!
-//! Up is given, or an axis of the file: systems are calibrated with one axis vertical. Which one shows
-//! in the first fall, which gravity begins, and else in a rod that hangs. The plane is that of the
+//! Up is given, or an axis of the file (`up.rs`): systems are calibrated with one axis vertical. The plane is that of the
 //! swing where the tip moves far enough sideways to show it, else that through clamp and held tip.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector3};
@@ -10,7 +9,7 @@ use super::CleaningError;
 use super::base::BasePose;
 use super::cycles::Cut;
 use super::decision::{Log, mm};
-use super::onset::first_fall;
+use super::up::Known;
 use crate::experiment::{Direction, Entry};
 
 /// The frame W of a recording.
@@ -22,11 +21,7 @@ pub struct Frame {
     pub axes: [[f64; 3]; 3],
 }
 
-/// Largest angle between the first fall and an axis that is taken as vertical, rad.
-const FALL: f64 = 30.0 * DEGREE;
-/// The same of a hanging rod.
-const HANGING: f64 = 15.0 * DEGREE;
-/// The same of the way to the tip and an axis that is taken as the rod's.
+/// Largest angle between the way to the tip and an axis that is taken as the rod's, rad.
 const ALONG: f64 = 10.0 * DEGREE;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// Range of the tip sideways, in its distance from the clamp, from which on its swing shows the plane.
@@ -44,7 +39,8 @@ impl Frame {
 pub(super) fn find(
     entry: &Entry,
     base: Option<&BasePose>,
-    path: &[Option<[f64; 3]>],
+    base_angle: Option<f64>,
+    (time, path): (&[f64], &[Option<[f64; 3]>]),
     cuts: &[Cut],
     log: &mut Log,
 ) -> Result<Frame, CleaningError> {
@@ -59,70 +55,11 @@ pub(super) fn find(
             [0.0; 3]
         }
     };
-    let up = Vector3::from(up(entry, base.is_some(), origin, path, cuts, log)?.unit());
+    let has_base = base.is_some() || entry.clamp.is_some();
+    let known = Known { entry, base_angle, has_base, origin, time, path, cuts };
+    let up = Vector3::from(known.up(log)?.unit());
     let along = along(entry, up, origin, path, cuts, log);
     Ok(Frame { origin, axes: [along.into(), up.cross(&along).into(), up.into()] })
-}
-
-fn up(
-    entry: &Entry,
-    has_base: bool,
-    origin: [f64; 3],
-    path: &[Option<[f64; 3]>],
-    cuts: &[Cut],
-    log: &mut Log,
-) -> Result<Direction, CleaningError> {
-    if let Some(up) = entry.up {
-        return Ok(up);
-    }
-    let fall: Vector3<f64> = cuts.iter().filter_map(|cut| first_fall(path, cut)).map(Vector3::from).sum();
-    let mut seen = Vec::new();
-    if fall.norm() > 0.0 {
-        let (down, angle) = Direction::nearest(fall.normalize().into());
-        if angle < FALL {
-            let up = opposite(down);
-            let degrees = angle / DEGREE;
-            log.say(
-                "up",
-                format!(
-                    "{} of the file is up: the tip first falls {degrees:.1} deg from its opposite",
-                    up.text()
-                ),
-            );
-            return Ok(up);
-        }
-        seen.push(format!("the tip first moves {:.0} deg from the nearest axis", angle / DEGREE));
-    }
-    let hanging: Vector3<f64> = cuts.iter().map(|cut| Vector3::from(cut.rest) - Vector3::from(origin)).sum();
-    if hanging.norm() > 0.0 {
-        let (down, angle) = Direction::nearest(hanging.normalize().into());
-        if angle < HANGING {
-            let up = opposite(down);
-            let whose = if has_base { "the base" } else { "the origin" };
-            log.say(
-                "up",
-                format!(
-                    "{} of the file is up: the tip rests {:.1} deg from straight below {whose}",
-                    up.text(),
-                    angle / DEGREE
-                ),
-            );
-            return Ok(up);
-        }
-        seen.push(format!("rests {:.0} deg from the nearest", angle / DEGREE));
-    }
-    Err(CleaningError::NoVertical {
-        file: entry.name.clone(),
-        why: seen.join(", and "),
-        key: entry.key.clone(),
-    })
-}
-
-fn opposite(direction: Direction) -> Direction {
-    match direction {
-        Direction::Axis(axis, sign) => Direction::Axis(axis, -sign),
-        Direction::Vector(vector) => Direction::Vector(vector.map(|x| -x)),
-    }
 }
 
 /// The level direction from the clamp to the tip, in the plane of the swing.

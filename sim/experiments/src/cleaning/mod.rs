@@ -26,6 +26,7 @@ mod recording;
 mod release;
 mod representative;
 mod spurious;
+mod up;
 
 use efam_recordings::Recording;
 use schemars::JsonSchema;
@@ -43,6 +44,7 @@ pub use motion::Motion;
 pub use onset::Onset;
 pub use points::mask_spurious;
 pub use recording::clean_recording;
+pub use up::{IS_UP, SURELY};
 
 /// All releases of an experiment.
 #[derive(Clone, Debug)]

@@ -53,7 +53,8 @@ pub fn clean_recording(
     }
     let base = base_pose(experiment, entry, &markers, &time, step, &mut log)?;
     let cuts = cut(entry, &time, &tip, step, &mut log)?;
-    let frame = frame::find(entry, base.as_ref(), &tip.path, &cuts, &mut log)?;
+    let base_angle = entry.base_angle.or(experiment.base_angle());
+    let frame = frame::find(entry, base.as_ref(), base_angle, (&time, &tip.path), &cuts, &mut log)?;
     let rod = match experiment.case(k, None)? {
         Some(case) => {
             let length = case.model.rod().length;
@@ -95,6 +96,10 @@ pub fn clean_recording(
 /// may stand off, a rod of another length may not.
 const FARTHEST_OFF: f64 = 0.25;
 
+/// The same of its distance from the end of the straight rod: on a thick rod a marker on top stands a third of its reach
+/// off, and a rod that is held in another direction is half of it off from 29 degrees on.
+const FARTHEST_BESIDE: f64 = 0.5;
+
 /// Whether markers can be where they are said to be.
 fn check_geometry(
     experiment: &Experiment,
@@ -120,6 +125,13 @@ fn check_geometry(
             let (file, key) = (entry.name.clone(), entry.key.clone());
             let (number, reach) = (k + 1, rod.reach);
             return Err(CleaningError::OffReach { file, key, number, seen, reach }.into());
+        }
+        if let Some(angle) = entry.angle_of(k + 1).filter(|_| is_straight) {
+            let off = (x - rod.reach * angle.cos()).hypot(z - rod.reach * angle.sin());
+            if off > FARTHEST_BESIDE * rod.reach {
+                let (file, key, reach) = (entry.name.clone(), entry.key.clone(), rod.reach);
+                return Err(CleaningError::OffPlace { file, key, number: k + 1, angle, off, reach }.into());
+            }
         }
     }
     Ok(())

@@ -152,6 +152,9 @@ mod whole {
         assert!(near(held, [0.2, 0.0]) && near(offset, [0.0, 0.022]), "{held:?} {offset:?}");
         let (held, _) = hold("angle = \"0 deg\"\noffset = [\"1 mm\", \"20 mm\"]");
         assert!(near(held, [0.199, 0.002]), "{held:?}");
+        // A rod that is held in another direction has no such offset.
+        let beside = cleaned([0, 1, 2], [1.0; 3], "angle = \"60 deg\"").unwrap_err();
+        assert!(beside.contains("check up, unit, angle and clamp under recording[1]"), "{beside}");
     }
 
     #[test]

@@ -165,6 +165,11 @@ impl Experiment {
         self.plan.is_some()
     }
 
+    /// Angle of the clamp above the level, rad, where the model says that it is not level.
+    pub(crate) fn base_angle(&self) -> Option<f64> {
+        Some(self.plan.as_ref()?.base_angle).filter(|angle| *angle != 0.0)
+    }
+
     /// The muscle of the model, if it is one.
     pub fn muscle(&self) -> Option<&models::muscle::Muscle> {
         self.plan.as_ref()?.muscle.as_ref().map(|muscle| &muscle.muscle)
@@ -186,7 +191,7 @@ impl Experiment {
     }
 
     /// The model of a recording, counted from 0, with the recording's pressure, payload and `angle` (rad)
-    /// at release, 0 where it is not known; nothing without [`Self::has_model`].
+    /// at release, that of the clamp where it is not known; nothing without [`Self::has_model`].
     /// # Errors
     /// [`ExperimentError::Document`] for what the muscle or the model refuses.
     pub fn case(&self, recording: usize, angle: Option<f64>) -> Result<Option<Case>, ExperimentError> {
@@ -207,7 +212,7 @@ impl Experiment {
         let mut plan = plan.clone();
         plan.nodes = nodes.or(plan.nodes);
         plan.base_angle = entry.base_angle.unwrap_or(plan.base_angle);
-        plan.angle = angle.or(entry.angle).unwrap_or(0.0);
+        plan.angle = angle.or(entry.angle).unwrap_or(plan.base_angle);
         // A load that holds the rod would belong to the stiffness of the start, and not to the one that is found.
         if let From::HeldBy(_) = plan.from {
             plan.from = From::Straight;

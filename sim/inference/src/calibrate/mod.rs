@@ -32,7 +32,7 @@ mod starts;
 pub(crate) mod uncertainty;
 pub mod unknowns;
 pub(crate) mod view;
-mod warnings;
+pub(crate) mod warnings;
 pub mod waves;
 
 use nalgebra::DVector;

@@ -5,6 +5,12 @@ use super::calibration::{Calibrated, ReleaseFit};
 use super::unknowns::{CLAMP_ANGLE, HOLD_ANGLE, RELEASE_INSTANT};
 use crate::normal::CLEAR;
 
+/// Distance of a fit from its recording over the motion, from which on the setup is doubted before the model: what a
+/// diagnosis calls missing the first swings.
+const OF_MOTION: f64 = 0.2;
+/// What is to be checked then, in the order of how often it is wrong.
+pub(crate) const SETUP: &str =
+    "first check up, unit, angle (or start) and clamp of its [[recording]], and base_angle";
 /// Variance over that of the stated noise from which on something is missing.
 const MISFIT: f64 = 1.5;
 /// Share of samples held back that is more than chance and a few ghosts.
@@ -27,6 +33,14 @@ pub(super) fn of_search(fit: &PartFit) -> Option<String> {
 pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
     let mut words = Vec::new();
     let name = &fit.name;
+    let share = 1e-3 * fit.misfit.distance_mm / fit.excursion_m;
+    if share > OF_MOTION {
+        words.push(format!(
+            "{name}: the fit is {:.1} mm from the recording, {:.0} % of its motion: {SETUP}",
+            fit.misfit.distance_mm,
+            1e2 * share
+        ));
+    }
     for track in &fit.tracks {
         let marker = &track.marker;
         if track.reduced_chi_squared > MISFIT {
@@ -78,5 +92,34 @@ fn key(name: &str) -> &'static str {
         RELEASE_INSTANT => "instant_error in [[recording]]",
         name if name.starts_with("offset of") => "offset in [calibrate]",
         _ => "a wider prior in its [[calibrate.parameter]]",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::misfit::{FrequencyAndDamping, Misfit};
+
+    /// Of a motion of 100 mm, 20 mm are a fifth.
+    #[test]
+    fn a_fit_that_misses_the_motion_asks_for_the_setup_first() {
+        let warnings = |distance_mm: f64| {
+            of_release(&ReleaseFit {
+                name: "made-up".to_owned(),
+                pressure_pa: None,
+                payload_kg: 0.0,
+                excursion_m: 0.1,
+                held_out: false,
+                duration_s: 8.0,
+                measured: FrequencyAndDamping::default(),
+                fitted: FrequencyAndDamping::default(),
+                tracks: Vec::new(),
+                misfit: Misfit { distance_mm, ..Default::default() },
+                numerical_error_mm: 0.0,
+                numerical_error_left_mm: 0.0,
+            })
+        };
+        assert_eq!(warnings(19.0), Vec::<String>::new());
+        assert!(warnings(21.0)[0].contains("21 % of its motion: first check up, unit, angle"));
     }
 }

@@ -12,6 +12,7 @@ use super::verdict::{
     Verdict, Wrong,
 };
 use crate::calibrate::repeats::Source;
+use crate::calibrate::warnings::SETUP;
 use crate::listed::listed;
 use models::digits::{short, significant};
 
@@ -19,7 +20,9 @@ use models::digits::{short, significant};
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
     let misfit = || {
         if diagnosis.misses_first_swings {
-            Some("The simulation misses even the first swings by more than a fifth of the motion.".to_owned())
+            Some(format!(
+                "The simulation misses even the first swings by more than a fifth of the motion: {SETUP}."
+            ))
         } else {
             wrong(&diagnosis.misfits)
         }
