@@ -44,7 +44,7 @@ pub struct Misfit {
     pub frequency: f64,
     /// Relative difference of the damping ratios.
     pub damping_ratio: f64,
-    /// Lowest and highest frequency of the recordings, Hz; none where none has one.
+    /// Lowest and highest frequency of the recordings and of small swings of the fitted rods, Hz; none where no recording has one.
     pub frequency_hz: Option<[f64; 2]>,
 }
 

@@ -34,7 +34,7 @@ use crate::picture::{against_markers, calibrated, fitted, over_pressure};
 use crate::report::{significant, significant_or_dash};
 use crate::{Request, write_mark};
 
-pub use model::{ModelFile, models, muscle_file, rod_files};
+pub use model::{ModelFile, Setup, models, muscle_file, rod_files};
 
 /// File names of a calibration's folder.
 pub const CALIBRATION: &str = "calibration.json";

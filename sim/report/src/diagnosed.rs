@@ -52,7 +52,7 @@ pub fn write_diagnosis(
     }
     for (k, trial) in outcome.repaired.trials.iter().enumerate() {
         let duration = trial.release.time.last().copied().unwrap_or(1.0);
-        let mut text = plain(&head, &trial.release.name, &trial.model, duration);
+        let mut text = plain(&head, &trial.release.name, &trial.model, &trial.run, duration);
         let known =
             outcome.errors.of(|parameter| is_of_pressure(parameter.pressure_pa, trial.release.pressure));
         text += &format!("\n{}", known.section());

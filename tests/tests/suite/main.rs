@@ -29,6 +29,7 @@ mod inverse {
     mod pressures;
     mod small_cases;
     mod units_and_order;
+    mod written;
 }
 mod order {
     mod edge_length;

@@ -2,6 +2,7 @@
 
 mod lists;
 mod meant;
+mod pushed_out;
 mod value;
 
 use std::ops::Range;
@@ -15,6 +16,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{At, ScenarioError, ScenarioProblem};
 use meant::meant;
+use pushed_out::is_pushed_out;
 pub use value::Place;
 use value::{Entry, Item, Value, entries, of};
 
@@ -33,9 +35,6 @@ struct Source {
     /// What file names in it are relative to.
     base: PathBuf,
 }
-
-/// Keys of which only one can be meant: one that is set pushes the others out.
-const ALTERNATIVES: [&[&str]; 2] = [&["name", "file", "text"], &["from", "posture", "nodes"]];
 
 /// Parts of a path that is set, at most; the deepest key of a scenario has five.
 const DEEPEST: usize = 8;
@@ -160,11 +159,7 @@ impl Document {
         let Value::Table(entries) = &mut table.value else {
             return Err(self.error(&key_place, path, ScenarioProblem::WrongType { due: "a table" }));
         };
-        let pushed_out = |key: &str| {
-            let of_one = |all: &[&str]| all.contains(&key) && all.contains(&last);
-            key == last || (path.contains('.') && ALTERNATIVES.into_iter().any(of_one))
-        };
-        entries.retain(|entry| !pushed_out(&entry.key));
+        entries.retain(|entry| !is_pushed_out(entry, path, &item.value));
         entries.push(Entry { key: last.to_owned(), key_place, item });
         Ok(())
     }

@@ -2,15 +2,16 @@
 
 use std::fmt::Write;
 
-use efam_core::forward::Initial;
+use efam_core::forward::{CurvePoint, Initial, Run};
 use efam_core::pace::DEFAULT_RATE;
 use models::history::History;
 use models::model::{Model, Scheme};
 use models::muscle::Extrapolation;
+use models::posture::Posture;
 
 use super::Case;
 use super::plan::{METHODS, MassPlan, Plan, Pressure, fits_name};
-use super::start::From;
+use super::start::is_kinked;
 use super::units::ROD;
 
 pub(super) fn text(case: &Case, plan: &Plan) -> String {
@@ -23,24 +24,9 @@ pub(super) fn text(case: &Case, plan: &Plan) -> String {
     muscle(&mut out, plan);
     let has = |k: usize| ROD[k].0 != "diameter" || plan.muscle.is_some() || plan.rod[k].is_some();
     rod(&mut out, model, &has);
-    match &plan.from {
-        From::Straight => put(&mut out, "from", quoted("straight")),
-        From::HeldBy(_) | From::Equilibrium(_) => put(&mut out, "from", quoted("equilibrium")),
-        From::Points(points) => {
-            out += "nodes = [\n";
-            for [x, z, vx, vz] in points {
-                let row = [si(*x, "m"), si(*z, "m"), si(*vx, "m/s"), si(*vz, "m/s")].join(", ");
-                let _ = writeln!(out, "  [{row}],");
-            }
-            out += "]\n";
-        }
-    }
-    if let Some(History { hung, raised, held }) = run.history {
-        let [hung, raised, held] = [hung, raised, held].map(|time| si(time, "s"));
-        put(&mut out, "history", format!("{{ hung = {hung}, raised = {raised}, held = {held} }}"));
-    }
-    if let Initial::Equilibrium { hold, own } = &run.initial {
-        parameters(&mut out, "release.hold.", hold, own);
+    start(&mut out, model, run);
+    if matches!(run.initial, Initial::Straight) {
+        put(&mut out, "from", quoted("straight"));
     }
     out += "\n[run]\n";
     put(&mut out, "duration", si(run.duration, "s"));
@@ -60,33 +46,84 @@ pub(super) fn text(case: &Case, plan: &Plan) -> String {
     out
 }
 
-/// A model as the scenario of a release, straight from its release angle; `head` is a comment.
-pub fn plain(head: &str, name: &str, model: &Model, duration: f64) -> String {
+/// A model and where its run starts as a scenario; `head` is a comment. A rod that a hand holds keeps its place under
+/// another payload: the hand then holds that as well.
+pub fn plain(head: &str, name: &str, model: &Model, run: &Run, duration: f64) -> String {
     let mut out: String = head.lines().map(|line| format!("# {line}\n")).collect();
     let name: String = name.chars().map(|c| if fits_name(c) { c } else { '-' }).collect();
     put(&mut out, "name", quoted(&format!("{}{name}", if name.starts_with('.') { "-" } else { "" })));
     let has_diameter = model.rod().diameter > 0.0;
     rod(&mut out, model, &|k| ROD[k].0 != "diameter" || has_diameter);
+    let mut run = run.clone();
+    if run.initial.is_in_a_hand()
+        && let Initial::Equilibrium { own, .. } = &mut run.initial
+    {
+        own.extend(model.effect("payload").into_iter().flat_map(|payload| payload.theta.clone()));
+    }
+    start(&mut out, model, &run);
     out += "\n[run]\n";
     put(&mut out, "duration", si(duration, "s"));
     effects(&mut out, model);
     out
 }
 
-/// The rod, but for data that it has not, and its release.
+/// The rod, but for data that it has not.
 fn rod(out: &mut String, model: &Model, has: &dyn Fn(usize) -> bool) {
-    let value = |path: &str| model.index(path).map_or(0.0, |k| model.theta[k]);
     *out += "\n[rod]\n";
     put(out, "nodes", model.edges + 1);
     put(out, "scheme", quoted(if model.scheme == Scheme::Paper { "paper" } else { "consistent" }));
-    put(out, "base_angle", si(value("rod.base_angle"), "rad"));
+    put(out, "base_angle", si(value(model, "rod.base_angle"), "rad"));
     put(out, "tip", si(model.tip_distance, "m"));
     for (_, (key, unit)) in ROD.into_iter().enumerate().filter(|(k, _)| has(*k)) {
-        put(out, key, si(value(&format!("rod.{key}")), unit));
+        put(out, key, si(value(model, &format!("rod.{key}")), unit));
     }
+}
+
+fn value(model: &Model, path: &str) -> f64 {
+    model.index(path).map_or(0.0, |k| model.theta[k])
+}
+
+/// Where the rod starts.
+fn start(out: &mut String, model: &Model, run: &Run) {
+    let [base, angle, rate] =
+        ["rod.base_angle", "release.angle", "release.angular_velocity"].map(|path| value(model, path));
+    let is_kinked = model.effect("clamp_compliance").is_none() && is_kinked(base, angle);
     *out += "\n[release]\n";
-    put(out, "angle", si(value("release.angle"), "rad"));
-    put(out, "angular_velocity", si(value("release.angular_velocity"), "rad/s"));
+    let is_straight = matches!(run.initial, Initial::Straight);
+    // No scenario says that a rod starts straight beside its clamp, as it may in a fit. Two points say it.
+    if !(is_straight && is_kinked) && (is_straight || angle != base || rate != 0.0) {
+        put(out, "angle", si(angle, "rad"));
+        put(out, "angular_velocity", si(rate, "rad/s"));
+    }
+    let of_posture = |posture: &Posture<f64>| {
+        let point = |(&position, &velocity)| CurvePoint { position, velocity };
+        posture.nodes.iter().zip(&posture.velocities).map(point).collect::<Vec<_>>()
+    };
+    match &run.initial {
+        Initial::Straight if is_kinked => {
+            points(out, &of_posture(&Posture::straight(1, model.rod().length, angle, rate)));
+        }
+        Initial::Straight => {}
+        Initial::Equilibrium { .. } => put(out, "from", quoted("equilibrium")),
+        Initial::Curve(curve) => points(out, curve),
+        Initial::Posture(posture) => points(out, &of_posture(posture)),
+    }
+    if let Some(History { hung, raised, held }) = run.history {
+        let [hung, raised, held] = [hung, raised, held].map(|time| si(time, "s"));
+        put(out, "history", format!("{{ hung = {hung}, raised = {raised}, held = {held} }}"));
+    }
+    if let Initial::Equilibrium { hold, own } = &run.initial {
+        parameters(out, "release.hold.", hold, own);
+    }
+}
+
+fn points(out: &mut String, curve: &[CurvePoint]) {
+    *out += "nodes = [\n";
+    for CurvePoint { position: [x, z], velocity: [vx, vz] } in curve {
+        let row = [si(*x, "m"), si(*z, "m"), si(*vx, "m/s"), si(*vz, "m/s")].join(", ");
+        let _ = writeln!(out, "  [{row}],");
+    }
+    *out += "]\n";
 }
 
 fn effects(out: &mut String, model: &Model) {

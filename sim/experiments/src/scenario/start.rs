@@ -22,7 +22,7 @@ pub(crate) enum From {
 /// What holds the end of a rod.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Holder {
-    /// Pulls straight up or down, and lets the end turn.
+    /// Pulls at right angles to the line from the clamp to the end, and lets the end turn.
     #[default]
     String,
     /// Keeps the end body at the release angle as well.
@@ -102,8 +102,8 @@ pub(super) fn read_from(
         Some(Start::Straight) => return Ok(From::Straight),
         None if !is_kinked && !release.has("by") => return Ok(From::Straight),
         None | Some(Start::Held) => {
-            if release.has("angular_velocity") {
-                let message = "a rod that is held is at rest; leave it out".to_owned();
+            if release.quantity("angular_velocity", "rad/s")?.is_some_and(|rate| rate != 0.0) {
+                let message = "a rod that is held is at rest; leave it out, or write 0".to_owned();
                 return Err(release.wrong("angular_velocity", ScenarioProblem::Other { message }));
             }
             let by = release.word("by", &[("string", Holder::String), ("hand", Holder::Hand)])?;

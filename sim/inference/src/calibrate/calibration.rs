@@ -11,7 +11,7 @@ use super::misfit::{FrequencyAndDamping, Misfit};
 use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
 use super::repeats::Repeats;
 use super::stage::Stage;
-use super::unknowns::HOLD_ANGLE;
+use super::unknowns::{MASS_DAMPING, pose};
 
 /// A calibration: parameters with their errors, residuals and effort.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -187,12 +187,14 @@ impl Calibration {
         problem
     }
 
-    /// The same, each rod let go from the angle at which it was held.
+    /// The same, each rod clamped, held and let go as it was found to be.
     pub fn as_held(&self, problem: &Problem) -> Problem {
         let mut problem = self.applied(problem);
         for trial in problem.trials_mut() {
-            if let Ok(k) = trial.model.index("release.angle") {
-                trial.model.theta[k] += self.nuisance(&trial.release.name, HOLD_ANGLE);
+            let name = trial.release.name.clone();
+            let is_own = |one: &&Calibrated| one.release.as_ref() == Some(&name) && one.name != MASS_DAMPING;
+            for found in self.nuisances.iter().filter(is_own) {
+                pose(trial, &found.name, found.value);
             }
         }
         problem

@@ -279,6 +279,20 @@ impl Unknowns {
     }
 }
 
+/// Gives a trial what was found of its release beside the parameters, by its name: angles and a loss on top of the
+/// model's, the load of a hand. What is no part of a model, such as the offset of a marker, changes nothing.
+pub(crate) fn pose(trial: &mut Trial, name: &str, value: f64) {
+    let (path, is_on_top) = match name {
+        HOLD_ANGLE => (RELEASE_ANGLE, true),
+        CLAMP_ANGLE => (BASE_ANGLE, true),
+        MASS_DAMPING => (ALPHA, true),
+        path => (path, false),
+    };
+    let Ok(k) = trial.model.index(path) else { return };
+    let below = if is_on_top { trial.model.theta[k] } else { 0.0 };
+    (trial.model, trial.run.initial) = trial.with(&[(k, below + value)]);
+}
+
 const RELEASE_ANGLE: &str = "release.angle";
 pub(crate) const BASE_ANGLE: &str = "rod.base_angle";
 pub(crate) const ALPHA: &str = "effects.rayleigh_mass.alpha";

@@ -14,7 +14,7 @@ use crate::calibrate::ghosts::ghosts;
 use crate::calibrate::joint::{Estimate, Joint};
 use crate::calibrate::prediction::{FIT, Slopes};
 use crate::calibrate::repeats::quantile_of_f;
-use crate::calibrate::unknowns::{BASE_ANGLE, Group, UnknownKind};
+use crate::calibrate::unknowns::{self, Group};
 use crate::calibrate::{CalibrateError, Problem, Scope};
 
 /// A model before held-out releases.
@@ -185,20 +185,13 @@ pub(super) fn set(problem: &mut Problem, known: &[Estimate]) {
     }
 }
 
-/// Gives models the clamp angles and the loads of hands that were found, for one who simulates them; a fit has these beside its models.
+/// Gives models what was found of their releases, for one who simulates them; a fit has it beside its models.
 pub(super) fn pose(problem: &mut Problem, known: &[Estimate]) {
     for known in known {
         let Group::Release(t) = known.unknown.group else { continue };
-        let model = &problem.trials[t].model;
-        let of = |path: &str| model.index(path).ok();
-        let found = match known.unknown.kind {
-            UnknownKind::ClampAngle => of(BASE_ANGLE).map(|k| (k, model.theta[k] + known.value())),
-            UnknownKind::Pull => of(&known.unknown.name).map(|k| (k, known.value())),
-            _ => None,
-        };
-        if let Some(found) = found {
+        if known.unknown.is_nuisance() {
             let trial = Arc::make_mut(&mut problem.trials[t]);
-            (trial.model, trial.run.initial) = trial.with(&[found]);
+            unknowns::pose(trial, &known.unknown.name, known.value());
         }
     }
 }
@@ -209,7 +202,7 @@ mod tests {
 
     use super::*;
     use crate::calibrate::hold::tests::pulled;
-    use crate::calibrate::unknowns::Unknown;
+    use crate::calibrate::unknowns::{Unknown, UnknownKind};
     use crate::calibrate::{FittedParameter, Nuisances};
 
     /// The load of the hand that was found, also in what holds the rod.

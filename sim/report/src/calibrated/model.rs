@@ -6,9 +6,11 @@ use efam_experiments::scenario::resolved::plain;
 use efam_inference::calibrate::calibration::{Calibrated, Correlations, ReleaseFit};
 use efam_inference::calibrate::problem::is_of_pressure;
 use efam_inference::calibrate::{Calibration, CalibrationSettings, Problem};
+use models::model::Model;
 use models::muscle::{
     CalibratedColumn, CalibratedParameter, Found, Known, Marker, Misfit, Muscle, MuscleError,
 };
+use models::statics::{equilibrium, modes};
 
 /// A file with a calibrated model.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,23 +53,44 @@ pub fn models(
     let nodes = kept.map(|trial| trial.model.edges + 1);
     match experiment.muscle().zip(experiment.stiffness()) {
         Some((muscle, stiffness)) => {
-            let marker = calibration.marker(problem);
-            Ok(muscle_file(muscle, calibration, marker, nodes, stiffness, &source)?.into_iter().collect())
+            let setup =
+                Setup { marker: calibration.marker(problem), nodes, swings: swings(problem, calibration) };
+            Ok(muscle_file(muscle, calibration, setup, stiffness, &source)?.into_iter().collect())
         }
         None => Ok(rod_files(problem, calibration, nodes, &source)),
     }
 }
 
+/// What a calibration knows beside its numbers.
+#[derive(Clone, Debug, Default)]
+pub struct Setup {
+    /// Offset of the tip's marker.
+    pub marker: Option<Marker>,
+    /// Nodes that the numbers belong to, if they belong to a mesh.
+    pub nodes: Option<usize>,
+    /// Frequencies of small swings of the rods that were fitted, Hz.
+    pub swings: Vec<f64>,
+}
+
+/// Frequencies of small swings of the rods that were fitted, Hz.
+fn swings(problem: &Problem, calibration: &Calibration) -> Vec<f64> {
+    let swing = |model: &Model| {
+        let rest = equilibrium(model, None).ok()?;
+        Some(modes(model, &rest, 1).ok()?.first()?.angular_frequency / std::f64::consts::TAU)
+    };
+    let applied = calibration.applied(problem);
+    applied.trials().filter(|trial| !trial.release.held_out).filter_map(|trial| swing(&trial.model)).collect()
+}
+
 /// The muscle file of a calibration; nothing where it found nothing that has a column, or has a value
 /// for each release. `stiffness` is the muscle's estimate of bending stiffness whose shape over pressure is kept
-/// between calibrated pressures; `marker` is the offset of the tip's marker.
+/// between calibrated pressures.
 /// # Errors
 /// [`MuscleError`] for a pressure at which the muscle is none.
 pub fn muscle_file(
     muscle: &Muscle,
     calibration: &Calibration,
-    marker: Option<Marker>,
-    nodes: Option<usize>,
+    setup: Setup,
     stiffness: &str,
     source: &str,
 ) -> Result<Option<ModelFile>, MuscleError> {
@@ -91,7 +114,7 @@ pub fn muscle_file(
         return Ok(None);
     }
     let shared = |path: &str| usable(path).filter(|found| found.len() == 1).map(|found| found[0].value);
-    let mut known = known(calibration, marker, nodes, &|one| {
+    let mut known = known(calibration, setup, &|one| {
         let path = one.name.as_str();
         COLUMNS.iter().any(|(column, _)| *column == path) || [ROD_MASS, END_FITTING_MASS].contains(&path)
     });
@@ -112,9 +135,10 @@ pub fn rod_files(
 ) -> Vec<ModelFile> {
     let mut pressures: Vec<Option<f64>> = Vec::new();
     let mut files = Vec::new();
-    let known = known(calibration, calibration.marker(problem), nodes, &|_| true);
-    let applied = calibration.applied(problem);
-    for trial in applied.trials.iter().filter(|trial| !trial.release.held_out) {
+    let setup = Setup { marker: calibration.marker(problem), nodes, swings: swings(problem, calibration) };
+    let known = known(calibration, setup, &|_| true);
+    let held = calibration.as_held(problem);
+    for trial in held.trials.iter().filter(|trial| !trial.release.held_out) {
         let pressure = trial.release.pressure;
         if pressures
             .iter()
@@ -125,7 +149,8 @@ pub fn rod_files(
         pressures.push(pressure);
         let duration = trial.release.time.last().copied().unwrap_or(20.0);
         let own = known.of(|parameter| is_of_pressure(parameter.pressure_pa, pressure));
-        let text = plain(source, &trial.release.name, &trial.model, duration) + "\n" + &own.section();
+        let text =
+            plain(source, &trial.release.name, &trial.model, &trial.run, duration) + "\n" + &own.section();
         files.push(ModelFile { name: format!("rod-{}.toml", files.len() + 1), text });
     }
     if let [only] = &mut files[..] {
@@ -136,9 +161,11 @@ pub fn rod_files(
 
 /// How far the model is from releases, root mean square; none without any. A stiffness fits one frequency and a loss one
 /// damping ratio: a release that took no part is farther off than those that were fitted, by the degrees of freedom.
+/// Frequencies are those as released, and those of small swings of the fitted rods, Hz.
 fn misfit<'a>(
     releases: impl Iterator<Item = &'a ReleaseFit>,
     [stiffnesses, losses]: [usize; 2],
+    swings: &[f64],
 ) -> Option<Misfit> {
     let releases: Vec<_> = releases.collect();
     let mean = |fitted: usize, of: &dyn Fn(&ReleaseFit) -> Option<f64>| {
@@ -153,17 +180,12 @@ fn misfit<'a>(
         rest: mean(0, &|release| Some(1e-3 * release.misfit.rest_mm / release.excursion_m)),
         frequency: mean(stiffnesses, &|release| release.misfit.frequency),
         damping_ratio: mean(losses, &|release| release.misfit.damping_ratio),
-        frequency_hz: frequencies().next().map(|_| Known::span(frequencies())),
+        frequency_hz: frequencies().next().map(|_| Known::span(frequencies().chain(swings.iter().copied()))),
     })
 }
 
 /// How well a calibration knows some of its numbers.
-fn known(
-    calibration: &Calibration,
-    marker: Option<Marker>,
-    nodes: Option<usize>,
-    is_told: &dyn Fn(&Calibrated) -> bool,
-) -> Known {
+fn known(calibration: &Calibration, setup: Setup, is_told: &dyn Fn(&Calibrated) -> bool) -> Known {
     let is_told = |one: &&Calibrated| one.release.is_none() && is_told(one);
     let own: Vec<&Calibrated> = calibration.parameters.iter().filter(is_told).collect();
     let correlation = |a: &Calibrated, b: &Calibrated| {
@@ -191,9 +213,13 @@ fn known(
         pressure_pa: Known::span(fitted().filter_map(|release| release.pressure_pa)),
         payload_kg: Known::span(fitted().map(|release| release.payload_kg)),
         excursion_m: fitted().map(|release| release.excursion_m).fold(0.0, f64::max),
-        nodes,
-        misfit: misfit(fitted().filter(|release| release.excursion_m > 0.0), [stiffnesses, losses]),
-        marker,
+        nodes: setup.nodes,
+        misfit: misfit(
+            fitted().filter(|release| release.excursion_m > 0.0),
+            [stiffnesses, losses],
+            &setup.swings,
+        ),
+        marker: setup.marker,
         interpolation: Vec::new(),
         parameter: own.iter().map(parameter).collect(),
     }
@@ -224,8 +250,8 @@ mod tests {
             numerical_error_left_mm: 0.0,
         };
         let five = [0.01, -0.01, 0.01, -0.01, 0.01].map(release);
-        let found = misfit(five.iter(), [2, 2]).unwrap().frequency;
+        let found = misfit(five.iter(), [2, 2], &[]).unwrap().frequency;
         assert!((found / (0.01 * (5f64 / 3.0).sqrt()) - 1.0).abs() < 1e-12, "{found}");
-        assert!((misfit(five[..1].iter(), [1, 2]).unwrap().frequency - 0.01).abs() < 1e-12);
+        assert!((misfit(five[..1].iter(), [1, 2], &[]).unwrap().frequency - 0.01).abs() < 1e-12);
     }
 }

@@ -11,7 +11,7 @@
 use efam_inference::calibrate::Calibration;
 use efam_inference::predict::grid::{Cell, grid};
 use efam_inference::predict::request::CaseRequest;
-use efam_report::calibrated::muscle_file;
+use efam_report::calibrated::{Setup, muscle_file};
 use models::muscle::{AtPressure, Extrapolation, Here, Muscle};
 use serde_json::json;
 use tests::twin::random::Random;
@@ -38,7 +38,8 @@ fn found(values: &[(f64, f64)]) -> Calibration {
 
 fn calibrated(published: &Muscle, stiffness: &str, values: &[(f64, f64)]) -> String {
     // The mesh is kept: what is compared has the same.
-    let file = muscle_file(published, &found(values), None, Some(16), stiffness, "rows of the paper");
+    let setup = Setup { nodes: Some(16), ..Setup::default() };
+    let file = muscle_file(published, &found(values), setup, stiffness, "rows of the paper");
     file.expect("a muscle").expect("columns").text
 }
 

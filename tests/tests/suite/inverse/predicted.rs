@@ -16,7 +16,7 @@ use efam_experiments::analysis::swing::{swing, swing_spectrum};
 use efam_inference::calibrate::{CalibrationSettings, Problem, calibrate};
 use efam_inference::predict::grid::{Cell, grid};
 use efam_inference::predict::request::CaseRequest;
-use efam_report::calibrated::muscle_file;
+use efam_report::calibrated::{Setup, muscle_file};
 use models::muscle::Muscle;
 use rayon::prelude::*;
 use tests::PSI;
@@ -63,8 +63,8 @@ fn seen(plan: Plan, seed: u64, is_it: &dyn Fn(&DrawnRelease) -> bool) -> [Option
 fn calibrated(problem: &Problem) -> String {
     let outcome = calibrate(problem, &CalibrationSettings::default(), &|_: &str| ()).expect("a fit");
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
-    let marker = outcome.calibration.marker(problem);
-    let file = muscle_file(&muscle, &outcome.calibration, marker, None, "pder_32", "twin")
+    let setup = Setup { marker: outcome.calibration.marker(problem), ..Setup::default() };
+    let file = muscle_file(&muscle, &outcome.calibration, setup, "pder_32", "twin")
         .expect("a muscle")
         .expect("columns");
     format!(
