@@ -40,6 +40,7 @@ pub(crate) mod case;
 pub mod document;
 mod error;
 mod laws;
+pub mod loss;
 pub mod plan;
 mod posture;
 mod release;
@@ -63,6 +64,7 @@ use document::Document;
 pub use error::{At, ScenarioError, ScenarioProblem};
 pub(crate) use laws::LAWS;
 pub use laws::{effects_of, parse_laws, read_laws};
+use loss::Loss;
 use plan::Plan;
 pub use release::ReleaseOptions;
 pub use units::unit_of;
@@ -96,6 +98,8 @@ pub struct Case {
     pub warnings: Vec<String>,
     /// Pressure at release, Pa.
     pub pressure: Option<f64>,
+    /// What its loss is at its frequency, where a calibration found that at another one and the model has it so.
+    pub loss: Option<Loss>,
     plan: Arc<Plan>,
 }
 

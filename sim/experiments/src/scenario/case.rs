@@ -39,7 +39,10 @@ pub(super) fn cases(scenario: &Scenario) -> Result<Vec<Case>, ScenarioError> {
         Some((_, Pressure::Schedule(_))) | None => vec![(scenario.name.clone(), None)],
         Some((_, Pressure::Elsewhere)) => unreachable!("a scenario says its pressure"),
     };
-    asked.into_iter().map(|(name, pressure)| Ok(builder.case(name, pressure)?.paced())).collect()
+    asked
+        .into_iter()
+        .map(|(name, pressure)| Ok(builder.case(name, pressure)?.with_loss(&scenario.plan).paced()))
+        .collect()
 }
 
 /// The case of an experiment's plan at a pressure, Pa, that stands at `pressure_key`.
@@ -158,7 +161,8 @@ impl Builder<'_> {
             chooses_mesh: plan.nodes.is_none() && plan.scheme == Scheme::Consistent,
             chooses_tolerance: plan.chooses_tolerance,
         };
-        Ok(Case { name, model, run, goal, rate: plan.rate, warnings, pressure: at, plan: self.plan.clone() })
+        let (rate, plan) = (plan.rate, self.plan.clone());
+        Ok(Case { name, model, run, goal, rate, warnings, pressure: at, loss: None, plan })
     }
 
     fn plain_rod(&self, pressure: Option<f64>) -> Result<Rod<f64>, ScenarioError> {

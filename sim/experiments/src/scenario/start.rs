@@ -22,7 +22,7 @@ pub(crate) enum From {
 /// What holds the end of a rod.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Holder {
-    /// Pulls at right angles to the line from the clamp to the end, and lets the end turn.
+    /// Pulls at right angles to the clamp, and lets the end turn.
     #[default]
     String,
     /// Keeps the end body at the release angle as well.

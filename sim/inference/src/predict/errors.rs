@@ -1,13 +1,13 @@
 //! Models that the errors of a calibration admit: drawn, or one standard deviation off along each direction.
 
 use efam_experiments::scenario::Case;
+use efam_experiments::scenario::loss::{Loss, POWER};
 use models::model::Model;
 use models::muscle::{CalibratedParameter, Here, Known};
 use nalgebra::{DMatrix, DVector};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-use super::loss::Loss;
 use crate::normal::{NORMAL_95, normal, root};
 
 /// Draws after which one that is not admitted is put on its bounds.
@@ -22,6 +22,8 @@ pub struct Errors {
     drawn: Vec<Drawn>,
     /// The loss that is known at another frequency.
     loss: Option<Loss>,
+    /// Whether the case has it so, and says so.
+    is_said: bool,
     /// Takes independent normal numbers to errors; its columns are those of a standard deviation along each direction.
     /// The last error is that of the logarithm of the loss, where that is known at another frequency.
     root: DMatrix<f64>,
@@ -65,7 +67,12 @@ impl Errors {
     /// Those of a case.
     pub fn new(known: &Known, case: &Case) -> Self {
         let here = |path: &str| {
-            let of = |k: usize| Here { value: case.model.theta[k], scale: case.model.parameters[k].scale };
+            // As it was calibrated, whose errors are those of that value.
+            let factor = case.loss.as_ref().filter(|loss| loss.path == path).map_or(1.0, |loss| loss.factor);
+            let of = |k: usize| Here {
+                value: case.model.theta[k] / factor,
+                scale: case.model.parameters[k].scale,
+            };
             // A parameter that the model has not is left out below.
             case.model.index(path).map_or(Here { value: 0.0, scale: 0.0 }, of)
         };
@@ -99,7 +106,9 @@ impl Errors {
             own.iter().filter_map(interpolated).collect(),
             at.undetermined.into_iter().filter(is_own).collect(),
         );
-        let mut errors = Self { model: case.model.clone(), drawn, loss, root, interpolated, undetermined };
+        let is_said = case.loss.is_some();
+        let mut errors =
+            Self { model: case.model.clone(), drawn, loss, is_said, root, interpolated, undetermined };
         if errors.loss.is_some()
             && let Some(model) = errors.model(&DVector::zeros(errors.root.nrows()))
         {
@@ -112,7 +121,12 @@ impl Errors {
     pub fn of_loss(&self) -> Option<String> {
         let loss = self.loss.as_ref()?;
         let own = self.drawn.iter().find(|own| own.path == loss.path)?;
-        loss.words(own.value, self.unit(&own.path))
+        let taken = loss.words(own.value, self.unit(&own.path))?;
+        let interval = format!(
+            "the intervals hold a damping ratio that goes with the frequency to the power ±{:.1} (95 %)",
+            NORMAL_95 * POWER
+        );
+        Some(if self.is_said { interval } else { format!("{taken}; {interval}") })
     }
 
     /// The model of a draw, the same whoever asks for it; none that makes no sense. Errors that take a number

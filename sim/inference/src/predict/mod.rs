@@ -11,7 +11,6 @@ pub mod ensemble;
 pub mod errors;
 pub mod grid;
 mod interval;
-mod loss;
 mod model_error;
 pub mod quantity;
 pub mod request;

@@ -11,28 +11,32 @@
 //! beta = beta_0 (ω_0/ω)^(1 − p),   alpha = alpha_0 (ω_0/ω)^(−1 − p)
 //! ```
 //!
-//! p has the deviation of [`POWER`]. Where both numbers were fitted, their errors say what is known of the power.
+//! p has the deviation of [`POWER`]. Where both numbers were fitted, their errors say what is known of the power. Every
+//! command that takes a calibrated rod takes its loss so, with p = 0; a prediction draws p as well.
 
 use std::f64::consts::TAU;
 
-use crate::calibrate::unknowns::ALPHA;
-use crate::calibrate::waves::BETA;
-use crate::normal::NORMAL_95;
 use models::model::Model;
 use models::muscle::Known;
 use models::quantity::format_si;
 use models::statics::{equilibrium, modes};
 
+use super::Case;
+use super::plan::Plan;
+
 /// Standard deviation of the power with which a damping ratio goes with the frequency: the laws above lie within two,
 /// those of Rayleigh four away.
-const POWER: f64 = 0.25;
+pub const POWER: f64 = 0.25;
 
-/// Rayleigh's laws: the parameter, and the power with which its damping ratio goes with the frequency.
-const LAWS: [(&str, f64); 2] = [(ALPHA, -1.0), (BETA, 1.0)];
+/// Rayleigh's laws: the effect, its number, and the power with which its damping ratio goes with the frequency.
+const LAWS: [(&str, &str, f64); 2] = [
+    ("rayleigh_mass", "effects.rayleigh_mass.alpha", -1.0),
+    ("rayleigh_stiffness", "effects.rayleigh_stiffness.beta", 1.0),
+];
 
 /// One of Rayleigh's numbers at the frequency of a model.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Loss {
+pub struct Loss {
     /// Path of the number.
     pub path: &'static str,
     /// Its value here over the one that was calibrated, at p = 0.
@@ -47,8 +51,8 @@ impl Loss {
     /// Of a model; none where both or none of the numbers were fitted, or at frequencies that were calibrated.
     pub fn of(known: &Known, model: &Model) -> Option<Self> {
         let is_fitted = |path: &str| known.parameter.iter().any(|own| own.path == path && own.value > 0.0);
-        let fitted: Vec<_> = LAWS.iter().filter(|(path, _)| is_fitted(path)).collect();
-        let [(path, power)] = fitted[..] else { return None };
+        let fitted: Vec<_> = LAWS.iter().filter(|(_, path, _)| is_fitted(path)).collect();
+        let [(_, path, power)] = fitted[..] else { return None };
         let [low, high] = known.misfit?.frequency_hz?;
         let rest = equilibrium(model, None).ok()?;
         let here = modes(model, &rest, 1).ok()?.first()?.angular_frequency / TAU;
@@ -67,13 +71,34 @@ impl Loss {
         let [calibrated, here] = self.frequency_hz;
         let [taken, given] = [self.factor * value, value].map(|value| format_si(value, unit));
         let words = format!(
-            "calibrated at {calibrated:.3} Hz and predicted at {here:.3} Hz: {} is taken as {} instead of {}, so that as much is lost in a cycle as there; the intervals hold a damping ratio that goes with the frequency to the power ±{:.1} (95 %)",
+            "calibrated at {calibrated:.3} Hz and used at {here:.3} Hz: {} is taken as {taken} instead of {given}, so that as much is lost in a cycle as there",
             self.path,
-            taken,
-            given,
-            NORMAL_95 * POWER
         );
         (taken != given).then_some(words)
+    }
+}
+
+impl Case {
+    /// The case of a calibrated rod with its loss at its own frequency, and that said. A number that is not the calibration's
+    /// stays.
+    pub(super) fn with_loss(mut self, plan: &Plan) -> Self {
+        let loss = plan.known.as_ref().and_then(|known| Some((known, Loss::of(known, &self.model)?)));
+        let Some((known, loss)) = loss else { return self };
+        let Ok(k) = self.model.index(loss.path) else { return self };
+        let value = self.model.theta[k];
+        let is_calibrated = if plan.muscle.is_some() {
+            let is_own = |(_, path, _): &&(&str, &str, f64)| *path == loss.path;
+            let effect = LAWS.iter().find(is_own).map_or("", |(effect, ..)| effect);
+            plan.effects.iter().all(|(name, _)| *name != effect)
+        } else {
+            known.parameter.iter().any(|own| own.path == loss.path && own.value == value)
+        };
+        if is_calibrated {
+            self.model.theta[k] = loss.factor * value;
+            self.warnings.extend(loss.words(value, self.model.parameters[k].unit));
+            self.loss = Some(loss);
+        }
+        self
     }
 }
 
@@ -101,7 +126,7 @@ mod tests {
     #[test]
     fn a_cycle_loses_as_much_at_another_frequency() {
         let model = muscle_at_15_psi();
-        for (path, power) in LAWS {
+        for (_, path, power) in LAWS {
             let there = Loss::of(&known(&[path], [20.0, 30.0]), &model).unwrap();
             let [calibrated, here] = there.frequency_hz;
             assert_eq!(calibrated, 20.0);
@@ -116,7 +141,7 @@ mod tests {
     #[test]
     fn what_was_calibrated_stays() {
         let model = muscle_at_15_psi();
-        let [mass, stiffness] = LAWS.map(|(path, _)| path);
+        let [mass, stiffness] = LAWS.map(|(_, path, _)| path);
         assert_eq!(Loss::of(&known(&[stiffness], [0.1, 100.0]), &model), None);
         assert_eq!(Loss::of(&known(&[mass, stiffness], [20.0, 30.0]), &model), None);
         assert_eq!(Loss::of(&known(&["rod.bending_stiffness"], [20.0, 30.0]), &model), None);
