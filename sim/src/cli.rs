@@ -18,6 +18,7 @@ mod inspect;
 mod interrupt;
 mod live;
 mod man;
+mod node_steps;
 mod predict;
 mod progress;
 mod report;

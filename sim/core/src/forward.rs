@@ -132,6 +132,22 @@ pub fn forward(
     run: &Run,
     observe: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Trajectory, ForwardError> {
+    let done = integrated(model, run, observe);
+    let effort = match &done {
+        Ok(trajectory) => Some(trajectory.effort),
+        Err(ForwardError::Integrate { trajectory, .. }) => Some(trajectory.effort),
+        Err(_) => None,
+    };
+    effort.iter().for_each(|effort| run.work.add(effort, model.edges + 1, run.sensitivities.len()));
+    done
+}
+
+/// The run, not yet counted.
+fn integrated(
+    model: &Model,
+    run: &Run,
+    observe: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
+) -> Result<Trajectory, ForwardError> {
     let mut system = System::new(model);
     let state = run.initial.state_of(&mut system, run.history)?;
     let order = lane_order(model, &run.sensitivities);

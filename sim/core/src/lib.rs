@@ -61,3 +61,4 @@ pub mod rest;
 pub mod run;
 pub mod stepper;
 pub mod trajectory;
+pub mod work;

@@ -10,6 +10,7 @@ use models::model::Model;
 use crate::initial::Initial;
 use crate::integrate::{DEFAULT_MOST_STEPS, Method, Steps};
 use crate::point::Point;
+use crate::work::Work;
 
 pub use crate::integrate::DEFAULT_TOLERANCE;
 
@@ -84,6 +85,8 @@ pub struct Run {
     pub trace_step: Option<f64>,
     /// Ends the run before its next step.
     pub cancel: Cancel,
+    /// Counts the steps of the run, together with those of others.
+    pub work: Work,
 }
 
 /// A request to end a run, shared with whoever makes it.
@@ -126,6 +129,7 @@ impl Run {
             points: Vec::new(),
             trace_step: Some(1.0 / rate),
             cancel: Cancel::default(),
+            work: Work::default(),
         }
     }
 

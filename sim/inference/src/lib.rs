@@ -7,4 +7,5 @@ pub mod diagnose;
 mod example;
 mod listed;
 pub mod normal;
+mod ordered;
 pub mod predict;

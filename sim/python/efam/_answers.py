@@ -197,13 +197,18 @@ def diagnose(
     false_alarm: float = 0.01,
     most: int = 3,
     without: Sequence[str] = (),
+    budget: float = 2e9,
     progress: Optional[bool] = None,
     **options: Any,
 ) -> Answer:
-    """Finds which effect the model of an experiment lacks, as `efam diagnose` does, without a limit of time."""
+    """Finds which effect the model of an experiment lacks, as `efam diagnose` does.
+
+    `budget` is a number of node steps (nodes times steps of the integrator), after which no further part of the search
+    begins. The answer then lists what was left out. It depends on no clock, load or number of threads.
+    """
     data = data_of(experiment, options)
     with bar("diagnose", " stages", progress) as tell:
-        return Answer(_efam.diagnose(data, false_alarm, most, list(without), tell))
+        return Answer(_efam.diagnose(data, false_alarm, most, list(without), budget, tell))
 
 
 def predict(

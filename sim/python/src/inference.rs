@@ -139,12 +139,18 @@ pub fn diagnose(
     false_alarm: f64,
     most: usize,
     without: Vec<String>,
+    budget: f64,
     tell: Option<Py<PyAny>>,
 ) -> PyResult<AnswerData> {
     let own = experiment.get();
     let usage = |message: String| exception(Failure::Usage(message));
     if !(false_alarm > 0.0 && false_alarm < 1.0) {
         return Err(usage(format!("false_alarm = {false_alarm}: it must lie between 0 and 1, such as 0.01")));
+    }
+    if !(1.0..=1e18).contains(&budget) {
+        return Err(usage(format!(
+            "budget = {budget}: it must be a number of node steps, 1 to 1e18, such as 2e9"
+        )));
     }
     diagnosis::known_effects(&without, &own.own.catalogue())
         .map_err(|wrong| usage(format!("without: {wrong}")))?;
@@ -155,6 +161,7 @@ pub fn diagnose(
             false_alarm,
             most_effects: most,
             excluded: without,
+            budget: budget as u64,
             ..diagnosis::DiagnosisSettings::default()
         }
         .stated(&own.own)?;

@@ -153,6 +153,7 @@ def test_errors_of_experiments_have_the_words_of_the_program(frame):
         (lambda: efam.check(experiment("nowhere.csv")), efam.EfamError, "nowhere.csv"),
         (lambda: efam.Experiment(recording="15psi.csv"), TypeError, "a table or a list"),
         (lambda: efam.diagnose(experiment(recording), false_alarm=2), efam.ScenarioError, "between 0 and 1"),
+        (lambda: efam.diagnose(experiment(recording), budget=0), efam.ScenarioError, "number of node steps"),
         (lambda: efam.diagnose(experiment(recording), without=["air_drg"]), efam.ScenarioError, "did you mean `air_drag`"),
         (lambda: efam.analyse(experiment(recording), nodes=[1]), efam.ScenarioError, "4..=2000"),
         (lambda: efam.predict("nowhere.toml"), efam.DataError, "cannot be read"),

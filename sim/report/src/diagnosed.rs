@@ -15,6 +15,7 @@ mod page;
 use std::fmt::Write;
 use std::time::SystemTime;
 
+use efam_core::work::written;
 use efam_experiments::scenario::resolved::plain;
 use efam_inference::calibrate::problem::is_of_pressure;
 use efam_inference::diagnose::plan::Prospect;
@@ -154,7 +155,8 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
         let part = if *held_out { "(held out)" } else { "" };
         gaps.row([release, &format!("{before:.3}"), &format!("{after:.3}"), part]);
     }
-    let _ = write!(out, "\n{gaps}");
+    let [done, budget] = [diagnosis.node_steps, diagnosis.budget].map(written);
+    let _ = write!(out, "\n{gaps}\nwork: {done} node steps, of a budget of {budget}\n");
     for warning in &diagnosis.warnings {
         let _ = writeln!(out, "warning: {warning}");
     }

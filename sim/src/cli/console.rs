@@ -99,6 +99,16 @@ impl<'a> Stages<'a> {
         }
     }
 
+    /// Prints a line that stays, unless all is to be quiet.
+    pub fn announce(&self, text: impl Display) {
+        let line = || say(format_args!("{text}"));
+        match &self.line {
+            Some(own) => own.suspend(line),
+            None if self.console.quiet => {}
+            None => line(),
+        }
+    }
+
     /// Says what has been done, where that is a line of its own.
     pub fn told(&self, what: &str) {
         if self.line.is_none() {

@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use efam_core::work::written;
 use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::Scenario;
 use efam_inference::diagnose::plan::Prospect;
@@ -27,8 +28,8 @@ use super::experiment::{claim, load, read};
 use super::failure::{Failure, of_kind};
 use super::interrupt::{self, Ending};
 use super::live::{LiveSearch, Recording, Rerun, Watcher, unlocked};
-use super::signals;
 use super::terminal::{say, stdout};
+use super::{node_steps, signals};
 
 const HELP: &str = "Examples:
   efam diagnose scenarios/diagnosis/air-drag/experiment.toml
@@ -41,6 +42,9 @@ Exit codes: 0 whatever the answer is, 3 for data that cannot be used, 4 if the
 baseline cannot be fitted, 130 if it is interrupted. An interrupted search
 saves its results once the baseline is fitted. A second Ctrl-C saves nothing.";
 
+/// [`USUAL_BUDGET`] as it is typed.
+const BUDGET: &str = "2e9";
+
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Diagnose {
@@ -52,9 +56,14 @@ pub struct Diagnose {
     /// Largest number of effects to add.
     #[arg(long, value_name = "COUNT", default_value_t = 3)]
     most: usize,
-    /// Time limit of the search. The program saves the results up to then, and always completes the fit of the baseline.
-    #[arg(long, value_name = "TIME", default_value = "3 min", value_parser = time, conflicts_with = "plan")]
-    budget: Duration,
+    /// Node steps (nodes times steps of the integrator) after which no further part of the search begins. The answer
+    /// then lists what was left out. It depends on no clock, load or number of threads. The fit of the baseline is always
+    /// completed.
+    #[arg(long, value_name = "NODE_STEPS", default_value = BUDGET, value_parser = node_steps::parse, conflicts_with = "plan")]
+    budget: u64,
+    /// Also end the search after this time, with the results up to then. Answers then depend on the machine and its load.
+    #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "plan")]
+    time_limit: Option<Duration>,
     /// Remove an effect from the candidates; may be repeated.
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
@@ -138,6 +147,7 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
         false_alarm: args.false_alarm,
         most_effects: args.most,
         excluded: args.without.clone(),
+        budget: args.budget,
         ..DiagnosisSettings::default()
     }
     .stated(&experiment)?;
@@ -149,10 +159,13 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
         LiveSearch::search(how, &experiment.name, &id, folder.path())
     };
     let live = args.rerun.as_ref().map(open).transpose()?.map(Mutex::new);
-    let ending = Ending::after(args.budget);
+    let ending = Ending::after(args.time_limit);
     let work = || -> Result<DiagnosisOutcome, Failure> {
         let cleaned = read(&experiment, &stages)?;
         let problem = problem(&experiment, &cleaned)?;
+        if !console.quiet && !args.of.output.form.json {
+            stages.announce(expected(args));
+        }
         let watcher = Watcher { stages: &stages, live: live.as_ref(), ending: Some(&ending) };
         Ok(diagnose(&problem, &settings, &watcher)?)
     };
@@ -188,6 +201,20 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
     }
     Recording::shown(viewer, args.rerun.as_ref())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What may end the search, and about when.
+fn expected(args: &Diagnose) -> String {
+    let time = node_steps::time_here(args.budget).map_or("an unknown time".to_owned(), node_steps::duration);
+    let budget = written(args.budget);
+    let budget = format!("budget: {budget} node steps, about {time} on one thread here");
+    match args.time_limit {
+        None => budget,
+        Some(limit) => {
+            let limit = node_steps::duration(limit);
+            format!("{budget}; time limit: {limit}, by which the answer depends on this machine and its load")
+        }
+    }
 }
 
 /// What releases that are not recorded yet could show.

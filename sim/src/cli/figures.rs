@@ -150,8 +150,9 @@ fn simulated(args: &Figures, console: &Console) -> Result<ExitCode, Failure> {
         let of = Pressure::simulated(case, trajectory).map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(Some(of))
     };
-    let done: Result<Option<Vec<Pressure>>, Failure> = cases.par_iter().map(one).collect();
-    let done = done?;
+    // The first failure in the order of the cases, not in time.
+    let done = cases.par_iter().map(one).collect::<Vec<_>>();
+    let done = done.into_iter().collect::<Result<Option<Vec<Pressure>>, Failure>>()?;
     progress.finish_and_clear();
     let Some(all) = done else {
         return Err(Failure::Interrupted);

@@ -30,7 +30,7 @@ pub fn during<K, T: Send>(kept: K, stages: &Stages, work: impl FnOnce() -> T + S
     })
 }
 
-/// How a search ends that has an answer before it is over: when its time is spent, or by a signal.
+/// How a search that has an answer before it is over is ended from outside: by a time limit, or by a signal.
 pub struct Ending {
     until: Option<Instant>,
     has_answer: AtomicBool,
@@ -38,10 +38,10 @@ pub struct Ending {
 }
 
 impl Ending {
-    /// After a time from now; a time beyond all clocks is none.
-    pub fn after(budget: Duration) -> Self {
+    /// After a time from now, if there is a limit; a time beyond all clocks is none.
+    pub fn after(limit: Option<Duration>) -> Self {
         Self {
-            until: Instant::now().checked_add(budget),
+            until: limit.and_then(|limit| Instant::now().checked_add(limit)),
             has_answer: AtomicBool::new(false),
             stop: Arc::default(),
         }
@@ -57,7 +57,7 @@ impl Ending {
         Cancel::by(self.stop.clone())
     }
 
-    /// Asks for the end where the time is spent, or by a signal; whether that signal needs nothing more.
+    /// Requests the end when the time limit has passed, or on a signal; whether that signal needs nothing more.
     fn takes_signal(&self) -> bool {
         let has_answer = self.has_answer.load(Ordering::SeqCst);
         let is_over = self.until.is_some_and(|until| Instant::now() >= until);

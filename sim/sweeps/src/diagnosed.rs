@@ -25,6 +25,18 @@ pub struct Diagnose {
     pub false_alarm: String,
     /// Largest number of effects to add.
     pub most: usize,
+    /// Node steps after which no further part of the search begins.
+    #[serde(default = "usual_budget", skip_serializing_if = "is_usual_budget")]
+    pub budget: u64,
+}
+
+fn usual_budget() -> u64 {
+    DiagnosisSettings::default().budget
+}
+
+/// Plans of before have no budget, and keep their hash.
+fn is_usual_budget(budget: &u64) -> bool {
+    *budget == usual_budget()
 }
 
 /// What stands between names of a list.
@@ -177,6 +189,7 @@ fn said(work: &Diagnose, point: &Point) -> Result<Diagnosis, String> {
         false_alarm: work.false_alarm.parse().unwrap_or(DiagnosisSettings::default().false_alarm),
         most_effects: work.most,
         excluded: without.split(AND).filter(|name| !name.is_empty()).map(str::to_owned).collect(),
+        budget: work.budget,
         ..DiagnosisSettings::default()
     };
     let settings = settings.stated(&experiment).map_err(|error| error.to_string())?;

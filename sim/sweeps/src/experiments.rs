@@ -3,7 +3,7 @@
 //! ```toml
 //! [sweep]
 //! experiments = ["bench/*/experiment.toml"]   # relative to this file
-//! diagnose = { false_alarm = 0.01, most = 3, without = ["air_drag"] }   # as of `efam diagnose`
+//! diagnose = { false_alarm = 0.01, most = 3, budget = 2e9, without = ["air_drag"] }   # as of `efam diagnose`
 //! [[sweep.experiment]]                        # of some experiments: effects that are left out besides
 //! file = "bench/0007/experiment.toml"
 //! without = ["dahl"]
@@ -44,12 +44,16 @@ impl OfExperiments {
     /// Reads it from the section of a file that lies in `folder`; says what should be known beforehand, too.
     pub(super) fn read(sweep: &Keys, folder: &Path) -> Result<(OfExperiments, Vec<String>), ScenarioError> {
         let diagnosed = sweep.table("diagnose")?;
-        diagnosed.only(&["false_alarm", "most", "without"])?;
+        diagnosed.only(&["false_alarm", "most", "budget", "without"])?;
         let usual = DiagnosisSettings::default();
         let must = "lie between 0 and 1, such as 0.01";
         let false_alarm = diagnosed
             .quantity_that("false_alarm", "", must, |share| share > 0.0 && share < 1.0)?
             .unwrap_or(usual.false_alarm);
+        let must = "be a number of node steps, 1 to 1e18, such as 2e9";
+        let budget = diagnosed
+            .quantity_that("budget", "", must, |node_steps| (1.0..=1e18).contains(&node_steps))?
+            .map_or(usual.budget, |node_steps| node_steps as u64);
         // Wherever it is run from, by whatever scheduler.
         let folder = std::path::absolute(folder.join(".")).unwrap_or_else(|_| folder.to_owned());
         let catalogue = Catalogue::default();
@@ -99,6 +103,7 @@ impl OfExperiments {
             folder: text(sweep, "experiments", &folder)?.to_owned(),
             false_alarm: format!("{false_alarm:?}"),
             most: diagnosed.count("most")?.unwrap_or(usual.most_effects),
+            budget,
         };
         Ok((OfExperiments { work, all }, warnings))
     }

@@ -138,6 +138,11 @@ fn what_cannot_be_diagnosed_is_said_before_the_search() {
         &["path.toml"],
         "path.toml:18:8: diagnose.parameter[1].path = \"effects.air_drag.coefficient\": no effect has a parameter",
     );
+    says(
+        2,
+        &["e.toml", "--budget", "3 min"],
+        "invalid value '3 min' for '--budget <NODE_STEPS>': it counts node steps",
+    );
     says(2, &["bounds.toml"], "bounds.toml:19:10: diagnose.parameter[1].bounds");
     says(2, &["unit.toml"], "unit.toml:19:11: diagnose.parameter[1].bounds");
     says(

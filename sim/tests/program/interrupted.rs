@@ -196,17 +196,20 @@ fn a_file_that_may_not_grow_is_an_error_of_writing() {
     assert_eq!(bench.left(), ["s.toml"]);
 }
 
-/// Once the baseline is fitted, a search has an answer; its budget ends it as a signal does.
+/// Once the baseline is fitted, a search has an answer; a time limit and the budget end it as a signal does.
 #[test]
 #[ignore = "long; .ci/run runs it"]
 fn a_diagnosis_is_saved_as_far_as_it_came() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis/viscoelastic");
     let example = example.join("experiment.toml").display().to_string();
     let bench = Bench::new("interrupt-diagnosis");
-    let is_cut_short = |out: &str| {
+    let is_cut_short = |out: &str, by: &str| {
         let text = bench.text(&format!("{out}/diagnosis.json"));
         let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-        assert_eq!((&found["cut_short_in_round"], &found["verdict"]), (&1.into(), &"unknown".into()));
+        assert_eq!((&found["cut_short"]["round"], &found["verdict"]), (&1.into(), &"unknown".into()));
+        assert_eq!(found["cut_short"]["by"], by);
+        let not_fitted = found["cut_short"]["not_fitted"].as_array().expect("names");
+        assert!(not_fitted.iter().any(|name| name == "viscoelastic"), "{not_fitted:?}");
         let warning = found["warnings"].as_array().expect("warnings")[0].as_str().expect("words").to_owned();
         assert!(warning.starts_with("the search was cut short in round 1"), "{warning}");
     };
@@ -215,12 +218,18 @@ fn a_diagnosis_is_saved_as_far_as_it_came() {
         let (code, _, stderr) = ended_by(&[signal], &bench, &arguments, "round 1: score");
         assert_eq!(code, expected, "{stderr}");
         assert!(stderr.contains("\ninterrupted: the results up to then are saved\n"), "{stderr}");
-        is_cut_short(signal);
+        is_cut_short(signal, "interruption");
     }
-    let (code, _, stderr) = bench.run(&["diagnose", &example, "--budget", "1 ms", "--out", "budget"]);
+    let (code, _, stderr) = bench.run(&["diagnose", &example, "--budget", "1", "--out", "budget"]);
     assert_eq!(code, 0, "{stderr}");
-    is_cut_short("budget");
-    assert_eq!(bench.left(), ["INT", "TERM", "budget"]);
+    assert!(stderr.starts_with("budget: 1 node steps, about "), "{stderr}");
+    is_cut_short("budget", "budget");
+    let (code, stdout, stderr) = bench.run(&["diagnose", &example, "--time-limit", "1 ms", "--out", "time"]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("time limit: 0.001 s, by which the answer depends on this machine"), "{stderr}");
+    assert!(stdout.contains("so another machine may give another answer"), "{stdout}");
+    is_cut_short("time", "interruption");
+    assert_eq!(bench.left(), ["INT", "TERM", "budget", "time"]);
 }
 
 #[test]

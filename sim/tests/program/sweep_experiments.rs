@@ -146,6 +146,10 @@ fn what_is_wrong_with_it_is_said_and_nothing_is_written() {
     );
     says(&right.replace("most = 1", "moist = 1"), "sweep.diagnose.moist: unknown key; did you mean `most`?");
     says(
+        &right.replace("most = 1", "budget = 0"),
+        "sweep.diagnose.budget = 0: must be a number of node steps",
+    );
+    says(
         &right.replace("most = 1", "false_alarm = 1"),
         "sweep.diagnose.false_alarm = 1: must lie between 0 and 1",
     );

@@ -266,6 +266,22 @@ fn models_and_core_know_no_file_clock_thread_or_random_number() {
 
 /// Text reaches a terminal through one door, where what would act on it is shown instead; arguments are read as they
 /// are, for not all are text.
+/// rayon ends a collection into a `Result` by the failure that comes first in time, and leaves out the rest: answers and
+/// counts of work would depend on the threads. `inference/src/ordered.rs` says more.
+#[test]
+fn parallel_parts_are_all_done_and_taken_in_order() {
+    const BY_TIME: [&str; 5] =
+        ["try_for_each", "try_reduce", "find_any", "collect::<Result", "collect::<Option"];
+    const IN_ORDER: [&str; 2] = ["in_order", "collect::<Vec"];
+    let has = |statement: &str, words: &[&str]| words.iter().any(|word| statement.contains(word));
+    for (file, text) in sources().iter().filter(|(file, _)| !file.starts_with("tests/")) {
+        for statement in text.split(';').filter(|own| has(own, &["par_iter", "par_chunks", "par_bridge"])) {
+            let is_by_time = has(statement, &BY_TIME) && !has(statement, &IN_ORDER);
+            assert!(!is_by_time, "{file}: collect into a Vec first, or by in_order: {statement}");
+        }
+    }
+}
+
 #[test]
 fn text_and_arguments_have_one_door() {
     let door = "sim/src/cli/terminal.rs";

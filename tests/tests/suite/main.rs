@@ -27,6 +27,7 @@ mod inverse {
     mod poor_starts;
     mod predicted;
     mod pressures;
+    mod same_answer;
     mod small_cases;
     mod units_and_order;
     mod written;

@@ -58,6 +58,8 @@ use search::{Found, go_on, search};
 use uncertainty::{Uncertainty, uncertainty};
 use unknowns::Unknowns;
 
+use crate::ordered::in_order;
+
 /// What is done beside the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationSettings {
@@ -134,12 +136,8 @@ pub fn calibrate(
     let problem = heard.as_ref().unwrap_or(problem);
     let unknowns = Unknowns::of(problem)?;
     let parts = parts(problem, &unknowns);
-    let fitted: Vec<PartFit> = parts
-        .into_par_iter()
-        .map(|part| fit(part, settings, listener))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .collect::<Result<_, _>>()?;
+    let each = parts.into_par_iter().map(|part| fit(part, settings, listener));
+    let fitted = in_order::<_, Result<Vec<PartFit>, CalibrateError>>(each)?;
     let mut outcome = outcome::outcome(problem, &unknowns, &fitted);
     let fits: Vec<_> = fitted.iter().map(|fit| (&fit.objective, &fit.found)).collect();
     let measured = || Repeats::measured(problem, &differences(&fits, &conditions(problem)));

@@ -15,6 +15,7 @@ use super::hold::LATE_HOLD;
 use super::problem::{Trial, refine};
 use super::unknowns::{Acts, Local, Unknown};
 use crate::normal::CLEAR;
+use crate::ordered::in_order;
 
 /// The samples of a release that are fitted.
 #[derive(Clone, Debug)]
@@ -193,6 +194,7 @@ impl Member<'_> {
             points: trial.release.tracks.iter().map(|track| track.at).collect(),
             trace_step: None,
             cancel: trial.run.cancel.clone(),
+            work: trial.run.work.clone(),
         };
         let path = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
         if let Status::CutShort { time } = path.status {
@@ -266,8 +268,9 @@ impl Member<'_> {
                 }
                 _ => Ok(None),
             };
-            let moved: Vec<Option<Prediction>> =
-                locals.par_iter().enumerate().map(moved).collect::<Result<_, _>>()?;
+            let moved = in_order::<_, Result<Vec<Option<Prediction>>, ForwardError>>(
+                locals.par_iter().enumerate().map(moved),
+            )?;
             prediction.steps_in_all += moved.iter().flatten().map(|moved| moved.steps_in_all).sum::<usize>();
             let chain: Vec<f64> =
                 locals.iter().map(|local| unknowns[local.unknown].scaled.slope(x[local.unknown])).collect();

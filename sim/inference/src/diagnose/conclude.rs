@@ -26,14 +26,15 @@ impl Course<'_> {
         match self.diagnosis.verdict {
             // A phase that is lost has no moment that describes it.
             Verdict::Unknown if self.before.first_swings.is_some() && self.added.is_empty() => {}
-            Verdict::Unknown if self.is_stopped() => {}
             Verdict::Unknown => {
-                let (ending, level) = (self.ending()?, self.settings.false_alarm);
-                let tell = |what: &str| self.listener.doing(what);
-                self.diagnosis.description = describe(&ending, level, &tell)?;
+                if self.may_add_to_answer("a moment that describes the residual") {
+                    let (ending, level) = (self.ending()?, self.settings.false_alarm);
+                    let tell = |what: &str| self.listener.doing(what);
+                    self.diagnosis.description = describe(&ending, level, &tell)?;
+                }
             }
             _ => {
-                if !self.is_stopped() {
+                if !self.added.is_empty() && self.may_add_to_answer("intervals from the profile likelihood") {
                     self.listener.doing("intervals");
                     self.profile(&between)?;
                 }
@@ -74,7 +75,8 @@ impl Course<'_> {
     /// Fits an answer that misses more than noise and what does not repeat anew, with its samples weighed by what it
     /// misses: a fit to that as to noise would move the strengths.
     fn weigh(&mut self) -> Result<(), CalibrateError> {
-        if self.added.is_empty() || self.is_stopped() || self.is_within_noise() {
+        let is_weighed = !self.added.is_empty() && !self.is_within_noise();
+        if !is_weighed || !self.may_add_to_answer("a fit with samples weighed by their residuals") {
             return Ok(());
         }
         let stop = self.listener.stop();
@@ -93,8 +95,9 @@ impl Course<'_> {
     }
 
     /// The standard error of each unknown from differences between releases, held-out ones included.
-    fn between_releases(&self) -> Result<Vec<f64>, CalibrateError> {
-        if self.added.is_empty() || self.diagnosis.verdict == Verdict::Unknown || self.is_stopped() {
+    fn between_releases(&mut self) -> Result<Vec<f64>, CalibrateError> {
+        let has_intervals = !self.added.is_empty() && self.diagnosis.verdict != Verdict::Unknown;
+        if !has_intervals || !self.may_add_to_answer("differences between releases, in the intervals") {
             return Ok(vec![0.0; self.model.found.x.len()]);
         }
         let all = self.held_out().map(|held_out| held_out.together(&self.model)).transpose()?.flatten();

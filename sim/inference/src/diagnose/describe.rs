@@ -18,6 +18,7 @@ use super::verdict::{Added, Description};
 use crate::calibrate::joint::Joint;
 use crate::calibrate::refine::RESOLUTION_FITTED;
 use crate::calibrate::{CalibrateError, Problem, Scope};
+use crate::ordered::in_order;
 
 const MOMENT: &str = "latent_moment";
 /// Terms at most, and those that are fitted before the best of them is taken, which promise most: what is large scores as
@@ -57,10 +58,8 @@ fn with_another(
     each.sort_by(|a, b| b.1.decrease.total_cmp(&a.1.decrease));
     each.truncate(MOST_TERMS);
     tell(&format!("description: a moment of {} terms", terms.len() + 1));
-    let tried: Vec<Option<Rough>> = each
-        .par_iter()
-        .map(|(candidate, score)| rough(candidate, score.estimate, fit))
-        .collect::<Result<_, CalibrateError>>()?;
+    let roughly = each.par_iter().map(|(candidate, score)| rough(candidate, score.estimate, fit));
+    let tried = in_order::<_, Result<Vec<Option<Rough>>, CalibrateError>>(roughly)?;
     let tried = each.iter().zip(tried).filter_map(|((candidate, _), rough)| Some((*candidate, rough?)));
     let best = tried.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
     let Some((candidate, rough)) = best else { return Ok(None) };

@@ -12,6 +12,7 @@ use crate::calibrate::prediction::{Member, Prediction};
 use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::view::Series;
 use crate::calibrate::{Scope, Trial};
+use crate::ordered::in_order;
 
 /// Derivatives of the predictions by one strength, in units of the noise, shape
 /// `[release][track][sample]` of the samples that are fitted.
@@ -93,9 +94,8 @@ fn side_by_side(fit: &Joint, candidates: &[Candidate]) -> Vec<Vec<usize>> {
 /// The movements of candidates of different effects, shape `[candidate][release]`.
 fn movements_of(fit: &Joint, candidates: &[&Candidate]) -> Option<Vec<Vec<Moved>>> {
     let releases = 0..fit.objective.part.members.len();
-    let each: Option<Vec<Vec<Moved>>> =
-        releases.into_par_iter().map(|r| movements_in(fit, candidates, r)).collect();
-    let mut each = each?;
+    let moved = releases.into_par_iter().map(|r| movements_in(fit, candidates, r));
+    let mut each = in_order::<_, Option<Vec<Vec<Moved>>>>(moved)?;
     let of_candidate = |c: usize| each.iter_mut().map(|release| std::mem::take(&mut release[c])).collect();
     Some((0..candidates.len()).map(of_candidate).collect())
 }
@@ -151,7 +151,7 @@ pub(super) fn differences(
         };
         (aside.steps.len() == off[r].steps.len()).then(|| in_noise(fit, r, moved))
     };
-    (0..off.len()).into_par_iter().map(of_release).collect()
+    in_order((0..off.len()).into_par_iter().map(of_release))
 }
 
 /// How far the strength may go from off, with its sign.
@@ -238,7 +238,8 @@ pub(super) fn normal_equations(
 /// What a fit predicts of all its releases; none where it cannot be run.
 pub(super) fn predictions(fit: &Joint) -> Option<Vec<Prediction>> {
     let members = &fit.objective.part.members;
-    members.par_iter().enumerate().map(|(r, trial)| run(fit, trial, r, fit.found.view.steps_of(r))).collect()
+    let of = |(r, trial): (usize, &Arc<Trial>)| run(fit, trial, r, fit.found.view.steps_of(r));
+    in_order(members.par_iter().enumerate().map(of))
 }
 
 /// Movements of the points of a release by track and place among its samples, m, in units of the noise

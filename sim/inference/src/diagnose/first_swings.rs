@@ -14,10 +14,10 @@ use super::Course;
 use super::before::Before;
 use super::candidate::{Candidate, candidates};
 use super::mesh_check::{self, LAW, Numerics};
-use super::refit::{Refit, most_steps, within_steps};
+use super::refit::{Refit, most_steps, penalty, within_steps};
 use super::round::NO_MORE;
-use super::shortlist::{Best, LEAD, falls_behind, penalty};
-use super::stop::{CUT_SHORT, ending_by, not_run};
+use super::shortlist::{Best, LEAD, falls_behind};
+use super::stop::{CUT_SHORT, ending_by, is_over, not_run};
 use super::validation::{HeldOut, set};
 use super::verdict::{Evidence, Member};
 use super::warnings::is_strained;
@@ -26,6 +26,7 @@ use crate::calibrate::prediction::{FIT, Slopes};
 use crate::calibrate::search::Meeting;
 use crate::calibrate::uncertainty::uncertainty;
 use crate::calibrate::{CalibrateError, Problem};
+use crate::ordered::in_order;
 
 /// Swings that are looked at.
 const SWINGS: f64 = 2.0;
@@ -99,8 +100,12 @@ impl FirstSwings {
             meeting.go_on(1);
             Ok((candidate, Some((problem, meeting))))
         };
-        let mut all: Vec<_> = candidates.into_par_iter().map(begin).collect::<Result<_, CalibrateError>>()?;
+        let begun = in_order::<_, Result<Vec<_>, CalibrateError>>(candidates.into_par_iter().map(begin));
+        let mut all = begun?;
         let meetings = || all.iter().filter_map(|(_, begun)| Some(&begun.as_ref()?.1));
+        if is_over(&self.problem) {
+            return Ok(all.into_iter().map(Met::of).collect());
+        }
         let is_met_by_one = meetings().any(Meeting::is_met);
         let least = meetings().map(Meeting::cost).fold(f64::INFINITY, f64::min);
         let goes_on =
@@ -111,11 +116,7 @@ impl FirstSwings {
                 meeting.go_on(usize::MAX);
             }
         });
-        let met = |(candidate, begun): (Candidate, Option<(Problem, Meeting)>)| {
-            let fit = begun.and_then(|(problem, meeting)| Joint::met(&problem, meeting));
-            Met { candidate, end: fit.map(|fit| (fit.cost(), fit.known())) }
-        };
-        Ok(all.into_iter().map(met).collect())
+        Ok(all.into_iter().map(Met::of).collect())
     }
 
     /// What a candidate has to explain, as a score: all but the error of a law.
@@ -125,6 +126,12 @@ impl FirstSwings {
 }
 
 impl Met {
+    /// A candidate with its search, if that could begin.
+    fn of((candidate, begun): (Candidate, Option<(Problem, Meeting)>)) -> Self {
+        let fit = begun.and_then(|(problem, meeting)| Joint::met(&problem, meeting));
+        Self { candidate, end: fit.map(|fit| (fit.cost(), fit.known())) }
+    }
+
     fn cost(&self) -> f64 {
         self.end.as_ref().map_or(f64::INFINITY, |(cost, _)| *cost)
     }
@@ -208,6 +215,10 @@ impl Course<'_> {
     /// none does.
     pub(super) fn add_by_first_swings(&mut self, first_swings: &FirstSwings) -> Result<bool, CalibrateError> {
         let number = self.diagnosis.thresholds.len() + 1;
+        if self.is_stopped() {
+            self.cut_short_before(number);
+            return Ok(false);
+        }
         let listener = self.listener;
         let stop = listener.stop();
         let first_swings =
@@ -216,6 +227,8 @@ impl Course<'_> {
         let tell = |what: &str| listener.doing(&format!("round {number}: {what}"));
         let tell_first = |candidate: &Candidate| tell(&format!("first swings with {}", candidate.name()));
         let mut met = first_swings.with_each(self.candidates_of_first_swings(first_swings), &tell_first)?;
+        // Then other starts were left out.
+        let is_cut = is_over(&problem);
         met.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         let mut seen = HashSet::new();
         met.retain(|met| seen.insert(met.candidate.name()));
@@ -225,7 +238,7 @@ impl Course<'_> {
         let least = met.first().map_or(f64::INFINITY, Met::cost);
         let mut found: Vec<(usize, Whole)> = Vec::new();
         for (k, (met, evidence)) in met.iter().zip(&mut evidence).enumerate() {
-            if met.end.is_none() && stop.is_requested() {
+            if is_cut && (met.end.is_none() || evidence.score < threshold) {
                 evidence.reject(CUT_SHORT);
             } else if evidence.score < threshold {
                 evidence.reject("with it the model does not fit the first swings either");
@@ -233,6 +246,8 @@ impl Course<'_> {
                 evidence.reject(NO_MORE);
             } else if met.cost() > WORSE * least {
                 evidence.reject("it fits the first swings less well than others");
+            } else if is_over(&problem) {
+                evidence.reject(CUT_SHORT);
             } else {
                 let name = met.candidate.name();
                 let whole =
@@ -249,10 +264,8 @@ impl Course<'_> {
         let best = self.best_of(found, &mut evidence);
         self.diagnosis.thresholds.push(threshold);
         listener.ranked(threshold, &evidence);
+        self.cut_short_in(number, &evidence);
         self.diagnosis.evidence.extend(evidence);
-        if stop.is_requested() {
-            self.diagnosis.cut_short(number);
-        }
         let Some((best, numerics)) = best else { return Ok(false) };
         self.take_mesh(&numerics);
         tell("validation on held-out releases");

@@ -34,6 +34,7 @@ mod refit;
 mod round;
 mod score;
 mod section;
+mod settings;
 mod setup;
 mod share;
 mod shortlist;
@@ -47,6 +48,7 @@ pub mod verdict;
 mod warnings;
 
 use efam_core::forward::Cancel;
+use efam_core::work::Work;
 use models::muscle;
 
 use crate::calibrate::joint::Joint;
@@ -54,6 +56,7 @@ use crate::calibrate::repeats::Repeats;
 use crate::calibrate::{CalibrateError, Problem};
 pub use curve::Curve;
 pub use section::{admit_tilt, known_effects, problem};
+pub use settings::{DiagnosisSettings, USUAL_BUDGET};
 pub use stated::without;
 pub use verdict::{Diagnosis, Verdict};
 
@@ -64,7 +67,7 @@ use round::{Round, RoundRequest, round};
 use setup::Lift;
 use share::Step;
 use shortlist::{Best, RoundOutcome};
-use stop::ending_by;
+use stop::{counted, ending_by};
 use validation::{HeldOut, agreement, gaps};
 use verdict::{Added, Evidence, Gap};
 
@@ -89,34 +92,6 @@ pub trait Listener: Sync {
 impl<F: Fn(&str) + Sync> Listener for F {
     fn doing(&self, what: &str) {
         self(what);
-    }
-}
-
-/// How a diagnosis is made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DiagnosisSettings {
-    /// Probability that a round names an effect although none is missing.
-    pub false_alarm: f64,
-    /// Largest number of effects to add.
-    pub most_effects: usize,
-    /// Candidates that are left out.
-    pub excluded: Vec<String>,
-    /// Ranges of parameters of candidates that hold instead of those of the catalogue: path, and two values in SI.
-    pub ranges: Vec<(String, (f64, f64))>,
-    /// How well the experiment repeats, where that is stated: root mean square distance, m.
-    pub repeatability: Option<f64>,
-}
-
-impl Default for DiagnosisSettings {
-    /// One in a hundred, three effects.
-    fn default() -> Self {
-        Self {
-            false_alarm: 0.01,
-            most_effects: 3,
-            excluded: Vec::new(),
-            ranges: Vec::new(),
-            repeatability: None,
-        }
     }
 }
 
@@ -148,10 +123,12 @@ pub fn diagnose(
     let repeats = Repeats::of(problem, settings.repeatability);
     let heard =
         repeats.as_ref().filter(|repeats| repeats.is_known()).map(|repeats| repeats.heard_in(problem));
-    let mut problem = heard.unwrap_or_else(|| problem.clone());
+    let work = Work::limited(settings.budget);
+    let mut problem = counted(&heard.unwrap_or_else(|| problem.clone()), &work);
     section::limit(&mut problem);
     let problem = &problem;
-    let mut diagnosis = Diagnosis { false_alarm: settings.false_alarm, repeats, ..Diagnosis::default() };
+    let DiagnosisSettings { false_alarm, budget, .. } = *settings;
+    let mut diagnosis = Diagnosis { false_alarm, budget, repeats, ..Diagnosis::default() };
     listener.doing("the first swings");
     let before = match first_swings::before(problem)? {
         Some(before) => before,
@@ -162,12 +139,14 @@ pub fn diagnose(
     listener.began();
     let mut course = Course::new(&before, settings, listener, diagnosis);
     if let Some(alone) = course.misstated_alone()? {
-        return alone.conclude();
+        return concluded(alone, &work);
     }
     course.search()?;
     // Two missing effects may meet the first swings only together. Then the whole recordings are searched. Scores are unreliable where the
     // phase is lost, so that answer counts only if its residual is noise or does not repeat.
-    if course.misses_first_swings_with_each() {
+    if course.misses_first_swings_with_each()
+        && course.may_search("a search of the whole recordings for several effects")
+    {
         let mut diagnosis = Diagnosis { verdict: Verdict::default(), ..course.diagnosis.clone() };
         if let Some(before) = CalibrateError::if_run(Before::searched(problem, listener, &mut diagnosis))? {
             searched = before;
@@ -175,16 +154,26 @@ pub fn diagnose(
             whole.search()?;
             if whole.diagnosis.verdict != Verdict::Unknown && whole.is_within_noise() {
                 course = whole;
+            } else {
+                course.diagnosis.cut_short = whole.diagnosis.cut_short;
             }
         }
     }
     let is_unknown = course.diagnosis.verdict == Verdict::Unknown && settings.most_effects > 0;
-    if is_unknown && has_several_pressures(problem) && !course.is_stopped() {
-        listener.doing("second search, with a strength for each pressure");
+    let second = "second search, with a strength for each pressure";
+    if is_unknown && has_several_pressures(problem) && course.may_search(second) {
+        listener.doing(second);
         course = course.widened()?;
     }
     course.keep_what_explains_most()?;
-    course.conclude()
+    concluded(course, &work)
+}
+
+/// The answer of a search, with the work that it took.
+fn concluded(course: Course, work: &Work) -> Result<DiagnosisOutcome, CalibrateError> {
+    let mut outcome = course.conclude()?;
+    outcome.diagnosis.node_steps = work.node_steps();
+    Ok(outcome)
 }
 
 /// Effects beside which still more is heard, and which then are not believed: with so many, similar effects to
@@ -260,8 +249,8 @@ impl<'a> Course<'a> {
         if let Some(effect) = kept_out {
             self.end_at_limit(effect);
         }
-        let is_cut_short = self.diagnosis.cut_short_in_round.is_some();
         let misstated = self.misstated()?;
+        let is_cut_short = self.diagnosis.cut_short_in_round().is_some();
         let is_within = !self.added.is_empty() && self.is_within_repeats()?;
         let is_misstated = misstated.as_ref().is_some_and(|own| own.leads);
         self.diagnosis.verdict = match (is_misstated, self.diagnosis.verdict) {
@@ -295,13 +284,17 @@ impl<'a> Course<'a> {
     /// Whether no effect alone brings the model to meet the first swings.
     fn misses_first_swings_with_each(&self) -> bool {
         let is_lost = self.before.first_swings.is_some() && self.added.is_empty();
-        is_lost && self.settings.most_effects > 0 && !self.is_stopped()
+        is_lost && self.settings.most_effects > 0 && self.diagnosis.cut_short_in_round().is_none()
     }
 
     /// Adds effects, then prunes; returns the effect that [`Course::add_all`] returns.
     fn add_pruned(&mut self) -> Result<Option<&'static str>, CalibrateError> {
         let kept_out = self.add_all()?;
-        if self.diagnosis.cut_short_in_round.is_none() {
+        let is_complete = self.diagnosis.cut_short_in_round().is_none();
+        if is_complete
+            && self.added.len() > 1
+            && self.may_search("a test which of the effects are unnecessary")
+        {
             self.prune()?;
         }
         Ok(kept_out)
@@ -315,23 +308,21 @@ impl<'a> Course<'a> {
             }
             let (number, is_widened) = (self.diagnosis.thresholds.len() + 1, self.is_widened);
             let request = RoundRequest { number, is_last: place == self.settings.most_effects, is_widened };
-            if self.is_stopped() {
-                self.diagnosis.cut_short(number);
-                return Ok(None);
-            }
             let found = match self.first_round.take().filter(|_| number == 1) {
-                Some(found) => Ok(found),
-                None => self.round(request),
-            };
-            if self.is_stopped() {
-                self.diagnosis.cut_short(number);
-            }
-            let found = match found {
-                Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) if self.is_stopped() => {
+                Some(found) => found,
+                None if self.is_stopped() => {
+                    self.cut_short_before(number);
                     return Ok(None);
                 }
-                found => found?,
+                None => match self.round(request)? {
+                    Some(found) => found,
+                    None => {
+                        self.cut_short_before(number);
+                        return Ok(None);
+                    }
+                },
             };
+            self.cut_short_in(number, &found.evidence);
             self.diagnosis.thresholds.push(found.threshold);
             self.diagnosis.evidence.extend(found.evidence);
             self.diagnosis.shapes.extend(found.shapes);
@@ -363,10 +354,15 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// Looks for one more effect.
-    fn round(&self, request: RoundRequest) -> Result<Round, CalibrateError> {
+    /// Looks for one more effect; none where the search was interrupted before a candidate could be fitted.
+    fn round(&self, request: RoundRequest) -> Result<Option<Round>, CalibrateError> {
         let (held_out, settings) = (self.held_out(), self.settings);
-        round(&self.ending()?, held_out, &self.added, request, settings, self.listener)
+        match round(&self.ending()?, held_out, &self.added, request, settings, self.listener) {
+            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) if self.is_interrupted() => {
+                Ok(None)
+            }
+            found => found.map(Some),
+        }
     }
 
     fn add(&mut self, best: Box<Best>) -> Result<(), CalibrateError> {
@@ -389,7 +385,7 @@ impl<'a> Course<'a> {
     fn lasting(&self, mut best: Box<Best>) -> Result<Box<Best>, CalibrateError> {
         let lasting = ending_by(&best.refit.fitted.problem, &Cancel::default());
         best.refit.fitted = best.refit.fitted.with_problem(lasting)?;
-        if best.held_out.is_none() && self.is_stopped() {
+        if best.held_out.is_none() && self.is_interrupted() {
             best.held_out = HeldOut::meet(&best.refit.fitted.problem, &best.refit.known)?;
         }
         Ok(best)
@@ -408,6 +404,7 @@ impl<'a> Course<'a> {
         let own = &self.diagnosis;
         let diagnosis = Diagnosis {
             false_alarm: own.false_alarm,
+            budget: own.budget,
             numerics: own.numerics.clone(),
             evidence: own.evidence.clone(),
             thresholds: own.thresholds.clone(),
@@ -428,6 +425,7 @@ impl<'a> Course<'a> {
             }
             self.diagnosis.evidence = wider.diagnosis.evidence;
             self.diagnosis.thresholds = wider.diagnosis.thresholds;
+            self.diagnosis.cut_short = wider.diagnosis.cut_short;
             return Ok(self);
         }
         Ok(wider)

@@ -258,14 +258,16 @@ pub(super) fn record(planned: &mut Problem, known: &[Estimate]) -> Result<(), Ca
 impl Course<'_> {
     /// Whether what was added stands alone, and else what would tell it from the others.
     pub(super) fn tell_apart(&mut self, known: &[Estimate]) {
-        let Some(best) = self.added.iter().find(|best| !best.members.is_empty()) else { return };
+        let Some(place) = self.added.iter().position(|best| !best.members.is_empty()) else { return };
         if self.diagnosis.verdict == Verdict::Named {
             self.diagnosis.verdict = Verdict::Class;
         }
-        self.diagnosis.members = best.members.iter().map(|(member, _)| member.clone()).collect();
-        if self.is_stopped() {
+        let members = &self.added[place].members;
+        self.diagnosis.members = members.iter().map(|(member, _)| member.clone()).collect();
+        if !self.may_add_to_answer("recordings that separate the candidates") {
             return;
         }
+        let best = &self.added[place];
         let (nearest, other) = &best.members[0];
         let of = [best.candidate.clone(), other.clone()];
         let strength = best.refit.values.first().map_or(best.candidate.null_value, |value| value.value);

@@ -61,6 +61,14 @@ pub(super) fn penalised(cost: f64, unknowns: usize, each: f64, variance_inflatio
     2.0 * cost / variance_inflation + each * unknowns as f64
 }
 
+/// χ² that an unknown has to be worth: `ln n`, with as many independent samples n as the noise leaves. Schwarz (1978),
+/// Annals of Statistics 6, 461-464.
+pub(super) fn penalty(fit: &Joint, variance_inflation: f64) -> f64 {
+    let series = fit.found.at.carried.blocks.iter().flatten();
+    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / variance_inflation;
+    samples.max(1.0).ln()
+}
+
 /// Width of an interval, as a share of the value, from which on a parabola is not asked alone.
 const WIDE: f64 = 0.2;
 

@@ -8,7 +8,7 @@ use super::localise::shapes;
 use super::mesh_check::LAW;
 use super::score::scores_of;
 use super::shortlist::{Best, Entry, LITTLE, RoundOutcome, best_tries, choose, fit_best};
-use super::stop::is_stopped;
+use super::stop::is_interrupted;
 use super::validation::HeldOut;
 use super::verdict::{Evidence, Shape};
 use super::{DiagnosisSettings, Listener};
@@ -87,7 +87,7 @@ pub(super) fn round(
     let tell_score = |name: &str| tell(&format!("score of {name}"));
     let scores = scores_of(&candidates, fit, &off, settings.false_alarm, &tell_score);
     let mut entries = best_tries(candidates, &scores);
-    if is_stopped(&fit.problem) {
+    if is_interrupted(&fit.problem) {
         // Some of them were not scored, and the others say little without them.
         entries.iter_mut().for_each(Entry::cut_short);
     }

@@ -10,10 +10,10 @@
 use rayon::prelude::*;
 
 use super::Course;
-use super::refit::prefix;
+use super::refit::{penalty, prefix};
 use super::round::RoundRequest;
 use super::section::TILT;
-use super::shortlist::{Best, LEAD, RoundOutcome, penalty};
+use super::shortlist::{Best, LEAD, RoundOutcome};
 use super::stop::ending_by;
 use super::validation::{HeldOut, agreement};
 use super::verdict::{Contradiction, Verdict};
@@ -23,6 +23,7 @@ use crate::calibrate::refine::RESOLUTION_FITTED;
 use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::unknowns::{CLAMP_ANGLE, Group, Unknown, UnknownKind};
 use crate::calibrate::{CalibrateError, Problem};
+use crate::ordered::in_order;
 
 /// Standard deviation of what is believed of a clamp's angle where nothing is said of it, rad: set by eye, or with a
 /// protractor.
@@ -125,7 +126,10 @@ impl<'a> Course<'a> {
             asked.extend(&clamp);
         }
         asked.retain(|own| is_of_setup(own));
-        self.lifts = asked.into_par_iter().map(|own| self.lift(own)).collect::<Result<_, _>>()?;
+        if !asked.is_empty() && !self.may_search("a test of the stated setup") {
+            return Ok(None);
+        }
+        self.lifts = in_order::<_, Result<_, _>>(asked.into_par_iter().map(|own| self.lift(own)))?;
         let each = penalty(&self.before.model, 1.0);
         let best = self.lifts.iter().min_by(|a, b| a.worth(each).total_cmp(&b.worth(each)));
         // A belief at its limit that hardly costs anything is a caveat, and no answer.
@@ -147,7 +151,7 @@ impl<'a> Course<'a> {
         let is_all = alone.add_all()?.is_none()
             && alone.added.is_empty()
             && alone.diagnosis.verdict == Verdict::NothingMissing;
-        if !is_all || alone.diagnosis.cut_short_in_round.is_some() || alone.is_astray()? {
+        if !is_all || alone.diagnosis.cut_short.is_some() || alone.is_astray()? {
             return Ok(None);
         }
         alone.diagnosis.verdict = Verdict::Misstated;
@@ -158,16 +162,11 @@ impl<'a> Course<'a> {
     /// Whether the best effect beside what is stated costs less than a wrong statement: angles of many releases describe
     /// what one effect does as well. A baseline that misses the first swings has no scores, and is not asked.
     fn is_explained_by_an_effect(&mut self, statement: f64, each: f64) -> Result<bool, CalibrateError> {
-        if self.before.first_swings.is_some() {
+        if self.before.first_swings.is_some() || self.is_stopped() {
             return Ok(false);
         }
         let request = RoundRequest { number: 1, is_last: self.settings.most_effects == 0, is_widened: false };
-        let round = match self.round(request) {
-            Err(CalibrateError::NoFit { .. } | CalibrateError::Forward { .. }) if self.is_stopped() => {
-                return Ok(false);
-            }
-            round => round?,
-        };
+        let Some(round) = self.round(request)? else { return Ok(false) };
         let of = |effect: &Best| worth(effect.refit.cost, self.free(&effect.refit.known), each);
         let is_explained = matches!(&round.outcome, RoundOutcome::Effect(effect) if of(effect) < statement);
         // The search goes on from here.
@@ -202,8 +201,8 @@ impl<'a> Course<'a> {
 
     /// What alone would have to be otherwise than stated, unless what was added leads it by as much as names an effect; and
     /// whether it leads as much itself.
-    pub(super) fn misstated(&self) -> Result<Option<Misstated>, CalibrateError> {
-        if self.added.is_empty() || self.is_stopped() {
+    pub(super) fn misstated(&mut self) -> Result<Option<Misstated>, CalibrateError> {
+        if self.added.is_empty() {
             return Ok(None);
         }
         let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
@@ -214,8 +213,12 @@ impl<'a> Course<'a> {
         let known = self.before.known.iter().chain(&known);
         let is_new =
             |own: &&Estimate| self.lifts.iter().all(|lift| lift.own.unknown.name != own.unknown.name);
-        let new = at_limit(known).into_par_iter().filter(is_new).map(|own| self.lift(own));
-        let lifts = [self.lifts.clone(), new.collect::<Result<_, _>>()?].concat();
+        let new: Vec<&Estimate> = at_limit(known).into_iter().filter(is_new).collect();
+        if !new.is_empty() && !self.may_search("a test of the stated setup beside the effects") {
+            return Ok(None);
+        }
+        let new: Vec<Lift> = in_order::<_, Result<_, _>>(new.into_par_iter().map(|own| self.lift(own)))?;
+        let lifts = [self.lifts.clone(), new].concat();
         let ahead = |lift: &Lift| 2.0 * (least - lift.worth(each)) / variance_inflation;
         let best =
             lifts.iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).filter(|best| ahead(best) > -LEAD);

@@ -5,15 +5,16 @@ use rayon::prelude::*;
 use super::candidate::Candidate;
 use super::curve::is_noise;
 use super::mesh_check::LAW;
-use super::refit::{Refit, Rough, penalised, refit, rough, rough_from};
+use super::refit::{Refit, Rough, penalised, penalty, refit, rough, rough_from};
 use super::score::{APART, ONE, Score, Scores, distance};
-use super::stop::{CUT_SHORT, not_run};
+use super::stop::{CUT_SHORT, is_over, not_run};
 use super::validation::{HeldOut, agreement};
 use super::verdict::{Evidence, Member};
 use crate::calibrate::CalibrateError;
 use crate::calibrate::joint::Joint;
 use crate::calibrate::stage::STAGE_SHARE;
 use crate::calibrate::uncertainty::uncertainty;
+use crate::ordered::in_order;
 
 /// Candidates fitted at once. Others follow while the best leaves more than noise: scores may put the gain of the right one too
 /// low. The number is a matter of time, not of statistics.
@@ -116,14 +117,6 @@ pub(super) fn falls_behind(by: f64, leader: &str) -> String {
     format!("fits worse than {leader} by {by:.0} in χ², after the penalty for parameters")
 }
 
-/// χ² that an unknown has to be worth: `ln n`, with as many independent samples n as the noise leaves. Schwarz (1978),
-/// Annals of Statistics 6, 461-464.
-pub(super) fn penalty(fit: &Joint, variance_inflation: f64) -> f64 {
-    let series = fit.found.at.carried.blocks.iter().flatten();
-    let samples = series.map(|series| 2 * series.samples.len()).sum::<usize>() as f64 / variance_inflation;
-    samples.max(1.0).ln()
-}
-
 /// Of each effect the try that promises most, largest score first.
 pub(super) fn best_tries(candidates: Vec<Candidate>, scores: &Scores) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
@@ -199,6 +192,10 @@ pub(super) fn fit_best<'a>(
     let (worth, others) = shortlist(entries);
     let mut fitted = 0;
     while fitted < worth.len() && !worth[..fitted].iter().any(Entry::leaves_noise) {
+        if is_over(&fit.problem) {
+            worth[fitted..].iter_mut().for_each(Entry::cut_short);
+            break;
+        }
         let next = (fitted + AT_ONCE).min(worth.len());
         fit_all(&mut worth[..next], fitted, fit, scores, tell)?;
         fitted = next;
@@ -221,14 +218,14 @@ fn fit_all(
         entry.rough = Some(rough);
         tell(entry);
     };
-    shortlist[from..].par_iter_mut().try_for_each(|entry| {
+    in_order::<_, Result<(), CalibrateError>>(shortlist[from..].par_iter_mut().map(|entry| {
         tell(entry);
         match rough(&entry.candidate, entry.score.estimate, fit)? {
             Some(rough) => hear(entry, rough),
             None => entry.reject(not_run(&fit.problem)),
         }
-        Ok::<(), CalibrateError>(())
-    })?;
+        Ok(())
+    }))?;
     let by_cost = |a: &(&Entry, &Rough), b: &(&Entry, &Rough)| a.1.cost.total_cmp(&b.1.cost);
     let run = || shortlist.iter().filter_map(|entry| Some((entry, entry.rough.as_ref()?)));
     let Some((best, rough)) = run().min_by(by_cost) else { return Ok(()) };
@@ -250,13 +247,13 @@ fn fit_all(
     // Far from its fit, a search that begins without the candidate may end beside the minimum. Those that the best leads by
     // no more than the error of a law begin once more, from where the best has ended.
     let is_led = |rough: &&Rough| (near..farther).contains(&behind(rough));
-    shortlist[from..].par_iter_mut().try_for_each(|entry| {
+    in_order::<_, Result<(), CalibrateError>>(shortlist[from..].par_iter_mut().map(|entry| {
         let Some(own) = entry.rough.as_ref().filter(is_led).map(|own| own.cost) else { return Ok(()) };
         let found = rough_from(&entry.candidate, entry.candidate.null_value, &led, fit)?;
         found.into_iter().filter(|found| found.cost < own).for_each(|found| hear(entry, found));
-        Ok::<(), CalibrateError>(())
-    })?;
-    shortlist[from..].par_iter_mut().zip(distances).try_for_each(|(entry, distance)| {
+        Ok(())
+    }))?;
+    in_order(shortlist[from..].par_iter_mut().zip(distances).map(|(entry, distance)| {
         let room = |rough: &Rough| if rough.is_near { near } else { farther };
         let is_worth = |rough: &&Rough| behind(rough) < room(rough) || distance < ONE;
         if let Some(rough) = entry.rough.as_ref().filter(is_worth) {
@@ -267,7 +264,7 @@ fn fit_all(
             }
         }
         Ok(())
-    })
+    }))
 }
 
 /// Takes the one that fits best for its unknowns, and those that fit as well, if that is more than noise would

@@ -65,7 +65,9 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             apart(diagnosis),
         ],
     };
-    sentences.into_iter().flatten().collect::<Vec<_>>().join(" ")
+    let not_final = diagnosis.cut_short_in_round().filter(|_| diagnosis.verdict != Verdict::Unknown);
+    let not_final = not_final.map(|round| format!("Not final: the search was cut short in round {round}."));
+    not_final.into_iter().chain(sentences.into_iter().flatten()).collect::<Vec<_>>().join(" ")
 }
 
 /// What of the setup a fit moved to its limit or beyond: the worst two, each parameter once.
@@ -82,8 +84,13 @@ fn missing(diagnosis: &Diagnosis) -> String {
     if diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
         return "Something is missing; no effect was fitted, because none may be added.".to_owned();
     }
-    if let Some(round) = diagnosis.cut_short_in_round {
-        return format!("The search was cut short in round {round}, before it had an answer.");
+    if let Some(round) = diagnosis.cut_short_in_round() {
+        let so_far = if diagnosis.effects.is_empty() {
+            ", before it had found an effect."
+        } else {
+            ". Its best answer so far follows."
+        };
+        return format!("No final answer: the search was cut short in round {round}{so_far}");
     }
     let or = contradicted(diagnosis)
         .map_or(String::new(), |told| format!(", or a stated value is wrong: {told}. Check it first"));

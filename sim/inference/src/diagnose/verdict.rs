@@ -70,11 +70,41 @@ pub struct Diagnosis {
     pub held_out: Vec<String>,
     /// A moment that would explain the residual where no effect does: a description, not a cause.
     pub description: Option<Description>,
-    /// The round in which the search was cut short, by its budget or by an interruption; none where it ended by itself.
+    /// Where the search was cut short, and what it left out; none where it ended by itself.
     #[serde(default)]
-    pub cut_short_in_round: Option<usize>,
+    pub cut_short: Option<CutShort>,
+    /// Most node steps (nodes times steps of the integrator) of the search.
+    #[serde(default)]
+    pub budget: u64,
+    /// Node steps of all its simulations, those of the baseline included.
+    #[serde(default)]
+    pub node_steps: u64,
     /// Caveats of the answer.
     pub warnings: Vec<String>,
+}
+
+/// What a search that was cut short left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CutShort {
+    /// The round in which the search was cut short, so that its answer is not final; none where it was completed, and
+    /// parts of the answer alone are left out.
+    pub round: Option<usize>,
+    /// What ended it.
+    pub by: CutBy,
+    /// Candidates that were not fitted for that, in the order of their scores where they have any.
+    pub not_fitted: Vec<String>,
+    /// Other parts of the search and of the answer that were left out.
+    pub left_out: Vec<String>,
+}
+
+/// What ended a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CutBy {
+    /// Its budget of work: the answer depends on no clock, load or number of threads.
+    Budget,
+    /// A time limit or the user: another machine may give another answer.
+    Interruption,
 }
 
 /// An effect that the repaired model has.

@@ -23,6 +23,7 @@ use super::model_error::ModelError;
 use super::quantity::{QUANTITIES, Quantity, units};
 use super::simulated::{simulate, value};
 use super::warnings::{Extent, outside, warnings};
+use crate::ordered::in_order;
 
 /// The number that says whether the tip went past straight down.
 const LEAST_ANGLE: &str = "least_angle_rad";
@@ -148,12 +149,12 @@ pub fn grid(
         Ok(case)
     };
     let rows: Vec<&[Cell]> = grid.cells.chunks(payloads.len()).collect();
-    grid.past_straight_down =
-        rows.par_iter().map(|row| past_straight_down(row, make)).collect::<Result<_, ScenarioError>>()?;
+    let past = rows.par_iter().map(|row| past_straight_down(row, make));
+    grid.past_straight_down = in_order::<_, Result<_, ScenarioError>>(past)?;
     if pressures.len() > 1 {
         let of = |k: usize| slowest(&rows.iter().map(|row| &row[k]).collect::<Vec<_>>(), make);
-        let all: Vec<Option<Slowest>> =
-            (0..payloads.len()).into_par_iter().map(of).collect::<Result<_, ScenarioError>>()?;
+        let all = (0..payloads.len()).into_par_iter().map(of);
+        let all = in_order::<_, Result<Vec<Option<Slowest>>, ScenarioError>>(all)?;
         grid.slowest = all.into_iter().flatten().collect();
     }
     let extent = Extent { pressures, payloads, excursion };

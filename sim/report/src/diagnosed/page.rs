@@ -1,5 +1,6 @@
 //! A diagnosis as a page.
 
+use efam_core::work::written;
 use efam_inference::diagnose::verdict::{Added, ParameterValue};
 use efam_inference::diagnose::{Curve, Diagnosis, DiagnosisOutcome, Verdict};
 use models::effects::Catalogue;
@@ -199,6 +200,10 @@ fn facts(diagnosis: &Diagnosis) -> Vec<(String, String)> {
         ("threshold of the score".to_owned(), thresholds.join(", ")),
         ("nodes".to_owned(), diagnosis.numerics.nodes.to_string()),
         ("mesh error over the noise".to_owned(), format!("{:.2}", diagnosis.numerics.left)),
+        (
+            "node steps, of the budget".to_owned(),
+            format!("{} of {}", written(diagnosis.node_steps), written(diagnosis.budget)),
+        ),
     ]
 }
 
