@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from . import _efam
 from ._efam import AnswerData, ResidualsData
 from ._experiment import Source, data_of
+from ._extras import optional
 from ._progress import bar
 
 Path = Union[str, "os.PathLike[str]"]
@@ -57,7 +58,7 @@ class Answer(Mapping[str, Any]):
 
     def to_pandas(self, key: str) -> Any:
         """A list of the answer, such as "parameters", as a pandas.DataFrame."""
-        import pandas
+        pandas = optional("pandas")
 
         return pandas.json_normalize(self[key])
 
@@ -111,7 +112,7 @@ class Sweep(Answer):
 
     def to_pandas(self, key: Optional[str] = None) -> Any:
         """The table of all points as a pandas.DataFrame, or a list of the answer, such as "numbers"."""
-        import pandas
+        pandas = optional("pandas")
 
         return pandas.DataFrame(self.columns) if key is None else super().to_pandas(key)
 

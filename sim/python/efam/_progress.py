@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import Any, Optional
 
+from ._extras import optional
+
 Tell = Callable[[int, int, str], None]
 
 
@@ -23,14 +25,10 @@ def bar(name: str, unit: str, progress: Optional[bool]) -> Iterator[Optional[Tel
     if progress is False or (progress is None and not _is_watched()):
         yield None
         return
-    try:
-        import tqdm
-    except ImportError:
-        if progress:
-            raise ImportError("progress=True needs tqdm: pip install tqdm") from None
+    if not progress and find_spec("tqdm") is None:
         yield None
         return
-    kind: Any = tqdm.tqdm
+    kind: Any = optional("tqdm").tqdm
     # In a notebook tqdm.auto warns where ipywidgets are not there.
     if "ipykernel" in sys.modules and find_spec("ipywidgets"):
         from tqdm.auto import tqdm as in_notebook

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._efam import DataError, RecordingData
+from ._extras import optional
 
 Floats = NDArray[np.float64]
 Column = Union[Floats, str]
@@ -103,7 +104,7 @@ class Recording:
 
     def to_pandas(self) -> Any:
         """The recording as a pandas.DataFrame that makes the same recording again."""
-        import pandas
+        pandas = optional("pandas")
 
         names = [f"{marker}_{axis}_m" for marker in self.markers for axis in "xyz"]
         frame = pandas.DataFrame(self.positions.reshape(len(self), -1), columns=names)
@@ -113,7 +114,7 @@ class Recording:
     def plot(self, axes: Any = None) -> Any:
         """Draws the coordinates of all markers over time by matplotlib; returns the axes."""
         if axes is None:
-            from matplotlib import pyplot
+            pyplot = optional("matplotlib.pyplot")
 
             _, axes = pyplot.subplots(3, 1, figsize=(8, 6), sharex=True, layout="constrained")
         for k, letter in enumerate("xyz"):

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._efam import Model, RunData, tips_of_many
+from ._extras import optional
 from ._progress import bar
 
 Source = Union[Model, str, "os.PathLike[str]", Mapping[str, Any]]
@@ -112,13 +113,13 @@ class Run:
 
     def to_pandas(self) -> Any:
         """The table of the run as a pandas.DataFrame, with the columns of trajectory.parquet."""
-        import pandas
+        pandas = optional("pandas")
 
         return pandas.DataFrame(self.data, columns=self.columns)
 
     def to_xarray(self) -> Any:
         """The run as an xarray.Dataset over time, node and axis."""
-        import xarray
+        xarray = optional("xarray")
 
         axes = ("time", "axis")
         data = {
@@ -133,7 +134,7 @@ class Run:
     def plot(self, axes: Any = None) -> Any:
         """Draws postures and the height of the tip by matplotlib; returns the axes."""
         if axes is None:
-            from matplotlib import pyplot
+            pyplot = optional("matplotlib.pyplot")
 
             _, axes = pyplot.subplots(1, 2, figsize=(9, 3.5), layout="constrained")
         for sample in np.linspace(0, len(self.t) - 1, 12).astype(int) if len(self.t) else []:

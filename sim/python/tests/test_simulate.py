@@ -1,13 +1,15 @@
 """One run: the numbers of the program, as arrays."""
 
 import json
+import re
 import subprocess
+import sys
 
 import efam
 import numpy as np
 import pytest
 
-from conftest import EFAM
+from conftest import EFAM, ROOT
 
 # The hour, the time that it took and the command differ.
 OF_THE_CALL = {"argv", "wall_time_s", "real_time_factor", "written_utc", "inputs_sha256"}
@@ -127,6 +129,26 @@ def test_what_other_packages_take(model):
     page = run._repr_html_()
     assert page.startswith("<iframe srcdoc=") and "The swing" in page
     assert "frequency" in str(run) and "15psi" in repr(run).replace("-", "")
+
+
+@pytest.mark.parametrize(
+    "package, use",
+    [
+        ("matplotlib", lambda run: run.plot()),
+        ("pandas", lambda run: run.to_pandas()),
+        ("xarray", lambda run: run.to_xarray()),
+        ("tqdm", lambda run: efam.simulate_many([], progress=True)),
+    ],
+)
+def test_a_package_that_is_absent_is_named_with_its_extra(model, monkeypatch, package, use):
+    run = efam.simulate(model, error_estimate=False)
+    for name in [name for name in sys.modules if name.split(".")[0] == package]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ImportError, match=f"{package} is not installed: pip install {package}") as error:
+        use(run)
+    extra = str(error.value).split('".[')[1].split("]")[0]
+    assert re.search(rf'^{extra} = \[.*"{package}>=', (ROOT / "pyproject.toml").read_text(), re.M)
 
 
 def test_many_are_the_same_as_each(model):

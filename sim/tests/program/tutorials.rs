@@ -1,9 +1,10 @@
 //! README and the tutorials of the book, run as they stand.
 //!
 //! Goal: who types what a tutorial shows gets what it shows. Setup: a folder with the project's `scenarios/`, and the
-//! program on the PATH. A block `sh` is run, but for lines of `cargo`, which `.ci/run` runs; a block with a file's name
-//! after its language is saved under that name, or added to what is there; each line of a block `text` stands in what the
-//! commands before it printed, `…` for whatever is between. The tutorial about effects builds the project anew, so
+//! program on the PATH. A block `sh` is run with `efam` in the place of `cargo run --release --`, but for other lines of
+//! `cargo` and `pip`, which `.ci/run` runs; a block with a file's name after its language is saved under that name, or
+//! added to what is there; each line of a block `text` is in what the commands before it printed, `…` for whatever is
+//! between. README's table of commands is run as well. The tutorial about effects builds the project anew, so
 //! `.ci/run` does that.
 
 use std::fs;
@@ -66,6 +67,28 @@ fn is_printed(line: &str, printed: &str) -> bool {
     })
 }
 
+/// A line of a shell as it is run here; none for what builds or installs.
+fn of_the_program(line: &str) -> Option<String> {
+    match line.strip_prefix("cargo run --release -- ") {
+        Some(arguments) => Some(format!("efam {arguments}")),
+        None => (!line.starts_with("cargo ") && !line.starts_with("pip ")).then(|| line.to_owned()),
+    }
+}
+
+/// What a shell prints that runs some lines in a folder, with the program on its PATH.
+fn run(bench: &Bench, lines: &str) -> String {
+    let program = Path::new(env!("CARGO_BIN_EXE_efam")).parent().expect("a folder").to_path_buf();
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    let path = std::env::join_paths(std::iter::once(program).chain(std::env::split_paths(&others)));
+    let mut shell = Command::new("sh");
+    shell.args(["-eu", "-c", lines]).current_dir(&bench.0).env("PATH", path.expect("a PATH"));
+    let output = shell.output().expect("there is a shell");
+    let printed =
+        [output.stdout, output.stderr].map(|own| String::from_utf8_lossy(&own).into_owned()).concat();
+    assert!(output.status.success(), "{lines}\n{printed}");
+    printed
+}
+
 /// Goes through a tutorial of at least three commands, block by block.
 fn follow(name: &str) {
     let page = fs::read_to_string(root().join("docs/src/tutorials").join(format!("{name}.md")));
@@ -77,10 +100,6 @@ fn follow(name: &str) {
 fn follow_page(name: &str, page: &str) -> usize {
     let bench = Bench::new(&format!("tutorial-{name}"));
     copy(&root().join("scenarios"), &bench.0.join("scenarios"));
-    let program = Path::new(env!("CARGO_BIN_EXE_efam")).parent().expect("a folder").to_path_buf();
-    let others = std::env::var_os("PATH").unwrap_or_default();
-    let path = std::env::join_paths(std::iter::once(program).chain(std::env::split_paths(&others)));
-    let path = path.expect("a PATH");
     let (mut printed, mut commands) = (String::new(), 0);
     for block in blocks(page) {
         match (block.language, block.file) {
@@ -89,14 +108,10 @@ fn follow_page(name: &str, page: &str) -> usize {
                 bench.file(file, &(there + block.text + "\n"));
             }
             ("sh", None) => {
-                let own: Vec<&str> = block.text.lines().filter(|line| !line.starts_with("cargo ")).collect();
-                let mut shell = Command::new("sh");
-                shell.args(["-eu", "-c", &own.join("\n")]).current_dir(&bench.0).env("PATH", &path);
-                let output = shell.output().expect("there is a shell");
-                printed = [output.stdout, output.stderr]
-                    .map(|own| String::from_utf8_lossy(&own).into_owned())
-                    .concat();
-                assert!(output.status.success(), "{name}.md:\n{}\n{printed}", block.text);
+                let own: Vec<String> = block.text.lines().filter_map(of_the_program).collect();
+                if !own.is_empty() {
+                    printed = run(&bench, &own.join("\n"));
+                }
                 commands += own.len();
             }
             ("text", None) => {
@@ -112,10 +127,63 @@ fn follow_page(name: &str, page: &str) -> usize {
     commands
 }
 
+/// README without its diagnosis, and the diagnosis, which takes longer.
+fn readme() -> [String; 2] {
+    let page = fs::read_to_string(root().join("README.md")).expect("it is there");
+    let (head, rest) = page.split_once("\n## A diagnosis\n").expect("a diagnosis");
+    let (diagnosis, tail) = rest.split_once("\n## ").expect("another section");
+    [format!("{head}\n## {tail}"), diagnosis.to_owned()]
+}
+
 #[test]
 fn the_readme() {
+    let [page, _] = readme();
+    assert_eq!(follow_page("README", &page), 2);
+}
+
+#[test]
+#[ignore = "long; .ci/run runs it"]
+fn the_diagnosis_of_the_readme() {
+    let [_, diagnosis] = readme();
+    assert_eq!(follow_page("README-diagnosis", &diagnosis), 1);
+}
+
+/// The commands in the rows of README's table of commands.
+fn commands_of_table(page: &str) -> Vec<&str> {
+    let rows = page.lines().filter(|line| line.starts_with('|'));
+    rows.filter_map(|row| row.split('`').nth(1)).filter(|code| code.starts_with("efam ")).collect()
+}
+
+/// Each command of README's table runs as it is, in the order of the rows. `efam watch` does not end by itself, so
+/// `sim/tests/program/watched.rs` runs it.
+#[test]
+#[ignore = "long; .ci/run runs it"]
+fn the_table_of_commands() {
     let page = fs::read_to_string(root().join("README.md")).expect("it is there");
-    assert_eq!(follow_page("README", &page), 1);
+    let bench = Bench::new("readme-table");
+    copy(&root().join("scenarios"), &bench.0.join("scenarios"));
+    let commands = commands_of_table(&page);
+    for name in [
+        "simulate",
+        "statics",
+        "modes",
+        "predict",
+        "calibrate",
+        "diagnose",
+        "sweep",
+        "analyse",
+        "watch",
+        "figures",
+        "export",
+    ] {
+        assert!(
+            commands.iter().any(|own| own.starts_with(&format!("efam {name}"))),
+            "no row has efam {name}"
+        );
+    }
+    for command in commands.iter().filter(|own| !own.starts_with("efam watch ")) {
+        run(&bench, command);
+    }
 }
 
 #[test]

@@ -16,7 +16,8 @@ use crate::calibrate::warnings::SETUP;
 use crate::listed::listed;
 use models::digits::{short, significant};
 
-/// One paragraph for a person; each part of it is there only where numbers stand behind it.
+/// Lines for a person: the answer with the gap before and after, then the evidence, then the caveats. A line is there only
+/// if it has numbers.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
     let misfit = || {
         if diagnosis.misses_first_swings {
@@ -27,37 +28,43 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
             wrong(&diagnosis.misfits)
         }
     };
-    let sentences: Vec<Option<String>> = match diagnosis.verdict {
+    let lines: Vec<Option<String>> = match diagnosis.verdict {
         Verdict::NothingMissing => vec![
-            Some("Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and repeatability explain.".to_owned()),
+            Some(with_gap("Nothing is missing that these recordings could show.", diagnosis)),
+            Some("No effect of the catalogue lowers the gap by more than noise and repeatability explain.".to_owned()),
             remains(diagnosis),
             apart(diagnosis),
         ],
         Verdict::Misstated => vec![
-            contradicted(diagnosis).map(|told| format!("A stated value is wrong: {told}. With it so, nothing else is missing that these recordings could show. Measure it again, or state it otherwise.")),
+            contradicted(diagnosis).map(|value| with_gap(&format!("A stated value is wrong: {value}."), diagnosis)),
+            Some("With the fitted value, nothing else is missing that these recordings could show. Measure it again, or state it otherwise.".to_owned()),
             removed(diagnosis),
             remains(diagnosis),
         ],
         Verdict::Named | Verdict::Class => vec![
-            contradicted(diagnosis).map(|told| format!("A stated value may be wrong: {told}. Check it first.")),
-            misfit(),
-            Some(named(diagnosis)),
+            Some(with_gap(&named(diagnosis), diagnosis)),
             removed(diagnosis),
             remains(diagnosis),
+            // A class of one effect has it in its first line.
+            contradicted(diagnosis)
+                .filter(|_| !is_effect_or_statement(diagnosis))
+                .map(|value| format!("A stated value may be wrong: {value}. Check it first.")),
+            misfit(),
             next_best(diagnosis),
             diagnosis.separating_experiment.as_ref().map(to_tell_apart),
         ],
         Verdict::Incomplete => vec![
-            Some(named(diagnosis)),
+            Some(with_gap(&named(diagnosis), diagnosis)),
             removed(diagnosis),
             remains(diagnosis),
-            contradicted(diagnosis).map(|told| format!("A stated value may be wrong instead: {told}. Check it first.")),
+            contradicted(diagnosis)
+                .map(|value| format!("A stated value may be wrong instead: {value}. Check it first.")),
             loudest(diagnosis).map(look),
             misfit(),
             diagnosis.separating_experiment.as_ref().map(to_tell_apart),
         ],
         Verdict::Unknown => vec![
-            Some(missing(diagnosis)),
+            Some(with_gap(&missing(diagnosis), diagnosis)),
             misfit(),
             partly(diagnosis),
             diagnosis.description.as_ref().and_then(described),
@@ -66,8 +73,31 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
         ],
     };
     let not_final = diagnosis.cut_short_in_round().filter(|_| diagnosis.verdict != Verdict::Unknown);
-    let not_final = not_final.map(|round| format!("Not final: the search was cut short in round {round}."));
-    not_final.into_iter().chain(sentences.into_iter().flatten()).collect::<Vec<_>>().join(" ")
+    let not_final = not_final.map(|round| format!("Not final: the search was cut short in round {round}. "));
+    not_final.unwrap_or_default() + &lines.into_iter().flatten().collect::<Vec<_>>().join("\n")
+}
+
+/// An answer with the gap before and after, on one line.
+fn with_gap(answer: &str, diagnosis: &Diagnosis) -> String {
+    let Some(shares) = &diagnosis.shares else { return answer.to_owned() };
+    let has_changed = !diagnosis.effects.is_empty() || diagnosis.verdict == Verdict::Misstated;
+    let gap = if has_changed {
+        change(shares.before_mm, shares.left_mm)
+    } else {
+        format!("is {} mm", significant(shares.left_mm, 2))
+    };
+    format!("{answer} The gap between simulation and recordings {gap}.")
+}
+
+/// How a distance changes, mm.
+fn change(before: f64, after: f64) -> String {
+    let verb = if after > before { "rises" } else { "falls" };
+    format!("{verb} from {} to {} mm", significant(before, 2), significant(after, 2))
+}
+
+/// Whether the answer is one effect, or a stated value that is wrong in its place.
+fn is_effect_or_statement(diagnosis: &Diagnosis) -> bool {
+    diagnosis.verdict == Verdict::Class && diagnosis.members.is_empty()
 }
 
 /// What of the setup a fit moved to its limit or beyond: the worst two, each parameter once.
@@ -191,15 +221,16 @@ fn named(diagnosis: &Diagnosis) -> String {
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
     let or = if !others.is_empty() {
         format!(", or an effect that these recordings cannot separate from it ({})", others.join(", "))
-    } else if diagnosis.verdict == Verdict::Class {
-        ", if that value is right".to_owned()
     } else {
         String::new()
     };
+    let statement = contradicted(diagnosis)
+        .filter(|_| is_effect_or_statement(diagnosis))
+        .map_or(String::new(), |value| format!(" Or a stated value is wrong: {value}; check it first."));
     let is = if diagnosis.effects.len() > 1 { "are" } else { "is" };
     let values: Vec<String> = diagnosis.effects.iter().filter_map(values).collect();
     let values = if values.is_empty() { String::new() } else { format!(": {}", values.join("; ")) };
-    format!("{} {is} missing{or}{values}.", names(diagnosis))
+    format!("{} {is} missing{or}{values}.{statement}", names(diagnosis))
 }
 
 /// The values of an effect; nothing where there are too many for a sentence.
@@ -227,52 +258,45 @@ fn removed(diagnosis: &Diagnosis) -> Option<String> {
     let shares = diagnosis.shares.as_ref()?;
     let share = shares.removed.filter(|share| *share > 0.0)?;
     let it = if diagnosis.effects.len() > 1 { "They explain" } else { "It explains" };
+    let held_out: Vec<&Gap> = diagnosis.gap.iter().filter(|gap| gap.held_out).collect();
     let held_out = shares.removed_held_out.map_or(String::new(), |share| {
-        if share > 0.0 {
-            format!(", and {} on held-out releases", percent(share))
-        } else {
-            ", and nothing on held-out releases".to_owned()
-        }
+        let share = if share > 0.0 { percent(share) } else { "nothing".to_owned() };
+        let gap = change(mean(&held_out, |gap| gap.before_mm), mean(&held_out, |gap| gap.after_mm));
+        format!(", and {share} on held-out releases, where the gap {gap}")
     });
     Some(format!("{it} {} of the residual beyond noise{held_out}.", percent(share)))
 }
 
-/// What the effects leave, beside how well the experiment repeats.
+/// What remains, beside how well the experiment repeats.
 fn remains(diagnosis: &Diagnosis) -> Option<String> {
     let shares = diagnosis.shares.as_ref()?;
-    let [before, left] = [shares.before_mm, shares.left_mm].map(|distance| significant(distance, 2));
-    let is_as_before = diagnosis.effects.is_empty() && diagnosis.verdict != Verdict::Misstated;
-    let distances = if is_as_before {
-        format!("Simulation and recordings differ by {left} mm")
-    } else {
-        format!("The difference of simulation and recordings falls from {before} to {left} mm")
-    };
-    let told = diagnosis.repeats.as_ref().map(|repeats| {
+    let than = diagnosis.repeats.as_ref().map(|repeats| {
         let size = significant(repeats.distance_mm, 2);
         let releases = diagnosis.gap.iter().filter(|gap| !gap.held_out).count();
         let is_within = shares.left_mm <= repeats.largest_mm(releases);
         let than = if is_within { "no more than" } else { "more than" };
         match repeats.source {
-            Source::Stated => format!(", {than} the stated repeatability of {size} mm"),
+            Source::Stated => format!("{than} the stated repeatability of {size} mm"),
             Source::Measured => {
                 let most = significant(repeats.largest_mm(releases), 2);
                 format!(
-                    ", {than} the measured repeatability of {size} mm ({most} mm at 95 %{})",
+                    "{than} the measured repeatability of {size} mm ({most} mm at 95 %{})",
                     repeats.between()
                 )
             }
             Source::Assumed => format!(
-                ", {than} the repeatability of {size} mm assumed for a single release, 1 % of its motion (state calibrate.repeatability, or repeat the release)"
+                "{than} the repeatability of {size} mm assumed for a single release, 1 % of its motion (state calibrate.repeatability, or repeat the release)"
             ),
         }
     });
-    let more = match diagnosis.verdict {
-        Verdict::Incomplete => {
-            ": more than noise remains, here or in held-out releases. A similar effect may act instead, or another one as well"
-        }
-        _ => "",
-    };
-    Some(format!("{distances}{}{more}.", told.unwrap_or_default()))
+    let left = significant(shares.left_mm, 2);
+    let than = than.map(|than| format!("The remaining {left} mm are {than}."));
+    let more = (diagnosis.verdict == Verdict::Incomplete).then(|| {
+        "More than noise remains, here or in held-out releases: a similar effect may act instead, or another one as well."
+            .to_owned()
+    });
+    let both: Vec<String> = [than, more].into_iter().flatten().collect();
+    (!both.is_empty()).then(|| both.join(" "))
 }
 
 /// What the next best effect would explain in the place of the one that was added.
@@ -294,7 +318,7 @@ fn next_best(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
-/// Root mean square of a gap over releases.
+/// Root mean square of a distance over releases.
 fn mean(gaps: &[&Gap], of: fn(&Gap) -> f64) -> f64 {
     (gaps.iter().map(|gap| of(gap).powi(2)).sum::<f64>() / gaps.len() as f64).sqrt()
 }

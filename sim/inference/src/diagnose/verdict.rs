@@ -31,7 +31,7 @@ pub enum Verdict {
 pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
-    /// The answer in words, for a person.
+    /// The answer in words: its first line with the gap before and after, then a line for each piece of evidence.
     pub summary: String,
     /// Effects that were added to the model, in the order in which they were found.
     pub effects: Vec<Added>,

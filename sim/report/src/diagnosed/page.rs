@@ -19,7 +19,9 @@ pub(super) fn page(
 ) -> String {
     let diagnosis = &outcome.diagnosis;
     let title = format!("Diagnosis of {}", request.name);
-    let mut page = Page::new(&title, verdict(diagnosis.verdict), &diagnosis.summary);
+    let (answer, evidence_lines) = diagnosis.summary.split_once('\n').unwrap_or((&diagnosis.summary, ""));
+    let lead = format!("{}. {}", verdict(diagnosis.verdict), evidence_lines.replace('\n', " "));
+    let mut page = Page::new(&title, answer, lead.trim_end());
     let catalogue = outcome.repaired.trials.first().map(|trial| trial.model.catalogue.clone());
     effects(&mut page, diagnosis, &catalogue.unwrap_or_default());
     let of = |names: &[&str]| {

@@ -156,7 +156,7 @@ fn ranking(rounds: &BTreeMap<usize, (f64, Vec<Evidence>)>) -> String {
 fn answer(diagnosis: &Diagnosis) -> String {
     let mut text = format!(
         "{}\n\n| release | rms residual over noise, before | after |\n|---|---:|---:|\n",
-        diagnosis.summary
+        diagnosis.summary.replace('\n', "\n\n")
     );
     for gap in &diagnosis.gap {
         let part = if gap.held_out { ", held out" } else { "" };

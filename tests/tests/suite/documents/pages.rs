@@ -55,7 +55,8 @@ pub fn below(folder: &Path, see: &mut dyn FnMut(&Path)) {
 }
 
 pub fn pages() -> Vec<Page> {
-    let mut paths = vec![root().join("README.md"), root().join("ARCHITECTURE.md")];
+    let mut paths =
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root().join(name)).to_vec();
     for folder in ["docs/src", "docs/decisions"] {
         below(&root().join(folder), &mut |path| {
             if path.extension().is_some_and(|own| own == "md") {

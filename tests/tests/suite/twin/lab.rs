@@ -27,7 +27,7 @@ fn every_example_has_the_file_that_its_head_asks_for() {
         assert_eq!(asked(&text).experiment(), text, "{}", folder.display());
         count += 1;
     }
-    assert_eq!(count, 6);
+    assert_eq!(count, 7);
 }
 
 /// One is enough: all are drawn by the same lines.

@@ -74,10 +74,13 @@ fn drag() -> Diagnosis {
 fn a_named_effect_is_told_with_all_that_stands_behind_it() {
     assert_eq!(
         summary(&drag()),
-        "The simulation loses energy too slowly at large swings (above 40 % of the largest amplitude), at all \
-         pressures, in the first 4 cycles. Air drag on the body is missing: drag coefficient 1.10 (95 % interval 1.00 to \
-         1.20). It explains 93 % of the residual beyond noise, and all on held-out releases. \
-         The difference of simulation and recordings falls from 1.3 to 0.53 mm. Braid friction, the next best, would explain 41 %."
+        "Air drag on the body is missing: drag coefficient 1.10 (95 % interval 1.00 to 1.20). The gap between simulation \
+         and recordings falls from 1.3 to 0.53 mm.\n\
+         It explains 93 % of the residual beyond noise, and all on held-out releases, where the gap falls from 1.1 to \
+         0.43 mm.\n\
+         The simulation loses energy too slowly at large swings (above 40 % of the largest amplitude), at all \
+         pressures, in the first 4 cycles.\n\
+         Braid friction, the next best, would explain 41 %."
     );
 }
 
@@ -95,7 +98,9 @@ fn what_no_number_supports_is_not_said() {
     let quiet = with(vec![gap("a", false, 1.005, 1.0)]);
     assert!(!summary(&quiet).contains("explain"), "{}", summary(&quiet));
     let worse = with(vec![gap("a", false, 3.0, 1.0), gap("b", true, 1.2, 1.4)]);
-    assert!(summary(&worse).contains("all of the residual beyond noise, and nothing on held-out releases"));
+    assert!(summary(&worse).contains(
+        "all of the residual beyond noise, and nothing on held-out releases, where the gap rises from 0.51 to 0.59 mm."
+    ));
     let mut one = drag();
     one.misfits[0].pressures_there_pa = vec![1.034e5];
     one.misfits[0].pressures_pa = vec![1.034e5];
@@ -108,7 +113,7 @@ fn what_no_number_supports_is_not_said() {
     assert!(summary(&held).contains("drag coefficient 1.10 (not fitted)."), "{}", summary(&held));
     let mut many = drag();
     many.effects[0].parameters = vec![many.effects[0].parameters[0].clone(); 4];
-    assert!(summary(&many).contains("Air drag on the body is missing."), "{}", summary(&many));
+    assert!(summary(&many).starts_with("Air drag on the body is missing. The gap"), "{}", summary(&many));
 }
 
 #[test]
@@ -117,10 +122,10 @@ fn misfits_of_two_kinds_are_told_and_small_ones_are_not() {
     let mut two = Diagnosis { misfits: vec![misfit(Wrong::SwingsTooSlowly, BANDS[1], 1.0), small], ..drag() };
     two.misfits[0].cycles = [3.0, 4.0];
     assert!(
-        summary(&two).starts_with(
-            "The simulation swings too slowly at middle swings (15 to 40 % of the largest amplitude), at all \
+        summary(&two).contains(
+            "\nThe simulation swings too slowly at middle swings (15 to 40 % of the largest amplitude), at all \
              pressures, from cycle 5 to 7; it loses energy too fast at small swings (below 15 % of the largest \
-             amplitude)."
+             amplitude).\n"
         ),
         "{}",
         summary(&two)
@@ -174,7 +179,8 @@ fn an_unknown_is_described_and_nothing_is_just_that() {
     let words = summary(&unknown);
     assert!(
         words.starts_with(
-            "Something is missing that no effect of the catalogue explains. The simulation loses"
+            "Something is missing that no effect of the catalogue explains. The gap between simulation and recordings \
+             falls from 1.3 to 0.53 mm.\nThe simulation loses"
         )
     );
     assert!(
@@ -188,7 +194,9 @@ fn an_unknown_is_described_and_nothing_is_just_that() {
         Diagnosis { gap: vec![gap("a", false, 1.02, 1.02)], misfits: drag().misfits, ..Diagnosis::default() };
     assert_eq!(
         summary(&nothing),
-        "Nothing is missing that these recordings could show: no effect of the catalogue lowers the gap by more than noise and repeatability explain. The residual is 1.02 times the noise; 1 is noise alone."
+        "Nothing is missing that these recordings could show.\n\
+         No effect of the catalogue lowers the gap by more than noise and repeatability explain.\n\
+         The residual is 1.02 times the noise; 1 is noise alone."
     );
 }
 
@@ -212,7 +220,7 @@ fn a_description_is_told_term_by_term() {
     assert!(words.contains(due), "{words}");
 }
 
-/// What contradicts the setup comes first where nothing is named, and stands beside what is.
+/// What contradicts the setup comes after the answer, or is a part of it where it explains as much as the effect.
 #[test]
 fn contradictions_are_said() {
     let contradiction = |deviations: f64| Contradiction {
@@ -230,5 +238,14 @@ fn contradictions_are_said() {
     let incomplete = found(Verdict::Incomplete, 9.0);
     assert!(incomplete.contains(&format!("A stated value may be wrong instead: {told}.")), "{incomplete}");
     let named = found(Verdict::Named, 9.0);
-    assert!(named.starts_with(&format!("A stated value may be wrong: {told}.")), "{named}");
+    assert!(named.contains(&format!("\nA stated value may be wrong: {told}.")), "{named}");
+    let either = found(Verdict::Class, 9.0);
+    let first = either.lines().next().expect("a line");
+    assert!(
+        first.contains(&format!(" 1.20). Or a stated value is wrong: {told}; check it first. The gap")),
+        "{either}"
+    );
+    assert_eq!(either.matches(told).count(), 1, "{either}");
+    let misstated = found(Verdict::Misstated, 9.0);
+    assert!(misstated.starts_with(&format!("A stated value is wrong: {told}. The gap")), "{misstated}");
 }

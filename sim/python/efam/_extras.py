@@ -1,0 +1,21 @@
+"""Packages that are optional: each belongs to an extra of pyproject.toml."""
+
+from importlib import import_module
+from typing import Any
+
+EXTRAS = {"matplotlib": "plots", "pandas": "tables", "xarray": "tables", "tqdm": "progress"}
+
+
+def optional(module: str) -> Any:
+    """The module; without its package an error that names the extra to install."""
+    package = module.split(".")[0]
+    try:
+        return import_module(module)
+    except ModuleNotFoundError as error:
+        if error.name != package:
+            raise
+        raise ImportError(
+            f"{package} is not installed: pip install {package}, or in the copy of efam "
+            f'pip install ".[{EXTRAS[package]}]"',
+            name=package,
+        ) from None
