@@ -3,7 +3,7 @@
 //! Goal: no page lags behind the code. Expected: each committed page is what the program says today, and the page of
 //! keys names every key that the program accepts. To write the pages anew:
 //!
-//!     EFAM_WRITE_DOCS=1 cargo test --workspace --no-default-features reference
+//!     EFAM_WRITE_DOCS=1 cargo test --no-default-features reference
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -18,7 +18,7 @@ use crate::bench::Bench;
 fn head(title: &str, says: &str) -> String {
     format!(
         "# {title}\n\n<!-- Generated from the program; do not edit. To write it anew:\n     \
-         EFAM_WRITE_DOCS=1 cargo test --workspace --no-default-features reference -->\n\n{says}\n"
+         EFAM_WRITE_DOCS=1 cargo test --no-default-features reference -->\n\n{says}\n"
     )
 }
 
@@ -37,7 +37,7 @@ fn settle(name: &str, text: &str) {
     assert!(
         committed == text,
         "docs/src/reference/{name} lags behind the program, first at {differs:?}; write it anew:\n    \
-         EFAM_WRITE_DOCS=1 cargo test --workspace --no-default-features reference"
+         EFAM_WRITE_DOCS=1 cargo test --no-default-features reference"
     );
 }
 
