@@ -78,6 +78,15 @@ impl System {
         t.keep_geometry(c, f, !acting.flow.is_empty());
     }
 
+    /// Twice the energy, J, that a small displacement from the state of the last [`linearise`](Self::linearise) puts into
+    /// the stretch of the edges.
+    pub(crate) fn stretch_energy(&mut self, time: f64, q: &[f64], displacement: &[f64]) -> f64 {
+        self.assembly.place(&self.model, time, q, displacement);
+        let (length, by_stretch) = (self.assembly.context.rest_length, &self.tangent.by_stretch);
+        let stretches = self.assembly.fields.stretch_rate.iter();
+        stretches.zip(by_stretch).map(|(stretch, stiffness)| length * stiffness * stretch * stretch).sum()
+    }
+
     /// Moments, their tangents and the rates of memories at the bends' curvatures as they stand.
     pub(crate) fn linearise_bends(&mut self, z: &[f64], z_rate: &mut [f64]) {
         let (model, t) = (&self.model, &mut self.tangent);

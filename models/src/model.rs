@@ -1,5 +1,6 @@
 //! A model: a rod, its clamp, its effects, and one flat list of named parameters.
 
+mod axial;
 mod spec;
 
 use std::ops::Range;
@@ -9,6 +10,7 @@ use crate::effects::{Catalogue, Effect, EffectFor, Flow, Kind, Place, Rod};
 use crate::error::ModelError;
 
 pub use crate::stencil::Scheme;
+pub use axial::AxialSource;
 pub use spec::ModelSpec;
 
 /// A parameter of a model.
@@ -127,6 +129,8 @@ pub struct Model {
     pub catalogue: Catalogue,
     /// A pressure that changes.
     pub schedule: Option<Arc<dyn Schedule>>,
+    /// Where the axial stiffness comes from.
+    pub axial_source: AxialSource,
     memory: usize,
 }
 
@@ -158,6 +162,7 @@ impl Model {
             effects: Vec::new(),
             catalogue: spec.catalogue.clone(),
             schedule: spec.schedule.clone(),
+            axial_source: AxialSource::Given,
             memory: 0,
         };
         for name in BASELINE {
@@ -166,6 +171,7 @@ impl Model {
         for (name, values) in &spec.effects {
             model.add(name, values.iter().map(|(key, value)| (key.as_str(), *value)))?;
         }
+        model.choose_axial_stiffness();
         model.check()?;
         if rod.diameter.is_nan() {
             model.check_without_diameter()?;

@@ -9,23 +9,20 @@ pub struct Rod<T> {
     pub mass: T,
     /// Bending stiffness EI, N m².
     pub bending_stiffness: T,
-    /// Axial stiffness EA, N.
+    /// Axial stiffness EA, N; not a number if it is not known.
     pub axial_stiffness: T,
-    /// Outer diameter, m.
+    /// Outer diameter, m; not a number if it is not known.
     pub diameter: T,
     /// Pressure inside above ambient, as a gauge shows it, Pa; 0 where it is not known.
     pub pressure: T,
 }
 
-/// Axial stiffness of a rod that says nothing of it, over EI/L²: that of a round section and a length of fifty diameters,
-/// 16 · 50². It stretches too little to be seen.
-const UNSTRETCHED: f64 = 4e4;
-
 impl Rod<f64> {
-    /// A rod that is no muscle, and of which no more is known; its diameter is not a number.
+    /// A rod that is no muscle, and of which no more is known; its axial stiffness and its diameter are not a number. A
+    /// [`Model`](crate::model::Model) then chooses the axial stiffness.
     pub fn plain(length: f64, mass: f64, bending_stiffness: f64) -> Self {
-        let axial_stiffness = UNSTRETCHED * bending_stiffness / (length * length);
-        Rod { length, mass, bending_stiffness, axial_stiffness, diameter: f64::NAN, pressure: 0.0 }
+        let unknown = f64::NAN;
+        Rod { length, mass, bending_stiffness, axial_stiffness: unknown, diameter: unknown, pressure: 0.0 }
     }
 }
 

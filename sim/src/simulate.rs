@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use efam_core::accuracy::{Settled, first, settle};
 use efam_core::forward::{Cancel, ForwardError, Run, Sample, forward};
-use efam_core::limits;
+use efam_core::{left_out, limits};
 use efam_core::rest::rest;
 use efam_core::trajectory::Trajectory;
 use efam_experiments::scenario::Case;
@@ -53,5 +53,5 @@ pub fn warnings(case: &Case, done: &Settled) -> Vec<String> {
     let end = done.trajectory.times.last().copied().unwrap_or(0.0);
     let rest = rest(&case.model, end, MODES).ok();
     let limits = limits::warnings(&case.model, &done.trajectory, rest.as_ref(), case.measured_moment());
-    errors.chain(limits).collect()
+    errors.chain(limits).chain(left_out::warnings(&case.model, case.is_muscle(), 1)).collect()
 }

@@ -11,7 +11,7 @@
 //!   J   rotary inertia about its centre of mass                kg m²
 //!   φ   angle of the end fitting                               rad
 //!
-//! Assumes:  Rigid. J = 0 is a point mass.
+//! Assumes:  Rigid. J = 0 is a point mass; a prediction takes it as a compact body of unknown size.
 //! Off:      mass = 0, if rotary_inertia = 0 as well.
 //! Silent:   No motion of the tip is without it.
 //! Source:   A rigid body fixed to the end fitting: Newton and Euler.

@@ -27,10 +27,15 @@ pub struct Mode {
     /// Increments of the coordinates, shape `[2N+1]`, with `φᵀ M φ = 1`; the end body's centre of
     /// mass, or else its angle, moves in positive direction.
     pub shape: Vec<f64>,
+    /// Share of its energy of deformation and weight that is stretch.
+    pub stretch_share: f64,
 }
 
-/// The `count` slowest modes about a stable rest posture, ascending; all that there are, if the
-/// model has fewer.
+/// Share of stretch in the energy of a mode from which on it is a vibration along the rod.
+const ALONG: f64 = 0.5;
+
+/// The `count` slowest bending modes about a stable rest posture, ascending; all that there are, if the
+/// model has fewer. Vibrations along the rod, whose energy is mostly stretch, are left out.
 ///
 /// A slender rod without a load swings at `1.8751² √(EI / (m L³))` first:
 ///
@@ -50,6 +55,21 @@ pub struct Mode {
 /// [`ModelError::Unstable`] about a posture that is not stable: a mode there grows instead of
 /// swinging.
 pub fn modes(model: &Model, at: &Equilibrium, count: usize) -> Result<Vec<Mode>, ModelError> {
+    let mut along = 0;
+    loop {
+        let mut found = slowest(model, at, count + along)?;
+        let is_last = found.len() < count + along;
+        found.retain(|mode| mode.stretch_share < ALONG);
+        if found.len() >= count || is_last {
+            found.truncate(count);
+            return Ok(found);
+        }
+        along += count - found.len();
+    }
+}
+
+/// The `count` slowest modes, those along the rod included.
+fn slowest(model: &Model, at: &Equilibrium, count: usize) -> Result<Vec<Mode>, ModelError> {
     let mut system = System::at_rest(model);
     let mut force = vec![0.0; model.dof()];
     let at_rest = vec![0.0; model.dof()];
@@ -66,7 +86,10 @@ pub fn modes(model: &Model, at: &Equilibrium, count: usize) -> Result<Vec<Mode>,
         let mut damped = vec![0.0; model.dof()];
         system.damping().multiply_add(shape.as_chunks::<1>().0, damped.as_chunks_mut().0);
         let damping_ratio = dot(&shape, &damped) / (2.0 * angular_frequency);
-        modes.push(Mode { angular_frequency, damping_ratio, shape });
+        modes.push(Mode { angular_frequency, damping_ratio, shape, stretch_share: 0.0 });
+    }
+    for mode in &mut modes {
+        mode.stretch_share = system.stretch_energy(at.time, &at.q, &mode.shape) / mode.angular_frequency.powi(2);
     }
     Ok(modes)
 }

@@ -50,6 +50,7 @@ pub mod example;
 pub mod forward;
 pub mod initial;
 pub mod integrate;
+pub mod left_out;
 pub mod levenberg_marquardt;
 pub mod limits;
 pub mod loss;

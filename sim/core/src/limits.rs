@@ -2,7 +2,7 @@
 //! rests that do not hold.
 
 use models::digits::significant;
-use models::model::Model;
+use models::model::{AxialSource, Model};
 use models::system::System;
 
 use crate::rest::Rest;
@@ -11,6 +11,9 @@ use crate::trajectory::Trajectory;
 /// Stretch beyond which a tension that is linear in it means little: there strain over the rest length and strain
 /// over the current length differ by a twentieth.
 const STRETCH: f64 = 0.1;
+/// Stretch beyond which a rod without a known axial stiffness must have one: it lowers the frequency of a hanging rod by a
+/// thousandth.
+const UNKNOWN_STRETCH: f64 = 2e-3;
 /// Bending moment at rest, over that of the muscle under its own end fitting, beyond which its table says nothing. The
 /// table was fitted to that rest, and a release, which the paper made too, doubles the moment of its rest.
 const MOMENT: f64 = 2.0;
@@ -23,16 +26,7 @@ pub fn warnings(
     rest: Option<&Rest>,
     own: Option<f64>,
 ) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let (stretch, time) = largest_stretch(model, trajectory);
-    if stretch.abs() > STRETCH {
-        let what = if stretch > 0.0 { "stretches" } else { "shortens" };
-        warnings.push(format!(
-            "the rod {what} by {} % at {time:.2} s: its tension is linear in the stretch, which holds for some per \
-             cent; check rod.axial_stiffness and what hangs on the rod",
-            significant(100.0 * stretch.abs(), 2)
-        ));
-    }
+    let mut warnings: Vec<String> = of_stretch(model, trajectory).into_iter().collect();
     let Some(rest) = rest else { return warnings };
     if let Some(own) = own.filter(|own| rest.root_moment.abs() > MOMENT * own.abs()) {
         warnings.push(format!(
@@ -55,6 +49,26 @@ pub fn warnings(
         ));
     }
     warnings
+}
+
+/// What to know of the stretch of a rod that stretches far, or whose axial stiffness is not known.
+fn of_stretch(model: &Model, trajectory: &Trajectory) -> Option<String> {
+    let is_unknown = model.axial_source == AxialSource::Unstretched;
+    let (stretch, time) = largest_stretch(model, trajectory);
+    let limit = if is_unknown { UNKNOWN_STRETCH } else { STRETCH };
+    if stretch.abs() <= limit {
+        return None;
+    }
+    let what = if stretch > 0.0 { "stretches" } else { "shortens" };
+    let why = if is_unknown {
+        "no axial stiffness is given, and the rod would hardly stretch under the load at its release; give \
+         rod.axial_stiffness"
+    } else {
+        "its tension is linear in the stretch, which holds for some per cent; check rod.axial_stiffness and what \
+         hangs on the rod"
+    };
+    let percent = significant(100.0 * stretch.abs(), 2);
+    Some(format!("the rod {what} by {percent} % at {time:.2} s: {why}"))
 }
 
 /// The stretch of an edge that is farthest from zero at any sample, and when, s.

@@ -188,16 +188,19 @@ impl Stepper {
         Ok(self.restart(&model, state)?)
     }
 
-    /// Makes it another rod, such as the muscle at another pressure; see [`set_all`](Self::set_all).
+    /// Makes it another rod, such as the muscle at another pressure; see [`set_all`](Self::set_all). An axial stiffness that
+    /// is not known stays as it is.
     /// # Errors
     /// [`ChangeError`].
     pub fn set_rod(&mut self, rod: &Rod<f64>) -> Result<(), ChangeError> {
         let diameter = if rod.diameter.is_nan() { 0.0 } else { rod.diameter };
+        let own = self.system.model.rod().axial_stiffness;
+        let axial_stiffness = if rod.axial_stiffness.is_nan() { own } else { rod.axial_stiffness };
         self.set_all(&[
             ("rod.length", rod.length),
             ("rod.mass", rod.mass),
             ("rod.bending_stiffness", rod.bending_stiffness),
-            ("rod.axial_stiffness", rod.axial_stiffness),
+            ("rod.axial_stiffness", axial_stiffness),
             ("rod.diameter", diameter),
             ("rod.pressure", rod.pressure),
         ])

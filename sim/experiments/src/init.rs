@@ -153,7 +153,7 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
          # bending_stiffness = \"… N m^2\" # first value of what is fitted, as are the losses: these need none\n\
          # The lines below may stay off.\n\
          # base_angle = \"0 deg\"          # in which the rod leaves the clamp, above the level; -90 deg hangs down\n\
-         # axial_stiffness = \"… N\"       # Young's modulus times section; without it the rod hardly stretches\n\
+         # axial_stiffness = \"… N\"       # Young's modulus times section; without it the rod does not stretch to speak of\n\
          # tip = \"… mm\"                  # tip marker, or the mean of several, beyond the active length\n\
          # [effects.gravity]\n\
          # acceleration = \"9.81 m/s^2\"\n\

@@ -139,6 +139,11 @@ impl Case {
         Some(rest(&bare, 0.0, 0).ok()?.root_moment)
     }
 
+    /// Whether its rod is a muscle.
+    pub fn is_muscle(&self) -> bool {
+        self.plan.muscle.is_some()
+    }
+
     /// The case with another mesh, or other settings.
     pub fn run_as(&self, model: &Model, run: &Run) -> Self {
         Self { model: model.clone(), run: run.clone(), ..self.clone() }

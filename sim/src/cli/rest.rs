@@ -4,6 +4,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
+use efam_core::left_out;
 use efam_core::rest::{rest, root_moment, slipping_modes};
 use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::{Case, ReleaseOptions, Scenario};
@@ -175,6 +176,7 @@ pub fn modes(args: &Modes, console: &Console) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
     for case in cases(&args.source, args.payload.as_ref(), console)? {
         let modes = rest(&case.model, 0.0, args.count)?.modes?;
+        console.warn(&left_out::warnings(&case.model, case.is_muscle(), args.count));
         let slipping = slipping_modes(&case.model, 0.0, args.count);
         let sticks = slipping.as_ref().map(|_| Friction::Sticks);
         for (modes, friction) in [(modes, sticks), (slipping.unwrap_or_default(), Some(Friction::Slips))] {

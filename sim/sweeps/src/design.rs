@@ -2,7 +2,7 @@
 
 use efam_experiments::scenario::{Case, Scenario, ScenarioError, ScenarioProblem};
 use efam_inference::normal::uniform;
-use efam_inference::predict::errors::Errors;
+use efam_inference::predict::errors::{Errors, PAYLOAD_INERTIA};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
@@ -50,6 +50,10 @@ impl<'a> Sampler<'a> {
                 }
                 sampler.paths.push(path);
             }
+            let inertia = PAYLOAD_INERTIA.to_owned();
+            if asked.varies("effects.payload.mass") && !sampler.paths.contains(&inertia) {
+                sampler.paths.push(inertia);
+            }
             sampler.drawn = asked.parameters.is_empty().then_some(first);
         }
         Ok(sampler)
@@ -71,7 +75,10 @@ impl<'a> Sampler<'a> {
             };
             let known = scenario.known().expect("a posterior was requested with a calibration");
             let drawn = Errors::new(known, case).values(point.seed, 0);
-            point.values.extend(drawn.into_iter().map(|(_, value)| DesignValue::Number(value)));
+            // A point without a payload draws no inertia of one.
+            let value = |path: &String| drawn.iter().find(|(own, _)| own == path).map_or(0.0, |(_, value)| *value);
+            let paths = &self.paths[self.asked.parameters.len()..];
+            point.values.extend(paths.iter().map(|path| DesignValue::Number(value(path))));
         }
         Ok(point)
     }

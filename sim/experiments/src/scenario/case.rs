@@ -138,6 +138,7 @@ impl Builder<'_> {
             schedule: schedule.map(|schedule| schedule as _),
         };
         let mut model = Model::new(&spec).map_err(|error| self.of_model("", error))?;
+        warnings.extend(model.axial_warning());
         let center = model.index("effects.end_fitting.center_of_mass").map(|k| model.theta[k]);
         model.tip_distance = plan.tip.unwrap_or(center.unwrap_or_default());
         let initial = match &plan.from {

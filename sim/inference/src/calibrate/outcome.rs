@@ -65,6 +65,7 @@ pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[PartFit]
     calibration.releases = fits.into_iter().flatten().collect();
     calibration.warnings.extend(calibration.releases.iter().flat_map(warnings::of_release));
     calibration.warnings.extend(waves::warning(problem));
+    calibration.warnings.extend(warnings::of_left_out(problem));
     let believed = calibration.parameters.iter().chain(&calibration.nuisances);
     let contradictions = warnings::of_beliefs(believed);
     // What is stated and not so comes before all else.

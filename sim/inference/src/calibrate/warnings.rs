@@ -1,7 +1,10 @@
 //! What should be known before the numbers of a calibration are used.
 
+use efam_core::left_out;
+
 use super::PartFit;
 use super::calibration::{Calibrated, ReleaseFit};
+use super::problem::{Problem, Trial};
 use super::unknowns::{CLAMP_ANGLE, HOLD_ANGLE, RELEASE_INSTANT};
 use crate::normal::CLEAR;
 
@@ -65,6 +68,15 @@ pub(super) fn of_release(fit: &ReleaseFit) -> Vec<String> {
         ));
     }
     words
+}
+
+/// What the model of the heaviest payload leaves out, which what is fitted takes up.
+pub(super) fn of_left_out(problem: &Problem) -> Vec<String> {
+    let payload = |trial: &Trial| {
+        trial.model.index("effects.payload.mass").map_or(0.0, |mass| trial.model.theta[mass])
+    };
+    let heaviest = problem.trials().max_by(|a, b| payload(a).total_cmp(&payload(b)));
+    heaviest.map_or_else(Vec::new, |own| left_out::warnings(&own.model, own.release.pressure.is_some(), 1))
 }
 
 /// What came out far from what was believed of it, the farthest first.

@@ -19,6 +19,7 @@ pub mod span;
 mod warnings;
 
 use efam_core::forward::Run;
+use efam_core::left_out;
 use efam_experiments::scenario::Case;
 use efam_experiments::summary;
 use models::model::Model;
@@ -171,6 +172,8 @@ pub fn predict(
         excursion: own.excursion,
     };
     prediction.warnings.extend(warnings(&extent, known, errors.as_slice()));
+    // A payload without a size is in the intervals, if there are any.
+    prediction.warnings.extend(left_out::warnings(model, case.is_muscle(), 1));
     if prediction.failed_draws > 0 {
         let words = format!("{} draws could not be simulated, and are left out", prediction.failed_draws);
         prediction.warnings.push(words);

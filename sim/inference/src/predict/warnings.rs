@@ -26,12 +26,8 @@ pub(super) fn warnings(asked: &Extent, known: Option<&Known>, errors: &[Errors])
     };
     let mut words = outside(asked, known);
     words.extend(interpolated(errors));
-    let of_loss: Vec<String> = errors.iter().filter_map(Errors::of_loss).collect();
-    words.extend(match &of_loss[..] {
-        [] => None,
-        [only] => Some(only.clone()),
-        [first, ..] => Some(format!("{} of {} cases: {first}", of_loss.len(), errors.len())),
-    });
+    words.extend(once(errors, Errors::of_loss));
+    words.extend(once(errors, Errors::of_payload));
     let silent = asked.pressures.iter().filter(|pressure| known.is_silent_at(**pressure)).count();
     if silent > 0 {
         words.push(
@@ -41,6 +37,16 @@ pub(super) fn warnings(asked: &Extent, known: Option<&Known>, errors: &[Errors])
     }
     words.extend(undetermined(errors));
     words
+}
+
+/// What some cases say, by the first of them.
+fn once(errors: &[Errors], of: fn(&Errors) -> Option<String>) -> Option<String> {
+    let all: Vec<String> = errors.iter().filter_map(of).collect();
+    match &all[..] {
+        [] => None,
+        [only] => Some(only.clone()),
+        [first, ..] => Some(format!("{} of {} cases: {first}", all.len(), errors.len())),
+    }
 }
 
 /// How far interpolation over pressure may be off, at worst over some cases.

@@ -79,6 +79,8 @@ fn foretold(text: String, psi: f64, payloads: &[f64]) -> Vec<Cell> {
     let (case, known) = asked.case(Some(psi * PSI), Some(0.0)).expect("a case");
     let mut asked = asked;
     asked.release.payload_center = Some(case.model.tip_distance);
+    // The twin's is a point.
+    asked.release.payload_inertia = Some(1e-12);
     let make = |pressure, payload| Ok(asked.case(pressure, Some(payload))?.0);
     let grid = grid("twin", (&[psi * PSI], payloads), &make, known.as_ref(), &|| ());
     grid.expect("a grid").cells
