@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 
 use efam_core::accuracy::{Settled, first, settle};
 use efam_core::forward::{Cancel, ForwardError, Run, Sample, forward};
-use efam_core::{left_out, limits};
 use efam_core::rest::rest;
 use efam_core::trajectory::Trajectory;
+use efam_core::{left_out, limits};
 use efam_experiments::scenario::Case;
 use efam_experiments::summary::MODES;
 

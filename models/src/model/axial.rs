@@ -61,8 +61,7 @@ impl Model {
     /// The axial stiffness of a solid round section of the rod's diameter, N; none without a diameter or EI.
     fn round_axial_stiffness(&self) -> Option<f64> {
         let Rod { diameter, bending_stiffness, .. } = self.rod();
-        (diameter > 0.0 && bending_stiffness > 0.0)
-            .then(|| 16.0 * bending_stiffness / (diameter * diameter))
+        (diameter > 0.0 && bending_stiffness > 0.0).then(|| 16.0 * bending_stiffness / (diameter * diameter))
     }
 
     /// What pulls at the clamp at most while the straight rod is let go, N: weights, loads on the end body, and the pull

@@ -89,7 +89,8 @@ fn slowest(model: &Model, at: &Equilibrium, count: usize) -> Result<Vec<Mode>, M
         modes.push(Mode { angular_frequency, damping_ratio, shape, stretch_share: 0.0 });
     }
     for mode in &mut modes {
-        mode.stretch_share = system.stretch_energy(at.time, &at.q, &mode.shape) / mode.angular_frequency.powi(2);
+        mode.stretch_share =
+            system.stretch_energy(at.time, &at.q, &mode.shape) / mode.angular_frequency.powi(2);
     }
     Ok(modes)
 }

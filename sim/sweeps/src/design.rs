@@ -76,7 +76,8 @@ impl<'a> Sampler<'a> {
             let known = scenario.known().expect("a posterior was requested with a calibration");
             let drawn = Errors::new(known, case).values(point.seed, 0);
             // A point without a payload draws no inertia of one.
-            let value = |path: &String| drawn.iter().find(|(own, _)| own == path).map_or(0.0, |(_, value)| *value);
+            let value =
+                |path: &String| drawn.iter().find(|(own, _)| own == path).map_or(0.0, |(_, value)| *value);
             let paths = &self.paths[self.asked.parameters.len()..];
             point.values.extend(paths.iter().map(|path| DesignValue::Number(value(path))));
         }

@@ -98,7 +98,14 @@ fn a_grid_says_of_each_case_what_it_is_alone() {
         "8 s",
         "--json",
     ];
-    let value = bench.json(&[&asked[..], &["--payload", "0g..100g:2", "--payload-inertia", "1e-5 kg m^2", "--out", "grid"], &ALPHA].concat());
+    let value = bench.json(
+        &[
+            &asked[..],
+            &["--payload", "0g..100g:2", "--payload-inertia", "1e-5 kg m^2", "--out", "grid"],
+            &ALPHA,
+        ]
+        .concat(),
+    );
     let grid = &value["grid"];
     let cells = grid["cells"].as_array().expect("a list");
     assert_eq!(cells.len(), 6);
@@ -106,7 +113,11 @@ fn a_grid_says_of_each_case_what_it_is_alone() {
         let is = |key: &str, value: f64| (cell[key].as_f64().expect("a number") / value - 1.0).abs() < 1e-9;
         is("pressure_pa", 275_790.291_7) && is("payload_kg", 0.1)
     });
-    let alone = predicted(&bench, "alone", &["--payload", "100 g", "--payload-inertia", "1e-5 kg m^2", "--draws", "120"]);
+    let alone = predicted(
+        &bench,
+        "alone",
+        &["--payload", "100 g", "--payload-inertia", "1e-5 kg m^2", "--draws", "120"],
+    );
     for name in ["rest_z_m", "small_frequency_hz", "small_damping_ratio", "root_moment_n_m"] {
         let [(own, Some(interval)), (single, Some(drawn))] =
             [quantity(cell.expect("the case"), name), quantity(&alone, name)]

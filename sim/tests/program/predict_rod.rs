@@ -73,8 +73,19 @@ fn a_calibrated_rod_foretells_what_a_payload_makes_of_it() {
         ["simulate", "truth.toml", "--set", "effects.payload.mass=\"40 g\"", "--json", "--out", "loaded"];
     let modes = bench.json(&truth)["runs"][0]["modes"].clone();
     let truth = modes[0]["natural_frequency_hz"].as_f64().expect("a number");
-    let asked =
-        ["predict", "out/rod.toml", "--payload", "40g", "--payload-inertia", POINT, "--json", "--out", "predicted", "--draws", "100"];
+    let asked = [
+        "predict",
+        "out/rod.toml",
+        "--payload",
+        "40g",
+        "--payload-inertia",
+        POINT,
+        "--json",
+        "--out",
+        "predicted",
+        "--draws",
+        "100",
+    ];
     let predicted = bench.json(&asked);
     let quantities = predicted["prediction"]["quantities"].as_array().expect("a list");
     let own = quantities.iter().find(|own| own["name"] == "small_frequency_hz").expect("it is told");

@@ -275,7 +275,10 @@ mod tests {
         // The ends of 200 draws are known to a tenth of the width.
         assert!((low - 0.0077).abs() < 0.006 && (high - 0.0977).abs() < 0.03, "{low} to {high}");
         assert!((value - 0.028).abs() < 0.002 && low < 0.025 && high > 0.044, "{value}");
-        assert!(words.is_some_and(|words| words.contains("104 g has no size") && words.contains("steel or water")));
+        assert!(
+            words
+                .is_some_and(|words| words.contains("104 g has no size") && words.contains("steel or water"))
+        );
         for (payload, inertia) in [(0.0, 0.0), (0.104, 3e-5)] {
             let ([low, high], _, words) = below(payload, inertia);
             assert!(high - low < 1e-3 && words.is_none(), "{low} to {high}");
