@@ -6,6 +6,7 @@
 //! any other.
 
 mod between;
+mod braid;
 mod error;
 mod known;
 mod read;
@@ -20,13 +21,19 @@ use crate::interpolate::Pchip;
 use crate::model::ModelSpec;
 
 pub use between::Interpolation;
+pub use braid::{Motion, neutral_angle};
 pub use error::MuscleError;
 pub use known::{CalibratedParameter, Here, Known, KnownAt, Marker, Misfit};
 pub use write::{CALIBRATED, CalibratedColumn, Found};
 
 /// Names of the built-in muscles, and their data.
-pub const BUILT_IN: &[(&str, &str)] =
-    &[("garbulinski-2022", include_str!("../muscles/garbulinski-2022.toml"))];
+pub const BUILT_IN: &[(&str, &str)] = &[
+    ("garbulinski-2022", include_str!("../muscles/garbulinski-2022.toml")),
+    (IN_MOTION, include_str!("../muscles/garbulinski-2022-in-motion.toml")),
+];
+
+/// Name of the first with a branch that gives the paper's trends over pressure in motion.
+pub const IN_MOTION: &str = "garbulinski-2022-in-motion";
 
 /// What is known of one muscle, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +59,8 @@ pub struct Muscle {
     bending_stiffness: Vec<(String, Pchip)>,
     rayleigh_mass: Option<Pchip>,
     rayleigh_stiffness: Option<Pchip>,
+    /// Branch stiffness over EI, and relaxation time.
+    viscoelastic: Option<[Pchip; 2]>,
 }
 
 /// The muscle without pressure; what no equation needs may be unknown.
@@ -110,6 +119,8 @@ pub struct AtPressure {
     pub rayleigh_mass: Option<f64>,
     /// Stiffness-proportional Rayleigh damping, s, if the muscle's table has it.
     pub rayleigh_stiffness: Option<f64>,
+    /// Branch stiffness over EI and relaxation time, s, of the effect `viscoelastic`, if the muscle's table has them.
+    pub viscoelastic: Option<[f64; 2]>,
     /// Set if the pressure lies outside the table; its text is the warning to show.
     pub extrapolated: Option<Extrapolated>,
 }
@@ -237,6 +248,10 @@ impl Muscle {
             outer_diameter: outer[0],
             rayleigh_mass: rayleigh_mass.map(|at| at[0]),
             rayleigh_stiffness: rayleigh_stiffness.map(|at| at[0]),
+            viscoelastic: self
+                .viscoelastic
+                .as_ref()
+                .map(|pair| pair.each_ref().map(|curve| curve.value(pressure))),
             extrapolated,
         };
         let [first, second] = [1, 2].map(|order| PressureSlopes {
@@ -261,14 +276,21 @@ impl Muscle {
     /// and the damping of the table, if it has any. The observed tip is the fitting's centre of mass.
     pub fn spec(&self, at: &AtPressure) -> ModelSpec {
         let EndFitting { mass, center_of_mass, rotary_inertia } = self.end_fitting;
-        ModelSpec { tip_distance: center_of_mass, ..ModelSpec::of(self.rod(at)) }.with(&[
+        let spec = ModelSpec { tip_distance: center_of_mass, ..ModelSpec::of(self.rod(at)) }.with(&[
             ("gravity.acceleration", self.gravity),
             ("end_fitting.mass", mass),
             ("end_fitting.center_of_mass", center_of_mass),
             ("end_fitting.rotary_inertia", rotary_inertia),
             ("rayleigh_mass.alpha", at.rayleigh_mass.unwrap_or(0.0)),
             ("rayleigh_stiffness.beta", at.rayleigh_stiffness.unwrap_or(0.0)),
-        ])
+        ]);
+        match at.viscoelastic {
+            None => spec,
+            Some([stiffness, time]) => spec.with(&[
+                ("viscoelastic.branch_stiffness", stiffness),
+                ("viscoelastic.relaxation_time", time),
+            ]),
+        }
     }
 
     fn bending_stiffness(&self, source: &str) -> Result<&Pchip, MuscleError> {

@@ -53,5 +53,5 @@ pub fn warnings(case: &Case, done: &Settled) -> Vec<String> {
     let end = done.trajectory.times.last().copied().unwrap_or(0.0);
     let rest = rest(&case.model, end, MODES).ok();
     let limits = limits::warnings(&case.model, &done.trajectory, rest.as_ref(), case.measured_moment());
-    errors.chain(limits).chain(left_out::warnings(&case.model, case.is_muscle(), 1)).collect()
+    errors.chain(limits).chain(left_out::warnings(&case.model, case.muscle().is_some(), 1)).collect()
 }

@@ -4,7 +4,7 @@
 use divan::Bencher;
 use efam_core::forward::Run;
 use efam_core::trajectory::Trajectory;
-use efam_experiments::release::{Point, Release, Track};
+use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 use efam_inference::calibrate::{
     CalibrationSettings, FittedParameter, Nuisances, Problem, Scope, Trial, calibrate,
 };
@@ -32,6 +32,7 @@ fn release(path: &Trajectory, number: u64) -> Release {
         pressure: Some(15.0 * PSI),
         payload: 0.0,
         held_out: false,
+        out_of_plane: OutOfPlane::default(),
     }
 }
 

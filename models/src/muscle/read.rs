@@ -55,8 +55,9 @@ enum Must {
     BePositive,
     NotBeNegative,
     BeFinite,
+    BeAcute,
 }
-use Must::{BeFinite, BePositive, NotBeNegative};
+use Must::{BeAcute, BeFinite, BePositive, NotBeNegative};
 
 /// Columns that a table may have: name, SI unit, admissible values. Behind a name that ends with an
 /// underscore goes the name of an estimate.
@@ -69,7 +70,12 @@ const COLUMNS: &[(&str, &str, Must)] = &[
     (BENDING_STIFFNESS, "N m^2", BePositive),
     ("rayleigh_mass", "1/s", NotBeNegative),
     ("rayleigh_stiffness", "s", NotBeNegative),
+    (VISCOELASTIC[0], "", NotBeNegative),
+    (VISCOELASTIC[1], "s", BePositive),
 ];
+
+/// Columns of a viscoelastic branch, which belong together.
+pub(super) const VISCOELASTIC: [&str; 2] = ["viscoelastic_branch_stiffness", "viscoelastic_relaxation_time"];
 
 const BENDING_STIFFNESS: &str = "bending_stiffness_";
 
@@ -81,8 +87,15 @@ pub(super) fn muscle(text: &str) -> Result<Muscle, MuscleError> {
         mass_per_length: constant("rest.mass_per_length", &rest.mass_per_length, "kg/m", BePositive)?,
         inner_diameter: optional("rest.inner_diameter", &rest.inner_diameter, "m", NotBeNegative)?,
         outer_diameter: optional("rest.outer_diameter", &rest.outer_diameter, "m", BePositive)?,
-        braid_angle: optional("rest.braid_angle", &rest.braid_angle, "rad", NotBeNegative)?,
+        braid_angle: optional("rest.braid_angle", &rest.braid_angle, "rad", BeAcute)?,
     };
+    if let (Some(inner), Some(outer)) = (rest.inner_diameter, rest.outer_diameter)
+        && inner >= outer
+    {
+        let value = file.rest.inner_diameter.as_ref().map_or(String::new(), Quantity::to_string);
+        let must = "be smaller than rest.outer_diameter";
+        return Err(MuscleError::Constant { key: "rest.inner_diameter", value, must });
+    }
     let end_fitting = EndFitting {
         mass: constant("end_fitting.mass", &end_fitting.mass, "kg", NotBeNegative)?,
         center_of_mass: constant("end_fitting.center_of_mass", &end_fitting.center_of_mass, "m", BeFinite)?,
@@ -102,7 +115,7 @@ pub(super) fn muscle(text: &str) -> Result<Muscle, MuscleError> {
     let curve = |values: Vec<f64>| Pchip::new(pressure.clone(), values).expect("the table is checked");
     let needed = |column| table.needed(column, "every muscle needs it");
     let length = needed("length")?;
-    let (inner_diameter, outer_diameter) = table.diameters()?;
+    let (inner_diameter, outer_diameter) = table.diameters(&rest, &length)?;
     let axial_stiffness = table.axial_stiffness(&inner_diameter, &outer_diameter)?;
     let mut bending_stiffness = Vec::new();
     for (column, name) in table.columns.iter().enumerate() {
@@ -128,6 +141,7 @@ pub(super) fn muscle(text: &str) -> Result<Muscle, MuscleError> {
         bending_stiffness,
         rayleigh_mass: table.find("rayleigh_mass")?.map(curve),
         rayleigh_stiffness: table.find("rayleigh_stiffness")?.map(curve),
+        viscoelastic: table.viscoelastic()?.map(|pair| pair.map(curve)),
         pressure,
     })
 }
@@ -158,6 +172,7 @@ impl Must {
                 BePositive => value > 0.0,
                 NotBeNegative => value >= 0.0,
                 BeFinite => true,
+                BeAcute => value > 0.0 && value < std::f64::consts::FRAC_PI_2,
             }
     }
 
@@ -166,6 +181,7 @@ impl Must {
             BePositive => "be positive",
             NotBeNegative => "not be negative",
             BeFinite => "be finite",
+            BeAcute => "lie between 0 and 90 deg",
         }
     }
 }
@@ -206,10 +222,32 @@ impl Table {
         }
     }
 
-    /// Inner and outer diameter, m.
-    fn diameters(&self) -> Result<(Vec<f64>, Vec<f64>), MuscleError> {
-        let inner = self.needed("inner_diameter", "every muscle needs it")?;
-        let outer = self.needed("outer_diameter", "every muscle needs it")?;
+    /// Inner and outer diameter, m: their own columns, or from the resting ones by braid and wall.
+    fn diameters(&self, rest: &Rest, length: &[f64]) -> Result<(Vec<f64>, Vec<f64>), MuscleError> {
+        let outer = match self.find("outer_diameter")? {
+            Some(measured) => measured,
+            None if rest.braid_angle.is_none() || rest.outer_diameter.is_none() => {
+                let why = "or give rest.braid_angle and rest.outer_diameter, from which it follows";
+                return Err(MuscleError::MissingColumn { column: "outer_diameter", why });
+            }
+            None => self.by_length(
+                length,
+                &|row| rest.outer_diameter_at(length[row]),
+                "be less than rest.length / sin(rest.braid_angle), at which the fibres are straight",
+            )?,
+        };
+        let inner = match self.find("inner_diameter")? {
+            Some(measured) => measured,
+            None if rest.inner_diameter.is_none() || rest.outer_diameter.is_none() => {
+                let why = "or give rest.inner_diameter and rest.outer_diameter, from which it follows";
+                return Err(MuscleError::MissingColumn { column: "inner_diameter", why });
+            }
+            None => self.by_length(
+                length,
+                &|row| rest.inner_diameter_at(length[row], outer[row]),
+                "leave room inside a wall that keeps its volume; check the diameters and rest.braid_angle",
+            )?,
+        };
         match inner.iter().zip(&outer).position(|(inner, outer)| inner >= outer) {
             None => Ok((inner, outer)),
             Some(row) => Err(self.value_error(row, "inner_diameter", "be smaller than outer_diameter")),
@@ -234,6 +272,29 @@ impl Table {
                 let must = "give a finite axial stiffness, 16 EI / (D² + d²), with the diameters";
                 Err(self.value_error(row, "bending_stiffness_axial", must))
             }
+        }
+    }
+
+    /// A number of each row that follows from its length; one that cannot be is an error of the length.
+    fn by_length(
+        &self,
+        length: &[f64],
+        of: &dyn Fn(usize) -> Option<f64>,
+        must: &'static str,
+    ) -> Result<Vec<f64>, MuscleError> {
+        let value = |row| of(row).ok_or_else(|| self.value_error(row, "length", must));
+        (0..length.len()).map(value).collect()
+    }
+
+    /// Branch stiffness over EI and relaxation time, s; none without both columns.
+    fn viscoelastic(&self) -> Result<Option<[Vec<f64>; 2]>, MuscleError> {
+        let [stiffness, time] = VISCOELASTIC;
+        let why = "a viscoelastic branch has a stiffness and a time; give both columns, or none";
+        match (self.find(stiffness)?, self.find(time)?) {
+            (None, None) => Ok(None),
+            (Some(stiffness), Some(time)) => Ok(Some([stiffness, time])),
+            (None, Some(_)) => Err(MuscleError::MissingColumn { column: stiffness, why }),
+            (Some(_), None) => Err(MuscleError::MissingColumn { column: time, why }),
         }
     }
 

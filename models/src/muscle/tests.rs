@@ -177,7 +177,7 @@ fn a_name_that_is_unknown_is_answered_with_those_that_are_not() {
     );
     assert_eq!(
         Muscle::built_in("garbulinski").unwrap_err().to_string(),
-        "no built-in muscle \"garbulinski\": there is garbulinski-2022; describe another in a file of the same form"
+        "no built-in muscle \"garbulinski\": there is garbulinski-2022, garbulinski-2022-in-motion; describe another in a file of the same form"
     );
 }
 
@@ -214,6 +214,26 @@ fn another_muscle_may_have_damping_and_its_own_axial_stiffness() {
     assert!((muscle.end_fitting.rotary_inertia - 1e-8).abs() < 1e-22);
     let published = published().at(200e3, "euler", REFUSED).unwrap();
     assert_eq!((published.rayleigh_mass, published.rayleigh_stiffness), (None, None));
+}
+
+/// Both muscles have the tables of the paper; that in motion has a branch at every pressure, the other none.
+#[test]
+fn the_muscle_in_motion_is_that_of_the_tables_with_a_branch() {
+    let (at_rest, in_motion) = (published(), Muscle::built_in(IN_MOTION).unwrap());
+    for &pressure in at_rest.pressures() {
+        let of = |muscle: &Muscle| muscle.at(pressure, "pder_32", REFUSED).unwrap();
+        let (at_rest, in_motion) = (of(&at_rest), of(&in_motion));
+        assert!(in_motion.viscoelastic.is_some_and(|[stiffness, time]| stiffness > 0.0 && time > 0.0));
+        assert_eq!(AtPressure { viscoelastic: None, ..in_motion }, at_rest);
+    }
+    let text = BUILT_IN[1].1.replace("\"viscoelastic_branch_stiffness\"", "\"rayleigh_stiffness\"");
+    let alone = Muscle::from_toml(&text.replace("\"\", \"s\"]", "\"s\", \"s\"]")).unwrap_err().to_string();
+    assert!(
+        alone.starts_with(
+            "table.columns: \"viscoelastic_branch_stiffness\" is missing; a viscoelastic branch"
+        ),
+        "{alone}"
+    );
 }
 
 #[test]
@@ -260,4 +280,63 @@ fn a_wrong_file_is_refused_where_it_is_wrong() {
         error("7.99, 0.98, 1.06", "7.99, 1.06, 0.98"),
         "table.rows: row 3, inner_diameter = 1.06 in: must be smaller than outer_diameter"
     );
+}
+
+/// A muscle whose numbers are all different, with or without columns of its own for what follows from others.
+fn with_all_keys(constants: &[&str; 9], rows: &[Vec<f64>; 3], has_own: bool) -> String {
+    let [gravity, length, mass, inner, outer, angle, tip, center, inertia] = constants;
+    let mut columns =
+        vec!["pressure", "length", "bending_stiffness_axial", "bending_stiffness_own", "rayleigh_mass"];
+    let mut units = vec!["kPa", "mm", "N mm^2", "N mm^2", "1/s", "ms", "", "s"];
+    columns.extend(["rayleigh_stiffness", "viscoelastic_branch_stiffness", "viscoelastic_relaxation_time"]);
+    if has_own {
+        columns.extend(["inner_diameter", "outer_diameter", "axial_stiffness"]);
+        units.extend(["mm", "mm", "N"]);
+    }
+    let rows: Vec<&[f64]> = rows.iter().map(|row| &row[..columns.len()]).collect();
+    format!(
+        "name = \"all\"\nsource = \"made up\"\ngravity = \"{gravity} m/s^2\"\n[rest]\nlength = \"{length} mm\"\n\
+         mass_per_length = \"{mass} g/m\"\ninner_diameter = \"{inner} mm\"\nouter_diameter = \"{outer} mm\"\n\
+         braid_angle = \"{angle} deg\"\n[end_fitting]\nmass = \"{tip} g\"\ncenter_of_mass = \"{center} mm\"\n\
+         rotary_inertia = \"{inertia} kg mm^2\"\n[table]\ncolumns = {columns:?}\nunits = {units:?}\nrows = {rows:?}\n"
+    )
+}
+
+/// A key that is read and never used would leave everything as it is. What has a column of its own needs no resting value,
+/// and the axial test's EI is then one estimate among others.
+#[test]
+fn every_number_of_a_muscle_changes_something() {
+    let constants = ["9.81", "170", "142", "24", "27", "13", "55", "17", "0.01"];
+    let rows = [
+        vec![30.0, 171.0, 6000.0, 9900.0, 0.5, 1.0, 0.1, 0.2, 24.0, 27.0, 70.0],
+        vec![200.0, 260.0, 13000.0, 5600.0, 0.9, 2.5, 0.3, 0.3, 23.9, 26.0, 200.0],
+        vec![700.0, 360.0, 48000.0, 22000.0, 1.1, 3.0, 0.4, 0.5, 23.0, 25.0, 650.0],
+    ];
+    let facts = |constants: &[&str; 9], rows: &[Vec<f64>; 3], has_own: bool| {
+        let muscle = Muscle::from_toml(&with_all_keys(constants, rows, has_own)).unwrap();
+        let of = |source: &str| {
+            let at = muscle.at(199e3, source, REFUSED).unwrap();
+            format!("{at:?} {:?} {:?}", muscle.rod(&at), muscle.spec(&at).effects)
+        };
+        of("own") + &of("axial") + &muscle.described()
+    };
+    for has_own in [false, true] {
+        let before = facts(&constants, &rows, has_own);
+        for k in 0..constants.len() {
+            let mut changed = constants;
+            let other = format!("{}1", changed[k]);
+            changed[k] = if changed[k].contains('.') {
+                &other
+            } else {
+                ["171", "143", "23", "28", "14", "56", "18"][k - 1]
+            };
+            let is_used = !has_own || ![3, 4].contains(&k);
+            assert_eq!(facts(&changed, &rows, has_own) != before, is_used, "{has_own}: constant {k}");
+        }
+        for column in 0..if has_own { 11 } else { 8 } {
+            let mut changed = rows.clone();
+            changed.iter_mut().for_each(|row| row[column] *= 1.001);
+            assert_ne!(facts(&constants, &changed, has_own), before, "{has_own}: column {column}");
+        }
+    }
 }

@@ -2,10 +2,22 @@
 
 use std::fmt::Write;
 
-use super::{Extrapolation, Known, Muscle, MuscleError, between};
+use super::read::VISCOELASTIC;
+use super::{AtPressure, Extrapolation, Known, Muscle, MuscleError, between};
 
 /// Name of the estimate of bending stiffness that a calibration writes.
 pub const CALIBRATED: &str = "calibrated";
+
+/// A column that a table may have: its name, its SI unit, and its value.
+type Other = (&'static str, &'static str, fn(&AtPressure) -> Option<f64>);
+
+/// Columns of losses: those that no calibration found are kept.
+const OTHERS: [Other; 4] = [
+    ("rayleigh_mass", "1/s", |at| at.rayleigh_mass),
+    ("rayleigh_stiffness", "s", |at| at.rayleigh_stiffness),
+    (VISCOELASTIC[0], "", |at| Some(at.viscoelastic?[0])),
+    (VISCOELASTIC[1], "s", |at| Some(at.viscoelastic?[1])),
+];
 
 /// What a calibration has found of one quantity over pressure.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,9 +70,9 @@ impl CalibratedColumn {
 impl Muscle {
     /// The text of a muscle file, SI, with the columns of a calibration beside what this muscle has.
     ///
-    /// Its rows are those of this muscle between the lowest and the highest pressure that was
-    /// calibrated, and these pressures themselves: outside them nothing was measured. After a calibration at one
-    /// pressure they are all rows of this muscle.
+    /// Its rows are all rows of this muscle, and the pressures that were calibrated. Beyond the lowest and the highest of
+    /// these the calibrated ratio to this muscle's bending stiffness goes on as it is there, and so do losses; how far that
+    /// may be off is the Wiener process of [`Interpolation`](super::Interpolation).
     /// # Errors
     /// [`MuscleError`] for a pressure at which this muscle is none.
     pub fn calibrated(&self, source: &str, found: &Found) -> Result<String, MuscleError> {
@@ -69,12 +81,7 @@ impl Muscle {
             columns.iter().flat_map(|column| column.values.iter().map(|(pressure, _)| *pressure)).collect();
         measured.sort_by(f64::total_cmp);
         measured.dedup();
-        let (low, high) = match measured[..] {
-            [low, .., high] => (low, high),
-            _ => (f64::NEG_INFINITY, f64::INFINITY),
-        };
-        let within = self.pressures().iter().copied().filter(|p| (low..=high).contains(p));
-        let mut pressures: Vec<f64> = within.chain(measured.iter().copied()).collect();
+        let mut pressures: Vec<f64> = self.pressures().iter().chain(&measured).copied().collect();
         pressures.sort_by(f64::total_cmp);
         pressures.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * b.abs());
         let mut names = vec!["pressure", "length", "inner_diameter", "outer_diameter", "axial_stiffness"];
@@ -92,20 +99,13 @@ impl Muscle {
                 _ => "N m^2",
             });
         }
-        let kept = |name: &str| !columns.iter().any(|column| column.name == name);
         let first = self.at(pressures[0], self.any_source(), Extrapolation::Allowed)?;
-        let (keeps_mass, keeps_stiffness) = (
-            first.rayleigh_mass.is_some() && kept("rayleigh_mass"),
-            first.rayleigh_stiffness.is_some() && kept("rayleigh_stiffness"),
-        );
-        for (keeps, name, unit) in
-            [(keeps_mass, "rayleigh_mass", "1/s"), (keeps_stiffness, "rayleigh_stiffness", "s")]
-        {
-            if keeps {
-                names.push(name);
-                units.push(unit);
-            }
-        }
+        let is_kept = |(name, _, of): &&Other| {
+            of(&first).is_some() && columns.iter().all(|column| column.name != *name)
+        };
+        let kept: Vec<&Other> = OTHERS.iter().filter(is_kept).collect();
+        names.extend(kept.iter().map(|(name, _, _)| *name));
+        units.extend(kept.iter().map(|(_, unit, _)| *unit));
 
         let mut text = String::from("# A muscle with columns from a calibration; written by efam.\n");
         let quoted = |text: &str| toml::Value::from(text).to_string();
@@ -141,8 +141,7 @@ impl Muscle {
             for column in columns {
                 row.push(column.at(pressure, self)?);
             }
-            row.extend(at.rayleigh_mass.filter(|_| keeps_mass));
-            row.extend(at.rayleigh_stiffness.filter(|_| keeps_stiffness));
+            row.extend(kept.iter().filter_map(|(_, _, of)| of(&at)));
             let row: Vec<String> = row.iter().map(|value| format!("{value:?}")).collect();
             let _ = writeln!(text, "  [{}],", row.join(", "));
         }
@@ -192,7 +191,8 @@ mod tests {
         assert_eq!((read.known.as_ref(), read.end_fitting.mass), (Some(&found.known), 0.056));
         assert_eq!(read.rest.mass_per_length, muscle.rest.mass_per_length);
         assert!(read.source.starts_with("calibration of \"beam\"; all else: Garbulinski"));
-        assert!(read.pressure_range().0 == 12.0 * PSI && read.pressure_range().1 == 40.0 * PSI);
+        // All rows of the muscle, and the calibrated pressure between two of them.
+        assert_eq!((read.pressure_range(), read.pressures().len()), (muscle.pressure_range(), 21));
         let (new, old) = (
             read.at(15.0 * PSI, CALIBRATED, Extrapolation::Refused).unwrap(),
             muscle.at(15.0 * PSI, "pder_32", Extrapolation::Refused).unwrap(),
@@ -206,6 +206,13 @@ mod tests {
         let expected = published(15.0) * (low + 3.0 / 28.0 * (high - low)).exp();
         assert!((new.bending_stiffness / expected - 1.0).abs() < 1e-12, "{}", new.bending_stiffness);
         assert_eq!((new.rayleigh_mass, new.rayleigh_stiffness), (Some(0.7), None));
+        // Beyond the last calibrated pressure the ratio stays, and length and diameters are the muscle's.
+        let at = |muscle: &Muscle, source| muscle.at(85.0 * PSI, source, Extrapolation::Refused).unwrap();
+        let (new, old) = (at(&read, CALIBRATED), at(&muscle, "pder_32"));
+        assert!(
+            (new.bending_stiffness / old.bending_stiffness / (0.011 / published(40.0)) - 1.0).abs() < 1e-12
+        );
+        assert_eq!((new.length, new.outer_diameter), (old.length, old.outer_diameter));
         let found = Found { columns: vec![one], ..Found::default() };
         let alone = muscle.calibrated("one", &found).unwrap();
         assert_eq!(Muscle::from_toml(&alone).unwrap().known, None);

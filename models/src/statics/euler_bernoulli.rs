@@ -82,6 +82,13 @@ impl EulerBernoulli {
         Pose { position, angle }
     }
 
+    /// A point `reach` beyond the end, m, without the walk: the active length ends at `x = length`, so that the curve is
+    /// too long. The paper shows this unmodified tip beside the walked one, and discards it for its error.
+    pub fn unmodified(&self, reach: f64) -> [f64; 2] {
+        let Deflection { z, slope } = self.deflection(self.length);
+        [self.length + reach, z + reach * slope]
+    }
+
     /// Points at even arc length from the clamp to the end, shape `[pieces + 1]`.
     pub fn shape(&self, pieces: usize) -> Vec<Pose> {
         (0..=pieces).map(|i| self.at(self.length * i as f64 / pieces as f64)).collect()
@@ -190,6 +197,19 @@ mod tests {
             let s = AT_15_PSI.arc_length(pose.position[0]);
             assert!((s - AT_15_PSI.length * i as f64 / 16.0).abs() < 1e-14);
         }
+    }
+
+    /// Equations 1 to 3 at `x = L`, by hand, and the tangent from there on.
+    #[test]
+    fn the_unmodified_tip_is_that_of_the_equations() {
+        let EulerBernoulli { bending_stiffness: ei, length: l, .. } = AT_15_PSI;
+        let (q, p, dl) = (0.14227 * 9.81, 0.05492 * 9.81, 0.662 * 0.0254);
+        let z = -q * l.powi(4) / (8.0 * ei) - p * l * l * (2.0 * l + 3.0 * dl) / (6.0 * ei);
+        let slope = -q * l.powi(3) / (6.0 * ei) - p * l * (l + 2.0 * dl) / (2.0 * ei);
+        let [x, tip] = AT_15_PSI.unmodified(dl);
+        assert!((x - l - dl).abs() < 1e-15 && (tip - z - dl * slope).abs() < 1e-14, "{x} {tip}");
+        // It hangs below the walked one, which is as long as the muscle.
+        assert!(tip < AT_15_PSI.tip().position[1] - 0.05, "{tip}");
     }
 
     /// A stiff beam deflects little: then the walk changes nothing, and the handbook holds.

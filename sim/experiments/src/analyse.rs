@@ -145,6 +145,8 @@ pub struct AtRest {
     pub gauss_newton: Stiffness,
     /// Standard error of EI over its value, from that of the rest alone.
     pub relative_error: Option<f64>,
+    /// Tip of the Euler-Bernoulli beam with the same EI without the walk along its curve, in W: the paper's unmodified tip.
+    pub unmodified_tip_m: Option<[f64; 2]>,
 }
 
 /// EI with which a model meets the tip at rest.
@@ -277,6 +279,7 @@ fn at_rest(row: &StaticFit, rest: Option<RestEstimate>) -> AtRest {
         nelder_mead: stiffness(&row.nelder_mead),
         gauss_newton: stiffness(&row.gauss_newton),
         relative_error: rest.and_then(|rest| row.relative_error(rest.error)),
+        unmodified_tip_m: row.unmodified,
     }
 }
 

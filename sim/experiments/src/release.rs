@@ -2,6 +2,8 @@
 
 pub use efam_core::point::Point;
 
+pub use crate::out_of_plane::OutOfPlane;
+
 /// A release, cut out of a recording and turned into the frame W at the clamp.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Release {
@@ -20,6 +22,8 @@ pub struct Release {
     pub payload: f64,
     /// Locked away from every fit.
     pub held_out: bool,
+    /// How far its tip is from the plane of the model.
+    pub out_of_plane: OutOfPlane,
 }
 
 impl Release {

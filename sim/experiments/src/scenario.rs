@@ -58,7 +58,7 @@ use efam_core::forward::{Run, uniform};
 use efam_core::pace::Pace;
 use efam_core::rest::rest;
 use models::model::Model;
-use models::muscle::Known;
+use models::muscle::{Known, Muscle};
 
 use document::Document;
 pub use error::{At, ScenarioError, ScenarioProblem};
@@ -139,9 +139,9 @@ impl Case {
         Some(rest(&bare, 0.0, 0).ok()?.root_moment)
     }
 
-    /// Whether its rod is a muscle.
-    pub fn is_muscle(&self) -> bool {
-        self.plan.muscle.is_some()
+    /// The muscle that its rod is, if it is one.
+    pub fn muscle(&self) -> Option<&Muscle> {
+        self.plan.muscle.as_ref().map(|plan| &plan.muscle)
     }
 
     /// The case with another mesh, or other settings.

@@ -1,6 +1,6 @@
 //! Releases for tests.
 
-use efam_experiments::release::{Release, Track};
+use efam_experiments::release::{OutOfPlane, Release, Track};
 
 /// A release without pressure or payload, with an instant known to 10 ms.
 pub fn release(time: Vec<f64>, tracks: Vec<Track>) -> Release {
@@ -12,5 +12,6 @@ pub fn release(time: Vec<f64>, tracks: Vec<Track>) -> Release {
         pressure: None,
         payload: 0.0,
         held_out: false,
+        out_of_plane: OutOfPlane::default(),
     }
 }

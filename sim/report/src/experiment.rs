@@ -21,6 +21,7 @@ use std::time::SystemTime;
 use efam_experiments::analyse::Analysed;
 use efam_experiments::cleaning::{CleanRelease, Cleaned, Statistics};
 use efam_experiments::experiment::{Entry, Experiment};
+use efam_experiments::out_of_plane::over_pressures;
 use efam_experiments::release::Release;
 use efam_store::StoreError;
 use efam_store::escape::cell;
@@ -91,8 +92,11 @@ pub fn write(
             "axes": recording.frame.axes,
             "base_moved_m": recording.base.as_ref().map(|base| base.moved),
             "base_turned_rad": recording.base.as_ref().map(|base| base.turned),
+            "base_deviation_m": recording.base.as_ref().map(|base| base.deviation),
+            "base_turn_deviation_rad": recording.base.as_ref().map(|base| base.turn_deviation),
         })).collect::<Vec<_>>(),
         "releases": cleaned.releases.iter().map(Row::of).collect::<Vec<_>>(),
+        "out_of_plane": over_pressures(cleaned.used().map(|used| &used.release)),
         "decisions": cleaned.decisions,
         "efam": env!("CARGO_PKG_VERSION"),
     });

@@ -64,6 +64,7 @@ pub fn run(args: &Analyse, console: &Console) -> Result<ExitCode, Failure> {
     interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();
+    console.warn(cleaned.warnings());
     if args.of.output.form.json {
         let analysis = analysed.iter().map(Analysed::said).collect();
         print(&Printed { cleaned: CheckPrinted::of(&cleaned, &folder), analysis })?;

@@ -11,6 +11,7 @@ use efam_experiments::cleaning::{Cleaned, Decision, clean};
 use efam_experiments::experiment::Experiment;
 use efam_experiments::init;
 use efam_experiments::kind::FileKind;
+use efam_experiments::out_of_plane::{OverPressures, over_pressures};
 use efam_recordings::ReadOptions;
 use efam_report::Request;
 use efam_report::experiment::{Row, decisions, input_hashes, table, write};
@@ -82,6 +83,10 @@ pub struct InitPrinted<'a> {
 pub struct CheckPrinted<'a> {
     /// Each release.
     releases: Vec<Row<'a>>,
+    /// Distances of the tips from the vertical plane through the clamp's axis, over the pressures; none without a release.
+    out_of_plane: Option<OverPressures>,
+    /// Caveats of what a planar model says of these releases.
+    warnings: Vec<String>,
     /// Decisions, each with the key that overrides it.
     decisions: &'a [Decision],
     /// Where the results are.
@@ -91,7 +96,13 @@ pub struct CheckPrinted<'a> {
 impl<'a> CheckPrinted<'a> {
     pub fn of(cleaned: &'a Cleaned, folder: &'a Path) -> Self {
         let releases = cleaned.releases.iter().map(Row::of).collect();
-        Self { releases, decisions: &cleaned.decisions, folder }
+        Self {
+            releases,
+            out_of_plane: over_pressures(cleaned.used().map(|used| &used.release)),
+            warnings: cleaned.warnings(),
+            decisions: &cleaned.decisions,
+            folder,
+        }
     }
 }
 
@@ -186,6 +197,7 @@ pub fn check(args: &Check, console: &Console) -> Result<ExitCode, Failure> {
     interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();
+    console.warn(cleaned.warnings());
     if args.of.output.form.json {
         print(&CheckPrinted::of(&cleaned, &folder))?;
     }

@@ -86,7 +86,8 @@ fn recorded(args: &Figures, file: &Path, console: &Console) -> Result<ExitCode, 
         let analysed = analyse(&experiment, &cleaned, &NODES)?;
         let all = of_experiment(&experiment, &analysed).map_err(refused)?;
         let shown = |one: &&Analysed| all.iter().any(|of| of.name == one.of.release.name);
-        let warnings: Vec<String> = analysed.iter().filter(shown).flat_map(Analysed::warnings).collect();
+        let of_releases = analysed.iter().filter(shown).flat_map(Analysed::warnings);
+        let warnings: Vec<String> = cleaned.warnings().into_iter().chain(of_releases).collect();
         Ok::<_, Failure>((all, warnings))
     };
     let (folder, done) = interrupt::during(folder, &stages, work);

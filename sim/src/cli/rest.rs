@@ -9,6 +9,7 @@ use efam_core::rest::{rest, root_moment, slipping_modes};
 use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::{Case, ReleaseOptions, Scenario};
 use efam_report::aligned::{Aligned, Side};
+use models::muscle::Muscle;
 use models::quantity::format_si;
 use models::statics::equilibrium;
 use models::system::System;
@@ -129,7 +130,9 @@ enum Friction {
 /// Shows the rest posture.
 pub fn statics(args: &Statics, console: &Console) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(&args.source, args.payload.as_ref(), console)? {
+    let cases = cases(&args.source, args.payload.as_ref(), console)?;
+    let muscle = cases.first().and_then(Case::muscle).map(Muscle::described);
+    for case in cases {
         let rest = equilibrium(&case.model, None)?;
         let mut system = System::at_rest(&case.model);
         let at_rest = vec![0.0; rest.q.len()];
@@ -168,6 +171,9 @@ pub fn statics(args: &Statics, console: &Console) -> Result<ExitCode, Failure> {
         ]);
     }
     write!(stdout(), "{table}")?;
+    if let Some(muscle) = muscle {
+        writeln!(stdout(), "muscle: {muscle}")?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 
@@ -176,7 +182,7 @@ pub fn modes(args: &Modes, console: &Console) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
     for case in cases(&args.source, args.payload.as_ref(), console)? {
         let modes = rest(&case.model, 0.0, args.count)?.modes?;
-        console.warn(&left_out::warnings(&case.model, case.is_muscle(), args.count));
+        console.warn(&left_out::warnings(&case.model, case.muscle().is_some(), args.count));
         let slipping = slipping_modes(&case.model, 0.0, args.count);
         let sticks = slipping.as_ref().map(|_| Friction::Sticks);
         for (modes, friction) in [(modes, sticks), (slipping.unwrap_or_default(), Some(Friction::Slips))] {

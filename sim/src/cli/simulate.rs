@@ -370,7 +370,8 @@ fn tell(
 
 /// Whether all pressures of the paper's muscle are run, so that its trends can be set beside.
 fn is_the_papers(scenario: &Scenario) -> bool {
-    scenario.is_all_rows() && scenario.muscle_name() == Some("garbulinski-2022")
+    let is_own = |name| models::muscle::BUILT_IN.iter().any(|(own, _)| *own == name);
+    scenario.is_all_rows() && scenario.muscle_name().is_some_and(is_own)
 }
 
 /// A line a run.

@@ -32,6 +32,7 @@ mod listening;
 mod live_view;
 mod names;
 mod pages;
+mod paper;
 mod predict;
 mod predict_rod;
 mod reference;

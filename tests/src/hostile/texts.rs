@@ -4,7 +4,7 @@ use std::path::Path;
 
 use efam_experiments::cleaning::{CleanRelease, Cleaned, Statistics};
 use efam_experiments::experiment::Experiment;
-use efam_experiments::release::{Point, Release, Track};
+use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 use efam_experiments::scenario::{Scenario, ScenarioError};
 use efam_inference::diagnose::problem;
 use models::muscle::{Extrapolation, Here, Known, Muscle};
@@ -94,6 +94,7 @@ fn short(experiment: &Experiment) -> Cleaned {
                 pressure: entry.pressure,
                 payload: 0.0,
                 held_out: entry.is_held_out(number),
+                out_of_plane: OutOfPlane::default(),
             },
             recording,
             number,

@@ -1,6 +1,6 @@
 //! From a session straight to releases, as a perfect cleaning would leave them: calibration alone.
 
-use efam_experiments::release::{Point, Release, Track};
+use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 
 use super::random::Random;
 use super::session::Session;
@@ -81,6 +81,7 @@ impl Direct {
             pressure: None,
             payload,
             held_out: false,
+            out_of_plane: OutOfPlane::default(),
         }
     }
 }

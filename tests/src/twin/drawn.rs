@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use efam_experiments::release::{Point, Release, Track};
+use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 use models::model::ModelSpec;
 use rayon::prelude::*;
 
@@ -269,6 +269,7 @@ impl Plan {
             pressure: Some(recording.psi * PSI),
             payload: 0.0,
             held_out: false,
+            out_of_plane: OutOfPlane::default(),
         };
         DrawnRelease {
             release,

@@ -208,7 +208,7 @@ fn coordinate(time: &[f64], position: &[Option<[f64; 2]>]) -> Coordinate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::release::{Point, Track};
+    use crate::release::{OutOfPlane, Point, Track};
 
     /// A damped cosine in z, or level under a hanging clamp, with bursts of samples lost.
     fn release(level: bool, lost: impl Fn(usize) -> bool) -> Release {
@@ -233,6 +233,7 @@ mod tests {
             pressure: None,
             payload: 0.0,
             held_out: false,
+            out_of_plane: OutOfPlane::default(),
         }
     }
 

@@ -23,6 +23,9 @@ pub struct StaticFit {
     pub gauss_newton: Result<StiffnessFit, AnalysisError>,
     /// Change of the predicted tip for one of the logarithm of EI, m.
     pub slope: Option<[f64; 2]>,
+    /// Tip of the Euler-Bernoulli beam with this EI as its equations have it, without the walk along the curve, m: the
+    /// paper's unmodified tip. None for the discrete rod.
+    pub unmodified: Option<[f64; 2]>,
 }
 
 impl StaticFit {
@@ -60,7 +63,12 @@ pub fn compare(tip: [f64; 2], models: &[Model]) -> Vec<StaticFit> {
             let [x, z] = end.position;
             Some([x + reach * end.angle.cos(), z + reach * end.angle.sin()])
         };
-        both(None, tip, beam.bending_stiffness, predict)
+        let fit = both(None, tip, beam.bending_stiffness, predict);
+        let found = fit.gauss_newton.as_ref().or(fit.nelder_mead.as_ref()).ok();
+        let own =
+            |found: &StiffnessFit| EulerBernoulli { bending_stiffness: found.bending_stiffness, ..beam };
+        let unmodified = found.map(|found| own(found).unmodified(reach));
+        StaticFit { unmodified, ..fit }
     });
     let rods = models.iter().map(|model| {
         let start = model.rod().bending_stiffness;
@@ -83,7 +91,7 @@ fn both(
         let (less, more) = (less?, more?);
         Some([0, 1].map(|k| (more[k] - less[k]) / (2.0 * STEP)))
     });
-    StaticFit { nodes, nelder_mead, gauss_newton, slope }
+    StaticFit { nodes, nelder_mead, gauss_newton, slope, unmodified: None }
 }
 
 /// Step of the differences in the logarithm of EI.

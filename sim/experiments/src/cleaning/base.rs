@@ -14,6 +14,10 @@ pub struct BasePose {
     pub moved: f64,
     /// Farthest that a frame's orientation is turned from the mean, rad.
     pub turned: f64,
+    /// Standard deviation of its position along each axis of the recording, m.
+    pub deviation: [f64; 3],
+    /// Root mean square of the angles by which its frames are turned from the mean, rad.
+    pub turn_deviation: f64,
     /// Frames that show it.
     pub frames: usize,
 }
@@ -55,8 +59,19 @@ fn pose(positions: &[Vector3<f64>], turns: &[UnitQuaternion<f64>]) -> BasePose {
         orientation: orientation.map(|q| [q.w, q.i, q.j, q.k]),
         moved: positions.iter().map(|position| (position - mean).norm()).fold(0.0, f64::max),
         turned: orientation.as_ref().map_or(0.0, turned),
+        deviation: std::array::from_fn(|k| {
+            mean_square(positions.iter().map(|position| position[k] - mean[k])).sqrt()
+        }),
+        turn_deviation: orientation
+            .map_or(0.0, |mean| mean_square(turns.iter().map(|turn| turn.angle_to(&mean))).sqrt()),
         frames: positions.len(),
     }
+}
+
+/// Mean square about a mean that is known from the same values; zero of one value.
+fn mean_square(off: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let degrees = off.len().saturating_sub(1).max(1) as f64;
+    off.map(|off| off * off).sum::<f64>() / degrees
 }
 
 /// The turn that takes points of the reference onto others; none of points on one line.
@@ -118,6 +133,8 @@ mod tests {
         // The mean of turns about one axis by 0, 2 and 4 degrees turns by 2.
         assert!((2.0 * x.atan2(w) - 2f64.to_radians()).abs() < 1e-9 && y.abs() + z.abs() < 1e-9);
         assert!((pose.turned - 2f64.to_radians()).abs() < 1e-9, "{pose:?}");
+        // Of 2, 0 and 2 degrees with two degrees of freedom.
+        assert!((pose.turn_deviation - 2f64.to_radians()).abs() < 1e-9, "{pose:?}");
         let two = of_markers(&markers[..2]).unwrap();
         assert_eq!((two.orientation, two.frames), (None, 3));
     }
@@ -139,5 +156,8 @@ mod tests {
         let pose = of_body(&position, &[Some(q), Some(q), Some(q.map(|x| -x))]).unwrap();
         assert!((pose.moved - 1e-3).abs() < 1e-12 && pose.turned < 1e-6, "{pose:?}");
         assert!((pose.orientation.unwrap()[0] - q[0]).abs() < 1e-9);
+        // Two places, 2 mm apart: a millimetre off the mean each, with one degree of freedom.
+        let [x, y, z] = pose.deviation;
+        assert!((x - 2f64.sqrt() * 1e-3).abs() < 1e-12 && y + z + pose.turn_deviation < 1e-6, "{pose:?}");
     }
 }

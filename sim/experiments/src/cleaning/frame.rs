@@ -163,9 +163,10 @@ fn point_of(v: Vector3<f64>) -> String {
     Direction::Vector(v.into()).text()
 }
 
-/// Farthest distance of some samples from the plane through their mean, m.
-pub(super) fn out_of_plane(frame: &Frame, path: &[Option<[f64; 3]>], swing: std::ops::Range<usize>) -> f64 {
+/// Farthest distances of some samples across the plane, m: from the vertical plane through the clamp, and from the plane
+/// beside it through their mean.
+pub(super) fn across(frame: &Frame, path: &[Option<[f64; 3]>], swing: std::ops::Range<usize>) -> [f64; 2] {
     let across: Vec<f64> = path[swing].iter().flatten().map(|at| frame.place(*at)[1]).collect();
     let mean = across.iter().sum::<f64>() / across.len().max(1) as f64;
-    across.iter().map(|y| (y - mean).abs()).fold(0.0, f64::max)
+    [0.0, mean].map(|plane| across.iter().map(|y| (y - plane).abs()).fold(0.0, f64::max))
 }

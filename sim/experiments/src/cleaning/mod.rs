@@ -33,6 +33,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::experiment::{Experiment, ExperimentError};
+use crate::out_of_plane;
 use crate::release::Release;
 
 pub use crate::error::CleaningError;
@@ -121,10 +122,12 @@ pub struct Statistics {
     pub offset: [f64; 2],
     /// Drift of the tip over the last 0.3 s of the hold in the way from hold to rest.
     pub hold_drift_share: f64,
-    /// Farthest distance of the tip from the plane of its swing.
+    /// Farthest distance of the tip from the vertical plane through the clamp's axis while it swings.
     pub out_of_plane: f64,
-    /// The same in the active length or, without a model, in the distance of the held tip.
+    /// The same over the active length or, without a model, over the distance of the held tip.
     pub out_of_plane_share: f64,
+    /// Farthest distance of the tip from a plane beside that, through the mean of its swing; likewise a share.
+    pub sway_share: f64,
     /// Standard error of the instant in sampling steps.
     pub instant_error_steps: f64,
     /// Noise of the tip.
@@ -166,6 +169,11 @@ impl Cleaned {
     /// The releases that are used, held-out ones included.
     pub fn used(&self) -> impl Iterator<Item = &CleanRelease> {
         self.releases.iter().filter(|release| release.dropped.is_none())
+    }
+
+    /// Caveats of every answer of a planar model.
+    pub fn warnings(&self) -> Vec<String> {
+        out_of_plane::warning(self.used().map(|used| &used.release)).into_iter().collect()
     }
 }
 

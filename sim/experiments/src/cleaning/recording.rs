@@ -164,14 +164,19 @@ fn base_pose(
             .say("base", "the base is never seen whole: it is left out, and that it stands still is assumed"),
         Some(pose) => {
             let turn = match pose.orientation {
-                Some(_) => format!(" and turns by at most {:.2} deg", pose.turned.to_degrees()),
+                Some(_) => format!(
+                    " and turns by at most {:.2} deg, standard deviation {:.3} deg",
+                    pose.turned.to_degrees(),
+                    pose.turn_deviation.to_degrees()
+                ),
                 None => "; its turns are not seen with fewer than three markers".to_owned(),
             };
             log.say(
                 "base",
                 format!(
-                    "the base moves by at most {}{turn}, over {} frames; its mean pose is used",
+                    "the base moves by at most {}, standard deviation {} along an axis{turn}, over {} frames; its mean pose is used",
                     mm(pose.moved),
+                    mm(pose.deviation.into_iter().fold(0.0, f64::max)),
                     pose.frames
                 ),
             );

@@ -8,7 +8,7 @@ use super::onset::{self, Onset};
 use super::points::Seen;
 use super::{CleanRelease, Frame, Statistics, distance, frame, noise};
 use crate::experiment::{At, Entry, Offset};
-use crate::release::{Point, Release, Track};
+use crate::release::{OutOfPlane, Point, Release, Track};
 
 /// What the model says of a recording: active length and distance of the tip from the clamp, m.
 #[derive(Clone, Copy)]
@@ -70,7 +70,7 @@ impl Context<'_> {
         let lost = tracks[0].position.iter().filter(|at| at.is_none()).count();
         let masked_samples =
             samples.clone().filter(|&i| self.tip.raw[i].is_some() && self.tip.path[i].is_none()).count();
-        let out_of_plane = frame::out_of_plane(self.frame, &self.tip.path, cut.swing.clone());
+        let [out_of_plane, sway] = frame::across(self.frame, &self.tip.path, cut.swing.clone());
         let off = |at: [f64; 2]| [at[0] - offset[0], at[1] - offset[1]];
         let statistics = Statistics {
             samples: samples.len(),
@@ -84,16 +84,19 @@ impl Context<'_> {
             hold_drift_share: self.hold_drift(cut),
             out_of_plane,
             out_of_plane_share: out_of_plane / length,
+            sway_share: sway / length,
             instant_error_steps: onset.uncertainty / self.step,
             noise: tracks[0].noise,
         };
         log.say(
             "along",
             format!(
-                "the tip leaves the plane of its swing by {} at most, {:.1} % of {}",
+                "the tip is {} at most from the vertical plane through the clamp's axis, {:.1} % of {}, and sways by {} about \
+                 a plane beside it",
                 mm(out_of_plane),
                 1e2 * statistics.out_of_plane_share,
-                mm(length)
+                mm(length),
+                mm(sway)
             ),
         );
         let dropped = self.dropped(number, &statistics);
@@ -108,6 +111,7 @@ impl Context<'_> {
             pressure: entry.pressure,
             payload: entry.payload.mass,
             held_out: entry.is_held_out(number),
+            out_of_plane: OutOfPlane { distance: out_of_plane, share: out_of_plane / length },
         };
         let (recording, instant) = (self.recording, onset.instant);
         CleanRelease {

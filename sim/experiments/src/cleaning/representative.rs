@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::CleanRelease;
 
-/// Marks in each group the release with the least of: masked share, out-of-plane share, drift of the hold
+/// Marks in each group the release with the least of: masked share, sway across its plane, drift of the hold
 /// in its length of swing, uncertainty of its instant in sampling steps, each with weight one.
 pub(super) fn choose(releases: &mut [CleanRelease]) {
     let mut best: HashMap<(Option<u64>, u64), usize> = HashMap::new();
@@ -24,5 +24,5 @@ fn group(of: &CleanRelease) -> (Option<u64>, u64) {
 
 fn score(of: &CleanRelease) -> f64 {
     let s = &of.statistics;
-    s.masked_share + s.out_of_plane_share + s.hold_drift_share + s.instant_error_steps
+    s.masked_share + s.sway_share + s.hold_drift_share + s.instant_error_steps
 }

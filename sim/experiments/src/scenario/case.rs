@@ -101,6 +101,7 @@ impl Builder<'_> {
                     }
                     _ => self.at(muscle, pressure.unwrap_or_default(), self.pressure_key, &mut warnings)?,
                 };
+                warnings.extend(muscle.muscle.contradictions());
                 at = Some(at_release.pressure);
                 effects = of_muscle(muscle, &at_release);
                 overridden(rod_of(muscle, &at_release), &plan.rod)
@@ -368,6 +369,9 @@ fn of_muscle(muscle: &MusclePlan, at: &AtPressure) -> Vec<(String, Vec<(String, 
     }
     effects.extend(at.rayleigh_mass.map(|alpha| of("rayleigh_mass", &[("alpha", alpha)])));
     effects.extend(at.rayleigh_stiffness.map(|beta| of("rayleigh_stiffness", &[("beta", beta)])));
+    effects.extend(at.viscoelastic.map(|[stiffness, time]| {
+        of("viscoelastic", &[("branch_stiffness", stiffness), ("relaxation_time", time)])
+    }));
     effects
 }
 

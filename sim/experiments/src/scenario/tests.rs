@@ -256,3 +256,39 @@ fn what_is_wrong_is_said_with_its_place() {
     assert!(error(MUSCLE, &["effects.payload.mas=1 g"]).contains("did you mean `mass`?"));
     assert!(error(MUSCLE, &["effects"]).contains("write --set path=value"));
 }
+
+/// A key that is read and never used would leave model, run and goal as they are.
+#[test]
+fn every_number_of_a_scenario_changes_something() {
+    let facts = |text: &str, set: &[&str]| {
+        let Case { model, run, goal, rate, .. } = one(text, set);
+        let own = (model.edges, model.tip_distance, model.scheme);
+        format!("{:?} {own:?} {:?} {:?} {goal:?} {rate:?}", model.theta, run.initial, run)
+    };
+    let rod = format!("{ROD}diameter = \"10 mm\"\npressure = \"1 kPa\"\n[effects.creep]\n");
+    let keys = [
+        "rod.length=310 mm",
+        "rod.mass=31 g",
+        "rod.bending_stiffness=0.06 N m^2",
+        "rod.axial_stiffness=900 N",
+        "rod.diameter=11 mm",
+        "rod.pressure=2 kPa",
+        "rod.nodes=9",
+        "rod.base_angle=3 deg",
+        "rod.tip=4 mm",
+        "release.angle=5 deg",
+        "release.angular_velocity=0.1 rad/s",
+        "release.history={ hung = \"9 s\", raised = \"1 s\", held = \"2 s\" }",
+        "run.duration=7 s",
+        "run.rate=50 Hz",
+        "run.accuracy=2 mm",
+        "integrator.tolerance=1e-5",
+        "integrator.most_steps=77",
+        "integrator.fixed_step=3 ms",
+    ];
+    let before = facts(&rod, &[]);
+    for key in keys {
+        assert_ne!(facts(&rod, &[key]), before, "{key}");
+    }
+    assert_ne!(facts(MUSCLE, &["muscle.pressure=16 psi"]), facts(MUSCLE, &[]));
+}

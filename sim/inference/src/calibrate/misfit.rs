@@ -4,7 +4,7 @@
 //! it already.
 
 use efam_experiments::analysis::measured::{Measured, analyse};
-use efam_experiments::release::{Point, Release, Track};
+use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -116,6 +116,7 @@ pub fn swing_of(curve: &Curve, path: &[[f64; 2]]) -> Option<Measured> {
         pressure: None,
         payload: 0.0,
         held_out: false,
+        out_of_plane: OutOfPlane::default(),
     };
     analyse(&release, rest(path)).ok()
 }

@@ -250,7 +250,7 @@ mod tests {
 
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::{Run, forward, uniform};
-    use efam_experiments::release::{Point, Release, Track};
+    use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 
     use super::*;
     use crate::calibrate::part::parts;
@@ -286,6 +286,7 @@ mod tests {
                 pressure: None,
                 payload: 0.0,
                 held_out: false,
+                out_of_plane: OutOfPlane::default(),
             };
             Trial { release, model: model.clone(), run: Run::release(1.0, 20.0) }
         };

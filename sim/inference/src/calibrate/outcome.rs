@@ -1,5 +1,6 @@
 //! From what the searches found to what is told.
 
+use efam_experiments::out_of_plane;
 use efam_experiments::release::Release;
 
 use super::calibration::{Calibrated, Calibration, Correlations, ReleaseFit, SearchReport, TrackFit};
@@ -66,6 +67,7 @@ pub(super) fn outcome(problem: &Problem, unknowns: &Unknowns, fitted: &[PartFit]
     calibration.warnings.extend(calibration.releases.iter().flat_map(warnings::of_release));
     calibration.warnings.extend(waves::warning(problem));
     calibration.warnings.extend(warnings::of_left_out(problem));
+    calibration.warnings.extend(out_of_plane::warning(problem.trials().map(|trial| &trial.release)));
     let believed = calibration.parameters.iter().chain(&calibration.nuisances);
     let contradictions = warnings::of_beliefs(believed);
     // What is stated and not so comes before all else.

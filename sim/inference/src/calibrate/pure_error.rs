@@ -175,7 +175,7 @@ pub mod tests {
 
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::{Run, forward, uniform};
-    use efam_experiments::release::{Point, Release, Track};
+    use efam_experiments::release::{OutOfPlane, Point, Release, Track};
     use models::model::Model;
     use rand_xoshiro::Xoshiro256PlusPlus;
     use rand_xoshiro::rand_core::SeedableRng;
@@ -218,6 +218,7 @@ pub mod tests {
             pressure: None,
             payload: 0.0,
             held_out: false,
+            out_of_plane: OutOfPlane::default(),
         };
         Trial { release, model: model.clone(), run }
     }

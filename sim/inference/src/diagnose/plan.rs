@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use efam_experiments::release::{Point, Release, Track};
+use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 use efam_experiments::scenario::Case;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -80,6 +80,7 @@ fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
         pressure: case.pressure,
         payload: 0.0,
         held_out: false,
+        out_of_plane: OutOfPlane::default(),
         time,
     };
     Trial { release, model: case.model.clone(), run: case.run.clone() }

@@ -1,5 +1,6 @@
 //! What should be known before an answer is used: what the experiment cannot tell, and what the fit had to assume.
 
+use efam_experiments::out_of_plane;
 use models::effects::Kind;
 
 use super::mesh_check;
@@ -146,6 +147,7 @@ fn of_experiment(problem: &Problem) -> Vec<String> {
             "no release is longer than {longest:.1} s: damping and slow changes are poorly determined; record until the swing has died away"
         ));
     }
+    words.extend(out_of_plane::warning(problem.trials().map(|trial| &trial.release)));
     if fitted.iter().all(|trial| trial.release.tracks.len() < 2) {
         words.push(
             "one marker only: effects that act at different places along the body are hard to separate"

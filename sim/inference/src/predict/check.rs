@@ -134,6 +134,7 @@ pub fn check(
         counted.flat_map(|own| own.numbers.iter().filter_map(|number| number.holds)).collect();
     (check.compared, check.held) = (holds.len(), holds.iter().filter(|held| **held).count());
     check.warnings = warnings(&check, known);
+    check.warnings.extend(cleaned.warnings());
     Ok(check)
 }
 

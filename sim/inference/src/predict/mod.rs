@@ -173,7 +173,7 @@ pub fn predict(
     };
     prediction.warnings.extend(warnings(&extent, known, errors.as_slice()));
     // A payload without a size is in the intervals, if there are any.
-    prediction.warnings.extend(left_out::warnings(model, case.is_muscle(), 1));
+    prediction.warnings.extend(left_out::warnings(model, case.muscle().is_some(), 1));
     if prediction.failed_draws > 0 {
         let words = format!("{} draws could not be simulated, and are left out", prediction.failed_draws);
         prediction.warnings.push(words);

@@ -6,6 +6,7 @@ use std::time::SystemTime;
 use efam_experiments::analyse::Analysed;
 use efam_experiments::cleaning::{CleanRelease, Cleaned, Decision};
 use efam_experiments::experiment::Experiment;
+use efam_experiments::out_of_plane;
 
 use crate::Request;
 use crate::page::{BeforeUse, Masked, Page, Table, extrapolated};
@@ -100,6 +101,7 @@ fn before_use(experiment: &Experiment, cleaned: &Cleaned, analysed: Option<&[Ana
         held_out
             .map(|release| format!("{} is held out: it is analysed, but not fitted", release.release.name)),
     );
+    warnings.extend(cleaned.warnings());
     BeforeUse {
         note: analysed.map(|_| "Eq. 6 takes the damping ratio to be one for all amplitudes; where it is not, the picture of each release shows it.".to_owned()),
         warnings,
@@ -131,7 +133,7 @@ fn lost(of: &CleanRelease, analysed: Option<&[Analysed]>) -> Option<Vec<String>>
 
 fn assumed(experiment: &Experiment, cleaned: &Cleaned, analysed: Option<&[Analysed]>) -> Vec<String> {
     let mut words = vec![
-        "The swing lies in a plane; motion out of it is shown with each recording, and left out.".to_owned(),
+        "The rod stays in the vertical plane through the clamp's axis; the distance of the tip from it is shown with each recording, and left out.".to_owned(),
         "The tip rests where the decay of its last three periods leads; where that cannot be fitted, at the mean of the end.".to_owned(),
     ];
     words.push(match (experiment.has_model(), analysed) {
@@ -213,6 +215,7 @@ fn at_rest(page: &mut Page, analysed: &[Analysed]) {
                     .and_then(|rest| fit.relative_error(rest.error))
                     .map_or("-".to_owned(), |error| significant(100.0 * error, 2)),
                 off.map_or("-".to_owned(), |off| significant(off, 3)),
+                fit.unmodified.map_or("-".to_owned(), |[_, z]| significant(1e3 * z, 4)),
             ]);
         }
     }
@@ -220,7 +223,7 @@ fn at_rest(page: &mut Page, analysed: &[Analysed]) {
         "Stiffness from the tip at rest, in numbers",
         &Table {
             caption: "EI in N m² with which each model's tip comes nearest to the measured one, by two searches",
-            heads: &["release", "model", "Nelder-Mead", "Gauss-Newton", "standard error, %", "tip error, mm"],
+            heads: &["release", "model", "Nelder-Mead", "Gauss-Newton", "standard error, %", "tip error, mm", "z without the walk, mm"],
             rows,
         },
     );
@@ -246,14 +249,17 @@ fn cuts(page: &mut Page, cleaned: &Cleaned) {
             kept,
         ]
     };
+    let over = out_of_plane::over_pressures(cleaned.used().map(|used| &used.release));
+    let over = over.map_or(String::new(), |over| format!("; from the plane: {}", over.words()));
+    let caption = format!("Each release as it was cut{over}");
     page.table(&Table {
-        caption: "Each release as it was cut",
+        caption: &caption,
         heads: &[
             "release",
             "instant, s",
             "its error, s",
             "hold, deg",
-            "out of plane, mm",
+            "from the plane, mm",
             "of the length, %",
             "noise, mm",
             "use",

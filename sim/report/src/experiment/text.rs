@@ -7,7 +7,8 @@ use efam_experiments::analyse::Analysed;
 use efam_experiments::analysis::AnalysisError;
 use efam_experiments::analysis::bending_stiffness::StiffnessFit;
 use efam_experiments::analysis::decay::Cycle;
-use efam_experiments::cleaning::Cleaned;
+use efam_experiments::cleaning::{BasePose, Cleaned, mm};
+use efam_experiments::out_of_plane;
 use models::quantity::format_si;
 
 use crate::aligned::{Aligned, Side};
@@ -44,7 +45,19 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
             kept,
         ]);
     }
-    write!(out, "{table}")
+    write!(out, "{table}")?;
+    let over = out_of_plane::over_pressures(cleaned.used().map(|used| &used.release));
+    if let Some(over) = over {
+        writeln!(out, "from the vertical plane through the clamp's axis: {}", over.words())?;
+    }
+    let bases = || cleaned.recordings.iter().filter_map(|recording| recording.base.as_ref());
+    let most = |of: fn(&BasePose) -> f64| bases().map(of).reduce(f64::max);
+    let place = most(|base| base.deviation.into_iter().fold(0.0, f64::max));
+    if let (Some(place), Some(turn)) = (place, most(|base| base.turn_deviation)) {
+        let (place, turn) = (mm(place), turn.to_degrees());
+        writeln!(out, "standard deviation of the base: {place} along an axis, {turn:.3} deg, at most")?;
+    }
+    Ok(())
 }
 
 /// Every decision with the key that decides otherwise.
@@ -144,7 +157,7 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
         ["Nelder-Mead", "Gauss-Newton", "± %", "off mm", "evaluations"].map(|head| (head, Side::Number));
     let mut table =
         Aligned::new(&[&[("EI from the tip, N m^2", Side::Name)], &heads[..]].concat()).indented(2);
-    let mut wrong = Vec::new();
+    let (mut wrong, mut unmodified) = (Vec::new(), None);
     let ei = |fit: &Result<StiffnessFit, AnalysisError>| {
         fit.as_ref().map_or("-".to_owned(), |fit| format_si(fit.bending_stiffness, ""))
     };
@@ -165,8 +178,14 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
         if let (Err(error), Err(_)) = fits {
             wrong.push(format!("{}: {error}", name.trim()));
         }
+        unmodified = unmodified.or(row.unmodified);
         table.row([name, ei(fits.0), ei(fits.1), error, off, counts]);
     }
     write!(out, "{table}")?;
+    if let Some([_, z]) = unmodified {
+        let text = "without the walk along its curve (unmodified in the paper)";
+        let measured = 1e3 * one.tip_at_rest()[1];
+        writeln!(out, "    Euler-Bernoulli tip {text}: z {:.1} mm, measured {measured:.1} mm", 1e3 * z)?;
+    }
     wrong.iter().try_for_each(|line| writeln!(out, "    {line}"))
 }

@@ -126,7 +126,7 @@ fn across(of: &CleanRecording, releases: &[&CleanRelease], area: &Area) -> Drawn
     let title = match most {
         None => "Out of the plane".to_owned(),
         Some(s) => format!(
-            "Out of the plane: {:.2} mm at most while it swings, {:.1} %",
+            "From the vertical plane through the clamp: {:.2} mm at most, {:.1} %",
             MILLI * s.out_of_plane,
             1e2 * s.out_of_plane_share
         ),

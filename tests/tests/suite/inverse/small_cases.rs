@@ -6,7 +6,7 @@
 //! Expected: estimates within their stated errors; words where the data cannot tell.
 
 use efam_core::forward::{Run, uniform};
-use efam_experiments::release::{Point, Release, Track};
+use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 use efam_inference::calibrate::{
     CalibrationOutcome, CalibrationSettings, FittedParameter, Nuisances, Problem, Scope, Trial, calibrate,
 };
@@ -85,6 +85,7 @@ fn record(truth: &Model, psi: f64, of: Recording, points: &[Point]) -> Release {
         pressure: Some(psi * PSI),
         payload: 0.0,
         held_out: false,
+        out_of_plane: OutOfPlane::default(),
     }
 }
 
