@@ -130,8 +130,7 @@ impl Errors {
             at.undetermined.into_iter().filter(is_own).collect(),
         );
         let is_said = case.loss.is_some();
-        let mut errors =
-            Self { model, drawn, loss, is_said, payload, root, interpolated, undetermined };
+        let mut errors = Self { model, drawn, loss, is_said, payload, root, interpolated, undetermined };
         if errors.loss.is_some()
             && let Some(model) = errors.model(&DVector::zeros(errors.root.nrows()))
         {
