@@ -182,7 +182,7 @@ pub fn modes(args: &Modes, console: &Console) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
     for case in cases(&args.source, args.payload.as_ref(), console)? {
         let modes = rest(&case.model, 0.0, args.count)?.modes?;
-        console.warn(&left_out::warnings(&case.model, case.muscle().is_some(), args.count));
+        console.warn(left_out::warnings(&case.model, case.muscle().is_some(), args.count));
         let slipping = slipping_modes(&case.model, 0.0, args.count);
         let sticks = slipping.as_ref().map(|_| Friction::Sticks);
         for (modes, friction) in [(modes, sticks), (slipping.unwrap_or_default(), Some(Friction::Slips))] {
