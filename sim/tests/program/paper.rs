@@ -89,5 +89,8 @@ fn the_muscle_in_motion_has_the_trends_of_figure_9() {
     let tips = |value: &Value| -> Vec<f64> {
         value["statics"].as_array().expect("rows").iter().map(|row| number(&row["tip_z_m"])).collect()
     };
-    assert_eq!(tips(&statics("figure-9.toml")), tips(&statics("all-rows.toml")));
+    // To the rounding of the search for the rest.
+    for (own, at_rest) in tips(&statics("figure-9.toml")).iter().zip(tips(&statics("all-rows.toml"))) {
+        assert!((own / at_rest - 1.0).abs() < 1e-12, "{own} {at_rest}");
+    }
 }
