@@ -185,7 +185,7 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     if let Some([_, z]) = unmodified {
         let text = "without the walk along its curve (unmodified in the paper)";
         let measured = 1e3 * one.tip_at_rest()[1];
-        writeln!(out, "    Euler-Bernoulli tip {text}: z {:.1} mm, measured {measured:.1} mm", 1e3 * z)?;
+        writeln!(out, "    that beam's tip {text}: z {:.1} mm, measured {measured:.1} mm", 1e3 * z)?;
     }
     wrong.iter().try_for_each(|line| writeln!(out, "    {line}"))
 }
