@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::fault::Fault;
+
 /// A model that cannot be built, or an equilibrium that was not found.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ModelError {
@@ -57,6 +59,9 @@ pub enum ModelError {
         /// Share of the way, per cent.
         reached_percent: f64,
     },
+    /// A law that gives no number.
+    #[error("no equilibrium found: {0}")]
+    Law(Fault),
     /// Newton's method for the equilibrium gave up.
     #[error(
         "no equilibrium found: stalled at {load_percent:.1} % of the load after {iterations} iterations, \

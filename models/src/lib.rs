@@ -9,6 +9,7 @@ pub mod coupled;
 pub mod digits;
 pub mod effects;
 pub mod error;
+pub mod fault;
 pub mod formula;
 pub mod history;
 pub mod interpolate;

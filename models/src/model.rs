@@ -334,10 +334,15 @@ impl Model {
         self.schedule.is_some() || self.effects.iter().any(|active| active.effect.about().timed)
     }
 
-    /// Whether the model keeps its energy: nothing dissipates, remembers or depends on time.
+    /// Whether the model keeps its energy: nothing dissipates, remembers or depends on time. A load as text may do what
+    /// it wants with the energy.
     pub fn is_conservative(&self) -> bool {
-        let may_lose = |kind| matches!(kind, Kind::Dissipative | Kind::Description);
-        let loses = |active: &Active| may_lose(active.effect.about().kind) && !self.is_off(active);
+        let may_lose = |effect: &dyn Effect| match effect.about().kind {
+            Kind::Dissipative | Kind::Description => true,
+            Kind::Load => effect.text().is_some(),
+            _ => false,
+        };
+        let loses = |active: &Active| may_lose(active.effect) && !self.is_off(active);
         !self.is_timed() && self.memory == 0 && !self.effects.iter().any(loses)
     }
 

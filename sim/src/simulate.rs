@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use efam_core::accuracy::{Settled, first, settle};
+use efam_core::accuracy::{Errors, Settled, energy_warning, first, settle};
 use efam_core::forward::{Cancel, ForwardError, Run, Sample, forward};
 use efam_core::rest::rest;
 use efam_core::trajectory::Trajectory;
@@ -50,8 +50,15 @@ pub fn kept(case: &Case, run: Result<Trajectory, ForwardError>) -> Result<Trajec
 pub fn warnings(case: &Case, done: &Settled) -> Vec<String> {
     let case = case.run_as(&done.model, &done.run);
     let errors = done.errors.iter().flat_map(|errors| errors.warnings(&case.run, &case.model, &case.goal));
+    let is_told = |errors: &Errors| errors.energy_m.is_some_and(|energy| energy > errors.requested_m);
+    let energy =
+        energy_warning(&case.model, &done.trajectory).filter(|_| !done.errors.as_ref().is_some_and(is_told));
     let end = done.trajectory.times.last().copied().unwrap_or(0.0);
     let rest = rest(&case.model, end, MODES).ok();
     let limits = limits::warnings(&case.model, &done.trajectory, rest.as_ref(), case.measured_moment());
-    errors.chain(limits).chain(left_out::warnings(&case.model, case.muscle().is_some(), 1)).collect()
+    errors
+        .chain(energy)
+        .chain(limits)
+        .chain(left_out::warnings(&case.model, case.muscle().is_some(), 1))
+        .collect()
 }

@@ -19,6 +19,52 @@ pub struct Found {
     pub text: String,
 }
 
+/// What came of an accuracy and of a tenth of it, without any reference.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// Distance of the two paths over the sum of their errors, each as requested or, if that is more, as estimated.
+    pub ratio: f64,
+    /// The estimated error of the finer run over that of the coarser one.
+    pub worse: f64,
+    /// Whether the errors are said not to be trusted.
+    pub warned: bool,
+    /// All that is known of it.
+    pub text: String,
+}
+
+/// The scenario of a seed at an accuracy, m, and at a tenth of it; none where one of them cannot be run to its end.
+pub fn compared(seed: u64, requested: f64) -> Option<Compared> {
+    let (model, run, scenario) = drawn(seed);
+    let settled = [requested, 0.1 * requested].map(|accuracy| {
+        let goal = Goal { accuracy: Some(accuracy), chooses_mesh: true, chooses_tolerance: true };
+        settle(&model, &run, &goal, &mut quiet).expect("it can be run")
+    });
+    let [coarse, fine] = [&settled[0], &settled[1]].map(|settled| settled.errors.as_ref());
+    let (coarse, fine) = (coarse?, fine?);
+    let [a, b] = [coarse, fine].map(|errors| errors.tip_m().max(errors.requested_m));
+    let distance = settled[0].trajectory.trace.farthest(&settled[1].trajectory.trace).0;
+    let of = |settled: &Settled, errors: &Errors| {
+        format!(
+            "{:.5} mm with {} nodes, {:.0e}, {} attempts",
+            1e3 * errors.tip_m(),
+            settled.model.edges + 1,
+            settled.run.tolerance,
+            errors.attempts
+        )
+    };
+    Some(Compared {
+        ratio: distance / (a + b),
+        worse: fine.tip_m() / coarse.tip_m(),
+        warned: fine.apart_m.is_some() || coarse.apart_m.is_some(),
+        text: format!(
+            "seed {seed}: {:.5} mm apart; {}; {}; {scenario}",
+            1e3 * distance,
+            of(&settled[0], coarse),
+            of(&settled[1], fine)
+        ),
+    })
+}
+
 fn quiet(_: &mut Sample) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }

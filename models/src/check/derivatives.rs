@@ -7,6 +7,8 @@ use crate::system::System;
 /// A state of motion.
 #[derive(Clone, Debug)]
 pub struct State {
+    /// Time after release, s.
+    pub time: f64,
     /// Coordinates.
     pub q: Vec<f64>,
     /// Their rates.
@@ -26,7 +28,7 @@ impl State {
             v[k] += 0.3 * wobble(k, 1.1);
         }
         let z = (0..model.memory()).map(|k| 2.0 * wobble(k, 2.0)).collect();
-        State { q, v, z }
+        State { time: 0.1, q, v, z }
     }
 }
 
@@ -34,7 +36,7 @@ fn evaluate(model: &Model, s: &State) -> (Vec<f64>, Vec<f64>) {
     let mut system = System::new(model);
     let mut force = vec![0.0; model.dof()];
     let mut rate = vec![0.0; model.memory()];
-    system.force(0.1, &s.q, &s.v, &s.z, &mut force, &mut rate);
+    system.force(s.time, &s.q, &s.v, &s.z, &mut force, &mut rate);
     (force, rate)
 }
 
@@ -71,7 +73,7 @@ pub fn tangents_match_differences(model: &Model, s: &State) -> Result<(), String
     let a = 70.0;
     let mut system = System::new(model);
     let mut force = vec![0.0; nq];
-    system.linearise(0.1, &s.q, &s.v, &s.z, &mut force);
+    system.linearise(s.time, &s.q, &s.v, &s.z, &mut force);
     system.condense(a);
     let u_q: Vec<[f64; 1]> = (0..nq).map(|k| [1e-3 * (k as f64 * 1.3).cos()]).collect();
     let u_v: Vec<[f64; 1]> = (0..nq).map(|k| [0.1 * (k as f64 * 2.1).sin()]).collect();
@@ -118,7 +120,7 @@ pub fn parameters_match_differences(model: &Model, s: &State) -> Result<(), Stri
     for group in 0..all.len().div_ceil(LANES) {
         let mut by_theta = vec![[0.0; LANES]; nq];
         let mut rate_by_theta = vec![[0.0; LANES]; nz];
-        system.by_parameters(group, 0.1, &s.q, &s.v, &s.z, &mut by_theta, &mut rate_by_theta);
+        system.by_parameters(group, s.time, &s.q, &s.v, &s.z, &mut by_theta, &mut rate_by_theta);
         for lane in 0..LANES.min(all.len() - group * LANES) {
             let k = group * LANES + lane;
             // Long enough that what it does to a mass of a gram stands out of the rounding of EA/ℓ x.
@@ -170,7 +172,7 @@ pub fn force_is_gradient(model: &Model, s: &State) -> Result<(), String> {
         let mut energy = |sign: f64| {
             let mut q = s.q.clone();
             q[k] += sign * step;
-            let (_, elastic, potential) = system.energy(0.1, &q, &s.v, &s.z);
+            let (_, elastic, potential) = system.energy(s.time, &q, &s.v, &s.z);
             elastic + potential
         };
         let slope = (energy(1.0) - energy(-1.0)) / (2.0 * step);

@@ -23,6 +23,7 @@ pub use law::{
     TipLoad,
 };
 pub use registered::Registered;
+pub(crate) use registered::{bend_at, edge_at, flow_at};
 
 /// Declares the effects' files and the catalogue that holds them.
 macro_rules! catalogue {

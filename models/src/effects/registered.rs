@@ -44,7 +44,13 @@ const fn acts<L: Instance>(place: Place) -> bool {
 }
 
 /// Bend `i` as a law sees it, with one of its memories `z`, shape `[memories, N+1]`.
-fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, branch: usize, z: &[T]) -> Bend<'a, T> {
+pub(crate) fn bend_at<'a, T: Real>(
+    c: &'a Context<T>,
+    f: &Fields<T>,
+    i: usize,
+    branch: usize,
+    z: &[T],
+) -> Bend<'a, T> {
     let per_length = c.per_voronoi[i];
     let kappa = f.kappa[i] * per_length;
     Bend {
@@ -59,7 +65,7 @@ fn bend_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, i: usize, branch: usiz
     }
 }
 
-fn edge_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Edge<'a, T> {
+pub(crate) fn edge_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Edge<'a, T> {
     Edge {
         stretch: f.stretch[j],
         stretch_rate: f.stretch_rate[j] - (f.stretch[j] + 1.0) * c.rest_rate,
@@ -69,7 +75,7 @@ fn edge_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Edge<'a, 
     }
 }
 
-fn flow_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Flow<'a, T> {
+pub(crate) fn flow_at<'a, T: Real>(c: &'a Context<T>, f: &Fields<T>, j: usize) -> Flow<'a, T> {
     let [tangential_velocity, normal_velocity] = f.midpoint_velocity(j);
     Flow {
         tangential_velocity,

@@ -10,6 +10,7 @@
 
 use crate::coupled::Coupled;
 use crate::error::ModelError;
+use crate::fault::{At, find};
 use crate::model::{BASE_ANGLE, Model};
 use crate::plane::{dot, left};
 use crate::system::System;
@@ -101,7 +102,9 @@ pub fn equilibrium_at(model: &Model, time: f64, start: Option<&[f64]>) -> Result
         } else if step > SMALLEST_LOAD_STEP {
             step *= 0.5;
         } else {
-            return Err(search.stalled(share));
+            let (at_rest, unused) = (vec![0.0; q.len()], vec![0.0; search.z.len()]);
+            let at = At { time, q: &q, v: &at_rest, z: &unused };
+            return Err(find(model, at).map_or_else(|| search.stalled(share), ModelError::Law));
         }
     }
     Ok(search.found(q, load_steps))

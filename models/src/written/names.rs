@@ -35,7 +35,8 @@ const COMMON: [Name; 8] = [
     name("diameter", "outer diameter", "m", "at.rod.diameter"),
     name("pressure", "pressure inside above ambient", "Pa", "at.rod.pressure"),
 ];
-const FIRST_COMMON: usize = 8;
+/// The number of the first of these.
+pub(crate) const FIRST_COMMON: usize = 8;
 const POSITION: usize = 0;
 
 const BEND: [Name; 4] = [
@@ -117,7 +118,7 @@ pub const OUTPUTS: [Output; 15] = [
     output("compliance", "rotational compliance of the clamp", "rad/(N m)", Place::Clamp),
 ];
 /// Places of [`OUTPUTS`].
-pub(super) mod out {
+pub(crate) mod out {
     pub const MOMENT: usize = 0;
     pub const ENERGY: usize = 1;
     pub const MEMORY: usize = 2;
@@ -166,7 +167,7 @@ fn common<T: Copy + From<f64>>(k: u8, position: f64, time: T, rod: &Rod<T>) -> T
 }
 
 /// The values of names by their numbers.
-pub(super) fn of_bend<T: Copy + From<f64>>(at: &Bend<T>, k: u8) -> T {
+pub(crate) fn of_bend<T: Copy + From<f64>>(at: &Bend<T>, k: u8) -> T {
     match k {
         0 => at.kappa,
         1 => at.kappa_rate,
@@ -176,7 +177,7 @@ pub(super) fn of_bend<T: Copy + From<f64>>(at: &Bend<T>, k: u8) -> T {
     }
 }
 
-pub(super) fn of_edge<T: Copy + From<f64>>(at: &Edge<T>, k: u8) -> T {
+pub(crate) fn of_edge<T: Copy + From<f64>>(at: &Edge<T>, k: u8) -> T {
     match k {
         0 => at.stretch,
         1 => at.stretch_rate,
@@ -184,7 +185,7 @@ pub(super) fn of_edge<T: Copy + From<f64>>(at: &Edge<T>, k: u8) -> T {
     }
 }
 
-pub(super) fn of_flow<T: Copy + From<f64>>(at: &Flow<T>, k: u8) -> T {
+pub(crate) fn of_flow<T: Copy + From<f64>>(at: &Flow<T>, k: u8) -> T {
     match k {
         0 => at.tangential_velocity,
         1 => at.normal_velocity,
@@ -192,11 +193,11 @@ pub(super) fn of_flow<T: Copy + From<f64>>(at: &Flow<T>, k: u8) -> T {
     }
 }
 
-pub(super) fn of_mass<T: Copy + From<f64>>(at: &Mass<T>, k: u8) -> T {
+pub(crate) fn of_mass<T: Copy + From<f64>>(at: &Mass<T>, k: u8) -> T {
     common(k, 0.0, at.time, at.rod)
 }
 
-pub(super) fn of_tip<T: Copy + From<f64>>(at: &Tip<T>, k: u8) -> T {
+pub(crate) fn of_tip<T: Copy + From<f64>>(at: &Tip<T>, k: u8) -> T {
     match k {
         0 | 1 => at.position[usize::from(k)],
         2 | 3 => at.velocity[usize::from(k) - 2],

@@ -5,15 +5,19 @@
 //! where they are given and of a tolerance sixteen times as large where they are not, change it by a multiple of the
 //! error of the steps. The error of a run is the largest distance of its tip from the exact path.
 
-use models::model::{Model, Scheme};
-use serde::{Deserialize, Serialize};
+mod errors;
 
 use std::ops::ControlFlow;
 
+use models::model::Model;
+
 use crate::forward::{ForwardError, Run, Sample, forward, start_of_tip};
-use crate::integrate::{Method, Steps};
+use crate::integrate::Method;
 use crate::rest::rest;
 use crate::trajectory::{Status, Trajectory};
+
+pub use errors::{Errors, energy_warning, order, unclosed};
+use errors::{apart, estimate};
 
 /// What is asked of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,95 +52,6 @@ fn expected_swing(model: &Model, run: &Run) -> Result<f64, ForwardError> {
     let start = start_of_tip(model, run)?;
     let Ok(rest) = rest(model, 0.0, 0) else { return Ok(model.rod().length) };
     Ok(2.0 * (start[0] - rest.tip[0]).hypot(start[1] - rest.tip[1]))
-}
-
-/// How wrong a run may be.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Errors {
-    /// Accuracy that was requested, or the usual one.
-    pub requested_m: f64,
-    /// Largest distance of the tip from where a rod without mesh would have it.
-    pub mesh_m: f64,
-    /// When that is, after release.
-    pub mesh_time_s: f64,
-    /// Nodes of the coarser run that tells.
-    pub coarse_nodes: usize,
-    /// Largest distance of the tip from where infinitely short steps would have it.
-    pub step_m: f64,
-    /// When that is, after release.
-    pub step_time_s: f64,
-    /// Distance by which the energy fails to close, over the energy released, times the swing.
-    pub energy_m: Option<f64>,
-    /// When and why the run with longer steps could not go on; what it did before is compared.
-    pub fails: Option<String>,
-    /// Runs that were made to choose mesh and tolerance.
-    pub attempts: usize,
-}
-
-impl Errors {
-    /// Both errors together, m.
-    pub fn tip_m(&self) -> f64 {
-        self.mesh_m + self.step_m
-    }
-
-    /// Whether the path of the tip is as accurate as was asked.
-    pub fn is_reached(&self) -> bool {
-        self.tip_m() <= self.requested_m && self.fails.is_none()
-    }
-
-    /// What to know before the run is used.
-    pub fn warnings(&self, run: &Run, model: &Model, goal: &Goal) -> Vec<String> {
-        let mut warnings = Vec::new();
-        let asked = millimetres(self.requested_m);
-        let misses = self.tip_m() > self.requested_m;
-        if misses && self.mesh_m > SHARE * self.requested_m {
-            let next = match self.mesh_nodes(model) {
-                Some(nodes) if goal.chooses_mesh => format!("rod.nodes = {nodes} may do, and takes longer"),
-                Some(nodes) if model.scheme == Scheme::Paper => {
-                    format!("give rod.nodes = {nodes}, or leave rod.scheme out")
-                }
-                Some(nodes) => format!("give rod.nodes = {nodes}, or leave it out"),
-                None => "ask for less by run.accuracy".to_owned(),
-            };
-            warnings.push(format!(
-                "the mesh of {} nodes puts the tip wrong by some {} mm at {:.2} s, {asked} mm was asked; {next}",
-                model.edges + 1,
-                millimetres(self.mesh_m),
-                self.mesh_time_s
-            ));
-        }
-        let next = match (run.steps.fixed(), run.method.of(model)) {
-            (Some(step), _) => format!("give integrator.fixed_step = \"{} ms\"", significant(500.0 * step)),
-            (None, Method::Verlet) => {
-                "without any loss every digit counts: give it some damping, or believe the first swings only"
-                    .to_owned()
-            }
-            (None, _) => format!("give integrator.tolerance = {:.0e}", 0.1 * run.tolerance),
-        };
-        if let Some(why) = &self.fails {
-            warnings.push(format!("with longer steps the run fails: {why}; {next}"));
-        } else if misses && self.step_m > SHARE * self.requested_m {
-            warnings.push(format!(
-                "the steps put the tip wrong by some {} mm at {:.2} s, {asked} mm was asked; {next}",
-                millimetres(self.step_m),
-                self.step_time_s
-            ));
-        }
-        if let Some(energy) = self.energy_m.filter(|energy| *energy > self.requested_m) {
-            warnings.push(format!(
-                "the energy fails to close by what {} mm of the swing are worth, {asked} mm was asked; {next}",
-                millimetres(energy)
-            ));
-        }
-        warnings
-    }
-
-    /// Nodes that would reach what was asked.
-    fn mesh_nodes(&self, model: &Model) -> Option<usize> {
-        let edges = finer(model, self.mesh_m / (AIM * self.requested_m));
-        (edges < MOST_EDGES).then_some(edges + 1)
-    }
 }
 
 /// Share of the accuracy that mesh and step may have each, and at which each aims when it is chosen anew.
@@ -231,10 +146,51 @@ pub fn settle(
     goal: &Goal,
     see: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Settled, ForwardError> {
+    let mut best = search(model, run, goal, see)?;
+    // What is finer is not always nearer: where the search does not reach its goal, one for ten times less may. The path of
+    // a rod without any loss is chaotic, whatever the mesh.
+    let is_implicit = run.method.of(model) != Method::Verlet;
+    let may_choose = is_implicit && (goal.chooses_mesh || goal.chooses_tolerance);
+    let mut wanted = best.errors.as_ref().map_or(f64::INFINITY, |errors| 10.0 * errors.requested_m);
+    while let Some(errors) = (best.errors.as_ref())
+        .filter(|errors| may_choose && !errors.is_reached() && wanted <= 10.0 * errors.tip_m())
+    {
+        let (requested_m, attempts) = (errors.requested_m, errors.attempts);
+        let other = search(model, run, &Goal { accuracy: Some(wanted), ..*goal }, see)?;
+        // Cut short, or failed where the first did not.
+        let Some(found) = &other.errors else {
+            return Ok(if matches!(other.trajectory.status, Status::CutShort { .. }) { other } else { best });
+        };
+        let attempts = attempts + found.attempts;
+        let apart_m = apart(&best, &other);
+        let is_better = found.tip_m() < errors.tip_m();
+        let is_reached = found.is_reached();
+        best = if is_better { other } else { best };
+        if let Some(errors) = &mut best.errors {
+            let apart_m = errors.apart_m.into_iter().chain(apart_m).reduce(f64::max);
+            *errors = Errors { requested_m, attempts, apart_m, ..errors.clone() };
+        }
+        if is_reached {
+            break;
+        }
+        wanted *= 10.0;
+    }
+    Ok(best)
+}
+
+/// One search: attempts with ever finer meshes and tolerances, of which the best is returned.
+fn search(
+    model: &Model,
+    run: &Run,
+    goal: &Goal,
+    see: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
+) -> Result<Settled, ForwardError> {
     // The steps of Verlet's method become shorter with the edges, and a mesh too fine costs more than an attempt.
     let errors = if run.method.of(model) == Method::Verlet { USUAL_ERRORS } else { LARGE_ERRORS };
     let (mut model, mut run) = begin(model, run, goal, errors)?;
     let (mut last, mut stalled) = (f64::INFINITY, 0);
+    // The best attempt, by how wrong it is, and the one before the last, if that is another.
+    let mut best: Option<(f64, Settled)> = None;
     let mut attempts = 0;
     loop {
         attempts += 1;
@@ -243,22 +199,43 @@ pub fn settle(
             run => run?,
         };
         let errors = estimate(&model, &run, &trajectory, goal, attempts)?;
-        let Some(errors) = errors else { return Ok(Settled { model, run, trajectory, errors }) };
-        let wrong = [errors.mesh_m, errors.step_m.max(errors.energy_m.unwrap_or(0.0))]
-            .map(|error| error / errors.requested_m);
+        let mut attempt = Settled { model: model.clone(), run: run.clone(), trajectory, errors };
+        let Some(errors) = &attempt.errors else {
+            // A finer attempt that fails says nothing against the one before; one that was cut short ends the search.
+            let is_cut = matches!(attempt.trajectory.status, Status::CutShort { .. });
+            return Ok(best.filter(|_| !is_cut).map_or(attempt, |(_, best)| best));
+        };
+        let wrong = errors.wrong(&attempt);
         // What longer steps change says nothing of the mesh, whose coarser run takes steps of its own.
         let is_known = errors.mesh_m > errors.step_m || wrong[1] <= SHARE;
         let may = [goal.chooses_mesh, goal.chooses_tolerance && run.method.of(&model) != Method::Verlet];
-        let mends = [may[0] && is_known && wrong[0] > SHARE, may[1] && wrong[1] > SHARE];
         let worst = wrong[0].max(wrong[1]);
+        let apart_m = best.as_ref().and_then(|(_, best)| apart(best, &attempt));
+        // An attempt that an earlier one contradicts is good only once another agrees with it.
+        let aims = if worst <= SHARE && apart_m.is_some() { [2.0 * AIM; 2] } else { wrong };
+        let mends = [may[0] && is_known && aims[0] > SHARE, may[1] && aims[1] > SHARE];
         stalled = if worst > CONVERGES * last { stalled + 1 } else { 0 };
         // A third more than in proportion, for tolerances of coarse runs promise too much.
-        let less = if mends[1] { (AIM / wrong[1]).powf(1.3).max(1e-4) } else { 1.0 };
-        let edges = if mends[0] { finer(&model, wrong[0] / AIM).min(MOST_EDGES) } else { model.edges };
-        let work = trajectory.effort.steps as f64 * less.powf(-0.25) * edges as f64;
-        if !(mends[0] || mends[1]) || stalled == MOST_STALLED || attempts == MOST_ATTEMPTS || work > MOST_WORK
-        {
-            return Ok(Settled { model, run, trajectory, errors: Some(errors) });
+        let less = if mends[1] { (AIM / aims[1]).powf(1.3).max(1e-4) } else { 1.0 };
+        let edges = if mends[0] { finer(&model, aims[0] / AIM).min(MOST_EDGES) } else { model.edges };
+        let work = attempt.trajectory.effort.steps as f64 * less.powf(-0.25) * edges as f64;
+        let ends = !(mends[0] || mends[1])
+            || stalled == MOST_STALLED
+            || attempts == MOST_ATTEMPTS
+            || work > MOST_WORK;
+        if let Some(errors) = &mut attempt.errors {
+            errors.apart_m = apart_m;
+        }
+        let is_better = best.as_ref().is_none_or(|(before, _)| worst <= *before);
+        match &mut best {
+            Some((_, best)) if !is_better => {
+                let errors = best.errors.as_mut().expect("the best attempt came to its end");
+                *errors = Errors { apart_m: errors.apart_m.or(apart_m), attempts, ..errors.clone() };
+            }
+            _ => best = Some((worst, attempt)),
+        }
+        if let Some((_, best)) = best.take_if(|_| ends) {
+            return Ok(best);
         }
         last = worst;
         if mends[1] {
@@ -279,121 +256,4 @@ fn tolerance(wanted: f64) -> f64 {
 /// Edges of a mesh that lowers an error of the mesh by a factor.
 fn finer(model: &Model, factor: f64) -> usize {
     (model.edges as f64 * factor.powf(1.0 / order(model)).clamp(1.1, 4.0)).ceil() as usize
-}
-
-/// Order of the error in the edge length that estimates count on: three for the consistent scheme, which reaches
-/// four on meshes that resolve the rod and three beyond, where its ends show.
-pub fn order(model: &Model) -> f64 {
-    match model.scheme {
-        Scheme::Consistent => 3.0,
-        Scheme::Paper => 1.0,
-    }
-}
-
-/// What a coarser mesh and longer steps say of a run; none where it did not come to its end, or these were cancelled.
-fn estimate(
-    model: &Model,
-    run: &Run,
-    trajectory: &Trajectory,
-    goal: &Goal,
-    attempts: usize,
-) -> Result<Option<Errors>, ForwardError> {
-    if trajectory.status != Status::Complete {
-        return Ok(None);
-    }
-    let quiet = Run {
-        energy: false,
-        keep_samples: false,
-        keep_steps: false,
-        sensitivities: Vec::new(),
-        ..run.clone()
-    };
-    let coarse_nodes = (model.edges * 2 / 3).max(3) + 1;
-    let (coarse, longer) = both(
-        || -> Result<_, ForwardError> {
-            let (model, run) = quiet.on_mesh(model, coarse_nodes)?;
-            traced(&model, &run)
-        },
-        || traced(model, &with_longer_steps(model, &quiet, trajectory)),
-    );
-    let ((coarse, coarse_fails), (longer, fails)) = (coarse?, longer?);
-    if [&coarse, &longer].iter().any(|run| matches!(run.status, Status::CutShort { .. })) {
-        return Ok(None);
-    }
-    let swing = trajectory.trace.extent();
-    let (mesh, mesh_time_s) = trajectory.trace.farthest(&coarse.trace);
-    let (step, step_time_s) = trajectory.trace.farthest(&longer.trace);
-    let ratio = model.edges as f64 / (coarse_nodes - 1) as f64;
-    // A mesh that cannot even be run, or that is no coarser, says nothing good.
-    let per_mesh =
-        if coarse_fails.is_some() || ratio <= 1.0 { 1.0 } else { 1.0 / (ratio.powf(order(model)) - 1.0) };
-    let closure = trajectory.closure();
-    Ok(Some(Errors {
-        requested_m: goal.accuracy.unwrap_or_else(|| usual(model, swing)),
-        mesh_m: mesh * per_mesh,
-        mesh_time_s,
-        coarse_nodes,
-        step_m: step / longer_steps(model, run).1,
-        step_time_s,
-        energy_m: closure.map(|closure| closure * swing),
-        fails,
-        attempts,
-    }))
-}
-
-/// What two functions say, beside one another where threads are to be had.
-fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
-    #[cfg(feature = "parallel")]
-    return rayon::join(a, b);
-    #[cfg(not(feature = "parallel"))]
-    (a(), b())
-}
-
-/// A run for the sake of its trace, and why it could not go on.
-fn traced(model: &Model, run: &Run) -> Result<(Trajectory, Option<String>), ForwardError> {
-    match forward(model, run, &mut |_| ControlFlow::Continue(())) {
-        Ok(trajectory) => Ok((trajectory, None)),
-        Err(ForwardError::Integrate { trajectory, error }) => Ok((*trajectory, Some(error.to_string()))),
-        Err(error) => Err(error),
-    }
-}
-
-/// By how much longer steps admit more error, and how many times the error of the run they change it by.
-///
-/// Twice as long steps of order `p` change it by `2^p − 1` errors: 15 for RODAS4, 3 for Verlet and TR-BDF2, 7 for
-/// ESDIRK34. Of a tolerance sixteen times as large, with which the steps of a method that judges itself by a
-/// result of third order are twice as long, the same is expected; stiff modes lose some of the order.
-fn longer_steps(model: &Model, run: &Run) -> (f64, f64) {
-    match (&run.steps, run.method.of(model)) {
-        (_, Method::Verlet) => (16.0, 3.0),
-        (_, Method::TrBdf2) => (8.0, 3.0),
-        (_, Method::Esdirk34) => (16.0, 7.0),
-        (Steps::Fixed(_) | Steps::Given(_) | Steps::Repeated(_), _) => (16.0, 15.0),
-        (Steps::Adaptive, _) => (16.0, STIFF),
-    }
-}
-
-/// The share of 15 errors that is left of RODAS4's order.
-const STIFF: f64 = 6.0;
-
-fn with_longer_steps(model: &Model, run: &Run, trajectory: &Trajectory) -> Run {
-    let mean = || run.duration / trajectory.effort.steps.max(1) as f64;
-    let (steps, tolerance) = match (&run.steps, run.method.of(model)) {
-        (Steps::Fixed(step), _) => (Steps::Fixed(2.0 * step), run.tolerance),
-        (Steps::Given(ends) | Steps::Repeated(ends), _) => {
-            (Steps::Given(ends.iter().skip(1).step_by(2).copied().collect()), run.tolerance)
-        }
-        (Steps::Adaptive, Method::Verlet) => (Steps::Fixed(2.0 * mean()), run.tolerance),
-        (Steps::Adaptive, _) => (Steps::Adaptive, longer_steps(model, run).0 * run.tolerance),
-    };
-    Run { steps, tolerance, ..run.clone() }
-}
-
-fn millimetres(metres: f64) -> String {
-    significant(1e3 * metres)
-}
-
-/// Two digits that count.
-fn significant(value: f64) -> String {
-    models::digits::rounded(value, 2)
 }

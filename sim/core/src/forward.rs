@@ -4,6 +4,7 @@
 //! picks the parameters, the effects and the scenarios.
 
 mod budget;
+mod patience;
 mod slopes;
 
 use std::ops::ControlFlow;
@@ -15,11 +16,12 @@ use models::system::System;
 use thiserror::Error;
 
 use crate::integrate::variational::lane_order;
-use crate::integrate::{self, Control, IntegrateError, Method, State};
+use crate::integrate::{self, Control, IntegrateError, Method, State, Steps};
 use crate::observed::Observer;
-use crate::trajectory::{Status, Trajectory};
+use crate::trajectory::{Fed, Status, Trajectory};
 
 use budget::Budget;
+use patience::Patience;
 use slopes::initial_slopes;
 
 pub use crate::initial::{CurvePoint, Initial};
@@ -178,6 +180,7 @@ fn integrated(
     };
     let mut integrator = integrate::start(method, model, state, control).map_err(ForwardError::Method)?;
     let (mut sample, mut stop) = (0, 0);
+    let mut patience = Patience::new(run.most_steps);
     loop {
         let (begin, end) = (integrator.step_start(), integrator.state().time);
         while let Some(instant) = observer.due(end) {
@@ -207,6 +210,7 @@ fn integrated(
                 trajectory.status = Status::CutShort { time };
                 trajectory.cut();
                 trajectory.effort = integrator.effort();
+                trajectory.fed = fed(&budget);
                 return Ok(trajectory);
             }
             sample += 1;
@@ -217,6 +221,7 @@ fn integrated(
         if run.cancel.is_requested() {
             trajectory.status = Status::CutShort { time: end };
             trajectory.cut();
+            trajectory.fed = fed(&budget);
             return Ok(trajectory);
         }
         while stops[stop] <= end {
@@ -230,7 +235,16 @@ fn integrated(
         if run.keep_steps {
             trajectory.steps.push(integrator.state().time);
         }
-        if let Err(error) = stepped {
+        let paced = stepped.and_then(|()| match run.steps {
+            // Explicit steps are short, and cheap.
+            Steps::Adaptive if method.of(model) != Method::Verlet => {
+                patience.follow(model, trajectory.effort, integrator.state().time, duration)
+            }
+            _ => Ok(()),
+        });
+        if let Err(error) = paced {
+            let error = error.blamed(model, &mut *integrator);
+            trajectory.fed = fed(&budget);
             trajectory.status = Status::Failed { time: integrator.state().time, reason: error.to_string() };
             return Err(ForwardError::Integrate { error, trajectory: Box::new(trajectory) });
         }
@@ -238,5 +252,10 @@ fn integrated(
             budget.follow(&mut system, &mut *integrator, &mut at);
         }
     }
+    trajectory.fed = fed(&budget);
     Ok(trajectory)
+}
+
+fn fed(budget: &Option<Budget>) -> Vec<Fed> {
+    budget.as_ref().map(Budget::fed).unwrap_or_default()
 }

@@ -3,6 +3,7 @@
 
 use models::digits::significant;
 use models::model::{AxialSource, Model};
+use models::quantity::format_si;
 use models::system::System;
 
 use crate::rest::Rest;
@@ -27,6 +28,7 @@ pub fn warnings(
     own: Option<f64>,
 ) -> Vec<String> {
     let mut warnings: Vec<String> = of_stretch(model, trajectory).into_iter().collect();
+    warnings.extend(fed(trajectory));
     let Some(rest) = rest else { return warnings };
     if let Some(own) = own.filter(|own| rest.root_moment.abs() > MOMENT * own.abs()) {
         warnings.push(format!(
@@ -69,6 +71,25 @@ fn of_stretch(model: &Model, trajectory: &Trajectory) -> Option<String> {
     };
     let percent = significant(100.0 * stretch.abs(), 2);
     Some(format!("the rod {what} by {percent} % at {time:.2} s: {why}"))
+}
+
+/// Share of the energy of a motion that a law may feed without a warning: frequencies and damping ratios are printed to
+/// three digits.
+const FED: f64 = 1e-3;
+
+/// Laws as text that feed energy, though their kind says that they do not.
+fn fed(trajectory: &Trajectory) -> impl Iterator<Item = String> {
+    let moved = trajectory.motion_energy().unwrap_or_default();
+    trajectory.fed.iter().filter(move |fed| fed.energy > FED * moved).map(move |fed| {
+        format!(
+            "laws.{} feeds energy to the rod, {} from {:.2} s on, {} % of that of the motion: turn its sign, \
+             or give kind = \"load\" if it acts from outside; `efam effects --check` tests it",
+            fed.law,
+            format_si(fed.energy, "J"),
+            fed.since.unwrap_or_default(),
+            significant(100.0 * fed.energy / moved, 2)
+        )
+    })
 }
 
 /// The stretch of an edge that is farthest from zero at any sample, and when, s.

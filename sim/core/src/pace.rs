@@ -1,6 +1,6 @@
 //! How often to look at a rod: what its slowest mode says.
 
-use models::digits::significant;
+use models::digits::{short, significant};
 use models::model::Model;
 
 use crate::rest::rest;
@@ -44,7 +44,7 @@ impl Pace {
             };
             format!(
                 "samples at {} Hz do not show a swing of {} Hz; {seen}; run.rate = \"{} Hz\" shows it",
-                significant(chosen, 3),
+                short(chosen),
                 significant(slowest, 3),
                 round_up(STORED * slowest)
             )

@@ -8,7 +8,7 @@ use models::system::System;
 use thiserror::Error;
 
 use crate::forward::Sample;
-use crate::integrate::{Control, Effort, IntegrateError, Integrator, Method, State, Steps, start_own};
+use crate::integrate::{Control, Effort, IntegrateError, Integrator, Method, State, Steps, Stiff, start_own};
 
 /// A model in the middle of its motion.
 ///
@@ -124,10 +124,12 @@ impl Stepper {
             }
             let steps = self.integrator.effort().steps - first;
             if steps >= self.control.most_steps {
-                return Err(IntegrateError::TooManySteps { time, steps });
+                return Err(IntegrateError::TooManySteps { time, steps, stiff: Stiff::default() });
             }
             let stop = self.stop_after(time, end);
-            self.integrator.advance(stop)?;
+            if let Err(error) = self.integrator.advance(stop) {
+                return Err(error.blamed(&self.system.model, &mut *self.integrator));
+            }
         }
     }
 

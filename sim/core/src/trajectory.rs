@@ -29,6 +29,17 @@ pub enum Status {
     },
 }
 
+/// What a law fed to the rod that, by its kind, feeds nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fed {
+    /// Name of the law.
+    pub law: &'static str,
+    /// Energy, J.
+    pub energy: f64,
+    /// Since when, s after release.
+    pub since: Option<f64>,
+}
+
 /// The path of the tip, evenly spaced from time zero on: what analyses take, which the samples may be too far
 /// apart for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -214,6 +225,8 @@ pub struct Trajectory {
     pub trace: Trace,
     /// What it cost.
     pub effort: Effort,
+    /// Energy that laws as text fed, if the run follows energies.
+    pub fed: Vec<Fed>,
     /// Whether it came to its end.
     pub status: Status,
     dof: usize,
@@ -266,13 +279,29 @@ impl Trajectory {
     /// Largest distance of the energy's total from its start, over the largest change of its kinetic, elastic or
     /// potential part; none where the run does not follow it or nothing moves.
     pub fn closure(&self) -> Option<f64> {
-        let first = self.energy.first()?;
-        let largest = |of: &dyn Fn(&Energy) -> f64| {
-            self.energy.iter().map(|energy| (of(energy) - of(first)).abs()).fold(0.0, f64::max)
-        };
+        self.energy.first()?;
         let parts: [&dyn Fn(&Energy) -> f64; 3] = [&|e| e.kinetic, &|e| e.elastic, &|e| e.potential];
-        let exchanged = parts.into_iter().map(largest).fold(0.0, f64::max);
-        (exchanged > 0.0).then(|| largest(&Energy::total) / exchanged)
+        let exchanged = parts.into_iter().map(|part| self.largest_change(part)).fold(0.0, f64::max);
+        (exchanged > 0.0).then(|| self.largest_change(&Energy::total) / exchanged)
+    }
+
+    /// Energy of the motion itself, J: the largest kinetic energy, or what was dissipated or supplied, if that is more.
+    /// About a rest, elastic and potential energy change by much more, and cancel. None where the run does not follow
+    /// energies or nothing moves.
+    pub fn motion_energy(&self) -> Option<f64> {
+        let of = |e: &Energy| e.kinetic.max(e.dissipated.abs()).max(e.supplied.abs());
+        self.energy.iter().map(of).reduce(f64::max).filter(|energy| *energy > 0.0)
+    }
+
+    /// Largest distance of the energy's total from its start, over the energy of the motion itself; none without that.
+    pub fn unclosed(&self) -> Option<f64> {
+        self.motion_energy().map(|moved| self.largest_change(&Energy::total) / moved)
+    }
+
+    /// Largest change of an energy from its start, J.
+    fn largest_change(&self, of: &dyn Fn(&Energy) -> f64) -> f64 {
+        let Some(first) = self.energy.first() else { return 0.0 };
+        self.energy.iter().map(|energy| (of(energy) - of(first)).abs()).fold(0.0, f64::max)
     }
 
     /// Heights of the tip, m.

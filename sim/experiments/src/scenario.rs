@@ -163,6 +163,17 @@ impl Scenario {
         Scenario::of(path, Document::load(path, overrides)?)
     }
 
+    /// The same with the laws as text of other files.
+    /// # Errors
+    /// As [`Scenario::load`], for those files as well.
+    pub fn load_with(path: &Path, overrides: &[String], laws: &[PathBuf]) -> Result<Scenario, ScenarioError> {
+        let mut document = Document::load(path, overrides)?;
+        for file in laws {
+            document.include(file, LAWS)?;
+        }
+        Scenario::of(path, document)
+    }
+
     /// The scenario that a text describes; `path` names it, and files in it are relative to that.
     /// # Errors
     /// As [`Scenario::load`].
@@ -179,6 +190,11 @@ impl Scenario {
     /// The text of its file, without what is set over it.
     pub fn text(&self) -> &str {
         self.document.text()
+    }
+
+    /// The files of which it is made, each with its text: its own, and those of its laws.
+    pub fn files(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.document.files()
     }
 
     /// Whether it asks for every pressure of a muscle's table.

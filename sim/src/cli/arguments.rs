@@ -89,6 +89,9 @@ pub struct Source {
     /// Override a value of the scenario, such as effects.payload.mass="50 g"; may be repeated.
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
+    /// A file of laws as text, beside those of the scenario; may be repeated. [effects.NAME] switches one on.
+    #[arg(long, value_name = "FILE")]
+    pub law: Vec<PathBuf>,
     /// Muscle file to use instead of the scenario's muscle.
     #[arg(long, value_name = "FILE")]
     pub muscle: Option<String>,

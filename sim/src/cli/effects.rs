@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use efam_experiments::scenario::read_laws;
 use efam_report::aligned::{Aligned, Side};
-use models::check::{TESTS, is_mirrored};
+use models::check::{Outcome, TESTS, is_mirrored};
 use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
 use models::nearest::{alike, offer};
 use models::quantity::format_si;
@@ -87,8 +87,21 @@ pub struct Checked {
 struct Tested {
     /// What it makes sure of.
     test: &'static str,
-    /// What is wrong; none if it holds.
+    /// What is wrong; none if it holds, or does not apply.
     error: Option<String>,
+    /// Why it does not apply to this law; none if it was tested.
+    not_tested: Option<&'static str>,
+}
+
+impl Tested {
+    fn of(test: &'static str, found: Result<Outcome, String>) -> Self {
+        let (error, not_tested) = match found {
+            Ok(Outcome::Holds) => (None, None),
+            Ok(Outcome::NotTested(reason)) => (None, Some(reason)),
+            Err(error) => (Some(error), None),
+        };
+        Self { test, error, not_tested }
+    }
 }
 
 /// A physical effect.
@@ -210,7 +223,7 @@ fn check(file: &Path, json: bool, console: &Console) -> Result<ExitCode, Failure
     let mut checked = Vec::new();
     for law in laws(file)? {
         let effect = law.effect().map_err(|error| Failure::Usage(format!("laws.{}: {error}", law.name)))?;
-        let tests = TESTS.map(|(test, run)| Tested { test, error: run(effect).err() });
+        let tests = TESTS.map(|(test, run)| Tested::of(test, run(effect)));
         checked.push(Checked {
             effect: of_about(effect.about()),
             page: effect.page(),
@@ -225,10 +238,11 @@ fn check(file: &Path, json: bool, console: &Console) -> Result<ExitCode, Failure
         let mut out = stdout();
         for law in &checked {
             writeln!(out, "{}\n", law.page)?;
-            for Tested { test, error } in &law.tests {
-                match error {
-                    None => writeln!(out, "  holds  {test}")?,
-                    Some(error) => writeln!(out, "  FAILS  {test}: laws.{}: {error}", law.effect.name)?,
+            for Tested { test, error, not_tested } in &law.tests {
+                match (error, not_tested) {
+                    (Some(error), _) => writeln!(out, "  FAILS  {test}: laws.{}: {error}", law.effect.name)?,
+                    (None, Some(reason)) => writeln!(out, "  -      {test}: not tested: {reason}")?,
+                    (None, None) => writeln!(out, "  holds  {test}")?,
                 }
             }
             let words = if law.mirrored {

@@ -228,7 +228,7 @@ pub fn modes(args: &Modes, console: &Console) -> Result<ExitCode, Failure> {
 fn cases(source: &Source, mass: Option<&String>, console: &Console) -> Result<Vec<Case>, Failure> {
     let load = ReleaseOptions { payload: payload(mass, &source.set)?, ..ReleaseOptions::default() };
     let overrides = [load.overrides(), source.overrides()?].concat();
-    let scenario = Scenario::load(&source.scenario, &overrides);
+    let scenario = Scenario::load_with(&source.scenario, &overrides, &source.law);
     let cases = of_kind(FileKind::Scenario, &source.scenario, scenario)?.cases()?;
     console.detail(format!("{}: {} to show", source.scenario.display(), cases.len()));
     console.warn(cases.iter().flat_map(|case| &case.warnings));

@@ -132,7 +132,7 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     let scenario = of_kind(
         FileKind::Scenario,
         &args.source.scenario,
-        Scenario::load(&args.source.scenario, &overrides),
+        Scenario::load_with(&args.source.scenario, &overrides, &args.source.law),
     )?;
     let cases = scenario.cases()?;
     let is_sweep = scenario.is_all_rows();
@@ -224,14 +224,14 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
 }
 
 fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
-    let hash = efam_store::sha::sha256(scenario.text().as_bytes());
+    let hash = |(file, text): (&str, &str)| (file.to_owned(), efam_store::sha::sha256(text.as_bytes()));
     Request {
         name: scenario.name.clone(),
         out: args.output.out.clone(),
         overwrite: args.output.overwrite,
         csv: args.csv,
         resolved_scenario: first.resolved(),
-        input_hashes: BTreeMap::from([(scenario.path.display().to_string(), hash)]),
+        input_hashes: scenario.files().map(hash).collect(),
         argv: argv(),
         ..Request::default()
     }

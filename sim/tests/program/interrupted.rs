@@ -58,7 +58,8 @@ fn long(name: &str) -> Bench {
     bench.file(
         "s.toml",
         "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n\
-         [run]\nduration = \"3600 s\"\n[integrator]\nfixed_step = \"10 us\"\n",
+         [run]\nduration = \"3600 s\"\n[integrator]\nfixed_step = \"10 us\"\n\
+         most_steps = 1000000000\n",
     );
     bench
 }

@@ -72,3 +72,100 @@ fn what_is_wrong_with_a_file_of_laws_is_said_at_its_place() {
     assert_eq!(code, 1, "{printed}");
     assert!(printed.contains("FAILS  never feeds energy: laws.my_drag: it feeds"), "{printed}");
 }
+
+/// What `--check` prints of a test.
+fn line<'a>(printed: &'a str, test: &str) -> &'a str {
+    printed.lines().find(|line| line.contains(test)).unwrap_or_else(|| panic!("{test}: {printed}"))
+}
+
+#[test]
+fn what_a_law_may_do_is_not_held_against_it() {
+    let bench = Bench::new("laws-check");
+    let shaker = "[laws.motor]\nplace = \"tip\"\nkind = \"load\"\nforce_x = \"f * sin(2*pi*frequency*time)\"\n\
+        parameters.f = { unit = \"N\", default = 0.02, range = [-1, 1] }\n\
+        parameters.frequency = { unit = \"Hz\", default = 1, range = [0, 50] }\n";
+    let wind = "[laws.wind]\nplace = \"flow\"\nkind = \"load\"\n\
+        force = \"0.5 * rho * diameter * (u*sin(2*pi*f*time) - v_n) * abs(u*sin(2*pi*f*time) - v_n)\"\n\
+        parameters.u = { unit = \"m/s\", default = 1, range = [0, 30] }\n\
+        parameters.f = { unit = \"Hz\", default = 0.5, range = [0, 30] }\n\
+        parameters.rho = { unit = \"kg/m^3\", default = 1.2, range = [0, 30] }\n";
+    let late = "[laws.step]\nplace = \"tip\"\nforce_x = \"f * max(0, sign(time - t0))\"\n\
+        parameters.f = { unit = \"N\", default = 0.02, range = [-1, 1] }\n\
+        parameters.t0 = { unit = \"s\", default = 40, range = [0, 50] }\n";
+    let brake = "[laws.brake]\nplace = \"tip\"\nforce_x = \"-b * v_x * max(0, -z - z0)\"\n\
+        force_z = \"-b * v_z * max(0, -z - z0)\"\n\
+        parameters.b = { unit = \"N s/m^2\", default = 0.5, range = [0, 100] }\n\
+        parameters.z0 = { unit = \"m\", default = 0.1, range = [0, 1] }\n";
+    for (law, test, due) in [
+        (shaker, "never feeds energy", "not tested: a load acts from outside"),
+        (wind, "never feeds energy", "not tested: a load acts from outside"),
+        (late, "off is exactly off, and on is on", "holds"),
+        (late, "at off the sensitivity is not zero", "holds"),
+        (brake, "the same in every direction", "not tested: it is not the same when the clamp is turned"),
+        (brake, "never feeds energy", "holds"),
+        (LAW, "the same in every direction", "holds"),
+        (LAW, "the force at rest is the gradient", "not tested: the flow acts from outside"),
+    ] {
+        bench.file("law.toml", law);
+        let (code, printed, said) = bench.run(&["effects", "--check", "law.toml"]);
+        assert_eq!(code, 0, "{printed}{said}");
+        assert!(line(&printed, test).contains(due), "{printed}");
+        let checked = bench.json(&["effects", "--check", "law.toml", "--json"]);
+        let tests = checked["laws"][0]["tests"].as_array().expect("tests");
+        let own = tests.iter().find(|own| own["test"].as_str().is_some_and(|name| name.starts_with(test)));
+        assert_eq!(own.expect("it is printed")["not_tested"].is_null(), due == "holds", "{checked}");
+    }
+    // What feeds energy from a time on that is a parameter.
+    let fed = LAW.replace("\"-c *", "\"max(0, sign(time - begin)) * c *");
+    bench.file(
+        "fed.toml",
+        &format!("{fed}parameters.begin = {{ unit = \"s\", default = 30, range = [0, 50] }}\n"),
+    );
+    let (code, printed, _) = bench.run(&["effects", "--check", "fed.toml"]);
+    assert_eq!(code, 1, "{printed}");
+    assert!(line(&printed, "never feeds energy").contains("W to the rod at 30.3 s"), "{printed}");
+}
+
+#[test]
+fn a_law_of_a_file_is_simulated_as_one_of_the_scenario() {
+    let bench = Bench::new("laws-simulate");
+    let scenario = format!("{}[effects.my_drag]\nc = \"{C} kg/m^3\"\n", scenario());
+    bench.file("inside.toml", &format!("{scenario}{LAW}"));
+    bench.file("beside.toml", &scenario);
+    bench.file("law.toml", LAW);
+    for command in [&["simulate", "--no-files"][..], &["statics"], &["modes"]] {
+        let of = |file: &str, more: &[&str]| {
+            let (name, rest) = command.split_first().expect("a command");
+            let value = bench.json(&[&[*name, file, "--json"], rest, more].concat());
+            match value.get("runs") {
+                Some(runs) => ["rest", "damped_frequency_hz", "damping_ratio", "effort", "errors"]
+                    .map(|key| runs[0][key].to_string())
+                    .join(" "),
+                None => value.to_string().replace("beside", "inside"),
+            }
+        };
+        let [inside, beside] = [of("inside.toml", &[]), of("beside.toml", &["--law", "law.toml"])];
+        assert_eq!(inside, beside, "{command:?}");
+    }
+    let (code, _, said) = bench.run(&["simulate", "inside.toml", "--law", "law.toml", "--no-files"]);
+    assert!(code == 2 && said.contains("another file has one of this name"), "{said}");
+    bench.json(&["simulate", "beside.toml", "--law", "law.toml", "--json", "--out", "kept"]);
+    let kept = bench.text("kept/scenario.resolved.toml");
+    assert!(kept.contains("[laws.my_drag]") && kept.contains("-c * v_n"), "{kept}");
+    let hashes = bench.text("kept/manifest.json");
+    assert!(hashes.contains("\"law.toml\""), "{hashes}");
+}
+
+#[test]
+fn a_law_with_very_many_parameters_is_refused_at_once() {
+    let bench = Bench::new("laws-many");
+    let many: String = (0..100_000)
+        .map(|k| format!("parameters.c{k} = {{ unit = \"kg/m^3\", default = 0.6, range = [0, 10] }}\n"))
+        .collect();
+    bench.file(
+        "law.toml",
+        &format!("[laws.my]\nplace = \"flow\"\nforce = \"-c0 * v_n * abs(v_n) * diameter\"\n{many}"),
+    );
+    let (code, _, said) = bench.run(&["effects", "--check", "law.toml"]);
+    assert!(code == 2 && said.contains("100000 parameters; a law has at most 8"), "{said}");
+}

@@ -14,6 +14,7 @@ mod diagnosis_page;
 mod doctor;
 #[cfg(unix)]
 mod draws;
+mod energies;
 mod experiment;
 mod export;
 mod faults;

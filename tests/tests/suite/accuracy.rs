@@ -5,7 +5,7 @@
 //! warning.
 
 use rayon::prelude::*;
-use tests::accuracy::{Found, found};
+use tests::accuracy::{Compared, Found, compared, found};
 
 #[test]
 #[ignore = "long; .ci/run runs it"]
@@ -14,4 +14,19 @@ fn a_run_is_as_accurate_as_was_asked() {
     assert!(all.len() == 2, "{all:#?}");
     let off: Vec<_> = all.iter().filter(|found| found.ratio > 1.5).collect();
     assert!(off.is_empty(), "{off:#?}");
+}
+
+/// Accuracy `a` against `a / 10`: both paths lie within both errors, or a warning says that these cannot be trusted; and
+/// the finer run is never the worse one by its own estimate. The range of seeds is drawn with friction, with and without
+/// damping by the rate of bending; `EFAM_PAIRS` says how many, of which .ci/thorough takes 300.
+#[test]
+fn ten_times_the_accuracy_is_never_worse() {
+    let count: u64 = std::env::var("EFAM_PAIRS").ok().and_then(|count| count.parse().ok()).unwrap_or(4);
+    let all: Vec<Compared> = (1..=count).into_par_iter().filter_map(|seed| compared(seed, 5e-4)).collect();
+    assert!(!all.is_empty());
+    let warned = all.iter().filter(|pair| pair.warned).count();
+    println!("{} pairs of accuracies, {warned} with errors that are not to be trusted", all.len());
+    let wrong = |pair: &&Compared| (pair.ratio > 1.5 && !pair.warned) || pair.worse > 1.0;
+    let wrong: Vec<_> = all.iter().filter(wrong).map(|pair| (pair.ratio, pair.worse, &pair.text)).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

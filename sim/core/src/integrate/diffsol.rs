@@ -22,7 +22,7 @@ use ::diffsol::{
 use models::model::Model;
 
 use self::equations::{BandSolver, Equations, parts};
-use super::{Control, Effort, IntegrateError, Integrator, State, Steps};
+use super::{Control, Effort, IntegrateError, Integrator, State, Steps, Stiff};
 
 /// Speed to which errors of velocities are compared, in rod lengths a second. A rod of 0.2 m falls
 /// at some 7: four times that spares steps which follow the velocity of small fast waves and leave
@@ -255,7 +255,11 @@ impl<'p> Pilot<'p> {
         }
         let before = self.solver.get_statistics().clone();
         if before.number_of_steps >= self.control.most_steps {
-            return Err(IntegrateError::TooManySteps { time: self.time, steps: before.number_of_steps });
+            return Err(IntegrateError::TooManySteps {
+                time: self.time,
+                steps: before.number_of_steps,
+                stiff: Stiff::default(),
+            });
         }
         self.problem.eqn.begin_step(self.time);
         if self.at_stop {
@@ -346,7 +350,12 @@ impl<'p> Pilot<'p> {
                 let [_, acceleration, _] = parts(&rate, self.problem.eqn.dof());
                 let fastest = (0..acceleration.len() - 1)
                     .max_by(|&i, &j| acceleration[i].abs().total_cmp(&acceleration[j].abs()));
-                IntegrateError::StepTooSmall { time, step: SMALLEST_STEP, node: node(fastest.unwrap_or(0)) }
+                IntegrateError::StepTooSmall {
+                    time,
+                    step: SMALLEST_STEP,
+                    node: node(fastest.unwrap_or(0)),
+                    stiff: Stiff::default(),
+                }
             }
             _ => IntegrateError::Stalled { time, step: tried },
         }

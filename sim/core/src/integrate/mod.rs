@@ -7,6 +7,7 @@ pub mod tableau;
 pub mod variational;
 mod verlet;
 
+use models::fault::{At, Fault, fastest, find};
 use models::model::Model;
 use thiserror::Error;
 
@@ -174,7 +175,7 @@ pub enum Method {
 pub enum IntegrateError {
     /// The step shrank to nothing.
     #[error(
-        "the step shrank to {step:.1e} s at t = {time:.4} s near node {node}; try a stiffer rod, more damping, or a looser tolerance"
+        "the step shrank to {step:.1e} s at t = {time:.4} s near node {node}{stiff}; try a stiffer rod, more damping, or a looser tolerance"
     )]
     StepTooSmall {
         /// Time, s.
@@ -183,6 +184,8 @@ pub enum IntegrateError {
         step: f64,
         /// Node with the largest error.
         node: usize,
+        /// What makes the steps short.
+        stiff: Stiff,
     },
     /// A fixed step that the method cannot take: the explicit one is not stable in it, or its error is as large as the rod.
     #[error(
@@ -226,14 +229,87 @@ pub enum IntegrateError {
     WithoutDiffsol,
     /// More steps than admitted.
     #[error(
-        "{steps} steps brought the run only to t = {time:.4} s; raise integrator.most_steps, loosen the tolerance, or give the rod some damping"
+        "{steps} steps brought the run only to t = {time:.4} s{stiff}; raise integrator.most_steps, loosen the tolerance, or give the rod some damping"
     )]
     TooManySteps {
         /// Time, s.
         time: f64,
         /// Steps made.
         steps: usize,
+        /// What makes the steps short.
+        stiff: Stiff,
     },
+    /// Steps that become so short that the run comes to no end.
+    #[error(
+        "the steps become too short: {steps} of them brought the run from t = {:.4} s only to t = {time:.4} s{stiff}, while its slowest swing takes {period:.2} s; try to weaken what is stiff there, more damping or a looser tolerance, or raise integrator.most_steps to a hundred times as many", time - spanned
+    )]
+    TooSlow {
+        /// Time, s.
+        time: f64,
+        /// Attempts at steps, of which the last ones are meant.
+        steps: usize,
+        /// Time that these spanned, s.
+        spanned: f64,
+        /// Period of the slowest mode, s.
+        period: f64,
+        /// What makes the steps short.
+        stiff: Stiff,
+    },
+    /// A law that gives no number.
+    #[error("{0}")]
+    Law(Fault),
+}
+
+/// The effect whose force changes most where steps become short, if it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stiff(pub Option<&'static str>);
+
+impl std::fmt::Display for Stiff {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        self.0.map_or(Ok(()), |effect| write!(f, ", where the force of effects.{effect} changes fastest"))
+    }
+}
+
+/// Times after a state at which its motion is looked at for a law that gives no number there, s: as short as the steps
+/// that lead there.
+const AHEAD: [f64; 6] = [0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8];
+
+impl IntegrateError {
+    /// The same error with what is to blame for it: a law that gives no number, or the effect that changes fastest.
+    pub fn blamed(mut self, model: &Model, integrator: &mut dyn Integrator) -> Self {
+        if matches!(self, Self::Explicit | Self::WithoutDiffsol) {
+            return self;
+        }
+        let after = integrator.state().clone();
+        let mut ahead = after.clone();
+        let tried = integrator.next_step().clamp(0.0, 1e-2);
+        for h in AHEAD.into_iter().chain([0.1, 0.3, 1.0].map(|share| share * tried)) {
+            for (ahead, (q, v)) in ahead.q.iter_mut().zip(after.q.iter().zip(&after.v)) {
+                *ahead = q + h * v;
+            }
+            let fault = find(model, at(&State { time: after.time + h, ..ahead.clone() }));
+            // In a step that is too long, laws of the catalogue see what no rod does.
+            if let Some(fault) =
+                fault.filter(|fault| fault.is_written || !matches!(self, Self::StepTooLong { .. }))
+            {
+                return Self::Law(fault);
+            }
+        }
+        if let Self::StepTooSmall { stiff, .. }
+        | Self::TooManySteps { stiff, .. }
+        | Self::TooSlow { stiff, .. } = &mut self
+            && integrator.step_start() < after.time
+        {
+            let mut before = after.clone();
+            integrator.interpolate(integrator.step_start(), &mut before);
+            stiff.0 = fastest(model, at(&before), at(&after));
+        }
+        self
+    }
+}
+
+fn at(State { time, q, v, z }: &State) -> At<'_> {
+    At { time: *time, q, v, z }
 }
 
 impl Method {

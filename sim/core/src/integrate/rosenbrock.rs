@@ -10,7 +10,7 @@ use models::model::Model;
 use models::system::{System, TimePass};
 
 use super::tableau::Tableau;
-use super::{Control, Effort, IntegrateError, Integrator, State, Steps};
+use super::{Control, Effort, IntegrateError, Integrator, State, Steps, Stiff};
 
 /// A run of a Rosenbrock method.
 pub struct Rosenbrock {
@@ -222,7 +222,11 @@ impl Integrator for Rosenbrock {
             return Ok(());
         }
         if self.effort.steps >= self.control.most_steps {
-            return Err(IntegrateError::TooManySteps { time, steps: self.effort.steps });
+            return Err(IntegrateError::TooManySteps {
+                time,
+                steps: self.effort.steps,
+                stiff: Stiff::default(),
+            });
         }
         self.system.begin_step(time);
         self.linearise();
@@ -258,7 +262,12 @@ impl Integrator for Rosenbrock {
                 rejected = true;
                 self.step = h * self.shrink(error);
                 if self.step < SMALLEST_STEP && self.control.steps == Steps::Adaptive {
-                    return Err(IntegrateError::StepTooSmall { time, step: self.step, node });
+                    return Err(IntegrateError::StepTooSmall {
+                        time,
+                        step: self.step,
+                        node,
+                        stiff: Stiff::default(),
+                    });
                 }
                 self.linearise();
                 continue;

@@ -14,7 +14,7 @@ use models::effects::LANES;
 use models::model::Model;
 use models::system::System;
 
-use super::{IntegrateError, Integrator, State};
+use super::{IntegrateError, Integrator, State, Stiff};
 
 /// L-stable, stiffly accurate, order 3. Source: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021;
 /// `gamma` is the root of `γ³ − 3γ² + 3γ/2 − 1/6` near 0.44.
@@ -164,7 +164,7 @@ impl Variational {
             self.system.condense(a);
             self.matrix.combine(a, &self.system.mass, self.system.damping(), self.system.stiffness());
             if self.matrix.factorize().is_err() {
-                return Err(IntegrateError::StepTooSmall { time, step: h, node: 0 });
+                return Err(IntegrateError::StepTooSmall { time, step: h, node: 0, stiff: Stiff::default() });
             }
             for group in 0..self.slopes.len() {
                 self.solve_stage(group, stage, a, h);

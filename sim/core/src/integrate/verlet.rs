@@ -9,7 +9,7 @@
 use models::model::Model;
 use models::system::System;
 
-use super::{Control, Effort, IntegrateError, Integrator, State, Steps};
+use super::{Control, Effort, IntegrateError, Integrator, State, Steps, Stiff};
 
 /// A run of velocity Verlet.
 pub struct Verlet {
@@ -139,7 +139,11 @@ impl Integrator for Verlet {
             return Ok(());
         }
         if self.effort.steps >= self.control.most_steps {
-            return Err(IntegrateError::TooManySteps { time, steps: self.effort.steps });
+            return Err(IntegrateError::TooManySteps {
+                time,
+                steps: self.effort.steps,
+                stiff: Stiff::default(),
+            });
         }
         self.start.time = time;
         self.start.q.copy_from_slice(&self.state.q);
@@ -166,7 +170,12 @@ impl Integrator for Verlet {
             }
             self.step = 0.5 * h;
             if self.step < self.least_step {
-                return Err(IntegrateError::StepTooSmall { time, step: self.step, node });
+                return Err(IntegrateError::StepTooSmall {
+                    time,
+                    step: self.step,
+                    node,
+                    stiff: Stiff::default(),
+                });
             }
             self.begin_again();
         }

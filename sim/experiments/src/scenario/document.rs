@@ -3,6 +3,7 @@
 mod lists;
 mod meant;
 mod pushed_out;
+mod sources;
 mod value;
 
 use std::ops::Range;
@@ -35,6 +36,9 @@ struct Source {
     /// What file names in it are relative to.
     base: PathBuf,
 }
+
+/// Name of what is set over the files.
+const SET: &str = "--set";
 
 /// Parts of a path that is set, at most; the deepest key of a scenario has five.
 const DEEPEST: usize = 8;
@@ -76,42 +80,12 @@ impl Document {
         }
     }
 
-    /// Takes in the tables of another file that stand under `key`; it has nothing else. Two of one name are refused.
-    pub fn include(&mut self, path: &Path, key: &str) -> Result<(), ScenarioError> {
-        let other = Document::load(path, &[])?;
-        other.keys().only(&[key])?;
-        other.keys().table(key)?;
-        let source = self.sources.len();
-        self.sources.extend(other.sources);
-        let Some(tables) = within(other.root, key).map(|item| item.moved(source)) else { return Ok(()) };
-        let Value::Table(own) = &mut self.root.value else { return Ok(()) };
-        let known = own.iter().position(|entry| entry.key == key);
-        let index = known.unwrap_or_else(|| {
-            let (place, value) = (tables.place.clone(), Value::Table(Vec::new()));
-            let (key, key_place) = (key.to_owned(), tables.place.clone());
-            own.push(Entry { key, key_place, item: Item { place, value } });
-            own.len() - 1
-        });
-        let (Value::Table(own), Value::Table(more)) = (&mut own[index].item.value, tables.value) else {
-            return Ok(());
-        };
-        for entry in more {
-            if own.iter().any(|known| known.key == entry.key) {
-                let message = "another file has one of this name; keep one of them, or rename it".to_owned();
-                let path = format!("{key}.{}", entry.key);
-                return Err(self.error(&entry.key_place, &path, ScenarioProblem::Other { message }));
-            }
-            own.push(entry);
-        }
-        Ok(())
-    }
-
     /// Sets `path=value`, as an argument `--set` gives it; file names in it are relative to the
     /// working directory. What is no TOML value is taken as text, so `payload.mass=50 g` needs no
     /// quotes.
     fn set(&mut self, argument: &str) -> Result<(), ScenarioError> {
         let source = self.sources.len();
-        let (name, base) = ("--set".to_owned(), PathBuf::new());
+        let (name, base) = (SET.to_owned(), PathBuf::new());
         self.sources.push(Source { name, text: argument.into(), base });
         let whole = Place { source, span: 0..argument.len() };
         let parts = argument.split_once('=').map(|(path, value)| (path.trim(), value));
@@ -419,14 +393,6 @@ impl<'a> Keys<'a> {
             }
         };
         rows.iter().map(row).collect::<Result<_, _>>().map(Some)
-    }
-}
-
-/// The value of a key of a table.
-fn within(table: Item, key: &str) -> Option<Item> {
-    match table.value {
-        Value::Table(entries) => entries.into_iter().find(|entry| entry.key == key).map(|entry| entry.item),
-        _ => None,
     }
 }
 

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use models::effects::{Catalogue, Effect, Per, Reach};
+use models::effects::{Catalogue, Effect, MOST_PARAMETERS, Per, Reach};
 use models::written::names::{OUTPUTS, PLACES};
-use models::written::{Definition, KINDS, LawError, NOTES, OwnParameter, PER, REACHES, SEPARATORS};
+use models::written::{
+    Definition, KINDS, LawError, LawProblem, NOTES, OwnParameter, PER, REACHES, SEPARATORS,
+};
 
 use super::document::{Document, Keys};
 use super::error::{ScenarioError, ScenarioProblem};
@@ -84,8 +86,16 @@ fn effect(document: &Document, definition: &Definition) -> Result<&'static dyn E
     })
 }
 
+/// Laws of one file or scenario, at most: the time to read them grows with the square of their number.
+const MOST_LAWS: usize = 1000;
+
 fn definitions(document: &Document) -> Result<Vec<Definition>, ScenarioError> {
     let laws = document.keys().table(LAWS)?;
+    let found = laws.children().len();
+    if found > MOST_LAWS {
+        let message = format!("{found} laws; there may be {MOST_LAWS}: keep those that are used");
+        return Err(document.keys().wrong(LAWS, ScenarioProblem::Other { message }));
+    }
     laws.children().into_iter().map(|name| definition(&name, &laws.table(&name)?)).collect()
 }
 
@@ -106,6 +116,11 @@ fn definition(name: &str, keys: &Keys) -> Result<Definition, ScenarioError> {
         }
     }
     let parameters = keys.table("parameters")?;
+    let found = parameters.children().len();
+    // Before they are read, which takes a time that grows with the square of their number.
+    if found > MOST_PARAMETERS {
+        return Err(keys.wrong("parameters", ScenarioProblem::Law(LawProblem::TooMany { found })));
+    }
     let parameters: Vec<OwnParameter> = (parameters.children().into_iter())
         .map(|name| parameter(&name, &parameters.table(&name)?))
         .collect::<Result<_, _>>()?;

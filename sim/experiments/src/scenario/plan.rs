@@ -9,6 +9,7 @@ use models::effects::Catalogue;
 use models::history::History;
 use models::model::Scheme;
 use models::muscle::{CALIBRATED, Extrapolation, Known, Muscle};
+use models::quantity::format_si;
 
 use super::document::{Document, Keys};
 use super::error::{ScenarioError, ScenarioProblem};
@@ -326,6 +327,18 @@ fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
     settings.most_steps = integrator.count("most_steps")?.unwrap_or(settings.most_steps);
     if settings.most_steps == 0 {
         return Err(integrator.wrong("most_steps", ScenarioProblem::Must { must: "be at least 1" }));
+    }
+    // How long the releases of an experiment last, only its recordings say.
+    if let Some(step) = fixed_step.filter(|_| !keys.has("recording")) {
+        let (steps, most) = ((duration / step).ceil(), settings.most_steps);
+        if steps > most as f64 {
+            let [least, duration] = [duration / most as f64, duration].map(|time| format_si(time, "s"));
+            let message = format!(
+                "takes {steps:.1e} steps for {duration}, and integrator.most_steps is {most}; give {least} or more, \
+                 or raise integrator.most_steps"
+            );
+            return Err(integrator.wrong("fixed_step", ScenarioProblem::Other { message }));
+        }
     }
     settings.energy = true;
     let chooses_tolerance = tolerance.is_none() && fixed_step.is_none();

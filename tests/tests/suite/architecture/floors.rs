@@ -77,7 +77,7 @@ const FLOORS: [Floors; 5] = [
             ("trajectory", &["integrate", "run"]),
             ("limits", &["rest", "trajectory"]),
             ("observed", &["integrate", "point", "run", "trajectory"]),
-            ("forward", &["initial", "integrate", "observed", "run", "trajectory"]),
+            ("forward", &["initial", "integrate", "observed", "rest", "run", "trajectory"]),
             ("accuracy", &["forward", "integrate", "rest", "trajectory"]),
             ("stepper", &["forward", "integrate"]),
             ("example", &["forward", "trajectory"]),

@@ -66,7 +66,8 @@ proptest! {
         let path = match forward(&model, &run, &mut |_| ControlFlow::Continue(())) {
             Ok(path) => path,
             Err(ForwardError::Integrate { error, trajectory }) => {
-                prop_assert!(matches!(error, IntegrateError::StepTooSmall { .. }), "{error}");
+                use IntegrateError::{StepTooSmall, TooSlow};
+                prop_assert!(matches!(error, StepTooSmall { .. } | TooSlow { .. }), "{error}");
                 *trajectory
             }
             Err(error) => return Err(TestCaseError::fail(error.to_string())),
