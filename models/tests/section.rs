@@ -91,8 +91,8 @@ impl Beam {
 /// A soft stub of 40 mm, 20 mm thick.
 const STUB: Beam = Beam { length: 0.04, mass: 13.4e-3, stiffness: 2.03e-3, diameter: 0.02, payload: 0.0 };
 
-/// The stub: 27.2 Hz by Euler and Bernoulli, 23.8 Hz by Timoshenko with the shear coefficient 0.9 (23.6 Hz with 5/6). The first order in x is right to x², a tenth here;
-/// as a quotient it leaves less.
+/// The stub: 27.2 Hz by Euler and Bernoulli, 23.8 Hz by Timoshenko with the shear coefficient 0.9 (23.6 Hz with 5/6). The first
+/// order in x is right to x², a tenth here; as a quotient it leaves less.
 #[test]
 fn a_stub_is_slower_by_an_eighth() {
     let due = STUB.timoshenko(1)[0];

@@ -131,7 +131,7 @@ impl Errors {
         );
         let is_said = case.loss.is_some();
         let mut errors = Self { model, drawn, loss, is_said, payload, root, interpolated, undetermined };
-        if errors.loss.is_some()
+        if (errors.loss.is_some() || errors.payload.is_some())
             && let Some(model) = errors.model(&DVector::zeros(errors.root.nrows()))
         {
             errors.model = model;
