@@ -1,21 +1,23 @@
 //! Set curvature: the rod is bent when nothing loads it, and more so under pressure.
 //!
-//! Law:      M = −EI (κ₀ + κ_p p),   beside EI κ
+//! Law:      M = −EI (κ₀ + κ_p p + κ_s (s − ½)),   beside EI κ
 //!
 //!   M     moment beside the linear one                                N m
 //!   EI    bending stiffness, `rod.bending_stiffness`                   N m²
 //!   κ₀    natural curvature without pressure, positive towards +z     1/m
 //!   κ_p   what a pressure adds to it                                  1/(m Pa)
 //!   p     pressure inside above ambient, `rod.pressure`               Pa
+//!   κ_s   natural curvature at the end less that at the clamp         1/m
+//!   s     place along the rod, 0 at the clamp and 1 at its end        –
 //!
-//! Assumes:  The same along the rod, and elastic: its energy is ½ EI (κ₀ + κ_p p)² − EI (κ₀ + κ_p p) κ a
-//!           metre, with which that of bending becomes ½ EI (κ − κ₀ − κ_p p)².
-//! Off:      natural_curvature = 0, if curvature_over_pressure = 0 as well.
+//! Assumes:  Linear along the rod, and elastic: with κ_n = κ₀ + κ_p p + κ_s (s − ½) its energy is
+//!           ½ EI κ_n² − EI κ_n κ a metre, with which that of bending becomes ½ EI (κ − κ_n)².
+//! Off:      natural_curvature = 0, if curvature_over_pressure = 0 and taper = 0 as well.
 //! Silent:   Never; it turns the rest posture, and a swing about that hardly differs.
 //! Source:   The natural curvature of a discrete elastic rod: Bergou et al. (2008), Discrete Elastic
 //!           Rods, section 4.2; a braid whose fibres are not laid alike bends under pressure.
 
-use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Rod, Separator};
+use super::{About, Bend, Kind, Law, Moment, Parameter, Per, Place, Reach, Real, Separator};
 
 /// A natural curvature.
 pub struct SetCurvature;
@@ -54,6 +56,17 @@ impl Law for SetCurvature {
                 plausible: Some((-1e-6, 1e-6)),
                 ..Parameter::PLAIN
             },
+            Parameter {
+                name: "taper",
+                meaning: "curvature of the unloaded rod at its end, less that at the clamp",
+                unit: "1/m",
+                default: 0.0,
+                range: (-200.0, 200.0),
+                scale: 0.1,
+                null_value: Some(0.0),
+                is_part: true,
+                ..Parameter::PLAIN
+            },
         ],
         signature: "the rod hangs higher or lower than its stiffness says, and swings as if it did not",
         confounded_with: &["creep", "quadratic_stiffness", "stiffness_taper", "frame_tilt"],
@@ -62,18 +75,18 @@ impl Law for SetCurvature {
     };
 
     fn bend<T: Real>(at: &Bend<T>, theta: &[T]) -> Moment<T> {
-        Moment::of(-at.rod.bending_stiffness * natural(at.rod, theta))
+        Moment::of(-at.rod.bending_stiffness * natural(at, theta))
     }
 
     fn bend_energy<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
-        let natural = natural(at.rod, theta);
+        let natural = natural(at, theta);
         at.rod.bending_stiffness * natural * (natural * 0.5 - at.kappa)
     }
 }
 
 /// Curvature of the unloaded rod, 1/m.
-fn natural<T: Real>(rod: &Rod<T>, theta: &[T]) -> T {
-    theta[0] + theta[1] * rod.pressure
+fn natural<T: Real>(at: &Bend<T>, theta: &[T]) -> T {
+    theta[0] + theta[1] * at.rod.pressure + theta[2] * (at.position - 0.5)
 }
 
 #[cfg(test)]
@@ -95,5 +108,24 @@ mod tests {
         let due = curvature * model.rod().length;
         let chord = (due / model.edges as f64).powi(2) / 12.0;
         assert!((turn / due - 1.0).abs() < 1.1 * chord, "{turn} rad, due {due}");
+    }
+
+    /// A taper alone bends half of the rod to each side: the end points where the clamp does, and the middle is turned by an
+    /// eighth of taper and length.
+    #[test]
+    fn a_tapered_rod_bends_to_both_sides() {
+        let model = rod_with(&[
+            ("gravity", &[("acceleration", 0.0)]),
+            ("set_curvature", &[("natural_curvature", 0.0), ("taper", 2.0)]),
+        ]);
+        let rest = equilibrium(&model, None).unwrap();
+        let turn = rest.q[model.dof() - 1] - 0.1;
+        let due = 2.0 * model.rod().length / 8.0;
+        let node = |k: usize| [rest.q[2 * k], rest.q[2 * k + 1]];
+        let middle = model.edges / 2;
+        let (before, after) = (node(middle - 2), node(middle));
+        let angle = (after[1] - before[1]).atan2(after[0] - before[0]) - 0.1;
+        assert!(turn.abs() < 0.02 * due, "{turn}");
+        assert!((angle / -due - 1.0).abs() < 0.1, "{angle}, due {}", -due);
     }
 }

@@ -3,8 +3,10 @@
 
 pub mod calibrate;
 pub mod diagnose;
+pub mod evidence;
 #[cfg(test)]
 mod example;
+mod features;
 mod listed;
 pub mod normal;
 mod ordered;

@@ -72,6 +72,7 @@ const DOORS: [(&str, &[&str]); 33] = [
         &[
             "sim/inference/src/normal.rs",
             "sim/inference/src/diagnose/threshold.rs",
+            "sim/inference/src/features/covariance.rs",
             "sim/inference/src/predict/errors.rs",
             "sim/inference/src/calibrate/",
             "sim/sweeps/src/design.rs",

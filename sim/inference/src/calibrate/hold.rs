@@ -39,7 +39,7 @@ pub(crate) fn sizes(model: &Model) -> Result<[f64; 5], ModelError> {
 }
 
 /// Whether a release can tell the moment: one marker does not show it.
-pub(super) fn shows_moment(release: &Release) -> bool {
+pub(crate) fn shows_moment(release: &Release) -> bool {
     release.tracks.len() > 1
 }
 

@@ -12,7 +12,7 @@ use crate::calibrate::{CalibrateError, FittedParameter, Prior, Problem, Scale, S
 
 /// An effect with what it depends on nonlinearly held at one value.
 #[derive(Clone)]
-pub(super) struct Candidate {
+pub(crate) struct Candidate {
     pub effect: &'static dyn Effect,
     /// The parameter that switches it off.
     pub strength: &'static EffectParameter,
@@ -61,7 +61,7 @@ impl Candidate {
     }
 
     /// Believable values of one of its parameters.
-    fn range(&self, of: &EffectParameter) -> (f64, f64) {
+    pub fn range(&self, of: &EffectParameter) -> (f64, f64) {
         self.stated_range(of).unwrap_or_else(|| believed(of, &self.rod))
     }
 
@@ -214,7 +214,7 @@ impl Candidate {
 }
 
 /// Whether releases at several pressures are fitted.
-pub(super) fn has_several_pressures(problem: &Problem) -> bool {
+pub(crate) fn has_several_pressures(problem: &Problem) -> bool {
     let fitted = problem.trials.iter().filter(|trial| !trial.release.held_out);
     let [lowest, highest] = Known::span(fitted.filter_map(|trial| trial.release.pressure));
     lowest < highest
@@ -241,7 +241,7 @@ fn strengths(about: &About, is_pressure_varied: bool) -> Vec<(&'static EffectPar
 
 /// The candidates for a problem: every cause in the catalogue of its models, laws as text included, that they do not have
 /// already, but for those that the settings exclude.
-pub(super) fn candidates(problem: &Problem, settings: &DiagnosisSettings) -> Vec<Candidate> {
+pub(crate) fn candidates(problem: &Problem, settings: &DiagnosisSettings) -> Vec<Candidate> {
     let mut all = Vec::new();
     let Some(model) = problem.trials.first().map(|trial| &trial.model) else { return all };
     let rod = model.rod();

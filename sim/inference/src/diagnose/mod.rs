@@ -16,7 +16,7 @@
 
 mod before;
 mod between;
-mod candidate;
+pub(crate) mod candidate;
 mod conclude;
 mod constancy;
 pub mod curve;
@@ -33,7 +33,7 @@ mod prune;
 mod refit;
 mod round;
 mod score;
-mod section;
+pub(crate) mod section;
 mod settings;
 mod setup;
 mod share;

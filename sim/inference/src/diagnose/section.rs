@@ -55,7 +55,7 @@ const STIFFNESS: f64 = 0.05;
 
 /// Makes what [rod] says of its bending stiffness a belief. Where it is free, a mass at the tip and a softer rod do the
 /// same. An experiment that lists its parameters says of each what is believed.
-fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
+pub(crate) fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) {
     let Some(stated) = problem.trials.first().map(|trial| trial.model.rod().bending_stiffness) else {
         return;
     };

@@ -126,6 +126,8 @@ const FLOORS: [Floors; 5] = [
             ("ordered", &[]),
             ("calibrate", &["listed", "normal", "ordered"]),
             ("diagnose", &["calibrate", "listed", "normal", "ordered"]),
+            ("features", &["normal"]),
+            ("evidence", &["calibrate", "diagnose", "features", "normal"]),
             ("predict", &["calibrate", "normal", "ordered"]),
         ],
     ),

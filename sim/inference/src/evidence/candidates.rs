@@ -1,0 +1,146 @@
+//! What may be missing: effects of the catalogue and statements that may be wrong, as hypotheses that extend another one.
+
+use models::effects::Parameter;
+use models::error::ModelError;
+
+use super::hypothesis::Hypothesis;
+use super::setup::{FREED, freed, groups};
+use super::unknown::{Act, Role, Scaled, Unknown};
+use crate::calibrate::{Nuisances, Problem, Scope};
+use crate::diagnose::DiagnosisSettings;
+use crate::diagnose::candidate::{Candidate, candidates};
+
+/// Standard deviations of a prior in a range that the catalogue takes for plausible, to each side.
+const DEVIATIONS: f64 = 2.0;
+/// Deviation of a strength of which the catalogue has no range, over its typical size.
+const TYPICAL: f64 = 3.0;
+/// Shapes that may be zero are at least this share of their range: a time of zero would be another law.
+const LEAST_SHAPE: f64 = 1e-3;
+
+/// One way to extend a hypothesis.
+#[derive(Clone)]
+pub struct Extension {
+    /// Name of the effect, or of the statement.
+    pub name: String,
+    pub hypothesis: Hypothesis,
+    /// Places of the strengths among the unknowns; none of a freed statement.
+    pub strengths: Vec<usize>,
+    /// By how much priors of a freed statement are wider.
+    pub wider: f64,
+    /// Logarithm of its prior odds beside the effects of the catalogue.
+    pub odds: f64,
+}
+
+/// Prior odds of a statement that is wrong against a missing effect, a logarithm: whoever states a value has measured it.
+const STATEMENT_ODDS: f64 = -3.0;
+
+/// All effects that a hypothesis has not, each with each of its tries.
+pub fn effects(of: &Hypothesis, settings: &DiagnosisSettings) -> Vec<Extension> {
+    let problem = Problem {
+        trials: of.trials.iter().cloned().map(Into::into).collect(),
+        parameters: Vec::new(),
+        nuisances: Nuisances::default(),
+    };
+    let extended = |candidate: Candidate| extension(of, &candidate).ok();
+    candidates(&problem, settings).into_iter().filter_map(extended).collect()
+}
+
+/// All statements that may be freed.
+pub fn statements(of: &Hypothesis) -> Vec<Extension> {
+    let extension = |(name, factor): (&'static str, f64)| {
+        Some(Extension {
+            name: name.to_owned(),
+            hypothesis: freed(of, name, factor)?,
+            strengths: Vec::new(),
+            wider: factor,
+            odds: STATEMENT_ODDS,
+        })
+    };
+    FREED.into_iter().filter_map(extension).collect()
+}
+
+/// A hypothesis with a candidate beside.
+fn extension(of: &Hypothesis, candidate: &Candidate) -> Result<Extension, ModelError> {
+    let (name, off) = (candidate.name(), candidate.null_value);
+    let mut hypothesis = of.clone();
+    for trial in &mut hypothesis.trials {
+        *trial = candidate.on(trial, off)?;
+    }
+    hypothesis.effects.push(name.to_owned());
+    let releases: Vec<usize> = (0..of.trials.len()).collect();
+    let owners = match candidate.scope {
+        Scope::Shared => vec![releases.clone()],
+        Scope::PerPressure => groups(&of.trials),
+        Scope::PerRelease => releases.iter().map(|r| vec![*r]).collect(),
+    };
+    let (low, high) = candidate.believed();
+    let first = hypothesis.unknowns.len();
+    for (k, owner) in owners.iter().enumerate() {
+        let tag = if owners.len() > 1 { format!(", {}", k + 1) } else { String::new() };
+        let (deviation, is_half) = strength(candidate.strength, off, (low, high));
+        let unknown = Unknown {
+            label: format!("{}{tag}", candidate.strength.name),
+            unit: candidate.strength.unit,
+            role: Role::Strength,
+            scaled: Scaled::Normal(off, deviation),
+            is_half,
+            limits: candidate.strength.range,
+            acts: Vec::new(),
+            start: 0.0,
+        };
+        add(&mut hypothesis, unknown, &candidate.path(), owner)?;
+    }
+    let strengths = (first..hypothesis.unknowns.len()).collect();
+    for (parameter, value) in candidate.tried.iter().filter(|(parameter, _)| parameter.plausible.is_some()) {
+        let path = format!("effects.{name}.{}", parameter.name);
+        let range = candidate.range(parameter);
+        add(&mut hypothesis, shape(parameter, *value, range), &path, &releases)?;
+    }
+    Ok(Extension { name: name.to_owned(), hypothesis, strengths, wider: 1.0, odds: 0.0 })
+}
+
+/// Deviation of a strength's prior, with its sign, and whether it has one side only.
+fn strength(of: &Parameter, off: f64, (low, high): (f64, f64)) -> (f64, bool) {
+    if of.plausible.is_none() {
+        return (TYPICAL * of.scale, of.range.0 >= off);
+    }
+    let (up, down) = (high - off, off - low);
+    let widest = up.max(down) / DEVIATIONS;
+    if low >= off {
+        (widest, true)
+    } else if high <= off {
+        (-widest, true)
+    } else {
+        (widest, false)
+    }
+}
+
+/// Another parameter of an effect: log-normal over a range of positive values, half-normal from zero, else normal.
+fn shape(of: &Parameter, value: f64, (low, high): (f64, f64)) -> Unknown {
+    let (scaled, is_half) = if low > 0.0 {
+        (Scaled::LogNormal((low * high).sqrt(), (high / low).ln() / (2.0 * DEVIATIONS)), false)
+    } else if low == 0.0 {
+        (Scaled::Normal(0.0, high / DEVIATIONS), true)
+    } else {
+        (Scaled::Normal(0.5 * (low + high), (high - low) / (2.0 * DEVIATIONS)), false)
+    };
+    let least = if low == 0.0 { LEAST_SHAPE * high } else { of.range.0 };
+    Unknown {
+        label: of.name.to_owned(),
+        unit: of.unit,
+        role: Role::Shape,
+        scaled,
+        is_half,
+        limits: (least.max(of.range.0), of.range.1),
+        acts: Vec::new(),
+        start: scaled.place(0.0, value),
+    }
+}
+
+fn add(to: &mut Hypothesis, mut unknown: Unknown, path: &str, releases: &[usize]) -> Result<(), ModelError> {
+    for r in releases {
+        unknown.acts.push((*r, Act::Theta(vec![to.trials[*r].model.index(path)?])));
+    }
+    to.unknowns.push(unknown);
+    Ok(())
+}

@@ -1,0 +1,242 @@
+//! One inference: hypotheses are weighed by what an expert compares, then by all samples.
+//!
+//! Experimental: `efam diagnose --method features`. A hypothesis is a model with unknowns that all have proper priors
+//! (`setup.rs`). Its evidence is that of the features of all releases (`likelihood.rs`), by Laplace's method at the optimum
+//! (`search.rs`). Nothing, every effect of the catalogue and every statement that may be wrong are weighed by one formula
+//! (`candidates.rs`); a linearised screen chooses which are fitted (`screen.rs`). What wins is fitted to all samples
+//! (`samples.rs`). The verdict is odds (`verdict.rs`), and one rule beside: odds do not know that the truth is absent, so the
+//! misfit must fall by half, or the answer is unknown.
+
+mod answer;
+mod candidates;
+mod data;
+mod hypothesis;
+mod likelihood;
+mod samples;
+mod screen;
+mod search;
+mod setup;
+mod unknown;
+pub mod verdict;
+mod words;
+
+use std::sync::Arc;
+
+use efam_core::work::Work;
+use efam_experiments::cleaning::Cleaned;
+use efam_experiments::experiment::Experiment;
+use rayon::prelude::*;
+
+use crate::calibrate::{CalibrateError, Problem, SectionError, problem as calibration_problem};
+use crate::diagnose::{DiagnosisSettings, Listener, section};
+use candidates::{effects, statements};
+use data::Data;
+use samples::Sampled;
+use screen::{Screened, beside, screen};
+use search::{Effort, FIRST_SHARE, Fit, fit};
+pub use verdict::Weighed;
+use verdict::{Odds, Round};
+
+/// Candidates of a round that are fitted at least and at most, and how far behind the best by the screen one may be.
+const LEAST_FITTED: usize = 5;
+const MOST_FITTED: usize = 12;
+const BEHIND: f64 = 15.0;
+/// Tries of one effect that are fitted: a memory may be short or long.
+const TRIES: usize = 2;
+/// Candidates that are fitted to all samples, and how far behind the best by features one may be.
+const MOST_SAMPLED: usize = 4;
+const SAMPLED_BEHIND: f64 = 8.0;
+/// Log odds within which two answers are one class: twenty to one.
+const CLASS: f64 = 3.0;
+/// Log odds over all candidates together that an answer needs beside, `ln K` being their number.
+const MARGIN: f64 = 2.0;
+/// A fit this far below the one that it extends ended in another valley, and begins once more.
+const ASTRAY: f64 = 2.0;
+/// Evaluations of a fit from the priors' means in each round, and of a candidate's.
+const BASE_EFFORT: Effort = Effort(25);
+const EFFORT: Effort = Effort(12);
+
+/// The problem of an experiment: as of a calibration, losses shared, a stated stiffness with the prior of a test.
+/// # Errors
+/// [`SectionError`], with the place in the file where there is one.
+pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, SectionError> {
+    let (mut problem, _) = calibration_problem(experiment, cleaned)?;
+    let section = experiment.section("calibrate")?;
+    let listed = section.tables("parameter").map_err(efam_experiments::experiment::ExperimentError::from)?;
+    if listed.is_empty() {
+        section::believe_stiffness(&mut problem, experiment);
+    }
+    Ok(problem)
+}
+
+/// A candidate that was fitted.
+struct Tried {
+    name: String,
+    fit: Fit,
+    sampled: Option<Sampled>,
+    /// Log odds over the model before, by features and, where they were fitted, by all samples.
+    features: f64,
+    all: f64,
+}
+
+/// Weighs what may be missing.
+/// # Errors
+/// [`CalibrateError`] for a problem that makes no sense, and where the model cannot be run.
+pub fn diagnose(
+    problem: &Problem,
+    settings: &DiagnosisSettings,
+    listener: &dyn Listener,
+) -> Result<Weighed, CalibrateError> {
+    let name = problem.trials.first().map_or(String::new(), |trial| trial.release.name.clone());
+    let of_model = |error| CalibrateError::Model { release: name.clone(), error };
+    let mut trials = setup::trials(problem).map_err(of_model)?;
+    let work = Work::limited(settings.budget);
+    trials.iter_mut().for_each(|trial| trial.run.work = work.clone());
+    if trials.is_empty() {
+        return Err(CalibrateError::NoTrials);
+    }
+    listener.doing("features of the recordings");
+    let (data, places) = Data::of(&trials);
+    let mut warnings: Vec<String> = (0..trials.len())
+        .filter(|r| !places.contains(r))
+        .map(|r| format!("{}: shows no swing, and takes no part", trials[r].release.name))
+        .collect();
+    let trials: Vec<_> = places.iter().map(|r| trials[*r].clone()).collect();
+    if trials.is_empty() {
+        return Err(CalibrateError::NoFit { release: name });
+    }
+    let nothing = Arc::new(setup::nothing(problem, trials, &data.plans).map_err(of_model)?);
+    listener.doing("the model as it is");
+    let no_fit = || CalibrateError::NoFit { release: name.clone() };
+    let baseline = fit(&data, &nothing, &nothing.start(), FIRST_SHARE, BASE_EFFORT).ok_or_else(no_fit)?;
+    let baseline_sampled = samples::fit(&data, &nothing, &baseline.z).ok_or_else(no_fit)?;
+    listener.began();
+    let (mut rounds, mut accepted): (Vec<Round>, Vec<Tried>) = (Vec::new(), Vec::new());
+    let mut members = Vec::new();
+    for number in 0..settings.most_effects.max(1) {
+        if settings.most_effects == 0 || listener.stop().is_requested() {
+            break;
+        }
+        // Between parts of the search no run is in progress, so the count is that of any machine.
+        if work.is_spent() {
+            warnings.push(format!("the budget ended the search before round {}", number + 1));
+            break;
+        }
+        let (base, sampled) = match accepted.last() {
+            Some(last) => (&last.fit, last.sampled.as_ref().unwrap_or(&baseline_sampled)),
+            None => (&baseline, &baseline_sampled),
+        };
+        let (bar, mut tried) = round(&data, base, sampled, settings, number, listener);
+        rounds.push(Round { bar, share: base.share, candidates: tried.iter().map(Tried::odds_of).collect() });
+        if tried.is_empty() || tried[0].all < bar {
+            break;
+        }
+        let best = tried.remove(0);
+        members = (tried.iter())
+            .filter(|own| best.all - own.all < CLASS && own.name != best.name)
+            .map(|own| own.name.clone())
+            .collect();
+        members.dedup();
+        let is_done = best.sampled.as_ref().is_some_and(|own| own.misfit() < 0.5 * own.noise);
+        accepted.push(best);
+        if is_done {
+            break;
+        }
+    }
+    if data.plans.iter().any(|plan| plan.frequency * (plan.time[1] - plan.time[0]) > 0.1) {
+        warnings.push("fewer than ten samples in a cycle: turns are known badly".to_owned());
+    }
+    Ok(answer::answer(&data, &baseline, &baseline_sampled, &accepted, members, rounds, warnings))
+}
+
+/// One round: every candidate is screened, some are fitted, and the best also to all samples; the best first.
+fn round(
+    data: &Data,
+    base: &Fit,
+    base_sampled: &Sampled,
+    settings: &DiagnosisSettings,
+    number: usize,
+    listener: &dyn Listener,
+) -> (f64, Vec<Tried>) {
+    listener.doing(&format!("round {}: screen", number + 1));
+    let mut extensions = effects(&base.hypothesis, settings);
+    extensions.extend(statements(&base.hypothesis));
+    let mut names: Vec<&str> = extensions.iter().map(|own| own.name.as_str()).collect();
+    names.dedup();
+    let bar = (names.len() as f64).ln() + MARGIN;
+    let screened = screen(data, base, extensions);
+    let chosen = chosen(screened);
+    listener.doing(&format!("round {}: {} fits", number + 1, chosen.len()));
+    let fitted = |own: Screened| {
+        let hypothesis = screen::hypothesis(&own.extension);
+        let first = fit(data, &hypothesis, &own.start, own.share, EFFORT);
+        let is_astray = first.as_ref().is_none_or(|fit| fit.evidence < base.evidence - ASTRAY);
+        let again =
+            is_astray.then(|| fit(data, &hypothesis, &beside(base, &own.extension), base.share, EFFORT));
+        let best = [first, again.flatten()]
+            .into_iter()
+            .flatten()
+            .max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
+        let features = best.evidence - base.evidence + own.extension.odds;
+        let name = own.extension.name;
+        Some(Tried { name, features, all: features, fit: best, sampled: None })
+    };
+    let mut tried: Vec<Tried> =
+        chosen.into_par_iter().map(fitted).collect::<Vec<_>>().into_iter().flatten().collect();
+    tried.sort_by(|a, b| b.features.total_cmp(&a.features));
+    // The better of several tries of one effect stays.
+    let mut seen: Vec<String> = Vec::new();
+    tried.retain(|own| {
+        let is_new = !seen.contains(&own.name);
+        seen.push(own.name.clone());
+        is_new
+    });
+    let top = tried.first().map_or(0.0, |own| own.features);
+    let is_near = |own: &&mut Tried| top - own.features < SAMPLED_BEHIND;
+    let near: Vec<&mut Tried> = tried.iter_mut().take(MOST_SAMPLED).filter(is_near).collect();
+    listener.doing(&format!("round {}: all samples", number + 1));
+    near.into_par_iter().for_each(|own| {
+        if let Some(sampled) = samples::fit(data, &own.fit.hypothesis, &own.fit.z) {
+            own.all = own.features + gain(data, base_sampled, &sampled);
+            own.sampled = Some(sampled);
+        }
+    });
+    // Those that were not fitted to all samples stay behind.
+    tried.sort_by(|a, b| b.sampled.is_some().cmp(&a.sampled.is_some()).then(b.all.total_cmp(&a.all)));
+    (bar, tried)
+}
+
+/// What the fit to all samples adds to the log odds: so many numbers of each release are better by the ratio of mean squares.
+fn gain(data: &Data, before: &Sampled, after: &Sampled) -> f64 {
+    let of = |((before, after), plan): ((&f64, &f64), &crate::features::Plan)| {
+        let noise = plan.noise.powi(2);
+        0.5 * samples::NUMBERS * ((before + noise) / (after + noise)).ln()
+    };
+    before.misfits.iter().zip(&after.misfits).zip(&data.plans).map(of).sum()
+}
+
+/// The candidates that are fitted: the most promising, and not too many tries of one effect.
+fn chosen(screened: Vec<Screened>) -> Vec<Screened> {
+    let top = screened.first().map_or(0.0, |own| own.promise);
+    let mut chosen: Vec<Screened> = Vec::new();
+    for own in screened {
+        let tries = chosen.iter().filter(|other| other.extension.name == own.extension.name).count();
+        let is_near = top - own.promise < BEHIND;
+        if tries < TRIES && chosen.len() < MOST_FITTED && (is_near || chosen.len() < LEAST_FITTED) {
+            chosen.push(own);
+        }
+    }
+    chosen
+}
+
+impl Tried {
+    fn odds_of(&self) -> Odds {
+        Odds {
+            name: self.name.clone(),
+            features: self.features,
+            all: self.sampled.as_ref().map(|_| self.all),
+            share: self.fit.share,
+            rms_mm: self.sampled.as_ref().map(|own| 1e3 * own.rms),
+        }
+    }
+}
