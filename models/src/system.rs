@@ -257,26 +257,33 @@ impl System {
         v: &[f64],
         z: &[f64],
     ) -> Vec<(&'static str, Vec<[f64; 2]>)> {
-        let mut force = vec![0.0; self.model.dof()];
-        let mut z_rate = vec![0.0; self.model.memory()];
-        let all = self.assembly.acting.clone();
-        let mut forces = Vec::new();
-        for k in 0..self.model.effects.len() {
-            let own = Acting::only(&self.model, k);
-            let acts = [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip, &own.clamp]
-                .iter()
-                .any(|list| !list.is_empty());
-            if acts {
-                self.assembly.acting = own;
-                self.force(time, q, v, z, &mut force, &mut z_rate);
-                forces.push((
-                    self.model.effects[k].effect.about().name,
-                    self.assembly.fields.node_forces(&self.assembly.context),
-                ));
-            }
+        let all = 0..self.model.effects.len();
+        all.filter_map(|k| {
+            let own = self.forces_of(k, time, q, v, z)?;
+            Some((self.model.effects[k].effect.about().name, own))
+        })
+        .collect()
+    }
+
+    /// Force of one effect of the model on the nodes; none where it exerts none as the model is.
+    pub fn forces_of(
+        &mut self,
+        effect: usize,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        z: &[f64],
+    ) -> Option<Vec<[f64; 2]>> {
+        let own = Acting::only(&self.model, effect);
+        let lists = [&own.bend, &own.edge, &own.flow, &own.mass, &own.tip, &own.clamp];
+        if lists.iter().all(|list| list.is_empty()) {
+            return None;
         }
+        let (mut force, mut z_rate) = (vec![0.0; self.model.dof()], vec![0.0; self.model.memory()]);
+        let all = std::mem::replace(&mut self.assembly.acting, own);
+        self.force(time, q, v, z, &mut force, &mut z_rate);
         self.assembly.acting = all;
-        forces
+        Some(self.assembly.fields.node_forces(&self.assembly.context))
     }
 
     /// The memory that each bend would have if the posture had always been this one: found by

@@ -20,12 +20,14 @@ pub struct Rest {
     pub stable: bool,
     /// Undamped frequency, Hz, and damping ratio of the slowest modes. Friction sticks in them.
     pub modes: Result<Vec<(f64, f64)>, ModelError>,
+    /// Unit vector in W along which the observed tip moves in the slowest mode; none without modes, or where it does not
+    /// move.
+    pub first_direction: Option<[f64; 2]>,
 }
 
-/// Undamped frequency, Hz, and damping ratio of the slowest modes about a rest.
-fn in_hertz(model: &Model, found: &Equilibrium, count: usize) -> Result<Vec<(f64, f64)>, ModelError> {
-    let in_hertz = |mode: &Mode| (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio);
-    Ok(modes(model, found, count)?.iter().map(in_hertz).collect())
+/// Undamped frequency, Hz, and damping ratio.
+fn in_hertz(mode: &Mode) -> (f64, f64) {
+    (mode.angular_frequency / std::f64::consts::TAU, mode.damping_ratio)
 }
 
 /// Undamped frequency, Hz, and damping ratio of the slowest modes of the rod whose friction slips, about the rest
@@ -60,13 +62,21 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
     let posture = system.assembly.posture(&found.q, &at_rest);
     let (tip, _) = system.observed_tip(&found.q, &at_rest);
     let root_moment = root_moment(&mut system, &found);
+    let modes = modes(model, &found, count);
+    let first = modes.as_ref().ok().and_then(|modes| modes.first());
+    let first_direction = first.and_then(|mode| {
+        let [x, z] = system.observed_tip(&found.q, &mode.shape).1;
+        let length = x.hypot(z);
+        (length > 0.0).then(|| [x / length, z / length])
+    });
     Ok(Rest {
         nodes: posture.nodes,
         tip,
         tip_angle: posture.angle,
         root_moment,
         stable: found.stable,
-        modes: in_hertz(model, &found, count),
+        modes: modes.map(|modes| modes.iter().map(in_hertz).collect()),
+        first_direction,
     })
 }
 

@@ -8,8 +8,9 @@ use serde::Serialize;
 
 use crate::analysis::AnalysisError;
 use crate::analysis::bending_stiffness::StiffnessFit;
+use crate::analysis::coordinate::Coordinate;
 use crate::analysis::dynamic_stiffness::{self, DynamicStiffness};
-use crate::analysis::measured::{self, Measured};
+use crate::analysis::measured::{self, KnownRest, Measured};
 use crate::analysis::rest::{self, RestEstimate};
 use crate::analysis::static_stiffness::{self, StaticFit};
 use crate::cleaning::{CleanRelease, Cleaned};
@@ -78,7 +79,10 @@ pub fn measured(of: &CleanRelease) -> (Result<Measured, AnalysisError>, Option<R
         rest::estimate(&of.release.time, position, of.swings_until, *frequency, rate)
     });
     match rest {
-        Some(found) => (measured::analyse(&of.release, found.position), rest),
+        Some(found) => {
+            let known = KnownRest { position: found.position, error: found.error };
+            (measured::analyse(&of.release, known), rest)
+        }
         None => (first, None),
     }
 }
@@ -100,8 +104,8 @@ pub struct Said<'a> {
     pub settled: Option<bool>,
     /// Why nothing could be said of the swing.
     pub why_not: Option<String>,
-    /// The coordinate that was analysed, x or z.
-    pub coordinate: Option<&'static str>,
+    /// The coordinate that was analysed.
+    pub coordinate: Option<Coordinate>,
     /// From the spectrum.
     pub damped_frequency_hz: Option<f64>,
     /// How well the cycles agree about it.
@@ -110,6 +114,8 @@ pub struct Said<'a> {
     pub natural_frequency_hz: Option<f64>,
     /// By eq. 6 on the upper peaks.
     pub damping_ratio: Option<f64>,
+    /// Its standard error: from the scatter of the peaks or the noise, and from the error of the rest.
+    pub damping_ratio_error: Option<f64>,
     /// Root mean square distance of the peaks from that fit.
     pub decay_residual_m: Option<f64>,
     /// Why there is no such fit.
@@ -246,11 +252,12 @@ impl Analysed<'_> {
         };
         let decay = measured.decay.as_ref();
         Said {
-            coordinate: Some(measured.coordinate.name()),
+            coordinate: Some(measured.coordinate),
             damped_frequency_hz: measured.damped_frequency.as_ref().ok().map(|omega| omega / TAU),
             frequency_error_share: measured.frequency_error(),
             natural_frequency_hz: measured.natural_frequency().map(|omega| omega / TAU),
             damping_ratio: decay.ok().map(|decay| decay.damping_ratio),
+            damping_ratio_error: decay.ok().map(|decay| decay.ratio_error),
             decay_residual_m: decay.ok().map(|decay| decay.rms_residual),
             why_no_decay: decay.err().map(String::as_str),
             counted_from_s: Some(measured.since),

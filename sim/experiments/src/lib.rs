@@ -4,7 +4,9 @@
 pub mod analyse;
 pub mod analysis;
 pub mod cleaning;
+pub mod drive;
 pub mod error;
+pub mod events;
 pub mod experiment;
 pub mod gathered;
 pub mod init;

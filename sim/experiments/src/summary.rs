@@ -7,21 +7,24 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Display;
 
-use efam_core::accuracy::{AT_REST, Errors};
+use efam_core::accuracy::Errors;
 use efam_core::forward::{Initial, Run};
 use efam_core::integrate::{Effort, Method};
-use efam_core::rest::{Rest, slipping_modes};
+use efam_core::rest::{Rest, rest, slipping_modes};
 use efam_core::trajectory::{Instant, Status, Trace, Trajectory};
+use models::digits::{short, significant};
 use models::model::{Model, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::analysis::coordinate::Coordinate;
 use crate::analysis::decay::{self, Decay};
 use crate::analysis::peaks;
 use crate::analysis::settling::settling_time;
-use crate::analysis::spectrum::Spectrum;
-use crate::analysis::swing::{swing, swing_spectrum};
+use crate::analysis::swing::{self, Known, swing_along};
 use crate::analysis::{AnalysisError, Excursion};
+use crate::drive::Drive;
+use crate::events::{self, Event, EventKind};
 
 /// Number of modes in a summary.
 pub const MODES: usize = 3;
@@ -37,9 +40,20 @@ pub struct Summary {
     pub simulated_s: f64,
     /// Number of samples.
     pub samples: usize,
-    /// Static equilibrium under the pressure at the end of the run.
+    /// Static equilibrium under the pressure and the loads at the end of the run.
     pub rest: Option<Place>,
-    /// Upper peaks of the tip's height, told from bumps in the trough.
+    /// What happened, by time: the release, steps and ramps of pressure and force, steady forcing, each with the response
+    /// of the tip in x and in z.
+    #[serde(default)]
+    pub events: Vec<Event>,
+    /// Time of the event that frequency, peaks, damping and settling follow: the release, or else the first step or ramp.
+    /// Their times count from it.
+    #[serde(default)]
+    pub event_s: Option<f64>,
+    /// The direction along which frequency, peaks, damping and settling are measured: that of the first mode about the rest,
+    /// positive on the side of the start.
+    pub coordinate: Option<Coordinate>,
+    /// Upper peaks of the coordinate, one in a period.
     pub peaks: Option<Vec<Peak>>,
     /// Where the tip first turned upwards.
     pub first_low: Option<Place>,
@@ -49,7 +63,7 @@ pub struct Summary {
     pub beyond_straight_down: Option<bool>,
     /// Least angle of the end body, rad from x towards z; below −π/2 is beyond straight down.
     pub least_tip_angle_rad: Option<f64>,
-    /// Damped frequency: where the amplitude spectrum of the tip's height is highest.
+    /// Damped frequency: where the amplitude spectrum of the coordinate is highest about the first mode.
     pub damped_frequency_hz: Option<f64>,
     /// Natural frequency, from the damped one by eq. 7.
     pub natural_frequency_hz: Option<f64>,
@@ -59,6 +73,8 @@ pub struct Summary {
     pub decay_amplitude_m: Option<f64>,
     /// Root mean square distance of the peaks from the fit; large where damping depends on amplitude.
     pub decay_residual_m: Option<f64>,
+    /// The same of the tip's height, as the paper has it.
+    pub height: Option<OfHeight>,
     /// Damping and frequency from each upper peak to the next.
     pub cycles: Option<Vec<Cycle>>,
     /// Small vibrations about the rest, slowest first. Friction, where there is any, sticks in them.
@@ -67,7 +83,7 @@ pub struct Summary {
     /// empty where they are not found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slipping_modes: Option<Vec<Mode>>,
-    /// Time after which the tip stays within 2 % of its first excursion.
+    /// Time after which the coordinate stays within 2 % of its largest excursion.
     pub settling_2_percent_s: Option<f64>,
     /// The same for 5 %.
     pub settling_5_percent_s: Option<f64>,
@@ -115,13 +131,24 @@ pub struct Place {
     pub tip_angle_rad: f64,
 }
 
-/// An upper peak.
+/// An upper peak of the coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Peak {
-    /// After release.
+    /// After the event.
     pub time_s: f64,
-    /// Above rest.
-    pub height_m: f64,
+    /// Distance from the rest.
+    pub excursion_m: f64,
+}
+
+/// Frequency and damping by the paper's method, from the height of the tip.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OfHeight {
+    /// From the spectrum.
+    pub damped_frequency_hz: f64,
+    /// By eq. 7.
+    pub natural_frequency_hz: f64,
+    /// By eq. 6 on the upper peaks.
+    pub damping_ratio: f64,
 }
 
 /// From one upper peak to the next.
@@ -129,10 +156,13 @@ pub struct Peak {
 pub struct Cycle {
     /// Midway between the two.
     pub time_s: f64,
-    /// Geometric mean of their heights.
+    /// Geometric mean of their excursions.
     pub amplitude_m: f64,
     /// From their logarithmic decrement.
     pub damping_ratio: f64,
+    /// Its standard error, from the noise of the peaks and the error of the rest; zero in a simulation.
+    #[serde(default)]
+    pub damping_ratio_error: f64,
     /// From the time between them.
     pub damped_frequency_hz: f64,
 }
@@ -231,34 +261,66 @@ impl Versions {
     }
 }
 
-/// What the tip's height says, kept for the picture.
+/// Swings of a run, kept for pictures.
 #[derive(Clone, Debug, Default)]
-pub struct Swing {
-    /// Amplitude over frequency.
-    pub spectrum: Option<Spectrum>,
-    /// Eq. 6 fitted.
-    pub decay: Option<Decay>,
+pub struct Swings {
+    /// Along the coordinate of the summary.
+    pub coordinate: Option<OfCoordinate>,
+    /// Of the height, as the paper has it.
+    pub height: Option<OfCoordinate>,
+    /// What drives the run.
+    pub drive: Drive,
 }
 
-/// The numbers of a run and its swing; name, inputs, warnings and wall time are the caller's.
+/// The swing of a run along a coordinate.
+#[derive(Clone, Debug)]
+pub struct OfCoordinate {
+    /// Along which.
+    pub coordinate: Coordinate,
+    /// Its value at rest, m.
+    pub rest: f64,
+    /// When it begins, s: the release, or the end of a change. The clock of the swing counts from there.
+    pub begin: f64,
+    /// Frequency, peaks and decay.
+    pub swing: swing::Swing,
+}
+
+/// The numbers of a run and its swings; name, inputs, warnings and wall time are the caller's.
 pub fn summarise(
     model: &Model,
     run: &Run,
     trajectory: &Trajectory,
     rest: &Result<Rest, impl Display>,
-) -> (Summary, Swing) {
+) -> (Summary, Swings) {
     let mut missing = Missing::default();
     let trace = &trajectory.trace;
-    let excursion = excursion(model, trace, rest);
-    let spectrum = excursion.as_ref().map_err(Clone::clone).map(swing_spectrum);
-    let (damped, upper) = match (&excursion, &spectrum) {
-        (Ok(excursion), Ok(spectrum)) => swing(excursion, spectrum),
-        (Err(why), _) | (_, Err(why)) => (Err(why.clone()), Err(why.clone())),
+    let simulated_s = trajectory.times.last().copied().unwrap_or(0.0);
+    let slipping = slipping_modes(model, simulated_s, MODES);
+    let drive = Drive::of(model, trajectory);
+    let mut events = happened(model, trajectory, &drive, rest);
+    events::measure(model, trajectory, &drive, &mut events);
+    let main = main_swing(model, trajectory, &events, rest);
+    let along = main.as_ref().map_err(Clone::clone).and_then(|main| {
+        let coordinate = events::coordinate(main.path, &main.rest);
+        main.along(trace.step, coordinate)
+    });
+    let height = main
+        .as_ref()
+        .map_err(Clone::clone)
+        .and_then(|main| main.along(trace.step, Coordinate::HEIGHT).map(|(_, own)| own));
+    // From the event to where its change is over.
+    let change = main.as_ref().map_or(0.0, |main| main.begin - main.event);
+    let swing = along.as_ref().map(|(_, own)| &own.swing).map_err(Clone::clone);
+    let damped = and_then(&swing, |swing| swing.damped_frequency.clone());
+    let upper = and_then(&swing, |swing| swing.peaks.clone());
+    let decay = and_then(&swing, |swing| swing.decay.clone());
+    let cycles = and_then(&swing, |swing| swing.cycles.clone());
+    let of_height = and_then(&height, |own| of_height(&own.swing));
+    let settling = |fraction| {
+        and_then(&along, |(excursion, _)| {
+            settling_time(excursion, fraction).map(|time| change + time).map_err(|error| error.to_string())
+        })
     };
-    let decay =
-        and_then(&upper, |peaks| decay::fit_decay(peaks, *damped.as_ref().expect("peaks come from it")));
-    let cycles = and_then(&upper, |peaks| decay::cycles(peaks));
-    let settling = |fraction| and_then(&excursion, |excursion| settling_time(excursion, fraction));
     let no_samples = || "no sample was reached".to_owned();
     let first_low = trace.first_low().ok_or_else(|| "the tip never turned upwards".to_owned());
     let lowest = trace.lowest().ok_or_else(no_samples);
@@ -268,7 +330,6 @@ pub fn summarise(
         Err(error) => Err(format!("needs the rest: {error}")),
     };
 
-    let simulated_s = trajectory.times.last().copied().unwrap_or(0.0);
     let decay_says = |what: fn(&Decay) -> f64| decay.as_ref().map(what).map_err(Clone::clone);
     let summary = Summary {
         name: String::new(),
@@ -276,7 +337,11 @@ pub fn summarise(
         simulated_s,
         samples: trajectory.times.len(),
         rest: missing.note("rest", rest.as_ref().map(at_rest)),
-        peaks: missing.note("peaks", upper.as_ref().map(|peaks| peaks.iter().map(peak).collect())),
+        event_s: main.as_ref().ok().map(|main| main.event),
+        events,
+        coordinate: missing.note("coordinate", along.as_ref().map(|(_, own)| own.coordinate)),
+        peaks: missing
+            .note("peaks", upper.as_ref().map(|peaks| peaks.iter().map(|own| peak(own, change)).collect())),
         first_low: missing.note("first_low", first_low.map(place)),
         lowest: missing.note("lowest", lowest.map(place)),
         beyond_straight_down: missing
@@ -288,9 +353,12 @@ pub fn summarise(
         damping_ratio: missing.note("damping_ratio", decay_says(|decay| decay.damping_ratio)),
         decay_amplitude_m: missing.note("decay_amplitude_m", decay_says(|decay| decay.initial_amplitude)),
         decay_residual_m: missing.note("decay_residual_m", decay_says(|decay| decay.rms_residual)),
-        cycles: missing.note("cycles", cycles.map(|cycles| cycles.iter().map(Cycle::from).collect())),
-        slipping_modes: slipping_modes(model, simulated_s, MODES)
-            .map(|modes| modes.iter().map(mode).collect()),
+        height: missing.note("height", of_height),
+        cycles: missing.note(
+            "cycles",
+            cycles.map(|cycles| cycles.iter().map(|own| Cycle::after(own, change)).collect()),
+        ),
+        slipping_modes: slipping.as_ref().map(|modes| modes.iter().map(mode).collect()),
         modes: missing.note("modes", modes.map(|modes| modes.iter().map(mode).collect())),
         settling_2_percent_s: missing.note("settling_2_percent_s", settling(0.02)),
         settling_5_percent_s: missing.note("settling_5_percent_s", settling(0.05)),
@@ -309,7 +377,8 @@ pub fn summarise(
         argv: Vec::new(),
         written_utc: String::new(),
     };
-    (Summary { missing: missing.0, ..summary }, Swing { spectrum: spectrum.ok(), decay: decay.ok() })
+    let swings = Swings { coordinate: along.ok().map(|(_, own)| own), height: height.ok(), drive };
+    (Summary { missing: missing.0, ..summary }, swings)
 }
 
 /// Why entries are null.
@@ -325,19 +394,98 @@ impl Missing {
 /// The next step of an analysis, or why the one before failed.
 fn and_then<A, B>(
     before: &Result<A, String>,
-    next: impl FnOnce(&A) -> Result<B, AnalysisError>,
+    next: impl FnOnce(&A) -> Result<B, String>,
 ) -> Result<B, String> {
-    next(before.as_ref().map_err(Clone::clone)?).map_err(|error| error.to_string())
+    next(before.as_ref().map_err(Clone::clone)?)
 }
 
-fn excursion(model: &Model, trace: &Trace, rest: &Result<Rest, impl Display>) -> Result<Excursion, String> {
-    let rest = rest.as_ref().map_err(|why| format!("needs the rest: {why}"))?;
-    let off = |tip: &[f64; 2]| (tip[0] - rest.tip[0]).hypot(tip[1] - rest.tip[1]);
-    let farthest = trace.tip.iter().map(off).fold(0.0, f64::max);
-    if !trace.tip.is_empty() && farthest < AT_REST * model.rod().length {
-        return Err(format!("the rod is at rest: its tip moves by {:.0e} mm", 1e3 * farthest));
+/// What happened in a run. One that moves without a cause is let go off its rest by less than that is known.
+fn happened(
+    model: &Model,
+    trajectory: &Trajectory,
+    drive: &Drive,
+    at_end: &Result<Rest, impl Display>,
+) -> Vec<Event> {
+    let at_release = if model.is_timed() { rest(model, 0.0, 1).ok() } else { None };
+    let at_release = at_release.as_ref().or(at_end.as_ref().ok().filter(|_| !model.is_timed()));
+    events::events(model, trajectory, drive, at_release)
+}
+
+/// The part of a run that its own numbers are of.
+struct Main<'a> {
+    /// Time of the event, s.
+    event: f64,
+    /// When its change is over, s.
+    begin: f64,
+    /// The tip from then on, up to the next event, m.
+    path: &'a [[f64; 2]],
+    /// Where it comes to rest.
+    rest: Rest,
+    /// Modes of the rod whose friction slips about that rest, where it has any.
+    slipping: Option<Vec<(f64, f64)>>,
+}
+
+/// The swing after the release, or else after the first step or ramp.
+fn main_swing<'a>(
+    model: &Model,
+    trajectory: &'a Trajectory,
+    all: &[Event],
+    at_end: &Result<Rest, impl Display>,
+) -> Result<Main<'a>, String> {
+    let trace = &trajectory.trace;
+    let at_end = at_end.as_ref().map_err(|why| format!("needs the rest: {why}"))?;
+    if trace.tip.is_empty() {
+        return Err("no sample was reached".to_owned());
     }
-    Excursion::about(rest.tip[1], &trace.heights(), trace.step).map_err(|error| error.to_string())
+    let forcing = all.iter().find(|event| event.kind == EventKind::SteadyForcing);
+    let Some(event) = events::main_event(all) else {
+        if let Some(hertz) = forcing.and_then(|event| event.forcing_hz) {
+            return Err(format!(
+                "a force of {} Hz acts all the time: see its gain and phase",
+                significant(hertz, 3)
+            ));
+        }
+        let off = |tip: &[f64; 2]| (tip[0] - at_end.tip[0]).hypot(tip[1] - at_end.tip[1]);
+        let farthest = trace.tip.iter().map(off).fold(0.0, f64::max);
+        return Err(format!("the rod is at rest: its tip moves by {} mm", short(1e3 * farthest)));
+    };
+    if let Some(forcing) = forcing.filter(|forcing| forcing.time_s < event.window_end_s) {
+        let hertz = significant(forcing.forcing_hz.unwrap_or(0.0), 3);
+        return Err(format!("a force of {hertz} Hz acts beside the swing: see its gain and phase"));
+    }
+    let is_last = all.iter().all(|other| other.window_end_s <= event.window_end_s);
+    let rest = if is_last { at_end.clone() } else { events::rest_after(model, event, MODES)? };
+    let path = events::window(trajectory, event.until_s, event.window_end_s);
+    let (event, begin, end) = (event.time_s, event.until_s, event.window_end_s);
+    Ok(Main { event, begin, path, rest, slipping: slipping_modes(model, end, MODES) })
+}
+
+impl Main<'_> {
+    /// The swing along a coordinate, near the frequency of the first mode: of the rod whose friction slips, where it has
+    /// any.
+    fn along(&self, step: f64, coordinate: Coordinate) -> Result<(Excursion, OfCoordinate), String> {
+        let (rest, slipping) = (&self.rest, self.slipping.as_deref());
+        let modes = slipping.filter(|modes| !modes.is_empty()).or(rest.modes.as_deref().ok());
+        let first = modes.and_then(|modes| modes.first());
+        let damped = first.map(|(hertz, ratio)| TAU * hertz * (1.0 - ratio * ratio).sqrt());
+        let known = Known {
+            mode: damped.filter(|omega| *omega > 0.0),
+            has_bumps: coordinate == Coordinate::HEIGHT,
+            ..Known::default()
+        };
+        let (excursion, swing) = swing_along(self.path, step, rest.tip, coordinate, &known)
+            .map_err(|error: AnalysisError| error.to_string())?;
+        Ok((excursion, OfCoordinate { coordinate, rest: coordinate.of(rest.tip), begin: self.begin, swing }))
+    }
+}
+
+fn of_height(swing: &swing::Swing) -> Result<OfHeight, String> {
+    let decay = swing.decay.as_ref().map_err(Clone::clone)?;
+    Ok(OfHeight {
+        damped_frequency_hz: decay.damped_frequency / TAU,
+        natural_frequency_hz: decay.natural_frequency / TAU,
+        damping_ratio: decay.damping_ratio,
+    })
 }
 
 /// Time between samples, s, if all are equally far apart and the first is the release.
@@ -356,8 +504,15 @@ fn at_rest(rest: &Rest) -> Place {
     Place { time_s: None, tip_x_m: rest.tip[0], tip_z_m: rest.tip[1], tip_angle_rad: rest.tip_angle }
 }
 
-fn peak(peak: &peaks::Peak) -> Peak {
-    Peak { time_s: peak.time, height_m: peak.height }
+fn peak(peak: &peaks::Peak, change: f64) -> Peak {
+    Peak { time_s: change + peak.time, excursion_m: peak.height }
+}
+
+impl Cycle {
+    /// The same with its time counted from an event whose change took so long, s.
+    fn after(cycle: &decay::Cycle, change: f64) -> Self {
+        Self { time_s: change + cycle.time, ..cycle.into() }
+    }
 }
 
 impl From<&decay::Cycle> for Cycle {
@@ -366,6 +521,7 @@ impl From<&decay::Cycle> for Cycle {
             time_s: cycle.time,
             amplitude_m: cycle.amplitude,
             damping_ratio: cycle.damping_ratio,
+            damping_ratio_error: cycle.ratio_error,
             damped_frequency_hz: cycle.damped_frequency / TAU,
         }
     }
@@ -438,7 +594,6 @@ fn parameters(model: &Model) -> BTreeMap<String, RunParameter> {
 #[cfg(test)]
 mod tests {
     use efam_core::example::{muscle_at_15_psi, released};
-    use efam_core::rest::rest;
 
     use super::*;
 
@@ -464,7 +619,7 @@ mod tests {
         for pair in peaks.windows(2) {
             let between = pair[1].time_s - pair[0].time_s;
             assert!((between / period - 1.0).abs() < 0.1, "{pair:?}, {period}");
-            assert!(pair[1].height_m < pair[0].height_m, "{pair:?}");
+            assert!(pair[1].excursion_m < pair[0].excursion_m, "{pair:?}");
         }
         // Small swings are those of the first mode: alpha / (2 omega) of mass damping. Large ones are
         // slower, by some per cent.
@@ -503,7 +658,7 @@ mod tests {
             assert!(json[entry].is_null(), "{entry}: {}", json[entry]);
             assert!(summary.missing[entry].len() > 10, "{entry}: {:?}", summary.missing);
         }
-        assert_eq!(summary.missing.len(), 10, "{:?}", summary.missing);
+        assert_eq!(summary.missing.len(), 11, "{:?}", summary.missing);
         assert!(summary.missing["settling_2_percent_s"].starts_with("not settled"));
     }
 
@@ -533,9 +688,14 @@ mod tests {
             .map(|phase| (-0.02 * phase).exp() * (0.1 * phase.cos() + 0.15 * (2.0 * phase).cos() - 0.1))
             .collect();
         let excursion = Excursion::about(0.0, &z, 0.01).unwrap();
-        let (damped, upper) = swing(&excursion, &swing_spectrum(&excursion));
-        assert!(damped.unwrap_err().ends_with("upper peaks are 0.698 s apart; try a longer run"));
-        assert!(upper.is_err());
+        let known = Known { has_bumps: true, ..Known::default() };
+        let swing = swing::swing(&excursion, &known);
+        let why = swing.damped_frequency.unwrap_err();
+        assert!(why.ends_with("s apart; try a longer run"), "{why}");
+        assert!(swing.peaks.is_err());
+        // With the frequency of the mode it is found.
+        let swing = swing::swing(&excursion, &Known { mode: Some(9.3), ..known });
+        assert!((swing.damped_frequency.unwrap() / 9.0 - 1.0).abs() < 1e-3);
     }
 
     #[test]

@@ -17,7 +17,6 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::time::SystemTime;
 
-use efam_experiments::analysis::measured::Coordinate;
 use efam_store::StoreError;
 use efam_store::folder::Folder;
 use serde_json::{Value, json};
@@ -136,13 +135,12 @@ fn tables(all: &[Pressure]) -> Vec<(String, String)> {
         ),
     ];
     if let Some(of) = example(all) {
-        let (coordinate, side) = of.coordinate();
-        let axis = usize::from(coordinate == Coordinate::Z);
-        let letter = coordinate.name();
-        let (rest, decay) = (of.tip_at_rest.map(|tip| tip[axis]), of.decay());
+        let coordinate = of.coordinate();
+        let letter = coordinate.letter();
+        let (rest, decay) = (of.tip_at_rest.map(|tip| coordinate.of(tip)), of.decay());
         let places = of.times.iter().zip(&of.path).map(|(time, tip)| {
-            let envelope = rest.zip(decay).map(|(rest, of)| rest + side * of.envelope(*time));
-            vec![Some(*time), Some(tip[axis]), envelope]
+            let envelope = rest.zip(decay).map(|(rest, of)| rest + of.envelope(*time));
+            vec![Some(*time), Some(coordinate.of(*tip)), envelope]
         });
         let heads = ["time_s".to_owned(), format!("tip_{letter}_m"), format!("envelope_{letter}_m")];
         tables.push(("figure-8.csv", table(&heads, places)));

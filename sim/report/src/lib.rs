@@ -42,7 +42,7 @@ use std::path::PathBuf;
 use std::time::SystemTime;
 
 use efam_core::accuracy::Errors;
-use efam_core::forward::Run;
+use efam_core::forward::{Cancel, Run};
 use efam_core::trajectory::{Status, Trajectory};
 use efam_experiments::summary::Summary;
 use efam_store::folder::{self, open};
@@ -89,6 +89,8 @@ pub struct Request {
     pub wall_time_s: f64,
     /// How wrong it may be, if that was estimated.
     pub errors: Option<Errors>,
+    /// Leaves out pictures and pages once it is requested. Numbers and tables are written.
+    pub cancel: Cancel,
 }
 
 /// What was written.
@@ -196,10 +198,16 @@ pub fn write_run(
     if request.csv {
         folder.write_with(&place(CSV), |file| table.write_csv(file))?;
     }
+    let json = serde_json::to_string_pretty(summary).expect("a summary has nothing that JSON has not");
+    folder.write(&place(MARK), json.as_bytes())?;
+    let is_wanted = || !request.cancel.is_requested();
+    if !is_wanted() {
+        return Ok(told.summary);
+    }
     let shown = told.shown(model, run, trajectory);
     folder.write(&place(PICTURE), picture::release(&shown).svg.as_bytes())?;
     // Many runs have one page, which is that of the folder.
-    if within.is_empty() {
+    if within.is_empty() && is_wanted() {
         let pictures = picture::released(&shown);
         for picture in &pictures {
             folder.write(&picture.file(), picture.svg().as_bytes())?;
@@ -208,8 +216,6 @@ pub fn write_run(
             simulated::page(request, summary, &pictures, picture::in_motion(&shown), SystemTime::now());
         folder.write(page::REPORT, html.as_bytes())?;
     }
-    let json = serde_json::to_string_pretty(summary).expect("a summary has nothing that JSON has not");
-    folder.write(&place(MARK), json.as_bytes())?;
     Ok(told.summary)
 }
 

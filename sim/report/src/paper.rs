@@ -17,15 +17,16 @@ use efam_core::trajectory::Trajectory;
 use efam_experiments::analyse::Analysed;
 use efam_experiments::analysis::AnalysisError;
 use efam_experiments::analysis::bending_stiffness::StiffnessFit;
+use efam_experiments::analysis::coordinate::Coordinate;
 use efam_experiments::analysis::decay::Decay;
-use efam_experiments::analysis::measured::{Coordinate, Measured};
+use efam_experiments::analysis::measured::{Measured, analyse_along};
 use efam_experiments::analysis::rest;
 use efam_experiments::analysis::spectrum::Spectrum;
 use efam_experiments::analysis::static_stiffness::{NODES, StaticFit, beam, compare};
 use efam_experiments::experiment::{Experiment, ExperimentError};
 use efam_experiments::release::Point;
 use efam_experiments::scenario::Case;
-use efam_experiments::summary::{MODES, Summary, Swing, summarise};
+use efam_experiments::summary::{MODES, OfCoordinate, Summary, Swings, summarise};
 use efam_inference::calibrate::problem::is_same_pressure;
 use models::model::Model;
 use models::muscle::{Extrapolation, Muscle, MuscleError};
@@ -121,8 +122,8 @@ pub struct Simulated {
     pub rest: Option<Rest>,
     /// Its numbers.
     pub summary: Summary,
-    /// Its spectrum and decay.
-    pub swing: Swing,
+    /// Its spectra and decays.
+    pub swings: Swings,
 }
 
 /// A shape at rest, from the clamp to the tip.
@@ -150,7 +151,7 @@ impl Pressure {
         let model = case.model.clone();
         let end = trajectory.times.last().copied().unwrap_or(0.0);
         let rest = rest_of(&model, end, MODES);
-        let (mut summary, swing) = summarise(&model, &case.run, &trajectory, &rest);
+        let (mut summary, swings) = summarise(&model, &case.run, &trajectory, &rest);
         summary.name = case.name.clone();
         let rest = rest.ok();
         let meshes: Vec<Model> = NODES.iter().filter_map(|nodes| model.with_nodes(*nodes).ok()).collect();
@@ -168,13 +169,17 @@ impl Pressure {
             fits,
             body_at_rest,
             numbers: Numbers {
-                damped_frequency_hz: summary.damped_frequency_hz,
-                natural_frequency_hz: summary.natural_frequency_hz,
-                damping_ratio: summary.damping_ratio,
+                damped_frequency_hz: summary
+                    .height
+                    .map_or(summary.damped_frequency_hz, |of| Some(of.damped_frequency_hz)),
+                natural_frequency_hz: summary
+                    .height
+                    .map_or(summary.natural_frequency_hz, |of| Some(of.natural_frequency_hz)),
+                damping_ratio: summary.height.map_or(summary.damping_ratio, |of| Some(of.damping_ratio)),
                 first_mode_hz: mode.map(|mode| mode.natural_frequency_hz),
                 beyond_straight_down: summary.beyond_straight_down,
             },
-            origin: Origin::Simulated(Box::new(Simulated { model, trajectory, rest, summary, swing })),
+            origin: Origin::Simulated(Box::new(Simulated { model, trajectory, rest, summary, swings })),
         })
     }
 
@@ -185,8 +190,8 @@ impl Pressure {
             let case = experiment.case_with(one.of.recording, one.of.angle, Some(nodes))?;
             meshes.extend(case.map(|case| case.model));
         }
-        let measured = one.measured.as_ref().ok();
-        let decay = measured.and_then(|measured| measured.decay.as_ref().ok());
+        let measured = by_height(one);
+        let decay = measured.as_ref().and_then(|measured| measured.decay.as_ref().ok());
         let published = COLUMNS.map(|source| {
             let muscle = experiment.muscle()?;
             Some(muscle.at(pressure, source, Extrapolation::Refused).ok()?.bending_stiffness)
@@ -215,13 +220,14 @@ impl Pressure {
             body_at_rest,
             numbers: Numbers {
                 damped_frequency_hz: measured
+                    .as_ref()
                     .and_then(|measured| measured.damped_frequency.as_ref().ok().map(|omega| omega / TAU)),
                 natural_frequency_hz: decay.map(|decay| decay.natural_frequency / TAU),
                 damping_ratio: decay.map(|decay| decay.damping_ratio),
                 first_mode_hz: mode,
                 beyond_straight_down: None,
             },
-            origin: Origin::Recorded(measured.cloned().map(Box::new)),
+            origin: Origin::Recorded(measured.map(Box::new)),
         })
     }
 
@@ -243,7 +249,7 @@ impl Pressure {
     /// Its amplitude spectrum.
     pub fn spectrum(&self) -> Option<&Spectrum> {
         match &self.origin {
-            Origin::Simulated(own) => own.swing.spectrum.as_ref(),
+            Origin::Simulated(own) => own.shown().map(|own| &own.swing.spectrum),
             Origin::Recorded(own) => own.as_ref().map(|own| &own.spectrum),
         }
     }
@@ -251,19 +257,41 @@ impl Pressure {
     /// Eq. 6 fitted to its upper peaks.
     pub fn decay(&self) -> Option<&Decay> {
         match &self.origin {
-            Origin::Simulated(own) => own.swing.decay.as_ref(),
+            Origin::Simulated(own) => own.shown()?.swing.decay.as_ref().ok(),
             Origin::Recorded(own) => own.as_ref()?.decay.as_ref().ok(),
         }
     }
 
-    /// The coordinate that was analysed, and on which side of the rest its upper peaks are.
-    pub fn coordinate(&self) -> (Coordinate, f64) {
+    /// The coordinate that was analysed: the height, or that of the largest motion where the height has no upper peaks.
+    pub fn coordinate(&self) -> Coordinate {
         match &self.origin {
-            Origin::Recorded(Some(own)) => (own.coordinate, own.side),
-            Origin::Recorded(None) | Origin::Simulated(_) => (Coordinate::Z, 1.0),
+            Origin::Recorded(own) => own.as_ref().map_or(Coordinate::HEIGHT, |own| own.coordinate),
+            Origin::Simulated(own) => own.shown().map_or(Coordinate::HEIGHT, |own| own.coordinate),
         }
     }
 }
+
+impl Simulated {
+    /// The swing of the height, or where that has no upper peaks, along the first mode.
+    pub fn shown(&self) -> Option<&OfCoordinate> {
+        let of_height = self.swings.height.as_ref().filter(|own| own.swing.decay.is_ok());
+        of_height.or(self.swings.coordinate.as_ref())
+    }
+}
+
+/// The paper's analysis of a release: of the height, where its frequency is that of the swing.
+fn by_height(one: &Analysed) -> Option<Measured> {
+    let own = one.measured.as_ref().ok()?;
+    let of_height = analyse_along(&one.of.release, one.tip_at_rest(), Coordinate::HEIGHT).ok();
+    let is_the_swing = |height: &Measured| match (&height.decay, &own.damped_frequency) {
+        (Ok(decay), Ok(omega)) => (decay.damped_frequency / omega - 1.0).abs() < SAME_SWING,
+        _ => false,
+    };
+    Some(of_height.filter(is_the_swing).unwrap_or_else(|| own.clone()))
+}
+
+/// Share by which frequencies of two coordinates of one swing differ at most; harmonics differ by a half and more.
+const SAME_SWING: f64 = 0.25;
 
 /// The estimates of bending stiffness of Table 2.
 const COLUMNS: [&str; 3] = ["axial", "euler", "pder_32"];

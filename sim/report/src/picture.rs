@@ -8,6 +8,7 @@ mod compact;
 mod diagnosed;
 mod diagnosed_residual;
 mod drawing;
+mod driven;
 mod fitted;
 mod grid;
 mod lines;
@@ -28,7 +29,8 @@ mod tips;
 
 use efam_core::rest::Rest;
 use efam_core::trajectory::{Status, Trajectory};
-use efam_experiments::summary::{Summary, Swing};
+use efam_experiments::analysis::coordinate::Coordinate;
+use efam_experiments::summary::{OfCoordinate, Summary, Swings};
 use models::model::Model;
 use models::snapshot::Energy;
 use models::system::System;
@@ -117,8 +119,8 @@ pub struct ReleasePicture<'a> {
     pub rest: Option<&'a Rest>,
     /// Its numbers.
     pub summary: &'a Summary,
-    /// Its spectrum and decay.
-    pub swing: &'a Swing,
+    /// Its spectra and decays.
+    pub swings: &'a Swings,
 }
 
 /// Four panels of one run: shapes, height of the tip, energies, spectrum.
@@ -127,9 +129,10 @@ pub fn release(of: &ReleasePicture) -> Drawing {
         heading(page, &title(of.summary))?;
         let panels = page.below(px(34.0)).split_evenly((2, 2));
         shapes(of, &panels[0])?;
-        height(of, &panels[1])?;
+        let along = of.swings.coordinate.as_ref();
+        swing(of, along, &panels[1])?;
         energies(of, &panels[2])?;
-        spectrum(of, &panels[3])
+        spectrum(of, along, &panels[3])
     })
 }
 
@@ -234,38 +237,49 @@ fn clamp(panel: &mut Panel, model: &Model, length: f64) -> Drawn {
     Ok(())
 }
 
-fn height(of: &ReleasePicture, area: &Area) -> Drawn {
+/// Time up to which a run is drawn, s: until it has settled after its event, and half of that more.
+fn settled(summary: &Summary) -> f64 {
+    let event = summary.event_s.unwrap_or(0.0);
+    summary.settling_2_percent_s.map_or(f64::INFINITY, |time| event + SETTLED_TIMES * time)
+}
+
+/// The tip along a coordinate until it settles, with its upper peaks and eq. 6; its height where there is no coordinate.
+fn swing(of: &ReleasePicture, along: Option<&OfCoordinate>, area: &Area) -> Drawn {
     let trajectory = of.trajectory;
-    let settled = of.summary.settling_2_percent_s.map_or(f64::INFINITY, |time| SETTLED_TIMES * time);
-    let end = of.summary.simulated_s.min(settled);
-    let title =
-        if end < of.summary.simulated_s { "Height of the tip until it settles" } else { "Height of the tip" };
+    let end = of.summary.simulated_s.min(settled(of.summary));
+    let coordinate = along.map_or(Coordinate::HEIGHT, |along| along.coordinate);
+    let title = if end < of.summary.simulated_s { "The tip until it settles: " } else { "The tip: " };
+    let title = format!("{title}{}", coordinate.name());
     if trajectory.times.len() < 2 {
-        return Panel::without_data(area, title, "no samples");
+        return Panel::without_data(area, &title, "no samples");
     }
-    let rest = of.rest.map(|rest| rest.tip[1]);
-    let envelope: Vec<(f64, f64)> = match (&of.swing.decay, rest) {
-        (Some(decay), Some(rest)) => (0..=200)
+    let letter = coordinate.letter();
+    let begin = along.map_or(0.0, |along| along.begin);
+    let rest = along.map(|along| along.rest).or(of.rest.map(|rest| coordinate.of(rest.tip)));
+    let envelope: Vec<(f64, f64)> = match (along.map(|along| &along.swing.decay), rest) {
+        (Some(Ok(decay)), Some(rest)) => (0..=200)
             .map(|k| k as f64 / 200.0 * end)
-            .map(|time| (time, MILLI * (rest + decay.envelope(time))))
+            .map(|time| begin + time)
+            .filter(|time| *time <= end)
+            .map(|time| (time, MILLI * (rest + decay.envelope(time - begin))))
             .collect(),
         _ => Vec::new(),
     };
-    let peaks: Vec<(f64, f64)> = match (&of.summary.peaks, rest) {
-        (Some(peaks), Some(rest)) => peaks
+    let peaks: Vec<(f64, f64)> = match (along.map(|along| &along.swing.peaks), rest) {
+        (Some(Ok(peaks)), Some(rest)) => peaks
             .iter()
-            .map(|peak| (peak.time_s, MILLI * (rest + peak.height_m)))
+            .map(|peak| (begin + peak.time, MILLI * (rest + peak.height)))
             .filter(|peak| peak.0 <= end)
             .collect(),
         _ => Vec::new(),
     };
     let tip = || {
         let all = trajectory.times.iter().zip(&trajectory.tip);
-        all.map(|(time, tip)| (*time, MILLI * tip[1])).take_while(|point| point.0 <= end)
+        all.map(|(time, tip)| (*time, MILLI * coordinate.of(*tip))).take_while(|point| point.0 <= end)
     };
     let (line, rest_stroke) = (Stroke::new(BLUE, 1.4), Stroke::dashed(BLACK, 1.4, 9.0, 5.0));
     let (top, curve) = (Stroke::new(VERMILION, 1.0), Stroke::dashed(GREEN, 2.0, 12.0, 4.0));
-    let mut keys = vec![Key::line(line, "z(t)")];
+    let mut keys = vec![Key::line(line, format!("{letter}(t)"))];
     if rest.is_some() {
         keys.push(Key::line(rest_stroke, "rest"));
     }
@@ -276,8 +290,8 @@ fn height(of: &ReleasePicture, area: &Area) -> Drawn {
         keys.push(Key::line(curve, "eq. 6 fitted to them"));
     }
     let all = tip().chain(envelope.iter().copied()).map(|point| point.1).chain(rest.map(|rest| MILLI * rest));
-    let mut panel =
-        Panel::new(area, title, &Axis(0.0..end, "time, s"), &Axis(padded(all, 0.05), "z, mm"), &keys)?;
+    let y = Axis(padded(all, 0.05), &format!("{letter}, mm"));
+    let mut panel = Panel::new(area, &title, &Axis(0.0..end, "time, s"), &y, &keys)?;
     panel.line(envelope.iter().copied(), &curve)?;
     panel.line(tip(), &line)?;
     panel.line(rest.into_iter().flat_map(|rest| [(0.0, MILLI * rest), (end, MILLI * rest)]), &rest_stroke)?;
@@ -287,7 +301,7 @@ fn height(of: &ReleasePicture, area: &Area) -> Drawn {
 fn energies(of: &ReleasePicture, area: &Area) -> Drawn {
     let trajectory = of.trajectory;
     let period = of.summary.damped_frequency_hz.map_or(f64::INFINITY, f64::recip);
-    let end = of.summary.simulated_s.min(ENERGY_SWINGS * period);
+    let end = of.summary.simulated_s.min(of.summary.event_s.unwrap_or(0.0) + ENERGY_SWINGS * period);
     let title = if end < of.summary.simulated_s {
         "Energy in the first swings, potential since release"
     } else {
@@ -328,15 +342,17 @@ fn energies(of: &ReleasePicture, area: &Area) -> Drawn {
     Ok(())
 }
 
-fn spectrum(of: &ReleasePicture, area: &Area) -> Drawn {
-    let title = "Amplitude spectrum of z(t)";
-    let (Some(spectrum), Some(damped)) = (&of.swing.spectrum, of.summary.damped_frequency_hz) else {
-        let why = of.summary.missing.get("damped_frequency_hz").map_or("no spectrum", String::as_str);
-        return Panel::without_data(area, title, why);
+fn spectrum(of: &ReleasePicture, along: Option<&OfCoordinate>, area: &Area) -> Drawn {
+    let title = format!("Amplitude spectrum of {}(t)", along.map_or("z", |along| along.coordinate.letter()));
+    let missing = || of.summary.missing.get("damped_frequency_hz").map_or("no spectrum", String::as_str);
+    let Some(along) = along else { return Panel::without_data(area, &title, missing()) };
+    let damped = match &along.swing.damped_frequency {
+        Ok(omega) => omega / std::f64::consts::TAU,
+        Err(why) => return Panel::without_data(area, &title, why),
     };
     let modes = of.summary.modes.as_deref().unwrap_or_default();
     let natural: Vec<f64> = modes.iter().map(|mode| mode.natural_frequency_hz).collect();
-    spectrum::spectrum(area, title, spectrum, damped, &natural)
+    spectrum::spectrum(area, &title, &along.swing.spectrum, damped, &natural)
 }
 
 #[cfg(test)]
@@ -364,7 +380,7 @@ pub(crate) mod tests {
         let model = muscle_at_15_psi();
         let (run, trajectory) = released(&model, duration);
         let rest = rest(&model, duration, MODES);
-        let (mut summary, swing) = summarise(&model, &run, &trajectory, &rest);
+        let (mut summary, swings) = summarise(&model, &run, &trajectory, &rest);
         summary.name = "15 psi <release>".to_owned();
         release(&ReleasePicture {
             model: &model,
@@ -372,7 +388,7 @@ pub(crate) mod tests {
             energy_followed: true,
             rest: rest.as_ref().ok(),
             summary: &summary,
-            swing: &swing,
+            swings: &swings,
         })
     }
 

@@ -2,11 +2,14 @@
 
 use std::fmt::Write;
 
-use models::digits::{rounded, unsigned_zero};
+use models::digits::{fixed, rounded, unsigned_zero};
 pub use models::digits::{short, significant, significant_or_dash};
 
 use efam_core::accuracy::Errors;
 use efam_core::trajectory::Status;
+use efam_experiments::analysis::forced::Response;
+use efam_experiments::analysis::step::Step;
+use efam_experiments::events::EventKind;
 use efam_experiments::summary::Summary;
 use efam_experiments::summary::{Cycle, Mode, RunSettings};
 
@@ -41,8 +44,27 @@ pub fn report(summary: &Summary) -> String {
             format!("tip at x {x} mm, z {z} mm, {}", degrees(rest.tip_angle_rad))
         }),
     );
+    for event in &summary.events {
+        if event.kind != EventKind::Release || summary.events.len() > 1 {
+            lines.row("event", &event.name());
+        }
+        for (letter, own) in [("x", &event.x), ("z", &event.z)] {
+            if let Some(own) = own {
+                lines.row(&format!("{letter}, response"), &response(own, &millimetres));
+            } else if let Some(why) = event.missing.get(letter).filter(|_| summary.missing.len() < EXPLAINED)
+            {
+                lines.row(&format!("{letter}, response"), &format!("- {why}"));
+            }
+        }
+        for (letter, own) in [("x", &event.forced_x), ("z", &event.forced_z)] {
+            let why = event.missing.get(&format!("forced_{letter}")).map(|why| format!("- {why}"));
+            if let Some(text) = own.as_ref().map(forced).or(why) {
+                lines.row(&format!("{letter}, forced"), &text);
+            }
+        }
+    }
     let lowest = summary.lowest.as_ref().map(|lowest| {
-        format!("z {} mm at {:.2} s", millimetres(lowest.tip_z_m), lowest.time_s.unwrap_or(0.0))
+        format!("z {} mm at {} s", millimetres(lowest.tip_z_m), fixed(lowest.time_s.unwrap_or(0.0), 2))
     });
     lines.entry(summary, "lowest", lowest);
     let least_angle = summary.least_tip_angle_rad.map(|angle| {
@@ -50,20 +72,22 @@ pub fn report(summary: &Summary) -> String {
         format!("down to {}{beyond}", degrees(angle))
     });
     lines.entry(summary, "least_tip_angle_rad", least_angle);
+    lines.entry(summary, "coordinate", summary.coordinate.map(|coordinate| coordinate.name()));
     lines.entry(
         summary,
         "peaks",
         summary.peaks.as_ref().map(|peaks| match peaks.first() {
             Some(first) => {
-                let height = millimetres(first.height_m);
-                format!("{} upper; first at {:.3} s, {height} mm above rest", peaks.len(), first.time_s)
+                let size = millimetres(first.excursion_m);
+                format!("{} upper; first at {} s, {size} mm from rest", peaks.len(), fixed(first.time_s, 3))
             }
             None => "none".to_owned(),
         }),
     );
-    let natural =
-        summary.natural_frequency_hz.map_or(String::new(), |hz| format!(", {hz:.3} Hz natural (eq. 7)"));
-    let frequency = summary.damped_frequency_hz.map(|hz| format!("{hz:.3} Hz damped{natural}"));
+    let natural = summary
+        .natural_frequency_hz
+        .map_or(String::new(), |hz| format!(", {} Hz natural (eq. 7)", fixed(hz, 3)));
+    let frequency = summary.damped_frequency_hz.map(|hz| format!("{} Hz damped{natural}", fixed(hz, 3)));
     lines.entry(summary, "damped_frequency_hz", frequency);
     let cycles = summary.cycles.as_deref().unwrap_or_default();
     let by_cycle = match (cycles.first(), cycles.last()) {
@@ -77,6 +101,10 @@ pub fn report(summary: &Summary) -> String {
     };
     let ratio = summary.damping_ratio.map(|ratio| format!("{} by eq. 6{by_cycle}", significant(ratio, 3)));
     lines.entry(summary, "damping_ratio", ratio);
+    if let Some(of) = &summary.height {
+        let [hz, ratio] = [of.damped_frequency_hz, of.damping_ratio].map(|value| significant(value, 3));
+        lines.row("height, as paper", &format!("{hz} Hz damped, damping ratio {ratio} by eq. 6"));
+    }
     let stuck = if summary.slipping_modes.is_some() { "friction sticking: " } else { "" };
     lines.entry(summary, "modes", summary.modes.as_ref().map(|modes| format!("{stuck}{}", listed(modes))));
     if let Some(modes) = &summary.slipping_modes {
@@ -84,7 +112,8 @@ pub fn report(summary: &Summary) -> String {
         lines.row("", &format!("friction slipping: {modes}"));
     }
     let settling = summary.settling_2_percent_s.or(summary.settling_5_percent_s).map(|_| {
-        let within = |time: Option<f64>| time.map_or("not reached".to_owned(), |time| format!("{time:.2} s"));
+        let within =
+            |time: Option<f64>| time.map_or("not reached".to_owned(), |time| format!("{} s", fixed(time, 2)));
         let [two, five] = [summary.settling_2_percent_s, summary.settling_5_percent_s].map(within);
         format!("{two} to 2 %, {five} to 5 %")
     });
@@ -92,7 +121,10 @@ pub fn report(summary: &Summary) -> String {
     lines.entry(
         summary,
         "peak_speed",
-        summary.peak_speed.as_ref().map(|peak| format!("{:.2} m/s at {:.2} s", peak.speed_m_s, peak.time_s)),
+        summary
+            .peak_speed
+            .as_ref()
+            .map(|peak| format!("{} m/s at {} s", fixed(peak.speed_m_s, 2), fixed(peak.time_s, 2))),
     );
     lines.entry(
         summary,
@@ -110,6 +142,29 @@ pub fn report(summary: &Summary) -> String {
         lines.row("warning", warning);
     }
     lines.0
+}
+
+/// Numbers of a summary that are missing from which on the first of them says enough.
+const EXPLAINED: usize = 4;
+
+/// A step response, as `stepinfo` has it.
+fn response(of: &Step, millimetres: &dyn Fn(f64) -> String) -> String {
+    let time =
+        |time: Option<f64>| time.map_or("not reached".to_owned(), |time| format!("{} s", fixed(time, 2)));
+    let overshoot = fixed(of.overshoot_percent, 1);
+    format!(
+        "{} to {} mm; rise {}, overshoot {overshoot} %, settled {} to 2 %",
+        millimetres(of.start_m),
+        millimetres(of.steady_m),
+        time(of.rise_s),
+        time(of.settling_2_percent_s)
+    )
+}
+
+/// Gain and phase.
+fn forced(of: &Response) -> String {
+    let [amplitude, gain] = [of.amplitude_m, of.gain_m_per_n].map(|value| significant(1e3 * value, 3));
+    format!("{amplitude} mm, gain {gain} mm/N, phase {}", degrees(of.phase_rad))
 }
 
 /// Frequencies, with damping ratios.
@@ -164,11 +219,11 @@ impl Lines {
 fn run(summary: &Summary) -> String {
     let simulated = summary.simulated_s;
     match &summary.status {
-        Status::Complete => format!("complete, {simulated:.2} s"),
+        Status::Complete => format!("complete, {} s", fixed(simulated, 2)),
         Status::CutShort { time } => {
-            format!("cut short at {time:.2} s of {:.2} s", summary.settings.duration_s)
+            format!("cut short at {} s of {} s", fixed(*time, 2), fixed(summary.settings.duration_s, 2))
         }
-        Status::Failed { time, reason } => format!("failed at {time:.4} s: {reason}"),
+        Status::Failed { time, reason } => format!("failed at {} s: {reason}", fixed(*time, 4)),
     }
 }
 
@@ -239,7 +294,7 @@ mod tests {
         let report = of(20.0);
         println!("{report}");
         assert!(report.lines().all(|line| line.chars().count() <= WIDTH), "{report}");
-        assert!((10..=16).contains(&report.lines().count()), "{report}");
+        assert!((14..=22).contains(&report.lines().count()), "{report}");
         for expected in [
             "release, complete, 20.00 s",
             "beyond straight down",

@@ -1,12 +1,16 @@
 //! The pages of simulations: of one run, and of a set of runs over pressure.
 
+mod events;
+
 use std::fmt::Write;
 use std::time::SystemTime;
 
 use efam_core::trajectory::{Status, Trajectory};
+use efam_experiments::events::{EventKind, main_event};
 use efam_experiments::summary::{Cycle, Mode, Summary};
 use efam_store::StoreError;
 use efam_store::folder::Folder;
+use models::digits::fixed;
 use models::model::Model;
 use models::quantity::format_si;
 use serde_json::json;
@@ -259,7 +263,12 @@ pub(super) fn page(
     if let Some(rods) = &rods {
         page.rods(rods);
     }
-    page.figures(of(&["height", "spectrum", "trajectory", "postures"]));
+    page.figures(of(&["swing", "spectrum", "trajectory", "postures"]));
+    if summary.events.len() > 1 || summary.events.iter().any(|event| event.kind != EventKind::Release) {
+        page.section("What drives it");
+        page.figures(of(&["drive-pressure", "drive-force", "response"]));
+    }
+    events::events(&mut page, summary);
     page.section("Energy and phase");
     page.figures(of(&["energy", "phase"]));
     page.section("Over the amplitude");
@@ -296,10 +305,14 @@ fn lead(summary: &Summary) -> String {
     let mut text = String::new();
     match (summary.natural_frequency_hz, summary.damping_ratio) {
         (Some(hz), Some(ratio)) => {
+            let event = match main_event(&summary.events) {
+                Some(event) if event.kind != EventKind::Release => format!("After its {}", event.name()),
+                _ => "Let go".to_owned(),
+            };
+            let [hz, ratio] = [fixed(hz, 3), significant(ratio, 3)];
             let _ = write!(
                 text,
-                "Let go, the tip swings with a natural frequency of {hz:.3} Hz and a damping ratio of {}.",
-                significant(ratio, 3)
+                "{event}, the tip swings with a natural frequency of {hz} Hz and a damping ratio of {ratio}."
             );
         }
         _ => {
@@ -320,7 +333,7 @@ fn lead(summary: &Summary) -> String {
         let _ = write!(text, " At rest it is at x = {x:.1} mm, z = {z:.1} mm, at {angle:.1} degrees.");
     }
     if let Some(settled) = summary.settling_2_percent_s {
-        let _ = write!(text, " After {settled:.2} s it stays within 2 % of its first excursion.");
+        let _ = write!(text, " After {settled:.2} s it stays within 2 % of its largest excursion.");
     }
     text
 }

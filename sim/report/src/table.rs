@@ -5,12 +5,16 @@
 //! SQL `select time_s, z_31_m` reads that column alone. Each name ends in its unit, which also
 //! stands in the column's metadata under `unit`.
 //!
+//! A pressure that changes has the column `pressure_Pa`, and each load that depends on time the resultant of its forces, such
+//! as `motor_x_N` and `motor_z_N`.
+//!
 //! With an effect on what is observed there are also `seen_tip_x_m` and `seen_tip_z_m`: where a
 //! recording shows the tip at the time of the row by its own clock.
 
 use std::io::{self, Write};
 
 use efam_core::trajectory::Trajectory;
+use efam_experiments::drive::{pressure, timed_loads};
 use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile};
 use models::model::Model;
 use models::system::System;
@@ -40,6 +44,8 @@ pub struct Table<'a> {
     model: &'a Model,
     trajectory: &'a Trajectory,
     energy_followed: bool,
+    /// Indices of the loads that depend on time.
+    loads: Vec<usize>,
     columns: Vec<Column>,
 }
 
@@ -47,8 +53,9 @@ impl<'a> Table<'a> {
     /// The table of a trajectory; without energy followed in the run, dissipated, supplied and total
     /// energy stay empty.
     pub fn new(model: &'a Model, trajectory: &'a Trajectory, energy_followed: bool) -> Self {
-        let columns = columns(model.edges, energy_followed, model.has_sensor());
-        Self { model, trajectory, energy_followed, columns }
+        let loads = timed_loads(model);
+        let columns = columns(model, &loads, energy_followed);
+        Self { model, trajectory, energy_followed, loads, columns }
     }
 
     /// What stands in it.
@@ -134,6 +141,13 @@ impl<'a> Table<'a> {
         row.extend([posture.angle, posture.rate]);
         row.extend([energy.kinetic, energy.elastic, energy.potential, energy.dissipated, energy.supplied]);
         row.push(energy.total());
+        if self.model.schedule.is_some() {
+            row.push(pressure(self.model, state.time));
+        }
+        for load in &self.loads {
+            let nodes = system.forces_of(*load, state.time, &state.q, &state.v, &state.z).unwrap_or_default();
+            row.extend(nodes.iter().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]));
+        }
         for (position, velocity) in posture.nodes.iter().zip(&posture.velocities) {
             row.extend(position);
             row.extend(velocity);
@@ -141,7 +155,8 @@ impl<'a> Table<'a> {
     }
 }
 
-fn columns(edges: usize, energy_followed: bool, has_sensor: bool) -> Vec<Column> {
+fn columns(model: &Model, loads: &[usize], energy_followed: bool) -> Vec<Column> {
+    let (edges, has_sensor) = (model.edges, model.has_sensor());
     let named = |(name, unit): (&str, &'static str)| {
         let is_empty = !energy_followed && FOLLOWED.contains(&name);
         let holds = if is_empty { Holds::Nothing } else { Holds::Numbers };
@@ -167,6 +182,15 @@ fn columns(edges: usize, energy_followed: bool, has_sensor: bool) -> Vec<Column>
     .map(named)
     .into();
     columns.retain(|column| has_sensor || !column.name.starts_with("seen_"));
+    if model.schedule.is_some() {
+        columns.push(Column { name: "pressure_Pa".to_owned(), unit: "Pa", holds: Holds::Numbers });
+    }
+    for load in loads {
+        let effect = model.effects[*load].effect.about().name;
+        let column =
+            |axis: &str| Column { name: format!("{effect}_{axis}_N"), unit: "N", holds: Holds::Numbers };
+        columns.extend(["x", "z"].map(column));
+    }
     let width = edges.to_string().len().max(2);
     for node in 0..=edges {
         for (what, suffix, unit) in

@@ -5,7 +5,7 @@ use std::time::SystemTime;
 use efam_core::forward::Run;
 use efam_core::rest::{Rest, rest};
 use efam_core::trajectory::Trajectory;
-use efam_experiments::summary::{self, Summary, Swing};
+use efam_experiments::summary::{self, Summary, Swings};
 use efam_store::folder::utc;
 use efam_store::sha::sha256;
 use models::model::Model;
@@ -17,14 +17,14 @@ pub struct Told {
     /// Its numbers.
     pub summary: Summary,
     rest: Option<Rest>,
-    swing: Swing,
+    swings: Swings,
 }
 
 /// Summarises a run.
 pub fn told(request: &Request, model: &Model, run: &Run, trajectory: &Trajectory) -> Told {
     let end = trajectory.times.last().copied().unwrap_or(0.0);
     let rest = rest(model, end, summary::MODES);
-    let (numbers, swing) = summary::summarise(model, run, trajectory, &rest);
+    let (numbers, swings) = summary::summarise(model, run, trajectory, &rest);
     let mut inputs_sha256 = request.input_hashes.clone();
     inputs_sha256.insert(SCENARIO.to_owned(), sha256(request.resolved_scenario.as_bytes()));
     let summary = Summary {
@@ -38,7 +38,7 @@ pub fn told(request: &Request, model: &Model, run: &Run, trajectory: &Trajectory
         written_utc: utc(SystemTime::now()),
         ..numbers
     };
-    Told { summary, rest: rest.ok(), swing }
+    Told { summary, rest: rest.ok(), swings }
 }
 
 impl Told {
@@ -61,7 +61,7 @@ impl Told {
             energy_followed: run.energy,
             rest: self.rest.as_ref(),
             summary: &self.summary,
-            swing: &self.swing,
+            swings: &self.swings,
         }
     }
 }

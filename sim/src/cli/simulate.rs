@@ -184,6 +184,7 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
             errors: run.errors,
             ..request.clone()
         };
+        console.detail(format!("{}: analysis, tables and pages", case.name));
         let within = is_sweep.then_some(case.name.as_str());
         let run = run.trajectory;
         let summary = match &folder {
@@ -217,7 +218,7 @@ pub fn run(args: &Simulate, console: &Console) -> Result<ExitCode, Failure> {
     } else {
         tell(console, &scenario, folder, &done)?;
     }
-    if let Some(folder) = folder {
+    if let Some(folder) = folder.filter(|_| !signals::is_requested()) {
         browser::show(args.output.open, folder, console);
     }
     outcome(folder, &done)
@@ -233,6 +234,7 @@ fn request(args: &Simulate, scenario: &Scenario, first: &Case) -> Request {
         resolved_scenario: first.resolved(),
         input_hashes: scenario.files().map(hash).collect(),
         argv: argv(),
+        cancel: signals::cancel(),
         ..Request::default()
     }
 }
@@ -273,6 +275,11 @@ fn outcome(folder: Option<&Path>, done: &[Member]) -> Result<ExitCode, Failure> 
                 return Err(Failure::Diverged(format!("{reason}; {}", saved(*time))));
             }
         }
+    }
+    if signals::is_requested() {
+        let name = done.first().map_or("", |member| member.summary.name.as_str());
+        say(format_args!("interrupted: {name}: complete, without some of its pictures and pages"));
+        return Ok(ExitCode::from(signals::exit_code()));
     }
     Ok(ExitCode::SUCCESS)
 }

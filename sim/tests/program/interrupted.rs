@@ -91,6 +91,48 @@ fn a_simulation_is_saved_up_to_there() {
     }
 }
 
+/// Signals after the last step: in the analysis, in the tables, and on the pages. The run is complete and saved; pictures and
+/// pages may be missing.
+#[test]
+fn a_signal_after_the_last_step_keeps_the_run() {
+    let bench = Bench::new("interrupt-after");
+    bench.file(
+        "s.toml",
+        "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n[rod]\nnodes = 8\n\
+         [effects.rayleigh_mass]\nalpha = \"0.01 1/s\"\n[effects.rayleigh_stiffness]\nbeta = \"5 ms\"\n\
+         [run]\nduration = \"40 s\"\nrate = \"1000 Hz\"\n",
+    );
+    let arguments = ["simulate", "s.toml", "--no-error-estimate", "--csv", "--overwrite", "--out", "out"];
+    let mut without_a_page = 0;
+    for (wait, signal, expected) in
+        [(0, "INT", 130), (100, "TERM", 143), (400, "TERM", 143), (1500, "INT", 130)]
+    {
+        let mut command = Command::new("env");
+        command.arg("--default-signal").arg(program()).args(arguments).arg("-v").current_dir(&bench.0);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("efam runs");
+        let mut stderr = BufReader::new(child.stderr.take().expect("it is piped"));
+        let mut said = String::new();
+        while !said.contains("analysis, tables and pages") {
+            assert!(stderr.read_line(&mut said).expect("text") > 0, "{said}");
+        }
+        std::thread::sleep(Duration::from_millis(wait));
+        let in_time = child.try_wait().expect("a child").is_none();
+        if in_time {
+            send(signal, child.id());
+        }
+        let begin = Instant::now();
+        stderr.read_to_string(&mut said).expect("text");
+        let code = child.wait().expect("it ends").code();
+        assert!(begin.elapsed() < SOON, "{wait} ms: {:?}", begin.elapsed());
+        assert!(code == Some(expected) || code == Some(0), "{wait} ms: {code:?} {said}");
+        let summary: serde_json::Value = serde_json::from_str(&bench.text("out/summary.json")).expect("JSON");
+        assert_eq!(summary["status"]["kind"], "complete", "{wait} ms");
+        assert_eq!(bench.text("out/trajectory.csv").lines().count(), 40_002, "{wait} ms");
+        without_a_page += usize::from(!bench.0.join("out/report.html").exists());
+    }
+    assert!(without_a_page > 0, "no signal came before the pages");
+}
+
 /// As it was found: a rod of 2000 nodes without damping, whose samples are a minute of work apart, was ended 601 s after
 /// Ctrl-C. Here the signal comes in the search for the rest, in the first steps, and later.
 #[test]

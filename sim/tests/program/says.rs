@@ -135,7 +135,7 @@ fn a_release_off_the_clamps_direction() {
     let text = muscle("0.5 ms", "[release]\nangle = \"60 deg\"\n[run]\nduration = \"2 s\"\n");
     let peak = |nodes: usize| {
         let set = format!("rod.nodes={nodes}");
-        number(&run(&bench, &text, &["--set", &set]).0["peaks"][0]["height_m"])
+        number(&run(&bench, &text, &["--set", &set]).0["peaks"][0]["excursion_m"])
     };
     let [coarse, middle, fine] = [16, 32, 64].map(peak);
     assert!((coarse - fine).abs() < 1e-3 && (middle - fine).abs() < 1e-4, "{coarse}, {middle}, {fine} m");

@@ -14,6 +14,7 @@ mod dynamics {
     mod envelopes;
     mod equal_effects;
     mod methods_agree;
+    mod numbers_of_motions;
     mod pressure_changes;
     mod ring_down;
     mod starts;

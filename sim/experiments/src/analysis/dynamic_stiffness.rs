@@ -23,7 +23,8 @@ use models::model::Model;
 use models::statics::{equilibrium, modes};
 
 use super::AnalysisError;
-use super::measured::{self, Coordinate, Measured};
+use super::coordinate::Coordinate;
+use super::measured::{self, Measured};
 use crate::release::{Point, Release, Track};
 use crate::scenario::Case;
 

@@ -1,31 +1,29 @@
-//! A measured release the paper's way: frequency from the spectrum, damping by eq. 6 and 7, and beside
-//! it damping and frequency cycle by cycle.
+//! A measured release: frequency from the spectrum, damping by eq. 6 and 7, and beside it damping and frequency cycle by
+//! cycle, as of a simulated one.
 //!
-//! The coordinate is the height, as in the paper. Where the tip hangs and swings level instead, its
-//! height has two bumps in each swing, and the level coordinate is taken.
+//! The coordinate is the direction in which the tip moves most about its rest. The paper's is the height.
 
 use std::f64::consts::TAU;
 
 use efam_core::quantile::usual_step;
 
-use super::decay::{self, Cycle, Decay};
+use super::coordinate::{Along, Coordinate};
+use super::decay::{Cycle, Decay};
 use super::gaps::{Bridged, bridge};
 use super::peaks::Peak;
 use super::spectrum::Spectrum;
-use super::swing::{level_swing, swing, swing_spectrum};
+use super::swing::{Known, Swing, swing, swing_spectrum};
 use super::{AnalysisError, Excursion};
 use crate::release::Release;
 
 /// What a measured release comes to; what it does not has its reason.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// The coordinate that was analysed.
+    /// The coordinate that was analysed, positive on the side of the hold.
     pub coordinate: Coordinate,
-    /// Its value at rest in W, m.
+    /// Its value at rest, m.
     pub rest: f64,
-    /// Which side of the rest the hold was on, 1 or −1; upper peaks are on it.
-    pub side: f64,
-    /// The coordinate times `side` on an even clock from the release on.
+    /// The coordinate on an even clock from the release on.
     pub bridged: Bridged,
     /// Time after the release from which on spectrum and peaks count, s: 0, unless the first, large
     /// swings have so different a frequency that they and the rest have none in common.
@@ -42,30 +40,34 @@ pub struct Measured {
     pub cycles: Result<Vec<Cycle>, String>,
 }
 
-/// A coordinate of W.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coordinate {
-    /// Level, away from the clamp.
-    X,
-    /// Height.
-    Z,
+/// Where a tip comes to rest.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct KnownRest {
+    /// In W, m.
+    pub position: [f64; 2],
+    /// Standard error of each coordinate, m; zero where it is not known.
+    pub error: [f64; 2],
 }
 
-/// Range of the height in that of the level coordinate, late in the swing, below which a tip hangs.
-const HANGS: f64 = 0.3;
+impl From<[f64; 2]> for KnownRest {
+    fn from(position: [f64; 2]) -> Self {
+        Self { position, error: [0.0; 2] }
+    }
+}
+
 /// Longest gap that is bridged, in periods.
 const LONGEST_GAP: f64 = 0.4;
 /// Shortest gap that may be bridged whatever the period, in samples.
 const SHORT_GAP: f64 = 6.0;
-/// Amplitude at which peaks are no longer counted: so many standard deviations of the noise.
-const LEAST_PEAK: f64 = 6.0;
 
-/// Analyses the first track of a release, its tip; `rest` is where it comes to rest, in W, m.
+/// Analyses the first track of a release, its tip, along the largest motion about its rest.
 /// # Errors
 /// [`AnalysisError`] if there are too few samples for a spectrum.
-pub fn analyse(release: &Release, rest: [f64; 2]) -> Result<Measured, AnalysisError> {
-    let coordinate = coordinate(&release.time, &release.tracks[0].position);
-    analyse_along(release, rest, coordinate)
+pub fn analyse(release: &Release, rest: impl Into<KnownRest>) -> Result<Measured, AnalysisError> {
+    let rest = rest.into();
+    let after = release.time.iter().zip(&release.tracks[0].position).filter(|(time, _)| **time >= 0.0);
+    let path = after.filter_map(|(_, at)| *at);
+    analyse_along(release, rest, Coordinate::largest_motion(path, rest.position))
 }
 
 /// The same along a coordinate of choice: what is compared has to be of one.
@@ -73,109 +75,76 @@ pub fn analyse(release: &Release, rest: [f64; 2]) -> Result<Measured, AnalysisEr
 /// As [`analyse`].
 pub fn analyse_along(
     release: &Release,
-    rest: [f64; 2],
+    rest: impl Into<KnownRest>,
     coordinate: Coordinate,
 ) -> Result<Measured, AnalysisError> {
-    let tip = &release.tracks[0];
+    let (tip, KnownRest { position: rest, error }) = (&release.tracks[0], rest.into());
     let too_short = AnalysisError::TooShort { samples: release.time.len(), least: 4 };
     let step = usual_step(&release.time).ok_or(too_short)?;
-    let k = usize::from(coordinate == Coordinate::Z);
-    let held_above = tip.position.iter().flatten().next().is_none_or(|first| first[k] >= rest[k]);
+    let held = tip.position.iter().flatten().next().map_or([0.0; 2], |at| [at[0] - rest[0], at[1] - rest[1]]);
     // Upper peaks are on the side of the hold.
-    let sign = if held_above { 1.0 } else { -1.0 };
-    let values: Vec<_> = tip.position.iter().map(|at| at.map(|at| sign * at[k])).collect();
+    let coordinate = coordinate.towards(held);
+    let rest = coordinate.of(rest);
+    let values: Vec<_> = tip.position.iter().map(|at| at.map(|at| coordinate.of(at))).collect();
     let about = |longest: f64, frequency: Option<f64>| -> Result<(Bridged, Excursion), AnalysisError> {
         let bridged = bridge(&release.time, &values, step, longest, frequency)?;
-        let excursion = Excursion::about(sign * rest[k], &bridged.values, step)?;
+        let excursion = Excursion::about(rest, &bridged.values, step)?;
         Ok((bridged, excursion))
     };
     // First with short gaps alone, for the period; then with gaps that it admits.
     let (mut bridged, mut excursion) = about(SHORT_GAP * step, None)?;
     if bridged.cut_at.is_some() || bridged.longest > 0.0 {
         let wide = about(20.0 * step, None)?.1;
-        if let Ok(peak) = swing_spectrum(&wide).peak() {
+        if let Ok(peak) = swing_spectrum(&wide, None).peak() {
             let longest = (LONGEST_GAP * TAU / peak.frequency).max(SHORT_GAP * step);
             (bridged, excursion) = about(longest, Some(peak.frequency))?;
         }
     }
-    let mut swing = one_swing(&excursion, 0.0, tip.noise, coordinate);
+    let known = Known {
+        mode: None,
+        noise: tip.noise,
+        rest_error: (coordinate.direction[0] * error[0]).hypot(coordinate.direction[1] * error[1]),
+        has_bumps: coordinate.along == Along::Height,
+    };
+    let (mut own, mut since) = (swing(&excursion, &known), 0.0);
     // Where the first, large swings have another frequency than the rest, they are left out.
-    let period = swing.spectrum.peak().map_or(0.0, |peak| TAU / peak.frequency);
+    let period = own.spectrum.peak().map_or(0.0, |peak| TAU / peak.frequency);
     for skipped in 1..=MOST_SKIPPED {
-        if swing.decay.is_ok() || period == 0.0 {
+        if own.decay.is_ok() || period == 0.0 {
             break;
         }
-        let since = 0.5 * skipped as f64 * period;
-        let first = (since / step).round() as usize;
+        let first = (0.5 * skipped as f64 * period / step).round() as usize;
         let Some(values) = excursion.values().get(first..) else { break };
         let Ok(later) = Excursion::about(0.0, values, step) else { break };
-        let other = one_swing(&later, first as f64 * step, tip.noise, coordinate);
+        let other = swing(&later, &known);
         if other.decay.is_ok() {
-            swing = other;
+            (own, since) = (other, first as f64 * step);
         }
     }
-    let OneSwing { since, spectrum, damped_frequency, peaks, decay, cycles } = swing;
+    let Swing { spectrum, damped_frequency, peaks, decay, cycles } = own;
+    let later = |time: f64| time + since;
     Ok(Measured {
         coordinate,
-        rest: rest[k],
-        side: sign,
+        rest,
         bridged,
         since,
         spectrum,
         damped_frequency,
-        peaks,
-        decay,
-        cycles,
+        peaks: peaks
+            .unwrap_or_default()
+            .iter()
+            .map(|peak| Peak { time: later(peak.time), ..*peak })
+            .collect(),
+        decay: decay.map(|decay| decay.later(since)),
+        cycles: cycles
+            .map(|all| all.iter().map(|cycle| Cycle { time: later(cycle.time), ..*cycle }).collect()),
     })
 }
 
 /// Half periods that may be left out at the start.
 const MOST_SKIPPED: usize = 6;
 
-struct OneSwing {
-    since: f64,
-    spectrum: Spectrum,
-    damped_frequency: Result<f64, String>,
-    peaks: Vec<Peak>,
-    decay: Result<Decay, String>,
-    cycles: Result<Vec<Cycle>, String>,
-}
-
-/// The swing of an excursion that begins `since` after the release, s.
-fn one_swing(excursion: &Excursion, since: f64, noise: f64, coordinate: Coordinate) -> OneSwing {
-    let spectrum = swing_spectrum(excursion);
-    let (damped_frequency, upper) = match coordinate {
-        Coordinate::X => level_swing(excursion, &spectrum),
-        Coordinate::Z => swing(excursion, &spectrum),
-    };
-    let mut peaks = upper.clone().unwrap_or_default();
-    let least = LEAST_PEAK * noise;
-    peaks.truncate(peaks.iter().position(|peak| peak.height < least).unwrap_or(peaks.len()));
-    peaks.iter_mut().for_each(|peak| peak.time += since);
-    let decay = match &damped_frequency {
-        Ok(damped) => decay::fit_decay(&peaks, *damped).map_err(|error| error.to_string()),
-        Err(why) => Err(why.clone()),
-    };
-    let cycles = upper.and_then(|_| decay::cycles(&peaks).map_err(|error| error.to_string()));
-    OneSwing { since, spectrum, damped_frequency, peaks, decay, cycles }
-}
-
-impl Coordinate {
-    /// Its letter.
-    pub fn name(self) -> &'static str {
-        match self {
-            Coordinate::X => "x",
-            Coordinate::Z => "z",
-        }
-    }
-}
-
 impl Measured {
-    /// The rest times [`Self::side`], m.
-    pub fn rest_on_side(&self) -> f64 {
-        self.side * self.rest
-    }
-
     /// Natural angular frequency by eq. 7, rad/s.
     pub fn natural_frequency(&self) -> Option<f64> {
         self.decay.as_ref().ok().map(|decay| decay.natural_frequency)
@@ -189,20 +158,6 @@ impl Measured {
         let square = cycles.iter().map(|cycle| (cycle.damped_frequency / mean - 1.0).powi(2)).sum::<f64>();
         Some((square / (count - 1.0) / count).sqrt())
     }
-}
-
-/// The coordinate in which the tip swings once it has lost its first, large swings.
-fn coordinate(time: &[f64], position: &[Option<[f64; 2]>]) -> Coordinate {
-    let end = time.last().copied().unwrap_or(0.0);
-    let late = time.iter().zip(position).filter(|(t, _)| **t > 0.15 * end && **t < 0.5 * end);
-    let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-    for at in late.filter_map(|(_, at)| *at) {
-        for k in 0..2 {
-            range[k] = [range[k][0].min(at[k]), range[k][1].max(at[k])];
-        }
-    }
-    let [x, z] = range.map(|[low, high]| (high - low).max(0.0));
-    if z < HANGS * x { Coordinate::X } else { Coordinate::Z }
 }
 
 #[cfg(test)]
@@ -243,7 +198,9 @@ mod tests {
             let rest = if level { [0.0, -0.3] } else { [0.15, -0.1] };
             let whole = analyse(&release(level, |_| false), rest).unwrap();
             let holes = analyse(&release(level, |i| i % 97 < 4 || (300..312).contains(&i)), rest).unwrap();
-            assert_eq!(holes.coordinate, if level { Coordinate::X } else { Coordinate::Z });
+            // Level, or along the line of the made-up swing.
+            let expected = if level { 0.0 } else { 135f64.to_radians() };
+            assert!((holes.coordinate.angle() - expected).abs() < 0.01, "{}", holes.coordinate.name());
             assert!(holes.bridged.filled > 40 && holes.bridged.cut_at.is_none(), "{:?}", holes.bridged);
             for measured in [&whole, &holes] {
                 let decay = measured.decay.as_ref().unwrap();

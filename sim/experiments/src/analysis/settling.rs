@@ -2,18 +2,25 @@
 
 use super::{AnalysisError, Excursion};
 
-/// Time after which the tip stays within a `fraction` of its first excursion about the rest, s.
+/// Time after which the tip stays within a `fraction` of its largest excursion from the rest, s.
 ///
 /// The last crossing of the band's edge, between samples by a straight line; 0.02 and 0.05 are
 /// usual fractions. The first sample is the release.
 /// # Errors
 /// [`AnalysisError::BeginsAtRest`]; [`AnalysisError::NotSettled`] if the last sample is outside.
 pub fn settling_time(excursion: &Excursion, fraction: f64) -> Result<f64, AnalysisError> {
-    let values = excursion.values();
-    let band = fraction * values[0].abs();
-    if values[0] == 0.0 {
+    let largest = excursion.values().iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    if largest == 0.0 {
         return Err(AnalysisError::BeginsAtRest);
     }
+    settles_within(excursion, fraction * largest)
+}
+
+/// The same within a band on either side of the rest, m.
+/// # Errors
+/// [`AnalysisError::NotSettled`] if the last sample is outside.
+pub fn settles_within(excursion: &Excursion, band: f64) -> Result<f64, AnalysisError> {
+    let values = excursion.values();
     let Some(last) = values.iter().rposition(|value| value.abs() > band) else {
         return Ok(0.0);
     };

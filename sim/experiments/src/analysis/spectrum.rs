@@ -57,11 +57,11 @@ pub struct SpectralPeak {
 
 /// Amplitude spectrum by a fast Fourier transform.
 ///
-/// `padding`: length of the transform in lengths of the recording, at least 1; zeros fill it, and
-/// bins come to lie as much closer. Eight is plenty.
+/// `padding`: length of the transform in lengths of the recording, at least 1, as a number whose only factors are two,
+/// three and five; zeros fill it, and bins come to lie as much closer. Eight is plenty.
 pub fn amplitude_spectrum(excursion: &Excursion, window: Window, padding: usize) -> Spectrum {
     let samples = excursion.values().len();
-    let length = samples * padding.max(1);
+    let length = fast_length(samples * padding.max(1));
     let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
     let mut input = transform.make_input_vec();
     let mut output = transform.make_output_vec();
@@ -76,9 +76,20 @@ pub fn amplitude_spectrum(excursion: &Excursion, window: Window, padding: usize)
     let frequency_step = TAU / (length as f64 * excursion.step());
     Spectrum {
         frequency_step,
-        lowest_frequency: 2.0 * padding.max(1) as f64 * frequency_step,
+        lowest_frequency: 2.0 * TAU / (samples as f64 * excursion.step()),
         amplitude: output.iter().map(|bin| 2.0 * bin.norm() / weights).collect(),
     }
+}
+
+/// The least even number from one on that has no other prime factors than two, three and five: a transform of a length with
+/// a large prime factor takes several times as long.
+fn fast_length(least: usize) -> usize {
+    let threes = |five: usize| {
+        std::iter::successors(Some(five), |n| n.checked_mul(3)).take_while(move |n| *n < 2 * least)
+    };
+    let fives = std::iter::successors(Some(2usize), |n| n.checked_mul(5)).take_while(|n| *n < 2 * least);
+    let up_to = |odd: usize| odd * least.div_ceil(odd).next_power_of_two();
+    fives.flat_map(threes).map(up_to).min().unwrap_or(least)
 }
 
 impl Spectrum {
@@ -86,16 +97,25 @@ impl Spectrum {
     /// parabola through the logarithms of the highest three.
     ///
     /// For a free decay that is the damped frequency. A local maximum, because the slow drift of an
-    /// asymmetric decay may stand higher at zero frequency than the swing does.
+    /// asymmetric decay may be higher at zero frequency than the swing is.
     /// # Errors
     /// [`AnalysisError::NoOscillation`] if there is none.
     pub fn peak(&self) -> Result<SpectralPeak, AnalysisError> {
-        let lowest = (self.lowest_frequency / self.frequency_step).round() as usize;
-        let top = (lowest.max(1)..self.amplitude.len().saturating_sub(1))
+        self.peak_between([0.0, f64::INFINITY])
+    }
+
+    /// The same within a range of angular frequencies, rad/s.
+    /// # Errors
+    /// As [`Self::peak`].
+    pub fn peak_between(&self, [from, to]: [f64; 2]) -> Result<SpectralPeak, AnalysisError> {
+        let bin = |frequency: f64| (frequency / self.frequency_step).round() as usize;
+        let lowest = from.max(self.lowest_frequency);
+        let end = self.amplitude.len().saturating_sub(1).min(bin(to).saturating_add(1));
+        let top = (bin(lowest).max(1)..end)
             .filter(|&k| self.amplitude[k - 1] < self.amplitude[k])
             .filter(|&k| self.amplitude[k + 1] <= self.amplitude[k])
             .max_by(|&a, &b| self.amplitude[a].total_cmp(&self.amplitude[b]))
-            .ok_or(AnalysisError::NoOscillation { lowest: self.lowest_frequency })?;
+            .ok_or(AnalysisError::NoOscillation { lowest })?;
         // Zero beside a peak has no logarithm; a millionth of the peak serves as well.
         let floor = 1e-6 * self.amplitude[top];
         let [before, here, after] = [top - 1, top, top + 1].map(|k| self.amplitude[k].max(floor).ln());
@@ -161,6 +181,22 @@ mod tests {
             let highest = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
             assert!(highest > peak.amplitude, "a drift to be passed over");
             assert!((peak.frequency / 8.0 - 1.0).abs() < 1e-3, "{peak:?}");
+        }
+    }
+
+    #[test]
+    fn lengths_of_transforms_are_fast_and_little_longer() {
+        for least in [1, 2, 3, 7, 97, 1601, 16_008, 400_008, 4_000_037] {
+            let length = fast_length(least);
+            assert!(length >= least && length.is_multiple_of(2), "{least}: {length}");
+            assert!(least < 100 || length as f64 <= 1.07 * least as f64, "{least}: {length}");
+            let rest = [2, 3, 5].iter().fold(length, |mut rest, factor| {
+                while rest % factor == 0 {
+                    rest /= factor;
+                }
+                rest
+            });
+            assert_eq!(rest, 1, "{least}: {length}");
         }
     }
 

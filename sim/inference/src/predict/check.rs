@@ -68,7 +68,7 @@ pub struct Number {
     /// What was measured.
     pub measured: f64,
     /// Its standard error, as far as it is known: of a rest by the decay and by the place of the marker, of a frequency
-    /// by its cycles.
+    /// by its cycles, of a damping ratio by the scatter of its peaks.
     pub measured_error: f64,
     /// What was predicted.
     pub predicted: f64,
@@ -195,11 +195,15 @@ fn numbers(
         let frequency = *whole.damped_frequency.as_ref().ok()? / TAU;
         Some((frequency, whole.frequency_error().unwrap_or(0.0) * frequency))
     });
+    let damping = whole.and_then(|whole| {
+        let decay = whole.decay.as_ref().ok()?;
+        Some((decay.damping_ratio, decay.ratio_error))
+    });
     let told = [
         (names[0], Some((rest[0], error[0]))),
         (names[1], Some((rest[1], error[1]))),
         ("frequency_hz", frequency),
-        ("damping_ratio", whole.and_then(|whole| Some((whole.decay.as_ref().ok()?.damping_ratio, 0.0)))),
+        ("damping_ratio", damping),
     ];
     let number = |(name, told): (&str, Option<(f64, f64)>)| {
         let (measured, measured_error) = told?;

@@ -141,7 +141,7 @@ pub(super) const QUANTITIES: [PredictedKind; 19] = [
     kind("damping_ratio", "damping ratio as released, by eq. 6", "", "damping_ratio", |t| t.summary.damping_ratio, Off::Damping),
     kind("lowest_z_m", "lowest point of the tip", "m", "lowest", |t| t.lowest, Off::Swing),
     kind("least_angle_rad", "minimum tip angle", "rad", "least_tip_angle_rad", |t| t.summary.least_tip_angle_rad, Off::SwingAngle),
-    kind("first_peak_m", "first upper peak over the rest", "m", "peaks", |t| Some(t.summary.peaks.as_ref()?.first()?.height_m), Off::Swing),
+    kind("first_peak_m", "first upper peak, distance from the rest", "m", "peaks", |t| Some(t.summary.peaks.as_ref()?.first()?.excursion_m), Off::Swing),
     kind("peak_speed_m_s", "greatest speed of the tip", "m/s", "peak_speed", |t| Some(t.summary.peak_speed?.speed_m_s), Off::Share),
     kind("settling_5_percent_s", "settled to 5 % after", "s", "settling_5_percent_s", |t| t.summary.settling_5_percent_s, Off::Damping),
     kind("settling_2_percent_s", "settled to 2 % after", "s", "settling_2_percent_s", |t| t.summary.settling_2_percent_s, Off::Damping),

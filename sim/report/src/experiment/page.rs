@@ -12,6 +12,7 @@ use crate::Request;
 use crate::page::{BeforeUse, Masked, Page, Table, extrapolated};
 use crate::picture::Picture;
 use crate::report::significant;
+use models::digits::with_error;
 
 /// The page of an experiment with its pictures; `written` is when.
 pub(super) fn page(
@@ -164,13 +165,13 @@ fn numbers(page: &mut Page, analysed: &[Analysed]) {
             Err(error) => row.extend([error.to_string()].into_iter().chain(vec!["-".to_owned(); 4])),
             Ok(measured) => {
                 let decay = measured.decay.as_ref();
-                let ratio = decay.map(|decay| decay.damping_ratio);
+                let ratio = decay.map(|decay| with_error(decay.damping_ratio, decay.ratio_error));
                 row.extend([
                     told(measured.damped_frequency.as_ref().map(|omega| omega / TAU), 4),
                     measured.natural_frequency().map_or("-".to_owned(), |omega| significant(omega / TAU, 4)),
-                    ratio.map_or("-".to_owned(), |ratio| significant(ratio, 3)),
+                    ratio.unwrap_or_else(|_| "-".to_owned()),
                     decay.map_or("-".to_owned(), |decay| significant(1e3 * decay.rms_residual, 2)),
-                    measured.coordinate.name().to_owned(),
+                    measured.coordinate.name(),
                 ]);
             }
         }
@@ -181,7 +182,7 @@ fn numbers(page: &mut Page, analysed: &[Analysed]) {
         row
     };
     page.table(&Table {
-        caption: "Each release by the paper's method: eq. 6 and 7",
+        caption: "Each release: eq. 6 and 7 along the coordinate; ± is one standard error",
         heads: &[
             "release",
             "pressure, kPa",

@@ -9,6 +9,7 @@ use efam_experiments::analysis::bending_stiffness::StiffnessFit;
 use efam_experiments::analysis::decay::Cycle;
 use efam_experiments::cleaning::{BasePose, Cleaned, mm};
 use efam_experiments::out_of_plane;
+use models::digits::{fixed, with_error};
 use models::quantity::format_si;
 
 use crate::aligned::{Aligned, Side};
@@ -24,7 +25,7 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
     for of in &cleaned.releases {
         let s = &of.statistics;
         let pressure = of.release.pressure.map_or("-".to_owned(), |p| format_si(p, "Pa"));
-        let instant = format!("{:.4} ± {:.4}", of.instant, of.release.release_uncertainty);
+        let instant = with_error(of.instant, of.release.release_uncertainty);
         let out_of_plane = format!("{:.2} ({:.1})", 1e3 * s.out_of_plane, 1e2 * s.out_of_plane_share);
         let kept = match (&of.dropped, of.release.held_out, of.representative) {
             (Some(why), _, _) => format!("dropped: {why}"),
@@ -77,8 +78,9 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     writeln!(out, "\n{}", one.of.release.name)?;
     let mut facts = Aligned::new(&[("", Side::Name), ("", Side::Words)]).indented(2);
     let mut line = |name: &str, text: String| facts.row([name, &text]);
-    let error = one.rest.map_or(String::new(), |rest| format!(" ± {:.2}", 1e3 * rest.error[1]));
-    line("static drop", format!("{:.2}{error} mm", 1e3 * one.static_drop()));
+    let drop = 1e3 * one.static_drop();
+    let drop = one.rest.map_or_else(|| fixed(drop, 2), |rest| with_error(drop, 1e3 * rest.error[1]));
+    line("static drop", format!("{drop} mm"));
     if let Some(warning) = one.rest_warning() {
         line("  warning", warning);
     }
@@ -87,14 +89,11 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
         Ok(measured) => {
             match &measured.damped_frequency {
                 Ok(omega) => {
-                    let error = measured
-                        .frequency_error()
-                        .map_or(String::new(), |error| format!(", cycles agree to {:.2} %", 1e2 * error));
-                    let letter = measured.coordinate.name();
-                    line(
-                        "damped frequency",
-                        format!("{:.3} Hz, spectrum of {letter}(t){error}", omega / TAU),
-                    );
+                    let error = measured.frequency_error().map_or(String::new(), |error| {
+                        format!(", cycles agree to {} %", fixed(1e2 * error, 2))
+                    });
+                    line("coordinate", measured.coordinate.name());
+                    line("damped frequency", format!("{:.3} Hz by the spectrum{error}", omega / TAU));
                 }
                 Err(why) => line("damped frequency", why.clone()),
             }
@@ -105,12 +104,18 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                 let residual = 1e3 * decay.rms_residual;
                 line(
                     "damping ratio",
-                    format!("{ratio:.4} by eq. 6 on {count} upper peaks, which leave {residual:.3} mm rms"),
+                    format!(
+                        "{} by eq. 6 on {count} upper peaks, which leave {} mm rms",
+                        with_error(ratio, decay.ratio_error),
+                        fixed(residual, 3)
+                    ),
                 );
             }
             if let Ok([first, .., last]) = measured.cycles.as_deref() {
-                let at =
-                    |cycle: &Cycle| format!("{:.4} at {:.2} mm", cycle.damping_ratio, 1e3 * cycle.amplitude);
+                let at = |cycle: &Cycle| {
+                    let ratio = with_error(cycle.damping_ratio, cycle.ratio_error);
+                    format!("{ratio} at {} mm", fixed(1e3 * cycle.amplitude, 2))
+                };
                 line("  cycle by cycle", format!("{} to {}", at(first), at(last)));
             }
             if measured.since > 0.0 {
@@ -168,13 +173,13 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
             .1
             .as_ref()
             .or(fits.0.as_ref())
-            .map_or("-".to_owned(), |fit| format!("{:.2}", 1e3 * fit.residual[0].hypot(fit.residual[1])));
+            .map_or("-".to_owned(), |fit| fixed(1e3 * fit.residual[0].hypot(fit.residual[1]), 2));
         let count = |fit: &Result<StiffnessFit, AnalysisError>| {
             fit.as_ref().map_or("-".to_owned(), |fit| fit.evaluations.to_string())
         };
         let counts = format!("{} / {}", count(fits.0), count(fits.1));
         let error = one.rest.and_then(|rest| row.relative_error(rest.error));
-        let error = error.map_or("-".to_owned(), |error| format!("{:.2}", 100.0 * error));
+        let error = error.map_or("-".to_owned(), |error| fixed(100.0 * error, 2));
         if let (Err(error), Err(_)) = fits {
             wrong.push(format!("{}: {error}", name.trim()));
         }

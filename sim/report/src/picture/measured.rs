@@ -34,10 +34,10 @@ fn title(name: &str, of: &Measured) -> String {
 pub(super) fn swing(of: &Measured, area: &Area) -> Drawn {
     let step = of.bridged.step;
     let end = step * of.bridged.values.len() as f64;
-    let rest = of.rest_on_side();
+    let rest = of.rest;
     let (line, top) = (Stroke::new(BLUE, 1.3), Stroke::new(VERMILION, 1.0));
     let (curve, level) = (Stroke::dashed(GREEN, 2.0, 12.0, 4.0), Stroke::dashed(BLACK, 1.2, 9.0, 5.0));
-    let letter = of.coordinate.name();
+    let letter = of.coordinate.letter();
     let keys = [
         Key::line(line, format!("{letter}(t), short gaps bridged for the spectrum")),
         Key::line(level, "rest"),
@@ -45,7 +45,7 @@ pub(super) fn swing(of: &Measured, area: &Area) -> Drawn {
         Key::line(curve, "eq. 6 fitted to them"),
     ];
     let values = of.bridged.values.iter().map(|value| MILLI * value);
-    let label = if of.side > 0.0 { format!("{letter}, mm") } else { format!("minus {letter}, mm") };
+    let label = format!("{letter}, mm: {}", of.coordinate.name());
     let y = Axis(padded(values.clone().chain([MILLI * rest]), 0.06), &label);
     let mut panel = Panel::new(area, "The swing", &Axis(0.0..end, "time since release, s"), &y, &keys)?;
     panel.line([(0.0, MILLI * rest), (end, MILLI * rest)].into_iter(), &level)?;

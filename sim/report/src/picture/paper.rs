@@ -1,6 +1,5 @@
 //! The paper's Figures 4 to 9, drawn from runs of our own or from recordings.
 
-use efam_experiments::analysis::measured::Coordinate;
 use efam_experiments::analysis::static_stiffness::NODES;
 
 use crate::paper::{Origin, Pressure, Shape};
@@ -234,10 +233,10 @@ fn figure_8(all: &[Pressure]) -> Picture {
                     energy_followed: false,
                     rest: own.rest.as_ref(),
                     summary: &own.summary,
-                    swing: &own.swing,
+                    swings: &own.swings,
                 };
-                crate::picture::height(&release, &panels[0])?;
-                crate::picture::spectrum(&release, &panels[1])
+                crate::picture::swing(&release, own.shown(), &panels[0])?;
+                crate::picture::spectrum(&release, own.shown(), &panels[1])
             }
             Origin::Recorded(None) => Panel::without_data(page, "One release", "too few samples"),
             Origin::Recorded(Some(own)) => {
@@ -247,14 +246,14 @@ fn figure_8(all: &[Pressure]) -> Picture {
         }
     });
     let (pressure, name, letter) = example(all).map_or_else(Default::default, |of| {
-        let letter = if of.coordinate().0 == Coordinate::X { "x" } else { "z" };
+        let letter = of.coordinate().letter();
         (psi(of.pressure), of.name.clone(), letter)
     });
     let caption = if are_recorded(all) {
         format!("{name}: {letter}(t) with eq. 6 fitted to its upper peaks, and its amplitude spectrum.")
     } else {
         format!(
-            "The simulated release at {pressure}: z(t) with eq. 6 fitted to its upper peaks, and its amplitude spectrum."
+            "The simulated release at {pressure}: {letter}(t) with eq. 6 fitted to its upper peaks, and its amplitude spectrum."
         )
     };
     picture(8, &format!("Decay and spectrum at {pressure}"), &caption, drawing)

@@ -4,6 +4,7 @@
 use efam_experiments::summary::Cycle;
 use models::digits::significant;
 
+use crate::picture::driven::driven;
 use crate::picture::panel::{Axis, Key, Panel, Stroke, equal_scale, padded, plot_size};
 use crate::picture::rods::{Rod, Rods, frames_until};
 use crate::picture::{
@@ -24,18 +25,19 @@ pub fn released(of: &ReleasePicture) -> Vec<Picture> {
         caption: caption.to_owned(),
         drawing: drawn(SIZE, draw),
     };
+    let along = of.swings.coordinate.as_ref();
     let mut pictures = vec![
         picture(
-            "height",
-            "Height of the tip",
-            "z(t) with its upper peaks, and eq. 6 fitted to them.",
-            &|page| crate::picture::height(of, page),
+            "swing",
+            "Swing of the tip",
+            "The distance of the tip from the clamp in the direction of the first mode, s(t), with its upper peaks, and eq. 6 fitted to them.",
+            &|page| crate::picture::swing(of, along, page),
         ),
         picture(
             "spectrum",
             "Spectrum",
-            "Amplitude spectrum of z(t) until the swing is over; its peak is the damped frequency.",
-            &|page| crate::picture::spectrum(of, page),
+            "Amplitude spectrum of s(t) until the swing is over; its peak at the first mode is the damped frequency.",
+            &|page| crate::picture::spectrum(of, along, page),
         ),
         picture(
             "trajectory",
@@ -62,6 +64,7 @@ pub fn released(of: &ReleasePicture) -> Vec<Picture> {
             &|page| crate::picture::energies(of, page),
         ),
     ];
+    pictures.extend(driven(of));
     let cycles = of.summary.cycles.as_deref().unwrap_or_default();
     let mode = of.summary.modes.as_ref().and_then(|modes| modes.first());
     let eq_6 = Stroke::dashed(GREEN, 2.0, 12.0, 4.0);
@@ -114,9 +117,7 @@ pub(super) fn stride(samples: usize) -> usize {
 /// The rod in motion until it settles; nothing of a run without samples.
 pub fn in_motion(of: &ReleasePicture) -> Option<Rods> {
     let trajectory = of.trajectory;
-    let settled =
-        of.summary.settling_2_percent_s.map_or(f64::INFINITY, |time| crate::picture::SETTLED_TIMES * time);
-    let frames = frames_until(of.model, trajectory, settled);
+    let frames = frames_until(of.model, trajectory, crate::picture::settled(of.summary));
     let rest = of.rest.map(|rest| [&rest.nodes[..], &[rest.tip]].concat());
     let rod = Rod::new("simulated", Stroke::new(BLUE, 2.2), frames)?;
     Some(Rods {

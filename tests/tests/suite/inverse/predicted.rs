@@ -10,9 +10,9 @@
 use std::ops::Range;
 use std::path::Path;
 
-use efam_experiments::analysis::decay::fit_decay;
+use efam_experiments::analysis::coordinate::Coordinate;
 use efam_experiments::analysis::excursion::Excursion;
-use efam_experiments::analysis::swing::{swing, swing_spectrum};
+use efam_experiments::analysis::swing::{Known, swing_along};
 use efam_inference::calibrate::{CalibrationSettings, Problem, calibrate};
 use efam_inference::predict::grid::{Cell, grid};
 use efam_inference::predict::request::CaseRequest;
@@ -47,16 +47,19 @@ fn seen(plan: Plan, seed: u64, is_it: &dyn Fn(&DrawnRelease) -> bool) -> [Option
     // Longer than what is predicted, for the rest; finer, for a tip that whips.
     let drawn = Plan { duration: 1.5 * SECONDS, rate: RATE, priors, unrepeated, ..plan }.draw(seed);
     let own = drawn.releases.iter().rfind(|own| is_it(own));
-    let z: Vec<f64> = own.expect("a release of the plan").truth[0].iter().map(|at| at[1]).collect();
-    let rest = Excursion::about_end(3.0, &z, 1.0 / RATE).expect("thirty seconds").rest();
-    let seen: Vec<f64> = z.iter().copied().step_by(10).take((100.0 * SECONDS) as usize).collect();
-    let excursion = Excursion::about(rest, &seen, 0.01).expect("twenty seconds");
-    let (omega, peaks) = swing(&excursion, &swing_spectrum(&excursion));
-    let omega = omega.ok();
-    let decay = omega.zip(peaks.ok()).and_then(|(omega, peaks)| fit_decay(&peaks, omega).ok());
-    let ratio = decay.map(|decay| decay.damping_ratio);
-    let lowest = z.iter().copied().fold(f64::INFINITY, f64::min);
-    [Some(rest), omega.map(|omega| omega / std::f64::consts::TAU), ratio, Some(lowest)]
+    let path = &own.expect("a release of the plan").truth[0];
+    let rest = [0, 1].map(|k| {
+        let along: Vec<f64> = path.iter().map(|at| at[k]).collect();
+        Excursion::about_end(3.0, &along, 1.0 / RATE).expect("thirty seconds").rest()
+    });
+    let seen: Vec<[f64; 2]> = path.iter().copied().step_by(10).take((100.0 * SECONDS) as usize).collect();
+    let coordinate = Coordinate::largest_motion(seen.iter().copied(), rest);
+    let coordinate = coordinate.towards([seen[0][0] - rest[0], seen[0][1] - rest[1]]);
+    let (_, swing) = swing_along(&seen, 0.01, rest, coordinate, &Known::default()).expect("twenty seconds");
+    let omega = swing.damped_frequency.ok();
+    let ratio = swing.decay.ok().map(|decay| decay.damping_ratio);
+    let lowest = path.iter().map(|at| at[1]).fold(f64::INFINITY, f64::min);
+    [Some(rest[1]), omega.map(|omega| omega / std::f64::consts::TAU), ratio, Some(lowest)]
 }
 
 /// The muscle that a calibration finds, as a scenario's text.
