@@ -199,7 +199,7 @@ mod tests {
             let whole = analyse(&release(level, |_| false), rest).unwrap();
             let holes = analyse(&release(level, |i| i % 97 < 4 || (300..312).contains(&i)), rest).unwrap();
             // Level, or along the line of the made-up swing.
-            let expected = if level { 0.0 } else { 135f64.to_radians() };
+            let expected = if level { 0.0 } else { 1f64.atan2(-0.1) };
             assert!((holes.coordinate.angle() - expected).abs() < 0.01, "{}", holes.coordinate.name());
             assert!(holes.bridged.filled > 40 && holes.bridged.cut_at.is_none(), "{:?}", holes.bridged);
             for measured in [&whole, &holes] {

@@ -45,7 +45,7 @@ pub fn upper_peaks(excursion: &Excursion, period: f64) -> Vec<Peak> {
         let around = &smooth[i.saturating_sub(half)..(i + half + 1).min(smooth.len())];
         smooth[i] - extremes(around)[0] >= least
     };
-    let tops = (reach..(values.len() - reach).max(reach)).filter(is_top).filter(swings);
+    let tops = (reach..(values.len() - 1).max(reach)).filter(is_top).filter(swings);
     tops.filter_map(|i| highest(values, [i - reach, i + reach]))
         .map(|top| refined(values, top, excursion.step()))
         .collect()

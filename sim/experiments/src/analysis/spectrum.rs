@@ -85,9 +85,9 @@ pub fn amplitude_spectrum(excursion: &Excursion, window: Window, padding: usize)
 /// a large prime factor takes several times as long.
 fn fast_length(least: usize) -> usize {
     let threes = |five: usize| {
-        std::iter::successors(Some(five), |n| n.checked_mul(3)).take_while(move |n| *n < 2 * least)
+        std::iter::successors(Some(five), |n| n.checked_mul(3)).take_while(move |n| *n <= 2 * least)
     };
-    let fives = std::iter::successors(Some(2usize), |n| n.checked_mul(5)).take_while(|n| *n < 2 * least);
+    let fives = std::iter::successors(Some(2usize), |n| n.checked_mul(5)).take_while(|n| *n <= 2 * least);
     let up_to = |odd: usize| odd * least.div_ceil(odd).next_power_of_two();
     fives.flat_map(threes).map(up_to).min().unwrap_or(least)
 }

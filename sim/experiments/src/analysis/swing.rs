@@ -154,11 +154,18 @@ fn frequency_and_peaks(
     Ok((omega, upper))
 }
 
-/// An upper peak that is not among those found with a period. Upper peaks descend: a maximum between two of them that is higher
-/// than the second is one as well, unless it belongs to the top of either.
+/// Least distance of two upper peaks, in periods.
+const LEAST_DISTANCE: f64 = 0.7;
+
+/// An upper peak that the period does not admit: nearer than most of it to the one before, or not among those found with it. Upper
+/// peaks descend: a maximum between two of them that is higher than the second is one as well, unless it belongs to the top of
+/// either.
 fn missing_peak(excursion: &Excursion, upper: &[Peak], period: f64) -> Option<Peak> {
-    // Half of the least distance at which a maximum is a peak of its own.
-    let own_top = 0.35 * period;
+    let is_near = |pair: &&[Peak]| pair[1].time - pair[0].time < LEAST_DISTANCE * period;
+    if let Some(pair) = upper.windows(2).find(is_near) {
+        return Some(pair[1]);
+    }
+    let own_top = 0.5 * LEAST_DISTANCE * period;
     upper_peaks(excursion, 0.5 * period).into_iter().find(|peak| {
         let after = upper.partition_point(|own| own.time <= peak.time);
         let Some([before, next]) = after.checked_sub(1).and_then(|before| upper.get(before..=after)) else {
