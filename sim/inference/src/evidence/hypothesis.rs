@@ -36,6 +36,9 @@ pub struct Simulated {
     pub slopes: Vec<(usize, Vec<Vec<f64>>)>,
 }
 
+/// An unknown, what it acts on, and the parameters that it moves with the derivatives of their values.
+type Chain<'a> = (usize, &'a Act, Vec<(usize, f64)>);
+
 impl Hypothesis {
     /// Where a search begins.
     pub fn start(&self) -> DVector<f64> {
@@ -64,7 +67,7 @@ impl Hypothesis {
         let mut points: Vec<Point> =
             plan.tracks.iter().map(|track| trial.release.tracks[*track].at).collect();
         // By unknown: parameters with the derivatives of their values.
-        let mut chains: Vec<(usize, &Act, Vec<(usize, f64)>)> = Vec::new();
+        let mut chains: Vec<Chain<'_>> = Vec::new();
         for (u, unknown) in self.unknowns.iter().enumerate() {
             for (_, act) in unknown.acts.iter().filter(|(own, _)| *own == r) {
                 let mut chain = Vec::new();

@@ -280,7 +280,7 @@ mod tests {
             variances: DVector::zeros(n),
             own: DVector::zeros(n),
         };
-        let sign = |k: usize| if k % 2 == 0 { 0.02 } else { -0.02 };
+        let sign = |k: usize| if k.is_multiple_of(2) { 0.02 } else { -0.02 };
         let compared = Compared {
             differences: vec![DVector::from_fn(n, |k, _| sign(k))],
             slopes: vec![DMatrix::zeros(n, 0)],

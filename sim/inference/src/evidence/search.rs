@@ -81,10 +81,8 @@ pub fn fit(
         let found = minimise(&z, None, &search, &mut evaluate)?;
         z = found.x;
         // The share and the evidence take slopes of the very point.
-        let compared = match found.home == Some(z.clone()) {
-            true => found.at.carried,
-            false => data.compare(hypothesis, &z, &all)?.into(),
-        };
+        let is_there = found.home.as_ref() == Some(&z);
+        let compared = if is_there { found.at.carried } else { data.compare(hypothesis, &z, &all)?.into() };
         let (_, best) = evidence(&compared, &data.weights, &hypothesis.unknowns, &z, share, SHARE_STEP);
         let is_settled = (best / share).ln().abs() < SETTLED.ln();
         share = best;
