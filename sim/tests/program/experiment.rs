@@ -170,7 +170,13 @@ fn six_noisy_cycles_with_ghosts_and_dropouts_become_six_releases() {
             (number(&analysis["damped_frequency_hz"]) / (8.0 / std::f64::consts::TAU) - 1.0).abs() < 2e-3,
             "{analysis}"
         );
-        assert!((number(&analysis["damping_ratio"]) / 0.05 - 1.0).abs() < 0.05, "{analysis}");
+        // The tip moves on a curve: along a line, large swings lose less from peak to peak, and small ones as much as in u.
+        assert!((number(&analysis["damping_ratio"]) / 0.05 - 1.0).abs() < 0.1, "{analysis}");
+        let cycles = analysis["cycles"].as_array().expect("cycles");
+        for cycle in cycles.iter().filter(|cycle| number(&cycle["amplitude_m"]) < 0.02) {
+            let [ratio, error] = ["damping_ratio", "damping_ratio_error"].map(|key| number(&cycle[key]));
+            assert!((ratio - 0.05).abs() < 3.0 * error, "{cycle}");
+        }
     }
     // Every decision can be decided otherwise.
     let dropped =

@@ -202,7 +202,7 @@ fn a_name_in_a_recording_is_no_configuration() {
         let recording = table["recording"][0].as_table().expect("a table");
         let keys: Vec<&str> = recording.keys().map(String::as_str).collect();
         // Of the names in the file became keys: pressure, spurious.
-        let ours = ["angle", "base", "body", "file", "tip"];
+        let ours = ["angle", "base", "body", "file", "tip", "up"];
         assert!(keys.iter().all(|key| ours.contains(key)), "{keys:?}\n{text}");
         // And what it wrote it can check.
         let (code, _, stderr) =

@@ -152,7 +152,7 @@ fn a_law_of_a_file_is_simulated_as_one_of_the_scenario() {
     bench.json(&["simulate", "beside.toml", "--law", "law.toml", "--json", "--out", "kept"]);
     let kept = bench.text("kept/scenario.resolved.toml");
     assert!(kept.contains("[laws.my_drag]") && kept.contains("-c * v_n"), "{kept}");
-    let hashes = bench.text("kept/manifest.json");
+    let hashes = bench.text("kept/summary.json");
     assert!(hashes.contains("\"law.toml\""), "{hashes}");
 }
 

@@ -44,7 +44,7 @@ fn a_simulation_leaves_a_page_with_its_numbers_and_what_it_takes_for_granted() {
     holds("effects.rayleigh_mass.alpha = 1.20 1/s");
     holds("taken to be absent: ");
     holds(run["inputs_sha256"]["scenario.resolved.toml"].as_str().expect("a hash"));
-    for picture in ["height", "spectrum", "trajectory", "postures", "phase", "energy"] {
+    for picture in ["swing", "spectrum", "trajectory", "postures", "phase", "energy"] {
         let svg = bench.picture(&format!("o<b>/pictures/{picture}.svg"));
         holds(&svg);
     }
@@ -242,8 +242,13 @@ fn the_figures_of_an_experiment_show_its_recordings() {
         let same =
             |own: f64, other: f64| assert!((own / other - 1.0).abs() < 1e-14, "{own} {other} at {psi} psi");
         same(column("out/figure-4-rest.csv", "rest_z_m")[k], number(&own["rest_m"][1]));
-        same(column("out/figure-9.csv", "natural_frequency_hz")[k], number(&own["natural_frequency_hz"]));
-        same(column("out/figure-9.csv", "damping_ratio")[k], number(&own["damping_ratio"]));
+        // The figure has the height, as the paper; the analysis the direction of the largest motion.
+        let near = |name: &str, within: f64| {
+            let ratio = column("out/figure-9.csv", name)[k] / number(&own[name]);
+            assert!((ratio - 1.0).abs() < within, "{name}: {ratio} at {psi} psi");
+        };
+        near("natural_frequency_hz", 0.01);
+        near("damping_ratio", 0.3);
         for row in own["static_stiffness"].as_array().expect("rows") {
             let key = row["nodes"].as_u64().map_or("euler".to_owned(), |nodes| format!("pder_{nodes}"));
             let ei = number(&row["nelder_mead"]["bending_stiffness_n_m2"]);

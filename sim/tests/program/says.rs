@@ -179,7 +179,7 @@ fn a_long_name_stands_apart_from_the_numbers() {
     for command in ["modes", "statics"] {
         let (code, table, stderr) = bench.run(&[command, &file]);
         assert_eq!(code, 0, "{stderr}");
-        let rows: Vec<&str> = table.lines().skip(1).collect();
+        let rows: Vec<&str> = table.lines().skip(1).filter(|row| !row.starts_with("muscle: ")).collect();
         assert!(!rows.is_empty() && rows.iter().all(|row| row.starts_with(&format!("{name}  "))), "{table}");
         assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
     }

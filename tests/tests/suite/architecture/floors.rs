@@ -75,6 +75,7 @@ const FLOORS: [Floors; 5] = [
             ("work", &["integrate"]),
             ("run", &["initial", "integrate", "point", "work"]),
             ("trajectory", &["integrate", "run"]),
+            ("left_out", &[]),
             ("limits", &["rest", "trajectory"]),
             ("observed", &["integrate", "point", "run", "trajectory"]),
             ("forward", &["initial", "integrate", "observed", "rest", "run", "trajectory"]),
