@@ -11,7 +11,8 @@ pub mod experiment;
 pub mod gathered;
 pub mod init;
 pub mod kind;
-pub mod out_of_plane;
 pub mod release;
 pub mod scenario;
 pub mod summary;
+
+pub use cleaning::out_of_plane;

@@ -2,8 +2,6 @@
 
 pub use efam_core::point::Point;
 
-pub use crate::out_of_plane::OutOfPlane;
-
 /// A release, cut out of a recording and turned into the frame W at the clamp.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Release {
@@ -48,4 +46,20 @@ pub struct Track {
     /// Standard deviation of what no model predicts of each coordinate beside the noise, m, as if each sample had its
     /// own: what a whole swing shares is smaller, by the root of the samples that share it.
     pub discrepancy: f64,
+}
+
+/// How far a tip is from the vertical plane through the clamp's axis, at most while it swings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OutOfPlane {
+    /// Distance, m; zero where it is not known.
+    pub distance: f64,
+    /// The same over the active length or, without a model, over the distance of the held tip.
+    pub share: f64,
+}
+
+impl OutOfPlane {
+    /// How much nearer to the clamp the tip is seen in the plane, m: `y² / 2L`.
+    pub fn shortening(&self) -> f64 {
+        0.5 * self.distance * self.share
+    }
 }

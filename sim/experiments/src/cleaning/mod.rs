@@ -21,6 +21,7 @@ mod frame;
 mod motion;
 mod noise;
 mod onset;
+pub mod out_of_plane;
 mod points;
 mod recording;
 mod release;
@@ -33,7 +34,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::experiment::{Experiment, ExperimentError};
-use crate::out_of_plane;
 use crate::release::Release;
 
 pub use crate::error::CleaningError;

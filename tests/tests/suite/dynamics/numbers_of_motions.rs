@@ -89,7 +89,7 @@ fn forces_are_events() {
     let law = |force: &str, more: &str| {
         format!(
             "[muscle]\nname = \"garbulinski-2022\"\npressure = \"40 psi\"\n[release]\nfrom = \"equilibrium\"\n[rod]\n\
-             nodes = 12\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n[effects.rayleigh_stiffness]\nbeta = \"2 ms\"\n\
+             nodes = 12\n[integrator]\ntolerance = 1e-8\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n[effects.rayleigh_stiffness]\nbeta = \"2 ms\"\n\
              [effects.push]\nf = \"0.002 N\"\n[laws.push]\nplace = \"tip\"\nkind = \"load\"\nforce_x = \"{force}\"\n\
              parameters.f = {{ unit = \"N\", default = 0.02, range = [-1, 1] }}\n{more}"
         )
@@ -102,7 +102,8 @@ fn forces_are_events() {
     let [event] = &step.events[..] else { panic!("{:?}", step.events) };
     assert!((event.time_s - 1.003).abs() < 1e-6 && event.kind == EventKind::ForceStep, "{event:?}");
     let x = event.x.expect("a step in x");
-    assert!((x.steady_m - x.start_m - way[0]).abs() < 1e-3 * way[0].abs(), "{x:?} {way:?}");
+    // The first sample is up to 10 ms after the start.
+    assert!((x.steady_m - x.start_m - way[0]).abs() < 2e-3 * way[0].abs(), "{x:?} {way:?}");
     let mode = step.modes.as_ref().expect("it hangs")[0];
     let hertz = step.damped_frequency_hz.unwrap_or_else(|| panic!("{:?}", step.missing));
     assert!((hertz / mode.natural_frequency_hz - 1.0).abs() < 0.01, "{hertz} {mode:?}");

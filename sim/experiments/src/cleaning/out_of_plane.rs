@@ -9,24 +9,9 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::cleaning::mm;
-use crate::release::Release;
+use crate::release::{OutOfPlane, Release};
 
-/// How far a tip is from the vertical plane through the clamp's axis, at most while it swings.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OutOfPlane {
-    /// Distance, m; zero where it is not known.
-    pub distance: f64,
-    /// The same over the active length or, without a model, over the distance of the held tip.
-    pub share: f64,
-}
-
-impl OutOfPlane {
-    /// How much nearer to the clamp the tip is seen in the plane, m: `y² / 2L`.
-    pub fn shortening(&self) -> f64 {
-        0.5 * self.distance * self.share
-    }
-}
+use super::mm;
 
 /// The largest distances over the pressures of an experiment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
