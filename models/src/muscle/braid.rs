@@ -86,7 +86,7 @@ impl Muscle {
         let side = if motion == Motion::Extensile { "below" } else { "above" };
         let [angle, neutral] = [angle, neutral_angle()].map(|angle| significant(angle.to_degrees(), 4));
         format!(
-            "{}, {motion}: braid angle {angle} deg from the cross-section, {side} {neutral} deg",
+            "{}, {motion}: braid angle {angle} deg, {side} {neutral} deg",
             self.name
         )
     }
@@ -237,7 +237,7 @@ mod tests {
         assert_eq!(paper.contradictions(), Vec::<String>::new());
         assert_eq!(
             paper.described(),
-            "garbulinski-2022, extensile: braid angle 12.50 deg from the cross-section, below 35.26 deg"
+            "garbulinski-2022, extensile: braid angle 12.50 deg, below 35.26 deg"
         );
         let slip = altered(&[("\"12.5 deg\"", "\"77.5 deg\"")]).unwrap().contradictions();
         assert!(slip.len() == 1 && slip[0].contains("a contractile muscle, but the lengths"), "{slip:?}");

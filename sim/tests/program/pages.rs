@@ -243,12 +243,13 @@ fn the_figures_of_an_experiment_show_its_recordings() {
             |own: f64, other: f64| assert!((own / other - 1.0).abs() < 1e-14, "{own} {other} at {psi} psi");
         same(column("out/figure-4-rest.csv", "rest_z_m")[k], number(&own["rest_m"][1]));
         // The figure has the height, as the paper; the analysis the direction of the largest motion.
-        let near = |name: &str, within: f64| {
+        // The height of a large swing decays faster than the swing.
+        let near = |name: &str, range: std::ops::Range<f64>| {
             let ratio = column("out/figure-9.csv", name)[k] / number(&own[name]);
-            assert!((ratio - 1.0).abs() < within, "{name}: {ratio} at {psi} psi");
+            assert!(range.contains(&ratio), "{name}: {ratio} at {psi} psi");
         };
-        near("natural_frequency_hz", 0.01);
-        near("damping_ratio", 0.3);
+        near("natural_frequency_hz", 0.99..1.01);
+        near("damping_ratio", 0.98..1.4);
         for row in own["static_stiffness"].as_array().expect("rows") {
             let key = row["nodes"].as_u64().map_or("euler".to_owned(), |nodes| format!("pder_{nodes}"));
             let ei = number(&row["nelder_mead"]["bending_stiffness_n_m2"]);

@@ -85,7 +85,7 @@ fn a_step_of_the_pressure_is_an_event() {
 #[test]
 fn forces_are_events() {
     const BEGIN: &str = "parameters.begin = { unit = \"s\", default = 1.003, range = [0, 10] }\n";
-    const RATE: &str = "parameters.rate = { unit = \"1/s\", default = 0.05, range = [0, 10] }\n";
+    const RATE: &str = "parameters.rate = { unit = \"1/s\", default = 0.1, range = [0, 10] }\n";
     let law = |force: &str, more: &str| {
         format!(
             "[muscle]\nname = \"garbulinski-2022\"\npressure = \"40 psi\"\n[release]\nfrom = \"equilibrium\"\n[rod]\n\
@@ -111,10 +111,10 @@ fn forces_are_events() {
     let slow = summary(&format!("{}[run]\nduration = \"100 s\"\n", law("f * sin(2*pi*rate*time)", RATE)));
     let [event] = &slow.events[..] else { panic!("{:?}", slow.events) };
     assert_eq!(event.kind, EventKind::SteadyForcing);
-    assert!((event.forcing_hz.expect("a frequency") / 0.05 - 1.0).abs() < 1e-3, "{event:?}");
+    assert!((event.forcing_hz.expect("a frequency") / 0.1 - 1.0).abs() < 1e-3, "{event:?}");
     let forced = event.forced_x.unwrap_or_else(|| panic!("{:?}", event.missing));
-    let share = 0.05 / mode.natural_frequency_hz;
-    // Inertia adds the square of the frequency's share, 0.2 %.
+    let share = 0.1 / mode.natural_frequency_hz;
+    // Inertia adds the square of the frequency's share, 0.8 %.
     assert!(
         (forced.gain_m_per_n / (way[0] / 0.002).abs() - 1.0).abs() < 2.0 * share * share,
         "{forced:?} {way:?}"
