@@ -68,24 +68,17 @@ pub fn fit(time: &[f64], coordinates: &[Vec<f64>], span: &Span, start: (f64, f64
     let from: Vec<f64> = time[first..last].iter().map(|t| t - span.middle()).collect();
     let leading = &coordinates.first()?[first..last];
     let (mut frequency, mut loss) = start;
-    let tau = std::f64::consts::TAU;
-    // The linear part at the last frequency and loss; the rest of each round is Gauss's and Newton's step.
+    let mut rows = vec![[0.0; 5]; from.len()];
+    let at = |rows: &mut Vec<[f64; 5]>, frequency: f64, loss: f64| {
+        rows.iter_mut().zip(&from).for_each(|(row, from)| *row = basis(*from, frequency, loss));
+    };
+    at(&mut rows, frequency, loss);
     for _ in 0..MOST_ROUNDS {
-        let linear = linear(&from, &weights, leading, frequency, loss)?;
-        let (mut normal, mut right) = (SMatrix::<f64, 7, 7>::zeros(), SVector::<f64, 7>::zeros());
-        for ((from, weight), q) in from.iter().zip(&weights).zip(leading) {
-            let b = basis(*from, frequency, loss);
-            let value: f64 = b.iter().zip(&linear).map(|(b, c)| b * c).sum();
-            let by_frequency = tau
-                * from
-                * (linear[2] * b[1] - linear[1] * b[2] + 2.0 * (linear[4] * b[3] - linear[3] * b[4]));
-            let by_loss =
-                -from * (linear[1] * b[1] + linear[2] * b[2] + 2.0 * (linear[3] * b[3] + linear[4] * b[4]));
-            let row = SVector::from([b[0], b[1], b[2], b[3], b[4], by_frequency, by_loss]);
-            normal += *weight * row * row.transpose();
-            right += *weight * (q - value) * row;
-        }
-        let step = normal.cholesky()?.solve(&right);
+        let linear = solved(rows.iter().copied(), &weights, leading.iter().copied())?;
+        let value = |row: &[f64; 5]| row.iter().zip(&linear).map(|(b, c)| b * c).sum::<f64>();
+        let residuals = rows.iter().zip(leading).map(|(row, q)| q - value(row));
+        let extended = rows.iter().zip(&from).map(|(row, from)| with_slopes(row, &linear, *from));
+        let step: [f64; 7] = solved(extended, &weights, residuals)?;
         let (df, dl) = (
             step[5].clamp(-0.1 * frequency, 0.1 * frequency),
             step[6].clamp(-0.5 * frequency, 0.5 * frequency),
@@ -95,25 +88,42 @@ pub fn fit(time: &[f64], coordinates: &[Vec<f64>], span: &Span, start: (f64, f64
         if !(frequency.is_finite() && loss.is_finite() && frequency > 0.0) {
             return None;
         }
+        at(&mut rows, frequency, loss);
         if df.abs() <= CONVERGED * frequency && dl.abs() <= CONVERGED * frequency {
             break;
         }
     }
-    let all = |q: &Vec<f64>| linear(&from, &weights, &q[first..last], frequency, loss);
+    let all = |q: &Vec<f64>| solved(rows.iter().copied(), &weights, q[first..last].iter().copied());
     let coefficients = coordinates.iter().map(all).collect::<Option<Vec<_>>>()?;
     Some(Fitted { frequency, loss, coefficients })
 }
 
-/// The linear coefficients of one coordinate at a frequency and a loss.
-fn linear(from: &[f64], weights: &[f64], q: &[f64], frequency: f64, loss: f64) -> Option<[f64; 5]> {
-    let (mut normal, mut right) = (SMatrix::<f64, 5, 5>::zeros(), SVector::<f64, 5>::zeros());
-    for ((from, weight), q) in from.iter().zip(weights).zip(q) {
-        let row = SVector::from(basis(*from, frequency, loss));
-        normal += *weight * row * row.transpose();
-        right += *weight * *q * row;
+/// The form at one time, and its derivatives by frequency and loss with the linear coefficients.
+fn with_slopes(b: &[f64; 5], linear: &[f64; 5], from: f64) -> [f64; 7] {
+    let by_phase = linear[2] * b[1] - linear[1] * b[2] + 2.0 * (linear[4] * b[3] - linear[3] * b[4]);
+    let by_decay = linear[1] * b[1] + linear[2] * b[2] + 2.0 * (linear[3] * b[3] + linear[4] * b[4]);
+    [b[0], b[1], b[2], b[3], b[4], std::f64::consts::TAU * from * by_phase, -from * by_decay]
+}
+
+/// Weighted least squares of rows; none where they do not determine the solution.
+fn solved<const N: usize>(
+    rows: impl Iterator<Item = [f64; N]>,
+    weights: &[f64],
+    values: impl Iterator<Item = f64>,
+) -> Option<[f64; N]> {
+    let (mut normal, mut right) = ([[0.0; N]; N], [0.0; N]);
+    for ((row, weight), value) in rows.zip(weights).zip(values) {
+        for a in 0..N {
+            let weighted = weight * row[a];
+            right[a] += weighted * value;
+            for b in 0..=a {
+                normal[a][b] += weighted * row[b];
+            }
+        }
     }
-    let found = normal.cholesky()?.solve(&right);
-    found.iter().all(|c| c.is_finite()).then(|| found.into())
+    let normal = SMatrix::<f64, N, N>::from_fn(|a, b| normal[a.max(b)][a.min(b)]);
+    let found: [f64; N] = normal.cholesky()?.solve(&SVector::from(right)).into();
+    found.iter().all(|c| c.is_finite()).then_some(found)
 }
 
 #[cfg(test)]
