@@ -12,10 +12,6 @@ use crate::normal::NORMAL_95;
 
 /// Share of the misfit that an answer may leave: odds do not know that the truth is absent, so the best must remove half.
 const LEFT: f64 = 0.5;
-/// Misfit beside the noise, over it, that is not worth words: the noise itself is known to a tenth.
-const NOISE: f64 = 0.5;
-/// Share of the first swing that does not repeat, where nothing else is known: two releases by hand differ by 1 to 3 %.
-const REPEATS: f64 = 0.01;
 /// Prior standard deviations from which on a part of the setup is reported.
 const MOVED: f64 = 2.0;
 /// Features that are reported.
@@ -36,7 +32,7 @@ pub fn answer(
         Some(own) => (&own.fit, own.sampled.as_ref().unwrap_or(baseline_sampled)),
         None => (baseline, baseline_sampled),
     };
-    let swing = data.plans.iter().map(|plan| plan.first_swing).fold(0.0, f64::max);
+    let swing = data.first_swing();
     let values = values(fit, sampled, |role| !matches!(role, Role::Setup(_)));
     let mut weighed = Weighed {
         named: accepted.iter().map(|own| own.name.clone()).collect(),
@@ -61,7 +57,7 @@ pub fn answer(
 
 /// The rules.
 fn verdict(before: &Sampled, after: &Sampled, accepted: &[Tried], weighed: &Weighed, swing: f64) -> Verdict {
-    let is_little = |own: &Sampled| own.misfit() <= NOISE * own.noise || own.misfit() <= REPEATS * swing;
+    let is_little = |own: &Sampled| own.is_little(swing);
     if accepted.is_empty() {
         // What is far beyond noise and what repeats is there, whatever explains it.
         return if is_little(before) { Verdict::NothingMissing } else { Verdict::Unknown };

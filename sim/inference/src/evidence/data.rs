@@ -37,6 +37,11 @@ impl Data {
         self.runs.load(Ordering::Relaxed)
     }
 
+    /// Size of the largest first swing, m.
+    pub fn first_swing(&self) -> f64 {
+        self.plans.iter().map(|plan| plan.first_swing).fold(0.0, f64::max)
+    }
+
     /// Number of features.
     pub fn count(&self) -> usize {
         self.plans.iter().map(|plan| plan.features.len()).sum()

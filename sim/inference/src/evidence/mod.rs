@@ -137,7 +137,8 @@ pub fn diagnose(
             .map(|own| own.name.clone())
             .collect();
         members.dedup();
-        let is_done = best.sampled.as_ref().is_some_and(|own| own.misfit() < 0.5 * own.noise);
+        // What does not repeat is no second effect.
+        let is_done = best.sampled.as_ref().is_some_and(|own| own.is_little(data.first_swing()));
         accepted.push(best);
         if is_done {
             break;
