@@ -56,14 +56,12 @@ def scenario(kind, draw):
             force, axis = draw.uniform(0.005, 0.05), draw.choice("xz")
             known["begin"] = draw.uniform(0.5, 3.0) if kind == "force step" else 0.0
             known["force"], known["hertz"] = force, draw.uniform(0.3, 3.0)
-            law = (
-                f"f * max(0, sign(time - {known['begin']}))"
-                if kind == "force step"
-                else f"f * sin(2*pi*{known['hertz']}*time)"
-            )
+            law = "f * max(0, sign(time - begin))" if kind == "force step" else "f * sin(2*pi*frequency*time)"
+            name, unit, value = ("begin", "s", known["begin"]) if kind == "force step" else ("frequency", "Hz", known["hertz"])
             lines.append(
-                f'[effects.motor]\nf = "{force} N"\n[laws.motor]\nplace = "tip"\nkind = "load"\nforce_{axis} = "{law}"\n'
-                'parameters.f = { unit = "N", default = 0.02, range = [-1, 1] }'
+                f'[effects.motor]\nf = "{force} N"\n{name} = "{value} {unit}"\n[laws.motor]\nplace = "tip"\nkind = "load"\n'
+                f'force_{axis} = "{law}"\nparameters.f = {{ unit = "N", default = 0.02, range = [-1, 1] }}\n'
+                f'parameters.{name} = {{ unit = "{unit}", default = 1, range = [0, 50] }}'
             )
         lines.append(f'[muscle]\nname = "garbulinski-2022"\n{muscle}')
     lines.append('[run]\nduration = "25 s"\naccuracy = "0.02 mm"\nrate = "200 Hz"')
