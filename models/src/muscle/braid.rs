@@ -85,10 +85,7 @@ impl Muscle {
         };
         let side = if motion == Motion::Extensile { "below" } else { "above" };
         let [angle, neutral] = [angle, neutral_angle()].map(|angle| significant(angle.to_degrees(), 4));
-        format!(
-            "{}, {motion}: braid angle {angle} deg, {side} {neutral} deg",
-            self.name
-        )
+        format!("{}, {motion}: braid angle {angle} deg, {side} {neutral} deg", self.name)
     }
 
     /// In what its table contradicts its braid, in words.
@@ -235,10 +232,7 @@ mod tests {
     fn a_braid_that_contradicts_the_table_is_named() {
         let paper = Muscle::built_in("garbulinski-2022").unwrap();
         assert_eq!(paper.contradictions(), Vec::<String>::new());
-        assert_eq!(
-            paper.described(),
-            "garbulinski-2022, extensile: braid angle 12.50 deg, below 35.26 deg"
-        );
+        assert_eq!(paper.described(), "garbulinski-2022, extensile: braid angle 12.50 deg, below 35.26 deg");
         let slip = altered(&[("\"12.5 deg\"", "\"77.5 deg\"")]).unwrap().contradictions();
         assert!(slip.len() == 1 && slip[0].contains("a contractile muscle, but the lengths"), "{slip:?}");
         let steep = altered(&[("\"12.5 deg\"", "\"20 deg\"")]).unwrap().contradictions();
