@@ -10,7 +10,7 @@ def optional(module: str) -> Any:
     """The module; without its package an error that names the extra to install."""
     package = module.split(".")[0]
     try:
-        return import_module(module)
+        import_module(package)
     except ModuleNotFoundError as error:
         if error.name != package:
             raise
@@ -19,3 +19,4 @@ def optional(module: str) -> Any:
             f'pip install ".[{EXTRAS[package]}]"',
             name=package,
         ) from None
+    return import_module(module)
