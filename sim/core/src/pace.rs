@@ -3,7 +3,7 @@
 use models::digits::{short, significant};
 use models::model::Model;
 
-use crate::rest::rest;
+use crate::rest::slowest_frequency;
 
 /// Samples a second of a rod that swings slowly, as the paper's cameras took them.
 pub const DEFAULT_RATE: f64 = 100.0;
@@ -51,12 +51,6 @@ impl Pace {
         });
         Self { rate: chosen, trace_step, warning }
     }
-}
-
-/// Frequency of the slowest mode about the rest, Hz; none where there is no rest.
-fn slowest_frequency(model: &Model) -> Option<f64> {
-    let (slowest, _) = *rest(model, 0.0, 1).ok()?.modes.ok()?.first()?;
-    (slowest.is_finite() && slowest > 0.0).then_some(slowest)
 }
 
 /// The next number of two digits.

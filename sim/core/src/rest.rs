@@ -55,7 +55,6 @@ pub fn slipping_modes(model: &Model, time: f64, count: usize) -> Option<Vec<(f64
 /// # Errors
 /// [`ModelError::Equilibrium`], or a pressure at which there is no rod.
 pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> {
-    let model = &frozen(model, time)?;
     let found = equilibrium_at(model, time, None)?;
     let at_rest = vec![0.0; found.q.len()];
     let mut system = System::at_rest(model);
@@ -80,25 +79,15 @@ pub fn rest(model: &Model, time: f64, count: usize) -> Result<Rest, ModelError> 
     })
 }
 
+/// Frequency of the slowest mode about the rest, Hz; none where there is no rest.
+pub(crate) fn slowest_frequency(model: &Model) -> Option<f64> {
+    let (slowest, _) = *rest(model, 0.0, 1).ok()?.modes.ok()?.first()?;
+    (slowest.is_finite() && slowest > 0.0).then_some(slowest)
+}
+
 /// Bending moment at the root in an equilibrium of a system, N m; positive where the rod is bent towards +z.
 pub fn root_moment(system: &mut System, at: &Equilibrium) -> f64 {
     system.root_moment(at.time, &at.q, &vec![0.0; at.q.len()], &at.z)
-}
-
-/// The model with the rod that its pressure makes of it at a time.
-fn frozen(model: &Model, time: f64) -> Result<Model, ModelError> {
-    let mut frozen = model.clone();
-    let Some(schedule) = frozen.schedule.take() else {
-        return Ok(frozen);
-    };
-    let paths = ["rod.length", "rod.bending_stiffness", "rod.axial_stiffness", "rod.diameter"];
-    for (path, [factor, ..]) in paths.into_iter().zip(schedule.factors(time, time)) {
-        let value = factor * frozen.theta[frozen.index(path)?];
-        frozen.set(path, value)?;
-    }
-    let pressure = frozen.rod().pressure + schedule.pressure_change(time, time).0;
-    frozen.set("rod.pressure", pressure)?;
-    Ok(frozen)
 }
 
 #[cfg(test)]

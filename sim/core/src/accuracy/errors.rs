@@ -50,7 +50,7 @@ impl Errors {
         [self.mesh_m / self.requested_m, energy.max(SHARE * closure)]
     }
 
-    /// Whether the path of the tip is as accurate as was asked.
+    /// Whether the path of the tip is as accurate as requested.
     pub fn is_reached(&self) -> bool {
         self.tip_m() <= self.requested_m && self.fails.is_none()
     }
@@ -78,7 +78,7 @@ impl Errors {
                 None => "ask for less by run.accuracy".to_owned(),
             };
             warnings.push(format!(
-                "the mesh of {} nodes puts the tip wrong by some {} mm at {:.2} s, {asked} mm was asked; {next}",
+                "the mesh of {} nodes puts the tip wrong by some {} mm at {:.2} s, {asked} mm was requested; {next}",
                 model.edges + 1,
                 millimetres(self.mesh_m),
                 self.mesh_time_s
@@ -96,21 +96,21 @@ impl Errors {
             warnings.push(format!("with longer steps the run fails: {why}; {next}"));
         } else if misses && self.step_m > SHARE * self.requested_m {
             warnings.push(format!(
-                "the steps put the tip wrong by some {} mm at {:.2} s, {asked} mm was asked; {next}",
+                "the steps put the tip wrong by some {} mm at {:.2} s, {asked} mm was requested; {next}",
                 millimetres(self.step_m),
                 self.step_time_s
             ));
         }
         if let Some(energy) = self.energy_m.filter(|energy| *energy > self.requested_m) {
             warnings.push(format!(
-                "the energy fails to close by what {} mm of the swing are worth, {asked} mm was asked; {next}",
+                "the energy fails to close by what {} mm of the swing are worth, {asked} mm was requested; {next}",
                 millimetres(energy)
             ));
         }
         warnings
     }
 
-    /// Nodes that would reach what was asked.
+    /// Nodes that would reach the requested accuracy.
     fn mesh_nodes(&self, model: &Model) -> Option<usize> {
         let edges = finer(model, self.mesh_m / (AIM * self.requested_m));
         (edges < MOST_EDGES).then_some(edges + 1)

@@ -3,7 +3,7 @@
 use models::model::Model;
 
 use crate::integrate::{Effort, IntegrateError, Stiff};
-use crate::rest::rest;
+use crate::rest::slowest_frequency;
 
 /// Attempts at steps that have to span a period: the paper's muscle takes some hundred, and a few thousand at the finest
 /// tolerances.
@@ -50,11 +50,8 @@ impl Patience {
 
 /// Period of the slowest mode, s; without a rest that of a pendulum as long as the rod.
 fn period(model: &Model) -> f64 {
-    let slowest = rest(model, 0.0, 1).ok().and_then(|rest| rest.modes.ok()?.first().map(|mode| mode.0));
-    match slowest.filter(|frequency| frequency.is_finite() && *frequency > 0.0) {
-        Some(frequency) => 1.0 / frequency,
-        None => std::f64::consts::TAU * (model.rod().length / 9.81).sqrt(),
-    }
+    let pendulum = || std::f64::consts::TAU * (model.rod().length / 9.81).sqrt();
+    slowest_frequency(model).map_or_else(pendulum, f64::recip)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use efam_core::forward::Run;
+use efam_core::rest::rest;
 use efam_core::trajectory::Trajectory;
 use models::model::{Model, ModelSpec};
 use models::muscle::{Extrapolation, Muscle};
@@ -118,4 +119,17 @@ fn a_ramp_stretches_a_mass_as_one_equation_says() {
         v += step / 6.0 * (a[1] + 2.0 * (b[1] + c[1]) + d[1]);
     }
     assert!(worst < 2e-7, "{worst} m");
+}
+
+/// Length and stiffness of the rest come from the pressure of its time, once.
+#[test]
+fn the_rest_is_the_end_of_the_path() {
+    for [from, to] in [[15.0, 60.0], [60.0, 15.0]] {
+        let model = drifting(&[(0.0, from * PSI), (1.0, from * PSI), (1.5, to * PSI)], 6.0, &[]);
+        let path = simulate(&model, &Run { tolerance: 1e-8, ..Run::release(25.0, 10.0) });
+        let [x, z] = rest(&model, 25.0, 1).expect("it hangs").tip;
+        let end = path.tip[path.tip.len() - 1];
+        let off = (x - end[0]).hypot(z - end[1]);
+        assert!(off < 2e-7, "{from} to {to} psi: {off:e} m");
+    }
 }
