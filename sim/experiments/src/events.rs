@@ -179,9 +179,19 @@ pub fn window(trajectory: &Trajectory, from: f64, to: f64) -> &[[f64; 2]] {
     }
     let count = trace.tip.len();
     // The first point at or after the event, and the last before the next one.
-    let first = ((from / trace.step - 1e-9).ceil().max(0.0) as usize).min(count);
+    let first = (first_point(trajectory, from) as usize).min(count);
     let last = ((to / trace.step + 1e-9).floor() as usize + 1).clamp(first, count);
     &trace.tip[first..last]
+}
+
+/// Index of the first point of the trace at or after a time, s.
+fn first_point(trajectory: &Trajectory, time: f64) -> f64 {
+    (time / trajectory.trace.step - 1e-9).ceil().max(0.0)
+}
+
+/// Time of that point, s.
+pub fn window_begin(trajectory: &Trajectory, time: f64) -> f64 {
+    if trajectory.trace.step > 0.0 { first_point(trajectory, time) * trajectory.trace.step } else { time }
 }
 
 /// The rest at the end of an event's window.
@@ -201,6 +211,7 @@ pub fn measure(model: &Model, trajectory: &Trajectory, drive: &Drive, all: &mut 
             continue;
         }
         let path = window(trajectory, event.time_s, event.window_end_s);
+        let begin = window_begin(trajectory, event.time_s);
         let steady = if forcing.is_some_and(|from| from < event.window_end_s) {
             Err("a periodic force acts, so there is no steady state".to_owned())
         } else {
@@ -209,7 +220,7 @@ pub fn measure(model: &Model, trajectory: &Trajectory, drive: &Drive, all: &mut 
         let along = |k: usize| -> Result<Step, String> {
             let steady = steady.as_ref().map_err(Clone::clone)?.tip[k];
             let values: Vec<f64> = path.iter().map(|at| at[k]).collect();
-            step(&values, trajectory.trace.step, steady, AT_REST * length)
+            Ok(step(&values, trajectory.trace.step, steady, AT_REST * length)?.later(begin - event.time_s))
         };
         let (x, z) = (along(0), along(1));
         for (name, own) in [("x", &x), ("z", &z)] {
@@ -226,7 +237,7 @@ fn forced(trajectory: &Trajectory, drive: &Drive, event: &mut Event) {
     let (Some(force), Some(hertz)) = (force, event.forcing_hz) else { return };
     let (trace, end) = (&trajectory.trace, event.window_end_s);
     let path = window(trajectory, event.time_s, end);
-    let begin = end - trace.step * path.len().saturating_sub(1) as f64;
+    let begin = window_begin(trajectory, event.time_s);
     for (k, name) in [(0, "forced_x"), (1, "forced_z")] {
         let values: Vec<f64> = path.iter().map(|at| at[k]).collect();
         match response((&values, begin, trace.step), (&force.times, &force.main()), hertz) {

@@ -137,6 +137,7 @@ pub struct Peak {
     /// After the event.
     pub time_s: f64,
     /// Distance from the rest.
+    #[serde(alias = "height_m")]
     pub excursion_m: f64,
 }
 
@@ -279,10 +280,21 @@ pub struct OfCoordinate {
     pub coordinate: Coordinate,
     /// Its value at rest, m.
     pub rest: f64,
-    /// When it begins, s: the release, or the end of a change. The clock of the swing counts from there.
+    /// When it begins, s: at the release, or at the first sample after a change. The clock of the swing counts from there.
     pub begin: f64,
     /// Frequency, peaks and decay.
     pub swing: swing::Swing,
+}
+
+impl Summary {
+    /// Damped frequency, Hz, natural frequency, Hz, and damping ratio as the paper has them: of the height, or where that is
+    /// not analysed, along the coordinate.
+    pub fn as_paper(&self) -> [Option<f64>; 3] {
+        match self.height {
+            Some(of) => [of.damped_frequency_hz, of.natural_frequency_hz, of.damping_ratio].map(Some),
+            None => [self.damped_frequency_hz, self.natural_frequency_hz, self.damping_ratio],
+        }
+    }
 }
 
 /// The numbers of a run and its swings; name, inputs, warnings and wall time are the caller's.
@@ -415,7 +427,7 @@ fn happened(
 struct Main<'a> {
     /// Time of the event, s.
     event: f64,
-    /// When its change is over, s.
+    /// The first sample after its change, s.
     begin: f64,
     /// The tip from then on, up to the next event, m.
     path: &'a [[f64; 2]],
@@ -455,8 +467,10 @@ fn main_swing<'a>(
     }
     let is_last = all.iter().all(|other| other.window_end_s <= event.window_end_s);
     let rest = if is_last { at_end.clone() } else { events::rest_after(model, event, MODES)? };
-    let path = events::window(trajectory, event.until_s, event.window_end_s);
-    let (event, begin, end) = (event.time_s, event.until_s, event.window_end_s);
+    let all_over = event.until_s;
+    let path = events::window(trajectory, all_over, event.window_end_s);
+    let (event, end) = (event.time_s, event.window_end_s);
+    let begin = events::window_begin(trajectory, all_over);
     Ok(Main { event, begin, path, rest, slipping: slipping_modes(model, end, MODES) })
 }
 

@@ -4,7 +4,7 @@ use crate::simulated::Member;
 
 /// The trends that the paper measured beside those simulated, and what would make up the difference.
 pub fn beside_the_paper(done: &[Member]) -> String {
-    let at = |member: &Member| Some((member.summary.damped_frequency_hz?, member.pressure?));
+    let at = |member: &Member| Some((member.summary.as_paper()[0]?, member.pressure?));
     let mut swings: Vec<_> = done.iter().filter_map(at).collect();
     swings.sort_by(|a, b| a.0.total_cmp(&b.0));
     let psi = |pascal: f64| (pascal / 6894.757).round();
@@ -19,7 +19,7 @@ pub fn beside_the_paper(done: &[Member]) -> String {
         ),
         _ => "no swing".to_owned(),
     };
-    let ratio = |member: &Member| member.summary.damping_ratio;
+    let ratio = |member: &Member| member.summary.as_paper()[2];
     let damping = match (done.first().and_then(ratio), done.last().and_then(ratio)) {
         (Some(first), Some(last)) => format!("from {first:.3} to {last:.3}, {:.1} times", last / first),
         _ => "unknown".to_owned(),

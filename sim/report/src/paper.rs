@@ -158,6 +158,7 @@ impl Pressure {
         let body_at_rest = rest.as_ref().map(|rest| by_share(&rest.nodes)).unwrap_or_default();
         let fits = rest.as_ref().map_or(Vec::new(), |rest| compare(rest.tip, &meshes));
         let mode = summary.modes.as_ref().and_then(|modes| modes.first());
+        let [damped_frequency_hz, natural_frequency_hz, damping_ratio] = summary.as_paper();
         Ok(Self {
             pressure,
             name: case.name.clone(),
@@ -169,13 +170,9 @@ impl Pressure {
             fits,
             body_at_rest,
             numbers: Numbers {
-                damped_frequency_hz: summary
-                    .height
-                    .map_or(summary.damped_frequency_hz, |of| Some(of.damped_frequency_hz)),
-                natural_frequency_hz: summary
-                    .height
-                    .map_or(summary.natural_frequency_hz, |of| Some(of.natural_frequency_hz)),
-                damping_ratio: summary.height.map_or(summary.damping_ratio, |of| Some(of.damping_ratio)),
+                damped_frequency_hz,
+                natural_frequency_hz,
+                damping_ratio,
                 first_mode_hz: mode.map(|mode| mode.natural_frequency_hz),
                 beyond_straight_down: summary.beyond_straight_down,
             },

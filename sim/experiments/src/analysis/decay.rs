@@ -74,13 +74,13 @@ pub fn fit_decay(peaks: &[Peak], damped_frequency: f64, error: HeightError) -> R
     let (first, last) = (peaks[0], peaks[peaks.len() - 1]);
     let squares = |amplitude: f64, ratio: f64| -> f64 {
         let model = |time| eq_6(amplitude, ratio, damped_frequency, time);
-        peaks.iter().map(|peak| (peak.height - model(peak.time)).powi(2)).sum()
+        peaks.iter().map(|peak| (peak.height - model(peak.turn)).powi(2)).sum()
     };
 
     // First and last peak give a start; parameters and cost are then of order one.
-    let rate = (first.height / last.height).ln() / (last.time - first.time);
+    let rate = (first.height / last.height).ln() / (last.turn - first.turn);
     let start = rate / rate.hypot(damped_frequency);
-    let scale = first.height * (rate * first.time).exp();
+    let scale = first.height * (rate * first.turn).exp();
     let total: f64 = peaks.iter().map(|peak| peak.height * peak.height).sum();
     let per_cent = 0.01;
     let cost = |p: &[f64]| squares(scale * p[0], per_cent * p[1]) / total;
@@ -110,9 +110,9 @@ pub fn fit_decay(peaks: &[Peak], damped_frequency: f64, error: HeightError) -> R
 fn ratio_error(peaks: &[Peak], ratio: f64, model: impl Fn(f64, f64) -> f64, error: HeightError) -> f64 {
     const STEP: f64 = 1e-6;
     let slopes = peaks.iter().map(|peak| {
-        let by_ratio = (model(ratio + STEP, peak.time) - model(ratio - STEP, peak.time)) / (2.0 * STEP);
+        let by_ratio = (model(ratio + STEP, peak.turn) - model(ratio - STEP, peak.turn)) / (2.0 * STEP);
         // Of the logarithm of the amplitude.
-        (model(ratio, peak.time), by_ratio)
+        (model(ratio, peak.turn), by_ratio)
     });
     let [mut aa, mut ar, mut rr, mut a, mut r] = [0.0; 5];
     for (by_amplitude, by_ratio) in slopes {
@@ -163,9 +163,9 @@ pub fn cycles(peaks: &[Peak], error: HeightError) -> Result<Vec<Cycle>, Analysis
         let [a, b] = [pair[0], pair[1]];
         let decrement = (a.height / b.height).ln();
         let damping_ratio = decrement / decrement.hypot(TAU);
-        let damped_frequency = TAU / (b.time - a.time);
+        let damped_frequency = TAU / (b.turn - a.turn);
         Cycle {
-            time: 0.5 * (a.time + b.time),
+            time: 0.5 * (a.turn + b.turn),
             amplitude: (a.height * b.height).sqrt(),
             damping_ratio,
             damped_frequency,
@@ -255,7 +255,11 @@ mod tests {
         let root = f64::sqrt(1.0 - zeta * zeta);
         let peaks: Vec<Peak> = (1..8)
             .map(|n| n as f64 * TAU / damped)
-            .map(|time| Peak { time, height: amplitude / root * (-zeta * damped * time / root).exp() })
+            .map(|time| Peak {
+                time,
+                turn: time,
+                height: amplitude / root * (-zeta * damped * time / root).exp(),
+            })
             .collect();
         let decay = fit_decay(&peaks, damped, EXACT).unwrap();
         let tolerance = 1e-6; // where the simplex search calls itself settled
@@ -271,7 +275,7 @@ mod tests {
         let peaks: Vec<Peak> = (1..20)
             .map(|n| {
                 height /= 1.0 + 0.7 * height;
-                Peak { time: 0.8 * n as f64, height }
+                Peak { time: 0.8 * n as f64, turn: 0.8 * n as f64, height }
             })
             .collect();
         let cycles = cycles(&peaks, EXACT).unwrap();
@@ -289,7 +293,7 @@ mod tests {
         let root = f64::sqrt(1.0 - zeta * zeta);
         let exact: Vec<Peak> = (1..14)
             .map(|n| f64::from(n) * TAU / damped)
-            .map(|time| Peak { time, height: 0.05 * (-zeta * damped * time / root).exp() })
+            .map(|time| Peak { time, turn: time, height: 0.05 * (-zeta * damped * time / root).exp() })
             .collect();
         let error = HeightError { noise, rest: 0.0 };
         let mut state = 7u64;
@@ -337,7 +341,7 @@ mod tests {
 
     #[test]
     fn two_peaks_are_too_few_for_a_fit() {
-        let peaks = [0.2, 0.1, -0.1].map(|height| Peak { time: 1.0 - height, height });
+        let peaks = [0.2, 0.1, -0.1].map(|height| Peak { time: 1.0 - height, turn: 1.0 - height, height });
         assert_eq!(
             fit_decay(&peaks, 8.0, EXACT).unwrap_err().to_string(),
             "2 upper peaks above rest: at least 3 are needed; try a longer recording, \

@@ -133,7 +133,7 @@ pub fn analyse_along(
         peaks: peaks
             .unwrap_or_default()
             .iter()
-            .map(|peak| Peak { time: later(peak.time), ..*peak })
+            .map(|peak| Peak { time: later(peak.time), turn: later(peak.turn), ..*peak })
             .collect(),
         decay: decay.map(|decay| decay.later(since)),
         cycles: cycles

@@ -17,6 +17,10 @@ pub struct Peak {
     pub time: f64,
     /// Distance from the rest, m, positive on the side of the coordinate.
     pub height: f64,
+    /// Where the swing turns, s: the maximum of the smoothed excursion, moved by what all of them lie before or after their
+    /// highest samples in the median. A crest with two tops of nearly the same height moves it little, and `time` by their
+    /// distance. Periods are measured between turns.
+    pub turn: f64,
 }
 
 /// Least swing of a peak, as a fraction of the range of the excursion: noise and the tail of a decay stay below it.
@@ -47,9 +51,24 @@ pub fn upper_peaks(excursion: &Excursion, period: f64) -> Vec<Peak> {
         smooth[i] - extremes(around)[0] >= least
     };
     let tops = (reach..(values.len() - 1).max(reach)).filter(is_top).filter(swings);
-    tops.filter_map(|i| highest(values, [i - reach, i + reach]))
-        .map(|top| refined(values, top, excursion.step()))
-        .collect()
+    let is_whole = |i: usize| i >= half && i + half < values.len();
+    // Each with the time of its smoothed maximum, where no reflection at an end is in that.
+    let mut found: Vec<(Peak, Option<f64>)> = tops
+        .filter_map(|i| {
+            let (time, height) = refined(values, highest(values, [i - reach, i + reach])?, excursion.step());
+            let smooth = is_whole(i).then(|| refined(&smooth, i, excursion.step()).0);
+            Some((Peak { time, height, turn: time }, smooth))
+        })
+        .collect();
+    let mut shifts: Vec<f64> =
+        found.iter().filter_map(|(peak, smooth)| Some(peak.time - (*smooth)?)).collect();
+    shifts.sort_by(f64::total_cmp);
+    if let Some(&shift) = shifts.get(shifts.len() / 2) {
+        for (peak, smooth) in &mut found {
+            peak.turn = smooth.map_or(peak.time, |time| time + shift);
+        }
+    }
+    found.into_iter().map(|(peak, _)| peak).collect()
 }
 
 /// The highest sample between two, where it is a local maximum.
@@ -96,12 +115,12 @@ fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
     (0..samples).map(at).collect()
 }
 
-/// Vertex of the parabola through a local maximum and its neighbours.
-fn refined(values: &[f64], top: usize, step: f64) -> Peak {
+/// Time and height of the vertex of the parabola through a local maximum and its neighbours.
+pub(super) fn refined(values: &[f64], top: usize, step: f64) -> (f64, f64) {
     let [before, here, after] = [values[top - 1], values[top], values[top + 1]];
     let bend = before - 2.0 * here + after;
     let shift = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-    Peak { time: (top as f64 + shift) * step, height: here - 0.25 * (before - after) * shift }
+    ((top as f64 + shift) * step, here - 0.25 * (before - after) * shift)
 }
 
 #[cfg(test)]
@@ -132,7 +151,32 @@ mod tests {
             let tolerance = decay * STEP.powi(2) / 3.0 + (omega * STEP).powi(2) / 24.0 * STEP;
             assert!((peak.time - time).abs() < tolerance, "{n}: {peak:?}");
             assert!((peak.height / height - 1.0).abs() < 1e-5, "{n}: {peak:?}");
+            assert!((peak.turn - time).abs() < 1e-4 * period, "{n}: {peak:?}");
         }
+    }
+
+    /// A crest whose two tops are of the same height: the higher one changes with a share of one in a thousand, and with it the
+    /// time of the peak, but not where the swing turns.
+    #[test]
+    fn a_swing_turns_between_the_two_tops_of_a_crest() {
+        let period = 0.8;
+        let turns = |tilt: f64| -> Vec<Peak> {
+            let swing = |t: f64| {
+                let phase = TAU * t / period;
+                (-0.1 * t).exp() * (phase.cos() - 0.4 * (3.0 * phase + tilt).cos())
+            };
+            upper_peaks(&sampled(swing), period)
+        };
+        let (a, b) = (turns(-0.05), turns(0.05));
+        assert!(a.len() > 10 && a.len() == b.len());
+        let most = |of: fn(&Peak) -> f64| {
+            let periods =
+                |all: &[Peak]| all.windows(2).map(|two| of(&two[1]) - of(&two[0])).collect::<Vec<_>>();
+            let between = periods(&a).into_iter().zip(periods(&b));
+            between.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        assert!((a[3].time - b[3].time).abs() > 0.1 * period, "two tops: {:?} {:?}", a[3], b[3]);
+        assert!(most(|peak| peak.turn) < 0.005 * period, "{}", most(|peak| peak.turn));
     }
 
     /// A tip that swings about nearly straight down on a circle: with each swing it passes the
@@ -234,8 +278,8 @@ mod tests {
         let values = [0.0, 2.0, 2.0, 2.0, 0.0, 1.0, 1.0];
         assert_eq!(highest(&values, [1, 4]), Some(2));
         assert_eq!(highest(&values, [4, 6]), None);
-        let peak = refined(&[0.0, 3.0, 3.0, 0.0], 1, 1.0);
-        assert!((peak.time - 1.5).abs() < 1e-15 && peak.height > 3.0, "{peak:?}");
+        let (time, height) = refined(&[0.0, 3.0, 3.0, 0.0], 1, 1.0);
+        assert!((time - 1.5).abs() < 1e-15 && height > 3.0, "{time} {height}");
     }
 
     /// Half a million samples with a maximum in every other one. Work that grows with the square of that takes minutes.

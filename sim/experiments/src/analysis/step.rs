@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Excursion, settling::settles_within};
+use super::{Excursion, peaks::refined, settling::settles_within};
 
 /// A coordinate from an event on, with a known steady state. Times count from the event.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,6 +24,19 @@ pub struct Step {
     pub settling_2_percent_s: Option<f64>,
     /// The same for 5 %.
     pub settling_5_percent_s: Option<f64>,
+}
+
+impl Step {
+    /// The same with its times later by the time from the event to the first sample, s.
+    pub fn later(self, by: f64) -> Self {
+        let later = |time: Option<f64>| time.map(|time| time + by);
+        Self {
+            peak_s: self.peak_s + by,
+            settling_2_percent_s: later(self.settling_2_percent_s),
+            settling_5_percent_s: later(self.settling_5_percent_s),
+            ..self
+        }
+    }
 }
 
 /// The response of samples `spacing` apart, s, to a steady state; `least` is the way below which there is none, m.
@@ -65,10 +78,7 @@ fn vertex(values: &[f64]) -> (f64, f64) {
     if top == 0 || top + 1 == values.len() {
         return (top as f64, values[top]);
     }
-    let [before, here, after] = [values[top - 1], values[top], values[top + 1]];
-    let bend = before - 2.0 * here + after;
-    let shift = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
-    (top as f64 + shift, here - 0.25 * (before - after) * shift)
+    refined(values, top, 1.0)
 }
 
 #[cfg(test)]

@@ -26,11 +26,12 @@ impl PressureRow {
     /// What a summary says at a pressure, Pa.
     pub fn new(pressure: f64, summary: &Summary) -> Self {
         let mode = summary.modes.as_ref().and_then(|modes| modes.first());
+        let [_, natural_frequency, damping_ratio] = summary.as_paper();
         Self {
             pressure,
-            natural_frequency: summary.natural_frequency_hz,
+            natural_frequency,
             mode_frequency: mode.map(|mode| mode.natural_frequency_hz),
-            damping_ratio: summary.damping_ratio,
+            damping_ratio,
         }
     }
 }
