@@ -185,7 +185,7 @@ mod tests {
 
     /// Eight times as many columns take 8 times as long if all is linear, and 64 times if all are compared with all.
     #[test]
-    #[ignore = "long; .ci/run runs it"]
+    #[ignore = "long; .ci/thorough runs it"]
     fn time_grows_with_the_number_of_columns_and_no_faster() {
         let file = |markers: usize| {
             let names = (0..markers).flat_map(|k| ["x", "y", "z"].map(|axis| format!("m{k}_{axis}_m")));

@@ -99,7 +99,7 @@ mod tests {
 
     /// Every character there is: what is shown is printable, JSON and TOML read it back.
     #[test]
-    #[ignore = "long; .ci/run runs it"]
+    #[ignore = "long; .ci/thorough runs it"]
     fn every_character_is_shown_or_reads_back() {
         for c in (0..=0x10_ffff).filter_map(char::from_u32) {
             let text = format!("a{c}b");

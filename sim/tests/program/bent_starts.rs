@@ -68,7 +68,7 @@ fn answer(bench: &Bench, experiment: &str) -> (String, f64, Value) {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_cable_that_is_pulled_aside_has_friction() {
     let bench = Bench::new("bent-cable");
     let truth = format!(
@@ -90,7 +90,7 @@ fn a_cable_that_is_pulled_aside_has_friction() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_strip_that_is_lifted_has_drag() {
     let bench = Bench::new("bent-strip");
     let truth = format!(

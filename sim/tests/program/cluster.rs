@@ -111,7 +111,7 @@ fn run(script: &Path, home: &Path) {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn scripts_create_nothing_but_what_they_should() {
     let bench = crate::sweep::bench("cluster");
     bench.json(&["sweep", "plan", "sweep.toml", "--set", "sweep.points=1", "--json", "--out", "plan"]);

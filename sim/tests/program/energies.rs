@@ -68,7 +68,7 @@ fn a_law_that_gives_no_number_is_named_with_what_it_saw() {
 
 /// A moment of unknown cause that grows with the curvature beyond all bounds: a legal model, whose steps shrink for ever.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn steps_that_become_too_short_end_the_run_with_the_effect() {
     let bench = Bench::new("energies-stiff");
     let text = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"5 psi\"\n[release]\nangular_velocity = \"-6.68 rad/s\"\n\

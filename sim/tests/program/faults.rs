@@ -63,7 +63,7 @@ fn done(bench: &Bench, work: &Work, out: &str) -> (i32, String) {
 
 #[cfg(target_os = "linux")]
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_disk_that_is_full_or_read_only_is_named_and_nothing_is_left() {
     let bench = bench("faults");
     for (kind, work) in WORK.iter().enumerate() {
@@ -99,7 +99,7 @@ fn a_disk_that_is_full_or_read_only_is_named_and_nothing_is_left() {
 
 /// Each of them either has the name or is told that it is taken; none disturbs another.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn of_two_that_want_one_name_one_gets_it() {
     let bench = bench("faults-rivals");
     // What takes minutes for many ends in the same kind of folder as what does not.

@@ -136,7 +136,7 @@ fn a_signal_after_the_last_step_keeps_the_run() {
 /// As it was found: a rod of 2000 nodes without damping, whose samples are a minute of work apart, was ended 601 s after
 /// Ctrl-C. Here the signal comes in the search for the rest, in the first steps, and later.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_signal_between_two_samples_is_noticed() {
     for wait in [0, 1, 4] {
         let bench = Bench::new("interrupt-between");
@@ -241,7 +241,7 @@ fn a_file_that_may_not_grow_is_an_error_of_writing() {
 
 /// Once the baseline is fitted, a search has an answer; a time limit and the budget end it as a signal does.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_diagnosis_is_saved_as_far_as_it_came() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis/viscoelastic");
     let example = example.join("experiment.toml").display().to_string();
@@ -276,7 +276,7 @@ fn a_diagnosis_is_saved_as_far_as_it_came() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn of_all_else_nothing_is_left() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/diagnosis/viscoelastic");
     let example = example.join("experiment.toml").display().to_string();

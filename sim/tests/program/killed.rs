@@ -81,7 +81,7 @@ fn hidden(bench: &Bench) -> Vec<String> {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn what_is_under_a_name_is_whole_whenever_it_was_killed() {
     let kills = std::env::var("EFAM_KILLS").ok().and_then(|count| count.parse().ok()).unwrap_or(2);
     let only = std::env::var("EFAM_WORK").unwrap_or_default();

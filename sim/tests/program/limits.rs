@@ -79,7 +79,7 @@ fn limited(bench: &Bench, processes: usize, arguments: &[&str]) -> Option<(Optio
 /// Half of these runs get some of the threads that they ask for, the first none at all.
 #[cfg(target_os = "linux")]
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn without_threads_all_is_done_on_one() {
     let bench = crate::work::bench("limits-processes");
     let whole = bench.json(&["simulate", "s.toml", "--csv", "--json", "--out", "whole"]);
@@ -111,7 +111,7 @@ fn without_threads_all_is_done_on_one() {
 
 /// Eight times as many markers take 8 times as long if all is linear, and 64 times if all are compared with all.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn time_grows_with_the_number_of_markers_and_no_faster() {
     let bench = Bench::new("limits-markers");
     let table = |count: usize| {

@@ -51,7 +51,7 @@ fn the_list_shows_who_listens() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn no_command_listens() {
     let bench = bench("listening");
     for (kind, work) in WORK.iter().enumerate() {

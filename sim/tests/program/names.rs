@@ -64,7 +64,7 @@ fn no_markup(bench: &Bench, folder: &str) {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn names_of_recordings_and_markers_stay_words() {
     let bench = Bench::new("names");
     bench.file("truth.toml", &scenario());

@@ -53,7 +53,7 @@ fn quantity(prediction: &Value, name: &str) -> (f64, Option<[f64; 2]>) {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn intervals_are_those_that_the_errors_make() {
     let bench = bench("predict-intervals");
     let prediction = predicted(&bench, "own", &["--draws", "150"]);
@@ -85,7 +85,7 @@ fn intervals_are_those_that_the_errors_make() {
 /// Errors that are carried along their directions are those of draws; a case of a grid is the case alone; and what
 /// the table says stands in Parquet as well.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_grid_says_of_each_case_what_it_is_alone() {
     let bench = bench("predict-grid");
     let asked = [
@@ -210,7 +210,7 @@ fn what_cannot_be_predicted_is_said_before_anything_is_written() {
 /// The worked example without its recordings at 40 psi, which its authors then did not see: what they recorded there
 /// lies in the interval. Outside of what was calibrated a warning names it, and outside the table it is refused.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_pressure_between_the_calibrated_ones_lies_in_its_interval() {
     let bench = Bench::new("predict-between");
     let experiment = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/diagnosis/nothing/experiment.toml");
@@ -256,7 +256,7 @@ fn a_pressure_between_the_calibrated_ones_lies_in_its_interval() {
 /// Stiffness damping on its bound of zero, known to 4 ms only: whatever hangs on it lies in its own interval, at its end;
 /// and it is warned of.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_loss_on_its_bound_lies_in_its_own_interval_and_is_warned_of() {
     let bench = Bench::new("predict-bound");
     let muscle = include_str!("../../../models/muscles/garbulinski-2022.toml");

@@ -65,7 +65,7 @@ fn a_rod_that_is_faster_than_its_samples() {
 
 /// A stiff rod that moves by 0.2 mm: `ζ = α/2ω`. A tolerance that is loose against so small a swing is warned of.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_swing_that_is_small_against_the_rod() {
     let bench = Bench::new("says-small");
     let rod = "[rod]\nlength = \"300 mm\"\nmass = \"30 g\"\nbending_stiffness = \"10 N m^2\"\n\

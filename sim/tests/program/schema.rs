@@ -98,7 +98,7 @@ fn is_of(value: &Value, name: &str) -> bool {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn what_is_printed_fits_its_schema() {
     let bench = Bench::new("schema");
     for name in ["nothing", "air-drag"] {

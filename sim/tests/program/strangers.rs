@@ -53,7 +53,7 @@ fn a_strangers_folder_is_never_replaced() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn every_command_names_what_it_did_not_write() {
     let bench = bench("strangers-all");
     // What takes minutes for many ends in the same kind of folder as what does not.

@@ -60,7 +60,7 @@ fn rows(text: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn rows_are_the_same_whoever_runs_them() {
     let bench = bench("sweep-same");
     let shards = ["--points-per-shard", "4", "--csv", "--json", "--out", "whole"];

@@ -46,7 +46,7 @@ fn sweep(without: &[String]) -> String {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_row_is_a_diagnosis() {
     let (bench, without) = bench("sweep-experiments");
     example(&bench, "air-drag", "set/drag");

@@ -25,7 +25,7 @@ const SHARDS: [&str; 2] = ["--points-per-shard", "4"];
 
 /// As random as two runs of a program are: a fixed sequence of delays, on a machine that is never the same.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn killed_at_any_moment_it_ends_with_the_same_bytes() {
     let bench = slow("sweep-killed");
     bench.json(&[&["sweep", "sweep.toml", "--json", "--out", "whole"][..], &SHARDS].concat());
@@ -86,7 +86,7 @@ fn interrupted_it_goes_on_with_the_same_command() {
 /// As a hostile round found it: 209 points were one shard, and Ctrl-C at the 66th kept none; here they are 100.
 #[cfg(unix)]
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn what_is_done_is_kept_without_a_word_about_shards() {
     let bench = slow("sweep-kept");
     let arguments = ["sweep", "sweep.toml", "--set", "sweep.points=100", "-v", "--out", "out"];

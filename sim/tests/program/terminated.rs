@@ -103,7 +103,7 @@ impl Signals {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_simulation_keeps_what_was_integrated() {
     let bench = bench("terminated-simulate");
     let arguments = ["simulate", "s.toml", "--csv", "--no-error-estimate", "-q", "--out"];
@@ -152,7 +152,7 @@ fn a_simulation_keeps_what_was_integrated() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn of_a_search_nothing_is_left_or_all_that_it_found() {
     let bench = bench("terminated-search");
     let mut draws = Draws::new("terminated search");
@@ -197,7 +197,7 @@ fn of_a_search_nothing_is_left_or_all_that_it_found() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_sweep_keeps_whole_shards() {
     let bench = bench("terminated-sweep");
     let fast = bench.text("s.toml").replace("0.02 ms", "0.2 ms");

@@ -142,7 +142,7 @@ fn the_readme() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn the_diagnosis_of_the_readme() {
     let [_, diagnosis] = readme();
     assert_eq!(follow_page("README-diagnosis", &diagnosis), 1);
@@ -157,7 +157,7 @@ fn commands_of_table(page: &str) -> Vec<&str> {
 /// Each command of README's table runs as it is, in the order of the rows. `efam watch` does not end by itself, so
 /// `sim/tests/program/watched.rs` runs it.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn the_table_of_commands() {
     let page = fs::read_to_string(root().join("README.md")).expect("it is there");
     let bench = Bench::new("readme-table");
@@ -197,13 +197,13 @@ fn a_muscle_of_ones_own() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_recording() {
     follow("recording");
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_diagnosis() {
     follow("diagnosis");
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use tests::accuracy::{Compared, Found, compared, found};
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_run_is_as_accurate_as_was_asked() {
     let all: Vec<Found> = (302..304_u64).into_par_iter().flat_map_iter(|seed| found(seed, &[5e-4])).collect();
     assert!(all.len() == 2, "{all:#?}");

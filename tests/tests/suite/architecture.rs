@@ -326,7 +326,7 @@ fn every_long_test_runs_in_ci() {
     let mut found = 0;
     for folder in ["tests/tests", "sim", "models"] {
         for (file, text) in files(folder, ".rs") {
-            for (at, _) in text.match_indices("#[ignore = \"long; .ci/run runs it\"]\n") {
+            for (at, _) in text.match_indices("#[ignore = \"long; .ci/thorough runs it\"]\n") {
                 let (_, name) = text[at..].split_once("fn ").expect("a function");
                 let name = name.split('(').next().expect("a name");
                 let is_listed = listed.iter().any(|line| line.ends_with(&format!("::{name}")));

@@ -38,7 +38,7 @@ fn worst_gap(diagnosis: &Diagnosis) -> f64 {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn where_nothing_is_hidden_nothing_is_named() {
     let found = diagnosed(&[], 901, &DiagnosisSettings::default()).diagnosis;
     assert_eq!(found.verdict, Verdict::NothingMissing, "{} {:?}", found.summary, found.shapes);
@@ -65,7 +65,7 @@ fn a_hidden_viscoelastic_branch_is_found_and_the_gap_closes() {
 /// A mass at the tip, seen in releases of one condition that differ in EI by more than their noise: what does not
 /// repeat is few numbers a release, however many samples show it.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn an_interval_holds_what_does_not_repeat() {
     const MASS: f64 = 0.015;
     let priors = Priors { bending_stiffness: 0.003, ..Priors::default() };
@@ -86,7 +86,7 @@ fn an_interval_holds_what_does_not_repeat() {
 
 /// A weight of which the experiment tells the force alone: its mass is found, and no weight beside the told one.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
     const MASS: f64 = 0.02;
     let hidden = [Hidden::TipMass { mass: MASS }];
@@ -108,7 +108,7 @@ fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
 /// A rod whose EI is stated a quarter too large, as exactly as if it had been measured, and nothing is missing: no effect
 /// takes the blame alone.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_wrong_statement_is_said_before_an_effect() {
     let plan = Plan { pressures: vec![40.0], angles: vec![0.0], duration: 3.0, ..Plan::usual(&[]) };
     let drawn = plan.draw(913);
@@ -139,7 +139,7 @@ fn asked_of_setup(hidden: (&'static str, f64), seed: u64) -> setup::Answer {
 /// A clamp that stands a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a
 /// diagnosis fits by itself can do that, and the nearest effect was named instead.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_clamp_that_stands_otherwise_than_stated_is_named() {
     let hidden = ("clamp_tilt", 20.0);
     let answer = asked_of_setup(hidden, 904);
@@ -158,7 +158,7 @@ fn a_clamp_that_stands_otherwise_than_stated_is_named() {
 /// Without the tilt the baseline misses far more than the camera's noise. Held-out releases are then weighed as those that were
 /// fitted, or a model that is right would not be believed.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_camera_that_leans_is_named() {
     let answer = asked_of_setup(setup::hidden(0, 884_001), 884_001);
     assert!(answer.is_right(), "{}", answer.diagnosis.summary);
@@ -166,7 +166,7 @@ fn a_camera_that_leans_is_named() {
 
 /// A rod that a hand pushes upwards as it lets go: its instant lies where the hand lets go, and not where the rod begins to fall.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_hand_that_pushes_is_named() {
     let hidden = setup::hidden(2, 884_016);
     let answer = asked_of_setup(hidden, 884_016);
@@ -179,7 +179,7 @@ fn a_hand_that_pushes_is_named() {
 
 /// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
     let settings = DiagnosisSettings { most_effects: 0, ..only(&["viscoelastic", "air_drag"]) };
@@ -236,7 +236,7 @@ fn what_is_missing_from_the_first_swing_on_is_found() {
 
 /// The same where no candidate could do it: nothing is named for want of a better.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn what_misses_the_first_swings_with_every_effect_is_unknown() {
     let found = with_stiffness_of_statics(&["damping_over_pressure", "tip_mass"], 908);
     assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
@@ -246,7 +246,7 @@ fn what_misses_the_first_swings_with_every_effect_is_unknown() {
 /// No effect of one size does what this does; the size at the locked pressure is its own, too, and one release more
 /// is held out at a pressure that is not.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn an_effect_of_another_size_at_each_pressure_is_found() {
     let plan = Plan { duration: 4.0, ..Plan::of_two_angles(&[]) };
     let all = with_branches([0.5, 1.0, 2.0], &plan, 905);
@@ -284,7 +284,7 @@ fn an_effect_of_another_size_at_each_pressure_is_found() {
 
 /// A rod that is no muscle has no pressure, nor an effect that differs with it.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn without_pressures_a_second_round_asks_for_none() {
     let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
     let plan = Plan { pressures: vec![40.0], duration: 4.0, ..Plan::of_two_angles(&[hidden]) };
@@ -302,7 +302,7 @@ fn without_pressures_a_second_round_asks_for_none() {
 /// A pressure that rises with bending explains nearly all of a cubic stiffness. The rest is within the error of a law, and more
 /// than noise: the answer is incomplete.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_similar_law_is_called_incomplete() {
     let hidden = Hidden::named("cubic_stiffness", 0.3).expect("it is known");
     let problem = problem(&Plan { duration: 4.0, ..Plan::of_two_angles(&[hidden]) }.draw(909));
@@ -324,7 +324,7 @@ fn what_the_catalogue_does_not_hold_is_unknown() {
 /// Robbed of every stiffness that grows with bending, the catalogue has no name for one; its moment is found
 /// for what it is, a cube of the curvature.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn what_has_no_name_is_described() {
     let hidden = Hidden::named("cubic_stiffness", 1.0).expect("it is known");
     let found = robbed(hidden, 904);

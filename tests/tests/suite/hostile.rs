@@ -35,7 +35,7 @@ fn what_fuzzing_kept_is_read_or_refused() {
 /// Texts of a megabyte in which something comes over and over, which fuzzing is slow to make: where all is compared
 /// with all, they take minutes or all memory.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn what_comes_over_and_over_is_read_or_refused() {
     let many = |count: usize, of: &dyn Fn(usize) -> String| (0..count).map(of).collect::<String>();
     let names = many(140_000, &|k| format!("\"{k:x}\","));

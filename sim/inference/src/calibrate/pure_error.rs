@@ -239,7 +239,7 @@ pub mod tests {
     /// A rod that is a half of a per cent softer, let go a degree higher, and seen a millimetre too high: none of that is a
     /// distance, and the first is what it is. So it is to a third where the rod is heavier than stated.
     #[test]
-    #[ignore = "long; .ci/run runs it"]
+    #[ignore = "long; .ci/thorough runs it"]
     fn what_each_has_of_its_own_is_no_distance() {
         let softer = ("rod.bending_stiffness", 0.995);
         for (others, within) in [(vec![], 0.1), (vec![("rod.mass", 1.03)], 0.3)] {

@@ -294,7 +294,7 @@ mod tests {
     /// All candidates in one run against a run of each with a little of it, on fine steps. What acts on the fastest modes, and
     /// friction, which turns round within a step, is good to an eighth, most others to a hundredth.
     #[test]
-    #[ignore = "long; .ci/run runs it"]
+    #[ignore = "long; .ci/thorough runs it"]
     fn movements_side_by_side_are_those_of_each_alone() {
         let problem = problem();
         let fine = Fidelity { tolerance: 1e-7, refinement: 1 };

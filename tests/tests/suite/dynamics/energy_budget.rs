@@ -86,7 +86,7 @@ fn closes_with_laws_of_time() {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn is_kept_without_any_loss() {
     // Steps that Verlet chooses are some 6 us long. The error of its energy goes with their square.
     let found = [6e-6, 3e-6].map(|step| {

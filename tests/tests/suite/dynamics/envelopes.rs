@@ -221,7 +221,7 @@ fn decrement(psi: f64, millimetres: f64, effect: &[(&str, f64)]) -> (Model, f64)
 /// About a bent rest structural damping takes the same share of every swing, small or large, and that of the
 /// mode; `hysteresis` takes the larger a share, the smaller the swing.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn structural_damping_takes_the_same_share_of_small_and_large_swings() {
     for psi in [15.0, 70.0] {
         let effect = [("structural_damping.loss_factor", 0.1)];

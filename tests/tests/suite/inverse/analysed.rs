@@ -22,7 +22,7 @@ use tests::twin::lab::millimetres;
 const NODES: usize = 48;
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn the_stiffness_of_a_drawn_muscle_is_found_from_frequency_and_tip() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("analysed");
     fs::create_dir_all(&folder).expect("the target folder can be written");

@@ -24,7 +24,7 @@ fn cleaned(psi: f64, swing: f64, noise: f64, seed: u64) -> (Session, Cleaned) {
 /// A raise as fast as a release, a sample beside a hold that lies elsewhere, and points lost at a turn, before
 /// a fall, through the beginning of one, through all of one.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn no_release_is_lost() {
     for (psi, noise) in [(15.0, 0.5e-3), (25.0, 0.5e-3), (5.0, 0.1e-3), (85.0, 0.5e-3)] {
         let (session, cleaned) = cleaned(psi, 15.0, noise, 40);
@@ -59,7 +59,7 @@ fn recovers(psi: f64, swing: f64, noise: f64, seed: u64) -> usize {
 
 /// At 15 psi neither loss is determined by so short a recording, at 40 psi both are.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn a_recording_at_15_and_one_at_40_psi() {
     recovers(15.0, 8.0, 0.3e-3, 40);
     assert_eq!(recovers(40.0, 8.0, 0.3e-3, 40), 2);

@@ -42,7 +42,7 @@ fn coverage(psi: f64, draws: u64, swing: f64) -> [[f64; 2]; 3] {
 
 /// Of twenty draws at 95 % fewer than sixteen cover in one of four hundred trials.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn of_twenty_draws_sixteen_or_more_cover() {
     for [covered, _] in coverage(15.0, 20, 4.0) {
         assert!(covered >= 0.8, "{covered}");

@@ -40,7 +40,7 @@ fn share_landed(psi: f64, starts: u64, swing: f64) -> f64 {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn from_every_corner() {
     assert_eq!(share_landed(15.0, 8, 4.0), 1.0);
 }

@@ -161,7 +161,7 @@ fn coverage_of_a_laboratory(seeds: Range<u64>) -> [f64; 4] {
 
 /// Of six numbers at 95 % fewer than four are held in one of five hundred trials.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn of_two_draws_most_intervals_hold_the_truth() {
     let shares = coverage(80_001..80_003);
     assert!(shares.iter().all(|share| *share >= 0.6), "{shares:?}");

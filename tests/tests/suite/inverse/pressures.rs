@@ -36,7 +36,7 @@ fn the_muscle_at_15_psi() {
 
 /// Their relative standard errors are 0.5 and 1.5 % here, of which three have to lie within 5 %.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn the_losses_at_40_psi_are_determined_and_right() {
     assert_eq!(recovers(40.0, 2, 10.0), 2);
 }

@@ -38,7 +38,7 @@ fn text(diagnosis: &Diagnosis) -> String {
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn threads_and_load_change_no_bit_of_an_answer() {
     let usual = DiagnosisSettings::default().budget;
     let whole = answer(usual, 2, false);

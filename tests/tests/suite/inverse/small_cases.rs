@@ -137,7 +137,7 @@ fn a_poor_start_finds_the_truth() {
 /// Draws of a cheap case: one second of one release, two parameters. The intervals must hold the truth as
 /// often as they say: of 160 of them 95 % with a standard error of 1.7 %, so 90 to 99 % leaves three.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn intervals_hold_the_truth_as_often_as_they_say() {
     let alpha = 1.5;
     let truth = muscle(15.0, 100, alpha, 0.002);

@@ -51,7 +51,7 @@ fn calibrated(recording: &Recording, unit: Length, order: &[usize]) -> Calibrati
 }
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn units_and_the_order_of_markers_change_nothing() {
     let mut random = Random::new(55);
     let session = session(PSI, 6.0, &mut random);

@@ -99,7 +99,7 @@ fn by_parameters(seconds: f64, wanted: impl Fn(&Model, usize) -> bool) {
 
 /// The derivatives of each law by each of its parameters have tests of their own; here they pass through the system.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn by_one_parameter_of_every_effect() {
     let of = |model: &Model, k: usize| model.parameters[k].path.rsplit_once('.').map(|(of, _)| of.to_owned());
     by_parameters(0.5, |model, k| k == 0 || of(model, k) != of(model, k - 1));
@@ -114,7 +114,7 @@ fn by_every_parameter_of_every_effect() {
 /// With a history the memory at the start follows the rest in which the rod hung, the posture of release
 /// and the laws.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn with_a_history() {
     let model = everything();
     let run = Run {

@@ -93,7 +93,7 @@ fn what_is_lost_is_force_times_velocity() {
 
 /// Two runs that lose energy only by their own effects: never more than before, by a share of 1e-6.
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn energy_is_never_fed() {
     for hidden in
         [BraidFriction { moment: 1e-3 }, Hysteresis { loss_factor: 0.1 }, AirDrag { drag_coefficient: 2.0 }]

@@ -7,7 +7,7 @@
 use tests::twin::mesh::misses;
 
 #[test]
-#[ignore = "long; .ci/run runs it"]
+#[ignore = "long; .ci/thorough runs it"]
 fn thirty_two_nodes_leave_a_tenth_of_a_millimetre() {
     for (psi, degrees, most) in [
         (5.0, 0.0, 0.12e-3),
