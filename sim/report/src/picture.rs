@@ -248,8 +248,8 @@ fn swing(of: &ReleasePicture, along: Option<&OfCoordinate>, area: &Area) -> Draw
     let trajectory = of.trajectory;
     let end = of.summary.simulated_s.min(settled(of.summary));
     let coordinate = along.map_or(Coordinate::HEIGHT, |along| along.coordinate);
-    let title = if end < of.summary.simulated_s { "The tip until it settles: " } else { "The tip: " };
-    let title = format!("{title}{}", coordinate.name());
+    let title = if end < of.summary.simulated_s { "The tip until it settles, " } else { "The tip, " };
+    let title = format!("{title}{}", coordinate.title());
     if trajectory.times.len() < 2 {
         return Panel::without_data(area, &title, "no samples");
     }

@@ -269,7 +269,7 @@ fn a_diagnosis_is_saved_as_far_as_it_came() {
     is_cut_short("budget", "budget");
     let (code, stdout, stderr) = bench.run(&["diagnose", &example, "--time-limit", "1 ms", "--out", "time"]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stderr.contains("time limit: 0.001 s, by which the answer depends on this machine"), "{stderr}");
+    assert!(stderr.contains("time limit: 0.0010 s, by which the answer depends on this machine"), "{stderr}");
     assert!(stdout.contains("so another machine may give another answer"), "{stdout}");
     is_cut_short("time", "interruption");
     assert_eq!(bench.left(), ["INT", "TERM", "budget", "time"]);

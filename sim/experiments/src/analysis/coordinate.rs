@@ -79,17 +79,25 @@ impl Coordinate {
         if self.along == Along::Height { "z" } else { "s" }
     }
 
-    /// What it is, in words.
+    /// What it is, for a title.
+    pub fn title(&self) -> &'static str {
+        match self.along {
+            Along::FirstMode => "along the first mode",
+            Along::LargestMotion => "along the largest motion",
+            Along::Height => "height z",
+        }
+    }
+
+    /// What it is, with its direction.
     pub fn name(&self) -> String {
-        let direction = match self.along {
-            Along::FirstMode => "direction of the first mode",
-            Along::LargestMotion => "direction of the largest motion",
-            Along::Height => return "height z".to_owned(),
-        };
+        let title = self.title();
+        if self.along == Along::Height {
+            return title.to_owned();
+        }
         let degrees = self.angle().to_degrees();
         // An angle that rounds to zero has no sign.
         let degrees = if degrees.abs() < 0.05 { 0.0 } else { degrees };
-        format!("{direction}, {degrees:.1} deg from x towards z")
+        format!("{title}, {degrees:.1} deg from x towards z")
     }
 }
 

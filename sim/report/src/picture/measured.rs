@@ -45,9 +45,9 @@ pub(super) fn swing(of: &Measured, area: &Area) -> Drawn {
         Key::line(curve, "eq. 6 fitted to them"),
     ];
     let values = of.bridged.values.iter().map(|value| MILLI * value);
-    let label = format!("{letter}, mm: {}", of.coordinate.name());
-    let y = Axis(padded(values.clone().chain([MILLI * rest]), 0.06), &label);
-    let mut panel = Panel::new(area, "The swing", &Axis(0.0..end, "time since release, s"), &y, &keys)?;
+    let title = format!("The swing, {}", of.coordinate.title());
+    let y = Axis(padded(values.clone().chain([MILLI * rest]), 0.06), &format!("{letter}, mm"));
+    let mut panel = Panel::new(area, &title, &Axis(0.0..end, "time since release, s"), &y, &keys)?;
     panel.line([(0.0, MILLI * rest), (end, MILLI * rest)].into_iter(), &level)?;
     panel.line(values.enumerate().map(|(k, value)| (step * k as f64, value)), &line)?;
     if let Ok(decay) = &of.decay {
