@@ -307,7 +307,7 @@ fn a_similar_law_is_called_incomplete() {
     let found = diagnose(&problem, &only(&["pressure_volume"]), &|_: &str| ()).expect("it can be diagnosed");
     let found = found.diagnosis;
     assert_eq!(found.verdict, Verdict::Incomplete, "{}", found.summary);
-    assert!(found.summary.contains("more than noise remains"), "{}", found.summary);
+    assert!(found.summary.contains("More than noise remains"), "{}", found.summary);
 }
 
 /// With nothing to choose from, what is hidden is described, and not called nothing.
