@@ -68,16 +68,6 @@ def scenario(kind, draw):
     return "\n".join(lines) + "\n", known
 
 
-def direction(path, rest):
-    """Unit vector of the small swings: those of a twentieth of the largest."""
-    off = path - rest
-    size = np.hypot(*off.T)
-    small = off[(size < 0.05 * size.max()) & (size > 1e-4 * size.max())]
-    values, vectors = np.linalg.eigh(small.T @ small)
-    along = vectors[:, -1]
-    return along if along @ off[0] >= 0.0 else -along
-
-
 def amplitude(signal, step, hertz):
     """Fourier integral of a signal under a Hann window, at each of some frequencies."""
     time = step * np.arange(len(signal))
@@ -109,6 +99,17 @@ def filtered(signal, step, hertz):
     return np.fft.ifft(np.fft.fft(long) * pass_band)[len(signal) - 1 :]
 
 
+def direction(path, rest, step, hertz):
+    """Unit vector of the small swings about a frequency: from where three per cent of the largest are left to three in a thousand."""
+    off = np.column_stack([filtered(along, step, hertz).real for along in (path - rest).T])
+    size = np.hypot(*off.T)
+    first, last = (np.flatnonzero(size > share * size.max())[-1] for share in (0.03, 0.003))
+    small = off[first + 1 : last + 1]
+    values, vectors = np.linalg.eigh(small.T @ small)
+    along = vectors[:, -1]
+    return along if along @ (path[0] - rest) >= 0.0 else -along
+
+
 def vertex(values, top):
     """Place, in samples, and height of a maximum, by a parabola."""
     before, here, after = values[top - 1 : top + 2]
@@ -118,11 +119,19 @@ def vertex(values, top):
 
 
 def upper_peaks(signal, step, hertz):
-    """The highest sample within a quarter of a turn of the phase about each full turn."""
+    """Time and height of each upper peak: the highest sample within a quarter of a turn of the phase about each full turn.
+
+    Its time is where the swing turns, smoothed by a Hann window of a period, moved by what that is before or after the highest
+    samples in the median: the higher of two tops of a crest changes from one to the next.
+    """
     phase = np.unwrap(np.angle(filtered(signal, step, hertz)))
+    half = round(0.5 / hertz / step)
+    window = np.hanning(2 * half + 1)
+    smooth = np.convolve(signal, window / window.sum(), "same")
     least = 0.01 * (signal.max() - signal.min())
     peaks = []
-    for turn in range(int(round(phase[0] / TAU)) + 1, int(phase.max() / TAU) + 1):
+    # From a quarter of a turn after the start on, which is no peak.
+    for turn in range(math.ceil(phase[0] / TAU + 0.25), int(phase.max() / TAU) + 1):
         inside = np.flatnonzero(np.abs(phase - TAU * turn) < 0.25 * TAU)
         if len(inside) < 3 or inside[-1] + 2 >= len(signal):
             break
@@ -131,8 +140,13 @@ def upper_peaks(signal, step, hertz):
         if signal[top] - around.min() < least or signal[top] <= 0.0:
             break
         place, height = vertex(signal, top)
-        peaks.append((place * step, height))
-    return np.array(peaks)
+        # Near the ends the window is cut off.
+        smoothed_top = inside[np.argmax(smooth[inside])]
+        is_whole = half <= smoothed_top < len(signal) - half
+        peaks.append((place, height, vertex(smooth, smoothed_top)[0] if is_whole else np.nan))
+    places, heights, turns = np.array(peaks).reshape(-1, 3).T
+    turns += np.nanmedian(places - turns) if np.isfinite(turns).any() else 0.0
+    return np.column_stack([step * np.where(np.isfinite(turns), turns, places), heights])
 
 
 def damping(peaks, hertz):
@@ -148,26 +162,33 @@ def damping(peaks, hertz):
     return rate / math.hypot(rate, TAU * hertz)
 
 
-def last_outside(values, step, band):
-    """When a signal crosses a band for the last time."""
-    outside = np.flatnonzero(np.abs(values) > band)
-    if len(outside) == 0:
-        return 0.0
-    last = outside[-1]
-    if last + 1 == len(values):
-        return None
-    edge = math.copysign(band, values[last])
-    return (last + (values[last] - edge) / (values[last] - values[last + 1])) * step
+def settling(values, step, band):
+    """When a signal crosses a band for the last time: for a band one per cent wider, and one per cent narrower.
+
+    A crest that comes within that of the band counts or not.
+    """
+    def last_outside(band):
+        outside = np.flatnonzero(np.abs(values) > band)
+        if len(outside) == 0:
+            return 0.0
+        last = outside[-1]
+        if last + 1 == len(values):
+            return None
+        edge = math.copysign(band, values[last])
+        return (last + (values[last] - edge) / (values[last] - values[last + 1])) * step
+
+    ends = [last_outside((1.0 + side * WITHIN) * band) for side in (1.0, -1.0)]
+    return None if None in ends else ends
 
 
 def swing(path, rest, step, mode):
     """Frequency, damping ratio and settling of a path about a rest."""
-    along = direction(path, rest)
+    along = direction(path, rest, step, mode)
     signal = (path - rest) @ along
     left = np.cumsum(signal[::-1] ** 2)[::-1] / np.sum(signal**2)
     kept = max(3, int(np.argmax(left < 1e-4)) or len(signal))
     hertz = highest(signal[:kept], step, 0.5 * mode, 1.5 * mode)
-    found = {"settling": last_outside(signal, step, 0.02 * np.abs(signal).max())}
+    found = {"settling": settling(signal, step, 0.02 * np.abs(signal).max())}
     if hertz is None:
         return found
     peaks = upper_peaks(signal, step, hertz)
@@ -186,7 +207,7 @@ def step_numbers(values, steady, step):
         k = int(np.argmax(share >= level))
         return (k - (share[k] - level) / (share[k] - share[k - 1])) * step
 
-    found = {"settling": last_outside(share - 1.0, step, 0.02), "overshoot": 100.0 * max(0.0, share.max() - 1.0)}
+    found = {"settling": settling(share - 1.0, step, 0.02), "overshoot": 100.0 * max(0.0, share.max() - 1.0)}
     if share.max() >= 0.9:
         found["rise"] = first(0.9) - first(0.1)
     return found
@@ -209,7 +230,7 @@ class Table:
         self.rows, self.bad = {}, []
 
     def add(self, kind, number, own, said, why, unit=None):
-        """Holds one number against the script's; `unit` is the size that an absolute error is held against."""
+        """Holds one number against the script's, or against the ends between which that lies; `unit` is the size that an absolute error is held against."""
         row = self.rows.setdefault((kind, number), {"same": 0, "undefined": 0, "off": 0, "worst": 0.0})
         if said is None:
             row["undefined" if why else "off"] += 1
@@ -219,6 +240,8 @@ class Table:
         if own is None:
             row["undefined"] += 1
             return
+        if isinstance(own, list):
+            own = min(max(said, own[0]), own[1])
         error = abs(said - own) / (unit or abs(own))
         row["worst"] = max(row["worst"], error)
         row["same" if error <= WITHIN else "off"] += 1
@@ -264,7 +287,7 @@ def check(program, kind, draw, folder, table):
         change = 0.01 if kind == "pressure step" else 0.0
         swinging = path[int(math.ceil((known.get("begin", 0.0) + change) / step - 1e-9)) :]
         own = swing(swinging, rest, step, run["modes"][0]["natural_frequency_hz"])
-        own["settling"] = None if own["settling"] is None else own["settling"] + change
+        own["settling"] = None if own["settling"] is None else [end + change for end in own["settling"]]
         for number, entry in [
             ("frequency", "damped_frequency_hz"),
             ("damping ratio", "damping_ratio"),

@@ -6,6 +6,8 @@ use models::digits::{significant, unsigned_zero};
 const DIGITS: i32 = 4;
 /// Digits after which a difference is rounding: a double has sixteen.
 const MOST_DIGITS: i32 = 13;
+/// Sizes beyond which a decimal number would be mostly zeros.
+const WITHOUT_EXPONENT: std::ops::Range<f64> = 1e-6..1e9;
 
 /// A value and the ends of its interval, so many times finer, with as many decimals each as two digits of the
 /// interval's width need, and four digits of the value at least.
@@ -22,6 +24,9 @@ pub fn with_ends(value: f64, ends: Option<[f64; 2]>, factor: f64) -> (String, Op
         return (significant(value, DIGITS), Some([low, high].map(|end| significant(end, DIGITS))));
     }
     let digits = (order(size) - order(high - low) + 2).clamp(DIGITS, MOST_DIGITS);
+    if !WITHOUT_EXPONENT.contains(&size) {
+        return (significant(value, digits), Some([low, high].map(|end| significant(end, digits))));
+    }
     let decimals = (digits - 1 - order(size)).max(0) as usize;
     let [value, low, high] = [value, low, high].map(|number| unsigned_zero(format!("{number:.decimals$}")));
     (value, Some([low, high]))
@@ -51,6 +56,8 @@ mod tests {
         assert_eq!(text(0.0, -1.0, 12.0), "0.00 mm (-1.00 to 12.00)");
         assert_eq!(text(0.5, 0.5, 0.5), "0.5000 mm (0.5000 to 0.5000)");
         assert_eq!(with_interval(0.08, None, 1e3, "g"), "80.00 g");
+        // As it was found: the moment at the root of a rod that hangs straight had twenty zeros.
+        assert_eq!(text(-1.915e-20, -1.915e-20, 0.0), "-1.915e-20 mm (-1.915e-20 to 0)");
         for width in [1e-2, 1e-4, 1e-6, 1e-9] {
             let (_, ends) = with_ends(1.164, Some([1.164 - width, 1.164 + width]), 1.0);
             let [low, high] = ends.unwrap();

@@ -60,7 +60,8 @@ pub fn run(args: &Analyse, console: &Console) -> Result<ExitCode, Failure> {
     let (folder, analysed) = interrupt::during(folder, &stages, || analyse(&experiment, &cleaned, nodes));
     let analysed = analysed?;
     stages.tell("writing");
-    write(&folder, &request(&experiment, begin), &experiment, &cleaned, Some(&analysed))?;
+    let written = || write(&folder, &request(&experiment, begin), &experiment, &cleaned, Some(&analysed));
+    interrupt::writing(&folder, &stages, written)?;
     interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();

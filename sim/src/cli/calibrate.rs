@@ -91,7 +91,8 @@ pub fn run(args: &Calibrate, console: &Console) -> Result<ExitCode, Failure> {
         wall_time_s: begin.elapsed().as_secs_f64(),
         ..Request::default()
     };
-    write_calibration(&folder, &request, &problem, &outcome, &models)?;
+    let written = || write_calibration(&folder, &request, &problem, &outcome, &models);
+    interrupt::writing(&folder, &stages, written)?;
     let live = unlocked(live).map(|mut live| live.found(&problem, &outcome).map(|()| live)).transpose()?;
     let viewer = Recording::saved(live, args.rerun.as_ref())?;
     interrupt::check()?;

@@ -193,7 +193,8 @@ pub fn check(args: &Check, console: &Console) -> Result<ExitCode, Failure> {
     let (folder, cleaned) = interrupt::during(folder, &stages, || read(&experiment, &stages));
     let cleaned = cleaned?;
     stages.tell("writing");
-    write(&folder, &request(&experiment, begin), &experiment, &cleaned, None)?;
+    let written = || write(&folder, &request(&experiment, begin), &experiment, &cleaned, None);
+    interrupt::writing(&folder, &stages, written)?;
     interrupt::check()?;
     let folder = folder.finish()?;
     stages.clear();

@@ -170,7 +170,8 @@ fn finish(
     all: &[Pressure],
 ) -> Result<ExitCode, Failure> {
     let words = words(all);
-    write_figures(&folder, request, all, &words)?;
+    let written = || write_figures(&folder, request, all, &words);
+    interrupt::writing(&folder, &console.stages(), written)?;
     interrupt::check()?;
     let folder = folder.finish()?;
     if args.output.form.json {

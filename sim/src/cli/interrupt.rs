@@ -7,6 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use efam_core::forward::Cancel;
+use efam_store::Folder;
 
 use super::console::Stages;
 use super::failure::{Failure, report};
@@ -28,6 +29,15 @@ pub fn during<K, T: Send>(kept: K, stages: &Stages, work: impl FnOnce() -> T + S
     during_or(kept, stages, work, || {
         report(&Failure::Interrupted, false);
     })
+}
+
+/// Writes results into a folder. On a signal nothing of them is left, and the program ends.
+pub fn writing<T: Send>(folder: &Folder, stages: &Stages, write: impl FnOnce() -> T + Send) -> T {
+    let last_words = || {
+        folder.give_up();
+        report(&Failure::Interrupted, false);
+    };
+    during_or((), stages, write, last_words).1
 }
 
 /// How a search that has an answer before it is over is ended from outside: by a time limit, or by a signal.

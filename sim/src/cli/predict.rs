@@ -201,7 +201,7 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         let (folder, grid) = interrupt::during(folder, &stages, work);
         let grid = grid?;
         stages.clear();
-        write_grid(&folder, &done(&grid.warnings), &grid)?;
+        interrupt::writing(&folder, &stages, || write_grid(&folder, &done(&grid.warnings), &grid))?;
         let member = |cell: &Cell| -> Result<Member, Failure> {
             let case = make(cell.pressure_pa, cell.payload_kg)?;
             Ok(Member { name: cell_name(cell), ..Member::case(&case) })
@@ -221,7 +221,8 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         let outcome = outcome.map_err(|error| Failure::Diverged(error.to_string()))?;
         stages.clear();
         let prediction = &outcome.prediction;
-        write_prediction(&folder, &done(&prediction.warnings), &outcome)?;
+        let written = || write_prediction(&folder, &done(&prediction.warnings), &outcome);
+        interrupt::writing(&folder, &stages, written)?;
         let members = || Ok(ensemble(&case, known.as_ref(), &settings));
         let (folder, viewer) = finish(args, console, folder, &request, &members)?;
         let printed = Printed::One { folder: &folder, prediction };

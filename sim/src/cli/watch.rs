@@ -18,15 +18,15 @@ use efam_experiments::kind::may_be_recording;
 use efam_experiments::{gathered, init};
 use efam_recordings::{ReadOptions, read};
 use efam_report::experiment::write;
-use efam_store::input;
+use efam_store::{Folder, input};
 use models::quantity::Quantity;
 
 use super::browser;
 use super::console::Console;
 use super::experiment::request;
 use super::failure::Failure;
-use super::signals;
 use super::terminal::{say, stdout};
+use super::{interrupt, signals};
 
 const HELP: &str = "Examples:
   efam watch recordings
@@ -107,7 +107,8 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
         let ready = look(&whole, &mut seen);
         let is_news = !ready.is_empty();
         for file in ready {
-            let is_good = one(&facts, &whole, &file, console)?;
+            let said = until_signal(None, console, || said(&facts, &whole, &file));
+            let is_good = tell(&file, said, console)?;
             if let Some(own) = seen.get_mut(&file) {
                 (own.is_done, own.is_good) = (true, is_good);
             }
@@ -115,7 +116,7 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
         let good: Vec<String> =
             seen.iter().filter(|(_, own)| own.is_good).map(|(file, _)| file.clone()).collect();
         if is_news && !good.is_empty() && !signals::is_requested() {
-            match page(&facts, &whole, &good, &out) {
+            match page(&facts, &whole, &good, &out, console) {
                 Ok(()) => browser::show(std::mem::take(&mut is_open), &out, console),
                 Err(failure) => console.warn([failure]),
             }
@@ -195,15 +196,26 @@ fn experiment(facts: &Facts, folder: &Path, files: &[String]) -> Result<Experime
     }
 }
 
-/// Analyses a recording and prints its line; whether it can go on the page. What is wrong with it is its line.
-fn one(facts: &Facts, folder: &Path, file: &str, console: &Console) -> Result<bool, Failure> {
-    let said = || -> Result<String, Failure> {
-        let experiment = experiment(facts, folder, &[file.to_owned()])?;
-        let cleaned = clean(&experiment)?;
-        let analysed = analyse(&experiment, &cleaned, &NODES)?;
-        Ok(analysed.iter().map(of_release).collect::<Vec<_>>().join("; "))
+/// Does what takes long. On a signal nothing of a page that is being written is left, and the program ends as it should.
+fn until_signal<T: Send>(page: Option<&Folder>, console: &Console, work: impl FnOnce() -> T + Send) -> T {
+    let last_words = || {
+        page.inspect(|page| page.give_up());
+        std::process::exit(0);
     };
-    let (line, is_good) = match said() {
+    interrupt::during_or((), &console.stages(), work, last_words).1
+}
+
+/// Analyses a recording, and returns its line.
+fn said(facts: &Facts, folder: &Path, file: &str) -> Result<String, Failure> {
+    let experiment = experiment(facts, folder, &[file.to_owned()])?;
+    let cleaned = clean(&experiment)?;
+    let analysed = analyse(&experiment, &cleaned, &NODES)?;
+    Ok(analysed.iter().map(of_release).collect::<Vec<_>>().join("; "))
+}
+
+/// Prints the line of a recording; whether it can go on the page. What is wrong with it is its line.
+fn tell(file: &str, said: Result<String, Failure>, console: &Console) -> Result<bool, Failure> {
+    let (line, is_good) = match said {
         Ok(line) if line.is_empty() => ("no release is used".to_owned(), false),
         Ok(line) => (line, true),
         Err(failure) => (format!("not analysed: {failure}"), false),
@@ -235,13 +247,25 @@ fn of_release(one: &Analysed) -> String {
 }
 
 /// Writes the page of all recordings.
-fn page(facts: &Facts, folder: &Path, files: &[String], out: &Path) -> Result<(), Failure> {
+fn page(
+    facts: &Facts,
+    folder: &Path,
+    files: &[String],
+    out: &Path,
+    console: &Console,
+) -> Result<(), Failure> {
     let begin = Instant::now();
-    let experiment = experiment(facts, folder, files)?;
-    let cleaned = clean(&experiment)?;
-    let analysed = analyse(&experiment, &cleaned, &NODES)?;
+    let read = || -> Result<_, Failure> {
+        let experiment = experiment(facts, folder, files)?;
+        let cleaned = clean(&experiment)?;
+        Ok((experiment, cleaned))
+    };
+    let (experiment, cleaned) = until_signal(None, console, read)?;
+    let analysed = until_signal(None, console, || analyse(&experiment, &cleaned, &NODES))?;
     let to = efam_store::folder::open(Some(out), true, &experiment.name, experiment.text())?;
-    write(&to, &request(&experiment, begin), &experiment, &cleaned, Some(&analysed))?;
+    let request = || request(&experiment, begin);
+    let written = || write(&to, &request(), &experiment, &cleaned, Some(&analysed));
+    until_signal(Some(&to), console, written)?;
     to.finish()?;
     Ok(())
 }

@@ -7,6 +7,7 @@
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock};
 use std::time::SystemTime;
 
 use crate::StoreError;
@@ -69,6 +70,8 @@ pub struct Folder {
     replaces: bool,
     later: &'static [&'static str],
     finished: bool,
+    /// Whether nothing is written any more. Whoever writes reads it.
+    given_up: RwLock<bool>,
 }
 
 /// Whether a given folder can take a run: to be asked before a long simulation.
@@ -150,7 +153,15 @@ impl Folder {
         tidy(&parent);
         let made = Partial::begin(&target, |path| fs::create_dir(path));
         let (partial, ()) = made.map_err(StoreError::write(&target))?;
-        Ok(Self { target, partial, dated, replaces, later: &[], finished: false })
+        Ok(Self {
+            target,
+            partial,
+            dated,
+            replaces,
+            later: &[],
+            finished: false,
+            given_up: RwLock::new(false),
+        })
     }
 
     /// Names paths that commands may add to the folder or rewrite when it is finished; see [`Manifest`].
@@ -161,6 +172,15 @@ impl Folder {
     /// Where files go until the folder is finished.
     pub fn path(&self) -> &Path {
         &self.partial.path
+    }
+
+    /// Removes what was written, while another thread may write: of that nothing is left, and its next file is an error.
+    /// For the end of a program.
+    pub fn give_up(&self) {
+        // Waits for a file that is being written.
+        let mut given_up = self.given_up.write().unwrap_or_else(PoisonError::into_inner);
+        *given_up = true;
+        let _ = remove_left(&self.partial.path);
     }
 
     /// Writes one file, down to the disk.
@@ -179,7 +199,11 @@ impl Folder {
         write: impl FnOnce(&mut File) -> io::Result<()>,
     ) -> Result<(), StoreError> {
         let path = self.partial.path.join(name);
+        let given_up = self.given_up.read().unwrap_or_else(PoisonError::into_inner);
         let written = || {
+            if *given_up {
+                return Err(io::Error::other("the results are given up"));
+            }
             fs::create_dir_all(parent(&path))?;
             let mut file = File::create_new(&path)?;
             write(&mut file)?;

@@ -48,6 +48,8 @@ mod sweep_killed;
 #[cfg(unix)]
 mod terminated;
 #[cfg(unix)]
+mod terminated_phases;
+#[cfg(unix)]
 mod tutorials;
 mod typed;
 mod view;

@@ -23,7 +23,7 @@ fn a_run_is_as_accurate_as_was_asked() {
 fn ten_times_the_accuracy_is_never_worse() {
     let count: u64 = std::env::var("EFAM_PAIRS").ok().and_then(|count| count.parse().ok()).unwrap_or(4);
     let all: Vec<Compared> = (1..=count).into_par_iter().filter_map(|seed| compared(seed, 5e-4)).collect();
-    assert!(!all.is_empty());
+    assert!(2 * all.len() as u64 > count, "{} of {count} came to an end", all.len());
     let warned = all.iter().filter(|pair| pair.warned).count();
     println!("{} pairs of accuracies, {warned} with errors that are not to be trusted", all.len());
     let wrong = |pair: &&Compared| (pair.ratio > 1.5 && !pair.warned) || pair.worse > 1.0;

@@ -250,3 +250,20 @@ fn a_path_without_a_name_is_refused() {
         assert!(!matches!(error, StoreError::Exists { .. }), "{path}: {error}");
     }
 }
+
+/// The end of a program: one thread writes, and another gives up.
+#[test]
+fn what_is_given_up_while_it_is_written_leaves_nothing() {
+    let scratch = Scratch::new("given-up");
+    let made = Folder::begin(Target::Given { folder: &scratch.0.join("run"), overwrite: false }).unwrap();
+    std::thread::scope(|scope| {
+        let writes = || (0..).map_while(|k| made.write(&k.to_string(), b"x").ok()).count();
+        let writer = scope.spawn(writes);
+        while !made.path().join("9").exists() {
+            std::thread::yield_now();
+        }
+        made.give_up();
+        assert!(writer.join().unwrap() > 9);
+    });
+    assert_eq!(scratch.entries(), [""; 0]);
+}

@@ -89,7 +89,7 @@ fn forces_are_events() {
     let law = |force: &str, more: &str| {
         format!(
             "[muscle]\nname = \"garbulinski-2022\"\npressure = \"40 psi\"\n[release]\nfrom = \"equilibrium\"\n[rod]\n\
-             nodes = 12\n[integrator]\ntolerance = 1e-8\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n[effects.rayleigh_stiffness]\nbeta = \"2 ms\"\n\
+             nodes = 12\n[effects.rayleigh_mass]\nalpha = \"1 1/s\"\n[effects.rayleigh_stiffness]\nbeta = \"2 ms\"\n\
              [effects.push]\nf = \"0.002 N\"\n[laws.push]\nplace = \"tip\"\nkind = \"load\"\nforce_x = \"{force}\"\n\
              parameters.f = {{ unit = \"N\", default = 0.02, range = [-1, 1] }}\n{more}"
         )
@@ -105,8 +105,14 @@ fn forces_are_events() {
     // The first sample is up to 10 ms after the start.
     assert!((x.steady_m - x.start_m - way[0]).abs() < 2e-3 * way[0].abs(), "{x:?} {way:?}");
     let mode = step.modes.as_ref().expect("it hangs")[0];
+    // As it was found: a run that starts at rest has no swing that is known beforehand, and had steps so long that this was 7 % off.
     let hertz = step.damped_frequency_hz.unwrap_or_else(|| panic!("{:?}", step.missing));
-    assert!((hertz / mode.natural_frequency_hz - 1.0).abs() < 0.01, "{hertz} {mode:?}");
+    // The spectrum of a decaying swing is highest half of ζ² below the damped frequency, which is as much below the natural one.
+    let square = mode.damping_ratio.powi(2);
+    assert!(
+        (hertz / (mode.natural_frequency_hz * (1.0 - square)) - 1.0).abs() < 0.5 * square,
+        "{hertz} {mode:?}"
+    );
 
     let slow = summary(&format!("{}[run]\nduration = \"100 s\"\n", law("f * sin(2*pi*rate*time)", RATE)));
     let [event] = &slow.events[..] else { panic!("{:?}", slow.events) };
@@ -134,8 +140,8 @@ fn numbers(text: &str) -> [f64; 3] {
 }
 
 /// As it was found: 195 g gave a damping ratio of 0.123, 196 g one of 0.0955. The largest step between neighbours is compared with
-/// those about it: a smooth curve changes its slope little from one to the next. Beyond 280 g the first half swing of 40 psi has two tops of the
-/// same height, and the time of its peak jumps from one to the other: not walked here.
+/// those about it: a smooth curve changes its slope little from one to the next. From 280 g on the crests of 40 psi have two tops of
+/// nearly the same height, of which now one is the higher and now the other.
 #[test]
 fn numbers_move_continuously() {
     let walk = |name: &str, text: &dyn Fn(f64) -> String, from: f64, step: f64, count: usize| {
@@ -143,15 +149,16 @@ fn numbers_move_continuously() {
         for (number, what) in ["frequency", "damping ratio", "first peak"].into_iter().enumerate() {
             for (k, four) in all.windows(4).enumerate() {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|i| four[i][number]);
-                // The third difference of a smooth curve is far below its first, and a jump is in it three times.
-                let jump = (d - 3.0 * c + 3.0 * b - a).abs() / 3.0;
+                // The third difference of a smooth curve is far below its first; a jump between b and c is in it twice.
+                let jump = (d - 3.0 * c + 3.0 * b - a).abs() / 2.0;
                 let at = from + step * (k as f64 + 1.0);
-                assert!(jump < 0.01 * b.abs(), "{name} {at}: {what} {a} {b} {c} {d}");
+                assert!(jump < 0.005 * b.abs(), "{name} {at}: {what} {a} {b} {c} {d}");
             }
         }
     };
     walk("payload, g", &|payload| muscle(40.0, payload, 0.0, 8.0), 185.0, 1.0, 22);
-    walk("payload, g", &|payload| muscle(40.0, payload, 0.0, 8.0), 0.0, 10.0, 29);
+    walk("payload, g", &|payload| muscle(40.0, payload, 0.0, 8.0), 278.0, 1.0, 23);
+    walk("payload, g", &|payload| muscle(40.0, payload, 0.0, 8.0), 0.0, 10.0, 31);
     walk("pressure, psi", &|pressure| muscle(pressure, 50.0, 0.0, 8.0), 10.0, 1.0, 30);
     walk("angle, deg", &|angle| muscle(40.0, 50.0, angle, 8.0), -30.0, 2.0, 35);
 }

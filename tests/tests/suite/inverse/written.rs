@@ -11,6 +11,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use efam_core::forward::{Run, forward};
+use efam_core::left_out::{self, Compact};
 use efam_experiments::cleaning::clean_all;
 use efam_experiments::experiment::Experiment;
 use efam_experiments::scenario::{Case, ReleaseOptions, Scenario};
@@ -155,8 +156,11 @@ fn check(seed: u64) {
     let request = CaseRequest::scenario(Path::new("rod.toml"), file.text.clone());
     let (predicted, known) = request.case(None, None).expect("a case");
     let settings = PredictionSettings { draws: 2, seed: 1 };
-    let prediction = predict(&predicted, known.as_ref(), &settings, &|| ());
-    assert!(prediction.is_ok_and(|own| own.prediction.failed_draws == 0), "{seed}\n{}", file.text);
+    let own = predict(&predicted, known.as_ref(), &settings, &|| ()).expect("a prediction").prediction;
+    // A rod that hangs and is let go straight does not swing: nothing of it is determined, and that is said.
+    let is_undetermined =
+        own.warnings.iter().any(|warning| warning.contains("cannot tell rod.bending_stiffness from zero"));
+    assert!(own.failed_draws == 0 || is_undetermined, "{seed}: {:?}\n{}", own.warnings, file.text);
     // An angle stands instead of what the file says of the start.
     let base = found.model.theta[found.model.index("rod.base_angle").expect("a clamp")];
     let turned = ReleaseOptions { angle: Some(base + 0.3), ..ReleaseOptions::default() };
@@ -207,35 +211,47 @@ fn agrees(seed: u64) {
     let calibrated = slowest(&case(&file, &[])).1;
     for share in [0.1, 0.4, 1.0] {
         let payload = share * mass;
-        let loaded = case(&file, &[format!("effects.payload.mass={payload:?} kg")]);
-        let (natural, damping) = slowest(&loaded);
-        let request = CaseRequest::scenario(Path::new("rod.toml"), file.clone());
-        let (asked, known) = request.case(None, Some(payload)).expect("a case");
-        let settings = PredictionSettings { draws: 20, seed: 1 };
-        let found = predict(&asked, known.as_ref(), &settings, &|| ()).expect("a prediction").prediction;
-        let number = |name: &str| {
-            let own = found.quantities.iter().find(|own| own.name == name).expect("it is predicted");
-            (own.value.expect("a number"), own.interval_95.expect("an interval"))
+        let loaded = |inertia: f64| {
+            let given = [("mass", payload, "kg"), ("rotary_inertia", inertia, "kg m^2")];
+            case(&file, &given.map(|(key, value, unit)| format!("effects.payload.{key}={value:?} {unit}")))
         };
-        for (name, own) in [("small_frequency_hz", natural), ("small_damping_ratio", damping)] {
-            let (value, [low, high]) = number(name);
+        let predicted = |inertia: Option<f64>| {
+            let mut request = CaseRequest::scenario(Path::new("rod.toml"), file.clone());
+            request.release.payload_inertia = inertia;
+            let (asked, known) = request.case(None, Some(payload)).expect("a case");
+            let settings = PredictionSettings { draws: 20, seed: 1 };
+            let found = predict(&asked, known.as_ref(), &settings, &|| ()).expect("a prediction").prediction;
+            ["small_frequency_hz", "small_damping_ratio"].map(|name| {
+                let own = found.quantities.iter().find(|own| own.name == name).expect("it is predicted");
+                (own.value.expect("a number"), own.interval_95.expect("an interval"))
+            })
+        };
+        let point = loaded(0.0);
+        let compact = Compact::of(&point.model).expect("a payload without a size");
+        let sized = loaded(compact.median());
+        let (natural, damping) = slowest(&sized);
+        for (own, (value, [low, high])) in
+            [natural, damping].into_iter().zip(predicted(Some(compact.median())))
+        {
             assert!(
-                (low..=high).contains(&own),
-                "{seed}, {payload} kg: {name} {own}, predicted {value} ({low} to {high})"
-            );
-            assert!(
-                (own / value - 1.0).abs() < 0.02,
-                "{seed}, {payload} kg: {name} {own}, predicted {value}"
+                (low..=high).contains(&own) && (own / value - 1.0).abs() < 0.01,
+                "{seed}, {payload} kg: {own}, predicted {value} ({low} to {high})"
             );
         }
+        // Without a size a run and its modes have a point, and say by how much a compact body lowers that.
+        let [slow, fast] = [1, 0].map(|end| slowest(&loaded(compact.interval()[end])).0);
+        let [(value, _), _] = predicted(None);
+        assert!((slow..=fast).contains(&value), "{seed}, {payload} kg: {value} Hz, {slow} to {fast}");
+        let is_said = !left_out::warnings(&point.model, false, 1).is_empty();
+        assert!(is_said || slow > 0.985 * slowest(&point).0, "{seed}, {payload} kg: {slow} Hz is not said");
         println!(
             "{seed}, {share}: {natural:.3} Hz, {damping:.4} of {calibrated:.4}, {}",
-            loaded.warnings.len()
+            sized.warnings.len()
         );
         // Weight stiffens without loss, by little at rods as stiff as these.
         assert!((damping / calibrated - 1.0).abs() < 0.25, "{seed}, {payload} kg: {damping} of {calibrated}");
         assert!(
-            natural > 0.98 * frequency || loaded.warnings.iter().any(|own| own.contains("lost in a cycle"))
+            natural > 0.98 * frequency || sized.warnings.iter().any(|own| own.contains("lost in a cycle"))
         );
     }
 }
