@@ -68,6 +68,10 @@ fn one<'a>(
     Ok(Analysed { of, measured, rest, at_rest, no_beam, in_motion })
 }
 
+/// Samples of a period below which the parabola through three of them is no measure of an upper peak: with eight, the outer
+/// two are 45 degrees from it.
+const FEW_SAMPLES: f64 = 8.0;
+
 /// A release by itself, and its rest. The rest is first the mean of a window, then where the decay leads.
 pub fn measured(of: &CleanRelease) -> (Result<Measured, AnalysisError>, Option<RestEstimate>) {
     let first = measured::analyse(&of.release, of.statistics.rest);
@@ -208,8 +212,15 @@ impl Analysed<'_> {
                 words.extend(measured.decay.as_ref().err().map(|why| format!("no damping ratio: {why}")));
                 if measured.since > 0.0 {
                     words.push(format!(
-                        "counted from {:.2} s on, because the first, large swings have another frequency",
+                        "counted from {:.2} s on, because the first, large swings have another frequency, or a gap after them",
                         measured.since
+                    ));
+                }
+                if let Some(samples) = measured.samples_in_a_period().filter(|samples| *samples < FEW_SAMPLES)
+                {
+                    words.push(format!(
+                        "only {samples:.1} samples in a period, and upper peaks need {FEW_SAMPLES}: the damping ratio may be \
+                         off by more than its error; record at a higher rate"
                     ));
                 }
                 if let Some(at) = measured.bridged.cut_at {

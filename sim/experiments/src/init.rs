@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use efam_core::quantile::quantile;
-use efam_recordings::Recording;
+use efam_recordings::{ReadOptions, Recording};
 use efam_store::escape::{escaped, toml_string};
 
 use crate::cleaning::{CleanRecording, CleanRelease, Cleaned, IS_UP, SURELY, clean_all, distance};
@@ -92,6 +92,20 @@ fn spread(a: &[Option<[f64; 3]>], b: &[Option<[f64; 3]>]) -> f64 {
     let apart: Vec<f64> = both.map(|(a, b)| distance(a, b)).collect();
     let between = quantile(apart.clone(), 0.98).zip(quantile(apart, 0.02));
     between.map_or(f64::INFINITY, |(high, low)| high - low)
+}
+
+/// The text of a draft with what the person said of its files.
+pub fn with_options(text: String, options: &ReadOptions) -> String {
+    let list =
+        |names: &Vec<String>| names.iter().map(|name| toml_string(name)).collect::<Vec<_>>().join(", ");
+    let said = [
+        options.unit.map(|unit| format!("unit = {}", toml_string(&unit.symbol()))),
+        options.rate_hz.map(|rate| format!("rate = \"{rate} Hz\"")),
+        options.columns.as_ref().map(|names| format!("columns = [{}]", list(names))),
+    ];
+    let said: String = said.into_iter().flatten().map(|line| line + "\n").collect();
+    let line = |line: &str| line.to_owned() + if line.starts_with("file = ") { said.as_str() } else { "" };
+    text.split_inclusive('\n').map(line).collect()
 }
 
 /// A text that loads: recordings with the file names to be written into it. What is unknown is marked
@@ -337,7 +351,7 @@ fn markers(out: &mut String, recording: &Recording) {
 
 #[cfg(test)]
 mod tests {
-    use efam_recordings::{ReadOptions, parse};
+    use efam_recordings::parse;
 
     use super::*;
 

@@ -121,7 +121,9 @@ class ResidualsData:
 @final
 class RecordingData:
     @staticmethod
-    def read(path: _Path, unit: str | None, rate: float | None) -> RecordingData: ...
+    def read(
+        path: _Path, unit: str | None, rate: float | None, columns: Sequence[str] | None
+    ) -> RecordingData: ...
     @staticmethod
     def table(
         name: str,

@@ -28,7 +28,8 @@ class Recording:
 
     `markers` is an array per name, shape [T, 3], or [T, 2] for x and z in the plane of the swing; or one array of all,
     shape [T, markers, 3 or 2], with `names`. What is not a number was lost. Without `unit`, arrays are in metres;
-    without `times`, samples come `rate` times a second.
+    without `times`, samples come `rate` times a second. `columns` says what the columns of a file without names hold,
+    such as ["t_s", "x_mm", "z_mm"].
     """
 
     def __init__(
@@ -41,6 +42,7 @@ class Recording:
         names: Optional[Sequence[str]] = None,
         unit: Optional[str] = None,
         rate: Optional[float] = None,
+        columns: Optional[Sequence[str]] = None,
         name: str = "recording",
     ) -> None:
         if (source is None) == (markers is None):
@@ -53,10 +55,12 @@ class Recording:
         if times is not None or names is not None:
             raise TypeError("Recording: times= and names= belong to markers=; a file or table has its own")
         if hasattr(source, "columns"):
+            if columns is not None:
+                raise TypeError("Recording: columns= belongs to a file; a table names its own")
             own, columns = _of_table(source)
             self._data = RecordingData.table(name, own, columns, unit, rate)
         else:
-            self._data = RecordingData.read(os.fspath(source), unit, rate)
+            self._data = RecordingData.read(os.fspath(source), unit, rate, columns)
 
     @property
     def source(self) -> str:

@@ -19,19 +19,29 @@ pub struct RecordingData {
 }
 
 /// What the user knows better than the data.
-fn options(unit: Option<String>, rate_hz: Option<f64>) -> PyResult<ReadOptions> {
+fn options(
+    unit: Option<String>,
+    rate_hz: Option<f64>,
+    columns: Option<Vec<String>>,
+) -> PyResult<ReadOptions> {
     let length = |unit: String| {
         unit.parse::<Length>().map_err(|problem| exception(Failure::Usage(problem.to_string())))
     };
-    Ok(ReadOptions { unit: unit.map(length).transpose()?, rate_hz })
+    Ok(ReadOptions { unit: unit.map(length).transpose()?, rate_hz, columns })
 }
 
 #[pymethods]
 impl RecordingData {
     /// Reads a file.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf, unit: Option<String>, rate: Option<f64>) -> PyResult<Self> {
-        let options = options(unit, rate)?;
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        unit: Option<String>,
+        rate: Option<f64>,
+        columns: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let options = options(unit, rate, columns)?;
         let own = watched(py, |_| efam_recordings::read(&path, &options))?.map_err(exception)?;
         Ok(Self { own: own.into() })
     }
@@ -46,7 +56,7 @@ impl RecordingData {
         unit: Option<String>,
         rate: Option<f64>,
     ) -> PyResult<Self> {
-        let options = options(unit, rate)?;
+        let options = options(unit, rate, None)?;
         let columns: Vec<_> = columns.into_iter().map(Column::numbers).collect();
         let mut lengths = columns.iter().flatten().map(Vec::len);
         let first = lengths.next().unwrap_or_default();

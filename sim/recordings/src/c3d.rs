@@ -69,7 +69,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Draft, RecordingProblem> {
     let shape = shape(bytes, processor, &parameters, &mut findings).map_err(broken)?;
 
     let silent = Unit::Assumed(Length::Millimetre, "C3D is in millimetres as a rule");
-    let unit = Unit::stated(parameters.text("POINT:UNITS").as_deref(), "POINT:UNITS", silent)?;
+    let unit = Unit::stated(parameters.text("POINT:UNITS").as_deref(), "POINT:UNITS", silent);
     let mut draft = Draft::new(Format::C3d, unit, "sample");
     let in_header = f64::from(processor.float(&bytes[20..24]));
     let in_parameters = parameters.number("POINT:RATE").filter(|rate| *rate > 0.0);
@@ -124,10 +124,16 @@ fn shape(
     }
     let in_header = f64::from(processor.float(&bytes[12..16]));
     let is_scale = |scale: &f64| scale.is_finite() && *scale != 0.0;
-    let scale = parameters.number("POINT:SCALE").filter(is_scale).or(Some(in_header).filter(is_scale));
-    let scale = scale.ok_or("it states no scale of its points (POINT:SCALE)")?;
-    let size = if scale < 0.0 { 4 } else { 2 };
-    let held = (bytes.len() - start) / (size * (4 * points + analog));
+    let stated = parameters.number("POINT:SCALE").filter(is_scale);
+    let mut scales: Vec<f64> = stated.into_iter().chain(Some(in_header).filter(is_scale)).collect();
+    if let [scale, header] = scales[..] {
+        // Only its sign counts for floats.
+        if scale.signum() == header.signum() && (scale < 0.0 || (scale - header).abs() <= 1e-6 * scale) {
+            scales.pop();
+        } else {
+            findings.push(format!("the header states a scale of {header}, POINT:SCALE one of {scale}"));
+        }
+    }
 
     let (first, last) = (word(4), word(5));
     let stated = [
@@ -148,6 +154,36 @@ fn shape(
     counts.extend(
         whole("POINT:LONG_FRAMES").into_iter().chain(whole("POINT:FRAMES")).filter(|count| *count > 0),
     );
+    // Word 3 may count channels instead of samples.
+    let per_frame = word(10).max(1);
+    let used = whole("ANALOG:USED").unwrap_or(analog);
+    let channels = analog.saturating_mul(per_frame);
+    let mut analogs = vec![analog];
+    analogs.extend([used.saturating_mul(per_frame), channels].into_iter().filter(|other| *other != analog));
+    let all: Vec<(f64, usize)> =
+        scales.iter().flat_map(|scale| analogs.iter().map(|analog| (*scale, *analog))).collect();
+    let size =
+        |(scale, analog): (f64, usize)| if scale < 0.0 { 4 } else { 2 } * (4 * points).saturating_add(analog);
+    let length = bytes.len() - start;
+    // The end of the file is that of the block in which its last frame ends.
+    let ends = |way: &(f64, usize)| {
+        counts.iter().any(|count| {
+            let taken = count.saturating_mul(size(*way));
+            taken <= length && length - taken < BLOCK
+        })
+    };
+    let stated = *all.first().ok_or("it states no scale of its points (POINT:SCALE)")?;
+    let way =
+        if ends(&stated) { stated } else { all.iter().copied().find(|way| ends(way)).unwrap_or(stated) };
+    let (scale, analog) = way;
+    if all.len() > 1 && way != stated {
+        findings.push(format!(
+            "the length of the file shows {analog} analog samples in a frame and points as {}; the header's word 3 is {}",
+            if scale < 0.0 { "floats" } else { "integers" },
+            word(3)
+        ));
+    }
+    let held = length / size(way);
     // Words end at 65535, so the largest count that the file holds is the right one; and where a word
     // is full, the largest of all.
     let most = counts.iter().copied().max().filter(|most| last == FULL && *most > held);

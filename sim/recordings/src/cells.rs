@@ -40,9 +40,50 @@ pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), Rec
     }
 }
 
+/// A text whose cells are separated by blanks, with tabs in their place; nothing for another one.
+pub(super) fn without_blanks(text: &str) -> Option<String> {
+    let is_number = |word: &str| {
+        word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.'))
+            && word.chars().all(|c| c.is_ascii_digit() || ":.,+-eE".contains(c))
+            && !word.ends_with(',')
+            || word.eq_ignore_ascii_case("nan")
+    };
+    let lines: Vec<&str> = sample(text);
+    let is_row =
+        |line: &&&str| line.split_whitespace().nth(1).is_some() && line.split_whitespace().all(is_number);
+    let is_blank = !lines.iter().any(|line| line.trim().contains(['\t', ';']))
+        && 3 * lines.iter().filter(is_row).count() >= lines.len().max(1);
+    is_blank.then(|| {
+        let mut tabs = String::with_capacity(text.len());
+        for line in text.split_inclusive('\n') {
+            for (k, word) in line.split_whitespace().enumerate() {
+                tabs.extend((k > 0).then_some('\t'));
+                tabs.push_str(word);
+            }
+            tabs.push('\n');
+        }
+        tabs
+    })
+}
+
+/// The first lines that are not blank.
+fn sample(text: &str) -> Vec<&str> {
+    text.lines().filter(|line| !line.trim().is_empty()).take(SAMPLE).collect()
+}
+
+/// The delimiter that a first line `sep=;` states, as spreadsheets write and read it.
+fn stated_delimiter(text: &str) -> Option<u8> {
+    let line = text.lines().next()?.trim_matches(['"', '\r']);
+    let mark = line.get(..4).filter(|word| word.eq_ignore_ascii_case("sep=")).and_then(|_| line.get(4..))?;
+    match mark {
+        "\t" | "\\t" => Some(b'\t'),
+        _ => mark.bytes().next().filter(|byte| mark.len() == 1 && byte.is_ascii_punctuation()),
+    }
+}
+
 /// The delimiter of a text: tab, semicolon or comma, whichever first stands in most of its first lines.
 fn delimiter(text: &str) -> u8 {
-    let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).take(SAMPLE).collect();
+    let lines = sample(text);
     let with = |mark: char| lines.iter().filter(|line| line.contains(mark)).count();
     let is_common = |mark: char| 2 * with(mark) >= lines.len().max(1) || with(mark) > with(',');
     // Commas may be decimal signs beside the other two, but not the other way round.
@@ -64,15 +105,24 @@ pub(super) struct Rows<'t> {
     line: u64,
     /// Between cells.
     pub delimiter: u8,
+    /// Whether blanks separated the cells, so that a cell which is not there cannot be seen.
+    pub is_strict: bool,
 }
 
 impl<'t> Rows<'t> {
     pub(super) fn new(text: &'t str) -> Self {
-        let delimiter = delimiter(text);
+        let stated = stated_delimiter(text);
+        let delimiter = stated.unwrap_or_else(|| delimiter(text));
         let mut builder = ReaderBuilder::new();
         let builder = builder.has_headers(false).flexible(true).delimiter(delimiter);
         let reader = builder.from_reader(text.as_bytes());
-        Self { text, reader, record: StringRecord::new(), is_held: false, line: 1, delimiter }
+        let record = StringRecord::new();
+        let mut rows = Self { text, reader, record, is_held: false, line: 1, delimiter, is_strict: false };
+        if stated.is_some() {
+            // The line that states it. What cannot be read is met again in the next.
+            let _ = rows.read();
+        }
+        rows
     }
 
     /// Goes on to the next row that is not an empty line; false at the end.
@@ -108,6 +158,25 @@ impl<'t> Rows<'t> {
         self.cells().map(str::to_owned).collect()
     }
 
+    /// Whether most of the row is numbers, or blank as where they are lost.
+    pub(super) fn is_data(&self) -> bool {
+        let (mut filled, mut values, mut numbers) = (0, 0, 0);
+        for cell in self.cells().filter(|cell| !cell.is_empty()) {
+            let is_clock = cell.contains(':') && cell.starts_with(|c: char| c.is_ascii_digit());
+            let is_value = is_clock || Numbers::default().read(cell, 0).is_ok();
+            filled += 1;
+            values += usize::from(is_value);
+            numbers += usize::from(is_value && cell.contains(|c: char| c.is_ascii_digit()));
+        }
+        numbers > 0 && 2 * values >= filled
+    }
+
+    /// Cells up to the last that is not empty.
+    pub(super) fn filled(&self) -> usize {
+        let last = (0..self.record.len()).rev().find(|at| !self.cell(*at).is_empty());
+        last.map_or(0, |last| last + 1)
+    }
+
     /// Whether the first cell is a number.
     pub(super) fn is_numeric(&self) -> bool {
         matches!(Numbers::default().read(self.cell(0), 0), Ok(Some(_)))
@@ -136,7 +205,7 @@ impl<'t> Rows<'t> {
         self.record.iter().map(str::trim)
     }
 
-    /// Cells in the row.
+    /// Cells in the row, empty ones included.
     pub(super) fn width(&self) -> usize {
         self.record.len()
     }

@@ -1,11 +1,15 @@
 //! When samples were taken: from times, from frame numbers, or from the rate alone.
 
+use efam_core::quantile::quantile;
+
 use super::error::RecordingProblem;
 
 /// Share of a step by which times may be off before they count as uneven.
 const EVEN: f64 = 0.02;
 /// Share by which the stated rate may differ from what times show.
 const AGREES: f64 = 0.01;
+/// Steps are multiples of one if this share of them is within a quarter of it.
+const LATTICE: f64 = 0.95;
 
 /// What a file states about its clock; empty where it states nothing.
 pub(super) struct Stated<'a> {
@@ -35,10 +39,9 @@ impl Stated<'_> {
         if let Some(value) = wanted.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
             return Err(RecordingProblem::Rate { value });
         }
-        if !self.frames.is_empty() {
-            ascending(self.frames, "frame", place)?;
-        }
-        if !self.times.is_empty() {
+        // A rate that is stated overrules the file's times.
+        ascending(self.frames, "frame", place)?;
+        if wanted.is_none() {
             ascending(self.times, "time in s", place)?;
         }
         let clock = match (wanted, self.rate) {
@@ -69,7 +72,9 @@ impl Stated<'_> {
         // Rates beyond all measure can leave no difference between times.
         ascending(&clock.time, "time in s", place)?;
         clock.resolves()?;
-        clock.steps(self.frames, place, findings);
+        let is_by_times = wanted.is_none() && !self.times.is_empty();
+        let whole = if is_by_times { whole_steps(&clock.time) } else { clock.whole_steps() };
+        clock.steps(&whole, self.frames, place, findings);
         Ok(clock)
     }
 
@@ -105,13 +110,24 @@ impl Clock {
         }
     }
 
+    /// How many steps of a known rate each sample is after the one before.
+    fn whole_steps(&self) -> Vec<f64> {
+        let whole = |pair: &[f64]| ((pair[1] - pair[0]) * self.rate_hz).round().max(1.0);
+        self.time.windows(2).map(whole).collect()
+    }
+
     /// Says where samples are missing, and whether the others are evenly spaced.
-    fn steps(&self, frames: &[f64], place: &dyn Fn(usize) -> String, findings: &mut Vec<String>) {
+    fn steps(
+        &self,
+        whole: &[f64],
+        frames: &[f64],
+        place: &dyn Fn(usize) -> String,
+        findings: &mut Vec<String>,
+    ) {
         let (mut jumps, mut missing, mut longest) = (0, 0.0, (0.0, 0));
         let (mut least, mut most, mut worst) = (f64::INFINITY, 0.0_f64, 0.0_f64);
-        for (sample, pair) in self.time.windows(2).enumerate() {
-            let step = (pair[1] - pair[0]) * self.rate_hz;
-            let whole = step.round().max(1.0);
+        for (sample, (pair, whole)) in self.time.windows(2).zip(whole).enumerate() {
+            let (step, whole) = ((pair[1] - pair[0]) * self.rate_hz, *whole);
             worst = worst.max((step - whole).abs());
             if whole > 1.0 {
                 jumps += 1;
@@ -159,19 +175,43 @@ fn ascending(
     Err(RecordingProblem::Order { place: place(at + 1), what, before: values[at], after: values[at + 1] })
 }
 
-/// Samples a second: whole steps over the time that they take, where most steps agree on one.
-fn rate_of(times: &[f64]) -> f64 {
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    // Times may be rounded to the step's own size: those between neighbours say what a step is on
-    // the whole, and that step how many a jump has.
-    let single: Vec<f64> = steps.into_iter().filter(|step| *step < 1.5 * median).collect();
-    let step = single.iter().sum::<f64>() / single.len() as f64;
-    let whole: f64 = times.windows(2).map(|pair| ((pair[1] - pair[0]) / step).round().max(1.0)).sum();
+/// Whether each value is more than the one before.
+pub(super) fn ascends(values: &[f64]) -> bool {
+    values.windows(2).all(|pair| pair[1] > pair[0])
+}
+
+/// Samples a second: whole steps over the time that they take.
+pub(super) fn rate_of(times: &[f64]) -> f64 {
+    let whole: f64 = whole_steps(times).iter().sum();
     let rate = whole / (times[times.len() - 1] - times[0]);
     // Times are decimal: 99.99999999999 Hz is 100 Hz.
     if (rate - rate.round()).abs() <= 1e-6 * rate { rate.round() } else { rate }
+}
+
+/// How many steps of the clock each sample is after the one before.
+///
+/// Where steps are multiples of one, up to rounding, the longer ones have left samples out. Where they scatter, a step
+/// counts as one unless it is longer than the scatter explains: a program that logs in a loop is late at times, and
+/// leaves nothing out.
+fn whole_steps(times: &[f64]) -> Vec<f64> {
+    let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let part = |share: f64| quantile(steps.clone(), share).unwrap_or(f64::NAN);
+    let [low, median, high] = [0.1, 0.5, 0.9].map(part);
+    let mean_below = |limit: f64| {
+        let single: Vec<f64> = steps.iter().copied().filter(|step| *step < limit).collect();
+        single.iter().sum::<f64>() / single.len() as f64
+    };
+    // Times may be rounded to the step's own size: those between neighbours say what a step is on
+    // the whole, and that step how many a jump has.
+    let step = mean_below(1.5 * median);
+    let is_multiple = |own: &&f64| ((*own / step).round().max(1.0) - *own / step).abs() < 0.25;
+    if steps.iter().filter(is_multiple).count() as f64 >= LATTICE * steps.len() as f64 {
+        return steps.iter().map(|own| (own / step).round().max(1.0)).collect();
+    }
+    let longest_single = median + (0.5 * median).max(2.0 * (high - low));
+    let step = mean_below(longest_single);
+    let whole = |own: &f64| if *own < longest_single { 1.0 } else { (own / step).round().max(1.0) };
+    steps.iter().map(whole).collect()
 }
 
 /// A number with six digits at most, without zeros at its end.
@@ -205,6 +245,27 @@ mod tests {
         assert!((clock.rate_hz - 120.0).abs() < 120.0 * 1e-4, "{}", clock.rate_hz);
         assert!(findings[1].starts_with("samples are left out in 1 places, 10 in all"), "{findings:?}");
         assert!(findings[2].starts_with("times are not even: steps are between 8 and 9 ms"), "{findings:?}");
+    }
+
+    /// A loop that is late at times, and a clock of whole milliseconds at 400 Hz, with and without a gap.
+    #[test]
+    fn an_uneven_clock_leaves_nothing_out() {
+        let late = |k: usize| 0.002 * ((k * k * 7 % 19) as f64 / 18.0);
+        let times: Vec<f64> = (0..400).map(|k| k as f64 * 0.005 + late(k)).collect();
+        let stated =
+            |times: &[f64]| clock(&Stated { frames: &[], times, rate: None, samples: times.len() }, None);
+        let (found, findings) = stated(&times);
+        assert!((found.rate_hz / 200.0 - 1.0).abs() < 1e-3, "{}", found.rate_hz);
+        assert!(!findings.iter().any(|finding| finding.contains("left out")), "{findings:?}");
+        assert!(findings.iter().any(|finding| finding.contains("times are not even")), "{findings:?}");
+        for without in [0..0, 300..330] {
+            let kept = (0..800).filter(|k| !without.contains(k));
+            let times: Vec<f64> = kept.map(|k| (k as f64 * 2.5).floor() / 1e3).collect();
+            let (found, findings) = stated(&times);
+            assert!((found.rate_hz / 400.0 - 1.0).abs() < 1e-3, "{} {without:?}", found.rate_hz);
+            let is_said = findings.iter().any(|finding| finding.contains("left out in 1 places, 30 in all"));
+            assert_eq!(is_said, !without.is_empty(), "{findings:?}");
+        }
     }
 
     #[test]

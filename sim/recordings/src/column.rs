@@ -1,6 +1,5 @@
 //! What the name of a column says: a time, a frame number, or a coordinate of a marker.
 
-use super::cells::Rows;
 use super::length::Length;
 
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
@@ -16,41 +15,153 @@ pub(super) enum Column {
         axis: usize,
         unit: Option<Length>,
     },
+    /// A part of a quaternion: w, x, y or z.
     Orientation {
         body: String,
         part: usize,
     },
+    /// w, beside which x, y and z of the same name are a quaternion.
+    W {
+        body: String,
+    },
+    /// How likely a place is right.
+    Likelihood {
+        marker: String,
+    },
     Other,
 }
 
-/// Whether a row names columns of a tidy table.
-pub(super) fn is_header(rows: &Rows) -> bool {
-    rows.cells().any(|name| matches!(column(name), Column::Time(..) | Column::Position { .. }))
-}
+/// What a coordinate without a unit of length is, if its name has one of these words: no position.
+const QUANTITIES: [&str; 44] = [
+    "acc",
+    "accel",
+    "accelerometer",
+    "acceleration",
+    "accelerations",
+    "gyr",
+    "gyro",
+    "gyroscope",
+    "angular",
+    "rate",
+    "rates",
+    "vel",
+    "velocity",
+    "speed",
+    "mag",
+    "magn",
+    "magnetometer",
+    "magnetic",
+    "ang",
+    "angle",
+    "angles",
+    "euler",
+    "rot",
+    "rotation",
+    "rotvec",
+    "orientation",
+    "quat",
+    "quaternion",
+    "attitude",
+    "force",
+    "torque",
+    "moment",
+    "gravity",
+    "jerk",
+    "residual",
+    "error",
+    "err",
+    "std",
+    "sigma",
+    "var",
+    "covariance",
+    "normal",
+    "axis",
+    "strain",
+];
+/// Words that a body's name may have for its position, and for its orientation.
+const ASIDE: [&str; 14] = [
+    "pos",
+    "position",
+    "trans",
+    "translation",
+    "loc",
+    "location",
+    "quat",
+    "quaternion",
+    "q",
+    "rot",
+    "rotation",
+    "orientation",
+    "attitude",
+    "pose",
+];
+/// What joins the name of a marker to its axis.
+const JOINTS: [char; 6] = ['_', '.', ':', ' ', '/', '-'];
 
 /// What a column's name says.
 pub(super) fn column(name: &str) -> Column {
-    let lower = name.to_lowercase();
-    let words: Vec<&str> =
-        lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let words = words(name);
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
     match words.as_slice() {
-        ["t" | "time" | "timestamp"] => return Column::Time(1.0, false),
-        ["t" | "time" | "timestamp", unit] => match *unit {
-            "s" | "sec" | "second" | "seconds" => return Column::Time(1.0, true),
-            "ms" | "millisecond" | "milliseconds" => return Column::Time(1e-3, true),
-            "us" | "µs" | "microsecond" | "microseconds" => return Column::Time(1e-6, true),
-            "min" | "minute" | "minutes" => return Column::Time(60.0, true),
-            _ => {}
-        },
-        ["frame"] | ["frame", "number"] => return Column::Frame,
+        ["elapsed", "time"] | ["t" | "time" | "timestamp"] => return Column::Time(1.0, false),
+        ["elapsed", "time", unit] | ["t" | "time" | "timestamp", unit] | [unit] if second(unit).is_some() => {
+            // A single letter may be anything: an arc length, a mass.
+            if words.len() > 1 || unit.len() > 1 {
+                return Column::Time(second(unit).expect("it is one"), true);
+            }
+        }
+        ["frame" | "coords" | "bodyparts"] | ["frame", "number" | "idx" | "index" | "no" | "nr"] => {
+            return Column::Frame;
+        }
         _ => {}
     }
-    if let Some((body, part)) = name.rsplit_once('_')
-        && let Some(part) = ["qw", "qx", "qy", "qz"].iter().position(|q| part.eq_ignore_ascii_case(q))
-    {
-        return Column::Orientation { body: body.to_owned(), part };
+    let (stem, last) = name.rsplit_once(JOINTS).unwrap_or(("", name));
+    let body = || if stem.is_empty() { "point".to_owned() } else { stem.to_owned() };
+    match last.to_lowercase().as_str() {
+        "w" => return Column::W { body: body() },
+        "likelihood" | "confidence" | "score" => return Column::Likelihood { marker: body() },
+        last => {
+            if let Some(part) = ["qw", "qx", "qy", "qz"].iter().position(|q| *q == last) {
+                return Column::Orientation { body: body(), part };
+            }
+        }
     }
     position(name).unwrap_or(Column::Other)
+}
+
+/// The length of a unit of time, s.
+fn second(unit: &str) -> Option<f64> {
+    match unit {
+        "s" | "sec" | "secs" | "second" | "seconds" => Some(1.0),
+        "ms" | "msec" | "millis" | "millisecond" | "milliseconds" => Some(1e-3),
+        "us" | "µs" | "microsecond" | "microseconds" => Some(1e-6),
+        "min" | "minute" | "minutes" => Some(60.0),
+        _ => None,
+    }
+}
+
+/// The words of a name, in small letters: `FreeAcc_X` is of three.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut was_small = false;
+    for letter in name.chars() {
+        if !letter.is_alphanumeric() || was_small && letter.is_uppercase() {
+            words.push(String::new());
+        }
+        was_small = letter.is_lowercase();
+        if letter.is_alphanumeric() {
+            words.last_mut().expect("there is one").extend(letter.to_lowercase());
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// What a body is called, without the words for its position or orientation.
+pub(super) fn body(name: &str) -> String {
+    let words = words(name);
+    let kept = words.into_iter().filter(|word| word != "point" && !ASIDE.contains(&word.as_str()));
+    kept.collect::<Vec<_>>().join(" ")
 }
 
 fn position(name: &str) -> Option<Column> {
@@ -59,7 +170,7 @@ fn position(name: &str) -> Option<Column> {
             let (stem, unit) = rest.rsplit_once(['(', '['])?;
             (stem.trim_end_matches([' ', '_']), Some(Length::named(unit)?))
         }
-        None => match name.rsplit_once('_').map(|(stem, unit)| (stem, Length::named(unit))) {
+        None => match name.rsplit_once(['_', ' ']).map(|(stem, unit)| (stem, Length::named(unit))) {
             Some((stem, Some(unit))) => (stem, Some(unit)),
             _ => (name, None),
         },
@@ -68,10 +179,12 @@ fn position(name: &str) -> Option<Column> {
     if let Some(axis) = axis(stem) {
         return Some(Column::Position { marker: "point".to_owned(), axis, unit });
     }
-    if let Some((marker, last)) = stem.rsplit_once(['_', '.', ':', ' '])
+    if let Some((marker, last)) = stem.rsplit_once(JOINTS)
         && let Some(axis) = axis(last)
     {
-        return Some(Column::Position { marker: marker.to_owned(), axis, unit });
+        let is_other = || words(marker).iter().any(|word| QUANTITIES.contains(&word.as_str()));
+        let marker = marker.trim_end_matches([' ', '-', '/']).to_owned();
+        return (unit.is_some() || !is_other()).then_some(Column::Position { marker, axis, unit });
     }
     let (first, node) = stem.split_once('_')?;
     let is_number = !node.is_empty() && node.bytes().all(|byte| byte.is_ascii_digit());
@@ -103,6 +216,20 @@ mod tests {
             ("kinetic_J", Column::Other),
             ("body_angle_rad", Column::Other),
             ("", Column::Other),
+            ("sec", Column::Time(1.0, true)),
+            ("time_stamp", Column::Other),
+            ("frame_idx", Column::Frame),
+            ("s", Column::Other),
+            ("qw", Column::Orientation { body: "point".to_owned(), part: 0 }),
+            ("pose.orientation.w", Column::W { body: "pose.orientation".to_owned() }),
+            ("tip_likelihood", Column::Likelihood { marker: "tip".to_owned() }),
+            ("FreeAcc_X", Column::Other),
+            ("gyr_z", Column::Other),
+            ("linear_acceleration.y", Column::Other),
+            ("Angle X (deg)", Column::Other),
+            ("force_x_mm", at("force", 0, Some(Length::Millimetre))),
+            ("x_px", at("point", 0, Some(Length::Pixel))),
+            ("Tip 1 - X (cm)", at("Tip 1", 0, Some(Length::Centimetre))),
         ] {
             assert_eq!(column(name), expected, "{name}");
         }

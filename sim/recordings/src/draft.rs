@@ -10,17 +10,19 @@ use super::error::RecordingProblem;
 use super::format::Format;
 use super::length::{Length, TOO_FAR, UnknownUnit};
 use super::names::distinct;
-use super::quality;
-use super::{Marker, Recording};
+use super::{Marker, Recording, lost, quality, repeats};
 
 /// What the person knows better than the file.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Unit of the positions, whatever the file states.
     pub unit: Option<Length>,
     /// Samples a second, whatever the file states. Times then come from frame numbers or, where
     /// there are none, from counting.
     pub rate_hz: Option<f64>,
+    /// What the columns of a table hold, as its line of names would say it: for one without such a line, or with a
+    /// wrong one. `-` is a column that is passed over.
+    pub columns: Option<Vec<String>>,
 }
 
 /// A file's numbers in its own units.
@@ -33,6 +35,8 @@ pub(super) struct Draft {
     pub frames: Vec<f64>,
     /// Time of each sample, s; empty if the file has none.
     pub times: Vec<f64>,
+    /// The first thing that is wrong with frames, times or rate; it does not matter if the person states a rate.
+    pub wrong_clock: Option<RecordingProblem>,
     /// Where each sample stands, for messages.
     pub places: Vec<u64>,
     /// What `places` count: lines, rows.
@@ -51,6 +55,10 @@ pub(super) enum Unit {
     Assumed(Length, &'static str),
     /// Not stated, and the format has none; with what is silent.
     Silent(String),
+    /// No unit of length.
+    Wrong(UnknownUnit),
+    /// Different ones, with the columns that state them.
+    Mixed([(String, Length); 2]),
 }
 
 /// Extents beyond which a unit is doubtful, m.
@@ -59,12 +67,14 @@ const DOUBTFUL_EXTENT: (f64, f64) = (1e-3, 30.0);
 impl Draft {
     pub(super) fn new(format: Format, unit: Unit, place: &'static str) -> Self {
         let (frames, times, places) = Default::default();
-        Self { format, unit, rate: None, frames, times, places, place, markers: vec![], findings: vec![] }
+        let (markers, findings, wrong_clock) = Default::default();
+        Self { format, unit, rate: None, frames, times, wrong_clock, places, place, markers, findings }
     }
 
     /// Makes the recording.
     pub(super) fn finish(self, source: &Path, options: &ReadOptions) -> Result<Recording, RecordingProblem> {
-        let Draft { format, unit, mut rate, frames, times, places, place, mut markers, findings: met } = self;
+        let Draft { format, unit, mut rate, places, place, mut markers, findings: met, .. } = self;
+        let (mut frames, times) = (self.frames, self.times);
         if places.len() < 2 {
             return Err(RecordingProblem::OneSample);
         }
@@ -78,10 +88,24 @@ impl Draft {
             rate = None;
         }
         let place = |sample: usize| format!("{place} {}", places[sample]);
+        match self.wrong_clock {
+            Some(problem) if options.rate_hz.is_none() => return Err(problem),
+            Some(problem) => findings.push(format!("the file's own clock is set aside: {problem}")),
+            None => {}
+        }
+        if options.rate_hz.is_some() && !clock::ascends(&frames) {
+            findings.push("frame numbers do not ascend; samples are counted instead".to_owned());
+            frames.clear();
+        }
         let stated = clock::Stated { frames: &frames, times: &times, rate, samples: places.len() };
-        let Clock { rate_hz, time } = stated.clock(options.rate_hz, &place, &mut findings)?;
+        let Clock { mut rate_hz, mut time } = stated.clock(options.rate_hz, &place, &mut findings)?;
         findings.extend(met);
 
+        findings.extend(lost::mask_zeros(&mut markers));
+        if let Some(fresh) = repeats::find(&markers, &mut findings) {
+            findings.push(repeats::leave_out(&fresh, &mut time, &mut markers));
+            rate_hz = clock::rate_of(&time);
+        }
         if markers.iter().all(|marker| marker.position.iter().all(Option::is_none)) {
             return Err(RecordingProblem::AllLost { markers: markers.len(), samples: time.len() });
         }
@@ -96,14 +120,13 @@ impl Draft {
         if extent > DOUBTFUL_EXTENT.1 {
             let doubt = match unit {
                 Length::Metre => TOO_FAR.to_owned(),
-                unit => format!("is the unit {} right?", unit.symbol()),
+                unit => format!("is the unit {unit} right?"),
             };
             findings.push(format!("a marker moves by {} m along an axis: {doubt}", clock::plain(extent)));
         }
         if extent < DOUBTFUL_EXTENT.0 {
             findings.push(format!(
-                "no marker moves by more than {extent:.3e} m along any axis: is the unit {} right?",
-                unit.symbol()
+                "no marker moves by more than {extent:.3e} m along any axis: is the unit {unit} right?"
             ));
         }
         // They quote the file.
@@ -124,27 +147,38 @@ fn name_visibly(markers: &mut [Marker], findings: &mut Vec<String>) {
 
 impl Unit {
     /// As a file states it: its word, if there is one, and where that stands; else `silent`.
-    pub(super) fn stated(word: Option<&str>, place: &str, silent: Unit) -> Result<Unit, RecordingProblem> {
-        let Some(word) = word.filter(|word| !word.is_empty()) else { return Ok(silent) };
-        let unknown = || UnknownUnit { place: place.to_owned(), value: short(word) };
-        let length = Length::named(word).ok_or_else(unknown)?;
-        Ok(Unit::Stated(length, place.to_owned()))
+    pub(super) fn stated(word: Option<&str>, place: &str, silent: Unit) -> Unit {
+        let Some(word) = word.filter(|word| !word.is_empty()) else { return silent };
+        match (Length::named(word), Length::cut_off(word)) {
+            (Some(length), _) => Unit::Stated(length, place.to_owned()),
+            (None, Some(length)) => Unit::Stated(length, format!("{place}, `{}`, cut off,", short(word))),
+            (None, None) => Unit::Wrong(UnknownUnit { place: place.to_owned(), value: short(word) }),
+        }
     }
 
     fn settle(self, wanted: Option<Length>, findings: &mut Vec<String>) -> Result<Length, RecordingProblem> {
         let (length, finding) = match (wanted, self) {
             (None, Unit::Silent(place)) => return Err(RecordingProblem::NoUnit { place }),
-            (None, Unit::Stated(length, place)) => {
-                (length, format!("{}, as {place} states", length.symbol()))
+            (None, Unit::Stated(Length::Pixel, place)) => return Err(RecordingProblem::Pixels { place }),
+            (None, Unit::Wrong(unknown)) => return Err(unknown.into()),
+            (None, Unit::Mixed([(first, one), (other, two)])) => {
+                return Err(RecordingProblem::MixedUnits { first, other, units: [one, two] });
             }
+            (None, Unit::Stated(length, place)) => (length, format!("{length}, as {place} states")),
             (None, Unit::Assumed(length, why)) => {
-                (length, format!("{} is assumed, for the file states none: {why}", length.symbol()))
+                (length, format!("{length} is assumed, for the file states none: {why}"))
             }
             (Some(wanted), Unit::Stated(length, place)) if wanted != length => {
-                let stated = length.symbol();
-                (wanted, format!("{}, as requested, though {place} states {stated}", wanted.symbol()))
+                (wanted, format!("{wanted}, as requested, though {place} states {length}"))
             }
-            (Some(wanted), _) => (wanted, format!("{}, as requested", wanted.symbol())),
+            (Some(wanted), Unit::Wrong(unknown)) => (
+                wanted,
+                format!("{wanted}, as requested, though {} states `{}`", unknown.place, unknown.value),
+            ),
+            (Some(wanted), Unit::Mixed([(first, one), (other, two)])) => {
+                (wanted, format!("{wanted}, as requested, though {first} is in {one} and {other} in {two}"))
+            }
+            (Some(wanted), _) => (wanted, format!("{wanted}, as requested")),
         };
         findings.push(format!("unit: {finding}"));
         Ok(length)

@@ -62,7 +62,7 @@ pub enum RecordingProblem {
     /// Text that begins as none of the formats does.
     #[error(
         "is in no known format: line {line} is `{text}`; known are {known}; \
-         a table needs a first line of names, such as t_s,tip_x_m,tip_y_m,tip_z_m"
+         a table needs a line of names, such as t_s,tip_x_m,tip_y_m,tip_z_m, or --columns t_s,x_mm,z_mm"
     )]
     UnknownFormat {
         /// First line that is not blank.
@@ -109,7 +109,10 @@ pub enum RecordingProblem {
     #[error("has one sample; at least 2 are needed; export a longer piece")]
     OneSample,
     /// No column names a position.
-    #[error("names no marker; expected columns such as tip_x_m, tip_y_m, tip_z_m, met {met}")]
+    #[error(
+        "names no marker; expected columns such as tip_x_m, tip_y_m, tip_z_m (accelerations, rates and angles are no \
+         positions), met {met}"
+    )]
     NoMarkers {
         /// Columns met.
         met: String,
@@ -156,6 +159,12 @@ pub enum RecordingProblem {
     /// A unit that is none of length.
     #[error(transparent)]
     UnknownUnit(#[from] UnknownUnit),
+    /// Positions in a picture.
+    #[error("positions are in pixels ({place}); say how long one is, such as --unit '0.42 mm'")]
+    Pixels {
+        /// What states it.
+        place: String,
+    },
     /// No unit, in a format that has no fixed one.
     #[error("{place} states no unit of length; name it, such as tip_x_mm, or say --unit mm")]
     NoUnit {
@@ -185,6 +194,33 @@ pub enum RecordingProblem {
         /// What stands there.
         value: String,
     },
+    /// A row that is not as long as the header.
+    #[error(
+        "line {line} has {cells} cells, and line {header} names {names} columns; give each column a name and each \
+         name a cell, and put semicolons or tabs between cells where commas are decimal signs"
+    )]
+    Cells {
+        /// Its line.
+        line: u64,
+        /// Its cells.
+        cells: usize,
+        /// Line of the names.
+        header: u64,
+        /// Columns that it names.
+        names: usize,
+    },
+    /// Columns that the person names, and no such number of them.
+    #[error(
+        "line {line} has {cells} cells, and --columns names {names}; name each, with `-` for one to pass over"
+    )]
+    Columns {
+        /// Its line.
+        line: u64,
+        /// Its cells.
+        cells: usize,
+        /// Columns that are named.
+        names: usize,
+    },
     /// Decimal points and decimal commas.
     #[error(
         "mixes decimal signs: `{point}` in line {point_line}, `{comma}` in line {comma_line}; \
@@ -213,7 +249,8 @@ pub enum RecordingProblem {
     },
     /// Time does not go on.
     #[error(
-        "{place}: {what} is {} after {}: it must ascend; sort the samples, or leave out the repeated ones",
+        "{place}: {what} is {} after {}: it must ascend; sort the samples, or leave out the repeated ones, \
+         or say --rate to count them",
         number(*after), number(*before)
     )]
     Order {

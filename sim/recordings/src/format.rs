@@ -3,8 +3,8 @@
 use std::fmt;
 
 use super::cells::Rows;
-use super::column::is_header;
 use super::error::RecordingProblem;
+use super::tidy;
 
 /// Who wrote a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -73,26 +73,31 @@ pub(super) const NEXUS_SECTIONS: [&str; 6] =
     ["Trajectories", "Model Outputs", "Devices", "Segments", "Joints", "Events"];
 
 /// The format of a text, told from the first cells of its first rows.
-pub(super) fn of_text(rows: &mut Rows) -> Result<Format, RecordingProblem> {
+pub(super) fn of_text(text: &str) -> Result<Format, RecordingProblem> {
+    let rows = &mut Rows::new(text);
     let mut first = None;
     let mut looked_at = 0;
     while looked_at < HEAD && rows.read_filled()? {
         looked_at += 1;
         let cell = rows.cell(0);
-        match cell {
+        // Programs put blanks or tabs after it.
+        match cell.split_whitespace().next().unwrap_or_default() {
             "PathFileType" => return Ok(Format::Trc),
-            "Format Version" => return Ok(Format::Motive),
             "TRAJECTORIES" => return Ok(Format::ViconLegacy),
+            _ if cell == "Format Version" => return Ok(Format::Motive),
             _ if cell.starts_with("NO_OF_") => return Ok(Format::Qualisys),
             _ if looked_at == 1 && NEXUS_SECTIONS.contains(&cell) => return Ok(Format::ViconNexus),
             _ => {}
         }
-        if !cell.starts_with('#') && first.is_none() {
-            if is_header(rows) {
-                return Ok(Format::Tidy);
-            }
+        if first.is_none() && !cell.starts_with('#') {
             first = Some((rows.line(), rows.start()));
         }
+        if rows.is_data() {
+            break;
+        }
+    }
+    if tidy::is_table(&mut Rows::new(text))? {
+        return Ok(Format::Tidy);
     }
     match first {
         None => Err(RecordingProblem::Empty),

@@ -1,7 +1,7 @@
 //! What a header says about the rows below it, and the reading of those rows: the same for all text.
 
 use super::Marker;
-use super::cells::{NotANumber, Numbers, Rows, short};
+use super::cells::{NotANumber, Numbers, Rows, in_header, short};
 use super::draft::{Draft, Unit};
 use super::error::RecordingProblem;
 use super::format::Format;
@@ -10,9 +10,13 @@ use super::length::Length;
 /// Where things stand in each row below a header. Columns count from 0.
 pub(super) struct Layout {
     pub format: Format,
+    /// Columns that the header names, beyond which no cell may be filled; nothing where that is not known.
+    pub width: Option<usize>,
     pub unit: Unit,
     /// Samples a second, if stated.
     pub rate: Option<f64>,
+    /// What is wrong with the clock, which matters unless the person states a rate.
+    pub wrong_clock: Option<RecordingProblem>,
     /// Column of frame numbers.
     pub frame: Option<usize>,
     /// Column of times, and the length of their unit, s.
@@ -20,6 +24,8 @@ pub(super) struct Layout {
     pub points: Vec<Columns>,
     /// Whether the format writes three zeros for a lost point.
     pub zero_is_lost: bool,
+    /// Whether z counts downwards, as the rows of a picture do.
+    pub is_picture: bool,
     /// Whether another section may follow below the rows.
     pub sections: bool,
     /// Samples that the header states.
@@ -35,7 +41,12 @@ pub(super) struct Columns {
     pub position: [Option<usize>; 3],
     /// w, x, y, z.
     pub orientation: Option<[usize; 4]>,
+    /// How likely the place is right, from 0 to 1, as programs state it that find points in pictures.
+    pub likelihood: Option<usize>,
 }
+
+/// Likelihood below which a place counts as lost; DeepLabCut plots nothing below it.
+const LEAST_LIKELY: f64 = 0.6;
 
 /// What is counted while rows are read.
 #[derive(Default)]
@@ -45,16 +56,42 @@ struct Tally {
     short: usize,
     first_short: u64,
     off_unit: usize,
+    unlikely: usize,
 }
 
 impl Layout {
+    /// A layout of points, with nothing more known.
+    pub(super) fn new(format: Format, unit: Unit, points: Vec<Columns>, findings: Vec<String>) -> Self {
+        Self {
+            format,
+            width: None,
+            unit,
+            rate: None,
+            wrong_clock: None,
+            frame: None,
+            time: None,
+            points,
+            zero_is_lost: false,
+            is_picture: false,
+            sections: false,
+            samples: None,
+            findings,
+        }
+    }
+
     /// Reads all rows that follow.
-    pub(super) fn read(self, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
+    pub(super) fn read(mut self, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         let header_line = rows.line();
+        self.read_from(header_line, rows)
+    }
+
+    /// The same, with the line of the header.
+    pub(super) fn read_from(&mut self, header_line: u64, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         let mut numbers = Numbers::default();
         let mut tally = Tally::default();
         let mut draft = Draft::new(self.format, self.unit.clone(), "line");
         draft.rate = self.rate;
+        draft.wrong_clock = self.wrong_clock.take();
         draft.findings = self.findings.clone();
         draft.markers = self.points.iter().map(Columns::marker).collect();
         let width = 1 + self.columns().max().unwrap_or(0);
@@ -63,6 +100,10 @@ impl Layout {
             if let Some(title) = rows.title().filter(|_| self.sections) {
                 draft.findings.push(format!("section `{title}` from line {line} on was passed over"));
                 break;
+            }
+            let (cells, names) = (rows.filled(), self.width.unwrap_or(usize::MAX));
+            if cells > names || rows.is_strict && cells < names {
+                return Err(RecordingProblem::Cells { line, cells, header: header_line, names });
             }
             if rows.width() < width {
                 tally.short += 1;
@@ -114,7 +155,8 @@ impl Layout {
                 let at = |column: Option<usize>| column.map_or(Some(0.0), |column| columns[column][row]);
                 let [x, y, z] = point.position;
                 let position = (|| Some([at(x)?, at(y)?, at(z)?]))();
-                marker.position.push(position);
+                let likely = point.likelihood.and_then(|column| columns[column][row]);
+                marker.position.push(self.place(position, likely));
                 if let (Some([w, x, y, z]), Some(orientation)) = (point.orientation, &mut marker.orientation)
                 {
                     let q =
@@ -134,6 +176,24 @@ impl Layout {
         draft: &mut Draft,
         tally: &mut Tally,
     ) -> Result<(), RecordingProblem> {
+        draft.places.push(line);
+        if let Some(column) = self.frame {
+            let frame = numbers.read(rows.cell(column), line).ok().flatten();
+            let frame = frame.filter(|frame| frame.abs() < 1e15 && frame.fract() == 0.0);
+            let wrong = || wrong_clock(rows, line, column, "frame");
+            draft.frames.push(frame.unwrap_or_else(|| {
+                draft.wrong_clock.get_or_insert_with(wrong);
+                f64::NAN
+            }));
+        }
+        if let Some((column, second)) = self.time {
+            let time = second_of(rows.cell(column), second, numbers, line);
+            let wrong = || wrong_clock(rows, line, column, "time");
+            draft.times.push(time.unwrap_or_else(|| {
+                draft.wrong_clock.get_or_insert_with(wrong);
+                f64::NAN
+            }));
+        }
         let mut number = |column: usize, name: &dyn Fn() -> String| {
             let cell = rows.cell(column);
             let wrong = |NotANumber| RecordingProblem::NotANumber {
@@ -144,16 +204,6 @@ impl Layout {
             };
             numbers.read(cell, line).map_err(wrong)
         };
-        draft.places.push(line);
-        if let Some(column) = self.frame {
-            let name = || "frame".to_owned();
-            let frame = number(column, &name)?.filter(|frame| frame.abs() < 1e15 && frame.fract() == 0.0);
-            draft.frames.push(frame.ok_or_else(|| wrong_clock(rows, line, column, "frame"))?);
-        }
-        if let Some((column, second)) = self.time {
-            let time = number(column, &|| "time".to_owned())?;
-            draft.times.push(second * time.ok_or_else(|| wrong_clock(rows, line, column, "time"))?);
-        }
         for (columns, marker) in self.points.iter().zip(&mut draft.markers) {
             let mut position = [0.0; 3];
             let (mut there, mut wanted) = (0, 0);
@@ -170,7 +220,14 @@ impl Layout {
             let is_zero = self.zero_is_lost && there == wanted && position == [0.0; 3];
             tally.zero += usize::from(is_zero);
             tally.partial += usize::from(there > 0 && there < wanted);
-            marker.position.push((there == wanted && !is_zero).then_some(position));
+            let seen = (there == wanted && !is_zero).then_some(position);
+            let likely = match columns.likelihood {
+                Some(column) => number(column, &|| format!("{} likelihood", columns.name))?,
+                None => None,
+            };
+            let place = self.place(seen, likely);
+            tally.unlikely += usize::from(seen.is_some() && place.is_none());
+            marker.position.push(place);
             if let (Some(columns_of_q), Some(orientation)) = (columns.orientation, &mut marker.orientation) {
                 let mut q = [0.0; 4];
                 let mut there = 0;
@@ -188,11 +245,17 @@ impl Layout {
         Ok(())
     }
 
+    /// A place as it is kept: with z upwards, and nothing where it is unlikely.
+    fn place(&self, seen: Option<[f64; 3]>, likely: Option<f64>) -> Option<[f64; 3]> {
+        let [x, y, z] = seen.filter(|_| likely.is_none_or(|likely| likely >= LEAST_LIKELY))?;
+        Some([x, y, if self.is_picture { -z } else { z }])
+    }
+
     /// All columns that are read.
     pub(super) fn columns(&self) -> impl Iterator<Item = usize> {
         let points = self.points.iter().flat_map(|point| {
             let orientation = point.orientation.into_iter().flatten();
-            point.position.into_iter().flatten().chain(orientation)
+            point.position.into_iter().flatten().chain(orientation).chain(point.likelihood)
         });
         points.chain(self.frame).chain(self.time.map(|time| time.0))
     }
@@ -227,6 +290,10 @@ impl Layout {
                 "quaternions are no rotations (their norm is not 1 within a tenth); they count as lost"
                     .to_owned(),
             ),
+            (
+                tally.unlikely,
+                format!("times a place had a likelihood below {LEAST_LIKELY}; it counts as lost"),
+            ),
         ];
         let met = counted.into_iter().filter(|(count, _)| *count > 0);
         findings.extend(met.map(|(count, what)| format!("{count} {what}")));
@@ -234,9 +301,9 @@ impl Layout {
 }
 
 impl Columns {
-    /// A marker whose x stands in a column, with y and z after it.
-    pub(super) fn from_x((name, x): (String, usize)) -> Self {
-        Self { name, position: [x, x + 1, x + 2].map(Some), orientation: None }
+    /// A marker whose x, y and z stand in columns.
+    pub(super) fn at((name, position): (String, [usize; 3])) -> Self {
+        Self { name, position: position.map(Some), orientation: None, likelihood: None }
     }
 
     /// The marker, still without samples.
@@ -257,21 +324,35 @@ fn wrong_clock(rows: &Rows, line: u64, column: usize, name: &str) -> RecordingPr
     RecordingProblem::NotANumber { line, column: column + 1, name: name.to_owned(), value }
 }
 
-/// The one unit of positions whose columns state their own.
-pub(super) fn one_unit<'a>(
-    stated: impl IntoIterator<Item = (&'a str, Length)>,
-    place: &str,
-) -> Result<Option<Unit>, RecordingProblem> {
+/// A time, s: a number of a unit, or hours, minutes and seconds between colons, with hundredths after a third one as
+/// Kinovea writes them; a date before it is passed over.
+fn second_of(cell: &str, second: f64, numbers: &mut Numbers, line: u64) -> Option<f64> {
+    if !cell.contains(':') {
+        return Some(second * numbers.read(cell, line).ok().flatten()?);
+    }
+    let clock = cell.rsplit([' ', 'T']).next()?;
+    let parts = clock.split(':').map(in_header).collect::<Option<Vec<f64>>>()?;
+    match parts[..] {
+        [minutes, seconds] => Some(60.0 * minutes + seconds),
+        [hours, minutes, seconds] => Some(3600.0 * hours + 60.0 * minutes + seconds),
+        [hours, minutes, seconds, hundredths] => {
+            Some(3600.0 * hours + 60.0 * minutes + seconds + 0.01 * hundredths)
+        }
+        _ => None,
+    }
+}
+
+/// The one unit of positions whose columns state their own; nothing if none does.
+pub(super) fn one_unit<'a>(stated: impl IntoIterator<Item = (&'a str, Length)>, place: &str) -> Option<Unit> {
     let mut first: Option<(&str, Length)> = None;
     for (name, unit) in stated {
         match first {
             None => first = Some((name, unit)),
             Some((before, length)) if length != unit => {
-                let (first, other) = (before.to_owned(), name.to_owned());
-                return Err(RecordingProblem::MixedUnits { first, other, units: [length, unit] });
+                return Some(Unit::Mixed([(before.to_owned(), length), (name.to_owned(), unit)]));
             }
             Some(_) => {}
         }
     }
-    Ok(first.map(|(_, length)| Unit::Stated(length, place.to_owned())))
+    first.map(|(_, length)| Unit::Stated(length, place.to_owned()))
 }

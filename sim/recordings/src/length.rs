@@ -1,9 +1,10 @@
 //! Units of length in which recordings give positions.
 
+use std::fmt;
 use std::str::FromStr;
 
 /// A unit of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Length {
     /// m
     Metre,
@@ -17,6 +18,10 @@ pub enum Length {
     Inch,
     /// ft
     Foot,
+    /// One of a picture's pixels, whose length no file states.
+    Pixel,
+    /// So many metres, such as `0.42 mm` to a pixel.
+    Of(f64),
 }
 
 /// Each with its symbol, its length in metres, and what else files call it.
@@ -29,15 +34,24 @@ const LENGTHS: [(Length, &str, f64, &[&str]); 6] = [
     (Length::Foot, "ft", 0.3048, &["foot", "feet"]),
 ];
 
+/// What files call a pixel.
+const PIXELS: [&str; 4] = ["px", "pix", "pixel", "pixels"];
+/// Letters that a unit which a file cut off must have left.
+const LEAST_LETTERS: usize = 3;
+
 /// What is said of a length in millimetres that was taken for metres.
 pub const TOO_FAR: &str = "1000 times too far: is the unit mm?";
 /// How far a length may be off a thousand times another one, as a factor, for its unit to be doubted.
 const DOUBT: f64 = 2.5;
 
 impl Length {
-    /// Its length, m.
+    /// Its length, m; of a pixel no number.
     pub fn metres(self) -> f64 {
-        self.row().2
+        match self {
+            Length::Pixel => f64::NAN,
+            Length::Of(metres) => metres,
+            named => named.row().2,
+        }
     }
 
     /// What a length that is seen says of its unit, where another one would make it about the length that is due:
@@ -62,8 +76,12 @@ impl Length {
     }
 
     /// Its symbol, such as `mm`.
-    pub fn symbol(self) -> &'static str {
-        self.row().1
+    pub fn symbol(self) -> String {
+        match self {
+            Length::Pixel => "px".to_owned(),
+            Length::Of(metres) => format!("{} mm", 1e3 * metres),
+            named => named.row().1.to_owned(),
+        }
     }
 
     /// All units by their symbols.
@@ -79,8 +97,19 @@ impl Length {
     /// The unit of a symbol or name, in any case.
     pub(super) fn named(word: &str) -> Option<Self> {
         let word = word.trim().to_lowercase();
+        if PIXELS.contains(&word.as_str()) {
+            return Some(Length::Pixel);
+        }
         let row = LENGTHS.iter().find(|row| row.1 == word || row.3.contains(&word.as_str()));
         row.map(|row| row.0)
+    }
+
+    /// The unit whose name begins with a word that a file cut off, such as `mete`.
+    pub(super) fn cut_off(word: &str) -> Option<Self> {
+        let word = word.trim().to_lowercase();
+        let begins = |name: &&str| name.starts_with(&word);
+        let row = LENGTHS.iter().find(|row| row.3.iter().any(|name| begins(&name)));
+        row.filter(|_| word.chars().count() >= LEAST_LETTERS).map(|row| row.0)
     }
 
     fn row(self) -> &'static (Length, &'static str, f64, &'static [&'static str]) {
@@ -90,7 +119,10 @@ impl Length {
 
 /// A unit that is none of length.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{place}: `{value}` is no unit of length; it must be one of {}", Length::symbols())]
+#[error(
+    "{place}: `{value}` is no unit of length; it must be one of {}, or a length such as `0.42 mm` to a pixel",
+    Length::symbols()
+)]
 pub struct UnknownUnit {
     /// Where it stands.
     pub place: String,
@@ -103,7 +135,22 @@ impl FromStr for Length {
 
     fn from_str(word: &str) -> Result<Self, UnknownUnit> {
         let unknown = || UnknownUnit { place: "unit".to_owned(), value: word.to_owned() };
-        Length::named(word).ok_or_else(unknown)
+        let is_length = |length: &Length| *length != Length::Pixel;
+        if let Some(length) = Length::named(word).filter(is_length) {
+            return Ok(length);
+        }
+        let word = word.trim();
+        let end = word.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(0, |at| at + 1);
+        let (number, unit) = word.split_at(end);
+        let unit = Length::named(unit).filter(is_length).ok_or_else(unknown)?;
+        let metres = number.parse().map(|number| unit.to_metres(number)).map_err(|_| unknown())?;
+        if metres > 0.0 && metres.is_finite() { Ok(Length::Of(metres)) } else { Err(unknown()) }
+    }
+}
+
+impl fmt::Display for Length {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.symbol())
     }
 }
 
@@ -125,7 +172,16 @@ mod tests {
         assert_eq!(Length::Foot.to_metres(2.0), 2.0 * 0.3048);
         assert_eq!(
             "furlong".parse::<Length>().unwrap_err().to_string(),
-            "unit: `furlong` is no unit of length; it must be one of m, cm, mm, um, in, ft"
+            "unit: `furlong` is no unit of length; it must be one of m, cm, mm, um, in, ft, or a length such as `0.42 mm` to a \
+             pixel"
+        );
+        assert_eq!("0.5 mm".parse(), Ok(Length::Of(5e-4)));
+        for none in ["px", "0 mm", "-1 mm", "2", "2 px", "1e999 m"] {
+            assert!(none.parse::<Length>().is_err(), "{none}");
+        }
+        assert_eq!(
+            ["mete", "MILLI", "m", "me"].map(Length::cut_off),
+            [Some(Length::Metre), Some(Length::Millimetre), None, None]
         );
     }
 }

@@ -19,12 +19,14 @@ mod error;
 mod format;
 mod layout;
 mod length;
+mod lost;
 mod motive;
 mod names;
 pub mod noise;
 mod qualisys;
 mod quality;
 mod read;
+mod repeats;
 mod tidy;
 mod trc;
 mod vicon;
@@ -39,7 +41,7 @@ pub use quality::Quality;
 pub use read::{parse, read};
 pub use tidy::table;
 
-/// A recording as it was read: nothing is filtered, filled in or cut.
+/// A recording as it was read: nothing is filtered, filled in or cut, but for samples that only repeat the one before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     /// The file.

@@ -10,7 +10,7 @@
 //! Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,…
 //! 0,0.000000,…
 //! ```
-//! A lost body leaves its cells blank. Source: OptiTrack, Motive documentation, Data Export: CSV.
+//! A lost body leaves its cells blank. Version 1.21 leaves the second column, `Type` to `ID`, blank. Source: OptiTrack, Motive documentation, Data Export: CSV.
 
 use std::collections::HashMap;
 
@@ -35,7 +35,7 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     };
     let number = |key: &str| value(key).and_then(in_header);
     let silent = Unit::Assumed(Length::Metre, "Motive writes metres");
-    let unit = Unit::stated(value("Length Units"), "Length Units in line 1", silent)?;
+    let unit = Unit::stated(value("Length Units"), "Length Units in line 1", silent);
 
     let mut above: Vec<Vec<String>> = Vec::new();
     loop {
@@ -48,7 +48,12 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         }
         above.push(rows.keep());
     }
-    let row = |label: &str| above.iter().find(|row| row.iter().take(2).any(|cell| cell == label));
+    // Version 1.21 has the same rows without their labels.
+    let is_labelled = above.iter().any(|row| row.iter().take(2).any(|cell| !cell.is_empty()));
+    let row = |label: &str| match ["Type", "Name", "ID"].iter().position(|own| *own == label) {
+        Some(at) if !is_labelled => above.get(at).filter(|_| above.len() == 4),
+        _ => above.iter().find(|row| row.iter().take(2).any(|cell| cell == label)),
+    };
     let cell = |label: &str, at: usize| row(label).and_then(|row| row.get(at)).map_or("", String::as_str);
     let kinds = above.last().filter(|row| row.iter().any(|cell| cell == "Position"));
     let Some(kinds) = kinds.filter(|_| row("Name").is_some()) else {
@@ -80,16 +85,12 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     }
     let time = rows.cell(1).to_lowercase().starts_with("time").then_some((1, 1.0));
     Layout {
-        format: Format::Motive,
-        unit,
+        width: Some(rows.width()),
         rate: number("Export Frame Rate").or_else(|| number("Capture Frame Rate")),
         frame: Some(0),
         time,
-        points,
-        zero_is_lost: false,
-        sections: false,
         samples: number("Total Exported Frames"),
-        findings,
+        ..Layout::new(Format::Motive, unit, points, findings)
     }
     .read(rows)
 }
@@ -119,7 +120,7 @@ fn points(bodies: &[Body], findings: &mut Vec<String>) -> Result<Vec<Columns>, R
                 None
             }
         };
-        points.push(Columns { name, position: [x, y, z], orientation });
+        points.push(Columns { name, position: [x, y, z], orientation, likelihood: None });
     }
     if euler > 0 {
         findings.push(format!(

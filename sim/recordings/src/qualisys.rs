@@ -9,7 +9,7 @@ use super::error::RecordingProblem;
 use super::format::Format;
 use super::layout::{Columns, Layout};
 use super::length::Length;
-use super::names::distinct;
+use super::names::{distinct, groups, some};
 
 /// Reads an export of 3D data.
 pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
@@ -52,41 +52,62 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
     }
 
     let mut findings = Vec::new();
-    let (frame, time, first) = match &columns {
+    let (frame, time, groups, width) = match columns {
         Some(columns) => {
             let at = |name: &str| columns.iter().position(|column| column == name);
             let (frame, time) = (at("Frame"), at("Time"));
-            (frame, time, [frame, time].into_iter().flatten().count())
+            // The last word of each name is its axis: other columns, such as residuals, have others.
+            let axes: Vec<String> =
+                columns.iter().map(|name| name.rsplit(' ').next().unwrap_or_default().to_owned()).collect();
+            let groups = groups(&axes);
+            if groups.len() != names.len() {
+                let expected = format!("columns X, Y and Z of each of {} markers", names.len());
+                return Err(RecordingProblem::Header {
+                    line,
+                    expected,
+                    met: format!("{} such groups", groups.len()),
+                });
+            }
+            let is_read =
+                |at: &usize| groups.iter().flatten().chain(&frame).chain(&time).any(|own| own == at);
+            let others = (0..columns.len()).filter(|at| !is_read(at) && !columns[*at].is_empty());
+            let others: Vec<String> = others.map(|at| columns[at].clone()).collect();
+            if !others.is_empty() {
+                findings.push(format!(
+                    "{} columns hold neither time nor position and were passed over: {}",
+                    others.len(),
+                    some(&others)
+                ));
+            }
+            (frame, time, groups, columns.len())
         }
         None => {
-            let filled = rows.cells().collect::<Vec<_>>();
-            let width = filled.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
-            match width as i64 - 3 * names.len() as i64 {
-                0 => (None, None, 0),
-                1 => (Some(0), None, 1),
-                2 => (Some(0), Some(1), 2),
+            let width = rows.filled();
+            let first = match width as i64 - 3 * names.len() as i64 {
+                first @ 0..=2 => first as usize,
                 _ => {
                     let expected = format!("3 numbers for each of {} markers", names.len());
                     return Err(RecordingProblem::Header { line, expected, met: format!("{width} cells") });
                 }
-            }
+            };
+            let groups = (0..names.len()).map(|k| [0, 1, 2].map(|axis| first + 3 * k + axis)).collect();
+            ((first > 0).then_some(0), (first > 1).then_some(1), groups, width)
         }
     };
     if let Some(stated) = number("NO_OF_MARKERS").filter(|stated| *stated != names.len() as f64) {
         findings.push(format!("the header states {stated} markers and names {}", names.len()));
     }
     let names = distinct(names, &mut findings);
+    let points = names.into_iter().zip(groups).map(Columns::at).collect();
+    let unit = Unit::Assumed(Length::Millimetre, "Qualisys Track Manager writes millimetres");
     Layout {
-        format: Format::Qualisys,
-        unit: Unit::Assumed(Length::Millimetre, "Qualisys Track Manager writes millimetres"),
+        width: Some(width),
         rate: number("FREQUENCY"),
         frame,
         time: time.map(|time| (time, 1.0)),
-        points: names.into_iter().zip((first..).step_by(3)).map(Columns::from_x).collect(),
         zero_is_lost: true,
-        sections: false,
         samples: number("NO_OF_FRAMES"),
-        findings,
+        ..Layout::new(Format::Qualisys, unit, points, findings)
     }
     .read(rows)
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use efam_store::memory;
 
-use super::cells::{Rows, decode};
+use super::cells::{Rows, decode, without_blanks};
 use super::draft::{Draft, ReadOptions};
 use super::error::{RecordingError, RecordingProblem};
 use super::format::{self, Format};
@@ -38,8 +38,10 @@ pub fn parse(bytes: Vec<u8>, source: &Path, options: &ReadOptions) -> Result<Rec
         columnar::read(bytes)
     } else if c3d::is_c3d(&bytes) || extension == "c3d" {
         c3d::read(&bytes)
+    } else if let Some(problem) = another(&bytes, &extension) {
+        Err(problem)
     } else {
-        text(bytes)
+        text(bytes, options)
     };
     let recording = draft.and_then(|draft| draft.finish(source, options));
     recording.map_err(|problem| RecordingError { file: source.to_owned(), problem })
@@ -68,19 +70,61 @@ fn admit(bytes: u64, free: Option<u64>) -> Result<(), RecordingProblem> {
     }
 }
 
-fn text(bytes: Vec<u8>) -> Result<Draft, RecordingProblem> {
-    let (text, finding) = decode(bytes)?;
-    let format = format::of_text(&mut Rows::new(&text))?;
+/// What other programs write that is no table, by its first bytes: what it is, and what to save instead.
+const OTHERS: [(&[u8], &str, &str); 8] = [
+    (b"PK\x03\x04", "an archive (zip)", "unpack it, and give the recording itself"),
+    (
+        b"\xd0\xcf\x11\xe0",
+        "a spreadsheet of an old program (.xls)",
+        "save it as CSV from the spreadsheet program",
+    ),
+    (b"\x89HDF", "HDF5", "save it as CSV, as DeepLabCut does beside it"),
+    (b"MATLAB 5.0", "variables of MATLAB", "save them with writetable as CSV, or take Parquet"),
+    (b"\x1f\x8b", "a compressed file (gzip)", "unpack it first"),
+    (b"\x93NUMPY", "an array of numpy", "save it with savetxt, or give it to efam.Recording in Python"),
+    (
+        b"<?xml",
+        "XML",
+        "export a table of t, x and y: a project of Tracker or Kinovea has the points of its picture alone",
+    ),
+    (b"{", "JSON", "save it as a table, such as CSV"),
+];
+
+fn another(bytes: &[u8], extension: &str) -> Option<RecordingProblem> {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let (_, what, remedy) = OTHERS.iter().find(|(first, ..)| start.starts_with(first))?;
+    let is_of = |name: &[u8]| start.starts_with(b"PK") && bytes.windows(name.len()).any(|part| part == name);
+    let (what, remedy) = match extension {
+        "xlsx" | "xlsm" | "ods" => ("a spreadsheet", "save it as CSV from the spreadsheet program"),
+        _ if is_of(b"xl/workbook") => ("a spreadsheet", "save it as CSV from the spreadsheet program"),
+        "trk" | "trz" => {
+            ("a project of Tracker", "in Tracker, export t, x and y by File > Export > Data File")
+        }
+        "kva" => ("a project of Kinovea", "in Kinovea, export its trajectories as a table"),
+        _ => (*what, *remedy),
+    };
+    Some(RecordingProblem::NotRead { what: what.to_owned(), remedy })
+}
+
+fn text(bytes: Vec<u8>, options: &ReadOptions) -> Result<Draft, RecordingProblem> {
+    let (mut text, finding) = decode(bytes)?;
+    let tabs = without_blanks(&text);
+    let is_strict = tabs.is_some();
+    text = tabs.unwrap_or(text);
+    let columns = options.columns.as_deref();
+    let format = if columns.is_some() { Format::Tidy } else { format::of_text(&text)? };
     let rows = &mut Rows::new(&text);
+    rows.is_strict = is_strict;
     let mut draft = match format {
         Format::ViconNexus => vicon::nexus(rows),
         Format::ViconLegacy => vicon::legacy(rows),
         Format::Motive => motive::read(rows),
         Format::Qualisys => qualisys::read(rows),
         Format::Trc => trc::read(rows),
-        _ => tidy::read(rows),
+        _ => tidy::read(rows, columns),
     }?;
     draft.findings.extend(finding);
+    draft.findings.extend(is_strict.then(|| "cells are separated by blanks".to_owned()));
     Ok(draft)
 }
 

@@ -1,30 +1,165 @@
-//! Tidy tables: one line of names, `t_s,tip_x_m,tip_y_m,tip_z_m,…`, then one line a sample.
+//! Tables: one line of names, `t_s,tip_x_m,tip_y_m,tip_z_m,…`, then one line a sample.
 //!
 //! A position is `<marker>_<axis>_<unit>`, or `<marker>_<axis> (<unit>)`; an orientation is
-//! `<body>_qw` to `<body>_qz`; time is `t_s`, `time_s`, `t_ms`, …. The columns `x_07_m`, `z_07_m` of a
-//! run's own trajectory are the marker `node_07`. Other columns are passed over.
+//! `<body>_qw` to `<body>_qz`, or x, y and z beside w; time is `t_s`, `time_s`, `t_ms`, …. The columns `x_07_m`,
+//! `z_07_m` of a run's own trajectory are the marker `node_07`. Other columns are passed over.
+//!
+//! Names may be above the axes, as Tracker, DeepLabCut and spreadsheets have them, and units below:
+//!
+//! ```text
+//! cm_A               #multi:                scorer,DLC,DLC,DLC
+//! t   x   y              tip     mid        bodyparts,tip,tip,tip
+//! 0   1   2          t   x   y   x   y      coords,x,y,likelihood
+//! ```
+//! Source: Tracker 6 Help, on exporting data; DeepLabCut, Standard User Guide, on the analysis of videos.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
 use super::Recording;
 use super::cells::Rows;
-use super::column::{AXES, Column, column};
+use super::column::{AXES, Column, body, column};
 use super::draft::{Draft, ReadOptions, Unit};
 use super::error::{RecordingError, RecordingProblem};
 use super::format::Format;
 use super::layout::{Columns, Layout, one_unit};
+use super::length::Length;
 use super::names::some;
 
-/// Reads a table from its first line.
-pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
-    while rows.read_filled()? {
-        if !rows.cell(0).starts_with('#') {
-            let names = rows.keep();
-            return layout(&names, Format::Tidy)?.read(rows);
+/// Lines above the samples at most.
+const MOST_LINES: usize = 40;
+
+/// Names of columns, from the lines above the samples.
+struct Head {
+    names: Vec<String>,
+    line: u64,
+    findings: Vec<String>,
+}
+
+/// Reads a table from its first line; `columns` are its names in place of those that it has.
+pub(super) fn read(rows: &mut Rows, columns: Option<&[String]>) -> Result<Draft, RecordingProblem> {
+    let (lines, notes) = above(rows)?;
+    let head = match columns {
+        Some(names) => Head { names: names.to_vec(), line: rows.line(), findings: Vec::new() },
+        None => head(lines, notes, rows).ok_or(RecordingProblem::Empty)?,
+    };
+    let mut layout = layout(&head.names, Format::Tidy)?;
+    layout.findings.splice(..0, head.findings);
+    layout.width = Some(head.names.len());
+    let read = layout.read_from(head.line, rows);
+    read.map_err(|problem| match problem {
+        RecordingProblem::Cells { line, cells, names, .. } if columns.is_some() => {
+            RecordingProblem::Columns { line, cells, names }
+        }
+        other => other,
+    })
+}
+
+/// Whether the lines up to the first sample name columns.
+pub(super) fn is_table(rows: &mut Rows) -> Result<bool, RecordingProblem> {
+    let (lines, notes) = above(rows)?;
+    Ok(head(lines, notes, rows).is_some())
+}
+
+type Line = (u64, Vec<String>);
+
+/// The lines above the first sample, which is held: those of words, and those that a `#` begins.
+fn above(rows: &mut Rows) -> Result<(Vec<Line>, Vec<Line>), RecordingProblem> {
+    let (mut lines, mut notes) = (Vec::new(), Vec::new());
+    while lines.len() + notes.len() < MOST_LINES && rows.read_filled()? {
+        let mut cells = rows.keep();
+        if let Some(note) = cells[0].strip_prefix('#') {
+            cells[0] = note.trim().to_owned();
+            // A blank after the sign is a cell of its own where blanks separate cells.
+            if cells[0].is_empty() && cells.len() > 1 {
+                cells.remove(0);
+            }
+            notes.push((rows.line(), cells));
+        } else if rows.is_data() {
+            rows.hold();
+            break;
+        } else {
+            lines.push((rows.line(), cells));
         }
     }
-    Err(RecordingProblem::Empty)
+    Ok((lines, notes))
+}
+
+/// The names that lines above the samples give; nothing if none of them names a time or a position.
+fn head(mut lines: Vec<Line>, notes: Vec<Line>, rows: &Rows) -> Option<Head> {
+    let mut findings = Vec::new();
+    let names_columns = |line: &Line| {
+        line.1.iter().any(|name| matches!(column(name), Column::Time(..) | Column::Position { .. }))
+    };
+    if !lines.iter().any(names_columns) {
+        // Programs that write numbers alone put the names behind a sign of comment.
+        let note =
+            notes.into_iter().rev().find(|line| names_columns(line) && line.1.len() >= rows.filled())?;
+        findings.push(format!("names of columns are taken from line {}, which begins with #", note.0));
+        lines.push(note);
+    }
+    let units = lines.last().filter(|line| lines.len() > 1 && is_of_units(&line.1)).cloned();
+    lines.truncate(lines.len() - usize::from(units.is_some()));
+    let (line, mut names) = lines.pop().filter(names_columns)?;
+    name_by_groups(&mut names, lines, &mut findings);
+    if let Some((_, units)) = units {
+        for (name, unit) in names.iter_mut().zip(units) {
+            let unit = unit.trim_matches(['(', ')', '[', ']']);
+            if !name.is_empty() && !unit.is_empty() {
+                *name = format!("{name} ({unit})");
+            }
+        }
+    }
+    Some(Head { names, line, findings })
+}
+
+/// Whether a line holds units below names.
+fn is_of_units(cells: &[String]) -> bool {
+    let is_length = |cell: &String| Length::named(cell.trim_matches(['(', ')', '[', ']'])).is_some();
+    cells.iter().any(is_length) && !cells.iter().any(|cell| matches!(column(cell), Column::Position { .. }))
+}
+
+/// Puts the names of markers from lines above before axes that have none.
+fn name_by_groups(names: &mut [String], lines: Vec<Line>, findings: &mut Vec<String>) {
+    let is_bare = |name: &String| match column(name) {
+        Column::Position { marker, .. } | Column::Likelihood { marker } => marker == "point",
+        _ => false,
+    };
+    let places: Vec<usize> = (0..names.len()).filter(|at| is_bare(&names[*at])).collect();
+    let mut groups = vec![String::new(); names.len()];
+    let mut passed_over = 0;
+    for (_, cells) in lines {
+        let filled: Vec<usize> = (0..cells.len()).filter(|at| !cells[*at].is_empty()).collect();
+        let above: Vec<usize> = filled.iter().copied().filter(|at| places.contains(at)).collect();
+        // A title that is alone names all; names over axes begin at one and go on to the next.
+        let is_title = filled.len() == 1 && above.is_empty();
+        let first = above.first().map(|at| &cells[*at]);
+        let says_one = above.len() == places.len()
+            && above.iter().all(|at| Some(&cells[*at]) == first)
+            && places.len() > 3;
+        if above.is_empty() && !is_title || says_one {
+            passed_over += 1;
+            continue;
+        }
+        let mut group = if is_title { cells[filled[0]].clone() } else { String::new() };
+        for at in &places {
+            if !is_title && cells.get(*at).is_some_and(|cell| !cell.is_empty()) {
+                group.clone_from(&cells[*at]);
+            }
+            if !group.is_empty() {
+                groups[*at] =
+                    if groups[*at].is_empty() { group.clone() } else { format!("{} {group}", groups[*at]) };
+            }
+        }
+    }
+    for at in places {
+        if !groups[at].is_empty() {
+            names[at] = format!("{}_{}", groups[at], names[at]);
+        }
+    }
+    if passed_over > 0 {
+        findings.push(format!("{passed_over} lines above the names were passed over"));
+    }
 }
 
 /// Columns that a program has in memory, all of one length, by the names that such a table has: numbers, or the type of
@@ -66,17 +201,18 @@ pub fn table(
 
 /// Where things stand, by the names of the columns; those without a name have none.
 pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, RecordingProblem> {
-    let columns: Vec<Column> = names.iter().map(|name| column(name)).collect();
+    let mut columns: Vec<Column> = names.iter().map(|name| column(name)).collect();
+    quaternions(&mut columns);
     let with_unit = columns.iter().zip(names).filter_map(|(column, name)| match column {
         Column::Position { unit: Some(unit), .. } => Some((name.as_str(), *unit)),
         _ => None,
     });
-    let unit = one_unit(with_unit, "the line of names")?;
+    let unit = one_unit(with_unit, "the line of names");
     let is_stated = unit.is_some();
 
     let (mut points, mut index) = (Vec::<Columns>::new(), HashMap::new());
     let (mut time, mut frame, mut passed_over, mut bodies) = (None, None, Vec::new(), Vec::new());
-    let (mut silent, mut findings) = (None, Vec::new());
+    let (mut silent, mut findings, mut likely) = (None, Vec::new(), Vec::new());
     for (at, (column, name)) in columns.into_iter().zip(names).enumerate() {
         match column {
             Column::Time(second, is_stated) if time.is_none() => {
@@ -89,7 +225,12 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Recordi
             Column::Position { marker, axis, unit } if unit.is_some() == is_stated => {
                 silent.get_or_insert_with(|| format!("column `{name}`"));
                 let point = *index.entry(marker.clone()).or_insert_with(|| {
-                    points.push(Columns { name: marker, position: [None; 3], orientation: None });
+                    points.push(Columns {
+                        name: marker,
+                        position: [None; 3],
+                        orientation: None,
+                        likelihood: None,
+                    });
                     points.len() - 1
                 });
                 if let Some(first) = points[point].position[axis].replace(at) {
@@ -98,15 +239,26 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Recordi
                 }
             }
             Column::Orientation { body, part } => bodies.push((body, part, at)),
-            _ if name.is_empty() => {}
+            Column::Likelihood { marker } => likely.push((marker, at)),
+            _ if name.is_empty() || name == "-" => {}
             _ => passed_over.push(name.clone()),
         }
     }
-    orient(&mut points, &index, &bodies, names, &mut passed_over);
+    orient(&mut points, &bodies, names, &mut passed_over);
+    let mut is_picture = false;
+    for (marker, at) in likely {
+        match index.get(&marker) {
+            Some(point) => {
+                points[*point].likelihood = Some(at);
+                is_picture = true;
+            }
+            None => passed_over.push(names[at].clone()),
+        }
+    }
     if points.is_empty() {
         return Err(RecordingProblem::NoMarkers { met: some(names) });
     }
-    flat(&points, &mut findings)?;
+    let is_picture = flat(&mut points, is_picture, &mut findings)?;
     if !passed_over.is_empty() {
         findings.push(format!(
             "{} columns hold neither time nor position and were passed over: {}",
@@ -114,36 +266,51 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Recordi
             some(&passed_over)
         ));
     }
-    let unit = unit.or(silent.map(Unit::Silent)).expect("there are points, with a unit or silent");
-    let (rate, samples) = (None, None);
-    Ok(Layout {
-        format,
-        unit,
-        rate,
-        frame,
-        time,
-        points,
-        zero_is_lost: false,
-        sections: false,
-        samples,
-        findings,
-    })
+    let pixels = || Unit::Stated(Length::Pixel, "places have a likelihood, as in a picture".to_owned());
+    let unit = unit.or_else(|| is_picture.then(pixels)).or(silent.map(Unit::Silent));
+    let unit = unit.expect("there are points, with a unit or silent");
+    Ok(Layout { frame, time, is_picture, ..Layout::new(format, unit, points, findings) })
+}
+
+/// Takes x, y and z beside a w of the same name for a quaternion, unless they are lengths.
+fn quaternions(columns: &mut [Column]) {
+    let bodies: Vec<String> = (columns.iter())
+        .filter_map(|column| match column {
+            Column::W { body } => Some(body.clone()),
+            _ => None,
+        })
+        .collect();
+    for column in columns {
+        let part = match column {
+            Column::W { body } => Some((body.clone(), 0)),
+            Column::Position { marker, axis, unit: None } => Some((marker.clone(), *axis + 1)),
+            _ => None,
+        };
+        if let Some((body, part)) = part.filter(|(own, _)| bodies.contains(own)) {
+            *column = Column::Orientation { body, part };
+        }
+    }
 }
 
 /// Gives bodies their orientations; those without all four parts, or without a position, are passed over.
 fn orient(
     points: &mut [Columns],
-    index: &HashMap<String, usize>,
     bodies: &[(String, usize, usize)],
     names: &[String],
     passed_over: &mut Vec<String>,
 ) {
-    let mut parts = HashMap::<&str, [Option<usize>; 4]>::new();
+    let mut parts = BTreeMap::<&str, [Option<usize>; 4]>::new();
     for (body, part, at) in bodies {
         parts.entry(body).or_default()[*part] = Some(*at);
     }
-    for (body, _, at) in bodies {
-        match (parts[body.as_str()], index.get(body)) {
+    let mut places = HashMap::new();
+    for (k, point) in points.iter().enumerate() {
+        places.entry(point.name.clone()).or_insert(k);
+        places.entry(body(&point.name)).or_insert(k);
+    }
+    for (of, _, at) in bodies {
+        let point = places.get(of).or_else(|| places.get(&body(of)));
+        match (parts[of.as_str()], point) {
             ([Some(w), Some(x), Some(y), Some(z)], Some(point)) => {
                 points[*point].orientation = Some([w, x, y, z]);
             }
@@ -152,34 +319,54 @@ fn orient(
     }
 }
 
-/// Checks that x and z are there, and says where y is not.
-fn flat(points: &[Columns], findings: &mut Vec<String>) -> Result<(), RecordingProblem> {
-    for Columns { name, position, .. } in points {
-        let marker = name.clone();
-        match position {
-            [Some(_), _, Some(_)] => {}
-            [Some(_), Some(_), None] => {
-                let remedy = "in a plane, z is the height: call it so";
-                return Err(RecordingProblem::MissingAxis { marker, axis: "z", remedy });
-            }
-            _ => {
-                let axis = if position[0].is_none() { "x" } else { "z" };
-                return Err(RecordingProblem::MissingAxis { marker, axis, remedy: "add the column" });
-            }
+/// Puts the coordinates of a plane or a line in their place, and says which are not there; returns whether heights count
+/// downwards, as those of a picture do.
+fn flat(
+    points: &mut [Columns],
+    is_picture: bool,
+    findings: &mut Vec<String>,
+) -> Result<bool, RecordingProblem> {
+    let has = |points: &[Columns], axis: usize| points.iter().any(|point| point.position[axis].is_some());
+    let is_upright = !has(points, 2) && has(points, 1);
+    if is_upright {
+        points.iter_mut().for_each(|point| point.position.swap(1, 2));
+        let counts = if is_picture { "counts down, as the rows of a picture do" } else { "counts up" };
+        findings.push(format!("no z is given: y is taken for the height, which {counts}"));
+    }
+    let is_line = !has(points, 0) || !has(points, 2);
+    for Columns { name, position, .. } in points.iter().filter(|_| !is_line) {
+        let missing = if position[0].is_none() { Some("x") } else { position[2].is_none().then_some("z") };
+        if let Some(axis) = missing {
+            let axis = if axis == "z" && is_upright { "y" } else { axis };
+            let remedy = "add the column";
+            return Err(RecordingProblem::MissingAxis { marker: name.clone(), axis, remedy });
         }
     }
-    let in_plane = points.iter().filter(|point| point.position[1].is_none());
+    if is_line {
+        let axis = if has(points, 0) {
+            "x"
+        } else if is_upright {
+            "y"
+        } else {
+            "z"
+        };
+        findings.push(format!(
+            "one coordinate alone is given, {axis}; the others are 0 here: frequency and damping can be analysed, and a \
+             fit of a model would take the others for measured"
+        ));
+        return Ok(is_picture && is_upright);
+    }
+    let in_plane = points.iter().filter(|point| point.position[1].is_none() && !is_upright);
     let in_plane: Vec<String> = in_plane.map(|point| point.name.clone()).collect();
     if !in_plane.is_empty() {
         findings.push(format!("no y is given for {}; it is 0 here", some(&in_plane)));
     }
-    Ok(())
+    Ok(is_picture && is_upright)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::length::Length;
 
     #[test]
     fn columns_in_memory_are_read_as_a_file_is() {
@@ -195,7 +382,7 @@ mod tests {
         let file = super::super::parse(rows.into(), Path::new("a.csv"), &ReadOptions::default()).unwrap();
         assert_eq!((file.time, file.rate_hz), (made.time, made.rate_hz));
         assert_eq!(file.markers[0].position, made.markers[0].position);
-        let metres = ReadOptions { unit: Some(Length::Metre), rate_hz: None };
+        let metres = ReadOptions { unit: Some(Length::Metre), ..Default::default() };
         assert_eq!(read(&metres).unwrap().markers[0].position[0], Some([1.0, 0.0, 4.0]));
     }
 }

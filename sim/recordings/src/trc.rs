@@ -6,7 +6,7 @@ use super::draft::{Draft, Unit};
 use super::error::RecordingProblem;
 use super::format::Format;
 use super::layout::{Columns, Layout};
-use super::names::distinct;
+use super::names::{above, groups};
 
 /// Reads a file.
 pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
@@ -18,16 +18,20 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         }
     };
     next(rows)?;
-    let keys = next(rows)?;
+    let filled = |row: Vec<String>| row.into_iter().filter(|cell| !cell.is_empty()).collect::<Vec<_>>();
+    // Counted, not by place: tabs between them may be doubled.
+    let keys = filled(next(rows)?);
     let values = next(rows)?;
     let values_line = rows.line();
+    let counted = filled(values.clone());
+    let values = if counted.len() == keys.len() { counted } else { values };
     let value = |key: &str| {
         let at = keys.iter().position(|cell| cell.eq_ignore_ascii_case(key))?;
         values.get(at).map(String::as_str)
     };
     let number = |key: &str| value(key).and_then(in_header);
     let silent = Unit::Silent("Units in the header".to_owned());
-    let unit = Unit::stated(value("Units"), &format!("Units in line {values_line}"), silent)?;
+    let unit = Unit::stated(value("Units"), &format!("Units in line {values_line}"), silent);
     let names = next(rows)?;
     let first = names.first().map_or("", String::as_str);
     if !first.to_lowercase().starts_with("frame") {
@@ -38,36 +42,38 @@ pub(super) fn read(rows: &mut Rows) -> Result<Draft, RecordingProblem> {
             met: format!("`{}`", rows.start()),
         });
     }
-    let axes = next(rows)?;
-    let is_named = |at: &usize| names.get(*at).is_some_and(|name| !name.is_empty());
-    let has_axes = |at: &usize| axes.get(*at).is_some_and(|axis| axis.to_lowercase().starts_with('x'));
-    let all = (2..names.len().max(axes.len())).step_by(3);
-    let starts: Vec<usize> = if rows.is_numeric() {
+    let names_line = rows.line();
+    let mut axes = next(rows)?;
+    if rows.is_numeric() {
         rows.hold();
-        all.take_while(is_named).collect()
-    } else {
-        all.take_while(has_axes).collect()
-    };
-    if starts.is_empty() {
+        let columns = names.len().max(rows.filled());
+        axes = (0..columns)
+            .map(|at| if at < 2 { "" } else { ["X", "Y", "Z"][(at - 2) % 3] }.to_owned())
+            .collect();
+    } else if !axes.first().is_some_and(String::is_empty) {
+        // Without the two blank cells over frame and time.
+        axes.splice(..0, [String::new(), String::new()]);
+    }
+    let groups = groups(&axes);
+    if groups.is_empty() {
         return Err(RecordingProblem::NoMarkers { met: format!("`{}`", rows.start()) });
     }
     let mut findings = Vec::new();
-    if let Some(stated) = number("NumMarkers").filter(|stated| *stated != starts.len() as f64) {
-        findings.push(format!("the header states {stated} markers, the file has {}", starts.len()));
+    let of_markers: Vec<String> =
+        [String::new(), String::new()].into_iter().chain(names.into_iter().skip(2)).collect();
+    let all = above(&of_markers, &groups, names_line, &mut findings)?;
+    if let Some(stated) = number("NumMarkers").filter(|stated| *stated != groups.len() as f64) {
+        findings.push(format!("the header states {stated} markers, the file has {}", groups.len()));
     }
-    let name = |at: &usize| if is_named(at) { names[*at].clone() } else { format!("column {}", at + 1) };
-    let all = distinct(starts.iter().map(name), &mut findings);
+    let points = all.into_iter().zip(groups).map(Columns::at).collect();
     Layout {
-        format: Format::Trc,
-        unit,
+        width: Some(axes.len().max(of_markers.len())),
         rate: number("DataRate"),
         frame: Some(0),
         time: Some((1, 1.0)),
-        points: all.into_iter().zip(starts).map(Columns::from_x).collect(),
         zero_is_lost: true,
-        sections: false,
         samples: number("NumFrames"),
-        findings,
+        ..Layout::new(Format::Trc, unit, points, findings)
     }
     .read(rows)
 }

@@ -17,7 +17,7 @@ use super::error::RecordingProblem;
 use super::format::{Format, NEXUS_SECTIONS};
 use super::layout::{Columns, Layout, one_unit};
 use super::length::{Length, UnknownUnit};
-use super::names::{distinct, some};
+use super::names::{above, groups, some};
 
 const CONVENTION: &str = "Vicon writes millimetres";
 
@@ -63,12 +63,12 @@ fn section(rows: &mut Rows, format: Format) -> Result<Layout, RecordingProblem> 
     if !rows.read()? {
         return Err(RecordingProblem::HeaderOnly { line: rows.line() });
     }
-    let rate = in_header(rows.cell(0));
-    let rate = rate.ok_or_else(|| expected(rows, "the sampling rate, such as 100"))?;
+    let rate = in_header(rows.cell(0)).ok_or_else(|| expected(rows, "the sampling rate, such as 100"));
     if !rows.read()? {
         return Err(RecordingProblem::HeaderOnly { line: rows.line() });
     }
     let names = rows.keep();
+    let names_line = rows.line();
     if !rows.read_filled()? {
         return Err(RecordingProblem::HeaderOnly { line: rows.line() });
     }
@@ -79,11 +79,8 @@ fn section(rows: &mut Rows, format: Format) -> Result<Layout, RecordingProblem> 
     let axes = rows.keep();
     let axes_line = rows.line();
 
-    let is_point = |at: &usize| {
-        ["X", "Y", "Z"].iter().enumerate().all(|(k, axis)| axes.get(at + k).is_some_and(|cell| cell == axis))
-    };
-    let starts: Vec<usize> = (1..axes.len()).filter(is_point).collect();
-    if starts.is_empty() {
+    let groups = groups(&axes);
+    if groups.is_empty() {
         return Err(RecordingProblem::Header {
             line: axes_line,
             expected: "columns X,Y,Z".to_owned(),
@@ -97,61 +94,43 @@ fn section(rows: &mut Rows, format: Format) -> Result<Layout, RecordingProblem> 
             rows.hold();
             Unit::Assumed(Length::Millimetre, CONVENTION)
         }
-        true => units(rows, &starts, &names)?,
+        true => units(rows, &groups, &names),
     };
-    let named = |at: &usize| names.get(*at).filter(|name| !name.is_empty()).cloned();
-    let unnamed = starts.iter().filter(|at| named(at).is_none()).count();
-    if unnamed > 0 {
-        findings.push(format!(
-            "{unnamed} markers have no name; they are called by their column, such as `column 3`"
-        ));
-    }
-    let surplus: Vec<String> = names
-        .iter()
-        .enumerate()
-        .filter(|(at, name)| !name.is_empty() && starts.binary_search(at).is_err())
-        .map(|(_, name)| name.clone())
-        .collect();
-    if !surplus.is_empty() {
-        findings.push(format!("names without columns X,Y,Z below them were passed over: {}", some(&surplus)));
-    }
-    let all = distinct(
-        starts.iter().map(|at| named(at).unwrap_or_else(|| format!("column {}", at + 1))),
-        &mut findings,
-    );
-    let points = all.into_iter().zip(starts).map(Columns::from_x).collect();
+    let all = above(&names, &groups, names_line, &mut findings)?;
+    let points = all.into_iter().zip(groups).map(Columns::at).collect();
     Ok(Layout {
-        format,
-        unit,
-        rate: Some(rate),
+        width: Some(axes.len().max(names.len())),
+        rate: rate.as_ref().ok().copied(),
+        wrong_clock: rate.err(),
         frame: Some(0),
-        time: None,
-        points,
         // Nexus leaves the cells blank.
         zero_is_lost: !is_nexus,
         sections: true,
-        samples: None,
-        findings,
+        ..Layout::new(format, unit, points, findings)
     })
 }
 
 /// The one unit of all positions, from the row of units.
-fn units(rows: &Rows, starts: &[usize], names: &[String]) -> Result<Unit, RecordingProblem> {
+fn units(rows: &Rows, groups: &[[usize; 3]], names: &[String]) -> Unit {
     let mut stated = Vec::new();
-    for start in starts {
-        for column in *start..start + 3 {
-            let cell = rows.cell(column);
+    for group in groups {
+        for column in group {
+            let cell = rows.cell(*column);
             if cell.is_empty() {
                 continue;
             }
-            let name = names.get(*start).map_or("", String::as_str);
-            let unknown = || UnknownUnit {
-                place: format!("line {}, column {} ({name})", rows.line(), column + 1),
-                value: super::cells::short(cell),
-            };
-            stated.push((name, Length::named(cell).ok_or_else(unknown)?));
+            let name = names.get(group[0]).map_or("", String::as_str);
+            match Length::named(cell) {
+                Some(unit) => stated.push((name, unit)),
+                None => {
+                    return Unit::Wrong(UnknownUnit {
+                        place: format!("line {}, column {} ({name})", rows.line(), column + 1),
+                        value: super::cells::short(cell),
+                    });
+                }
+            }
         }
     }
-    let unit = one_unit(stated, &format!("line {}", rows.line()))?;
-    Ok(unit.unwrap_or(Unit::Assumed(Length::Millimetre, CONVENTION)))
+    one_unit(stated, &format!("line {}", rows.line()))
+        .unwrap_or(Unit::Assumed(Length::Millimetre, CONVENTION))
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ColorChoice};
 use efam_experiments::scenario::ReleaseOptions;
+use efam_recordings::{Length, ReadOptions};
 use efam_store::escape::toml_string;
 use models::quantity::Quantity;
 
@@ -54,6 +55,28 @@ impl Verbosity {
             }
         }
         ColorChoice::Auto
+    }
+}
+
+/// What the person knows better than a recording's file.
+#[derive(Args)]
+pub struct OfRecording {
+    /// Unit of the positions, where the file is silent or wrong: m, cm, mm, um, in, ft, or the length of a pixel such
+    /// as "0.42 mm".
+    #[arg(long)]
+    unit: Option<Length>,
+    /// Samples a second, where the file is silent or wrong.
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// What the columns of a table hold, where its line of names is absent or wrong: such as t_s,x_mm,z_mm, with - for
+    /// one to pass over.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    columns: Option<Vec<String>>,
+}
+
+impl OfRecording {
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions { unit: self.unit, rate_hz: self.rate, columns: self.columns.clone() }
     }
 }
 

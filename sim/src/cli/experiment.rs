@@ -12,7 +12,6 @@ use efam_experiments::experiment::Experiment;
 use efam_experiments::init;
 use efam_experiments::kind::FileKind;
 use efam_experiments::out_of_plane::{OverPressures, over_pressures};
-use efam_recordings::ReadOptions;
 use efam_report::Request;
 use efam_report::experiment::{Row, decisions, input_hashes, table, write};
 use efam_store::atomic::{write_new, write_whole};
@@ -21,7 +20,7 @@ use efam_store::{Folder, StoreError};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::arguments::{Cleaning, Form, OfExperiment, argv};
+use super::arguments::{Cleaning, Form, OfExperiment, OfRecording, argv};
 use super::browser;
 use super::console::{Console, Stages, print};
 use super::failure::{Failure, of_kind};
@@ -31,6 +30,7 @@ use super::{interrupt, signals};
 const INIT_HELP: &str = "Examples:
   efam experiment init 15psi.csv 20psi.csv
   efam experiment init trial.c3d --out beam.toml
+  efam experiment init tracker.csv --unit m
 
 Exit codes: 3 if a recording cannot be read.";
 
@@ -46,6 +46,8 @@ pub struct Init {
     /// Replace an existing file.
     #[arg(long)]
     overwrite: bool,
+    #[command(flatten)]
+    of: OfRecording,
     #[command(flatten)]
     form: Form,
 }
@@ -113,16 +115,17 @@ pub fn init(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
     if out.exists() && !args.overwrite {
         return Err(StoreError::Exists { folder: out.clone() }.into());
     }
+    let options = args.of.options();
     let mut recordings = Vec::new();
     for file in &args.files {
         console.detail(format!("reading {}", file.display()));
         recordings.push((
             relative(file, out)?,
-            of_kind(FileKind::Recording, file, efam_recordings::read(file, &ReadOptions::default()))?,
+            of_kind(FileKind::Recording, file, efam_recordings::read(file, &options))?,
         ));
     }
     let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());
-    let text = init::draft(&name, &recordings);
+    let text = init::with_options(init::draft(&name, &recordings), &options);
     // What is written can be read back, whatever names the recordings hold.
     Experiment::parse(out, &text, &[])?;
     let write = |file: &mut File| file.write_all(text.as_bytes());

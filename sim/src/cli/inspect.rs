@@ -6,13 +6,13 @@ use std::process::ExitCode;
 
 use clap::Args;
 use efam_experiments::kind::FileKind;
-use efam_recordings::{Length, Marker, ReadOptions, Recording, read};
+use efam_recordings::{Marker, Recording, read};
 use efam_report::aligned::{Aligned, Side};
 use efam_store::escape::escaped;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::arguments::Form;
+use super::arguments::{Form, OfRecording};
 use super::console::{Console, print};
 use super::failure::Failure;
 use super::terminal::{say, stdout};
@@ -21,21 +21,18 @@ const HELP: &str = "Examples:
   efam inspect trial.c3d
   efam inspect swing.csv --unit mm --rate 100
   efam inspect 15psi.csv 40psi.csv --json
+  efam inspect laser.txt --columns t_s,z_mm
 
 Exit codes: 3 if a recording cannot be read; the others are shown all the same.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Inspect {
-    /// Recordings: tables as text or Parquet, Vicon, Motive, Qualisys, TRC, C3D.
+    /// Recordings: tables as text or Parquet, Vicon, Motive, Qualisys, TRC, C3D, Tracker, Kinovea, DeepLabCut.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Unit of the positions, where the file is silent or wrong: m, cm, mm, um, in or ft.
-    #[arg(long)]
-    unit: Option<Length>,
-    /// Samples a second, where the file is silent or wrong.
-    #[arg(long, value_name = "HZ")]
-    rate: Option<f64>,
+    #[command(flatten)]
+    of: OfRecording,
     #[command(flatten)]
     form: Form,
 }
@@ -94,7 +91,7 @@ struct Tracked {
 
 /// Shows each file; those that cannot be read are reported after the others.
 pub fn run(args: &Inspect, console: &Console) -> Result<ExitCode, Failure> {
-    let options = ReadOptions { unit: args.unit, rate_hz: args.rate };
+    let options = args.of.options();
     let (mut values, mut failures) = (Vec::new(), Vec::new());
     for file in &args.files {
         console.detail(format!("reading {}", file.display()));

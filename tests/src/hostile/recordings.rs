@@ -8,8 +8,10 @@ use super::is_message;
 
 /// A recording: what was read holds together.
 pub fn recording(bytes: &[u8]) {
-    let options =
-        [ReadOptions::default(), ReadOptions { unit: Some(Length::Millimetre), rate_hz: Some(100.0) }];
+    let options = [
+        ReadOptions::default(),
+        ReadOptions { unit: Some(Length::Millimetre), rate_hz: Some(100.0), columns: None },
+    ];
     for options in options {
         let recording = match parse(bytes.to_vec(), Path::new("a.csv"), &options) {
             Ok(recording) => recording,

@@ -11,6 +11,8 @@ use super::AnalysisError;
 
 /// Gap, in samples, up to which a cubic does.
 const FEW: f64 = 6.5;
+/// The same in periods.
+const SHORT: f64 = 0.1;
 /// Terms of the swing that is fitted.
 const TERMS: usize = 8;
 
@@ -54,12 +56,14 @@ pub fn bridge(
         let at = step * k as f64;
         let next = seen.partition_point(|(t, _)| *t < at).clamp(1, seen.len() - 1);
         let (before, gap) = (seen[next - 1].0, seen[next].0 - seen[next - 1].0);
-        if gap > longest.max(1.5 * step) && at > before {
+        if gap > longest.max(1.5 * step) && at > before && at < seen[next].0 {
             bridged.cut_at = Some(before);
             break;
         }
         let near = &seen[next.saturating_sub(2)..(next + 2).min(seen.len())];
-        let fitted = frequency.filter(|_| gap > FEW * step && at > before);
+        let is_long =
+            |omega: &f64| gap > (FEW * step).min(SHORT * std::f64::consts::TAU / omega).max(1.5 * step);
+        let fitted = frequency.filter(|omega| is_long(omega) && at > before);
         let value = fitted.and_then(|omega| swing(&seen, at, omega)).unwrap_or_else(|| cubic(near, at));
         bridged.values.push(value);
     }
@@ -75,6 +79,22 @@ pub fn bridge(
         samples @ 0..4 => Err(AnalysisError::TooShort { samples, least: 4 }),
         _ => Ok(bridged),
     }
+}
+
+/// Stretches of values from time 0 on without a gap longer than that: the time of their first and last value.
+pub fn stretches(time: &[f64], values: &[Option<f64>], longest: f64) -> Vec<[f64; 2]> {
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    let mut last = None;
+    for t in time.iter().zip(values).filter_map(|(t, value)| value.map(|_| *t)) {
+        match found.last_mut().filter(|_| last.is_some_and(|last| t - last <= longest)) {
+            Some(stretch) => stretch[1] = t,
+            None => found.push([t, t]),
+        }
+        last = Some(t);
+    }
+    found.retain(|[_, to]| *to > 0.0);
+    found.iter_mut().for_each(|[from, _]| *from = from.max(0.0));
+    found
 }
 
 /// The swing fitted to the points within a period of a time; nothing if there are too few.

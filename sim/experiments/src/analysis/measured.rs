@@ -9,7 +9,7 @@ use efam_core::quantile::usual_step;
 
 use super::coordinate::{Along, Coordinate};
 use super::decay::{Cycle, Decay};
-use super::gaps::{Bridged, bridge};
+use super::gaps::{self, Bridged, bridge};
 use super::peaks::Peak;
 use super::spectrum::Spectrum;
 use super::swing::{Known, Swing, swing, swing_spectrum};
@@ -57,8 +57,10 @@ impl From<[f64; 2]> for KnownRest {
 
 /// Longest gap that is bridged, in periods.
 const LONGEST_GAP: f64 = 0.4;
-/// Shortest gap that may be bridged whatever the period, in samples.
+/// Gap that is bridged before the period is known, in samples.
 const SHORT_GAP: f64 = 6.0;
+/// Periods that a stretch between longer gaps must have to be used before others.
+const LEAST_PERIODS: f64 = 3.5;
 
 /// Analyses the first track of a release, its tip, along the largest motion about its rest.
 /// # Errors
@@ -86,27 +88,44 @@ pub fn analyse_along(
     let coordinate = coordinate.towards(held);
     let rest = coordinate.of(rest);
     let values: Vec<_> = tip.position.iter().map(|at| at.map(|at| coordinate.of(at))).collect();
-    let about = |longest: f64, frequency: Option<f64>| -> Result<(Bridged, Excursion), AnalysisError> {
-        let bridged = bridge(&release.time, &values, step, longest, frequency)?;
-        let excursion = Excursion::about(rest, &bridged.values, step)?;
-        Ok((bridged, excursion))
-    };
-    // First with short gaps alone, for the period; then with gaps that it admits.
-    let (mut bridged, mut excursion) = about(SHORT_GAP * step, None)?;
-    if bridged.cut_at.is_some() || bridged.longest > 0.0 {
-        let wide = about(20.0 * step, None)?.1;
-        if let Ok(peak) = swing_spectrum(&wide, None).peak() {
-            let longest = (LONGEST_GAP * TAU / peak.frequency).max(SHORT_GAP * step);
-            (bridged, excursion) = about(longest, Some(peak.frequency))?;
+    let about =
+        |from: f64, longest: f64, frequency: Option<f64>| -> Result<(Bridged, Excursion), AnalysisError> {
+            let time: Vec<f64> = release.time.iter().map(|t| t - from).collect();
+            let mut bridged = bridge(&time, &values, step, longest, frequency)?;
+            bridged.cut_at = bridged.cut_at.map(|at| at + from);
+            let excursion = Excursion::about(rest, &bridged.values, step)?;
+            Ok((bridged, excursion))
+        };
+    // First with short gaps alone; then with gaps that the period admits, which the longest stretch without one shows.
+    let (mut found, mut from) = (about(0.0, SHORT_GAP * step, None), 0.0);
+    if found.as_ref().map_or(true, |(bridged, _)| bridged.cut_at.is_some() || bridged.longest > 0.0) {
+        let stretches = |longest: f64| gaps::stretches(&release.time, &values, longest.max(1.5 * step));
+        let longest =
+            stretches(SHORT_GAP * step).into_iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+        let part = longest.and_then(|[from, _]| about(from, SHORT_GAP * step, None).ok());
+        if let Some(Ok(peak)) = part.map(|(_, part)| swing_spectrum(&part, None).peak()) {
+            let period = TAU / peak.frequency;
+            // What swings most is used, of what is long enough for peaks.
+            let energy = |[from, to]: &[f64; 2]| {
+                let within = release.time.iter().zip(&values).filter(|(t, _)| (*from..=*to).contains(*t));
+                within.filter_map(|(_, value)| Some((((*value)? - rest) as f64).powi(2))).sum::<f64>()
+            };
+            let is_enough = |[from, to]: &[f64; 2]| to - from > LEAST_PERIODS * period;
+            let used = stretches(LONGEST_GAP * period)
+                .into_iter()
+                .max_by(|a, b| is_enough(a).cmp(&is_enough(b)).then(energy(a).total_cmp(&energy(b))));
+            from = used.map_or(0.0, |[from, _]| from);
+            found = about(from, LONGEST_GAP * period, Some(peak.frequency));
         }
     }
+    let (bridged, excursion) = found?;
     let known = Known {
         mode: None,
         noise: tip.noise,
         rest_error: (coordinate.direction[0] * error[0]).hypot(coordinate.direction[1] * error[1]),
         has_bumps: coordinate.along == Along::Height,
     };
-    let (mut own, mut since) = (swing(&excursion, &known), 0.0);
+    let (mut own, mut since) = (swing(&excursion, &known), from);
     // Where the first, large swings have another frequency than the rest, they are left out.
     let period = own.spectrum.peak().map_or(0.0, |peak| TAU / peak.frequency);
     for skipped in 1..=MOST_SKIPPED {
@@ -118,7 +137,7 @@ pub fn analyse_along(
         let Ok(later) = Excursion::about(0.0, values, step) else { break };
         let other = swing(&later, &known);
         if other.decay.is_ok() {
-            (own, since) = (other, first as f64 * step);
+            (own, since) = (other, from + first as f64 * step);
         }
     }
     let Swing { spectrum, damped_frequency, peaks, decay, cycles } = own;
@@ -145,6 +164,11 @@ pub fn analyse_along(
 const MOST_SKIPPED: usize = 6;
 
 impl Measured {
+    /// Samples in a period, if there is a frequency.
+    pub fn samples_in_a_period(&self) -> Option<f64> {
+        self.damped_frequency.as_ref().ok().map(|omega| TAU / omega / self.bridged.step)
+    }
+
     /// Natural angular frequency by eq. 7, rad/s.
     pub fn natural_frequency(&self) -> Option<f64> {
         self.decay.as_ref().ok().map(|decay| decay.natural_frequency)
@@ -209,6 +233,27 @@ mod tests {
                 assert!((decay.damping_ratio / (0.3 / 8.0) - 1.0).abs() < 1e-2, "{decay:?}");
             }
             assert!(whole.frequency_error().unwrap() < 1e-3);
+        }
+    }
+
+    /// A gap of half a period in the first cycle, at whatever rate, leaves the later cycles, and the limit is in periods.
+    #[test]
+    fn a_gap_in_the_first_cycle_leaves_the_others() {
+        for step in [0.002, 0.01, 0.04] {
+            for (from, to) in [(0.1, 0.55), (0.1, 0.25), (-0.1, 0.3)] {
+                let mut own = release(true, |_| false);
+                own.time = (0..(12.0 / step) as usize).map(|i| step * i as f64 - 0.3037).collect();
+                let at = |t: &f64| {
+                    let s = 0.1 * if *t < 0.0 { 1.0 } else { (-0.3 * t).exp() * (8.0 * t).cos() };
+                    (!(from..to).contains(t)).then_some([s, -0.3 + s * s])
+                };
+                own.tracks[0].position = own.time.iter().map(at).collect();
+                let measured = analyse(&own, [0.0, -0.3]).unwrap();
+                let decay = measured.decay.as_ref().unwrap_or_else(|why| panic!("{step} {from} {to}: {why}"));
+                // Of a tenth of a period to a sample the spectrum and the parabola are good to a per cent.
+                assert!((decay.damped_frequency / 8.0 - 1.0).abs() < 2e-3, "{step} {from}: {decay:?}");
+                assert!((decay.damping_ratio / (0.3 / 8.0) - 1.0).abs() < 2e-2, "{step} {from}: {decay:?}");
+            }
         }
     }
 

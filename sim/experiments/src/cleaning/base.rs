@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
 
+use super::noise;
+
 /// Mean pose of the base over a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BasePose {
@@ -20,7 +22,17 @@ pub struct BasePose {
     pub turn_deviation: f64,
     /// Frames that show it.
     pub frames: usize,
+    /// How far it is from its mean place in each sample, m, where that is taken off the other markers; nothing where
+    /// it stands still.
+    pub followed: Option<Vec<[f64; 3]>>,
 }
+
+/// Standard deviations of its noise by which a base that moves is off its mean.
+const MOVES: f64 = 3.0;
+/// Share of the distance to the tip by which its motion matters.
+const MATTERS: f64 = 1e-3;
+/// By how much more than noise a smoothed path may leave of a base that moves.
+const LEFT: f64 = 1.15;
 
 type Path = Vec<Option<[f64; 3]>>;
 
@@ -65,6 +77,67 @@ fn pose(positions: &[Vector3<f64>], turns: &[UnitQuaternion<f64>]) -> BasePose {
         turn_deviation: orientation
             .map_or(0.0, |mean| mean_square(turns.iter().map(|turn| turn.angle_to(&mean))).sqrt()),
         frames: positions.len(),
+        followed: None,
+    }
+}
+
+impl BasePose {
+    /// Follows the base sample by sample, if it moves by more than its noise and by a share of the distance `far` to the tip
+    /// that matters: smoothed as far as its noise alone is left over, and on a straight line where it is lost.
+    pub(super) fn follow(&mut self, time: &[f64], path: &Path, step: f64, far: f64) {
+        let sigma = noise::of_path(time, path, step).unwrap_or(0.0);
+        let deviation = self.deviation.into_iter().fold(0.0, f64::max);
+        if deviation <= (MOVES * sigma).max(MATTERS * far) {
+            return;
+        }
+        let off = |i: usize| path[i].map(|at| std::array::from_fn(|k| at[k] - self.position[k]));
+        let seen: Vec<usize> = (0..path.len()).filter(|i| path[*i].is_some()).collect();
+        let whole: Vec<[f64; 3]> = (0..path.len())
+            .map(|i| {
+                let next = seen.partition_point(|k| *k < i);
+                let (before, after) = (seen[next.saturating_sub(1)], seen[next.min(seen.len() - 1)]);
+                let share = if after > before {
+                    (time[i] - time[before]) / (time[after] - time[before])
+                } else {
+                    0.0
+                };
+                let [a, b]: [[f64; 3]; 2] = [before, after].map(|k| off(k).expect("it is seen"));
+                std::array::from_fn(|k| a[k] + share.clamp(0.0, 1.0) * (b[k] - a[k]))
+            })
+            .collect();
+        let mut best = whole.clone();
+        for half in (0..).map(|k| 1 << k).take_while(|half| 4 * half < whole.len()) {
+            let smooth = running_means(&whole, half);
+            let left = seen.iter().flat_map(|i| (0..3).map(|k| (whole[*i][k] - smooth[*i][k]).powi(2)));
+            let left = (left.sum::<f64>() / (3 * seen.len()) as f64).sqrt();
+            if left > LEFT * sigma {
+                break;
+            }
+            best = smooth;
+        }
+        self.followed = Some(best);
+    }
+}
+
+/// Means over so many samples to either side; fewer at the ends, as many on both sides.
+fn running_means(path: &[[f64; 3]], half: usize) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]];
+    for at in path {
+        let last = sums[sums.len() - 1];
+        sums.push(std::array::from_fn(|k| last[k] + at[k]));
+    }
+    let mean = |i: usize| {
+        let half = half.min(i).min(path.len() - 1 - i);
+        let (from, to) = (i - half, i + half + 1);
+        std::array::from_fn(|k| (sums[to][k] - sums[from][k]) / (to - from) as f64)
+    };
+    (0..path.len()).map(mean).collect()
+}
+
+/// Takes the motion of a base off a path.
+pub(super) fn take_off(off: &[[f64; 3]], path: &mut Path) {
+    for (at, off) in path.iter_mut().zip(off) {
+        *at = at.map(|at| std::array::from_fn(|k| at[k] - off[k]));
     }
 }
 
@@ -137,6 +210,26 @@ mod tests {
         assert!((pose.turn_deviation - 2f64.to_radians()).abs() < 1e-9, "{pose:?}");
         let two = of_markers(&markers[..2]).unwrap();
         assert_eq!((two.orientation, two.frames), (None, 3));
+    }
+
+    /// A base that drifts by 30 mm is followed to its noise over the smoothing; one that stands still is not.
+    #[test]
+    fn a_base_that_moves_is_followed_and_one_at_rest_is_not() {
+        let mut noise = crate::cleaning::tests::Noise::new(5);
+        let time: Vec<f64> = (0..400).map(|i| 0.02 * f64::from(i)).collect();
+        let drift = |t: f64| 0.015 * (0.8 * t).sin();
+        for (share, is_followed) in [(1.0, true), (0.0, false)] {
+            let mut path: Path = time.iter().map(|t| Some([0.1, 0.0, share * drift(*t)])).collect();
+            noise.disturb(&mut path, 1e-4);
+            path[100..110].fill(None);
+            let mut pose = of_markers(std::slice::from_ref(&path)).unwrap();
+            pose.follow(&time, &path, 0.02, 0.4);
+            assert_eq!(pose.followed.is_some(), is_followed);
+            for (t, off) in time.iter().zip(pose.followed.iter().flatten()) {
+                // Over three samples at least, noise is less by 1.7; three standard deviations.
+                assert!((off[2] + pose.position[2] - drift(*t)).abs() < 2.5e-4, "{off:?} at {t}");
+            }
+        }
     }
 
     #[test]

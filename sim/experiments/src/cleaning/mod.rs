@@ -173,7 +173,16 @@ impl Cleaned {
 
     /// Caveats of every answer of a planar model.
     pub fn warnings(&self) -> Vec<String> {
-        out_of_plane::warning(self.used().map(|used| &used.release)).into_iter().collect()
+        let moves = |of: &CleanRecording| {
+            let base = of.base.as_ref().filter(|base| base.followed.is_some())?;
+            Some(format!(
+                "{}: the base moves by up to {}: that is taken off sample by sample, and no model has the forces of its acceleration",
+                of.name,
+                mm(base.moved)
+            ))
+        };
+        let out_of_plane = out_of_plane::warning(self.used().map(|used| &used.release));
+        self.recordings.iter().filter_map(moves).chain(out_of_plane).collect()
     }
 }
 

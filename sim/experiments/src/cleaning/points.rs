@@ -130,7 +130,7 @@ fn mask_and_tell(marker: &Marker, time: &[f64], step: f64, path: &mut [Option<[f
 }
 
 /// Mean of paths where all are seen.
-fn centroid(paths: &[Vec<Option<[f64; 3]>>]) -> Vec<Option<[f64; 3]>> {
+pub(super) fn centroid(paths: &[Vec<Option<[f64; 3]>>]) -> Vec<Option<[f64; 3]>> {
     let samples = paths.first().map_or(0, Vec::len);
     let at = |i: usize| {
         let mut sum = [0.0; 3];

@@ -6,9 +6,11 @@ use models::quantity::format_si;
 
 use super::cycles::{self, Cut};
 use super::decision::{Log, mm};
-use super::points::{ByName, Seen, see};
+use super::points::{ByName, Seen, centroid, see};
 use super::release::{Context, LEAST_NOISE, Rod};
-use super::{BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, frame, noise, release};
+use super::{
+    BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, distance, frame, noise, release,
+};
 use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
 use crate::scenario::ScenarioProblem;
 
@@ -38,7 +40,7 @@ pub fn clean_recording(
         return Err(CleaningError::TooShort { file, samples, least: LEAST_SAMPLES }.into());
     }
     let step = usual_step(&time).expect("there are samples enough");
-    let tip = see(entry, &time, step, &tip_markers, &mut log);
+    let mut tip = see(entry, &time, step, &tip_markers, &mut log);
     let seen = tip.path.iter().flatten().count();
     if seen < LEAST_SAMPLES {
         let (file, marker, samples) = (entry.name.clone(), tip.name, time.len());
@@ -51,7 +53,13 @@ pub fn clean_recording(
         let found = markers.find(experiment, &key, std::slice::from_ref(&marker.marker))?;
         body.push((see(entry, &time, step, &found, &mut log), marker.at));
     }
-    let base = base_pose(experiment, entry, &markers, &time, step, &mut log)?;
+    let base = base_pose(experiment, entry, &markers, (&time, &tip.path), step, &mut log)?;
+    if let Some(off) = base.as_ref().and_then(|base| base.followed.as_ref()) {
+        for seen in [&mut tip].into_iter().chain(body.iter_mut().map(|(seen, _)| seen)) {
+            base::take_off(off, &mut seen.raw);
+            base::take_off(off, &mut seen.path);
+        }
+    }
     let cuts = cut(entry, &time, &tip, step, &mut log)?;
     let base_angle = entry.base_angle.or(experiment.base_angle());
     let frame = frame::find(entry, base.as_ref(), base_angle, (&time, &tip.path), &cuts, &mut log)?;
@@ -141,7 +149,7 @@ fn base_pose(
     experiment: &Experiment,
     entry: &Entry,
     markers: &ByName,
-    time: &[f64],
+    (time, tip): (&[f64], &[Option<[f64; 3]>]),
     step: f64,
     log: &mut Log,
 ) -> Result<Option<BasePose>, ExperimentError> {
@@ -151,14 +159,19 @@ fn base_pose(
     }
     let found = markers.find(experiment, &format!("{}.base", entry.key), &entry.base)?;
     let body = found.iter().find_map(|marker| Some((marker, marker.orientation.as_ref()?)));
-    let pose = match (body, found.len()) {
-        (Some((marker, orientation)), 1) => base::of_body(&marker.position, orientation),
+    let (mut pose, path) = match (body, found.len()) {
+        (Some((marker, orientation)), 1) => {
+            (base::of_body(&marker.position, orientation), marker.position.clone())
+        }
         _ => {
             let paths: Vec<_> =
                 found.iter().map(|marker| see(entry, time, step, &[marker], log).path).collect();
-            base::of_markers(&paths)
+            (base::of_markers(&paths), centroid(&paths))
         }
     };
+    if let (Some(pose), Some(tip)) = (&mut pose, cycles::mean(tip, 0..tip.len())) {
+        pose.follow(time, &path, step, distance(tip, pose.position));
+    }
     match &pose {
         None => log
             .say("base", "the base is never seen whole: it is left out, and that it stands still is assumed"),
@@ -174,10 +187,14 @@ fn base_pose(
             log.say(
                 "base",
                 format!(
-                    "the base moves by at most {}, standard deviation {} along an axis{turn}, over {} frames; its mean pose is used",
+                    "the base moves by at most {}, standard deviation {} along an axis{turn}, over {} frames; {}",
                     mm(pose.moved),
                     mm(pose.deviation.into_iter().fold(0.0, f64::max)),
-                    pose.frames
+                    pose.frames,
+                    match pose.followed {
+                        Some(_) => "that is taken off all markers sample by sample",
+                        None => "its mean pose is used",
+                    }
                 ),
             );
         }

@@ -35,6 +35,8 @@ pub struct Entry {
     pub unit: Option<Length>,
     /// Samples a second, likewise.
     pub rate: Option<f64>,
+    /// What the columns of a table hold, likewise.
+    pub columns: Option<Vec<String>>,
     /// Against gravity, in the file's frame.
     pub up: Option<Direction>,
     /// From the clamp along the rod, in the file's frame.
@@ -142,7 +144,7 @@ pub struct Override {
     pub instant: Option<f64>,
 }
 
-const KEYS: [&str; 25] = [
+const KEYS: [&str; 26] = [
     "file",
     "pressure",
     "payload",
@@ -151,6 +153,7 @@ const KEYS: [&str; 25] = [
     "base",
     "unit",
     "rate",
+    "columns",
     "up",
     "along",
     "clamp",
@@ -203,7 +206,8 @@ impl Entry {
                 .ok_or_else(|| keys.missing("tip", "tip = with the name of a marker"))?,
             body: body(keys)?,
             base: markers(keys, "base")?.unwrap_or_default(),
-            unit: keys.word("unit", &Length::by_symbol())?,
+            unit: unit(keys)?,
+            columns: keys.texts("columns")?.map(|names| names.into_iter().map(str::to_owned).collect()),
             rate: keys.quantity_that("rate", "Hz", "be positive", |rate| rate > 0.0)?,
             up: direction(keys, "up")?,
             along: direction(keys, "along")?,
@@ -344,6 +348,14 @@ fn direction(keys: &Keys, key: &str) -> Result<Option<Direction>, ScenarioError>
         Ok(Some(Direction::Vector(vector.map(|x| x / length))))
     } else {
         Err(keys.wrong(key, ScenarioProblem::Must { must: "not be zero, nor beyond all numbers" }))
+    }
+}
+
+/// A unit by its symbol, or the length of a pixel.
+fn unit(keys: &Keys) -> Result<Option<Length>, ScenarioError> {
+    match keys.text("unit")?.and_then(|(text, _)| text.parse::<Length>().ok()) {
+        Some(length) => Ok(Some(length)),
+        None => keys.word("unit", &Length::by_symbol()),
     }
 }
 

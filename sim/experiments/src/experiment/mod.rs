@@ -236,6 +236,7 @@ impl Experiment {
         let entry = &self.recordings[recording];
         if let Some((_, held)) = self.held.iter().find(|(end, _)| entry.file.ends_with(end)) {
             let given = entry.unit.map(|_| "unit").or(entry.rate.map(|_| "rate"));
+            let given = given.or(entry.columns.as_ref().map(|_| "columns"));
             return match given {
                 None => Ok(Recording::clone(held)),
                 Some(key) => {
@@ -249,7 +250,7 @@ impl Experiment {
             let problem = ScenarioProblem::Unreadable { file, reason: error.to_string() };
             return Err(self.document.error_of(&format!("{}.file", entry.key), problem).into());
         }
-        let options = ReadOptions { unit: entry.unit, rate_hz: entry.rate };
+        let options = ReadOptions { unit: entry.unit, rate_hz: entry.rate, columns: entry.columns.clone() };
         Ok(read(&entry.file, &options)?)
     }
 

@@ -119,7 +119,7 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                 line("  cycle by cycle", format!("{} to {}", at(first), at(last)));
             }
             if measured.since > 0.0 {
-                let text = "the first, large swings have another frequency";
+                let text = "the first, large swings have another frequency, or a gap after them";
                 line("  counted from", format!("{:.2} s on: {text}", measured.since));
             }
             let bridged = &measured.bridged;

@@ -86,7 +86,7 @@ fn units() {
     );
     assert_eq!(
         message(nexus().replace(",,mm", ",,deg"), "a.csv"),
-        "a.csv: line 5, column 3 (My Arm:tip): `deg` is no unit of length; it must be one of m, cm, mm, um, in, ft"
+        "a.csv: line 5, column 3 (My Arm:tip): `deg` is no unit of length; it must be one of m, cm, mm, um, in, ft, or a length such as `0.42 mm` to a pixel"
     );
     assert_eq!(
         message("t_s,tip_x,tip_z\n0,0,0\n1,0,0\n", "a.csv"),
@@ -98,11 +98,11 @@ fn units() {
 fn clocks() {
     assert_eq!(
         message(tidy().replace("\n0.05,", "\n0.03,"), "a.csv"),
-        "a.csv: line 7: time in s is 0.03 after 0.04: it must ascend; sort the samples, or leave out the repeated ones"
+        "a.csv: line 7: time in s is 0.03 after 0.04: it must ascend; sort the samples, or leave out the repeated ones, or say --rate to count them"
     );
     assert_eq!(
         message(nexus().replace("\n697,", "\n696,"), "a.csv"),
-        "a.csv: line 8: frame is 696 after 696: it must ascend; sort the samples, or leave out the repeated ones"
+        "a.csv: line 8: frame is 696 after 696: it must ascend; sort the samples, or leave out the repeated ones, or say --rate to count them"
     );
     assert_eq!(
         message("tip_x_m,tip_z_m\n0,0\n1,0\n", "a.csv"),
@@ -124,8 +124,8 @@ fn cells_and_columns() {
         "a.csv: line 7, column 2 (tip x): `0.0q5` is no number; correct it, or leave it blank if it was lost"
     );
     assert_eq!(
-        message("t_s,tip_x_m,tip_y_m\n0,0,0\n1,0,0\n", "a.csv"),
-        "a.csv: marker `tip` has no z (x and z are needed, only y may be missing); in a plane, z is the height: call it so"
+        message("t_s,tip_x_m,tip_y_m,base_x_m,base_z_m\n0,0,0,0,0\n1,0,0,0,0\n", "a.csv"),
+        "a.csv: marker `tip` has no z (x and z are needed, only y may be missing); add the column"
     );
     assert_eq!(
         message("t_s;tip_x_m;tip_z_m\n0,0;1.5;2\n1,0;1,5;2\n", "a.csv"),
@@ -138,7 +138,8 @@ fn cells_and_columns() {
     );
     assert_eq!(
         message("time_s,pressure_psi\n0,15\n1,15\n", "a.csv"),
-        "a.csv: names no marker; expected columns such as tip_x_m, tip_y_m, tip_z_m, met `time_s`, `pressure_psi`"
+        "a.csv: names no marker; expected columns such as tip_x_m, tip_y_m, tip_z_m (accelerations, rates and angles \
+         are no positions), met `time_s`, `pressure_psi`"
     );
 }
 
@@ -149,8 +150,8 @@ fn other_formats() {
     assert_eq!(
         message("\nHIERARCHY\nROOT Hips\n", "a.bvh"),
         format!(
-            "a.bvh: is in no known format: line 2 is `HIERARCHY`; known are {known}; a table needs a first line of \
-             names, such as t_s,tip_x_m,tip_y_m,tip_z_m"
+            "a.bvh: is in no known format: line 2 is `HIERARCHY`; known are {known}; a table needs a line of \
+             names, such as t_s,tip_x_m,tip_y_m,tip_z_m, or --columns t_s,x_mm,z_mm"
         )
     );
     assert_eq!(

@@ -103,18 +103,21 @@ fn a_plane_has_y_of_zero_and_says_so() {
 #[test]
 fn units_and_rates_can_be_said() {
     let silent = "frame,tip_x,tip_z\n1,1,2\n2,2,2\n5,3,2\n";
-    let options = ReadOptions { unit: Some(Length::Inch), rate_hz: Some(50.0) };
+    let options = ReadOptions { unit: Some(Length::Inch), rate_hz: Some(50.0), ..Default::default() };
     let recording = read_with(silent, options).unwrap();
     assert_eq!(recording.markers[0].position[1], Some([2.0 * 0.0254, 0.0, 2.0 * 0.0254]));
     assert_eq!(recording.time, [0.0, 0.02, 0.08]);
     says(&recording, "samples are left out in 1 places, 2 in all");
 
-    let over =
-        read_with(qualisys(), ReadOptions { unit: Some(Length::Metre), rate_hz: Some(200.0) }).unwrap();
+    let over = read_with(
+        qualisys(),
+        ReadOptions { unit: Some(Length::Metre), rate_hz: Some(200.0), ..Default::default() },
+    )
+    .unwrap();
     assert_eq!(over.markers[1].position[0], Some([-5.0, 0.0, 12.0]));
     assert_eq!((over.rate_hz, over.time[1]), (200.0, 0.005));
     says(&over, "the file's own times are set aside");
-    let trc = read_with(trc(), ReadOptions { unit: Some(Length::Metre), rate_hz: None }).unwrap();
+    let trc = read_with(trc(), ReadOptions { unit: Some(Length::Metre), ..Default::default() }).unwrap();
     says(&trc, "unit: m, as requested, though Units in line 3 states mm");
 }
 

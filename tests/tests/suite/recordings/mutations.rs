@@ -37,8 +37,10 @@ static FILES: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
 fn holds(bytes: Vec<u8>, extension: &str) -> Result<(), TestCaseError> {
     let source = format!("a.{extension}");
     let length = bytes.len();
-    let options =
-        [ReadOptions::default(), ReadOptions { unit: Some(Length::Millimetre), rate_hz: Some(100.0) }];
+    let options = [
+        ReadOptions::default(),
+        ReadOptions { unit: Some(Length::Millimetre), rate_hz: Some(100.0), columns: None },
+    ];
     for options in options {
         match parse(bytes.clone(), Path::new(&source), &options) {
             Err(error) => prop_assert!(error.to_string().len() > source.len() + 10),
