@@ -1,6 +1,6 @@
 //! From odds to an answer: the rules of the verdict, and its words.
 
-use super::Tried;
+use super::Accepted;
 use super::data::Data;
 use super::samples::Sampled;
 use super::search::Fit;
@@ -22,14 +22,14 @@ pub fn answer(
     data: &Data,
     baseline: &Fit,
     baseline_sampled: &Sampled,
-    accepted: &[Tried],
+    accepted: &[Accepted],
     members: Vec<String>,
     rounds: Vec<Round>,
     warnings: Vec<String>,
 ) -> Weighed {
     let last = accepted.last();
     let (fit, sampled) = match last {
-        Some(own) => (&own.fit, own.sampled.as_ref().unwrap_or(baseline_sampled)),
+        Some(own) => (&own.fit, &own.sampled),
         None => (baseline, baseline_sampled),
     };
     let swing = data.first_swing();
@@ -56,7 +56,13 @@ pub fn answer(
 }
 
 /// The rules.
-fn verdict(before: &Sampled, after: &Sampled, accepted: &[Tried], weighed: &Weighed, swing: f64) -> Verdict {
+fn verdict(
+    before: &Sampled,
+    after: &Sampled,
+    accepted: &[Accepted],
+    weighed: &Weighed,
+    swing: f64,
+) -> Verdict {
     let is_little = |own: &Sampled| own.is_little(swing);
     if accepted.is_empty() {
         // What is far beyond noise and what repeats is there, whatever explains it.
@@ -150,6 +156,9 @@ fn summary(own: &Weighed) -> String {
     let saw = saw.collect::<Vec<_>>().join("; ");
     let left = format!("{:.3} mm of {:.3} mm are left", own.after_mm, own.before_mm);
     match own.verdict {
+        _ if own.rounds.iter().any(|round| round.candidates.is_empty()) && own.named.is_empty() => {
+            format!("No answer: no candidate was fitted. {:.3} mm are left.", own.after_mm)
+        }
         Verdict::NothingMissing => {
             format!("Nothing is missing that these recordings show: {:.3} mm are left.", own.after_mm)
         }

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
+use efam_core::levenberg_marquardt::{Evaluated, minimise};
 use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
@@ -77,16 +77,7 @@ pub fn fit(data: &Data, hypothesis: &Arc<Hypothesis>, start: &DVector<f64>) -> O
             break;
         }
         misfits = now;
-        let search = Search {
-            bounds: hypothesis.bounds(),
-            longest: vec![LONGEST; z.len()],
-            tolerance: TOLERANCE,
-            relative: 0.0,
-            most_evaluations: EVALUATIONS,
-            first_damping: FIRST_DAMPING,
-            reuses_slopes: true,
-            is_followed: true,
-        };
+        let search = hypothesis.search(LONGEST, TOLERANCE, EVALUATIONS);
         let begin = z.clone();
         let mut evaluate = |x: &DVector<f64>, reused: Option<&Arc<Vec<Residuals>>>| {
             let residuals: Arc<Vec<Residuals>> = match (reused, *x == begin) {

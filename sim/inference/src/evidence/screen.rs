@@ -36,7 +36,9 @@ pub struct Screened {
 /// Screens extensions of a fit, the most promising first.
 pub fn screen(data: &Data, base: &Fit, extensions: Vec<Extension>) -> Vec<Screened> {
     let slopes = slopes(data, base, &extensions);
-    let screened = |(extension, own): (Extension, Option<Compared>)| screened(data, base, extension, own?);
+    let (before, _) = likelihood(&base.compared, &data.weights, &base.z, base.share, REACH);
+    let screened =
+        |(extension, own): (Extension, Option<Compared>)| screened(data, base, before, extension, own?);
     let pairs: Vec<_> = extensions.into_iter().zip(slopes).collect();
     let mut all: Vec<Screened> =
         pairs.into_par_iter().map(screened).collect::<Vec<_>>().into_iter().flatten().collect();
@@ -51,6 +53,7 @@ fn slopes(data: &Data, base: &Fit, extensions: &[Extension]) -> Vec<Option<Compa
         let alone = |e: &usize| vec![*e];
         let runs = match columns(data, base, extensions, &together) {
             Some(columns) => vec![(together, columns)],
+            None if together.len() == 1 => Vec::new(),
             // One of them cannot be run; the others can.
             None => (together.iter().map(alone))
                 .filter_map(|one| Some((one.clone(), columns(data, base, extensions, &one)?)))
@@ -138,8 +141,15 @@ fn columns(
     Some(compared.slopes.iter().map(of_release).collect())
 }
 
-/// The linearised model of one extension, and a run at its optimum.
-fn screened(data: &Data, base: &Fit, extension: Extension, slopes: Compared) -> Option<Screened> {
+/// The linearised model of one extension, and a run at its optimum. `before` is the logarithm of the likelihood of the fit
+/// that it extends.
+fn screened(
+    data: &Data,
+    base: &Fit,
+    before: f64,
+    extension: Extension,
+    slopes: Compared,
+) -> Option<Screened> {
     let unknowns = &extension.hypothesis.unknowns;
     let n = base.z.len();
     let at = |u: usize| {
@@ -155,7 +165,6 @@ fn screened(data: &Data, base: &Fit, extension: Extension, slopes: Compared) -> 
     let step =
         expanded.hessian.cholesky()?.solve(&expanded.gradient).map(|step| step.clamp(-LONGEST, LONGEST));
     // The volume of the unknowns is that of the linearised model.
-    let (before, _) = likelihood(&base.compared, &data.weights, &base.z, base.share, REACH);
     let promised = linear - base.evidence;
     let mut best: Option<(f64, f64, DVector<f64>)> = None;
     for part in [1.0, PART] {
