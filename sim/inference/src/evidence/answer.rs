@@ -2,7 +2,7 @@
 
 use super::Accepted;
 use super::data::Data;
-use super::samples::Sampled;
+use super::samples::{NUMBERS, Sampled};
 use super::search::Fit;
 use super::unknown::Role;
 use super::verdict::{Round, Seen, Value, Weighed};
@@ -10,7 +10,8 @@ use super::words::words;
 use crate::diagnose::verdict::Verdict;
 use crate::normal::NORMAL_95;
 
-/// Share of the misfit that an answer may leave: odds do not know that the truth is absent, so the best must remove half.
+/// Share of the misfit that an answer may leave: odds do not know that the truth is absent, so the best must remove half. What
+/// it saves in deviations from what is stated counts as well, by its likelihood.
 const LEFT: f64 = 0.5;
 /// Prior standard deviations from which on a part of the setup is reported.
 const MOVED: f64 = 2.0;
@@ -47,6 +48,7 @@ pub fn answer(
         runs: data.runs(),
         features: data.count(),
         unknowns: baseline.z.len(),
+        releases: data.plans.len(),
         warnings,
         ..Weighed::default()
     };
@@ -68,7 +70,8 @@ fn verdict(
         // What is far beyond noise and what repeats is there, whatever explains it.
         return if is_little(before) { Verdict::NothingMissing } else { Verdict::Unknown };
     }
-    if after.misfit() > LEFT * before.misfit() && !is_little(after) {
+    let numbers = weighed.releases as f64 * NUMBERS;
+    if after.density - before.density < -numbers * LEFT.ln() && !is_little(after) {
         return Verdict::Unknown;
     }
     let is_statement =

@@ -3,7 +3,7 @@
 //! Experimental: `efam diagnose --method features`. A hypothesis is a model with unknowns that all have proper priors
 //! (`setup.rs`). Its evidence is that of the features of all releases (`likelihood.rs`), by Laplace's method at the optimum
 //! (`search.rs`). Nothing, every effect of the catalogue and every statement that may be wrong are weighed by one formula
-//! (`candidates.rs`); a linearised screen chooses which are fitted (`screen.rs`). What wins is fitted to all samples
+//! (`candidates.rs`); a screen at a few strengths chooses which are fitted (`screen.rs`). What wins is fitted to all samples
 //! (`samples.rs`). The verdict is odds (`verdict.rs`), and one rule beside: odds do not know that the truth is absent, so the
 //! misfit must fall by half, or the answer is unknown.
 
@@ -167,7 +167,7 @@ fn round(
     let chosen = chosen(screened);
     listener.doing(&format!("round {}: {} fits", number + 1, chosen.len()));
     let fitted = |own: Screened| {
-        let hypothesis = screen::hypothesis(&own.extension);
+        let hypothesis = Arc::new(own.extension.hypothesis.clone());
         let first = fit(data, &hypothesis, &own.start, own.share, EFFORT);
         let is_lost = first.as_ref().is_none_or(|fit| fit.evidence < base.evidence - LOCAL_MINIMUM);
         let again =
@@ -196,22 +196,15 @@ fn round(
     listener.doing(&format!("round {}: all samples", number + 1));
     near.into_par_iter().for_each(|own| {
         if let Some(sampled) = samples::fit(data, &own.fit.hypothesis, &own.fit.z) {
-            own.all = own.features + gain(data, base_sampled, &sampled);
+            // The prior at the features' optimum is in their odds already.
+            let gain = |sampled: &Sampled, fit: &Fit| sampled.density + 0.5 * fit.z.norm_squared();
+            own.all = own.features + gain(&sampled, &own.fit) - gain(base_sampled, base);
             own.sampled = Some(sampled);
         }
     });
     // Those that were not fitted to all samples stay behind.
     tried.sort_by(|a, b| b.sampled.is_some().cmp(&a.sampled.is_some()).then(b.all.total_cmp(&a.all)));
     (bar, tried)
-}
-
-/// What the fit to all samples adds to the log odds: so many numbers of each release are better by the ratio of mean squares.
-fn gain(data: &Data, before: &Sampled, after: &Sampled) -> f64 {
-    let of = |((before, after), plan): ((&f64, &f64), &crate::features::Plan)| {
-        let noise = plan.noise.powi(2);
-        0.5 * samples::NUMBERS * ((before + noise) / (after + noise)).ln()
-    };
-    before.misfits.iter().zip(&after.misfits).zip(&data.plans).map(of).sum()
 }
 
 /// The candidates that are fitted: the most promising, and not too many tries of one effect.

@@ -42,6 +42,7 @@ const PUSH: f64 = 0.01;
 const NODES: usize = 17;
 
 const EI: &str = "rod.bending_stiffness";
+const TILT: &str = "effects.frame_tilt.angle";
 
 /// Statements that may be freed, by how much wider their prior then is.
 pub const FREED: [(&str, f64); 10] = [
@@ -108,11 +109,14 @@ pub fn nothing(problem: &Problem, trials: Vec<Trial>, plans: &[Plan]) -> Result<
             made.shared(Unknown::setup(statement, label, unit, Scaled::Factor(deviation)), &[path])?;
         }
     }
-    let clamp = Unknown::setup("clamp", "angle of the clamp", "rad", Scaled::Shift(ANGLE));
+    let clamp = problem.nuisances.clamp_angle.unwrap_or(ANGLE);
+    let clamp = Unknown::setup("clamp", "angle of the clamp", "rad", Scaled::Shift(clamp));
     if !is_known(BASE_ANGLE) {
         made.shared(clamp, &[BASE_ANGLE, RELEASE_ANGLE])?;
     }
-    made.grouped("camera", "tilt of the camera", "rad", Scaled::Shift(ANGLE), "effects.frame_tilt.angle")?;
+    if !is_known(TILT) {
+        made.grouped("camera", "tilt of the camera", "rad", Scaled::Shift(ANGLE), TILT)?;
+    }
     let marker = MARKER * (rod.length / MARKER_LENGTH).max(1.0);
     for (key, label) in
         [("along", "place of the tip's marker along"), ("across", "place of the tip's marker across")]
