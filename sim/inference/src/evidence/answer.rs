@@ -71,7 +71,9 @@ fn verdict(
         return if is_little(before) { Verdict::NothingMissing } else { Verdict::Unknown };
     }
     let numbers = weighed.releases as f64 * NUMBERS;
-    if after.density - before.density < -numbers * LEFT.ln() && !is_little(after) {
+    let saved = 0.5 * (before.z.norm_squared() - after.z.norm_squared()).max(0.0);
+    let explained = numbers * (before.misfit() / after.misfit()).ln() + saved;
+    if explained < -numbers * LEFT.ln() && !is_little(after) {
         return Verdict::Unknown;
     }
     let is_statement =
