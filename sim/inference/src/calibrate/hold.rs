@@ -39,8 +39,16 @@ pub(crate) fn sizes(model: &Model) -> Result<[f64; 5], ModelError> {
 }
 
 /// Whether a release can tell the moment: one marker does not show it.
-pub(crate) fn shows_moment(release: &Release) -> bool {
+fn shows_moment(release: &Release) -> bool {
     release.tracks.len() > 1
+}
+
+/// What a hand does before a held release, as far as the release can tell it: path, unit, and standard deviation.
+pub(crate) fn pulls(trial: &Trial) -> Result<Vec<(&'static str, &'static str, f64)>, ModelError> {
+    let units = ["N", "N", "N/s", "N/s", "N m"];
+    let all = PULL.into_iter().zip(units).zip(sizes(&trial.model)?);
+    let count = PULL.len() - usize::from(!shows_moment(&trial.release));
+    Ok(all.map(|((path, unit), size)| (path, unit, size)).take(count).collect())
 }
 
 /// Lets a trial start at rest in the hand that holds its markers where they are seen.

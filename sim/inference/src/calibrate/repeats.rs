@@ -198,15 +198,23 @@ pub(crate) fn grouped(
     counts: impl Fn(&Trial) -> bool,
     is_alike: impl Fn(&Trial, &Trial) -> bool,
 ) -> Vec<Vec<usize>> {
-    let trials = &problem.trials;
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for (k, trial) in trials.iter().enumerate().filter(|(_, trial)| counts(trial)) {
-        match groups.iter_mut().find(|own| is_alike(&trials[own[0]], trial)) {
-            Some(own) => own.push(k),
-            None => groups.push(vec![k]),
+    grouped_trials(problem.trials(), counts, is_alike)
+}
+
+/// The same of trials.
+pub(crate) fn grouped_trials<'a>(
+    trials: impl Iterator<Item = &'a Trial>,
+    counts: impl Fn(&Trial) -> bool,
+    is_alike: impl Fn(&Trial, &Trial) -> bool,
+) -> Vec<Vec<usize>> {
+    let mut groups: Vec<(&Trial, Vec<usize>)> = Vec::new();
+    for (k, trial) in trials.enumerate().filter(|(_, trial)| counts(trial)) {
+        match groups.iter_mut().find(|(first, _)| is_alike(first, trial)) {
+            Some((_, own)) => own.push(k),
+            None => groups.push((trial, vec![k])),
         }
     }
-    groups
+    groups.into_iter().map(|(_, own)| own).collect()
 }
 
 /// Whether two releases are of one rod, pressure, payload and posture: whether their models differ in nothing but how

@@ -1,6 +1,5 @@
 //! From parameters and nuisances to one flat list of unknowns, scaled, and back.
 
-use models::effects::tip_hold::PULL;
 use models::error::ModelError;
 use models::model::ModelParameter;
 use models::quantity::format_si;
@@ -258,10 +257,7 @@ impl Unknowns {
             add(UnknownKind::MassDamping, acts, MASS_DAMPING, "1/s", deviation, nuisances.farthest);
         }
         if trial.is_held() {
-            let sizes = hold::sizes(&trial.model).map_err(|error| of_model(trial, error))?;
-            let told = PULL.len() - usize::from(!hold::shows_moment(&trial.release));
-            let of_hand = PULL.iter().zip(sizes).zip(["N", "N", "N/s", "N/s", "N m"]);
-            for ((path, size), unit) in of_hand.take(told) {
+            for (path, unit, size) in hold::pulls(trial).map_err(|error| of_model(trial, error))? {
                 let acts = Acts::Theta(index(trial, path)?);
                 add(UnknownKind::Pull, acts, path, unit, size, f64::INFINITY);
             }
@@ -293,7 +289,7 @@ pub(crate) fn pose(trial: &mut Trial, name: &str, value: f64) {
     (trial.model, trial.run.initial) = trial.with(&[(k, below + value)]);
 }
 
-const RELEASE_ANGLE: &str = "release.angle";
+pub(crate) const RELEASE_ANGLE: &str = "release.angle";
 pub(crate) const BASE_ANGLE: &str = "rod.base_angle";
 pub(crate) const ALPHA: &str = "effects.rayleigh_mass.alpha";
 

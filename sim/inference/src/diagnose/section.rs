@@ -23,6 +23,19 @@ pub(super) const SHARED: [&str; 2] = [ALPHA, BETA];
 /// # Errors
 /// [`SectionError`], with the place in the file where there is one.
 pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, SectionError> {
+    let mut problem = parameters(experiment, cleaned)?;
+    let tracks = problem.trials_mut().flat_map(|trial| &mut trial.release.tracks);
+    tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
+    admit_tilt(&mut problem, USUAL_TILT);
+    lock_away(&mut problem);
+    Ok(problem)
+}
+
+/// The problem of a calibration; unless the experiment lists its parameters, all pressures share the losses, and a stated
+/// stiffness has a prior.
+/// # Errors
+/// [`SectionError`], with the place in the file where there is one.
+pub(crate) fn parameters(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, SectionError> {
     let (mut problem, _) = calibration_problem(experiment, cleaned)?;
     let section = experiment.section("calibrate")?;
     if section.tables("parameter").map_err(ExperimentError::from)?.is_empty() {
@@ -31,10 +44,6 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
         }
         believe_stiffness(&mut problem, experiment);
     }
-    let tracks = problem.trials_mut().flat_map(|trial| &mut trial.release.tracks);
-    tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
-    admit_tilt(&mut problem, USUAL_TILT);
-    lock_away(&mut problem);
     Ok(problem)
 }
 

@@ -1,8 +1,8 @@
 //! From odds to an answer: the rules of the verdict, and its words.
 
-use super::Tried;
+use super::Accepted;
 use super::data::Data;
-use super::samples::Sampled;
+use super::samples::{NUMBERS, Sampled};
 use super::search::Fit;
 use super::unknown::Role;
 use super::verdict::{Round, Seen, Value, Weighed};
@@ -10,7 +10,8 @@ use super::words::words;
 use crate::diagnose::verdict::Verdict;
 use crate::normal::NORMAL_95;
 
-/// Share of the misfit that an answer may leave: odds do not know that the truth is absent, so the best must remove half.
+/// Share of the misfit that an answer may leave: odds do not know that the truth is absent, so the best must remove half. What
+/// it saves in deviations from what is stated counts as well, by its likelihood.
 const LEFT: f64 = 0.5;
 /// Prior standard deviations from which on a part of the setup is reported.
 const MOVED: f64 = 2.0;
@@ -22,14 +23,14 @@ pub fn answer(
     data: &Data,
     baseline: &Fit,
     baseline_sampled: &Sampled,
-    accepted: &[Tried],
+    accepted: &[Accepted],
     members: Vec<String>,
     rounds: Vec<Round>,
     warnings: Vec<String>,
 ) -> Weighed {
     let last = accepted.last();
     let (fit, sampled) = match last {
-        Some(own) => (&own.fit, own.sampled.as_ref().unwrap_or(baseline_sampled)),
+        Some(own) => (&own.fit, &own.sampled),
         None => (baseline, baseline_sampled),
     };
     let swing = data.first_swing();
@@ -47,6 +48,7 @@ pub fn answer(
         runs: data.runs(),
         features: data.count(),
         unknowns: baseline.z.len(),
+        releases: data.plans.len(),
         warnings,
         ..Weighed::default()
     };
@@ -56,13 +58,22 @@ pub fn answer(
 }
 
 /// The rules.
-fn verdict(before: &Sampled, after: &Sampled, accepted: &[Tried], weighed: &Weighed, swing: f64) -> Verdict {
+fn verdict(
+    before: &Sampled,
+    after: &Sampled,
+    accepted: &[Accepted],
+    weighed: &Weighed,
+    swing: f64,
+) -> Verdict {
     let is_little = |own: &Sampled| own.is_little(swing);
     if accepted.is_empty() {
         // What is far beyond noise and what repeats is there, whatever explains it.
         return if is_little(before) { Verdict::NothingMissing } else { Verdict::Unknown };
     }
-    if after.misfit() > LEFT * before.misfit() && !is_little(after) {
+    let numbers = weighed.releases as f64 * NUMBERS;
+    let saved = 0.5 * (before.z.norm_squared() - after.z.norm_squared()).max(0.0);
+    let explained = numbers * (before.misfit() / after.misfit()).ln() + saved;
+    if explained < -numbers * LEFT.ln() && !is_little(after) {
         return Verdict::Unknown;
     }
     let is_statement =
@@ -150,6 +161,9 @@ fn summary(own: &Weighed) -> String {
     let saw = saw.collect::<Vec<_>>().join("; ");
     let left = format!("{:.3} mm of {:.3} mm are left", own.after_mm, own.before_mm);
     match own.verdict {
+        _ if own.rounds.iter().any(|round| round.candidates.is_empty()) && own.named.is_empty() => {
+            format!("No answer: no candidate was fitted. {:.3} mm are left.", own.after_mm)
+        }
         Verdict::NothingMissing => {
             format!("Nothing is missing that these recordings show: {:.3} mm are left.", own.after_mm)
         }

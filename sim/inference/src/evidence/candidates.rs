@@ -4,7 +4,7 @@ use models::effects::Parameter;
 use models::error::ModelError;
 
 use super::hypothesis::Hypothesis;
-use super::setup::{FREED, freed, groups};
+use super::setup::{FREED, by_pressure, freed};
 use super::unknown::{Act, Role, Scaled, Unknown};
 use crate::calibrate::{Nuisances, Problem, Scope};
 use crate::diagnose::DiagnosisSettings;
@@ -66,11 +66,10 @@ fn extension(of: &Hypothesis, candidate: &Candidate) -> Result<Extension, ModelE
     for trial in &mut hypothesis.trials {
         *trial = candidate.on(trial, off)?;
     }
-    hypothesis.effects.push(name.to_owned());
     let releases: Vec<usize> = (0..of.trials.len()).collect();
     let owners = match candidate.scope {
         Scope::Shared => vec![releases.clone()],
-        Scope::PerPressure => groups(&of.trials),
+        Scope::PerPressure => by_pressure(&of.trials),
         Scope::PerRelease => releases.iter().map(|r| vec![*r]).collect(),
     };
     let (low, high) = candidate.believed();

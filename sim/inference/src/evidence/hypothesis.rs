@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 
 use efam_core::forward::{FAST_TOLERANCE, Run, forward};
 use efam_core::integrate::{Method, Steps};
-use efam_core::trajectory::Status;
+use efam_core::levenberg_marquardt::{FIRST_DAMPING, Search};
+use efam_core::trajectory::{Status, Trajectory};
 use efam_experiments::release::Point;
 use models::sensor::Sensor;
 use nalgebra::DVector;
@@ -25,8 +26,7 @@ pub struct Hypothesis {
     /// One for each release that is compared.
     pub trials: Vec<Trial>,
     pub unknowns: Vec<Unknown>,
-    /// Effects that were added, and the statement that is freed.
-    pub effects: Vec<String>,
+    /// The statement that is freed.
     pub freed: Option<&'static str>,
 }
 
@@ -36,8 +36,29 @@ pub struct Simulated {
     pub slopes: Vec<(usize, Vec<Vec<f64>>)>,
 }
 
-/// An unknown, what it acts on, and the parameters that it moves with the derivatives of their values.
-type Chain<'a> = (usize, &'a Act, Vec<(usize, f64)>);
+/// What the unknowns make of the model of one release.
+#[derive(Default)]
+struct Setting<'a> {
+    /// Parameters with their values.
+    theta: Vec<(usize, f64)>,
+    /// Shift of the recording's zero, s.
+    instant: f64,
+    /// Shift of all tracks, m.
+    offset: [f64; 2],
+    /// Places of the tracks on the rod.
+    points: Vec<Point>,
+    /// Unknowns of which slopes are wanted.
+    chains: Vec<Chain<'a>>,
+}
+
+/// An unknown, how it acts, and the derivatives of the parameters that it moves.
+struct Chain<'a> {
+    unknown: usize,
+    act: &'a Act,
+    theta: Vec<(usize, f64)>,
+    /// Derivative of what is no parameter: an instant, an offset, a place.
+    slope: f64,
+}
 
 impl Hypothesis {
     /// Where a search begins.
@@ -45,15 +66,24 @@ impl Hypothesis {
         DVector::from_iterator(self.unknowns.len(), self.unknowns.iter().map(|own| own.start))
     }
 
-    /// Admissible `z`: half-normal unknowns are not negative, and eight standard deviations are beyond any prior.
-    pub fn bounds(&self) -> Vec<(f64, f64)> {
-        self.unknowns
-            .iter()
-            .map(|own| if own.is_half { (0.0, FARTHEST) } else { (-FARTHEST, FARTHEST) })
-            .collect()
+    /// How its unknowns are searched: `longest` is the longest step, prior standard deviations, `tolerance` the predicted
+    /// decrease of the cost that is not worth a step, nats.
+    pub fn search(&self, longest: f64, tolerance: f64, most_evaluations: usize) -> Search {
+        // Half-normal unknowns are not negative.
+        let bounds = |own: &Unknown| (if own.is_half { 0.0 } else { -FARTHEST }, FARTHEST);
+        Search {
+            bounds: self.unknowns.iter().map(bounds).collect(),
+            longest: vec![longest; self.unknowns.len()],
+            tolerance,
+            relative: 0.0,
+            most_evaluations,
+            first_damping: FIRST_DAMPING,
+            reuses_slopes: true,
+            is_followed: true,
+        }
     }
 
-    /// Simulates one release at the times of its plan. `wanted` says of which unknowns slopes are wanted. None where the model
+    /// Simulates one release at the times of its plan, with slopes by the unknowns that are `wanted`. None where the model
     /// cannot be run.
     pub fn simulate(
         &self,
@@ -62,61 +92,96 @@ impl Hypothesis {
         z: &DVector<f64>,
         wanted: &dyn Fn(usize) -> bool,
     ) -> Option<Simulated> {
+        let mut setting = self.setting(r, plan, z, wanted);
+        let markers = setting.points.len();
+        let asides: Vec<usize> = setting.chains.iter().filter_map(|chain| setting.place(chain)).collect();
+        for track in asides {
+            setting.points.push(setting.aside(track));
+        }
+        let mut watched: Vec<usize> =
+            setting.chains.iter().flat_map(|chain| chain.theta.iter().map(|(k, _)| *k)).collect();
+        watched.sort_unstable();
+        watched.dedup();
+        let (path, times) = self.path(r, plan, &setting, &watched)?;
+        let offset = setting.offset;
+        let seen = |m: usize, k: usize| [0, 1].map(|axis| path.points[k][m][axis] + offset[axis]);
+        let coordinates = plan.coordinates(&seen, times.len());
+        if !coordinates.iter().flatten().all(|x| x.is_finite()) {
+            return None;
+        }
+        let mut slopes: Vec<(usize, Vec<Vec<f64>>)> = Vec::with_capacity(setting.chains.len());
+        let mut aside = markers;
+        for chain in &setting.chains {
+            let own =
+                Moved { chain, setting: &setting, path: &path, times: &times, watched: &watched, aside };
+            aside += usize::from(setting.place(chain).is_some());
+            let moved = plan.coordinates(&|m, k| own.at(m, k), times.len());
+            match slopes.iter_mut().find(|(u, _)| *u == chain.unknown) {
+                Some((_, known)) => known
+                    .iter_mut()
+                    .flatten()
+                    .zip(moved.into_iter().flatten())
+                    .for_each(|(known, more)| *known += more),
+                None => slopes.push((chain.unknown, moved)),
+            }
+        }
+        Some(Simulated { coordinates, slopes })
+    }
+
+    /// Values of the model and of the setup at `z`.
+    fn setting(
+        &self,
+        r: usize,
+        plan: &Plan,
+        z: &DVector<f64>,
+        wanted: &dyn Fn(usize) -> bool,
+    ) -> Setting<'_> {
         let trial = &self.trials[r];
-        let (mut theta, mut instant, mut offset) = (Vec::<(usize, f64)>::new(), 0.0, [0.0; 2]);
-        let mut points: Vec<Point> =
-            plan.tracks.iter().map(|track| trial.release.tracks[*track].at).collect();
-        // By unknown: parameters with the derivatives of their values.
-        let mut chains: Vec<Chain<'_>> = Vec::new();
+        let points = plan.tracks.iter().map(|track| trial.release.tracks[*track].at).collect();
+        let mut setting = Setting { points, ..Setting::default() };
         for (u, unknown) in self.unknowns.iter().enumerate() {
             for (_, act) in unknown.acts.iter().filter(|(own, _)| *own == r) {
-                let mut chain = Vec::new();
+                let (mut theta, mut slope) = (Vec::new(), unknown.slope(0.0, z[u]));
                 match act {
                     Act::Theta(places) => {
-                        for &k in places {
-                            let own = theta.iter().position(|(other, _)| *other == k).unwrap_or_else(|| {
-                                theta.push((k, trial.model.theta[k]));
-                                theta.len() - 1
-                            });
-                            let before = theta[own].1;
-                            let (low, high) = trial.model.parameters[k].range;
-                            theta[own].1 = unknown.value(before, z[u]).max(low).min(high);
-                            chain.push((k, unknown.slope(before, z[u])));
-                        }
+                        theta = places
+                            .iter()
+                            .map(|k| (*k, setting.move_theta(trial, *k, unknown, z[u])))
+                            .collect();
                     }
-                    Act::Instant => instant += unknown.value(0.0, z[u]),
-                    Act::Offset(axis) => offset[*axis] += unknown.value(0.0, z[u]),
+                    Act::Instant => setting.instant += unknown.value(0.0, z[u]),
+                    Act::Offset(axis) => setting.offset[*axis] += unknown.value(0.0, z[u]),
                     Act::Place(track) => {
-                        if let Point::Along(share) = &mut points[*track] {
+                        if let Point::Along(share) = &mut setting.points[*track] {
+                            slope = unknown.slope(*share, z[u]);
                             *share = unknown.value(*share, z[u]).clamp(0.0, 1.0);
                         }
                     }
                 }
                 if wanted(u) {
-                    chains.push((u, act, chain));
+                    setting.chains.push(Chain { unknown: u, act, theta, slope });
                 }
             }
         }
-        let markers = points.len();
-        let mut watched: Vec<usize> = Vec::new();
-        for (_, act, chain) in &chains {
-            watched.extend(chain.iter().map(|(k, _)| *k));
-            if let Act::Place(track) = act
-                && let Point::Along(share) = points[*track]
-            {
-                points.push(Point::Along((share + PLACE_STEP).min(1.0)));
-            }
-        }
-        watched.sort_unstable();
-        watched.dedup();
-        let (model, initial) = trial.with(&theta);
-        let times: Vec<f64> = plan.time.iter().map(|t| (t - instant).max(0.0)).collect();
+        setting
+    }
+
+    /// The run of one release, with the times at which it is compared, s.
+    fn path(
+        &self,
+        r: usize,
+        plan: &Plan,
+        setting: &Setting,
+        watched: &[usize],
+    ) -> Option<(Trajectory, Vec<f64>)> {
+        let trial = &self.trials[r];
+        let (model, initial) = trial.with(&setting.theta);
+        let times: Vec<f64> = plan.time.iter().map(|t| (t - setting.instant).max(0.0)).collect();
         let last = times.last().copied()?;
-        let duration = last.max(Sensor::new(&model, model.theta.clone()).instant(last));
         let run = Run {
             initial,
             history: trial.run.history,
-            duration,
+            duration: last.max(Sensor::new(&model, model.theta.clone()).instant(last)),
             samples: times.clone(),
             method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
             tolerance: FAST_TOLERANCE,
@@ -125,71 +190,91 @@ impl Hypothesis {
             keep_samples: true,
             keep_steps: false,
             energy: false,
-            sensitivities: watched.clone(),
-            points: points.clone(),
+            sensitivities: watched.to_vec(),
+            points: setting.points.clone(),
             trace_step: None,
             cancel: trial.run.cancel.clone(),
             work: trial.run.work.clone(),
         };
         let path = forward(&model, &run, &mut |_| ControlFlow::Continue(())).ok()?;
-        if path.status != Status::Complete || path.points.len() != times.len() {
-            return None;
+        (path.status == Status::Complete && path.points.len() == times.len()).then_some((path, times))
+    }
+}
+
+impl Setting<'_> {
+    /// Moves a parameter by an unknown, within its range; the derivative of its value.
+    fn move_theta(&mut self, trial: &Trial, k: usize, unknown: &Unknown, z: f64) -> f64 {
+        let own = self.theta.iter().position(|(other, _)| *other == k).unwrap_or_else(|| {
+            self.theta.push((k, trial.model.theta[k]));
+            self.theta.len() - 1
+        });
+        let before = self.theta[own].1;
+        let (low, high) = trial.model.parameters[k].range;
+        self.theta[own].1 = unknown.value(before, z).max(low).min(high);
+        unknown.slope(before, z)
+    }
+
+    /// The track whose place an unknown moves.
+    fn place(&self, chain: &Chain) -> Option<usize> {
+        match chain.act {
+            Act::Place(track) if matches!(self.points[*track], Point::Along(_)) => Some(*track),
+            _ => None,
         }
-        let seen = |m: usize, k: usize| [0, 1].map(|axis| path.points[k][m][axis] + offset[axis]);
-        let coordinates = plan.coordinates(&seen, times.len());
-        if !coordinates.iter().flatten().all(|x| x.is_finite()) {
-            return None;
+    }
+
+    /// A point beside a track's, by whose distance the slope of its place is taken.
+    fn aside(&self, track: usize) -> Point {
+        match self.points[track] {
+            Point::Along(share) => Point::Along((share + PLACE_STEP).min(1.0)),
+            other => other,
         }
-        let mut place = markers;
-        let mut slopes = Vec::with_capacity(chains.len());
-        for (u, act, chain) in &chains {
-            let columns: Vec<(usize, f64)> = (chain.iter())
-                .filter_map(|(k, slope)| Some((watched.iter().position(|own| own == k)?, *slope)))
-                .collect();
-            let unknown = &self.unknowns[*u];
-            let moved: Box<dyn Fn(usize, usize) -> [f64; 2]> = match act {
-                Act::Theta(_) => Box::new(|m: usize, k: usize| {
-                    let by = &path.points_by_parameters[k][m];
-                    [0, 1].map(|axis| columns.iter().map(|(column, slope)| slope * by[*column][axis]).sum())
-                }),
-                Act::Instant => {
-                    let slope = unknown.slope(0.0, z[*u]);
-                    let times = &times;
-                    let path = &path;
-                    Box::new(move |m: usize, k: usize| {
-                        let rate = if times[k] > 0.0 { path.point_velocities[k][m] } else { [0.0; 2] };
-                        rate.map(|rate| -slope * rate)
-                    })
-                }
-                Act::Offset(axis) => {
-                    let (slope, axis) = (unknown.slope(0.0, z[*u]), *axis);
-                    Box::new(move |_, _| [0, 1].map(|own| if own == axis { slope } else { 0.0 }))
-                }
-                Act::Place(track) => {
-                    let Point::Along(share) = points[*track] else { continue };
-                    let (track, aside, path) = (*track, place, &path);
-                    let step = (share + PLACE_STEP).min(1.0) - share;
-                    place += 1;
-                    let slope = if step > 0.0 { unknown.slope(share, z[*u]) / step } else { 0.0 };
-                    Box::new(move |m: usize, k: usize| {
-                        let (there, here) = (path.points[k][aside], path.points[k][track]);
-                        [0, 1].map(|axis| if m == track { slope * (there[axis] - here[axis]) } else { 0.0 })
-                    })
-                }
-            };
-            let moved = plan.coordinates(&*moved, times.len());
-            match slopes.iter_mut().find(|(own, _): &&mut (usize, Vec<Vec<f64>>)| own == u) {
-                Some((_, known)) => {
-                    for (known, more) in known.iter_mut().flatten().zip(moved.into_iter().flatten()) {
-                        *known += more;
-                    }
-                }
-                None => slopes.push((*u, moved)),
+    }
+}
+
+/// How the markers of a run move with one unknown.
+struct Moved<'a> {
+    chain: &'a Chain<'a>,
+    setting: &'a Setting<'a>,
+    path: &'a Trajectory,
+    times: &'a [f64],
+    /// Parameters of the run's slopes.
+    watched: &'a [usize],
+    /// Point of the run beside the chain's own track, if it moves one.
+    aside: usize,
+}
+
+impl Moved<'_> {
+    /// Derivative of the place of marker `m` at sample `k`, m.
+    fn at(&self, m: usize, k: usize) -> [f64; 2] {
+        let slope = self.chain.slope;
+        match *self.chain.act {
+            Act::Theta(_) => {
+                let by = &self.path.points_by_parameters[k][m];
+                let of = |axis: usize| {
+                    let terms =
+                        self.chain.theta.iter().filter_map(|(k, slope)| {
+                            Some(slope * by[self.watched.binary_search(k).ok()?][axis])
+                        });
+                    terms.sum()
+                };
+                [of(0), of(1)]
             }
+            // Before the release the rod is at rest.
+            Act::Instant if self.times[k] > 0.0 => self.path.point_velocities[k][m].map(|rate| -slope * rate),
+            Act::Instant => [0.0; 2],
+            Act::Offset(axis) => [0, 1].map(|own| if own == axis { slope } else { 0.0 }),
+            Act::Place(track) if track == m && self.setting.place(self.chain).is_some() => {
+                let step = match (self.setting.aside(track), self.setting.points[track]) {
+                    (Point::Along(there), Point::Along(here)) => there - here,
+                    _ => 0.0,
+                };
+                let (there, here) = (self.path.points[k][self.aside], self.path.points[k][track]);
+                [0, 1].map(|axis| if step > 0.0 { slope * (there[axis] - here[axis]) / step } else { 0.0 })
+            }
+            Act::Place(_) => [0.0; 2],
         }
-        Some(Simulated { coordinates, slopes })
     }
 }
 
 /// Standard deviations beyond which nothing is searched.
-pub const FARTHEST: f64 = 8.0;
+const FARTHEST: f64 = 8.0;

@@ -132,27 +132,6 @@ pub fn evidence(
     best_share(near, reach, &of)
 }
 
-/// The same without slopes and unknowns: the likelihood of a track as it is.
-pub fn likelihood(
-    compared: &Compared,
-    weights: &[Weights],
-    z: &DVector<f64>,
-    near: f64,
-    reach: f64,
-) -> (f64, f64) {
-    let rotated = rotated(compared, weights, near);
-    let of = |share: f64| -expanded_cost(&rotated, z, share) + volume(weights, share);
-    best_share(near, reach, &of)
-}
-
-fn expanded_cost(rotated: &[Rotated], z: &DVector<f64>, share: f64) -> f64 {
-    let of = |own: &Rotated| {
-        let terms = own.difference.iter().zip(own.weights.variances.iter());
-        0.5 * terms.map(|(d, v)| d * d / (v + share * share)).sum::<f64>()
-    };
-    rotated.iter().map(of).sum::<f64>() + 0.5 * z.norm_squared()
-}
-
 /// The largest value over shares about one, and that share.
 fn best_share(near: f64, reach: f64, of: &dyn Fn(f64) -> f64) -> (f64, f64) {
     let (low, high) = ((near / reach).max(SHARES[0]), (near * reach).min(SHARES[1]));

@@ -3,7 +3,7 @@
 //! Experimental: `efam diagnose --method features`. A hypothesis is a model with unknowns that all have proper priors
 //! (`setup.rs`). Its evidence is that of the features of all releases (`likelihood.rs`), by Laplace's method at the optimum
 //! (`search.rs`). Nothing, every effect of the catalogue and every statement that may be wrong are weighed by one formula
-//! (`candidates.rs`); a linearised screen chooses which are fitted (`screen.rs`). What wins is fitted to all samples
+//! (`candidates.rs`); a screen at a few strengths chooses which are fitted (`screen.rs`). What wins is fitted to all samples
 //! (`samples.rs`). The verdict is odds (`verdict.rs`), and one rule beside: odds do not know that the truth is absent, so the
 //! misfit must fall by half, or the answer is unknown.
 
@@ -27,7 +27,7 @@ use efam_experiments::cleaning::Cleaned;
 use efam_experiments::experiment::Experiment;
 use rayon::prelude::*;
 
-use crate::calibrate::{CalibrateError, Problem, SectionError, problem as calibration_problem};
+use crate::calibrate::{CalibrateError, Problem, SectionError};
 use crate::diagnose::{DiagnosisSettings, Listener, section};
 use candidates::{effects, statements};
 use data::Data;
@@ -50,8 +50,8 @@ const SAMPLED_BEHIND: f64 = 8.0;
 const CLASS: f64 = 3.0;
 /// Log odds over all candidates together that an answer needs beside, `ln K` being their number.
 const MARGIN: f64 = 2.0;
-/// A fit this far below the one that it extends ended in another valley, and begins once more.
-const ASTRAY: f64 = 2.0;
+/// A fit whose log evidence is so far below that of the model that it extends ended in a local minimum, and begins again.
+const LOCAL_MINIMUM: f64 = 2.0;
 /// Evaluations of a fit from the priors' means in each round, and of a candidate's.
 const BASE_EFFORT: Effort = Effort(25);
 const EFFORT: Effort = Effort(12);
@@ -60,13 +60,7 @@ const EFFORT: Effort = Effort(12);
 /// # Errors
 /// [`SectionError`], with the place in the file where there is one.
 pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, SectionError> {
-    let (mut problem, _) = calibration_problem(experiment, cleaned)?;
-    let section = experiment.section("calibrate")?;
-    let listed = section.tables("parameter").map_err(efam_experiments::experiment::ExperimentError::from)?;
-    if listed.is_empty() {
-        section::believe_stiffness(&mut problem, experiment);
-    }
-    Ok(problem)
+    section::parameters(experiment, cleaned)
 }
 
 /// A candidate that was fitted.
@@ -76,6 +70,15 @@ struct Tried {
     sampled: Option<Sampled>,
     /// Log odds over the model before, by features and, where they were fitted, by all samples.
     features: f64,
+    all: f64,
+}
+
+/// A candidate that was fitted to all samples.
+struct Accepted {
+    name: String,
+    fit: Fit,
+    sampled: Sampled,
+    /// Log odds over the model before.
     all: f64,
 }
 
@@ -111,10 +114,10 @@ pub fn diagnose(
     let baseline = fit(&data, &nothing, &nothing.start(), FIRST_SHARE, BASE_EFFORT).ok_or_else(no_fit)?;
     let baseline_sampled = samples::fit(&data, &nothing, &baseline.z).ok_or_else(no_fit)?;
     listener.began();
-    let (mut rounds, mut accepted): (Vec<Round>, Vec<Tried>) = (Vec::new(), Vec::new());
+    let (mut rounds, mut accepted): (Vec<Round>, Vec<Accepted>) = (Vec::new(), Vec::new());
     let mut members = Vec::new();
-    for number in 0..settings.most_effects.max(1) {
-        if settings.most_effects == 0 || listener.stop().is_requested() {
+    for number in 0..settings.most_effects {
+        if listener.stop().is_requested() {
             break;
         }
         // Between parts of the search no run is in progress, so the count is that of any machine.
@@ -123,22 +126,17 @@ pub fn diagnose(
             break;
         }
         let (base, sampled) = match accepted.last() {
-            Some(last) => (&last.fit, last.sampled.as_ref().unwrap_or(&baseline_sampled)),
+            Some(last) => (&last.fit, &last.sampled),
             None => (&baseline, &baseline_sampled),
         };
-        let (bar, mut tried) = round(&data, base, sampled, settings, number, listener);
+        let (bar, tried) = round(&data, base, sampled, settings, number, listener);
         rounds.push(Round { bar, share: base.share, candidates: tried.iter().map(Tried::odds_of).collect() });
-        if tried.is_empty() || tried[0].all < bar {
-            break;
-        }
-        let best = tried.remove(0);
-        members = (tried.iter())
-            .filter(|own| best.all - own.all < CLASS && own.name != best.name)
-            .map(|own| own.name.clone())
-            .collect();
-        members.dedup();
+        // What was not fitted to all samples is no answer.
+        let mut sampled = tried.into_iter().filter_map(Tried::sampled);
+        let Some(best) = sampled.next().filter(|best| best.all >= bar) else { break };
+        members = sampled.filter(|own| best.all - own.all < CLASS).map(|own| own.name).collect();
         // What does not repeat is no second effect.
-        let is_done = best.sampled.as_ref().is_some_and(|own| own.is_little(data.first_swing()));
+        let is_done = best.sampled.is_little(data.first_swing());
         accepted.push(best);
         if is_done {
             break;
@@ -169,11 +167,11 @@ fn round(
     let chosen = chosen(screened);
     listener.doing(&format!("round {}: {} fits", number + 1, chosen.len()));
     let fitted = |own: Screened| {
-        let hypothesis = screen::hypothesis(&own.extension);
+        let hypothesis = Arc::new(own.extension.hypothesis.clone());
         let first = fit(data, &hypothesis, &own.start, own.share, EFFORT);
-        let is_astray = first.as_ref().is_none_or(|fit| fit.evidence < base.evidence - ASTRAY);
+        let is_lost = first.as_ref().is_none_or(|fit| fit.evidence < base.evidence - LOCAL_MINIMUM);
         let again =
-            is_astray.then(|| fit(data, &hypothesis, &beside(base, &own.extension), base.share, EFFORT));
+            is_lost.then(|| fit(data, &hypothesis, &beside(base, &own.extension), base.share, EFFORT));
         let best = [first, again.flatten()]
             .into_iter()
             .flatten()
@@ -198,22 +196,15 @@ fn round(
     listener.doing(&format!("round {}: all samples", number + 1));
     near.into_par_iter().for_each(|own| {
         if let Some(sampled) = samples::fit(data, &own.fit.hypothesis, &own.fit.z) {
-            own.all = own.features + gain(data, base_sampled, &sampled);
+            // The prior at the features' optimum is in their odds already.
+            let gain = |sampled: &Sampled, fit: &Fit| sampled.density + 0.5 * fit.z.norm_squared();
+            own.all = own.features + gain(&sampled, &own.fit) - gain(base_sampled, base);
             own.sampled = Some(sampled);
         }
     });
     // Those that were not fitted to all samples stay behind.
     tried.sort_by(|a, b| b.sampled.is_some().cmp(&a.sampled.is_some()).then(b.all.total_cmp(&a.all)));
     (bar, tried)
-}
-
-/// What the fit to all samples adds to the log odds: so many numbers of each release are better by the ratio of mean squares.
-fn gain(data: &Data, before: &Sampled, after: &Sampled) -> f64 {
-    let of = |((before, after), plan): ((&f64, &f64), &crate::features::Plan)| {
-        let noise = plan.noise.powi(2);
-        0.5 * samples::NUMBERS * ((before + noise) / (after + noise)).ln()
-    };
-    before.misfits.iter().zip(&after.misfits).zip(&data.plans).map(of).sum()
 }
 
 /// The candidates that are fitted: the most promising, and not too many tries of one effect.
@@ -231,6 +222,10 @@ fn chosen(screened: Vec<Screened>) -> Vec<Screened> {
 }
 
 impl Tried {
+    fn sampled(self) -> Option<Accepted> {
+        Some(Accepted { name: self.name, fit: self.fit, sampled: self.sampled?, all: self.all })
+    }
+
     fn odds_of(&self) -> Odds {
         Odds {
             name: self.name.clone(),

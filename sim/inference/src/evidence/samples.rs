@@ -1,16 +1,18 @@
 //! The fit to all samples, from the optimum of the features: values, intervals, and what is left.
 //!
-//! White noise of the camera, and a misfit of which a release shows only a few independent numbers: the variance of a sample is
-//! `σ² + m² N / n`, N samples of a release, n numbers, m the misfit beside the noise. So a model without misfit has the
-//! intervals of its noise, and another one those of what it misses.
+//! White noise σ of the camera in all N samples of a release, and beside it a misfit of root mean square m, of which a release shows
+//! only n independent numbers. Each of these has the variance `σ² + m² N / n`. With the m that is most probable the logarithm
+//! of the likelihood is `−n/2 ln(σ² + m² N / n)` and what all models share. So a model without misfit has the intervals of
+//! its noise, and another one those of what it misses.
 
 use std::sync::Arc;
 
-use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
+use efam_core::levenberg_marquardt::{Evaluated, minimise};
 use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
 use super::hypothesis::{Hypothesis, Simulated};
+use crate::calibrate::repeats::{grouped_trials, is_one_condition};
 use crate::features::Plan;
 
 /// Independent numbers that the misfit of a release is worth: size, phase and rest of its swing early and late, in two coordinates.
@@ -42,8 +44,10 @@ pub struct Sampled {
     pub rms: f64,
     /// The same that noise alone leaves.
     pub noise: f64,
-    /// Mean square of the residuals of each release beside its noise, of a coordinate, m².
-    pub misfits: Vec<f64>,
+    /// Logarithm of the likelihood and of the prior at the optimum, up to what all models share.
+    pub density: f64,
+    /// Root mean square distance, m, beside the noise, of what repeats in the releases of each condition.
+    misfit: f64,
 }
 
 impl Sampled {
@@ -52,9 +56,10 @@ impl Sampled {
         self.misfit() <= NOISE * self.noise || self.misfit() <= REPEATS * swing
     }
 
-    /// Root mean square misfit beside the noise, m.
+    /// Root mean square misfit beside the noise, m. An effect acts in all releases of a condition: where there are several, this
+    /// is the part of the residuals that they have in common.
     pub fn misfit(&self) -> f64 {
-        (self.rms * self.rms - self.noise * self.noise).max(0.0).sqrt()
+        self.misfit
     }
 }
 
@@ -77,16 +82,7 @@ pub fn fit(data: &Data, hypothesis: &Arc<Hypothesis>, start: &DVector<f64>) -> O
             break;
         }
         misfits = now;
-        let search = Search {
-            bounds: hypothesis.bounds(),
-            longest: vec![LONGEST; z.len()],
-            tolerance: TOLERANCE,
-            relative: 0.0,
-            most_evaluations: EVALUATIONS,
-            first_damping: FIRST_DAMPING,
-            reuses_slopes: true,
-            is_followed: true,
-        };
+        let search = hypothesis.search(LONGEST, TOLERANCE, EVALUATIONS);
         let begin = z.clone();
         let mut evaluate = |x: &DVector<f64>, reused: Option<&Arc<Vec<Residuals>>>| {
             let residuals: Arc<Vec<Residuals>> = match (reused, *x == begin) {
@@ -113,11 +109,17 @@ pub fn fit(data: &Data, hypothesis: &Arc<Hypothesis>, start: &DVector<f64>) -> O
     let seen = seen?;
     let misfits = misfits_of(data, &seen);
     let covariance = expanded(data, &seen, &z, &misfits).2.cholesky()?.inverse();
+    let of = |((own, plan), misfit): ((&Residuals, &Plan), &f64)| {
+        -0.5 * NUMBERS * variance(own, plan, *misfit).ln()
+    };
+    let likelihood: f64 = seen.iter().zip(&data.plans).zip(&misfits).map(of).sum();
+    let density = likelihood - 0.5 * z.norm_squared();
+    let misfit = misfit(data, hypothesis, &seen, &misfits);
     let count: f64 = data.plans.iter().map(|plan| sampled(plan) as f64).sum();
     let noise = (2.0 * data.plans.iter().map(|plan| sampled(plan) as f64 * plan.noise.powi(2)).sum::<f64>()
         / count)
         .sqrt();
-    Some(Sampled { z, covariance, rms: rms(&seen), noise, misfits })
+    Some(Sampled { z, covariance, rms: rms(&seen), noise, density, misfit })
 }
 
 /// Marker positions of a release.
@@ -164,8 +166,7 @@ fn expanded(
     let n = z.len();
     let (mut cost, mut gradient, mut hessian) = (0.5 * z.norm_squared(), z.clone(), DMatrix::identity(n, n));
     for ((own, plan), misfit) in seen.iter().zip(&data.plans).zip(misfits) {
-        let share = (own.residual.len() as f64 / NUMBERS).max(1.0);
-        let weight = (plan.noise.powi(2) + misfit * share).recip();
+        let weight = variance(own, plan, *misfit).recip();
         cost += 0.5 * weight * own.residual.norm_squared();
         if own.slopes.ncols() == n {
             gradient -= weight * own.slopes.tr_mul(&own.residual);
@@ -175,10 +176,80 @@ fn expanded(
     (cost, gradient, hessian)
 }
 
+/// Variance of each of the independent numbers of a release, m²; `misfit` is a mean square beside the noise.
+fn variance(own: &Residuals, plan: &Plan, misfit: f64) -> f64 {
+    plan.noise.powi(2) + misfit * (own.residual.len() as f64 / NUMBERS).max(1.0)
+}
+
+/// Root mean square distance beside the noise, m, of what releases of one condition have in common: the mean product of the
+/// residuals of two of them, in which noise and what does not repeat cancel. Of a release alone it is all beside the noise.
+fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[Residuals], misfits: &[f64]) -> f64 {
+    let mut square = 0.0;
+    for group in grouped_trials(hypothesis.trials.iter(), |_| true, is_one_condition) {
+        let pairs = group.iter().enumerate().flat_map(|(k, a)| group[k + 1..].iter().map(move |b| (*a, *b)));
+        let products: Vec<f64> = pairs.map(|(a, b)| product(data, seen, a, b)).collect();
+        let own = match products.len() {
+            0 => misfits[group[0]],
+            count => (products.iter().sum::<f64>() / count as f64).max(0.0),
+        };
+        square += own * group.len() as f64;
+    }
+    (2.0 * square / seen.len().max(1) as f64).sqrt()
+}
+
+/// Mean product of the residuals of two releases at the same times, m².
+fn product(data: &Data, seen: &[Residuals], a: usize, b: usize) -> f64 {
+    let [first, second] = [a, b].map(|r| (data.plans[r].samples.len(), &data.plans[r], &seen[r].residual));
+    let (mut sum, mut count) = (0.0, 0);
+    for c in 0..first.1.recorded.len().min(second.1.recorded.len()) {
+        let path = |(n, plan, residual): (usize, &Plan, &DVector<f64>)| {
+            let values = residual.as_slice()[c * n..(c + 1) * n].to_vec();
+            plan.time[..n].iter().copied().zip(values).collect::<Vec<_>>()
+        };
+        let (own, together) = products(&path(first), &path(second));
+        sum += own;
+        count += together;
+    }
+    sum / count.max(1) as f64
+}
+
+/// Sum of the products of two paths of time and value, the second interpolated at the times of the first, and their number.
+fn products(first: &[(f64, f64)], second: &[(f64, f64)]) -> (f64, usize) {
+    let of = |&(time, value): &(f64, f64)| {
+        let next = second.partition_point(|(t, _)| *t < time);
+        let ((t0, before), (t1, after)) = (second.get(next.checked_sub(1)?)?, second.get(next)?);
+        Some(value * (before + (time - t0) / (t1 - t0) * (after - before)))
+    };
+    first.iter().filter_map(of).fold((0.0, 0), |(sum, count), own| (sum + own, count + 1))
+}
+
 /// Root mean square distance of all markers.
 fn rms(seen: &[Residuals]) -> f64 {
     let (sum, count) = seen
         .iter()
         .fold((0.0, 0), |(sum, count), own| (sum + own.residual.norm_squared(), count + own.residual.len()));
     (2.0 * sum / count.max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What two releases have in common has the mean square of a sine, at other times as well; what only one of them has
+    /// cancels: sines of different frequencies over whole periods.
+    #[test]
+    fn only_what_repeats_has_a_product() {
+        let path = |rate: f64, shift: f64| -> Vec<(f64, f64)> {
+            (0..1000).map(|k| 0.01 * f64::from(k) + shift).map(|t| (t, (rate * t).sin())).collect()
+        };
+        let mean = |a: &[(f64, f64)], b: &[(f64, f64)]| {
+            let (sum, count) = products(a, b);
+            assert!(count > 990);
+            sum / count as f64
+        };
+        let tau = std::f64::consts::TAU;
+        assert!((mean(&path(tau, 0.0), &path(tau, 0.004)) - 0.5).abs() < 2e-3);
+        assert!(mean(&path(tau, 0.0), &path(2.0 * tau, 0.004)).abs() < 2e-3);
+        assert_eq!(products(&path(tau, 0.0), &[]), (0.0, 0));
+    }
 }

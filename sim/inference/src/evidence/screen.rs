@@ -1,26 +1,25 @@
-//! The screen: which candidates are worth a fit.
+//! The screen: which candidates are worth a fit, and where it begins.
 //!
-//! An effect that is off leaves the rod as it is, so one run of each release has the slopes by many strengths. The linearised
-//! model's evidence ranks the candidates; one run at its optimum shows how far that holds, and where a fit begins.
-
-use std::sync::Arc;
+//! A candidate is tried at a few strengths: friction, drag and memory are not linear in theirs, and a small one says little of a
+//! large one. Each try is one run of the releases. From there the other unknowns respond by the slopes of the model before,
+//! and the strength by the secant from zero. The evidence of that linearised model ranks the candidates.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidates::Extension;
 use super::data::Data;
-use super::hypothesis::Hypothesis;
-use super::likelihood::{Compared, evidence, expand, likelihood};
+use super::likelihood::{Compared, evidence, expand};
 use super::search::Fit;
-use super::unknown::{Act, Role, Unknown};
+use super::unknown::Unknown;
 
-/// Longest step of the linearised model, prior standard deviations.
+/// Strengths that are tried, prior standard deviations, and the factor between them: together they cover three decades.
+const TRIED: [f64; 3] = [0.02, 0.14, 1.0];
+const FACTOR: f64 = 7.0;
+/// Longest step of another unknown, prior standard deviations.
 const LONGEST: f64 = 2.0;
-/// Part of that step which is tried where the whole step leads astray: strong effects are not linear.
-const PART: f64 = 0.3;
-/// Strength from which a fit begins where the linearised model has none, prior standard deviations.
-const LITTLE: f64 = 0.02;
+/// Strength from which a fit begins again, prior standard deviations.
+const LITTLE: f64 = TRIED[0];
 /// Factor of the share within which the linearised model finds its own.
 const REACH: f64 = 20.0;
 
@@ -29,178 +28,96 @@ pub struct Screened {
     pub extension: Extension,
     pub start: DVector<f64>,
     pub share: f64,
-    /// Logarithm of evidence over the baseline, by the linearised model and by a run at its optimum: the smaller one.
+    /// Logarithm of the odds over the model before, by the linearised model.
     pub promise: f64,
 }
 
 /// Screens extensions of a fit, the most promising first.
 pub fn screen(data: &Data, base: &Fit, extensions: Vec<Extension>) -> Vec<Screened> {
-    let slopes = slopes(data, base, &extensions);
-    let screened = |(extension, own): (Extension, Option<Compared>)| screened(data, base, extension, own?);
-    let pairs: Vec<_> = extensions.into_iter().zip(slopes).collect();
+    let screened = |extension: Extension| {
+        let tries = if extension.strengths.is_empty() { vec![0.0] } else { tries(&extension) };
+        let found = tries.into_iter().filter_map(|strength| linearised(data, base, &extension, strength));
+        let (promise, share, start) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Screened { promise: promise - base.evidence + extension.odds, share, start, extension })
+    };
     let mut all: Vec<Screened> =
-        pairs.into_par_iter().map(screened).collect::<Vec<_>>().into_iter().flatten().collect();
+        extensions.into_par_iter().map(screened).collect::<Vec<_>>().into_iter().flatten().collect();
     all.sort_by(|a, b| b.promise.total_cmp(&a.promise));
     all
 }
 
-/// Differences and slopes of each extension at the optimum of the fit, where its strengths are zero.
-fn slopes(data: &Data, base: &Fit, extensions: &[Extension]) -> Vec<Option<Compared>> {
-    let mut found: Vec<Option<Compared>> = extensions.iter().map(|own| known(base, own)).collect();
-    for together in side_by_side(extensions) {
-        let alone = |e: &usize| vec![*e];
-        let runs = match columns(data, base, extensions, &together) {
-            Some(columns) => vec![(together, columns)],
-            // One of them cannot be run; the others can.
-            None => (together.iter().map(alone))
-                .filter_map(|one| Some((one.clone(), columns(data, base, extensions, &one)?)))
-                .collect(),
-        };
-        for (together, columns) in runs {
-            let mut next = 0;
-            for e in together {
-                let count = extensions[e].strengths.len();
-                if let Some(own) = &mut found[e] {
-                    for (own, columns) in own.slopes.iter_mut().zip(&columns) {
-                        for (k, place) in extensions[e].strengths.iter().enumerate() {
-                            own.set_column(*place, &columns.column(next + k));
-                        }
-                    }
-                }
-                next += count;
-            }
-        }
-    }
-    found
+/// Strengths at which an extension is tried, of both signs if it may have both.
+fn tries(extension: &Extension) -> Vec<f64> {
+    let is_half = extension.hypothesis.unknowns[extension.strengths[0]].is_half;
+    let signs: &[f64] = if is_half { &[1.0] } else { &[1.0, -1.0] };
+    signs.iter().flat_map(|sign| TRIED.map(|strength| sign * strength)).collect()
 }
 
-/// The slopes that the fit has, in the places of an extension; the strengths have none yet.
-fn known(base: &Fit, extension: &Extension) -> Option<Compared> {
-    let (n, all) = (base.z.len(), extension.hypothesis.unknowns.len());
-    let wider = |(u, own): (usize, &Unknown)| {
-        let before = base.hypothesis.unknowns.get(u);
-        if before.is_some_and(|before| before.scaled != own.scaled) { extension.wider } else { 1.0 }
-    };
-    let factors: Vec<f64> = extension.hypothesis.unknowns.iter().enumerate().map(wider).collect();
-    let slopes = base.compared.slopes.iter().map(|own| {
-        DMatrix::from_fn(own.nrows(), all, |f, u| if u < n { factors[u] * own[(f, u)] } else { 0.0 })
-    });
-    Some(Compared { differences: base.compared.differences.clone(), slopes: slopes.collect() })
-}
-
-/// Which extensions one model can have side by side: those of different effects.
-fn side_by_side(extensions: &[Extension]) -> Vec<Vec<usize>> {
-    let mut all: Vec<Vec<usize>> = Vec::new();
-    for (e, own) in extensions.iter().enumerate().filter(|(_, own)| !own.strengths.is_empty()) {
-        let is_apart =
-            |group: &&mut Vec<usize>| group.iter().all(|other| extensions[*other].name != own.name);
-        match all.iter_mut().find(is_apart) {
-            Some(group) => group.push(e),
-            None => all.push(vec![e]),
-        }
-    }
-    all
-}
-
-/// Slopes of features by the strengths of several extensions, by release, each from where it is off.
-fn columns(
+/// Evidence of the model that is linearised about one strength, its share, and its optimum.
+fn linearised(
     data: &Data,
     base: &Fit,
-    extensions: &[Extension],
-    together: &[usize],
-) -> Option<Vec<DMatrix<f64>>> {
-    let n = base.z.len();
-    let mut joint = Hypothesis::clone(&base.hypothesis);
-    let places: Vec<usize> = together.iter().flat_map(|e| extensions[*e].strengths.iter().copied()).collect();
-    for e in together {
-        let own = &extensions[*e].hypothesis;
-        for (trial, with) in joint.trials.iter_mut().zip(&own.trials) {
-            let added = with.model.effect(&extensions[*e].name)?;
-            let values: Vec<(&str, f64)> = (added.effect.about().parameters.iter())
-                .zip(added.theta.clone())
-                .map(|(parameter, k)| (parameter.name, with.model.theta[k]))
-                .collect();
-            *trial = trial.with_effect(&extensions[*e].name, &values).ok()?;
-        }
-        for place in &extensions[*e].strengths {
-            let mut unknown = own.unknowns[*place].clone();
-            for (r, act) in &mut unknown.acts {
-                let Act::Theta(k) = act else { return None };
-                let path = &own.trials[*r].model.parameters[*k.first()?].path;
-                *k = vec![joint.trials[*r].model.index(path).ok()?];
-            }
-            joint.unknowns.push(unknown);
-        }
-    }
-    let z = DVector::from_fn(joint.unknowns.len(), |u, _| if u < n { base.z[u] } else { 0.0 });
-    let compared = data.compare(&joint, &z, &|u| u >= n)?;
-    let of_release = |slopes: &DMatrix<f64>| slopes.columns(n, places.len()).into_owned();
-    Some(compared.slopes.iter().map(of_release).collect())
-}
-
-/// The linearised model of one extension, and a run at its optimum.
-fn screened(data: &Data, base: &Fit, extension: Extension, slopes: Compared) -> Option<Screened> {
+    extension: &Extension,
+    strength: f64,
+) -> Option<(f64, f64, DVector<f64>)> {
     let unknowns = &extension.hypothesis.unknowns;
-    let n = base.z.len();
-    let at = |u: usize| {
-        if u >= n {
-            return if unknowns[u].role == Role::Strength { 0.0 } else { unknowns[u].start };
-        }
-        let is_wider = base.hypothesis.unknowns[u].scaled != unknowns[u].scaled;
-        if is_wider { base.z[u] / extension.wider } else { base.z[u] }
+    let mut z = beside(base, extension);
+    extension.strengths.iter().for_each(|place| z[*place] = strength);
+    let here = match extension.strengths.first() {
+        Some(_) => data.compare(&extension.hypothesis, &z, &|_| false)?.differences,
+        None => base.compared.differences.clone(),
     };
-    let z = DVector::from_fn(unknowns.len(), |u, _| at(u));
-    let (linear, share) = evidence(&slopes, &data.weights, unknowns, &z, base.share, REACH);
-    let expanded = expand(&slopes, &data.weights, &z, share);
-    let step =
-        expanded.hessian.cholesky()?.solve(&expanded.gradient).map(|step| step.clamp(-LONGEST, LONGEST));
-    // The volume of the unknowns is that of the linearised model.
-    let (before, _) = likelihood(&base.compared, &data.weights, &base.z, base.share, REACH);
-    let promised = linear - base.evidence;
-    let mut best: Option<(f64, f64, DVector<f64>)> = None;
-    for part in [1.0, PART] {
-        let start = begun(unknowns, &z, &(part * &step));
-        let Some(there) = data.compare(&extension.hypothesis, &start, &|_| false) else { continue };
-        let (value, share) = likelihood(&there, &data.weights, &start, share, REACH);
-        if best.as_ref().is_none_or(|best| value - before > best.0) {
-            best = Some((value - before, share, start));
-        }
-        // The linearised model holds: no shorter step is needed.
-        if value - before > 0.5 * promised {
-            break;
-        }
-    }
-    let (tried, share, start) = best?;
-    let promise = promised.min(tried) + extension.odds;
-    Some(Screened { extension, start, share, promise })
+    let compared = Compared { slopes: slopes(base, extension, &here, strength), differences: here };
+    let (value, share) = evidence(&compared, &data.weights, unknowns, &z, base.share, REACH);
+    let expanded = expand(&compared, &data.weights, &z, share);
+    let factors = expanded.hessian.cholesky()?;
+    let optimum = &z - factors.solve(&expanded.gradient);
+    let Some(place) = extension.strengths.first().copied() else {
+        return Some((value, share, nearer(&z, &optimum, unknowns)));
+    };
+    // The secant is good for strengths about its own.
+    let covariance = factors.inverse();
+    let size = (optimum[place] * strength.signum()).clamp(strength.abs() / FACTOR, strength.abs() * FACTOR);
+    let aside = size * strength.signum() - optimum[place];
+    let variance = covariance[(place, place)];
+    let mut start = nearer(&z, &(optimum + covariance.column(place) * (aside / variance)), unknowns);
+    extension.strengths.iter().for_each(|place| start[*place] = size * strength.signum());
+    Some((value - 0.5 * aside * aside / variance, share, start))
 }
 
-/// Where a step of the linearised model leads: within the bounds, and a little of each strength at least.
-fn begun(unknowns: &[Unknown], z: &DVector<f64>, step: &DVector<f64>) -> DVector<f64> {
-    let mut start = z - step;
-    for (start, unknown) in start.iter_mut().zip(unknowns) {
-        if unknown.is_half {
-            *start = start.max(0.0);
-        }
-        if unknown.role == Role::Strength && start.abs() < LITTLE {
-            *start = LITTLE.copysign(*start);
-        }
-    }
-    start
+/// Slopes of the model before in the places of an extension, and the secant of its strengths in that of the first.
+fn slopes(base: &Fit, extension: &Extension, here: &[DVector<f64>], strength: f64) -> Vec<DMatrix<f64>> {
+    let unknowns = &extension.hypothesis.unknowns;
+    let wider = |u: usize| {
+        if base.hypothesis.unknowns[u].scaled == unknowns[u].scaled { 1.0 } else { extension.wider }
+    };
+    let first = extension.strengths.first();
+    let before = base.compared.slopes.iter().zip(&base.compared.differences);
+    let of_release = |((slopes, before), here): ((&DMatrix<f64>, &DVector<f64>), &DVector<f64>)| {
+        DMatrix::from_fn(slopes.nrows(), unknowns.len(), |f, u| match u {
+            u if u < slopes.ncols() => wider(u) * slopes[(f, u)],
+            u if Some(&u) == first => (here[f] - before[f]) / strength,
+            _ => 0.0,
+        })
+    };
+    before.zip(here).map(of_release).collect()
 }
 
-/// A start for a fit that ended below the one that it extends: all as there, and a little of the strengths.
+/// A point on the way from one to another, no unknown farther than the longest step, none of one sign below zero.
+fn nearer(from: &DVector<f64>, to: &DVector<f64>, unknowns: &[Unknown]) -> DVector<f64> {
+    DVector::from_fn(from.len(), |u, _| {
+        let step = (to[u] - from[u]).clamp(-LONGEST, LONGEST);
+        if unknowns[u].is_half { (from[u] + step).max(0.0) } else { from[u] + step }
+    })
+}
+
+/// The model before with a little of the strengths: where a fit begins that ended below it.
 pub fn beside(base: &Fit, extension: &Extension) -> DVector<f64> {
     let unknowns = &extension.hypothesis.unknowns;
     DVector::from_fn(unknowns.len(), |u, _| match base.hypothesis.unknowns.get(u) {
         Some(before) if before.scaled != unknowns[u].scaled => base.z[u] / extension.wider,
         Some(_) => base.z[u],
-        None if unknowns[u].role == Role::Strength => LITTLE,
+        None if extension.strengths.contains(&u) => LITTLE,
         None => unknowns[u].start,
     })
-}
-
-/// The hypothesis of an extension, shared.
-pub fn hypothesis(extension: &Extension) -> Arc<Hypothesis> {
-    Arc::new(extension.hypothesis.clone())
 }

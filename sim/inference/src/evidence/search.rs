@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use efam_core::levenberg_marquardt::{Evaluated, FIRST_DAMPING, Search, minimise};
+use efam_core::levenberg_marquardt::{Evaluated, minimise};
 use nalgebra::DVector;
 
 use super::data::Data;
@@ -53,16 +53,7 @@ pub fn fit(
     let (mut z, mut share) = (start.clone(), share);
     let mut known: Option<Arc<Compared>> = None;
     for _ in 0..MOST_ROUNDS {
-        let search = Search {
-            bounds: hypothesis.bounds(),
-            longest: vec![LONGEST; z.len()],
-            tolerance: TOLERANCE,
-            relative: 0.0,
-            most_evaluations: effort.0,
-            first_damping: FIRST_DAMPING,
-            reuses_slopes: true,
-            is_followed: true,
-        };
+        let search = hypothesis.search(LONGEST, TOLERANCE, effort.0);
         let (begin, first) = (z.clone(), known.take());
         let mut evaluate = |x: &DVector<f64>,
                             reused: Option<&Arc<Compared>>|

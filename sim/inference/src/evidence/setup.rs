@@ -1,12 +1,14 @@
 //! The hypothesis that nothing is missing: what the experiment states, and what a laboratory leaves open beside it.
 
-use models::effects::tip_hold::PULL;
 use models::error::ModelError;
 
 use super::hypothesis::Hypothesis;
 use super::unknown::{Act, Role, Scaled, Unknown};
-use crate::calibrate::hold::{shows_moment, sizes};
-use crate::calibrate::problem::is_same_pressure;
+use crate::calibrate::hold::pulls;
+use crate::calibrate::problem::is_of_pressure;
+use crate::calibrate::repeats::grouped_trials;
+use crate::calibrate::unknowns::{ALPHA, BASE_ANGLE, RELEASE_ANGLE};
+use crate::calibrate::waves::BETA;
 use crate::calibrate::{FittedParameter, Problem, Scale, Scope, Trial};
 use crate::features::Plan;
 
@@ -40,8 +42,7 @@ const PUSH: f64 = 0.01;
 const NODES: usize = 17;
 
 const EI: &str = "rod.bending_stiffness";
-const ALPHA: &str = "effects.rayleigh_mass.alpha";
-const BETA: &str = "effects.rayleigh_stiffness.beta";
+const TILT: &str = "effects.frame_tilt.angle";
 
 /// Statements that may be freed, by how much wider their prior then is.
 pub const FREED: [(&str, f64); 10] = [
@@ -108,11 +109,14 @@ pub fn nothing(problem: &Problem, trials: Vec<Trial>, plans: &[Plan]) -> Result<
             made.shared(Unknown::setup(statement, label, unit, Scaled::Factor(deviation)), &[path])?;
         }
     }
-    let clamp = Unknown::setup("clamp", "angle of the clamp", "rad", Scaled::Shift(ANGLE));
-    if !is_known("rod.base_angle") {
-        made.shared(clamp, &["rod.base_angle", "release.angle"])?;
+    let clamp = problem.nuisances.clamp_angle.unwrap_or(ANGLE);
+    let clamp = Unknown::setup("clamp", "angle of the clamp", "rad", Scaled::Shift(clamp));
+    if !is_known(BASE_ANGLE) {
+        made.shared(clamp, &[BASE_ANGLE, RELEASE_ANGLE])?;
     }
-    made.grouped("camera", "tilt of the camera", "rad", Scaled::Shift(ANGLE), "effects.frame_tilt.angle")?;
+    if !is_known(TILT) {
+        made.grouped("camera", "tilt of the camera", "rad", Scaled::Shift(ANGLE), TILT)?;
+    }
     let marker = MARKER * (rod.length / MARKER_LENGTH).max(1.0);
     for (key, label) in
         [("along", "place of the tip's marker along"), ("across", "place of the tip's marker across")]
@@ -130,7 +134,7 @@ pub fn nothing(problem: &Problem, trials: Vec<Trial>, plans: &[Plan]) -> Result<
         made.release(problem, r, plan)?;
     }
     let unknowns = made.unknowns;
-    Ok(Hypothesis { trials, unknowns, effects: Vec::new(), freed: None })
+    Ok(Hypothesis { trials, unknowns, freed: None })
 }
 
 /// Unknowns as they are collected.
@@ -163,11 +167,6 @@ impl Making<'_> {
         self.acting(unknown, paths, |_| true)
     }
 
-    /// Groups of releases at one pressure, in the order of the releases; one group where a pressure is unknown.
-    fn groups(&self) -> Vec<Vec<usize>> {
-        groups(self.trials)
-    }
-
     /// An unknown for each pressure.
     fn grouped(
         &mut self,
@@ -177,7 +176,7 @@ impl Making<'_> {
         scaled: Scaled,
         path: &str,
     ) -> Result<(), ModelError> {
-        let groups = self.groups();
+        let groups = by_pressure(self.trials);
         for (g, group) in groups.iter().enumerate() {
             let label =
                 if groups.len() > 1 { format!("{label}, pressure {}", g + 1) } else { label.to_owned() };
@@ -208,11 +207,7 @@ impl Making<'_> {
         let statement = if own.path == EI { "stiffness" } else { "parameter" };
         let groups = match own.scope {
             Scope::Shared => vec![(0..self.trials.len()).collect()],
-            // A loss for each pressure would hide how an effect grows with it.
-            Scope::PerPressure if [ALPHA, BETA].contains(&own.path.as_str()) => {
-                vec![(0..self.trials.len()).collect::<Vec<_>>()]
-            }
-            Scope::PerPressure => self.groups(),
+            Scope::PerPressure => by_pressure(self.trials),
             Scope::PerRelease => (0..self.trials.len()).map(|r| vec![r]).collect(),
         };
         let limits = own.bounds.unwrap_or(known.range);
@@ -221,7 +216,8 @@ impl Making<'_> {
             let label = if groups.len() > 1 { format!("{name}, {}", g + 1) } else { name.to_owned() };
             let mut unknown = Unknown::setup(statement, &label, known.unit, scaled);
             unknown.limits = limits;
-            let of_model = self.trials[group[0]].model.theta[k];
+            let first = &self.trials[group[0]].model;
+            let of_model = first.theta[first.index(&own.path)?];
             if of_model > 0.0 {
                 unknown.start = scaled.place(of_model, own.start.unwrap_or(of_model)).clamp(-3.0, 3.0);
             }
@@ -261,16 +257,12 @@ impl Making<'_> {
             let fall = (3.0 * 9.81 / trial.model.rod().length).sqrt();
             let hold = problem.nuisances.hold_angle.unwrap_or(0.5f64.to_radians());
             let hold = Unknown::setup("hold", &label("hold angle"), "rad", Scaled::Shift(hold));
-            self.acting(hold, &["release.angle"], |own| own == r)?;
+            self.acting(hold, &[RELEASE_ANGLE], |own| own == r)?;
             let push = Unknown::setup("push", &label("push"), "rad/s", Scaled::Shift(PUSH * fall));
             self.acting(push, &["release.angular_velocity"], |own| own == r)?;
         }
         if trial.is_held() {
-            let sizes = sizes(&trial.model)?;
-            let count = PULL.len() - usize::from(!shows_moment(&trial.release));
-            for ((path, size), unit) in
-                PULL.iter().zip(sizes).zip(["N", "N", "N/s", "N/s", "N m"]).take(count)
-            {
+            for (path, unit, size) in pulls(trial)? {
                 let name = label(path.rsplit('.').next().unwrap_or(path));
                 let mut pull = Unknown::setup("hand", &name, unit, Scaled::Normal(0.0, size));
                 let value = trial.model.theta[trial.model.index(path)?];
@@ -283,19 +275,12 @@ impl Making<'_> {
 }
 
 /// Releases by pressure, in the order of the releases; all in one group where a pressure is unknown.
-pub fn groups(trials: &[Trial]) -> Vec<Vec<usize>> {
+pub fn by_pressure(trials: &[Trial]) -> Vec<Vec<usize>> {
     if trials.iter().any(|trial| trial.release.pressure.is_none()) {
         return vec![(0..trials.len()).collect()];
     }
-    let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
-    for (r, trial) in trials.iter().enumerate() {
-        let pressure = trial.release.pressure.unwrap_or_default();
-        match groups.iter_mut().find(|(own, _)| is_same_pressure(*own, pressure)) {
-            Some((_, group)) => group.push(r),
-            None => groups.push((pressure, vec![r])),
-        }
-    }
-    groups.into_iter().map(|(_, group)| group).collect()
+    let pressure = |trial: &Trial| trial.release.pressure;
+    grouped_trials(trials.iter(), |_| true, |a, b| is_of_pressure(pressure(a), pressure(b)))
 }
 
 /// The hypothesis with a statement freed, and by how much its unknowns' priors are wider; none where nothing is stated of it.

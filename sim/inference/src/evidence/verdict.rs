@@ -36,6 +36,8 @@ pub struct Weighed {
     pub features: usize,
     /// Unknowns.
     pub unknowns: usize,
+    /// Releases that took part.
+    pub releases: usize,
     /// Caveats.
     pub warnings: Vec<String>,
 }

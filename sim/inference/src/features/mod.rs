@@ -311,6 +311,10 @@ impl Plan {
         };
         let (early, late) = ((at(first) - at(first + 1)).abs(), (at(last) - at(last - 1)).abs());
         let half = (turns[last] - turns[first]) / (last - first) as f64;
+        // Refined turns of a track that hardly swings may change places: such a window has no fit.
+        if half.is_nan() || half <= 0.0 {
+            return 0.0;
+        }
         let span = turns[last] - turns[first] - half;
         let loss =
             if span > 0.0 && late > 0.0 && early > 0.0 { (early / late).ln() / span } else { 0.2 / half };

@@ -103,3 +103,13 @@ fn odd_releases_have_no_features() {
     assert!(Plan::of(&release, true).is_none());
     assert!(Plan::of(&example::release(Vec::new(), Vec::new()), false).is_none());
 }
+
+/// Turns that a refinement has brought out of order bound no window: no loss, and no panic.
+#[test]
+fn turns_out_of_order_have_no_loss() {
+    let plan = Plan::of(&swing(1.4, 0.1, |_| [0.0; 2]), false).unwrap();
+    let loss = |turns: &[f64]| plan.loss(&plan.time, &plan.recorded[0], turns, 0, 2);
+    assert_eq!(loss(&[1.0, 0.8, 0.5]), 0.0);
+    assert_eq!(loss(&[1.0, f64::NAN, f64::NAN]), 0.0);
+    assert!(loss(&[0.35, 0.7, 1.05]) > 0.0);
+}
