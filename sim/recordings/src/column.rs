@@ -104,11 +104,11 @@ pub(super) fn column(name: &str) -> Column {
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["elapsed", "time"] | ["t" | "time" | "timestamp"] => return Column::Time(1.0, false),
-        ["elapsed", "time", unit] | ["t" | "time" | "timestamp", unit] | [unit] if second(unit).is_some() => {
+        ["elapsed", "time", unit] | ["t" | "time" | "timestamp", unit] | [unit]
             // A single letter may be anything: an arc length, a mass.
-            if words.len() > 1 || unit.len() > 1 {
-                return Column::Time(second(unit).expect("it is one"), true);
-            }
+            if second(unit).is_some() && (words.len() > 1 || unit.len() > 1) =>
+        {
+            return Column::Time(second(unit).expect("it is one"), true);
         }
         ["frame" | "coords" | "bodyparts"] | ["frame", "number" | "idx" | "index" | "no" | "nr"] => {
             return Column::Frame;

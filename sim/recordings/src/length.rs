@@ -108,7 +108,7 @@ impl Length {
     pub(super) fn cut_off(word: &str) -> Option<Self> {
         let word = word.trim().to_lowercase();
         let begins = |name: &&str| name.starts_with(&word);
-        let row = LENGTHS.iter().find(|row| row.3.iter().any(|name| begins(&name)));
+        let row = LENGTHS.iter().find(|row| row.3.iter().any(begins));
         row.filter(|_| word.chars().count() >= LEAST_LETTERS).map(|row| row.0)
     }
 

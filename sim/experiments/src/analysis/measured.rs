@@ -108,7 +108,7 @@ pub fn analyse_along(
             // What swings most is used, of what is long enough for peaks.
             let energy = |[from, to]: &[f64; 2]| {
                 let within = release.time.iter().zip(&values).filter(|(t, _)| (*from..=*to).contains(*t));
-                within.filter_map(|(_, value)| Some((((*value)? - rest) as f64).powi(2))).sum::<f64>()
+                within.filter_map(|(_, value)| Some(((*value)? - rest).powi(2))).sum::<f64>()
             };
             let is_enough = |[from, to]: &[f64; 2]| to - from > LEAST_PERIODS * period;
             let used = stretches(LONGEST_GAP * period)

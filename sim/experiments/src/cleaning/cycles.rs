@@ -233,7 +233,7 @@ const MOST_DIGITS: f64 = 3.0;
 /// Share of the fastest speed with which a tip is not let go from rest. A hand that lowers a rod before it lets go stays below.
 const MOVING: f64 = 0.15;
 /// Share of its range over which a swing from rest is a parabola.
-const PARABOLA: f64 = 0.4;
+const PARABOLA: f64 = 0.25;
 
 /// Speed of the tip at an instant that is given, m/s, if it is not held there: that of the hold or, if the recording begins
 /// with the instant, that with which its first samples begin.

@@ -15,6 +15,9 @@ use std::path::Path;
 use efam_recordings::{Length, ReadOptions, parse};
 use swing::{Draw, Swing, compare, metres, number};
 
+/// A column's name, and of which marker along which axis; none of a time and of others.
+type Column = (String, Option<(usize, usize)>);
+
 /// Files in the usual tests.
 const USUAL: usize = 300;
 
@@ -66,7 +69,7 @@ fn table(draw: &mut Draw) -> Written {
         for at in (2..columns.len()).rev() {
             // The first column of each marker keeps their order.
             let other = 1 + draw.below(at);
-            let whose = |of: &(String, Option<(usize, usize)>)| of.1.map(|of| of.0);
+            let whose = |of: &Column| of.1.map(|of| of.0);
             if whose(&columns[at]) == whose(&columns[other]) {
                 columns.swap(at, other);
             }
@@ -91,7 +94,7 @@ fn table(draw: &mut Draw) -> Written {
         text += &(join(columns.iter().map(|column| column.0.clone()).collect()) + "\n");
     }
     for k in 0..swing.samples() {
-        let cell = |(at, (_, of)): (usize, &(String, Option<(usize, usize)>))| match of {
+        let cell = |(at, (_, of)): (usize, &Column)| match of {
             Some((marker, axis)) => {
                 swing.places[*marker][k].map_or(lost.to_owned(), |at| number(at[*axis], sign))
             }
