@@ -15,6 +15,7 @@ use super::unknown::Unknown;
 
 /// Strengths that are tried, prior standard deviations, and the factor between them: together they cover three decades.
 const TRIED: [f64; 3] = [0.02, 0.14, 1.0];
+/// Factor between these strengths.
 const FACTOR: f64 = 7.0;
 /// Longest step of another unknown, prior standard deviations.
 const LONGEST: f64 = 2.0;
