@@ -49,16 +49,16 @@ class Recording:
             raise TypeError("Recording: a file, a table, or times= and markers= are due, and only one of these")
         if source is None:
             assert markers is not None
-            own, columns = _of_arrays(times, markers, names, unit or "m")
-            self._data = RecordingData.table(name, own, columns, None, rate)
+            own, cells = _of_arrays(times, markers, names, unit or "m")
+            self._data = RecordingData.table(name, own, cells, None, rate)
             return
         if times is not None or names is not None:
             raise TypeError("Recording: times= and names= belong to markers=; a file or table has its own")
         if hasattr(source, "columns"):
             if columns is not None:
                 raise TypeError("Recording: columns= belongs to a file; a table names its own")
-            own, columns = _of_table(source)
-            self._data = RecordingData.table(name, own, columns, unit, rate)
+            own, cells = _of_table(source)
+            self._data = RecordingData.table(name, own, cells, unit, rate)
         else:
             self._data = RecordingData.read(os.fspath(source), unit, rate, columns)
 
