@@ -55,7 +55,7 @@ impl<T: Scalar> Context<T> {
     }
 
     /// Lets the rod follow its schedule, on the piece of it in which `since` lies; at rest, with none.
-    fn set_time(&mut self, model: &Model, time: T, since: Option<f64>) {
+    pub(crate) fn set_time(&mut self, model: &Model, time: T, since: Option<f64>) {
         self.time = time;
         self.rest_rate = T::from(0.0);
         if let Some(schedule) = &model.schedule {

@@ -81,11 +81,9 @@ pub fn equilibrium(model: &Model, start: Option<&[f64]>) -> Result<Equilibrium, 
 /// If `start` has not `2N+1` entries.
 pub fn equilibrium_at(model: &Model, time: f64, start: Option<&[f64]>) -> Result<Equilibrium, ModelError> {
     let mut search = Search::new(model, time);
-    let angle = model.theta[BASE_ANGLE];
-    // Placed first, so that its length is that of the pressure at this time.
-    let released = search.system.assembly.straight(angle, 0.0).0;
-    search.system.assembly.place(model, time, &released, &vec![0.0; released.len()]);
-    let straight = search.system.assembly.straight(angle, 0.0).0;
+    // Its length is that of the pressure at this time.
+    search.system.assembly.context.set_time(model, time, None);
+    let straight = search.system.assembly.straight(model.theta[BASE_ANGLE], 0.0).0;
     let mut q = start.map_or_else(|| straight.clone(), <[f64]>::to_vec);
     assert_eq!(q.len(), model.dof(), "coordinates of another model");
     search.may_slip = start.is_some();

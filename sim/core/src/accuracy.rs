@@ -47,15 +47,14 @@ pub fn usual(model: &Model, swing: f64) -> f64 {
     if swing < AT_REST * length { USUAL } else { USUAL.min(USUAL_SHARE * swing).max(FINEST * length) }
 }
 
-/// Twice the way from the start to the rest, m, as far as there is a rest that stays.
+/// Twice the way from the start to the rest, m, as far as there is a rest.
 fn expected_swing(model: &Model, run: &Run) -> Result<f64, ForwardError> {
-    let start = start_of_tip(model, run)?;
-    // A pressure or a load that changes later may move it by any of its length, also from a rest.
-    if model.is_timed() {
-        return Ok(model.rod().length);
-    }
-    let Ok(rest) = rest(model, 0.0, 0) else { return Ok(model.rod().length) };
-    Ok(2.0 * (start[0] - rest.tip[0]).hypot(start[1] - rest.tip[1]))
+    let (start, length) = (start_of_tip(model, run)?, model.rod().length);
+    let Ok(rest) = rest(model, 0.0, 0) else { return Ok(length) };
+    let swing = 2.0 * (start[0] - rest.tip[0]).hypot(start[1] - rest.tip[1]);
+    // A pressure or a load that changes later may move a rod that begins at rest by any of its length.
+    let is_driven = model.is_timed() && swing < AT_REST * length;
+    Ok(if is_driven { length } else { swing })
 }
 
 /// Share of the accuracy that mesh and step may have each, and at which each aims when it is chosen anew.
