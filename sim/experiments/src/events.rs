@@ -171,27 +171,20 @@ fn is_released(model: &Model, trajectory: &Trajectory, at_release: Option<&Rest>
     (tip[0] - rest.tip[0]).hypot(tip[1] - rest.tip[1]) + of_velocity > least
 }
 
-/// Points of the trace within the window of an event, from the end of its change or from its beginning on.
-pub fn window(trajectory: &Trajectory, from: f64, to: f64) -> &[[f64; 2]] {
+/// Points of the trace within the window of an event, from the end of its change or from its beginning on, and the time of
+/// the first, s.
+pub fn window(trajectory: &Trajectory, from: f64, to: f64) -> (f64, &[[f64; 2]]) {
     let trace = &trajectory.trace;
     if trace.step <= 0.0 {
-        return &[];
+        return (from, &[]);
     }
     let count = trace.tip.len();
     // The first point at or after the event, and the last before the next one.
-    let first = (first_point(trajectory, from) as usize).min(count);
+    let first = (from / trace.step - 1e-9).ceil().max(0.0);
+    let begin = first * trace.step;
+    let first = (first as usize).min(count);
     let last = ((to / trace.step + 1e-9).floor() as usize + 1).clamp(first, count);
-    &trace.tip[first..last]
-}
-
-/// Index of the first point of the trace at or after a time, s.
-fn first_point(trajectory: &Trajectory, time: f64) -> f64 {
-    (time / trajectory.trace.step - 1e-9).ceil().max(0.0)
-}
-
-/// Time of that point, s.
-pub fn window_begin(trajectory: &Trajectory, time: f64) -> f64 {
-    if trajectory.trace.step > 0.0 { first_point(trajectory, time) * trajectory.trace.step } else { time }
+    (begin, &trace.tip[first..last])
 }
 
 /// The rest at the end of an event's window.
@@ -210,8 +203,7 @@ pub fn measure(model: &Model, trajectory: &Trajectory, drive: &Drive, all: &mut 
             forced(trajectory, drive, event);
             continue;
         }
-        let path = window(trajectory, event.time_s, event.window_end_s);
-        let begin = window_begin(trajectory, event.time_s);
+        let (begin, path) = window(trajectory, event.time_s, event.window_end_s);
         let steady = if forcing.is_some_and(|from| from < event.window_end_s) {
             Err("a periodic force acts, so there is no steady state".to_owned())
         } else {
@@ -235,12 +227,10 @@ pub fn measure(model: &Model, trajectory: &Trajectory, drive: &Drive, all: &mut 
 fn forced(trajectory: &Trajectory, drive: &Drive, event: &mut Event) {
     let force = drive.forces.iter().find(|force| Some(&force.effect) == event.effect.as_ref());
     let (Some(force), Some(hertz)) = (force, event.forcing_hz) else { return };
-    let (trace, end) = (&trajectory.trace, event.window_end_s);
-    let path = window(trajectory, event.time_s, end);
-    let begin = window_begin(trajectory, event.time_s);
+    let (begin, path) = window(trajectory, event.time_s, event.window_end_s);
     for (k, name) in [(0, "forced_x"), (1, "forced_z")] {
         let values: Vec<f64> = path.iter().map(|at| at[k]).collect();
-        match response((&values, begin, trace.step), (&force.times, &force.main()), hertz) {
+        match response((&values, begin, trajectory.trace.step), (&force.times, &force.main()), hertz) {
             Ok(found) if k == 0 => event.forced_x = Some(found),
             Ok(found) => event.forced_z = Some(found),
             Err(why) => {

@@ -467,10 +467,8 @@ fn main_swing<'a>(
     }
     let is_last = all.iter().all(|other| other.window_end_s <= event.window_end_s);
     let rest = if is_last { at_end.clone() } else { events::rest_after(model, event, MODES)? };
-    let all_over = event.until_s;
-    let path = events::window(trajectory, all_over, event.window_end_s);
+    let (begin, path) = events::window(trajectory, event.until_s, event.window_end_s);
     let (event, end) = (event.time_s, event.window_end_s);
-    let begin = events::window_begin(trajectory, all_over);
     Ok(Main { event, begin, path, rest, slipping: slipping_modes(model, end, MODES) })
 }
 
