@@ -23,7 +23,7 @@ pub struct BasePose {
     /// Frames that show it.
     pub frames: usize,
     /// How far it is from its mean place in each sample, m, where that is taken off the other markers; nothing where
-    /// it stands still.
+    /// it does not move.
     pub followed: Option<Vec<[f64; 3]>>,
 }
 
@@ -212,7 +212,7 @@ mod tests {
         assert_eq!((two.orientation, two.frames), (None, 3));
     }
 
-    /// A base that drifts by 30 mm is followed to its noise over the smoothing; one that stands still is not.
+    /// A base that drifts by 30 mm is followed to its noise over the smoothing; one at rest is not.
     #[test]
     fn a_base_that_moves_is_followed_and_one_at_rest_is_not() {
         let mut noise = crate::cleaning::tests::Noise::new(5);

@@ -9,6 +9,7 @@ use std::ops::Range;
 use efam_core::quantile::quantile;
 
 use super::distance;
+use super::held::{only_noise, speed_at};
 use super::motion::Motion;
 
 /// One release, in samples.
@@ -208,69 +209,6 @@ fn given_holds(time: &[f64], instants: &[f64]) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Range of the tip along the axis on which it moves most, m, if that is noise: no wider than so many standard deviations, of
-/// the noise or of the rounding that hides it.
-fn only_noise(path: &[Option<[f64; 3]>], sigma: f64) -> Option<f64> {
-    let along = |k: usize| path.iter().flatten().map(|at| at[k]).collect::<Vec<f64>>();
-    let width = |k: usize| {
-        let [low, high] = [0.01, 0.99].map(|share| quantile(along(k), share));
-        high.zip(low).map_or(0.0, |(high, low)| high - low)
-    };
-    let digit = |k: usize| {
-        let mut values = along(k);
-        values.sort_by(f64::total_cmp);
-        let steps = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
-        steps.fold(f64::INFINITY, f64::min)
-    };
-    let is_noise = |k: usize| width(k) <= NOISE_WIDTH * sigma || width(k) <= MOST_DIGITS * digit(k);
-    (0..3).all(is_noise).then(|| (0..3).map(width).fold(0.0, f64::max))
-}
-
-/// Standard deviations over which nearly all of noise lies.
-const NOISE_WIDTH: f64 = 8.0;
-/// Steps of the last digit within which nothing is told from rounding.
-const MOST_DIGITS: f64 = 3.0;
-/// Share of the fastest speed with which a tip is not let go from rest. A hand that lowers a rod before it lets go stays below.
-const MOVING: f64 = 0.2;
-/// Shares of its range over which a swing from rest is a parabola, by as many samples as come and by four.
-const PARABOLA: [f64; 2] = [0.25, 0.6];
-
-/// Speed of the tip at an instant that is given, m/s, if it is not held there: that of the hold or, if the recording begins
-/// with the instant, that with which its first samples begin.
-fn speed_at(
-    time: &[f64],
-    path: &[Option<[f64; 3]>],
-    motion: &Motion,
-    sigma: f64,
-    hold: &Range<usize>,
-    fastest: f64,
-) -> Option<f64> {
-    let is_moving = |speed: &f64| *speed > MOVING * fastest;
-    if hold.len() > LEAST_TURNS {
-        let speeds: Vec<f64> = hold.clone().filter_map(|i| motion.speed(i)).collect();
-        return quantile(speeds, 0.5).filter(is_moving);
-    }
-    let first = (hold.start..path.len()).find(|i| path[*i].is_some())?;
-    let origin = path[first].expect("it is seen");
-    let range = path.iter().flatten().map(|at| distance(*at, origin)).fold(0.0, f64::max);
-    let seen: Vec<(f64, [f64; 3])> = (first..path.len())
-        .filter_map(|i| Some((time[i] - time[first], path[i]?)))
-        .enumerate()
-        .take_while(|(k, (_, at))| *k < 4 || distance(*at, origin) < PARABOLA[0] * range)
-        .map(|(_, own)| own)
-        .collect();
-    let is_short = seen.iter().all(|(_, at)| distance(*at, origin) < PARABOLA[1] * range);
-    let rows = nalgebra::DMatrix::from_fn(seen.len(), 3, |i, k| seen[i].0.powi(k as i32));
-    let inverse = (rows.transpose() * &rows).try_inverse().filter(|_| is_short && seen.len() > 3)?;
-    let slopes = &inverse * rows.transpose();
-    let speed = (0..3)
-        .map(|k| seen.iter().enumerate().map(|(i, (_, at))| slopes[(1, i)] * at[k]).sum::<f64>().powi(2))
-        .sum::<f64>()
-        .sqrt();
-    let error = sigma * inverse[(1, 1)].sqrt();
-    Some(speed).filter(is_moving).filter(|speed| *speed > 3.0 * error)
-}
-
 /// Where the swing comes to rest: the mean of the quietest window in it, of the last swing at its end; and that window.
 fn rest(
     time: &[f64],
@@ -410,41 +348,5 @@ mod tests {
         assert!(why.contains("swings after none of them"), "{why}");
         let (time, path) = falling_swing(1.23, 6.0, 0.2, 8.0, 0.01);
         assert_eq!(cut(&time, &path, 0.01, 1e-5, None).unwrap().len(), 1);
-    }
-
-    /// Noise alone, white or rounded, is no release, whether instants are given or not.
-    #[test]
-    fn noise_is_no_release() {
-        let mut noise = Noise::new(11);
-        let time: Vec<f64> = (0..600).map(|i| 0.01 * f64::from(i)).collect();
-        let mut white: Vec<_> = time.iter().map(|_| Some([0.2, 0.0, 0.0])).collect();
-        noise.disturb(&mut white, 3e-4);
-        let rounded: Vec<_> =
-            white.iter().map(|at| at.map(|at: [f64; 3]| at.map(|x| (x / 1e-3).round() * 1e-3))).collect();
-        for (path, sigma) in [(&white, 3e-4), (&rounded, 1e-7)] {
-            for given in [None, Some(&[0.0][..])] {
-                let why = cut(&time, path, 0.01, sigma, given).unwrap_err();
-                assert!(why.starts_with("nothing moves") || why.contains("which is no release"), "{why}");
-            }
-        }
-    }
-
-    /// A recording that begins anywhere in a swing but near a turn does not begin with a release from rest. A period has 39 samples.
-    #[test]
-    fn a_recording_that_begins_in_mid_swing_has_no_release_at_its_first_sample() {
-        let mut noise = Noise::new(12);
-        let (time, mut path) = falling_swing(0.0, 6.0, 0.2, 8.0, 0.02);
-        noise.disturb(&mut path, 1e-4);
-        let from = |first: usize| {
-            let time: Vec<f64> = time[first..].iter().map(|t| t - time[first]).collect();
-            cut(&time, &path[first..], 0.02, 1e-4, Some(&[0.0]))
-        };
-        assert_eq!(from(0).unwrap().len(), 1);
-        for first in [3, 6, 10, 14, 22, 27, 32, 47] {
-            let why = from(first).unwrap_err();
-            assert!(why.contains("not let go from rest"), "{first}: {why}");
-        }
-        // Nor is there one in the midst of it.
-        assert!(cut(&time, &path, 0.02, 1e-4, Some(&[1.1])).unwrap_err().contains("not let go from rest"));
     }
 }

@@ -18,6 +18,7 @@ mod bursts;
 mod cycles;
 mod decision;
 mod frame;
+mod held;
 mod motion;
 mod noise;
 mod onset;
