@@ -80,13 +80,13 @@ impl Layout {
     }
 
     /// Reads all rows that follow.
-    pub(super) fn read(mut self, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
+    pub(super) fn read(self, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         let header_line = rows.line();
         self.read_from(header_line, rows)
     }
 
     /// The same, with the line of the header.
-    pub(super) fn read_from(&mut self, header_line: u64, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
+    pub(super) fn read_from(mut self, header_line: u64, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         let mut numbers = Numbers::default();
         let mut tally = Tally::default();
         let mut draft = Draft::new(self.format, self.unit.clone(), "line");

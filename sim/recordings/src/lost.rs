@@ -34,8 +34,6 @@ pub(super) fn mask_zeros(markers: &mut [Marker]) -> Option<String> {
 }
 
 fn zeros(position: &[Option<[f64; 3]>]) -> Vec<usize> {
-    let is_zero = |i: usize| position[i] == Some([0.0; 3]);
-    let is_place = |i: &usize| position[*i].is_some() && !is_zero(*i);
     let size = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
     let steps = position.windows(2).filter_map(|pair| {
         let (a, b) = (pair[0]?, pair[1]?);
@@ -43,22 +41,15 @@ fn zeros(position: &[Option<[f64; 3]>]) -> Vec<usize> {
         (a != [0.0; 3] && b != [0.0; 3]).then_some(size(moved))
     });
     let Some(usual) = quantile(steps.collect(), USUAL) else { return Vec::new() };
-    let mut found = Vec::new();
-    let mut first = 0;
-    while first < position.len() {
-        if !is_zero(first) {
-            first += 1;
-            continue;
-        }
-        let end = (first..position.len()).find(|i| !is_zero(*i)).unwrap_or(position.len());
-        let beside = [(0..first).rev().find(is_place), (end..position.len()).find(is_place)];
-        let is_far = |i: usize| size(position[i].expect("it is a place")) > JUMP * usual;
-        if beside.iter().any(Option::is_some) && beside.into_iter().flatten().all(is_far) {
-            found.extend(first..end);
-        }
-        first = end;
-    }
-    found
+    let seen = || position.iter().enumerate().filter_map(|(i, at)| Some((i, (*at)?)));
+    // Places off the origin, and whether they are far from it: there are some, since there are steps.
+    let places: Vec<(usize, bool)> =
+        seen().filter(|(_, at)| *at != [0.0; 3]).map(|(i, at)| (i, size(at) > JUMP * usual)).collect();
+    let is_lost = |i: &usize| {
+        let next = places.partition_point(|(place, _)| place < i);
+        places[next.saturating_sub(1)..(next + 1).min(places.len())].iter().all(|(_, is_far)| *is_far)
+    };
+    seen().filter(|(_, at)| *at == [0.0; 3]).map(|(i, _)| i).filter(is_lost).collect()
 }
 
 #[cfg(test)]
