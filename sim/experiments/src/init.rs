@@ -94,32 +94,31 @@ fn spread(a: &[Option<[f64; 3]>], b: &[Option<[f64; 3]>]) -> f64 {
     between.map_or(f64::INFINITY, |(high, low)| high - low)
 }
 
-/// The text of a draft with what the person said of its files.
-pub fn with_options(text: String, options: &ReadOptions) -> String {
+/// The keys of a recording for what the person said of its file.
+fn keys(options: &ReadOptions) -> String {
     let list =
         |names: &Vec<String>| names.iter().map(|name| toml_string(name)).collect::<Vec<_>>().join(", ");
-    let said = [
-        options.unit.map(|unit| format!("unit = {}", toml_string(&unit.symbol()))),
-        options.rate_hz.map(|rate| format!("rate = \"{rate} Hz\"")),
-        options.columns.as_ref().map(|names| format!("columns = [{}]", list(names))),
+    let lines = [
+        options.unit.map(|unit| format!("unit = {}\n", toml_string(&unit.symbol()))),
+        options.rate_hz.map(|rate| format!("rate = \"{rate} Hz\"\n")),
+        options.columns.as_ref().map(|names| format!("columns = [{}]\n", list(names))),
     ];
-    let said: String = said.into_iter().flatten().map(|line| line + "\n").collect();
-    let line = |line: &str| line.to_owned() + if line.starts_with("file = ") { said.as_str() } else { "" };
-    text.split_inclusive('\n').map(line).collect()
+    lines.into_iter().flatten().collect()
 }
 
-/// A text that loads: recordings with the file names to be written into it. What is unknown is marked
-/// `FILL IN`, what is guessed `GUESS`. Of `name` stays what an experiment may be called.
-pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
+/// A text that loads: recordings with the file names to be written into it, and the options with which they were read. What
+/// is unknown is marked `FILL IN`, what is guessed `GUESS`. Of `name` stays what an experiment may be called.
+pub fn draft(name: &str, recordings: &[(String, Recording)], options: &ReadOptions) -> String {
     let fit = |c: char| if plan::fits_name(c) { c } else { '-' };
     let fitting: String = name.trim_start_matches('.').chars().map(fit).collect();
     let name = if fitting.trim().is_empty() { "experiment" } else { &fitting };
     let mut starts = vec![Guessed::default(); recordings.len()];
     let mut found = vec![Vec::new(); recordings.len()];
-    let mut cleaned = clean(&text(name, recordings, &starts, &found), recordings);
+    // The recordings at hand are read already.
+    let mut cleaned = clean(&text(name, recordings, "", &starts, &found), recordings);
     if cleaned.is_err() {
         starts = recordings.iter().map(Guessed::of).collect();
-        cleaned = clean(&text(name, recordings, &starts, &found), recordings);
+        cleaned = clean(&text(name, recordings, "", &starts, &found), recordings);
     }
     match cleaned {
         Ok(cleaned) => {
@@ -150,10 +149,16 @@ pub fn draft(name: &str, recordings: &[(String, Recording)]) -> String {
         }
         Err(error) => found.iter_mut().for_each(|found| found.push(format!("NOT YET USABLE: {error}"))),
     }
-    text(name, recordings, &starts, &found)
+    text(name, recordings, &keys(options), &starts, &found)
 }
 
-fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], found: &[Vec<String>]) -> String {
+fn text(
+    name: &str,
+    recordings: &[(String, Recording)],
+    keys: &str,
+    starts: &[Guessed],
+    found: &[Vec<String>],
+) -> String {
     let mut out = format!(
         "# An experiment, written by `efam experiment init` from the recordings themselves.\n\
          # Look at every line with GUESS, and at those with FILL IN; then `efam experiment check` and\n\
@@ -177,7 +182,7 @@ fn text(name: &str, recordings: &[(String, Recording)], starts: &[Guessed], foun
         toml_string(name)
     );
     for (k, (file, recording)) in recordings.iter().enumerate() {
-        let _ = writeln!(out, "\n[[recording]]\nfile = {}", toml_string(file));
+        let _ = write!(out, "\n[[recording]]\nfile = {}\n{keys}", toml_string(file));
         for found in &found[k] {
             let _ = writeln!(out, "# found: {}", escaped(found));
         }
@@ -220,7 +225,8 @@ impl Guessed {
     /// The first sample, if the file has no release that can be found without it, and has one with it.
     fn of(recording: &(String, Recording)) -> Self {
         let alone = std::slice::from_ref(recording);
-        let is_found = |start: Guessed| clean(&text("draft", alone, &[start], &[Vec::new()]), alone).is_ok();
+        let is_found =
+            |start: Guessed| clean(&text("draft", alone, "", &[start], &[Vec::new()]), alone).is_ok();
         let at_once = Guessed {
             instants: recording.1.time.first().copied().into_iter().collect(),
             why: "the file has no hold, so the rod is let go at its first sample",
@@ -373,7 +379,8 @@ mod tests {
 
     #[test]
     fn a_start_is_guessed_from_the_recording() {
-        let draft = |recording: Recording| draft("name", &[("a.csv".to_owned(), recording)]);
+        let draft =
+            |recording: Recording| draft("name", &[("a.csv".to_owned(), recording)], &ReadOptions::default());
         let level = draft(swing(0.01, -0.4));
         assert!(
             level.contains("\nangle = \"0 deg\"   # GUESS, surely") && !level.contains("\ninstants"),
@@ -413,7 +420,7 @@ mod tests {
             let Ok(recording) = parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()) else {
                 continue;
             };
-            let draft = draft("name", &[("a b/\"c\".csv".to_owned(), recording)]);
+            let draft = draft("name", &[("a b/\"c\".csv".to_owned(), recording)], &ReadOptions::default());
             assert!(draft.contains("NOT YET USABLE"), "{draft}");
             Experiment::parse(Path::new("e.toml"), &draft, &[])
                 .unwrap_or_else(|error| panic!("{error}\n{draft}"));

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use efam_experiments::cleaning::{Cleaned, clean};
 use efam_experiments::experiment::Experiment;
 use efam_experiments::init;
+use efam_recordings::ReadOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sim::failure::Failure;
@@ -137,7 +138,7 @@ impl ExperimentData {
 pub fn first_experiment(py: Python<'_>, name: &str, recordings: Vec<Held>) -> PyResult<String> {
     let own: Vec<_> = recordings.iter().map(|(file, data)| (file, data.get())).collect();
     let read: Vec<_> = own.iter().map(|(file, data)| ((*file).clone(), (*data.own).clone())).collect();
-    let text = watched(py, |_| init::draft(name, &read))?;
+    let text = watched(py, |_| init::draft(name, &read, &ReadOptions::default()))?;
     // What is written can be read back, whatever names the recordings hold.
     Experiment::parse(Path::new(NAME), &text, &[]).map_err(exception)?;
     Ok(text)

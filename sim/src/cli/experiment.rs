@@ -125,7 +125,7 @@ pub fn init(args: &Init, console: &Console) -> Result<ExitCode, Failure> {
         ));
     }
     let name = out.file_stem().map_or("".into(), |name| name.to_string_lossy());
-    let text = init::with_options(init::draft(&name, &recordings), &options);
+    let text = init::draft(&name, &recordings, &options);
     // What is written can be read back, whatever names the recordings hold.
     Experiment::parse(out, &text, &[])?;
     let write = |file: &mut File| file.write_all(text.as_bytes());
@@ -196,10 +196,8 @@ pub fn check(args: &Check, console: &Console) -> Result<ExitCode, Failure> {
     let (folder, cleaned) = interrupt::during(folder, &stages, || read(&experiment, &stages));
     let cleaned = cleaned?;
     stages.tell("writing");
-    let written = || write(&folder, &request(&experiment, begin), &experiment, &cleaned, None);
-    interrupt::writing(&folder, &stages, written)?;
-    interrupt::check()?;
-    let folder = folder.finish()?;
+    let written = |folder: &Folder| write(folder, &request(&experiment, begin), &experiment, &cleaned, None);
+    let folder = interrupt::finished(folder, &stages, written)?;
     stages.clear();
     console.warn(cleaned.warnings());
     if args.of.output.form.json {

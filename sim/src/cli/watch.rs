@@ -186,12 +186,13 @@ fn experiment(facts: &Facts, folder: &Path, files: &[String]) -> Result<Experime
             Ok(gathered::experiment(&facts.path, text, &files.iter().map(path).collect::<Vec<_>>())?)
         }
         None => {
+            let options = ReadOptions::default();
             let mut recordings = Vec::new();
             for file in files {
-                recordings.push((file.clone(), read(&folder.join(file), &ReadOptions::default())?));
+                recordings.push((file.clone(), read(&folder.join(file), &options)?));
             }
             let name = folder.file_name().map_or("".into(), |name| name.to_string_lossy());
-            Ok(Experiment::parse(&facts.path, &init::draft(&name, &recordings), &[])?)
+            Ok(Experiment::parse(&facts.path, &init::draft(&name, &recordings, &options), &[])?)
         }
     }
 }
