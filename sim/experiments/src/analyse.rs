@@ -10,7 +10,7 @@ use crate::analysis::AnalysisError;
 use crate::analysis::bending_stiffness::StiffnessFit;
 use crate::analysis::coordinate::Coordinate;
 use crate::analysis::dynamic_stiffness::{self, DynamicStiffness};
-use crate::analysis::measured::{self, KnownRest, Measured};
+use crate::analysis::measured::{self, COUNTED_LATER, KnownRest, Measured};
 use crate::analysis::rest::{self, RestEstimate};
 use crate::analysis::static_stiffness::{self, StaticFit};
 use crate::cleaning::{CleanRelease, Cleaned};
@@ -211,18 +211,9 @@ impl Analysed<'_> {
             Ok(measured) => {
                 words.extend(measured.decay.as_ref().err().map(|why| format!("no damping ratio: {why}")));
                 if measured.since > 0.0 {
-                    words.push(format!(
-                        "counted from {:.2} s on, because the first, large swings have another frequency, or a gap after them",
-                        measured.since
-                    ));
+                    words.push(format!("counted from {:.2} s on: {COUNTED_LATER}", measured.since));
                 }
-                if let Some(samples) = measured.samples_in_a_period().filter(|samples| *samples < FEW_SAMPLES)
-                {
-                    words.push(format!(
-                        "only {samples:.1} samples in a period, and upper peaks need {FEW_SAMPLES}: the damping ratio may be \
-                         off by more than its error; record at a higher rate"
-                    ));
-                }
+                words.extend(self.few_samples());
                 if let Some(at) = measured.bridged.cut_at {
                     words.push(format!(
                         "nothing after {at:.2} s counts, where a gap is too long to be bridged"
@@ -231,6 +222,17 @@ impl Analysed<'_> {
             }
         }
         words.into_iter().map(|words| format!("{}: {words}", self.of.release.name)).collect()
+    }
+
+    /// That the sampling is too slow for the upper peaks, in words.
+    pub fn few_samples(&self) -> Option<String> {
+        let samples = self.measured.as_ref().ok()?.samples_in_a_period()?;
+        (samples < FEW_SAMPLES).then(|| {
+            format!(
+                "only {samples:.1} samples in a period, and upper peaks need {FEW_SAMPLES}: the damping ratio may be off by more \
+                 than its error; record at a higher rate"
+            )
+        })
     }
 
     /// What should be known of its rest, in words.

@@ -8,6 +8,7 @@ use clap::Args;
 use efam_experiments::analyse::{Analysed, Said, analyse};
 use efam_experiments::analysis::static_stiffness;
 use efam_report::experiment::{analysed_table, decisions, table, write};
+use efam_store::Folder;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -60,10 +61,9 @@ pub fn run(args: &Analyse, console: &Console) -> Result<ExitCode, Failure> {
     let (folder, analysed) = interrupt::during(folder, &stages, || analyse(&experiment, &cleaned, nodes));
     let analysed = analysed?;
     stages.tell("writing");
-    let written = || write(&folder, &request(&experiment, begin), &experiment, &cleaned, Some(&analysed));
-    interrupt::writing(&folder, &stages, written)?;
-    interrupt::check()?;
-    let folder = folder.finish()?;
+    let written =
+        |folder: &Folder| write(folder, &request(&experiment, begin), &experiment, &cleaned, Some(&analysed));
+    let folder = interrupt::finished(folder, &stages, written)?;
     stages.clear();
     console.warn(cleaned.warnings());
     if args.of.output.form.json {

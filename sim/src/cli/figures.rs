@@ -170,10 +170,8 @@ fn finish(
     all: &[Pressure],
 ) -> Result<ExitCode, Failure> {
     let words = words(all);
-    let written = || write_figures(&folder, request, all, &words);
-    interrupt::writing(&folder, &console.stages(), written)?;
-    interrupt::check()?;
-    let folder = folder.finish()?;
+    let written = |folder: &Folder| write_figures(folder, request, all, &words);
+    let folder = interrupt::finished(folder, &console.stages(), written)?;
     if args.output.form.json {
         print(&Printed { folder: &folder, figures: &words })?;
     } else if !console.quiet {

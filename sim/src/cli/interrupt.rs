@@ -1,5 +1,6 @@
 //! Work that a signal ends in order, with what it has so far.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,7 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use efam_core::forward::Cancel;
-use efam_store::Folder;
+use efam_store::{Folder, StoreError};
 
 use super::console::Stages;
 use super::failure::{Failure, report};
@@ -38,6 +39,17 @@ pub fn writing<T: Send>(folder: &Folder, stages: &Stages, write: impl FnOnce() -
         report(&Failure::Interrupted, false);
     };
     during_or((), stages, write, last_words).1
+}
+
+/// Writes results into a folder, and gives it its name unless a signal came. The folder under that name.
+pub fn finished(
+    folder: Folder,
+    stages: &Stages,
+    write: impl FnOnce(&Folder) -> Result<(), StoreError> + Send,
+) -> Result<PathBuf, Failure> {
+    writing(&folder, stages, || write(&folder))?;
+    check()?;
+    Ok(folder.finish()?)
 }
 
 /// How a search that has an answer before it is over is ended from outside: by a time limit, or by a signal.

@@ -157,9 +157,9 @@ fn every_command_ends_soon_in_every_phase() {
             }
             let said = bench.text("said");
             send("TERM", child.id());
-            let told = Instant::now();
+            let sent = Instant::now();
             let status = child.wait().expect("it ends");
-            let took = told.elapsed();
+            let took = sent.elapsed();
             assert!(
                 matches!(status.code(), Some(0 | 143)) || status.signal() == Some(15),
                 "{arguments:?}: {status:?} {}",

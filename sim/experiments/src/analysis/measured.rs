@@ -163,6 +163,9 @@ pub fn analyse_along(
 /// Half periods that may be left out at the start.
 const MOST_SKIPPED: usize = 6;
 
+/// Why a swing may be counted from later than its release.
+pub const COUNTED_LATER: &str = "the swings before have another frequency, or end in a long gap";
+
 impl Measured {
     /// Samples in a period, if there is a frequency.
     pub fn samples_in_a_period(&self) -> Option<f64> {

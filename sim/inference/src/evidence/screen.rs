@@ -13,7 +13,7 @@ use super::likelihood::{Compared, evidence, expand};
 use super::search::Fit;
 use super::unknown::Unknown;
 
-/// Strengths that are tried, prior standard deviations, and the factor between them: together they cover three decades.
+/// Strengths that are tried, prior standard deviations: together they cover three decades.
 const TRIED: [f64; 3] = [0.02, 0.14, 1.0];
 /// Factor between these strengths.
 const FACTOR: f64 = 7.0;

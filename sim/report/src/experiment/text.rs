@@ -7,6 +7,7 @@ use efam_experiments::analyse::Analysed;
 use efam_experiments::analysis::AnalysisError;
 use efam_experiments::analysis::bending_stiffness::StiffnessFit;
 use efam_experiments::analysis::decay::Cycle;
+use efam_experiments::analysis::measured::COUNTED_LATER;
 use efam_experiments::cleaning::{BasePose, Cleaned, mm};
 use efam_experiments::out_of_plane;
 use models::digits::{fixed, with_error};
@@ -111,6 +112,9 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                     ),
                 );
             }
+            if let Some(warning) = one.few_samples() {
+                line("  warning", warning);
+            }
             if let Ok([first, .., last]) = measured.cycles.as_deref() {
                 let at = |cycle: &Cycle| {
                     let ratio = with_error(cycle.damping_ratio, cycle.ratio_error);
@@ -119,8 +123,7 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
                 line("  cycle by cycle", format!("{} to {}", at(first), at(last)));
             }
             if measured.since > 0.0 {
-                let text = "the first, large swings have another frequency, or a gap after them";
-                line("  counted from", format!("{:.2} s on: {text}", measured.since));
+                line("  counted from", format!("{:.2} s on: {COUNTED_LATER}", measured.since));
             }
             let bridged = &measured.bridged;
             if bridged.filled > 0 {

@@ -71,9 +71,7 @@ pub fn run(args: &Predict, file: &Path, console: &Console) -> Result<ExitCode, F
     check.warnings.splice(..0, left_out);
     let done =
         Request { warnings: check.warnings.clone(), wall_time_s: begin.elapsed().as_secs_f64(), ..request };
-    interrupt::writing(&folder, &stages, || write_check(&folder, &done, &check))?;
-    interrupt::check()?;
-    let folder = folder.finish()?;
+    let folder = interrupt::finished(folder, &stages, |folder| write_check(folder, &done, &check))?;
     stages.clear();
     if args.output.form.json {
         print(&super::Printed::Check(Printed { folder: &folder, check: &check }))?;
