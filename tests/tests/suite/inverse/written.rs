@@ -218,9 +218,9 @@ fn agrees(seed: u64) {
         let predicted = |inertia: Option<f64>| {
             let mut request = CaseRequest::scenario(Path::new("rod.toml"), file.clone());
             request.release.payload_inertia = inertia;
-            let (asked, known) = request.case(None, Some(payload)).expect("a case");
+            let (case, known) = request.case(None, Some(payload)).expect("a case");
             let settings = PredictionSettings { draws: 20, seed: 1 };
-            let found = predict(&asked, known.as_ref(), &settings, &|| ()).expect("a prediction").prediction;
+            let found = predict(&case, known.as_ref(), &settings, &|| ()).expect("a prediction").prediction;
             ["small_frequency_hz", "small_damping_ratio"].map(|name| {
                 let own = found.quantities.iter().find(|own| own.name == name).expect("it is predicted");
                 (own.value.expect("a number"), own.interval_95.expect("an interval"))
