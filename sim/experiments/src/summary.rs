@@ -21,6 +21,7 @@ use crate::analysis::coordinate::Coordinate;
 use crate::analysis::decay::{self, Decay};
 use crate::analysis::peaks;
 use crate::analysis::settling::settling_time;
+use crate::analysis::spectrum::Spectrum;
 use crate::analysis::swing::{self, Known, swing_along};
 use crate::analysis::{AnalysisError, Excursion};
 use crate::drive::Drive;
@@ -328,6 +329,7 @@ pub fn summarise(
     let decay = and_then(&swing, |swing| swing.decay.clone());
     let cycles = and_then(&swing, |swing| swing.cycles.clone());
     let of_height = and_then(&height, |own| of_height(&own.swing));
+    let second = main.as_ref().ok().and_then(|main| main.second_mode(&swing.as_ref().ok()?.spectrum));
     let settling = |fraction| {
         and_then(&along, |(excursion, _)| {
             settling_time(excursion, fraction).map(|time| change + time).map_err(|error| error.to_string())
@@ -378,7 +380,7 @@ pub fn summarise(
         energy: missing.note("energy", energy(run, trajectory)),
         errors: None,
         missing: BTreeMap::new(),
-        warnings: Vec::new(),
+        warnings: second.into_iter().collect(),
         effort: trajectory.effort,
         wall_time_s: 0.0,
         real_time_factor: None,
@@ -472,13 +474,38 @@ fn main_swing<'a>(
     Ok(Main { event, begin, path, rest, slipping: slipping_modes(model, end, MODES) })
 }
 
+/// Amplitude of the second mode over that of the first, in the spectrum, from which on the peaks are not those of the first alone:
+/// the height of a peak is off by as much.
+const SECOND_MODE: f64 = 0.1;
+
 impl Main<'_> {
+    /// Modes about the rest: of the rod whose friction slips, where it has any.
+    fn modes(&self) -> Option<&[(f64, f64)]> {
+        let slipping = self.slipping.as_deref().filter(|modes| !modes.is_empty());
+        slipping.or(self.rest.modes.as_deref().ok())
+    }
+
+    /// A warning if the second mode is strong in a spectrum.
+    fn second_mode(&self, spectrum: &Spectrum) -> Option<String> {
+        let [first, second] = *self.modes()?.first_chunk()?;
+        let near =
+            |(hertz, _): (f64, f64)| spectrum.peak_between([0.9, 1.1].map(|share| share * TAU * hertz)).ok();
+        let share = near(second)?.amplitude / near(first)?.amplitude;
+        (share > SECOND_MODE).then(|| {
+            format!(
+                "the second mode, {} Hz, has {:.0} % of the amplitude of the first in the spectrum: peaks and damping ratio \
+                 include it; the modes about the rest have ratios of their own",
+                significant(second.0, 3),
+                100.0 * share
+            )
+        })
+    }
+
     /// The swing along a coordinate, near the frequency of the first mode: of the rod whose friction slips, where it has
     /// any.
     fn along(&self, step: f64, coordinate: Coordinate) -> Result<(Excursion, OfCoordinate), String> {
-        let (rest, slipping) = (&self.rest, self.slipping.as_deref());
-        let modes = slipping.filter(|modes| !modes.is_empty()).or(rest.modes.as_deref().ok());
-        let first = modes.and_then(|modes| modes.first());
+        let rest = &self.rest;
+        let first = self.modes().and_then(|modes| modes.first());
         let damped = first.map(|(hertz, ratio)| TAU * hertz * (1.0 - ratio * ratio).sqrt());
         let known = Known {
             mode: damped.filter(|omega| *omega > 0.0),

@@ -29,7 +29,7 @@ pub fn told(request: &Request, model: &Model, run: &Run, trajectory: &Trajectory
     inputs_sha256.insert(SCENARIO.to_owned(), sha256(request.resolved_scenario.as_bytes()));
     let summary = Summary {
         name: request.name.clone(),
-        warnings: request.warnings.clone(),
+        warnings: request.warnings.iter().cloned().chain(numbers.warnings).collect(),
         wall_time_s: request.wall_time_s,
         real_time_factor: (request.wall_time_s > 0.0).then(|| end / request.wall_time_s),
         inputs_sha256,

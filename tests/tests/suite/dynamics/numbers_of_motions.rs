@@ -50,6 +50,7 @@ fn a_rod_that_hangs_swings_at_its_first_mode() {
     let coordinate = found.coordinate.expect("a direction");
     assert!(coordinate.direction[0].abs() > 0.99, "level: {coordinate:?}");
     assert!(found.peaks.expect("peaks").len() >= 8);
+    assert!(found.warnings.is_empty(), "one mode swings: {:?}", found.warnings);
 }
 
 /// As it was found: after a step from 30 to 40 psi the frequency was that of the second mode, and settling counted from the
@@ -79,6 +80,8 @@ fn a_step_of_the_pressure_is_an_event() {
     // 3.37 s by a script over the samples of the trajectory, every 10 ms: the second mode is a large part of the excursion.
     let settled = found.settling_2_percent_s.expect("it settles");
     assert!((settled - 3.38).abs() < 0.02, "{settled} s");
+    let [warning] = &found.warnings[..] else { panic!("{:?}", found.warnings) };
+    assert!(warning.contains("the second mode") && warning.contains("damping ratio include it"), "{warning}");
 }
 
 /// A force that begins: statics before and after. A slow oscillation: gain by statics, phase by the damping, `-2 ζ r`.
