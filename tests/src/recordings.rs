@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use efam_core::forward::Run;
+use efam_experiments::table::Table;
 use efam_recordings::Recording;
-use efam_report::table::Table;
 
 use crate::{paper, simulate};
 

@@ -14,5 +14,6 @@ pub mod kind;
 pub mod release;
 pub mod scenario;
 pub mod summary;
+pub mod table;
 
 pub use cleaning::out_of_plane;

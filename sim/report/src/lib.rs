@@ -34,7 +34,6 @@ pub mod report;
 pub mod reread;
 pub mod simulated;
 pub mod swept;
-pub mod table;
 pub mod told;
 
 use std::collections::BTreeMap;
@@ -45,6 +44,7 @@ use efam_core::accuracy::Errors;
 use efam_core::forward::{Cancel, Run};
 use efam_core::trajectory::{Status, Trajectory};
 use efam_experiments::summary::Summary;
+use efam_experiments::table::Table;
 use efam_store::folder::{self, open};
 use efam_store::manifest;
 use efam_store::names::plain_name;
@@ -52,7 +52,6 @@ use efam_store::{Folder, MARK, StoreError};
 use models::model::Model;
 use serde_json::{Value, json};
 
-use table::Table;
 use told::{Told, told};
 
 /// File names of a run folder.

@@ -26,11 +26,11 @@ const DOORS: [(&str, &[&str]); 33] = [
         &[
             "sim/store/src/columns.rs",
             "sim/store/src/columns/",
-            "sim/report/src/table.rs",
+            "sim/experiments/src/table.rs",
             "sim/recordings/src/columnar.rs",
         ],
     ),
-    ("bytes", &["sim/store/src/columns/", "sim/report/src/table.rs", "sim/recordings/src/columnar.rs"]),
+    ("bytes", &["sim/store/src/columns/", "sim/experiments/src/table.rs", "sim/recordings/src/columnar.rs"]),
     ("clap", &["sim/src/cli.rs", "sim/src/cli/", "tests/src/bin/blind_bench.rs"]),
     ("clap_complete", &["sim/src/cli/completions.rs"]),
     ("clap_mangen", &["sim/src/cli/man.rs"]),
@@ -60,7 +60,7 @@ const DOORS: [(&str, &[&str]); 33] = [
         &[
             "sim/store/src/columns.rs",
             "sim/store/src/columns/",
-            "sim/report/src/table.rs",
+            "sim/experiments/src/table.rs",
             "sim/recordings/src/columnar.rs",
         ],
     ),

@@ -115,6 +115,7 @@ const FLOORS: [Floors; 5] = [
             ("cleaning", &["error", "experiment", "release", "scenario"]),
             ("init", &["cleaning", "experiment", "scenario"]),
             ("drive", &[]),
+            ("table", &["drive"]),
             ("events", &["analysis", "drive"]),
             ("summary", &["analysis", "drive", "events"]),
             ("analyse", &["analysis", "cleaning", "experiment", "summary"]),

@@ -14,11 +14,12 @@
 use std::io::{self, Write};
 
 use efam_core::trajectory::Trajectory;
-use efam_experiments::drive::{pressure, timed_loads};
 use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile};
 use models::model::Model;
 use models::system::System;
 use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use crate::drive::{pressure, timed_loads};
 
 /// Numbers held at once while writing; a row group has as many.
 const MOST_CELLS: usize = 1 << 22;
