@@ -24,7 +24,8 @@ pub struct Found {
 pub struct Compared {
     /// Distance of the two paths over the sum of their errors, each as requested or, if that is more, as estimated.
     pub ratio: f64,
-    /// The estimated error of the finer run over that of the coarser one.
+    /// The error of mesh and steps, as estimated, of the finer run over that of the coarser one. What attempts of one search
+    /// differ by is not in it: a search that makes more attempts sees more of them differ, and warns.
     pub worse: f64,
     /// Whether the errors are said not to be trusted.
     pub warned: bool,
@@ -54,7 +55,7 @@ pub fn compared(seed: u64, requested: f64) -> Option<Compared> {
     };
     Some(Compared {
         ratio: distance / (a + b),
-        worse: fine.tip_m() / coarse.tip_m(),
+        worse: (fine.mesh_m + fine.step_m) / (coarse.mesh_m + coarse.step_m),
         warned: fine.apart_m.is_some() || coarse.apart_m.is_some(),
         text: format!(
             "seed {seed}: {:.5} mm apart; {}; {}; {scenario}",
