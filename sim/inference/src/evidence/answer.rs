@@ -2,7 +2,7 @@
 
 use super::Accepted;
 use super::data::Data;
-use super::samples::{NUMBERS, Sampled};
+use super::samples::{Sampled, numbers};
 use super::search::Fit;
 use super::unknown::Role;
 use super::verdict::{Round, Seen, Value, Weighed};
@@ -52,7 +52,8 @@ pub fn answer(
         warnings,
         ..Weighed::default()
     };
-    weighed.verdict = verdict(baseline_sampled, sampled, accepted, &weighed, swing);
+    let numbers = data.plans.iter().map(numbers).sum();
+    weighed.verdict = verdict(baseline_sampled, sampled, accepted, &weighed, numbers, swing);
     weighed.summary = summary(&weighed);
     weighed
 }
@@ -63,6 +64,7 @@ fn verdict(
     after: &Sampled,
     accepted: &[Accepted],
     weighed: &Weighed,
+    numbers: f64,
     swing: f64,
 ) -> Verdict {
     let is_little = |own: &Sampled| own.is_little(swing);
@@ -70,7 +72,6 @@ fn verdict(
         // What is far beyond noise and what repeats is there, whatever explains it.
         return if is_little(before) { Verdict::NothingMissing } else { Verdict::Unknown };
     }
-    let numbers = weighed.releases as f64 * NUMBERS;
     let saved = 0.5 * (before.z.norm_squared() - after.z.norm_squared()).max(0.0);
     let explained = numbers * (before.misfit() / after.misfit()).ln() + saved;
     if explained < -numbers * LEFT.ln() && !is_little(after) {

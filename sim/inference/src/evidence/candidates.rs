@@ -114,8 +114,10 @@ fn strength(of: &Parameter, off: f64, (low, high): (f64, f64)) -> (f64, bool) {
     }
 }
 
-/// Another parameter of an effect: log-normal over a range of positive values, half-normal from zero, else normal.
+/// Another parameter of an effect: log-normal over a range of positive values, half-normal from zero, else normal. A range that
+/// begins where the law does begins at zero.
 fn shape(of: &Parameter, value: f64, (low, high): (f64, f64)) -> Unknown {
+    let low = if of.range.0 >= 0.0 && low <= of.range.0 { 0.0 } else { low };
     let (scaled, is_half) = if low > 0.0 {
         (Scaled::LogNormal((low * high).sqrt(), (high / low).ln() / (2.0 * DEVIATIONS)), false)
     } else if low == 0.0 {

@@ -29,10 +29,11 @@ use rayon::prelude::*;
 
 use crate::calibrate::{CalibrateError, Problem, SectionError};
 use crate::diagnose::{DiagnosisSettings, Listener, section};
-use candidates::{effects, statements};
+use crate::normal::NORMAL_95;
+use candidates::{Extension, effects, statements};
 use data::Data;
 use samples::Sampled;
-use screen::{Screened, beside, screen};
+use screen::{Origin, Screened, beside, screen};
 use search::{Effort, FIRST_SHARE, Fit, fit};
 pub use verdict::Weighed;
 use verdict::{Odds, Round};
@@ -43,15 +44,16 @@ const MOST_FITTED: usize = 12;
 const BEHIND: f64 = 15.0;
 /// Tries of one effect that are fitted: a memory may be short or long.
 const TRIES: usize = 2;
-/// Candidates that are fitted to all samples, and how far behind the best by features one may be.
+/// Candidates that are fitted to all samples, of those that features favour at all.
 const MOST_SAMPLED: usize = 4;
-const SAMPLED_BEHIND: f64 = 8.0;
 /// Log odds within which two answers are one class: twenty to one.
 const CLASS: f64 = 3.0;
 /// Log odds over all candidates together that an answer needs beside, `ln K` being their number.
 const MARGIN: f64 = 2.0;
 /// A fit whose log evidence is so far below that of the model that it extends ended in a local minimum, and begins again.
 const LOCAL_MINIMUM: f64 = 2.0;
+/// Prior standard deviations between the optimum and the priors' means from which on candidates are tried from both.
+const FAR: f64 = 2.0;
 /// Evaluations of a fit from the priors' means in each round, and of a candidate's.
 const BASE_EFFORT: Effort = Effort(25);
 const EFFORT: Effort = Effort(12);
@@ -68,6 +70,9 @@ struct Tried {
     name: String,
     fit: Fit,
     sampled: Option<Sampled>,
+    /// Places of its strengths among the unknowns, and the logarithm of its prior odds.
+    strengths: Vec<usize>,
+    odds: f64,
     /// Log odds over the model before, by features and, where they were fitted, by all samples.
     features: f64,
     all: f64,
@@ -111,9 +116,12 @@ pub fn diagnose(
     let nothing = Arc::new(setup::nothing(problem, trials, &data.plans).map_err(of_model)?);
     listener.doing("the model as it is");
     let no_fit = || CalibrateError::NoFit { release: name.clone() };
-    let baseline = fit(&data, &nothing, &nothing.start(), FIRST_SHARE, BASE_EFFORT).ok_or_else(no_fit)?;
+    let start = nothing.start();
+    let at_means = data.compare(&nothing, &start, &|_| true);
+    let baseline = fit(&data, &nothing, &start, FIRST_SHARE, BASE_EFFORT).ok_or_else(no_fit)?;
     let baseline_sampled = samples::fit(&data, &nothing, &baseline.z).ok_or_else(no_fit)?;
     listener.began();
+    let mut baseline_sampled = baseline_sampled;
     let (mut rounds, mut accepted): (Vec<Round>, Vec<Accepted>) = (Vec::new(), Vec::new());
     let mut members = Vec::new();
     for number in 0..settings.most_effects {
@@ -125,11 +133,16 @@ pub fn diagnose(
             warnings.push(format!("the budget ended the search before round {}", number + 1));
             break;
         }
-        let (base, sampled) = match accepted.last() {
-            Some(last) => (&last.fit, &last.sampled),
-            None => (&baseline, &baseline_sampled),
+        let accepted_is_empty = accepted.is_empty();
+        let (base, sampled) = match accepted.last_mut() {
+            Some(last) => (&last.fit, &mut last.sampled),
+            None => (&baseline, &mut baseline_sampled),
         };
-        let (bar, tried) = round(&data, base, sampled, settings, number, listener);
+        // A setup that is found where it is stated is one origin, not two.
+        let is_far = accepted_is_empty && (&base.z - &start).amax() > FAR;
+        let means: Vec<Origin> =
+            at_means.iter().filter(|_| is_far).map(|compared| Origin { z: &start, compared }).collect();
+        let (bar, tried) = round(&data, base, sampled, &means, settings, number, listener);
         rounds.push(Round { bar, share: base.share, candidates: tried.iter().map(Tried::odds_of).collect() });
         // What was not fitted to all samples is no answer.
         let mut sampled = tried.into_iter().filter_map(Tried::sampled);
@@ -152,7 +165,8 @@ pub fn diagnose(
 fn round(
     data: &Data,
     base: &Fit,
-    base_sampled: &Sampled,
+    base_sampled: &mut Sampled,
+    means: &[Origin],
     settings: &DiagnosisSettings,
     number: usize,
     listener: &dyn Listener,
@@ -163,22 +177,22 @@ fn round(
     let mut names: Vec<&str> = extensions.iter().map(|own| own.name.as_str()).collect();
     names.dedup();
     let bar = (names.len() as f64).ln() + MARGIN;
-    let screened = screen(data, base, extensions);
+    let screened = screen(data, base, means, extensions);
     let chosen = chosen(screened);
     listener.doing(&format!("round {}: {} fits", number + 1, chosen.len()));
     let fitted = |own: Screened| {
         let hypothesis = Arc::new(own.extension.hypothesis.clone());
         let first = fit(data, &hypothesis, &own.start, own.share, EFFORT);
         let is_lost = first.as_ref().is_none_or(|fit| fit.evidence < base.evidence - LOCAL_MINIMUM);
-        let again =
-            is_lost.then(|| fit(data, &hypothesis, &beside(base, &own.extension), base.share, EFFORT));
+        let again = is_lost
+            .then(|| fit(data, &hypothesis, &beside(base, &base.z, &own.extension), base.share, EFFORT));
         let best = [first, again.flatten()]
             .into_iter()
             .flatten()
             .max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
         let features = best.evidence - base.evidence + own.extension.odds;
-        let name = own.extension.name;
-        Some(Tried { name, features, all: features, fit: best, sampled: None })
+        let Extension { name, strengths, odds, .. } = own.extension;
+        Some(Tried { name, features, all: features, fit: best, sampled: None, strengths, odds })
     };
     let mut tried: Vec<Tried> =
         chosen.into_par_iter().map(fitted).collect::<Vec<_>>().into_iter().flatten().collect();
@@ -190,21 +204,34 @@ fn round(
         seen.push(own.name.clone());
         is_new
     });
-    let top = tried.first().map_or(0.0, |own| own.features);
-    let is_near = |own: &&mut Tried| top - own.features < SAMPLED_BEHIND;
-    let near: Vec<&mut Tried> = tried.iter_mut().take(MOST_SAMPLED).filter(is_near).collect();
+    let near: Vec<&mut Tried> =
+        tried.iter_mut().take(MOST_SAMPLED).filter(|own| own.features > 0.0).collect();
     listener.doing(&format!("round {}: all samples", number + 1));
     near.into_par_iter().for_each(|own| {
-        if let Some(sampled) = samples::fit(data, &own.fit.hypothesis, &own.fit.z) {
-            // The prior at the features' optimum is in their odds already.
-            let gain = |sampled: &Sampled, fit: &Fit| sampled.density + 0.5 * fit.z.norm_squared();
-            own.all = own.features + gain(&sampled, &own.fit) - gain(base_sampled, base);
-            own.sampled = Some(sampled);
-        }
+        own.sampled = samples::fit(data, &own.fit.hypothesis, &own.fit.z);
     });
+    again(data, base, base_sampled, &tried);
+    for own in &mut tried {
+        if let Some(sampled) = &own.sampled {
+            own.all = sampled.evidence - base_sampled.evidence + own.odds;
+        }
+    }
     // Those that were not fitted to all samples stay behind.
     tried.sort_by(|a, b| b.sampled.is_some().cmp(&a.sampled.is_some()).then(b.all.total_cmp(&a.all)));
     (bar, tried)
+}
+
+/// Fits the model before to all samples once more, from where the best candidate leads without its strength: what the setup
+/// explains is no evidence of an effect.
+fn again(data: &Data, base: &Fit, base_sampled: &mut Sampled, tried: &[Tried]) {
+    let effects = tried.iter().filter(|own| !own.strengths.is_empty()).filter_map(|own| own.sampled.as_ref());
+    let Some(best) = effects.max_by(|a, b| a.evidence.total_cmp(&b.evidence)) else { return };
+    let start = best.z.rows(0, base.z.len()).into_owned();
+    if let Some(found) =
+        samples::fit(data, &base.hypothesis, &start).filter(|own| own.evidence > base_sampled.evidence)
+    {
+        *base_sampled = found;
+    }
 }
 
 /// The candidates that are fitted: the most promising, and not too many tries of one effect.
@@ -222,8 +249,12 @@ fn chosen(screened: Vec<Screened>) -> Vec<Screened> {
 }
 
 impl Tried {
+    /// What was fitted to all samples, unless the interval of its strength holds zero.
     fn sampled(self) -> Option<Accepted> {
-        Some(Accepted { name: self.name, fit: self.fit, sampled: self.sampled?, all: self.all })
+        let sampled = self.sampled?;
+        let is_off = |u: &usize| sampled.z[*u].abs() > NORMAL_95 * sampled.covariance[(*u, *u)].sqrt();
+        let is_told = self.strengths.is_empty() || self.strengths.iter().any(is_off);
+        is_told.then_some(Accepted { name: self.name, fit: self.fit, sampled, all: self.all })
     }
 
     fn odds_of(&self) -> Odds {

@@ -12,11 +12,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
 use super::hypothesis::{Hypothesis, Simulated};
+use super::likelihood::{Expanded, laplace};
 use crate::calibrate::repeats::{grouped_trials, is_one_condition};
 use crate::features::Plan;
 
-/// Independent numbers that the misfit of a release is worth: size, phase and rest of its swing early and late, in two coordinates.
-pub const NUMBERS: f64 = 10.0;
 /// Misfit beside the noise, over it, that is not worth another effect: the noise itself is known to a tenth.
 const NOISE: f64 = 0.5;
 /// Share of the first swing that does not repeat, where nothing else is known: two releases by hand differ by 1 to 3 %.
@@ -44,8 +43,8 @@ pub struct Sampled {
     pub rms: f64,
     /// The same that noise alone leaves.
     pub noise: f64,
-    /// Logarithm of the likelihood and of the prior at the optimum, up to what all models share.
-    pub density: f64,
+    /// Logarithm of the evidence by Laplace's method, up to what all models share.
+    pub evidence: f64,
     /// Root mean square distance, m, beside the noise, of what repeats in the releases of each condition.
     misfit: f64,
 }
@@ -108,18 +107,26 @@ pub fn fit(data: &Data, hypothesis: &Arc<Hypothesis>, start: &DVector<f64>) -> O
     }
     let seen = seen?;
     let misfits = misfits_of(data, &seen);
-    let covariance = expanded(data, &seen, &z, &misfits).2.cholesky()?.inverse();
+    let (_, gradient, hessian) = expanded(data, &seen, &z, &misfits);
+    let covariance = hessian.clone().cholesky()?.inverse();
     let of = |((own, plan), misfit): ((&Residuals, &Plan), &f64)| {
-        -0.5 * NUMBERS * variance(own, plan, *misfit).ln()
+        -0.5 * numbers(plan) * variance(own, plan, *misfit).ln()
     };
     let likelihood: f64 = seen.iter().zip(&data.plans).zip(&misfits).map(of).sum();
-    let density = likelihood - 0.5 * z.norm_squared();
+    let is_half: Vec<bool> = hypothesis.unknowns.iter().map(|own| own.is_half).collect();
+    let cost = 0.5 * z.norm_squared() - likelihood;
+    let evidence = laplace(&Expanded { cost, gradient, hessian }, &z, &is_half);
     let misfit = misfit(data, hypothesis, &seen, &misfits);
     let count: f64 = data.plans.iter().map(|plan| sampled(plan) as f64).sum();
     let noise = (2.0 * data.plans.iter().map(|plan| sampled(plan) as f64 * plan.noise.powi(2)).sum::<f64>()
         / count)
         .sqrt();
-    Some(Sampled { z, covariance, rms: rms(&seen), noise, density, misfit })
+    Some(Sampled { z, covariance, rms: rms(&seen), noise, evidence, misfit })
+}
+
+/// Independent numbers that the misfit of a release is worth: as many as describe its swing.
+pub fn numbers(plan: &Plan) -> f64 {
+    plan.features.len() as f64
 }
 
 /// Marker positions of a release.
@@ -178,7 +185,7 @@ fn expanded(
 
 /// Variance of each of the independent numbers of a release, m²; `misfit` is a mean square beside the noise.
 fn variance(own: &Residuals, plan: &Plan, misfit: f64) -> f64 {
-    plan.noise.powi(2) + misfit * (own.residual.len() as f64 / NUMBERS).max(1.0)
+    plan.noise.powi(2) + misfit * (own.residual.len() as f64 / numbers(plan)).max(1.0)
 }
 
 /// Root mean square distance beside the noise, m, of what releases of one condition have in common: the mean product of the
