@@ -68,7 +68,7 @@ pub struct Folder {
     partial: Partial,
     dated: bool,
     replaces: bool,
-    later: &'static [&'static str],
+    added: &'static [&'static str],
     finished: bool,
     /// Whether nothing is written any more. Whoever writes reads it.
     given_up: RwLock<bool>,
@@ -137,6 +137,9 @@ impl Folder {
             }
             Target::Given { folder, overwrite } => {
                 restore(folder);
+                if overwrite {
+                    manifest::tidy_within(folder);
+                }
                 admit(folder, overwrite)?;
                 // A link to a folder is followed: the folder is replaced, not the link.
                 (fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf()), false, overwrite)
@@ -158,15 +161,15 @@ impl Folder {
             partial,
             dated,
             replaces,
-            later: &[],
+            added: &[],
             finished: false,
             given_up: RwLock::new(false),
         })
     }
 
-    /// Names paths that commands may add to the folder or rewrite when it is finished; see [`Manifest`].
-    pub fn later(&mut self, paths: &'static [&'static str]) {
-        self.later = paths;
+    /// Names folders that commands may add when it is finished; see [`Manifest`].
+    pub fn may_have(&mut self, folders: &'static [&'static str]) {
+        self.added = folders;
     }
 
     /// Where files go until the folder is finished.
@@ -220,7 +223,7 @@ impl Folder {
     /// [`StoreError::Kept`] in that case; [`StoreError::Late`]; [`StoreError::Write`].
     pub fn finish(mut self) -> Result<PathBuf, StoreError> {
         let manifest =
-            Manifest::of(&self.partial.path, self.later).map_err(StoreError::write(&self.target))?;
+            Manifest::of(&self.partial.path, self.added).map_err(StoreError::write(&self.target))?;
         self.write(MANIFEST, manifest.text().as_bytes())?;
         sync_folder(&self.partial.path).map_err(StoreError::write(&self.target))?;
         let named = match (self.replaces, self.dated) {

@@ -1,8 +1,10 @@
 //! Files of efam: written whole or not at all, read up to a bound, and tables in them.
 //!
-//! A run folder is a [`Folder`], a single file is written by [`atomic`], and [`manifest`] says which files efam wrote.
+//! A run folder is a [`Folder`], a single file is written by [`atomic`], [`added`] adds to a folder, and [`manifest`]
+//! says which files efam wrote.
 //! [`input`] reads what somebody named, [`columns`] writes and reads tables.
 
+pub mod added;
 pub mod atomic;
 pub mod columns;
 mod error;

@@ -86,11 +86,13 @@ pub fn remove_left(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Removes what was left in a folder in which nobody has anything to write any more, by whatever machine.
-pub fn clear(folder: &Path) {
+/// Removes what was left of these files in a folder in which nobody has anything to write any more, by whatever machine.
+pub fn clear(folder: &Path, names: &[&str]) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        if is_file && is_partial(&entry.file_name().to_string_lossy()) {
+        let hidden = entry.file_name().to_string_lossy().into_owned();
+        let is_of = |name: &&str| hidden.starts_with(&format!(".{name}."));
+        if is_file && is_partial(&hidden) && names.iter().any(is_of) {
             let _ = fs::remove_file(entry.path());
         }
     }
