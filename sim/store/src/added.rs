@@ -1,12 +1,13 @@
 //! Files that come into a finished folder, or are written anew there, each stated in the manifest.
 
 use std::cell::RefCell;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
 use crate::StoreError;
 use crate::atomic::{replaced, written};
+use crate::disk::{self, File};
 use crate::manifest::{Foreign, MANIFEST, Manifest, hash};
 use crate::partial::wait_to_hold;
 
@@ -53,12 +54,8 @@ fn added(
         let mut manifest = Manifest::read(folder).unwrap_or_else(Manifest::empty);
         manifest.put(name, sha256);
         let text = manifest.text();
-        replaced(
-            &folder.join(MANIFEST),
-            |file| file.write_all(text.as_bytes()),
-            |from, to| fs::rename(from, to),
-        )?;
-        fs::rename(from, to)
+        replaced(&folder.join(MANIFEST), |file| file.write_all(text.as_bytes()), disk::rename)?;
+        disk::rename(from, to)
     });
     match refused.into_inner() {
         Some(foreign) => Err(foreign.refuses(folder)),
@@ -70,9 +67,12 @@ fn added(
 /// # Errors
 /// [`Foreign`] if efam did not write what is there, and it is not the same; what the file system said.
 fn known(folder: &Path, name: &str, sha256: &str) -> io::Result<Option<Foreign>> {
-    let there = match hash(&folder.join(name)) {
+    let file = folder.join(name);
+    let there = match fs::symlink_metadata(&file) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        there => there?,
+        // A link is not what efam wrote, and may lead to a device that never ends.
+        Ok(there) if !there.is_file() => return Ok(Some(Foreign::Unknown(name.into()))),
+        _ => hash(&file)?,
     };
     let manifest = Manifest::read(folder);
     let is_known = there == sha256 || manifest.as_ref().is_some_and(|own| own.has(name, &there));

@@ -1,11 +1,12 @@
 //! A file: complete under its name, or not there at all.
 
 use std::cell::Cell;
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::Path;
 
 use crate::StoreError;
+use crate::disk::{self, File};
 use crate::partial::{self, Partial, rename_new};
 
 /// Lets a function write a file beside its place, sees it down to the disk, and gives it its name. Who reads the name
@@ -14,7 +15,7 @@ use crate::partial::{self, Partial, rename_new};
 /// # Errors
 /// [`StoreError`]; what was there before is there still.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), StoreError> {
-    written(path, write, |from, to| fs::rename(from, to))
+    written(path, write, disk::rename)
 }
 
 /// The same, for a name that is free.
@@ -50,17 +51,17 @@ pub(super) fn replaced(
     rename: impl Fn(&Path, &Path) -> io::Result<()>,
 ) -> io::Result<()> {
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)?;
+    disk::create_dir_all(folder)?;
     partial::tidy(folder);
-    let (partial, mut file) = Partial::begin(path, |partial| File::create_new(partial))?;
+    let (partial, mut file) = Partial::begin(path, File::create_new)?;
     let named = || rename(&partial.path, path);
     let done = write(&mut file).and_then(|()| file.sync_all()).and_then(|()| named());
     if done.is_err() {
-        let _ = fs::remove_file(&partial.path);
+        let _ = disk::remove_file(&partial.path);
     }
     done?;
     // The rename stands; that it also outlives a power cut is asked for, not insisted on.
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    let _ = disk::sync_folder(folder);
     Ok(())
 }
 

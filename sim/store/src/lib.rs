@@ -7,6 +7,7 @@
 pub mod added;
 pub mod atomic;
 pub mod columns;
+pub mod disk;
 mod error;
 pub mod escape;
 pub mod folder;

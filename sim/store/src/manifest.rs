@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::StoreError;
-use crate::partial::tidy;
+use crate::disk;
 use crate::sha::Sha;
 
 /// The file of the manifest, written into each run folder.
@@ -87,7 +87,7 @@ impl Manifest {
     }
 
     /// Whether a folder may be added later.
-    fn may_have(&self, folder: &str) -> bool {
+    pub(super) fn may_have(&self, folder: &str) -> bool {
         self.folders.iter().any(|pattern| is_like(pattern, folder))
     }
 
@@ -148,18 +148,6 @@ impl Manifests {
     }
 }
 
-/// Removes what dead processes of this machine left in a run folder, and in folders that were added to it.
-pub(super) fn tidy_within(folder: &Path) {
-    let Some(manifest) = Manifest::read(folder) else { return };
-    tidy(folder);
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-        if is_folder && manifest.may_have(&entry.file_name().to_string_lossy()) {
-            tidy(&entry.path());
-        }
-    }
-}
-
 /// Finds what in a folder efam did not write; an empty folder holds nothing of that kind.
 /// # Errors
 /// What the file system said.
@@ -195,10 +183,14 @@ pub(super) fn remove(folder: &Path) -> io::Result<()> {
             all.iter().filter(|entry| manifests.lists(entry)).partition(|entry| entry.name != MANIFEST);
         // The deepest first. Without the manifest the rest would belong to nobody: it goes last.
         for entry in own.iter().rev().chain(&last) {
-            gone(if entry.is_folder { fs::remove_dir(&entry.path) } else { fs::remove_file(&entry.path) })?;
+            gone(if entry.is_folder {
+                disk::remove_dir(&entry.path)
+            } else {
+                disk::remove_file(&entry.path)
+            })?;
         }
     }
-    gone(fs::remove_dir(folder))
+    gone(disk::remove_dir(folder))
 }
 
 /// Somebody else may have removed it at the same time.

@@ -7,6 +7,7 @@ use std::process::{Command, ExitCode};
 
 use clap::Args;
 use efam_store::added;
+use efam_store::disk::create_dir_all;
 use efam_store::escape::shell_word;
 use efam_store::names::plain_name;
 use efam_sweeps::cluster::{array_script, job, merge_script};
@@ -82,7 +83,7 @@ pub fn run(args: &Submit, console: &Console) -> Result<ExitCode, Failure> {
     for (name, text) in [(ARRAY, array_text), (MERGE, merge_text)] {
         added::add(&folder, name, |file| file.write_all(text.as_bytes()))?;
     }
-    fs::create_dir_all(folder.join("log")).map_err(here)?;
+    create_dir_all(&folder.join("log")).map_err(here)?;
     let array = status.missing_array.clone();
     let mut first = vec![format!("--array={array}")];
     first.extend(args.options.iter().cloned());
