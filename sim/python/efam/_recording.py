@@ -1,6 +1,8 @@
 """Recordings of markers: from files, tables of pandas or polars, and arrays."""
 
+import datetime
 import os
+import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -27,9 +29,9 @@ class Recording:
     >>> efam.Recording(times=t, markers={"tip": tip, "base": base}, unit="mm")
 
     `markers` is an array per name, shape [T, 3], or [T, 2] for x and z in the plane of the swing; or one array of all,
-    shape [T, markers, 3 or 2], with `names`. What is not a number was lost. Without `unit`, arrays are in metres;
-    without `times`, samples come `rate` times a second. `columns` says what the columns of a file without names hold,
-    such as ["t_s", "x_mm", "z_mm"].
+    shape [T, markers, 3 or 2], with `names`. What is masked or not a number was lost. Without `unit`, arrays are in
+    metres; without `times`, samples come `rate` times a second. Times are seconds, timedelta64 or datetime64. `columns`
+    says what the columns of a file without names hold, such as ["t_s", "x_mm", "z_mm"].
     """
 
     def __init__(
@@ -168,7 +170,7 @@ def _of_arrays(
     columns: dict[str, Column] = {}
     samples = None
     if times is not None:
-        clock = _floats("times", times)
+        clock = _floats("times", times, is_clock=True)
         if clock.ndim != 1:
             raise DataError(f"times: shape {clock.shape}; one time for each sample is due, [T]")
         columns["t_s"], samples = clock, len(clock)
@@ -183,23 +185,98 @@ def _of_arrays(
     return list(columns), list(columns.values())
 
 
+# Names of columns of times, whatever unit they state.
+CLOCK = re.compile(r"(elapsed[ _]?)?(t|time|timestamp)([^a-z].*)?$", re.IGNORECASE)
+
+
 def _of_table(table: Any) -> tuple[list[str], list[Column]]:
     """Columns of a table of pandas, or of whatever has columns by their names."""
-    index = getattr(table, "index", None)
-    if getattr(index, "name", None):
+    index: Any = getattr(table, "index", None)
+    is_clock = getattr(getattr(index, "dtype", None), "kind", "") in ("m", "M")
+    names: list[str] = []
+    columns: list[Column] = []
+    if is_clock and not any(CLOCK.match(str(name)) for name in table.columns):
+        names.append("time_s")
+        columns.append(_floats("index", index, is_clock=True))
+    elif getattr(index, "name", None):
         table = table.reset_index()
-    names, columns = [], []
     for name in table.columns:
-        own = np.asarray(table[name])
-        if own.dtype.kind == "m":
-            own = own / np.timedelta64(1, "s")
-        names.append(str(name))
-        columns.append(own.astype(float) if own.dtype.kind in "fiu" else str(own.dtype))
+        own = table[name]
+        kind = np.asarray(own).dtype
+        try:
+            numbers = _floats(str(name), own, is_clock=bool(CLOCK.match(str(name))))
+        except DataError:
+            # It may be of no importance to the recording; if it is, this names it.
+            names.append(str(name))
+            columns.append(str(getattr(own, "dtype", kind)))
+            continue
+        # Durations and dates have become seconds, whatever their name states.
+        names.append(str(name) if kind.kind in "fiu" or not _is_clock(np.asarray(own)) else "time_s")
+        columns.append(numbers)
     return names, columns
 
 
-def _floats(name: str, values: ArrayLike) -> Floats:
+def _is_clock(values: NDArray[Any]) -> bool:
+    """Whether values are durations or dates, also as objects."""
+    if values.dtype.kind != "O":
+        return values.dtype.kind in "mM"
+    return values.size > 0 and isinstance(values.flat[0], (datetime.datetime, datetime.timedelta))
+
+
+def _floats(name: str, values: ArrayLike, *, is_clock: bool = False) -> Floats:
+    """Real numbers in an array. What is masked is not a number; of a clock, durations and dates are seconds."""
+    if isinstance(values, (list, tuple)) and any(np.ma.isMaskedArray(own) for own in values):
+        values = np.ma.array(values)
     try:
-        return np.asarray(values, dtype=float)
+        own = np.asarray(values)
+        if _is_clock(own):
+            if not is_clock:
+                raise DataError(f"{name}: dates or durations, where positions are due; give them as times=")
+            numbers = _seconds(own)
+        else:
+            numbers = _reals(name, own)
     except (TypeError, ValueError) as error:
         raise DataError(f"{name}: numbers in an array are due ({error})") from None
+    if np.ma.isMaskedArray(values):
+        numbers = np.where(np.ma.getmaskarray(values), np.nan, numbers)
+    return numbers
+
+
+def _reals(name: str, own: NDArray[Any]) -> Floats:
+    """Real numbers of any width; none of a kind that would become some silently."""
+    kinds = {own.dtype.kind} if own.dtype.kind != "O" else {_kind(value) for value in own.flat}
+    for kind, what in (
+        ("b", "booleans, where numbers are due; mark lost samples by NaN or a masked array"),
+        ("c", "complex numbers, where real ones are due; give x and z apart, such as values.real and values.imag"),
+        ("U", "text, where numbers are due; convert it, such as by values.astype(float)"),
+    ):
+        if kind in kinds:
+            raise DataError(f"{name}: {what}")
+    if own.dtype.kind == "O":
+        # The missing value of pandas has no number.
+        own = np.array([np.nan if _kind(value) == "-" else value for value in own.flat]).reshape(own.shape)
+    return np.asarray(own, dtype=float)
+
+
+def _kind(value: Any) -> str:
+    if value is None or type(value).__name__ == "NAType":
+        return "-"
+    for kind, types in (("b", (bool, np.bool_)), ("c", (complex, np.complexfloating)), ("U", (str, bytes))):
+        if isinstance(value, types):
+            return kind
+    return "O"
+
+
+def _seconds(own: NDArray[Any]) -> Floats:
+    """Seconds of durations, or of dates since the first."""
+    if own.dtype.kind == "O":
+        first = own.flat[0]
+        is_date = isinstance(first, datetime.datetime)
+        since = ((value - first) if is_date else value for value in own.flat)
+        return np.array([value.total_seconds() for value in since], dtype=float).reshape(own.shape)
+    if np.datetime_data(own.dtype)[0] == "generic":
+        raise ValueError(f"{own.dtype} states no unit of time, such as timedelta64[ms]")
+    if own.dtype.kind == "M":
+        own = own - own[~np.isnat(own)][:1]
+    seconds: Floats = own / np.timedelta64(1, "s")
+    return seconds

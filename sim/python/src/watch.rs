@@ -1,13 +1,15 @@
 //! Long work on a thread of its own, while this one looks for Ctrl-C and says how far it has come.
 
+use std::process;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::{self, Builder};
 use std::time::Duration;
 
 use efam_core::forward::Cancel;
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::failure::EfamError;
 
@@ -15,6 +17,8 @@ use crate::failure::EfamError;
 const NOTICED: Duration = Duration::from_millis(50);
 /// As a main thread has it; that of a Python thread may be far smaller.
 const STACK: usize = 8 << 20;
+/// The process whose threads rayon's own pool has: the first that did long work.
+static OWNER: OnceLock<u32> = OnceLock::new();
 
 /// How far work has come; it is written on any thread, and read on that of the call.
 #[derive(Default)]
@@ -74,19 +78,21 @@ pub fn followed<T: Send>(
         }
         Ok(())
     };
+    let pool = pool_after_fork()?;
     py.detach(|| {
         let (done, wait) = mpsc::channel::<()>();
         thread::scope(|scope| {
             let own = &progress;
             let run = move || {
-                let result = work(cancel, own);
+                let result = match &pool {
+                    Some(pool) => pool.install(|| work(cancel, own)),
+                    None => work(cancel, own),
+                };
                 drop(done);
                 result
             };
             let worker = Builder::new().stack_size(STACK).spawn_scoped(scope, run);
-            let worker = worker.map_err(|error| {
-                EfamError::new_err(format!("no thread can be had ({error}); raise ulimit -u"))
-            })?;
+            let worker = worker.map_err(|error| no_thread(&error))?;
             let mut interrupted = None;
             // The channel breaks when the work is over, also when it panics.
             while wait.recv_timeout(NOTICED) == Err(RecvTimeoutError::Timeout) {
@@ -110,4 +116,18 @@ pub fn followed<T: Send>(
             }
         })
     })
+}
+
+/// Threads for one call in a process that was forked after its parent had worked: a fork copies no thread, so rayon's own
+/// pool has none there, and would be waited for without end.
+fn pool_after_fork() -> PyResult<Option<ThreadPool>> {
+    if *OWNER.get_or_init(process::id) == process::id() {
+        return Ok(None);
+    }
+    let pool = ThreadPoolBuilder::new().stack_size(STACK).build();
+    pool.map(Some).map_err(|error| no_thread(&error))
+}
+
+fn no_thread(error: &dyn std::fmt::Display) -> PyErr {
+    EfamError::new_err(format!("no thread can be had ({error}); raise ulimit -u"))
 }

@@ -1,5 +1,6 @@
 """Recordings and experiments: from files, tables and arrays, the same to the bit; and the answers that come of them."""
 
+import datetime
 import json
 import subprocess
 
@@ -59,6 +60,83 @@ def test_what_is_no_number_was_lost(frame):
     assert np.isnan(recording["tip"][3]).all() and np.isfinite(recording["tip"][4]).all()
     assert any("note" in finding for finding in recording.findings)
     assert any("lost" in finding for finding in recording.findings), recording.findings
+
+
+def test_times_of_any_kind_are_seconds(frame):
+    tip = frame[["tip_x_mm", "tip_z_mm"]].to_numpy()
+    milliseconds = np.round(1e3 * frame["t_s"].to_numpy()).astype(int)
+    due = 1e-3 * (milliseconds - milliseconds[0])
+    start = np.datetime64("2026-01-01T23:59:59")
+    for unit, factor in (("ms", 1), ("us", 10**3), ("ns", 10**6)):
+        spans = (milliseconds * factor).astype(f"m8[{unit}]")
+        for times in (spans, start + spans, list(spans), (start + spans).astype(object) if unit != "ns" else spans):
+            own = efam.Recording(times=times, markers=tip, unit="mm")
+            assert own.rate == 100 and np.allclose(own.times - own.times[0], due, rtol=0, atol=1e-9), times[:2]
+    spans = pd.to_timedelta(milliseconds, unit="ms")
+    dates = pd.Timestamp("2026-01-01", tz="Europe/Oslo") + spans
+    bare = frame.drop(columns="t_s")
+    tables = [bare.assign(**{name: clock}) for name in ("t_s", "Time", "timestamp", "t_ms") for clock in (spans, dates)]
+    tables += [bare.set_axis(clock) for clock in (spans, dates)]
+    tables += [bare.set_axis(clock.rename("time")) for clock in (spans, dates)]
+    for table in tables:
+        own = efam.Recording(table)
+        assert own.rate == 100 and np.allclose(own.times - own.times[0], due, rtol=0, atol=1e-9), table.head(2)
+    # A column of dates beside the clock of the recording is none.
+    own = efam.Recording(frame.assign(date=dates, until=spans))
+    assert own.rate == 100 and own.markers == ["tip"]
+
+
+def test_what_is_masked_was_lost(frame):
+    tip = np.ma.array(frame[["tip_x_mm", "tip_z_mm"]].to_numpy())
+    due = np.isnan(tip.data).any(axis=1)
+    due[100:110] = True
+    tip[100:110] = 99.0
+    tip[100:110] = np.ma.masked
+    whole = np.ma.stack([tip, tip], axis=1)
+    for markers in ({"tip": tip}, tip, whole, list(tip), {"tip": tip.astype(np.float32)}):
+        own = efam.Recording(markers=markers, unit="mm", rate=100)
+        for marker in own.markers:
+            assert np.array_equal(np.isnan(own[marker]).any(axis=1), due)
+    # The tables of pandas mark lost numbers by an object of their own.
+    frame = frame.astype({"tip_x_mm": "Float64"})
+    frame.loc[100:109, "tip_x_mm"] = pd.NA
+    marker = frame[["tip_x_mm", "tip_z_mm"]]
+    of_arrays = efam.Recording(times=frame["t_s"], markers={"tip": marker}, unit="mm")
+    for own in (efam.Recording(frame), of_arrays):
+        assert np.array_equal(np.isnan(own["tip"]).any(axis=1), due)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        (np.zeros((5, 2), complex), "complex numbers, where real ones are due"),
+        ([[0.0, 1j]] * 5, "complex numbers, where real ones are due"),
+        (np.zeros((5, 2), bool), "booleans, where numbers are due"),
+        ([[True, False]] * 5, "booleans, where numbers are due"),
+        (np.array([[1.0, True]] * 5, dtype=object), "booleans, where numbers are due"),
+        (np.array([["1.0", "2.0"]] * 5), "text, where numbers are due"),
+        (np.zeros((5, 2), "m8[s]"), "give them as times="),
+        (np.zeros((5, 2), "M8[s]"), "give them as times="),
+        ([[datetime.timedelta(0)] * 2] * 5, "give them as times="),
+    ],
+)
+def test_arrays_of_other_kinds_are_refused_by_name(values, words):
+    with pytest.raises(efam.DataError) as met:
+        efam.Recording(markers={"tip": values}, rate=100)
+    assert "marker tip: " in str(met.value) and words in str(met.value)
+    if "times=" not in words:
+        with pytest.raises(efam.DataError, match=f"times: {words}"):
+            efam.Recording(times=[row[-1] for row in values] if isinstance(values, list) else values[:, 1],
+                           markers=np.zeros((5, 2)))
+
+
+def test_clocks_without_a_unit_are_refused(frame):
+    for times in (np.arange(5).astype("m8"), np.arange(5).astype("M8[M]")):
+        with pytest.raises(efam.DataError, match="times: numbers in an array are due"):
+            efam.Recording(times=times, markers=np.zeros((5, 2)))
+    for column in (frame["tip_x_mm"] > 0, frame["tip_x_mm"] + 1j, frame["tip_x_mm"].astype(str)):
+        with pytest.raises(efam.DataError, match="tip_x_mm.*(bool|complex128|str|object)"):
+            efam.Recording(frame.assign(tip_x_mm=column))
 
 
 @pytest.mark.parametrize(

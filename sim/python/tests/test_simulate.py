@@ -1,6 +1,7 @@
 """One run: the numbers of the program, as arrays."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -159,3 +160,40 @@ def test_many_are_the_same_as_each(model):
         alone = efam.simulate(own, error_estimate=False, **{"run.rate": "50 Hz"})
         assert np.array_equal(alone.tip, tip)
     assert np.isnan(many.tip[3, 51:]).all() and np.isfinite(many.tip[3, :51]).all()
+
+
+FORKED = """
+import multiprocessing, sys, warnings
+import efam, numpy
+warnings.simplefilter("ignore")
+scenario, experiment = sys.argv[1:]
+model = efam.Model(scenario, duration="1 s")
+
+def work(_):
+    run = efam.simulate(model)
+    analysis = efam.analyse(experiment, nodes=[8])
+    return run.data, efam.simulate_many([model] * 3).tip, str(analysis["analysis"])
+
+def inner(count):
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        return pool.map_async(work, [0]).get(60) if count else [work(0)]
+
+due = work(0)
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    found = pool.map_async(work, range(4)).get(60)
+    assert all(numpy.array_equal(own, of) for one in found for own, of in zip(one, due))
+# A child of a child.
+child = multiprocessing.get_context("fork").Process(target=inner, args=(1,))
+child.start()
+child.join(60)
+assert child.exitcode == 0, child.exitcode
+print("the same")
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+def test_a_forked_child_gives_the_numbers_of_its_parent(scenario):
+    experiment = ROOT / "scenarios" / "diagnosis" / "nothing" / "experiment.toml"
+    command = [sys.executable, "-c", FORKED, str(scenario), str(experiment)]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=200)
+    assert ran.stdout == "the same\n", ran.stderr

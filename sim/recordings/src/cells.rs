@@ -25,9 +25,7 @@ pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), Rec
     if bytes.starts_with(b"\xef\xbb\xbf") {
         bytes.drain(..3);
     }
-    let is_text =
-        |byte: u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\r' | b'\n' | 0x0c | 0x1a);
-    if let Some(offset) = bytes.iter().position(|byte| !is_text(*byte)) {
+    if let Some(offset) = no_letter(&bytes) {
         return Err(RecordingProblem::NotText { offset, byte: bytes[offset] });
     }
     // In its place: a long recording is not held twice.
@@ -38,6 +36,18 @@ pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), Rec
             Ok((text, Some("encoding: not UTF-8; letters beyond ASCII were read as Latin-1".to_owned())))
         }
     }
+}
+
+/// Whether a text is in UTF-16, as its first bytes say.
+pub(super) fn is_wide(bytes: &[u8]) -> bool {
+    matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..])
+}
+
+/// The first byte that no text has, in an encoding of bytes.
+pub(super) fn no_letter(bytes: &[u8]) -> Option<usize> {
+    let is_text =
+        |byte: u8| byte >= 0x20 && byte != 0x7f || matches!(byte, b'\t' | b'\r' | b'\n' | 0x0c | 0x1a);
+    bytes.iter().position(|byte| !is_text(*byte))
 }
 
 /// A text whose cells are separated by blanks, with tabs in their place; nothing for another one.

@@ -1,12 +1,12 @@
 //! From a file to a recording: its bytes, its format, its reader.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use efam_store::memory;
 
-use super::cells::{Rows, decode, without_blanks};
+use super::cells::{Rows, decode, is_wide, no_letter, without_blanks};
 use super::draft::{Draft, ReadOptions};
 use super::error::{RecordingError, RecordingProblem};
 use super::format::{self, Format};
@@ -18,6 +18,8 @@ const MOST_BYTES: u64 = 2 << 30;
 /// 72 with an orientation, and some copies of those that are used; each has 20 bytes or so of a text. (A text that
 /// is made to deceive takes 100, and [`columnar::MOST_EXPANSION`] is what Parquet may take.)
 const MEMORY: u64 = 8;
+/// Bytes that are read before a file can be refused by them. All that tells a format stands in the first.
+const PIECE: u64 = 1 << 20;
 
 /// Reads a recording; its format is told from what stands in it, not from its name.
 /// # Errors
@@ -31,12 +33,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, RecordingEr
 /// # Errors
 /// As for [`read`].
 pub fn parse(bytes: Vec<u8>, source: &Path, options: &ReadOptions) -> Result<Recording, RecordingError> {
-    let extension = source.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let extension = extension(source);
     let draft = if bytes.is_empty() {
         Err(RecordingProblem::Empty)
-    } else if bytes.starts_with(columnar::MAGIC) || matches!(&*extension, "parquet" | "pq") {
+    } else if is_parquet(&bytes, &extension) {
         columnar::read(bytes)
-    } else if c3d::is_c3d(&bytes) || extension == "c3d" {
+    } else if is_c3d(&bytes, &extension) {
         c3d::read(&bytes)
     } else if let Some(problem) = another(&bytes, &extension) {
         Err(problem)
@@ -53,11 +55,49 @@ fn load(path: &Path) -> Result<Vec<u8>, RecordingProblem> {
         return Err(RecordingProblem::NotAFile);
     }
     admit(metadata.len(), memory::available())?;
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
-    // A file that still grows is read up to where it was.
     let file = File::open(path).map_err(RecordingProblem::Unreadable)?;
-    file.take(metadata.len()).read_to_end(&mut bytes).map_err(RecordingProblem::Unreadable)?;
-    Ok(bytes)
+    // A file that still grows is read up to where it was.
+    until_refused(file.take(metadata.len()), &extension(path)).map_err(RecordingProblem::Unreadable)
+}
+
+/// All bytes of a file; of one that cannot be a recording those that show it.
+fn until_refused(mut file: impl Read, extension: &str) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut is_text = true;
+    loop {
+        let begin = bytes.len();
+        file.by_ref().take(PIECE).read_to_end(&mut bytes)?;
+        if begin == bytes.len() {
+            return Ok(bytes);
+        }
+        if begin == 0 {
+            let is_other = is_parquet(&bytes, extension) || is_c3d(&bytes, extension);
+            is_text = !is_other && !is_wide(&bytes);
+            let is_refused = if is_other {
+                !bytes.starts_with(columnar::MAGIC) && !c3d::is_c3d(&bytes)
+            } else {
+                another(&bytes, extension).is_some()
+            };
+            if is_refused {
+                return Ok(bytes);
+            }
+        }
+        if is_text && no_letter(&bytes[begin..]).is_some() {
+            return Ok(bytes);
+        }
+    }
+}
+
+fn extension(source: &Path) -> String {
+    source.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+fn is_parquet(bytes: &[u8], extension: &str) -> bool {
+    bytes.starts_with(columnar::MAGIC) || matches!(extension, "parquet" | "pq")
+}
+
+fn is_c3d(bytes: &[u8], extension: &str) -> bool {
+    c3d::is_c3d(bytes) || extension == "c3d"
 }
 
 /// Whether a file of a length is read where so much memory is free, if that is known.
@@ -108,6 +148,12 @@ fn another(bytes: &[u8], extension: &str) -> Option<RecordingProblem> {
 
 fn text(bytes: Vec<u8>, options: &ReadOptions) -> Result<Draft, RecordingProblem> {
     let (mut text, finding) = decode(bytes)?;
+    if let Some(line) = second_trajectory(&text) {
+        return Err(RecordingProblem::NotRead {
+            what: format!("an export of Kinovea with several trajectories (the second from line {line} on)"),
+            remedy: "export each into a file of its own, or all as one table with columns for each",
+        });
+    }
     let tabs = without_blanks(&text);
     let is_strict = tabs.is_some();
     text = tabs.unwrap_or(text);
@@ -128,6 +174,18 @@ fn text(bytes: Vec<u8>, options: &ReadOptions) -> Result<Draft, RecordingProblem
     Ok(draft)
 }
 
+/// The line in which an export of Kinovea begins another trajectory, behind a blank line. Its times begin anew, and `--rate`
+/// would make one path of all.
+fn second_trajectory(text: &str) -> Option<usize> {
+    let mut lines = text.lines().enumerate();
+    let is_of_kinovea = lines.next()?.1.to_lowercase().trim_start_matches(['#', ' ']).starts_with("kinovea");
+    let is_row = |line: &str| line.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    let mut rest =
+        lines.skip_while(|(_, line)| !is_row(line)).skip_while(|(_, line)| !line.trim().is_empty());
+    let next = rest.find(|(_, line)| !line.trim().is_empty());
+    next.filter(|_| is_of_kinovea).map(|(at, _)| at + 1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,5 +200,65 @@ mod tests {
              or record it anew at a lower rate"
         );
         assert!(matches!(admit(MOST_BYTES + 1, None), Err(RecordingProblem::TooLarge { .. })));
+    }
+
+    #[test]
+    fn several_trajectories_are_not_joined_into_one() {
+        let block = |from: usize| (0..20).map(|k| format!("0.{k:02} {k} {from}\n")).collect::<String>();
+        let head = "#Kinovea Trajectory data export\n#T X Y\n";
+        let read = |text: String, rate_hz: Option<f64>| {
+            let options =
+                ReadOptions { unit: Some(crate::Length::Millimetre), rate_hz, ..ReadOptions::default() };
+            parse(text.into_bytes(), Path::new("a.txt"), &options).map_err(|error| error.to_string())
+        };
+        for between in ["\n", "\r\n", "\n\n#T X Y\n"] {
+            for rate in [None, Some(50.0)] {
+                let error = read(format!("{head}{}{between}{}", block(0), block(9)), rate).unwrap_err();
+                let line = if between.contains('T') { 25 } else { 24 };
+                assert!(error.contains(&format!("the second from line {line} on")), "{error}");
+            }
+        }
+        // One of them, and a blank line at the end or in another program's table.
+        for text in [format!("{head}{}\n \n", block(0)), format!("t_s x y\n{}\n{}", block(0), "0.21 1 1\n")] {
+            assert_eq!(read(text, None).unwrap().markers.len(), 1);
+        }
+    }
+
+    /// A file that never ends, as far as it is read.
+    struct Endless(Vec<u8>, u64);
+
+    impl Read for Endless {
+        fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+            for place in to.iter_mut() {
+                *place = *self.0.get(self.1 as usize).unwrap_or(&0);
+                self.1 += 1;
+            }
+            Ok(to.len())
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_refused_is_read_no_further() {
+        let text = b"t_s,tip_x_mm,tip_z_mm\n0,1,2\n".to_vec();
+        let long = text.iter().copied().cycle().take(5 << 20).collect::<Vec<u8>>();
+        for (begin, extension, due) in [
+            (text.clone(), "csv", PIECE),
+            (long, "csv", 6 << 20),
+            (b"PK\x03\x04".to_vec(), "csv", PIECE),
+            (text.clone(), "parquet", PIECE),
+            (text.clone(), "c3d", PIECE),
+        ] {
+            let mut file = Endless(begin, 0);
+            let bytes = until_refused(file.by_ref(), extension).unwrap();
+            assert_eq!((bytes.len() as u64, file.1), (due, due), "{extension}");
+            let refused = parse(bytes, &Path::new("a").with_extension(extension), &ReadOptions::default());
+            assert!(refused.is_err());
+        }
+        // What can be a recording is read to its end.
+        let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(text.iter().flat_map(|byte| [*byte, 0])).collect();
+        let parquet = [columnar::MAGIC, &[0; 3 << 20]].concat();
+        for (bytes, extension) in [(text, "csv"), (wide, "csv"), (parquet, "csv")] {
+            assert!(until_refused(&bytes[..], extension).unwrap() == bytes);
+        }
     }
 }

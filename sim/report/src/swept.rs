@@ -18,8 +18,7 @@ mod planned;
 use std::fmt::Write;
 use std::time::SystemTime;
 
-use efam_store::atomic::write_whole;
-use efam_store::{MARK, StoreError};
+use efam_store::{MARK, StoreError, added};
 use efam_sweeps::merge::{Kept, Merged, Spread};
 use efam_sweeps::plan::Plan;
 use efam_sweeps::request::Design;
@@ -39,21 +38,8 @@ pub const NUMBERS: &str = "sweep.json";
 /// The kind of folder.
 pub const KIND: &str = "sweep";
 
-/// What comes into a sweep's folder after its plan, or is written anew; see [`Manifest`](efam_store::manifest::Manifest).
-pub const LATER: [&str; 12] = [
-    "shard=*/part.parquet",
-    "shard=*/seconds.csv",
-    "sweep.parquet",
-    "sweep.csv",
-    NUMBERS,
-    REPORT,
-    MARK,
-    "over-*.svg",
-    "maps.svg",
-    "array.sh",
-    "merge.sh",
-    "log/*.txt",
-];
+/// Folders that come into a sweep's folder after its plan; see [`Manifest`](efam_store::manifest::Manifest).
+pub const ADDED: [&str; 2] = ["shard=*", "log"];
 
 /// The mark of a sweep's folder.
 pub fn swept_mark(request: &Request) -> String {
@@ -66,7 +52,7 @@ pub fn swept_mark(request: &Request) -> String {
 pub fn write_swept(plan: &Plan, request: &Request, merged: &Merged, kept: &Kept) -> Result<(), StoreError> {
     let text = serde_json::to_string_pretty(merged).expect("a sweep has nothing that JSON has not");
     let put = |name: &str, text: &str| {
-        write_whole(&plan.folder.join(name), |file| std::io::Write::write_all(file, text.as_bytes()))
+        added::add(&plan.folder, name, |file| std::io::Write::write_all(file, text.as_bytes()))
     };
     put(NUMBERS, &text)?;
     let is_grid = matches!(&plan.head.work, Work::Simulate(own) if own.design == Design::Grid);

@@ -1,6 +1,6 @@
 //! `efam experiment init` and `check`: from recordings to releases.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -15,6 +15,7 @@ use efam_experiments::out_of_plane::{OverPressures, over_pressures};
 use efam_report::Request;
 use efam_report::experiment::{Row, decisions, input_hashes, table, write};
 use efam_store::atomic::{write_new, write_whole};
+use efam_store::disk::File;
 use efam_store::escape::shell_word;
 use efam_store::{Folder, StoreError};
 use schemars::JsonSchema;

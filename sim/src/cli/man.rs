@@ -1,6 +1,5 @@
 //! `efam man`: manual pages, one a command, from the same source as the help.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,6 +8,7 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 use efam_store::StoreError;
 use efam_store::atomic::{write_new, write_whole};
+use efam_store::disk::File;
 
 use super::console::Console;
 use super::failure::Failure;

@@ -21,6 +21,7 @@ use efam_report::experiment::write;
 use efam_store::{Folder, input};
 use models::quantity::Quantity;
 
+use super::arguments::OfRecording;
 use super::browser;
 use super::console::Console;
 use super::experiment::request;
@@ -30,14 +31,17 @@ use super::{interrupt, signals};
 
 const HELP: &str = "Examples:
   efam watch recordings
+  efam watch tracked --unit '0.42 mm' --columns t_s,x,y
   efam watch recordings --experiment beam.toml --out outputs/today --open
 
 Facts about the recordings come from experiment.toml in the folder, or from
 --experiment. A recording that it does not name has the facts of its last one.
-Without such a file they are guessed, as `efam experiment init` does.
+Without such a file they are guessed, as `efam experiment init` does, and
+--unit, --rate and --columns say how to read.
 
 Ctrl-C ends it and keeps the page. Exit codes: 2 if there is no such folder or
-the experiment file is wrong.";
+the experiment file is wrong; that of the cause if the page could not be
+written.";
 
 /// Facts of a folder.
 const EXPERIMENT: &str = "experiment.toml";
@@ -58,6 +62,8 @@ pub struct Watch {
     /// How often to look; a recording counts once its size stays from one look to the next.
     #[arg(long, value_name = "TIME", default_value = "500 ms", value_parser = time)]
     every: Duration,
+    #[command(flatten)]
+    of: OfRecording,
     /// Show the page in the browser when it is first written.
     #[arg(long)]
     open: bool,
@@ -103,6 +109,8 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
     }
     let mut seen: BTreeMap<String, Seen> = BTreeMap::new();
     let mut is_open = args.open;
+    // Why the page is not up to date; it is tried again at each look.
+    let mut unwritten: Option<Failure> = None;
     while !signals::is_requested() {
         let ready = look(&whole, &mut seen);
         let is_news = !ready.is_empty();
@@ -115,10 +123,16 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
         }
         let good: Vec<String> =
             seen.iter().filter(|(_, own)| own.is_good).map(|(file, _)| file.clone()).collect();
-        if is_news && !good.is_empty() && !signals::is_requested() {
+        if (is_news || unwritten.is_some()) && !good.is_empty() && !signals::is_requested() {
+            let before = unwritten.take().map(|failure| failure.to_string());
             match page(&facts, &whole, &good, &out, console) {
                 Ok(()) => browser::show(std::mem::take(&mut is_open), &out, console),
-                Err(failure) => console.warn([failure]),
+                Err(failure) => {
+                    if before != Some(failure.to_string()) {
+                        console.warn([&failure]);
+                    }
+                    unwritten = Some(failure);
+                }
             }
         }
         let until = Instant::now() + args.every;
@@ -126,26 +140,36 @@ pub fn run(args: &Watch, console: &Console) -> Result<ExitCode, Failure> {
             sleep(NOTICED.min(args.every));
         }
     }
-    Ok(ExitCode::SUCCESS)
+    unwritten.map_or(Ok(ExitCode::SUCCESS), Err)
 }
 
 /// An experiment file and its text.
 struct Facts {
     path: PathBuf,
     text: Option<String>,
+    /// How recordings are read without an experiment file, which would state it.
+    options: ReadOptions,
 }
 
 /// What is known of the recordings; the file is read once, and must be an experiment.
 fn facts(args: &Watch, folder: &Path) -> Result<Facts, Failure> {
     let path = args.experiment.clone().unwrap_or_else(|| folder.join(EXPERIMENT));
+    let options = args.of.options();
     if args.experiment.is_none() && !path.is_file() {
-        return Ok(Facts { path, text: None });
+        return Ok(Facts { path, text: None, options });
+    }
+    if options.unit.is_some() || options.rate_hz.is_some() || options.columns.is_some() {
+        return Err(Failure::Usage(format!(
+            "{}: states how recordings are read; set unit, rate or columns in its [[recording]], and leave out --unit, \
+             --rate and --columns",
+            path.display()
+        )));
     }
     let text = input::text(&path).map_err(|error| {
         Failure::Usage(format!("{}: cannot be read ({error}); check the path", path.display()))
     })?;
     Experiment::parse(&path, &text, &[])?;
-    Ok(Facts { path, text: Some(text) })
+    Ok(Facts { path, text: Some(text), options })
 }
 
 /// Files that can be recordings and stay as they are since the last look.
@@ -186,13 +210,13 @@ fn experiment(facts: &Facts, folder: &Path, files: &[String]) -> Result<Experime
             Ok(gathered::experiment(&facts.path, text, &files.iter().map(path).collect::<Vec<_>>())?)
         }
         None => {
-            let options = ReadOptions::default();
+            let options = &facts.options;
             let mut recordings = Vec::new();
             for file in files {
-                recordings.push((file.clone(), read(&folder.join(file), &options)?));
+                recordings.push((file.clone(), read(&folder.join(file), options)?));
             }
             let name = folder.file_name().map_or("".into(), |name| name.to_string_lossy());
-            Ok(Experiment::parse(&facts.path, &init::draft(&name, &recordings, &options), &[])?)
+            Ok(Experiment::parse(&facts.path, &init::draft(&name, &recordings, options), &[])?)
         }
     }
 }

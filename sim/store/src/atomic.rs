@@ -1,11 +1,12 @@
 //! A file: complete under its name, or not there at all.
 
 use std::cell::Cell;
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::Path;
 
 use crate::StoreError;
+use crate::disk::{self, File};
 use crate::partial::{self, Partial, rename_new};
 
 /// Lets a function write a file beside its place, sees it down to the disk, and gives it its name. Who reads the name
@@ -14,7 +15,7 @@ use crate::partial::{self, Partial, rename_new};
 /// # Errors
 /// [`StoreError`]; what was there before is there still.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), StoreError> {
-    written(path, write, |from, to| fs::rename(from, to))
+    written(path, write, disk::rename)
 }
 
 /// The same, for a name that is free.
@@ -34,26 +35,33 @@ pub fn write_new(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -
     if is_taken.get() { Err(StoreError::Exists { folder: path.to_owned() }) } else { written }
 }
 
-fn written(
+/// The same, with how the file gets its name.
+pub(super) fn written(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
     rename: impl Fn(&Path, &Path) -> io::Result<()>,
 ) -> Result<(), StoreError> {
+    replaced(path, write, rename).map_err(StoreError::write(path))
+}
+
+/// The same, with the bare error.
+pub(super) fn replaced(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+    rename: impl Fn(&Path, &Path) -> io::Result<()>,
+) -> io::Result<()> {
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    let written = || {
-        fs::create_dir_all(folder)?;
-        partial::tidy(folder);
-        let (partial, mut file) = Partial::begin(path, |partial| File::create_new(partial))?;
-        let named = || rename(&partial.path, path);
-        let done = write(&mut file).and_then(|()| file.sync_all()).and_then(|()| named());
-        if done.is_err() {
-            let _ = fs::remove_file(&partial.path);
-        }
-        done
-    };
-    written().map_err(StoreError::write(path))?;
+    disk::create_dir_all(folder)?;
+    partial::tidy(folder);
+    let (partial, mut file) = Partial::begin(path, File::create_new)?;
+    let named = || rename(&partial.path, path);
+    let done = write(&mut file).and_then(|()| file.sync_all()).and_then(|()| named());
+    if done.is_err() {
+        let _ = disk::remove_file(&partial.path);
+    }
+    done?;
     // The rename stands; that it also outlives a power cut is asked for, not insisted on.
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    let _ = disk::sync_folder(folder);
     Ok(())
 }
 
@@ -91,10 +99,12 @@ mod tests {
         write_whole(&path, |file| file.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         fs::write(folder.join(".part.partial-a-1-2"), "left").unwrap();
-        fs::write(folder.join(".my.partial-notes"), "mine").unwrap();
-        partial::clear(&folder);
-        assert!(folder.join(".my.partial-notes").exists());
-        fs::remove_file(folder.join(".my.partial-notes")).unwrap();
+        let mine = [".my.partial-notes", ".thesis.partial-host-1-1"].map(|name| folder.join(name));
+        mine.iter().for_each(|file| fs::write(file, "mine").unwrap());
+        partial::clear(&folder, &["part"]);
+        for file in mine {
+            fs::remove_file(file).expect("it stays");
+        }
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         fs::remove_dir_all(&folder).unwrap();
     }

@@ -4,16 +4,17 @@
 //! the disk, and the whole is renamed. A run that fails, or is dropped, removes what it wrote; what one
 //! that is killed leaves is hidden, and removed by the next that comes (`partial.rs`).
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock};
 use std::time::SystemTime;
 
 use crate::StoreError;
+use crate::disk::{self, File, sync_folder};
 use crate::manifest::{self, Foreign, MANIFEST, Manifest, foreign};
 use crate::names::{begins, beside, plain_name};
-use crate::partial::{Partial, exchange, remove_left, tidy, wait_to_hold};
+use crate::partial::{Partial, exchange, remove_left, tidy, tidy_within, wait_to_hold};
 use crate::sha::sha256;
 pub use crate::utc::utc;
 
@@ -21,6 +22,8 @@ pub use crate::utc::utc;
 pub const OUTPUTS: &str = "outputs";
 /// The file that says what a run folder holds, written into each.
 pub const MARK: &str = "summary.json";
+/// The manifest until it is whole.
+const UNNAMED: &str = ".efam-files.json";
 /// What steps aside for another run.
 const REPLACED: &str = "replaced";
 /// Others that may come and go while a run takes its place.
@@ -68,7 +71,7 @@ pub struct Folder {
     partial: Partial,
     dated: bool,
     replaces: bool,
-    later: &'static [&'static str],
+    added: &'static [&'static str],
     finished: bool,
     /// Whether nothing is written any more. Whoever writes reads it.
     given_up: RwLock<bool>,
@@ -137,13 +140,16 @@ impl Folder {
             }
             Target::Given { folder, overwrite } => {
                 restore(folder);
+                if overwrite {
+                    tidy_within(folder);
+                }
                 admit(folder, overwrite)?;
                 // A link to a folder is followed: the folder is replaced, not the link.
                 (fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf()), false, overwrite)
             }
         };
         let parent = parent(&target);
-        fs::create_dir_all(&parent).map_err(|error| {
+        disk::create_dir_all(&parent).map_err(|error| {
             if parent.is_file() {
                 StoreError::NotAFolder { path: parent.clone() }
             } else {
@@ -151,22 +157,22 @@ impl Folder {
             }
         })?;
         tidy(&parent);
-        let made = Partial::begin(&target, |path| fs::create_dir(path));
+        let made = Partial::begin(&target, disk::create_dir);
         let (partial, ()) = made.map_err(StoreError::write(&target))?;
         Ok(Self {
             target,
             partial,
             dated,
             replaces,
-            later: &[],
+            added: &[],
             finished: false,
             given_up: RwLock::new(false),
         })
     }
 
-    /// Names paths that commands may add to the folder or rewrite when it is finished; see [`Manifest`].
-    pub fn later(&mut self, paths: &'static [&'static str]) {
-        self.later = paths;
+    /// Names folders that commands may add when it is finished; see [`Manifest`].
+    pub fn may_have(&mut self, folders: &'static [&'static str]) {
+        self.added = folders;
     }
 
     /// Where files go until the folder is finished.
@@ -204,7 +210,7 @@ impl Folder {
             if *given_up {
                 return Err(io::Error::other("the results are given up"));
             }
-            fs::create_dir_all(parent(&path))?;
+            disk::create_dir_all(&parent(&path))?;
             let mut file = File::create_new(&path)?;
             write(&mut file)?;
             file.sync_all()
@@ -220,8 +226,11 @@ impl Folder {
     /// [`StoreError::Kept`] in that case; [`StoreError::Late`]; [`StoreError::Write`].
     pub fn finish(mut self) -> Result<PathBuf, StoreError> {
         let manifest =
-            Manifest::of(&self.partial.path, self.later).map_err(StoreError::write(&self.target))?;
-        self.write(MANIFEST, manifest.text().as_bytes())?;
+            Manifest::of(&self.partial.path, self.added).map_err(StoreError::write(&self.target))?;
+        // Half a manifest would be taken for that of a run which had its name, and stay hidden for ever.
+        self.write(UNNAMED, manifest.text().as_bytes())?;
+        let [unnamed, named] = [UNNAMED, MANIFEST].map(|name| self.partial.path.join(name));
+        disk::rename(&unnamed, &named).map_err(StoreError::write(self.target.join(MANIFEST)))?;
         sync_folder(&self.partial.path).map_err(StoreError::write(&self.target))?;
         let named = match (self.replaces, self.dated) {
             (true, _) => self.replace().map(|()| self.target.clone()),
@@ -251,7 +260,7 @@ impl Folder {
 
     /// A folder that is not empty, or a file, refuses the rename, so nothing is lost in a race.
     fn rename_to(&self, target: &Path) -> io::Result<()> {
-        fs::rename(&self.partial.path, target)
+        disk::rename(&self.partial.path, target)
     }
 
     fn refused(&self, error: io::Error) -> StoreError {
@@ -266,7 +275,7 @@ impl Folder {
     fn take_free_name(&self, folder: &Path) -> Result<PathBuf, StoreError> {
         let mut name = self.target.clone();
         for number in 2.. {
-            match fs::rename(folder, &name) {
+            match disk::rename(folder, &name) {
                 Ok(()) => break,
                 Err(_) if fs::symlink_metadata(&name).is_ok() => {
                     name = self.target.as_os_str().to_owned().into();
@@ -302,14 +311,14 @@ impl Folder {
     fn step_aside(&self) -> Result<(), StoreError> {
         let failed = || StoreError::write(&self.target);
         let aside = beside(&self.target, REPLACED);
-        fs::rename(&self.target, &aside).map_err(failed())?;
+        disk::rename(&self.target, &aside).map_err(failed())?;
         if let Err(error) = self.rename_to(&self.target) {
-            let _ = fs::rename(&aside, &self.target);
+            let _ = disk::rename(&aside, &self.target);
             return Err(failed()(error));
         }
         self.remove(&aside, || {
-            fs::rename(&self.target, &self.partial.path)?;
-            fs::rename(&aside, &self.target)
+            disk::rename(&self.target, &self.partial.path)?;
+            disk::rename(&aside, &self.target)
         })
     }
 
@@ -342,7 +351,7 @@ fn restore(folder: &Path) {
     let begins = begins(folder, REPLACED);
     for entry in fs::read_dir(parent(folder)).into_iter().flatten().flatten() {
         if entry.file_name().to_string_lossy().starts_with(&begins) && !folder.exists() {
-            let _ = fs::rename(entry.path(), folder);
+            let _ = disk::rename(&entry.path(), folder);
         }
     }
 }
@@ -360,17 +369,6 @@ fn parent(path: &Path) -> PathBuf {
         Some(parent) if parent != Path::new("") => parent.to_path_buf(),
         _ => PathBuf::from("."),
     }
-}
-
-#[cfg(unix)]
-fn sync_folder(folder: &Path) -> io::Result<()> {
-    File::open(folder)?.sync_all()
-}
-
-/// Elsewhere a folder cannot be opened as a file.
-#[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Files that somebody named, read up to a bound: memory follows from the bound, whatever the file's length.
 
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::{self, Read, Take};
 use std::path::Path;
 
 use crate::memory;
@@ -39,7 +39,7 @@ pub fn up_to(path: &Path, most: u64) -> io::Result<String> {
 /// # Errors
 /// What the system said, or that memory does not hold it.
 pub fn table(path: &Path) -> io::Result<Vec<u8>> {
-    let length = fs::metadata(path)?.len();
+    let (mut file, length) = whole(path)?;
     match memory::available() {
         Some(free) if length.saturating_mul(TABLE) > free => {
             let [needed, free] = [TABLE * length, free].map(|bytes| bytes as f64 / 1e9);
@@ -49,13 +49,25 @@ pub fn table(path: &Path) -> io::Result<Vec<u8>> {
         }
         _ => {
             let mut bytes = Vec::with_capacity(length as usize);
-            open(path)?.read_to_end(&mut bytes)?;
+            file.read_to_end(&mut bytes)?;
             Ok(bytes)
         }
     }
 }
 
-/// Opens a file to be read.
+/// Opens a file that ends, and returns its length; no more is read if it grows. A link may lead to a device that never ends.
+/// # Errors
+/// What the system said, or that it is no file.
+pub fn whole(path: &Path) -> io::Result<(Take<File>, u64)> {
+    refuse_pipe(path)?;
+    let there = fs::metadata(path)?;
+    if !there.is_file() {
+        return Err(io::Error::other("it is no file"));
+    }
+    Ok((File::open(path)?.take(there.len()), there.len()))
+}
+
+/// Opens a file to be read up to a bound.
 /// # Errors
 /// What the system said, or that it is a named pipe.
 pub fn open(path: &Path) -> io::Result<File> {
@@ -65,10 +77,10 @@ pub fn open(path: &Path) -> io::Result<File> {
 
 /// SHA-256 of a file in hexadecimal, however long it is.
 /// # Errors
-/// As [`text`], without a bound.
+/// As [`whole`].
 pub fn sha256(path: &Path) -> io::Result<String> {
     let mut sha = Sha::default();
-    io::copy(&mut open(path)?, &mut sha)?;
+    io::copy(&mut whole(path)?.0, &mut sha)?;
     Ok(sha.hexadecimal())
 }
 

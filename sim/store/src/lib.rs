@@ -1,10 +1,13 @@
 //! Files of efam: written whole or not at all, read up to a bound, and tables in them.
 //!
-//! A run folder is a [`Folder`], a single file is written by [`atomic`], and [`manifest`] says which files efam wrote.
+//! A run folder is a [`Folder`], a single file is written by [`atomic`], [`added`] adds to a folder, and [`manifest`]
+//! says which files efam wrote.
 //! [`input`] reads what somebody named, [`columns`] writes and reads tables.
 
+pub mod added;
 pub mod atomic;
 pub mod columns;
+pub mod disk;
 mod error;
 pub mod escape;
 pub mod folder;

@@ -11,13 +11,15 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::StoreError;
-use crate::names::is_partial;
+use crate::disk;
 use crate::sha::Sha;
 
 /// The file of the manifest, written into each run folder.
 pub const MANIFEST: &str = "efam-files.json";
 /// The longest manifest that is read, bytes: a hundred thousand files.
 const MOST_BYTES: u64 = 16 << 20;
+/// Earlier contents of a file that are known again: one for each write that was killed before its rename, and one more.
+const MOST_EARLIER: usize = 8;
 
 /// What efam wrote into a folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,9 +30,12 @@ pub struct Manifest {
     version: String,
     /// SHA-256 of each file but this one, by its path below the folder, with `/` between its parts.
     files: BTreeMap<String, String>,
-    /// Paths that commands may add or rewrite later, each part with at most one `*` for any text.
+    /// SHA-256 of what stood under a name before: a program that is killed between manifest and rename leaves that.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    earlier: BTreeMap<String, Vec<String>>,
+    /// Folders that commands may add later, each with a manifest of its own; `*` stands for any text.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    later: Vec<String>,
+    folders: Vec<String>,
 }
 
 /// An entry that keeps a folder from being replaced.
@@ -48,14 +53,24 @@ impl Manifest {
     /// The manifest of all that lies in a folder.
     /// # Errors
     /// What the file system said.
-    pub(super) fn of(folder: &Path, later: &[&str]) -> io::Result<Self> {
+    pub(super) fn of(folder: &Path, folders: &[&str]) -> io::Result<Self> {
         let mut files = BTreeMap::new();
         for entry in entries(folder)?.into_iter().filter(|entry| !entry.is_folder) {
             files.insert(entry.name, hash(&entry.path)?);
         }
         files.remove(MANIFEST);
-        let later = later.iter().map(|own| (*own).to_owned()).collect();
-        Ok(Self { program: "efam".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned(), files, later })
+        let folders = folders.iter().map(|own| (*own).to_owned()).collect();
+        Ok(Self { files, folders, ..Self::empty() })
+    }
+
+    pub(super) fn empty() -> Self {
+        Self {
+            program: "efam".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            files: BTreeMap::new(),
+            earlier: BTreeMap::new(),
+            folders: Vec::new(),
+        }
     }
 
     /// The manifest as its file has it.
@@ -64,31 +79,72 @@ impl Manifest {
     }
 
     /// Reads the manifest of a folder; nothing where there is none, or another program's.
-    fn read(folder: &Path) -> Option<Self> {
+    pub(super) fn read(folder: &Path) -> Option<Self> {
         let path = folder.join(MANIFEST);
         let length = fs::symlink_metadata(&path).ok().filter(fs::Metadata::is_file)?.len();
         let text = if length <= MOST_BYTES { fs::read_to_string(&path).ok()? } else { return None };
         serde_json::from_str(&text).ok().filter(|manifest: &Self| manifest.program == "efam")
     }
 
-    /// Whether efam may have written an entry, going by its name alone.
-    fn lists(&self, entry: &Entry) -> bool {
-        let is_later = |pattern: &String| is_like(pattern, &entry.name);
-        if entry.is_folder {
-            let below = format!("{}/", entry.name);
-            let is_above = |pattern: &String| {
-                let depth = entry.name.split('/').count();
-                let head: Vec<&str> = pattern.split('/').take(depth).collect();
-                pattern.split('/').count() > depth && is_like(&head.join("/"), &entry.name)
-            };
-            return self.files.keys().any(|file| file.starts_with(&below)) || self.later.iter().any(is_above);
+    /// Whether a folder may be added later.
+    pub(super) fn may_have(&self, folder: &str) -> bool {
+        self.folders.iter().any(|pattern| is_like(pattern, folder))
+    }
+
+    /// Whether it states a content of a file.
+    pub(super) fn has(&self, name: &str, sha256: &str) -> bool {
+        let earlier = self.earlier.get(name).into_iter().flatten();
+        self.files.get(name).into_iter().chain(earlier).any(|own| own == sha256)
+    }
+
+    /// Whether it states a file.
+    pub(super) fn states(&self, name: &str) -> bool {
+        self.files.contains_key(name)
+    }
+
+    /// States another content of a file, beside that which it has had.
+    pub(super) fn put(&mut self, name: &str, sha256: String) {
+        let Some(before) = self.files.insert(name.to_owned(), sha256.clone()) else { return };
+        let earlier = self.earlier.entry(name.to_owned()).or_default();
+        earlier.retain(|own| *own != sha256 && *own != before);
+        if before != sha256 {
+            earlier.push(before);
         }
-        let last = entry.name.rsplit('/').next().unwrap_or_default();
-        entry.is_file
-            && (entry.name == MANIFEST
-                || self.files.contains_key(&entry.name)
-                || self.later.iter().any(is_later)
-                || (!self.later.is_empty() && is_partial(last)))
+        earlier.drain(..earlier.len().saturating_sub(MOST_EARLIER));
+        self.earlier.retain(|_, earlier| !earlier.is_empty());
+    }
+}
+
+/// The manifests of a folder, and of the folders in it that were added later.
+struct Manifests {
+    top: Manifest,
+    below: BTreeMap<String, Manifest>,
+}
+
+impl Manifests {
+    /// Reads them; nothing where the folder itself has none.
+    fn read(folder: &Path, all: &[Entry]) -> Option<Self> {
+        let top = Manifest::read(folder)?;
+        let added = all.iter().filter(|entry| entry.is_folder && top.may_have(&entry.name));
+        let below = added.filter_map(|entry| Some((entry.name.clone(), Manifest::read(&entry.path)?)));
+        Some(Self { below: below.collect(), top })
+    }
+
+    /// The manifest that is due to state an entry, and its name there.
+    fn of<'a>(&self, entry: &'a Entry) -> (&Manifest, &'a str) {
+        let split = entry.name.split_once('/');
+        let below = split.and_then(|(folder, name)| Some((self.below.get(folder)?, name)));
+        below.unwrap_or((&self.top, &entry.name))
+    }
+
+    /// Whether efam may have written an entry, going by its name alone. A folder is nothing without what is in it.
+    fn lists(&self, entry: &Entry) -> bool {
+        let (manifest, name) = self.of(entry);
+        if entry.is_folder {
+            let below = format!("{name}/");
+            return manifest.files.keys().any(|file| file.starts_with(&below)) || manifest.may_have(name);
+        }
+        entry.is_file && (name == MANIFEST || manifest.files.contains_key(name))
     }
 }
 
@@ -100,15 +156,13 @@ pub(super) fn foreign(folder: &Path) -> io::Result<Option<Foreign>> {
     if all.is_empty() {
         return Ok(None);
     }
-    let Some(manifest) = Manifest::read(folder) else { return Ok(Some(Foreign::NoManifest)) };
-    if let Some(entry) = all.iter().find(|entry| !manifest.lists(entry)) {
+    let Some(manifests) = Manifests::read(folder, &all) else { return Ok(Some(Foreign::NoManifest)) };
+    if let Some(entry) = all.iter().find(|entry| !manifests.lists(entry)) {
         return Ok(Some(Foreign::Unknown(entry.name.clone().into())));
     }
     for entry in all.iter().filter(|entry| !entry.is_folder) {
-        let is_later = manifest.later.iter().any(|pattern| is_like(pattern, &entry.name));
-        if let Some(written) = manifest.files.get(&entry.name).filter(|_| !is_later)
-            && hash(&entry.path)? != *written
-        {
+        let (manifest, name) = manifests.of(entry);
+        if name != MANIFEST && !manifest.has(name, &hash(&entry.path)?) {
             return Ok(Some(Foreign::Changed(entry.name.clone().into())));
         }
     }
@@ -124,15 +178,19 @@ pub(super) fn remove(folder: &Path) -> io::Result<()> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         all => all?,
     };
-    if let Some(manifest) = Manifest::read(folder) {
+    if let Some(manifests) = Manifests::read(folder, &all) {
         let (own, last): (Vec<_>, Vec<_>) =
-            all.iter().filter(|entry| manifest.lists(entry)).partition(|entry| entry.name != MANIFEST);
+            all.iter().filter(|entry| manifests.lists(entry)).partition(|entry| entry.name != MANIFEST);
         // The deepest first. Without the manifest the rest would belong to nobody: it goes last.
         for entry in own.iter().rev().chain(&last) {
-            gone(if entry.is_folder { fs::remove_dir(&entry.path) } else { fs::remove_file(&entry.path) })?;
+            gone(if entry.is_folder {
+                disk::remove_dir(&entry.path)
+            } else {
+                disk::remove_file(&entry.path)
+            })?;
         }
     }
-    gone(fs::remove_dir(folder))
+    gone(disk::remove_dir(folder))
 }
 
 /// Somebody else may have removed it at the same time.
@@ -174,7 +232,7 @@ fn entries(folder: &Path) -> io::Result<Vec<Entry>> {
     Ok(all)
 }
 
-fn hash(file: &Path) -> io::Result<String> {
+pub(super) fn hash(file: &Path) -> io::Result<String> {
     let mut sha = Sha::default();
     io::copy(&mut File::open(file)?, &mut sha)?;
     Ok(sha.hexadecimal())
@@ -206,20 +264,20 @@ impl Foreign {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write;
+
     use super::*;
 
     #[test]
     fn a_pattern_stands_for_one_part_of_a_path() {
         for (pattern, path, expected) in [
-            ("shard=*/part.parquet", "shard=00003/part.parquet", true),
-            ("shard=*/part.parquet", "shard=/part.parquet", true),
-            ("shard=*/part.parquet", "shard=1/2/part.parquet", false),
-            ("shard=*/part.parquet", "thesis/part.parquet", false),
-            ("log/*.txt", "log/4_1.txt", true),
-            ("log/*.txt", "log/4_1.tex", false),
+            ("shard=*", "shard=00003", true),
+            ("shard=*", "shard=", true),
+            ("shard=*", "shard=1/2", false),
+            ("shard=*", "thesis", false),
             ("a*a", "a", false),
-            ("sweep.json", "sweep.json", true),
-            ("sweep.json", "sweep.json.bak", false),
+            ("log", "log", true),
+            ("log", "log.bak", false),
         ] {
             assert_eq!(is_like(pattern, path), expected, "{pattern} {path}");
         }
@@ -233,21 +291,43 @@ mod tests {
             fs::create_dir_all(folder.join("pictures")).unwrap();
             fs::write(folder.join("summary.json"), "{}").unwrap();
             fs::write(folder.join("pictures/a.svg"), "<svg/>").unwrap();
-            let manifest = Manifest::of(&folder, &["shard=*/part.parquet"]).unwrap();
+            let manifest = Manifest::of(&folder, &["shard=*", "log"]).unwrap();
             fs::write(folder.join(MANIFEST), manifest.text()).unwrap();
+        };
+        let add = |name: &str, text: &str| {
+            let (below, name) = name.rsplit_once('/').unwrap_or(("", name));
+            crate::added::add(&folder.join(below), name, |file| file.write_all(text.as_bytes()))
         };
         made();
         assert_eq!(foreign(&folder).unwrap(), None);
-        fs::create_dir(folder.join("shard=00001")).unwrap();
-        fs::write(folder.join("shard=00001/part.parquet"), "rows").unwrap();
-        fs::write(folder.join("shard=00001/.part.parquet.partial-lab-12-3"), "half").unwrap();
-        assert_eq!(foreign(&folder).unwrap(), None, "a shard was added, another is in the making");
+        fs::create_dir(folder.join("log")).unwrap();
+        add("shard=00001/part.parquet", "rows").unwrap();
+        add("summary.json", "{1}").unwrap();
+        add("sweep.json", "{}").unwrap();
+        assert_eq!(foreign(&folder).unwrap(), None, "a shard was added, and results");
+        // Killed before the rename, the old content stands beside the new hash.
+        fs::write(folder.join("summary.json"), "{}").unwrap();
+        assert_eq!(foreign(&folder).unwrap(), None);
+        add("summary.json", "{2}").unwrap();
         remove(&folder).unwrap();
         assert!(!folder.exists());
 
-        for name in ["notes.txt", "pictures/thesis.tex", ".git/", "shard=00001", ".a.partial-of-my-own"] {
+        for name in [
+            "notes.txt",
+            "pictures/thesis.tex",
+            ".git/",
+            "shard=00001",
+            ".a.partial-of-my-own",
+            ".thesis.partial-host-1-1",
+            "log/notes.txt",
+            "shard=mine/part.parquet",
+            "sweep.csv",
+        ] {
             made();
             let put = folder.join(name);
+            if let Some(parent) = put.parent() {
+                fs::create_dir_all(parent).unwrap();
+            }
             if name.ends_with('/') {
                 fs::create_dir(put).unwrap()
             } else {
@@ -260,6 +340,18 @@ mod tests {
             assert!(!folder.join("summary.json").exists());
             fs::remove_dir_all(&folder).unwrap();
         }
+        // Nor does what comes later replace it.
+        made();
+        for (name, text) in [("sweep.csv", "mine"), ("summary.json", "{mine}")] {
+            fs::write(folder.join(name), text).unwrap();
+            let refused = add(name, "of efam").unwrap_err().to_string();
+            assert!(refused.contains(&format!("holds {name}, which ")), "{refused}");
+            assert_eq!(fs::read_to_string(folder.join(name)).unwrap(), text);
+            assert!(foreign(&folder).unwrap().is_some());
+            add(name, text).unwrap();
+            assert_eq!(foreign(&folder).unwrap(), None, "the same bytes are efam's");
+        }
+        fs::remove_dir_all(&folder).unwrap();
         made();
         fs::write(folder.join("pictures/a.svg"), "<svg />").unwrap();
         assert_eq!(foreign(&folder).unwrap(), Some(Foreign::Changed("pictures/a.svg".into())));
@@ -279,8 +371,7 @@ mod tests {
         std::os::unix::fs::symlink(&photos, folder.join("pictures")).unwrap();
         fs::write(folder.join("pictures/a.svg"), "<svg/>").unwrap();
         let files = BTreeMap::from([("pictures/a.svg".to_owned(), String::new())]);
-        let manifest =
-            Manifest { program: "efam".to_owned(), version: "0".to_owned(), files, later: Vec::new() };
+        let manifest = Manifest { files, ..Manifest::empty() };
         fs::write(folder.join(MANIFEST), manifest.text()).unwrap();
         assert_eq!(foreign(&folder).unwrap(), Some(Foreign::Unknown("pictures".into())));
         assert!(remove(&folder).is_err());

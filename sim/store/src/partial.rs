@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::manifest::{self, MANIFEST, foreign};
+use crate::disk;
+use crate::manifest::{self, MANIFEST, Manifest, foreign};
 use crate::names::{PARTIAL, UNHELD, beside, is_named, is_partial};
 
 /// A hundred times as long as the removal of a run takes; a process that was stopped may hold a run for ever.
@@ -51,7 +52,7 @@ impl Partial {
                 Held::Lost => {}
                 Held::Unknown => {
                     let unheld = beside(target, UNHELD);
-                    fs::rename(&path, &unheld)?;
+                    disk::rename(&path, &unheld)?;
                     return Ok((Self { path: unheld, _lock: None }, made));
                 }
             }
@@ -71,7 +72,19 @@ pub fn tidy(folder: &Path) {
         if is_named(&name.to_string_lossy(), PARTIAL)
             && let Held::Lock(_lock) = hold(&path)
         {
-            let _ = if kind.is_dir() { remove_left(&path) } else { fs::remove_file(&path) };
+            let _ = if kind.is_dir() { remove_left(&path) } else { disk::remove_file(&path) };
+        }
+    }
+}
+
+/// Removes what dead processes of this machine left in a run folder, and in folders that were added to it.
+pub(super) fn tidy_within(folder: &Path) {
+    let Some(manifest) = Manifest::read(folder) else { return };
+    tidy(folder);
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_folder && manifest.may_have(&entry.file_name().to_string_lossy()) {
+            tidy(&entry.path());
         }
     }
 }
@@ -80,18 +93,20 @@ pub fn tidy(folder: &Path) {
 /// what the manifest lists goes.
 pub fn remove_left(folder: &Path) -> io::Result<()> {
     match folder.join(MANIFEST).exists() {
-        false => fs::remove_dir_all(folder),
+        false => disk::remove_dir_all(folder),
         true if foreign(folder)?.is_none() => manifest::remove(folder),
         true => Ok(()),
     }
 }
 
-/// Removes what was left in a folder in which nobody has anything to write any more, by whatever machine.
-pub fn clear(folder: &Path) {
+/// Removes what was left of these files in a folder in which nobody has anything to write any more, by whatever machine.
+pub fn clear(folder: &Path, names: &[&str]) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        if is_file && is_partial(&entry.file_name().to_string_lossy()) {
-            let _ = fs::remove_file(entry.path());
+        let hidden = entry.file_name().to_string_lossy().into_owned();
+        let is_of = |name: &&str| hidden.starts_with(&format!(".{name}."));
+        if is_file && is_partial(&hidden) && names.iter().any(is_of) {
+            let _ = disk::remove_file(&entry.path());
         }
     }
 }
@@ -136,6 +151,7 @@ pub fn wait_to_hold(path: &Path) -> Option<File> {
 pub fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
     use rustix::io::Errno;
+    disk::strike("rename", to)?;
     match renameat_with(CWD, from, CWD, to, RenameFlags::NOREPLACE) {
         // The file system has no such call.
         Err(Errno::INVAL | Errno::NOSYS | Errno::NOTSUP) => link_new(from, to),
@@ -153,8 +169,9 @@ pub fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
 
 /// A second name for a file is refused where that name is taken, unlike a new one.
 fn link_new(from: &Path, to: &Path) -> io::Result<()> {
+    disk::strike("rename", to)?;
     fs::hard_link(from, to)?;
-    fs::remove_file(from)
+    disk::remove_file(from)
 }
 
 /// Two paths change places, so that neither is ever without what it stands for.
@@ -163,6 +180,7 @@ fn link_new(from: &Path, to: &Path) -> io::Result<()> {
 #[cfg(any(target_os = "linux", target_vendor = "apple"))]
 pub fn exchange(a: &Path, b: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
+    disk::strike("rename", b)?;
     Ok(renameat_with(CWD, a, CWD, b, RenameFlags::EXCHANGE)?)
 }
 

@@ -2,9 +2,10 @@
 
 use efam_core::quantile::quantile;
 use efam_store::StoreError;
-use efam_store::atomic::write_whole;
+use efam_store::added;
 use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile, read};
 use efam_store::escape::shell_word;
+use efam_store::manifest::MANIFEST;
 use efam_store::partial;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,7 +14,7 @@ use super::SweepError;
 use super::answers::Answers;
 use super::plan::Plan;
 use super::row::FAILED;
-use super::shard::{Found, file, look};
+use super::shard::{Found, PART, SECONDS, file, folder, look};
 use super::status::{SWEEP, array};
 use super::work::Work;
 
@@ -128,7 +129,7 @@ pub fn merge(plan: &Plan, csv: bool, tell: &dyn Fn()) -> Result<(Merged, Kept), 
         }
         rows.rest(take)
     };
-    let written = write_whole(&plan.folder.join(SWEEP), |file| {
+    let written = added::add(&plan.folder, SWEEP, |file| {
         let mut file = ParquetFile::begin(file, &columns, &hash)?;
         shards(&mut |cells| {
             view.see(&cells);
@@ -140,7 +141,7 @@ pub fn merge(plan: &Plan, csv: bool, tell: &dyn Fn()) -> Result<(Merged, Kept), 
         if !csv {
             Ok(())
         } else {
-            write_whole(&plan.folder.join(CSV), |file| {
+            added::add(&plan.folder, CSV, |file| {
                 let mut file = CsvFile::begin(file, &columns)?;
                 shards(&mut |cells| file.write(&cells))?;
                 file.finish()
@@ -151,9 +152,9 @@ pub fn merge(plan: &Plan, csv: bool, tell: &dyn Fn()) -> Result<(Merged, Kept), 
         return Err(damaged);
     }
     written.map_err(|error: StoreError| SweepError::from(error))?;
-    (0..head.shards())
-        .filter_map(|shard| file(&plan.folder, shard).parent().map(partial::clear))
-        .for_each(drop);
+    for shard in 0..head.shards() {
+        partial::clear(&folder(&plan.folder, shard), &[PART, SECONDS, MANIFEST]);
+    }
     Ok(view.finish())
 }
 

@@ -2,7 +2,7 @@
 //! hash holds both together.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Lines, Write};
+use std::io::{self, BufRead, BufReader, Lines, Take, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -168,7 +168,8 @@ impl Plan {
             return Err(altered(&file));
         }
         let mut sha = Sha::default();
-        let hashed = input::open(&points).and_then(|file| io::copy(&mut BufReader::new(file), &mut sha));
+        let hashed =
+            input::whole(&points).and_then(|(file, _)| io::copy(&mut BufReader::new(file), &mut sha));
         hashed.map_err(no_plan(&points))?;
         if sha.hexadecimal() != head.points_sha256 {
             return Err(altered(&points));
@@ -181,14 +182,14 @@ impl Plan {
     /// [`SweepError::NoPlan`].
     pub fn points(&self) -> Result<Points<'_>, SweepError> {
         let file = self.folder.join(POINTS);
-        let opened = input::open(&file);
+        let opened = input::whole(&file);
         let lines =
             opened.map_err(|error| SweepError::NoPlan { file: file.clone(), reason: error.to_string() })?;
         Ok(Points {
             head: &self.head,
             given: self.head.work.given(),
             file,
-            lines: BufReader::new(lines).lines(),
+            lines: BufReader::new(lines.0).lines(),
             next: None,
         })
     }
@@ -205,7 +206,7 @@ pub struct Points<'a> {
     /// The columns of its lines.
     given: Vec<Column>,
     file: PathBuf,
-    lines: Lines<BufReader<File>>,
+    lines: Lines<BufReader<Take<File>>>,
     /// The point whose line comes next; none before the line of names.
     next: Option<usize>,
 }

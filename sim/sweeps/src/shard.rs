@@ -9,7 +9,7 @@ use std::thread;
 use std::time::Instant;
 
 use efam_core::forward::Cancel;
-use efam_store::atomic::write_whole;
+use efam_store::added;
 use efam_store::columns::{ParquetFile, about};
 use efam_store::input;
 use rayon::ThreadPoolBuilder;
@@ -28,7 +28,12 @@ const OF_SHARD: &str = "shard";
 
 /// The file of a shard below the folder of its plan: a partition, as DuckDB, Polars and others read it.
 pub fn file(folder: &Path, shard: usize) -> PathBuf {
-    folder.join(format!("shard={shard:05}")).join(PART)
+    self::folder(folder, shard).join(PART)
+}
+
+/// That of a shard.
+pub fn folder(folder: &Path, shard: usize) -> PathBuf {
+    folder.join(format!("shard={shard:05}"))
 }
 
 /// What is there of a shard.
@@ -181,14 +186,14 @@ fn run(
         ("run", head.name.clone()),
         ("efam", head.efam.clone()),
     ];
-    let file = file(&plan.folder, shard);
+    let folder = folder(&plan.folder, shard);
     if let Work::Diagnose(_) = work {
         // Beside the rows, which are the same whoever is how fast.
         let lines = rows.iter().zip(&seconds).map(|((point, _), own)| format!("{},{own:.3}\n", point.index));
         let text = format!("{TIMED}\n{}", lines.collect::<String>());
-        write_whole(&file.with_file_name(SECONDS), |file| file.write_all(text.as_bytes()))?;
+        added::replace(&folder, SECONDS, |file| file.write_all(text.as_bytes()))?;
     }
-    write_whole(&file, |file| {
+    added::replace(&folder, PART, |file| {
         let mut file = ParquetFile::begin(file, &work.columns(), &about)?;
         file.write(work.table(rows))?;
         file.finish()

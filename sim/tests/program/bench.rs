@@ -1,6 +1,7 @@
 //! A folder for one test, in which the program is run.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -114,8 +115,19 @@ impl Noise {
 pub fn recordings(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings").join(name);
     if !path.exists() {
-        println!("skipped: {} is not there", path.display());
+        skipped("recordings", &format!("{} is not there", path.display()));
         return None;
     }
     Some(path)
+}
+
+/// Says that a test leaves something out, also where the output of tests that pass is not shown. `EFAM_HAVE` names what
+/// must be there, such as `disk,user`: in CI, where it is installed, leaving it out is an error.
+pub fn skipped(what: &str, why: &str) {
+    let have = std::env::var("EFAM_HAVE").unwrap_or_default();
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("a test").to_owned();
+    assert!(!have.split(',').any(|own| own == what), "{test}: {what} must be there, and {why}");
+    // The macros write where the output of a test is caught.
+    let _ = writeln!(std::io::stderr(), "skipped: {test}: {why}");
 }

@@ -15,7 +15,7 @@ use std::process::Command;
 use models::effects::CATALOGUE;
 use serde_json::Value;
 
-use crate::bench::Bench;
+use crate::bench::{Bench, skipped};
 use crate::calibrate::{EXPERIMENT, recording, scenario, simulated};
 
 const WIDTHS: [u32; 2] = [1200, 400];
@@ -40,7 +40,7 @@ fn browser() -> Option<PathBuf> {
     let found = std::env::split_paths(&path).flat_map(|folder| names.map(|name| folder.join(name)));
     let found = found.into_iter().find(|file| file.is_file());
     if found.is_none() {
-        println!("skipped: no Chromium is there to look at the pages with");
+        skipped("browser", "no Chromium is there to look at the pages with");
     }
     found
 }
@@ -161,7 +161,7 @@ fn looked(browser: &Path, bench: &Bench, scheme: u8) -> (Vec<Value>, Vec<String>
 fn used(browser: &Path, bench: &Bench) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/interactive.mjs");
     match Command::new("node").arg(script).arg(browser).arg(&bench.0).output() {
-        Err(_) => println!("skipped: Node is not there, which drives Chromium: nobody used the pages"),
+        Err(_) => skipped("node", "Node is not there, which drives Chromium: nobody used the pages"),
         Ok(output) => {
             let said =
                 [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());

@@ -6,7 +6,7 @@
 use std::fs;
 use std::process::Command;
 
-use crate::bench::Bench;
+use crate::bench::{Bench, skipped};
 
 const MUSCLE: &str = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n";
 /// A run of a tenth of a second.
@@ -220,7 +220,7 @@ fn a_full_disk_leaves_nothing_half_written() {
     fs::create_dir(&disk).expect("made");
     let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=32k", "tmpfs"]).arg(&disk).output();
     if !mount.is_ok_and(|mount| mount.status.success()) {
-        println!("skipped: no small disk can be mounted here");
+        skipped("disk", "no small disk can be mounted here");
         return;
     }
     let (code, stdout, stderr) = bench.run(&["simulate", "s.toml", "--csv", "--out", "disk/out"]);

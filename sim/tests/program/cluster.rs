@@ -192,6 +192,7 @@ fn scripts_create_nothing_but_what_they_should() {
         run(&merge, &base);
         let prefix = base.join(&name);
         let own = [
+            "efam-files.json",
             "array.sh",
             "merge.sh",
             "log",

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-use crate::bench::{Bench, program};
+use crate::bench::{Bench, program, skipped};
 use crate::work::{WORK, Work, bench};
 
 /// A disk of memory in the bench's folder `disk`.
@@ -24,7 +24,7 @@ impl Disk {
         if mount.is_ok_and(|mount| mount.status.success()) {
             return Some(Disk(path));
         }
-        println!("skipped: no small disk can be mounted here");
+        skipped("disk", "no small disk can be mounted here");
         None
     }
 
@@ -138,7 +138,7 @@ fn of_two_that_want_one_name_one_gets_it() {
 fn a_clock_that_is_set_back_harms_no_run() {
     let bench = bench("faults-clock");
     if Command::new("faketime").arg("--version").stdout(Stdio::null()).status().is_err() {
-        println!("skipped: faketime is not there; apt install faketime");
+        skipped("faketime", "faketime is not there; apt install faketime");
         return;
     }
     for time in ["2026-05-01 12:00:00", "2026-05-01 12:00:00", "2020-01-01 00:00:00", "1969-12-31 23:00:00"] {

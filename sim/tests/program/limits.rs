@@ -10,7 +10,7 @@ use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::bench::{Bench, program};
+use crate::bench::{Bench, program, skipped};
 
 const SCENARIO: &str = "[muscle]\nname = \"garbulinski-2022\"\npressure = \"15 psi\"\n[rod]\nnodes = 8\n\
     [run]\nduration = \"0.5 s\"\n[effects.rayleigh_stiffness]\nbeta = \"5 ms\"\n";
@@ -67,7 +67,7 @@ fn limited(bench: &Bench, processes: usize, arguments: &[&str]) -> Option<(Optio
         words = become_user.into_iter().chain(words).collect();
         let tried = Command::new(&words[0]).args(&words[1..3]).arg(program()).arg("--version").output();
         if !tried.is_ok_and(|tried| tried.status.success()) {
-            println!("skipped: another user cannot run the program here");
+            skipped("user", "another user cannot run the program here");
             return None;
         }
     }
@@ -157,6 +157,52 @@ fn time_grows_with_the_number_of_markers_and_no_faster() {
             );
         }
     }
+}
+
+/// A link to a device that never ends takes neither time nor memory, in the place of any file of a folder.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_link_to_a_device_that_never_ends_is_refused() {
+    let bench = Bench::new("limits-endless");
+    bench.file("s.toml", SCENARIO);
+    bench.file(
+        "sweep.toml",
+        "[sweep]\nscenario = \"s.toml\"\ndesign = \"grid\"\n[[sweep.parameter]]\n\
+         path = \"effects.payload.mass\"\nvalues = [\"0 g\", \"9 g\"]\n",
+    );
+    bench.json(&["simulate", "s.toml", "--csv", "--json", "--out", "run"]);
+    bench.json(&["sweep", "sweep.toml", "--json", "--out", "sweep"]);
+    let endless = |file: &str| {
+        fs::remove_file(bench.0.join(file)).expect("it is there");
+        std::os::unix::fs::symlink("/dev/zero", bench.0.join(file)).expect("a link");
+    };
+    let limited = |arguments: &[&str]| {
+        // The program itself maps some 0.6 GB.
+        let mut command = Command::new("prlimit");
+        command.arg("--as=2000000000").arg(program()).args(arguments).current_dir(&bench.0);
+        soon(command)
+    };
+    for (file, arguments) in [
+        ("run/trajectory.parquet", &["export", "run", "--to", "mat"][..]),
+        ("run/trajectory.parquet", &["inspect", "run/trajectory.parquet"]),
+        ("sweep/shard=00001/part.parquet", &["sweep", "merge", "--plan", "sweep"]),
+        ("sweep/points.csv", &["sweep", "status", "--plan", "sweep"]),
+        ("run/summary.json", &["report", "run"]),
+        ("s.toml", &["simulate", "s.toml"]),
+    ] {
+        endless(file);
+        let (code, _, stderr) = limited(arguments);
+        assert!(matches!(code, Some(1..=3)), "{arguments:?}: {code:?} {stderr}");
+        let name = file.rsplit('/').next().expect("a name");
+        assert!(stderr.starts_with("error: ") && stderr.contains(name), "{arguments:?}: {stderr}");
+        assert!(!stderr.contains("out of memory"), "{arguments:?}: {stderr}");
+    }
+    fs::remove_file(bench.0.join("s.toml")).expect("a link");
+    bench.file("s.toml", SCENARIO);
+    // What efam writes does not take it for its own either.
+    endless("sweep/sweep.json");
+    let (code, _, stderr) = limited(&["sweep", "sweep.toml", "-q", "--out", "sweep", "--overwrite"]);
+    assert!(code == Some(2) && stderr.contains("which efam did not write"), "{stderr}");
 }
 
 /// 3 GB of nothing, which takes no room on the disk.

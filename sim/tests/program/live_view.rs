@@ -11,7 +11,7 @@ use std::process::Command;
 use models::snapshot::{EffectForce, Energy, Snapshot};
 use sim::observe::rerun::{RerunError, Scene, Sink, Stream};
 
-use crate::bench::Bench;
+use crate::bench::{Bench, skipped};
 
 const LENGTH: f64 = 0.2;
 const EDGES: usize = 31;
@@ -72,7 +72,7 @@ fn efam_saves_the_recording_with_its_results() {
     }
     match Command::new("rerun").args(["rrd", "verify"]).arg(bench.0.join("run/run.rrd")).status() {
         Ok(status) => assert!(status.success(), "the viewer's own check"),
-        Err(_) => println!("skipped: rerun rrd verify; it needs the viewer: pip install rerun-sdk==0.36.3"),
+        Err(_) => skipped("viewer", "rerun rrd verify needs the viewer: pip install rerun-sdk==0.36.3"),
     }
 }
 
@@ -108,7 +108,7 @@ fn efam_saves_the_recording_of_a_diagnosis() {
     assert!(!bench.0.join("run/run.partial.rrd").exists());
     match Command::new("rerun").args(["rrd", "verify"]).arg(&recording).status() {
         Ok(status) => assert!(status.success(), "the viewer's own check"),
-        Err(_) => println!("skipped: rerun rrd verify; it needs the viewer: pip install rerun-sdk==0.36.3"),
+        Err(_) => skipped("viewer", "rerun rrd verify needs the viewer: pip install rerun-sdk==0.36.3"),
     }
     // A plan has nothing to show.
     let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/release-15psi.toml");

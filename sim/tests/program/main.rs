@@ -42,6 +42,7 @@ mod schema;
 mod slides;
 #[cfg(unix)]
 mod strangers;
+mod struck;
 mod sweep;
 mod sweep_experiments;
 mod sweep_killed;

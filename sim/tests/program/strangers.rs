@@ -81,8 +81,8 @@ fn every_command_names_what_it_did_not_write() {
             assert!(tree(&folder) == before, "{:?}: {name}", work.arguments);
             fs::remove_file(&stranger).expect("it was there");
         }
-        // An edited result is no longer what efam wrote; of a sweep, only what its commands rewrite may differ.
-        let edited = folder.join(if work.at_once { "report.html" } else { "points.csv" });
+        // An edited result is no longer what efam wrote.
+        let edited = folder.join("report.html");
         let text = fs::read_to_string(&edited).expect("text");
         fs::write(&edited, format!("{text}<!-- my notes -->")).expect("written");
         let (code, _, stderr) = run(&["--overwrite"]);
@@ -131,4 +131,65 @@ fn what_comes_while_a_run_goes_on_stays() {
         assert_eq!(summary["status"]["kind"], "complete");
     }
     assert_eq!(bench.left(), ["out-0", "out-0_2", "out-1", "out-1_2", "s.toml"]);
+}
+
+/// A sweep's folder gets files after its plan, by several programs; it deletes none that has no hash in a manifest.
+#[test]
+fn a_sweep_deletes_only_what_it_wrote() {
+    let bench = crate::sweep::bench("strangers-sweep");
+    let sweep = |more: &[&str]| {
+        let whole = ["sweep", "sweep.toml", "-q", "--set", "sweep.points=4", "--points-per-shard", "2"];
+        bench.run(&[&whole[..], &["--out", "out"], more].concat())
+    };
+    let submit = || bench.run(&["sweep", "submit", "--plan", "out", "--dry-run", "-q"]);
+    let done = (0, String::new(), String::new());
+    assert_eq!(sweep(&[]), done);
+    assert_eq!(submit(), done);
+    // Its own files are no strangers, also after a second merge.
+    assert_eq!(sweep(&["--csv"]), done);
+    let rows = bench.text("out/sweep.csv");
+    assert_eq!(sweep(&["--overwrite"]), done);
+    assert!(!bench.0.join("out/sweep.csv").exists());
+    assert_eq!(submit(), done);
+    for (name, reason) in [
+        ("log/notes.txt", "efam did not write"),
+        ("shard=mine/part.parquet", "efam did not write"),
+        ("shard=00001/notes.txt", "efam did not write"),
+        ("over-my-drawing.svg", "efam did not write"),
+        ("sweep.csv", "efam did not write"),
+        (".thesis.partial-host-1-1", "efam did not write"),
+        ("shard=00001/.thesis.partial-host-1-1", "efam did not write"),
+        ("array.sh", "was changed since efam wrote it"),
+        ("shard=00001/part.parquet", "was changed since efam wrote it"),
+        ("sweep.json", "was changed since efam wrote it"),
+        ("report.html", "was changed since efam wrote it"),
+    ] {
+        let file = bench.0.join("out").join(name);
+        let before = fs::read(&file).ok();
+        fs::create_dir_all(file.parent().expect("a folder")).expect("made");
+        fs::write(&file, "mine").expect("written");
+        let all = tree(&bench.0.join("out"));
+        let (code, _, stderr) = sweep(&["--overwrite"]);
+        assert_eq!(code, 2, "{name}: {stderr}");
+        assert!(stderr.contains(&format!("holds {name}, which {reason}; it stays")), "{stderr}");
+        assert!(tree(&bench.0.join("out")) == all, "{name}");
+        // Nor do the commands that add to the folder replace it.
+        let (code, _, stderr) = match name {
+            "array.sh" => submit(),
+            "sweep.csv" | "sweep.json" | "report.html" => sweep(&["--csv"]),
+            _ => (2, String::new(), format!("holds {name}, which ")),
+        };
+        assert!(code != 0 && stderr.contains(&format!("holds {name}, which ")), "{name}: {stderr}");
+        assert_eq!(fs::read(&file).expect("it stays"), b"mine", "{name}");
+        match before {
+            Some(before) => fs::write(&file, before).expect("written"),
+            None => fs::remove_file(&file).expect("it was there"),
+        }
+        if name.starts_with("shard=mine") {
+            fs::remove_dir(file.parent().expect("a folder")).expect("it is empty");
+        }
+    }
+    assert_eq!(sweep(&["--csv"]), done);
+    assert_eq!(bench.text("out/sweep.csv"), rows);
+    assert_eq!(sweep(&["--overwrite"]), done);
 }

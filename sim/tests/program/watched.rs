@@ -72,6 +72,40 @@ fn each_recording_has_its_line_and_all_are_on_one_page() {
     assert_eq!(bench.left(), ["lab", "page"]);
 }
 
+/// Without an experiment file, the options of reading say what tables without names hold, and in which unit.
+#[test]
+fn recordings_are_read_as_the_options_say() {
+    let bench = Bench::new("watched-read");
+    fs::create_dir_all(bench.0.join("lab")).expect("made");
+    // Time in ms, then z and x in pixels of 0.5 mm.
+    let rows = recording(1.4);
+    let row = |line: &str| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        format!("{},{},{}\n", 1e3 * cells[0], 2.0 * cells[3], 2.0 * cells[1])
+    };
+    bench.file("lab/bare.csv", &rows.lines().skip(1).map(row).collect::<String>());
+    let columns = ["--columns", "t_ms,z,x"];
+    let mut child = bench
+        .command(
+            &[&["watch", "lab", "--every", "50 ms", "--out", "page", "--unit", "0.5 mm"], &columns[..]]
+                .concat(),
+        )
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("efam runs");
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
+    interrupt(child.id());
+    assert!(child.wait().expect("it ends").success());
+    assert!(line.starts_with("bare.csv: release 1: 1.4"), "{line}");
+    // An experiment file states it itself.
+    bench.file("lab/experiment.toml", EXPERIMENT);
+    let (code, _, stderr) = bench.run(&["watch", "lab", "--rate", "200", "--out", "page"]);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("experiment.toml: states how recordings are read"), "{stderr}");
+}
+
 /// Ctrl-C for a process.
 fn interrupt(process: u32) {
     let done = Command::new("kill").args(["-INT", &process.to_string()]).status().expect("kill runs");

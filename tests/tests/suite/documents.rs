@@ -199,12 +199,63 @@ fn tests_of_promises_are_there() {
     }
 }
 
+/// CI does not run the tests that `.ci/long` lists.
+#[test]
+fn promises_say_where_their_tests_run() {
+    let listed = fs::read_to_string(root().join(".ci/long")).expect("a list");
+    let listed: Vec<&str> = listed.lines().filter_map(|line| line.rsplit("::").next()).collect();
+    let page = fs::read_to_string(root().join("docs/src/validation/trust.md")).expect("a page");
+    let mut rows = 0;
+    for row in page.lines().filter(|line| line.starts_with("| ")) {
+        let cells: Vec<&str> = row.split(" | ").collect();
+        let [promise, tests, place, _] = cells[..] else { continue };
+        let names = tests.split("::").skip(1).filter_map(|rest| rest.split('`').next());
+        let names: Vec<&str> = names.filter_map(|name| name.rsplit("::").next()).collect();
+        let long = names.iter().filter(|name| listed.contains(name)).count();
+        let stages = ["(`long`)", "(`strikes`)"];
+        assert!(
+            long == 0 || stages.iter().any(|stage| place.contains(stage)),
+            "{promise}: long tests run in {place}"
+        );
+        let is_in_ci = place.starts_with("CI");
+        assert!(!is_in_ci || long < names.len().max(1), "{promise}: no test of it runs in CI");
+        rows += usize::from(long > 0);
+    }
+    assert!(rows > 20, "{rows} promises have long tests");
+}
+
 #[test]
 fn measurements_have_date_and_commit() {
     for page in pages().iter().filter(|page| page.name.starts_with("docs/src/validation/")) {
-        let has_date = page.text.contains("2026-") && page.text.contains("commit");
-        assert!(has_date, "{}: a measurement needs its date and commit", page.name);
+        assert!(is_dated(&page.text), "{}: a measurement needs its date and commit", page.name);
     }
+    let dated = "40 of 40 (2026-11-25,\ncommit 2bf66e9)";
+    assert!(is_dated(dated));
+    for other in ["2bf66e9", "2026-11", "commit of yesterday", "2026-13-25, commit 2bf66e9"] {
+        assert!(!is_dated(other), "{other}");
+    }
+    assert!(!is_dated(&dated.replace("2bf66e9", "to come")) && !is_dated(&dated.replace("-25", "")));
+}
+
+/// Whether a text has a date, and the hash of a commit soon after or before it.
+fn is_dated(text: &str) -> bool {
+    let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '-').collect();
+    let is_date = |word: &str| {
+        let parts: Vec<&str> = word.split('-').collect();
+        let number = |k: usize| parts[k].parse::<u32>().unwrap_or(0);
+        parts.len() == 3
+            && parts[0].len() == 4
+            && (2026..2100).contains(&number(0))
+            && (1..=12).contains(&number(1))
+            && (1..=31).contains(&number(2))
+    };
+    let is_hash = |word: &&str| {
+        (7..=40).contains(&word.len())
+            && word.bytes().all(|byte| byte.is_ascii_hexdigit())
+            && word.bytes().any(|byte| byte.is_ascii_digit())
+    };
+    let is_near = |k: usize| words[k.saturating_sub(12)..(k + 12).min(words.len())].iter().any(is_hash);
+    (0..words.len()).any(|k| is_date(words[k]) && is_near(k))
 }
 
 #[test]

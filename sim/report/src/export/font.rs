@@ -1,10 +1,12 @@
 //! Letters as outlines, from a font of the system. The door to ab_glyph.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use ab_glyph::{Font as _, FontVec, OutlineCurve};
+use efam_store::input;
 
 /// Fonts by the beginning of their files' names, the first that is there.
 const FONTS: [&str; 5] = ["Helvetica.", "Arial.", "arial.", "DejaVuSans.", "LiberationSans-Regular."];
@@ -51,11 +53,11 @@ impl Font {
             let is_own =
                 |file: &&PathBuf| file.file_name().is_some_and(|own| own.to_string_lossy().starts_with(name));
             let file = files.iter().find(is_own)?;
-            if fs::metadata(file).ok()?.len() > MOST_BYTES {
-                return None;
-            }
+            let (mut open, length) = input::whole(file).ok().filter(|(_, length)| *length <= MOST_BYTES)?;
+            let mut bytes = Vec::with_capacity(length as usize);
+            open.read_to_end(&mut bytes).ok()?;
             // Of a collection the first.
-            FontVec::try_from_vec_and_index(fs::read(file).ok()?, 0).ok().map(Font)
+            FontVec::try_from_vec_and_index(bytes, 0).ok().map(Font)
         })
     }
 

@@ -12,12 +12,12 @@ mod raster;
 mod still;
 mod stored;
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use efam_store::StoreError;
 use efam_store::atomic::{write_new, write_whole};
+use efam_store::disk::File;
 use efam_store::input::{MOST_JSON, up_to};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -129,7 +129,7 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
     if format == Format::Mcap && run.tables.iter().all(|table| table.time().is_none()) {
         return Err(ExportError::NoTime { folder: run.folder.clone() });
     }
-    type Content<'a> = Box<dyn Fn(&mut BufWriter<&mut File>) -> io::Result<()> + 'a>;
+    type Content<'a> = Box<dyn Fn(&mut BufWriter<Remembering>) -> io::Result<()> + 'a>;
     let content: Content = match format {
         Format::Mat => Box::new(|to| mat::write(run, to)),
         Format::Mat5 => Box::new(|to| mat5::write(run, to)),
@@ -145,11 +145,37 @@ pub fn export(run: &Stored, format: Format, to: &Path, overwrite: bool) -> Resul
         }
     };
     let write = |file: &mut File| {
-        let mut buffer = BufWriter::new(file);
-        content(&mut buffer)?;
-        buffer.flush()
+        let mut buffer = BufWriter::new(Remembering { file, failed: None });
+        let done = content(&mut buffer).and_then(|()| buffer.flush());
+        done.map_err(|error| buffer.get_mut().failed.take().unwrap_or(error))
     };
     Ok(if overwrite { write_whole(to, write) } else { write_new(to, write) }?)
+}
+
+/// A file that keeps why it could not be written: the writer of MCAP says `Record parse failed` of a full disk.
+struct Remembering<'a> {
+    file: &'a mut File,
+    failed: Option<io::Error>,
+}
+
+impl Write for Remembering<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes).map_err(|error| {
+            let copy = io::Error::new(error.kind(), error.to_string());
+            self.failed.get_or_insert(error);
+            copy
+        })
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for Remembering<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
 }
 
 /// The picture of a run as PNG.

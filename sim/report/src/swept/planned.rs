@@ -12,7 +12,7 @@ use efam_sweeps::plan::{self, Head, Plan, freeze, head_text};
 use efam_sweeps::request::{Subject, SweepRequest};
 
 use crate::Request;
-use crate::swept::{LATER, swept_mark};
+use crate::swept::{ADDED, swept_mark};
 
 /// Freezes the points of a sweep into an open folder; without a number of points in a shard there are a thousand
 /// shards at most.
@@ -31,7 +31,7 @@ pub fn write_plan(
         argv,
         ..Request::default()
     };
-    folder.later(&LATER);
+    folder.may_have(&ADDED);
     let own = in_shard.unwrap_or_else(|| points_per_shard(sweep.points()));
     let mut head = None;
     let written = folder.write_with(plan::POINTS, |file| {

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use clap::Args;
-use efam_store::atomic::write_whole;
+use efam_store::added;
+use efam_store::disk::create_dir_all;
 use efam_store::escape::shell_word;
 use efam_store::names::plain_name;
 use efam_sweeps::cluster::{array_script, job, merge_script};
@@ -79,10 +80,10 @@ pub fn run(args: &Submit, console: &Console) -> Result<ExitCode, Failure> {
     let (script, merge) = (folder.join(ARRAY), folder.join(MERGE));
     let array_text = array_script(&name, &program, &folder).map_err(Failure::Usage)?;
     let merge_text = merge_script(&name, &program, &folder).map_err(Failure::Usage)?;
-    for (file, text) in [(&script, array_text), (&merge, merge_text)] {
-        write_whole(file, |file| file.write_all(text.as_bytes()))?;
+    for (name, text) in [(ARRAY, array_text), (MERGE, merge_text)] {
+        added::add(&folder, name, |file| file.write_all(text.as_bytes()))?;
     }
-    fs::create_dir_all(folder.join("log")).map_err(here)?;
+    create_dir_all(&folder.join("log")).map_err(here)?;
     let array = status.missing_array.clone();
     let mut first = vec![format!("--array={array}")];
     first.extend(args.options.iter().cloned());

@@ -141,8 +141,8 @@ fn open(path: &Path) -> io::Result<(ParquetRecordBatchReaderBuilder<Bytes>, usiz
 
 /// The end of a file, with the whole footer in it if the file has one.
 fn end(path: &Path) -> io::Result<Vec<u8>> {
-    let mut file = input::open(path)?;
-    let length = file.metadata()?.len();
+    let (file, length) = input::whole(path)?;
+    let mut file = file.into_inner();
     let mut last = |count: u64| {
         let mut bytes = Vec::new();
         file.seek(SeekFrom::Start(length - count.min(length)))?;

@@ -1,7 +1,11 @@
 //! Run folders, begun and finished, given up and fought for.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, UNIX_EPOCH};
 
+use crate::added;
+use crate::atomic::{write_new, write_whole};
+use crate::disk::fault;
 use crate::folder::*;
 
 /// A folder of its own for each test, removed at its end.
@@ -163,7 +167,7 @@ fn a_full_disk_names_file_and_cause() {
     let scratch = Scratch::new("full");
     let out = scratch.0.join("run");
     let made = Folder::begin(Target::Given { folder: &out, overwrite: false }).unwrap();
-    let full = |_: &mut File| File::options().write(true).open("/dev/full")?.write_all(b"much");
+    let full = |_: &mut File| fs::File::options().write(true).open("/dev/full")?.write_all(b"much");
     let error = made.write_with("trajectory.parquet", full).unwrap_err().to_string();
     assert!(error.contains("run/trajectory.parquet: cannot be written: No space left"), "{error}");
     drop(made);
@@ -266,4 +270,111 @@ fn what_is_given_up_while_it_is_written_leaves_nothing() {
         assert!(writer.join().unwrap() > 9);
     });
     assert_eq!(scratch.entries(), [""; 0]);
+}
+
+/// All files below a folder, with their contents.
+fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path)
+            } else {
+                drop(found.insert(path.clone(), fs::read(&path).unwrap()))
+            }
+        }
+    }
+    found
+}
+
+/// Each call that changes the disk fails once: what is under a name is the old or the new, and an error says so.
+#[test]
+fn whichever_call_fails_nothing_is_torn_and_nothing_is_lost() {
+    type Work = fn(&Path) -> Result<(), StoreError>;
+    let folder: Work = |root| {
+        let made = Folder::begin(Target::Given { folder: &root.join("run"), overwrite: true })?;
+        made.write(MARK, b"new mark")?;
+        made.write("pictures/a.svg", b"new picture")?;
+        made.finish().map(drop)
+    };
+    let dated: Work = |root| {
+        let target = Target::Dated { root: &root.join("outputs"), name: "a", hash: "b", at: UNIX_EPOCH };
+        let made = Folder::begin(target)?;
+        made.write(MARK, b"dated")?;
+        made.finish().map(drop)
+    };
+    let whole: Work = |root| write_whole(&root.join("run.mat"), |file| file.write_all(b"new file"));
+    let new: Work = |root| write_new(&root.join("new.mat"), |file| file.write_all(b"first file"));
+    let add: Work = |root| {
+        added::add(&root.join("run"), MARK, |file| file.write_all(b"added mark"))?;
+        added::replace(&root.join("run/shard=1"), "part", |file| file.write_all(b"added part"))
+    };
+    let (mut struck, scratch) = (0, Scratch::new("struck"));
+    for (name, work) in [("folder", folder), ("dated", dated), ("whole", whole), ("new", new), ("add", add)] {
+        let prepared = |k: u64| {
+            let root = scratch.0.join(format!("{name}-{k}"));
+            fs::create_dir(&root).unwrap();
+            let mut made =
+                Folder::begin(Target::Given { folder: &root.join("run"), overwrite: false }).unwrap();
+            made.may_have(&["shard=*"]);
+            made.write(MARK, b"old mark").unwrap();
+            made.finish().unwrap();
+            fs::write(root.join("run.mat"), "old file").unwrap();
+            fs::write(root.join("notes.txt"), "mine").unwrap();
+            root
+        };
+        let relative = |root: &Path| -> BTreeMap<PathBuf, Vec<u8>> {
+            let all = contents(root).into_iter();
+            all.map(|(path, bytes)| (path.strip_prefix(root).unwrap().to_owned(), bytes)).collect()
+        };
+        let whole = prepared(1000);
+        let old = relative(&whole);
+        work(&whole).unwrap();
+        let new = relative(&whole);
+        for k in 0.. {
+            let root = prepared(k);
+            fault::LEFT.set(Some(k));
+            let done = work(&root);
+            let is_over = fault::LEFT.take().is_some();
+            let all = relative(&root);
+            let is_hidden = |path: &PathBuf| {
+                path.components().any(|part| part.as_os_str().to_string_lossy().starts_with('.'))
+            };
+            for (path, bytes) in all.iter().filter(|(path, _)| !path.ends_with(MANIFEST) && !is_hidden(path))
+            {
+                let is_known = [&old, &new].into_iter().any(|of| of.get(path) == Some(bytes));
+                // A run whose name could not be taken is kept beside it.
+                assert!(is_known || path.starts_with("run_2"), "{name} {k}: {} is torn", path.display());
+            }
+            for path in old.keys().filter(|path| new.contains_key(*path)) {
+                assert!(all.contains_key(path), "{name} {k}: {} is lost", path.display());
+            }
+            assert_eq!(
+                admit(&root.join("run"), true).map_err(|error| error.to_string()),
+                Ok(()),
+                "{name} {k}"
+            );
+            match done {
+                Ok(()) => assert!(new.keys().all(|path| all.contains_key(path)), "{name} {k}"),
+                Err(error) => assert!(error.to_string().contains(&root.display().to_string()), "{error}"),
+            }
+            if is_over {
+                break;
+            }
+            struck += 1;
+            // The next one succeeds, and tidies.
+            let again = work(&root);
+            let exists = matches!(again, Err(StoreError::Exists { .. }));
+            assert!(again.is_ok() || exists && name == "new", "{name} {k}: {again:?}");
+            let all = relative(&root);
+            assert!(!all.keys().any(is_hidden), "{name} {k}: {:?}", all.keys());
+            for path in new.keys().filter(|path| name != "dated" && !path.ends_with(MANIFEST)) {
+                assert_eq!(all.get(path), new.get(path), "{name} {k}");
+            }
+        }
+    }
+    println!("{struck} calls failed, 0 torn, 0 lost");
+    assert!(struck > 40, "{struck}");
 }

@@ -7,16 +7,19 @@ use std::path::{Path, PathBuf};
 
 use efam_recordings::{Format, ReadOptions, Recording, read};
 use tests::recordings::says;
+use tests::skipped;
 
 /// The file, if the recordings are there.
 fn sample(file: &str) -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let folder = root.join("../shared/recordings");
     if !folder.is_dir() {
-        println!("skipped: no recordings in ../shared/recordings");
+        skipped("recordings", "there are none in ../shared/recordings");
         return None;
     }
-    Some(folder.join(file))
+    let path = folder.join(file);
+    assert!(path.exists(), "{} is not there, and its folder is", path.display());
+    Some(path)
 }
 
 fn load(file: &str) -> Option<Recording> {
