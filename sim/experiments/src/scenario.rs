@@ -55,6 +55,7 @@ use std::sync::Arc;
 use efam_core::accuracy::Goal;
 use efam_core::accuracy::first;
 use efam_core::forward::{Run, uniform};
+use efam_core::linear::PressureSlopes;
 use efam_core::pace::Pace;
 use efam_core::rest::rest;
 use models::model::Model;
@@ -142,6 +143,20 @@ impl Case {
     /// The muscle that its rod is, if it is one.
     pub fn muscle(&self) -> Option<&Muscle> {
         self.plan.muscle.as_ref().map(|plan| &plan.muscle)
+    }
+
+    /// How length, bending stiffness, axial stiffness and diameter follow the pressure at release, over their values,
+    /// 1/Pa; none if the rod is no muscle.
+    pub fn pressure_slopes(&self) -> Option<PressureSlopes> {
+        let (plan, pressure) = (self.plan.muscle.as_ref()?, self.pressure?);
+        let found = plan.muscle.value_and_slope(pressure, &plan.stiffness, plan.extrapolation);
+        let (at, by) = found.expect("the case has been built at this pressure");
+        Some([
+            by.length / at.length,
+            by.bending_stiffness / at.bending_stiffness,
+            by.axial_stiffness / at.axial_stiffness,
+            by.outer_diameter / at.outer_diameter,
+        ])
     }
 
     /// The case with another mesh, or other settings.
