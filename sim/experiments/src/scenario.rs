@@ -55,7 +55,7 @@ use std::sync::Arc;
 use efam_core::accuracy::Goal;
 use efam_core::accuracy::first;
 use efam_core::forward::{Run, uniform};
-use efam_core::linear::PressureSlopes;
+use efam_core::linear::{Linear, LinearError, PressureSlopes, linearise};
 use efam_core::pace::Pace;
 use efam_core::rest::rest;
 use models::model::Model;
@@ -145,9 +145,24 @@ impl Case {
         self.plan.muscle.as_ref().map(|plan| &plan.muscle)
     }
 
+    /// The linear model about its rest; without inputs by the pressure, or the force along z of a rod that is no muscle.
+    /// # Errors
+    /// [`LinearError`].
+    pub fn linearise(
+        &self,
+        inputs: &[impl AsRef<str>],
+        outputs: &[impl AsRef<str>],
+    ) -> Result<Linear, LinearError> {
+        let muscle = self.pressure_slopes();
+        let usual = if muscle.is_some() { "pressure" } else { "force_z" };
+        let inputs: Vec<&str> = inputs.iter().map(AsRef::as_ref).collect();
+        let inputs = if inputs.is_empty() { vec![usual] } else { inputs };
+        linearise(&self.model, muscle, &inputs, outputs)
+    }
+
     /// How length, bending stiffness, axial stiffness and diameter follow the pressure at release, over their values,
     /// 1/Pa; none if the rod is no muscle.
-    pub fn pressure_slopes(&self) -> Option<PressureSlopes> {
+    fn pressure_slopes(&self) -> Option<PressureSlopes> {
         let (plan, pressure) = (self.plan.muscle.as_ref()?, self.pressure?);
         let found = plan.muscle.value_and_slope(pressure, &plan.stiffness, plan.extrapolation);
         let (at, by) = found.expect("the case has been built at this pressure");

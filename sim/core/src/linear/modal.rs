@@ -44,6 +44,8 @@ pub struct Modal {
 
 /// Largest product of the norms of shapes and their inverse: beyond, responses lose half of their digits.
 const WORST_CONDITION: f64 = 1e9;
+/// Frequencies at which two models are compared.
+const FREQUENCIES: usize = 1000;
 /// Imaginary part over size of a pole below which it is rounding.
 const REAL: f64 = 1e-9;
 
@@ -164,6 +166,17 @@ impl Modal {
     /// Outputs by inputs that move as `exp(s t)`: at `s = iω` what a Bode plot shows.
     pub fn response(&self, s: Complex) -> DMatrix<Complex> {
         self.sum(|pole| (s - pole).inv()) + self.matrices.d.map(Complex::from)
+    }
+
+    /// The largest distance of the responses of two models up to a frequency, Hz, shape `[outputs, inputs]`.
+    pub fn farthest(&self, other: &Modal, frequency: f64) -> DMatrix<f64> {
+        let mut most = self.matrices.d.map(|_| 0.0);
+        for k in 0..=FREQUENCIES {
+            let s = Complex::new(0.0, TAU * frequency * k as f64 / FREQUENCIES as f64);
+            let distance = (self.response(s) - other.response(s)).map(|x| x.norm());
+            most = most.sup(&distance);
+        }
+        most
     }
 
     /// Outputs after long by inputs that stay.
