@@ -145,6 +145,12 @@ impl Case {
         self.plan.muscle.as_ref().map(|plan| &plan.muscle)
     }
 
+    /// The case whose frictions slip, and so hold nothing; itself without friction.
+    pub fn slipping(self) -> Self {
+        let model = self.model.slipping().unwrap_or_else(|| self.model.clone());
+        Self { model, ..self }
+    }
+
     /// The linear model about its rest; without inputs by the pressure, or the force along z of a rod that is no muscle.
     /// # Errors
     /// [`LinearError`].

@@ -72,9 +72,16 @@ impl Model {
     }
 
     /// The linear model about its rest, for a controller.
-    #[pyo3(signature = (*, inputs = Vec::new(), outputs = vec!["tip_x".to_owned(), "tip_z".to_owned()]))]
-    fn linearise(&self, py: Python<'_>, inputs: Vec<String>, outputs: Vec<String>) -> PyResult<Linear> {
-        py.detach(|| Linear::of(&self.case, &inputs, &outputs))
+    #[pyo3(signature = (*, inputs = Vec::new(), outputs = vec!["tip_x".to_owned(), "tip_z".to_owned()], slipping = false))]
+    fn linearise(
+        &self,
+        py: Python<'_>,
+        inputs: Vec<String>,
+        outputs: Vec<String>,
+        slipping: bool,
+    ) -> PyResult<Linear> {
+        let case = self.case.clone();
+        py.detach(|| Linear::of(&if slipping { case.slipping() } else { case }, &inputs, &outputs))
     }
 
     /// Its name.

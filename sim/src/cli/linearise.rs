@@ -35,6 +35,9 @@ points such as point_0.5_z. All count from the rest.
 
 Exit codes: 4 if no rest posture is found.";
 
+const STICKS: &str = "friction holds as a spring in motions this small, and slips in larger ones: --slipping is a \
+    model of these";
+
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Linearise {
@@ -55,6 +58,9 @@ pub struct Linearise {
     /// Also a model with so many states, by balancing, with the bound of its error.
     #[arg(long, value_name = "STATES")]
     reduce: Option<usize>,
+    /// Without friction, as in motions that are large against it.
+    #[arg(long)]
+    slipping: bool,
     /// Number of poles to print, slowest first.
     #[arg(long, default_value_t = 3, value_name = "N")]
     count: usize,
@@ -84,10 +90,17 @@ pub fn run(args: &Linearise, console: &Console) -> Result<ExitCode, Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     let case = all.swap_remove(0);
+    let case = if args.slipping { case.slipping() } else { case };
     let linear = case.linearise(&args.input, &args.output)?;
     let wanted = Wanted { sample, order: args.reduce };
     let mut answer = LinearAnswer::new(&case.name, case.pressure, &linear, wanted)?;
-    let more = left_out::warnings(&case.model, case.muscle().is_some(), args.count);
+    let mut more = left_out::warnings(&case.model, case.muscle().is_some(), args.count);
+    if case.model.slipping().is_some() {
+        more.push(STICKS.to_owned());
+    }
+    if !linear.is_stable {
+        more.push("the rest is not stable: a motion about it grows".to_owned());
+    }
     console.warn(&more);
     answer.warnings = case.warnings.iter().cloned().chain(more).collect();
     let hash = |(file, text): (&str, &str)| (file.to_owned(), efam_store::sha::sha256(text.as_bytes()));
