@@ -2,9 +2,13 @@
 //! Setup: a bent muscle with every kind of law that has a derivative at rest: weight, damping, drag, two memories.
 //! Expected: central differences of the right side agree to 1e-5 of each row's largest entry.
 
+use std::sync::Arc;
+
 use models::effects::Rod;
 use models::model::{Model, ModelSpec};
-use models::statics::{Equilibrium, SmallMotion, equilibrium, modes};
+use models::muscle::{Extrapolation, Muscle};
+use models::pressure::PressureSchedule;
+use models::statics::{Equilibrium, SmallMotion, equilibrium};
 use models::system::System;
 use nalgebra::DVector;
 
@@ -34,10 +38,14 @@ fn model(values: &[(&str, f64)]) -> Model {
 
 /// Rates of `[q, v, z]` at a state.
 fn rates(system: &mut System, x: &DVector<f64>) -> DVector<f64> {
+    rates_at(system, 0.0, x)
+}
+
+fn rates_at(system: &mut System, time: f64, x: &DVector<f64>) -> DVector<f64> {
     let (n, m) = (system.model.dof(), system.model.memory());
     let (q, v, z) = (&x.as_slice()[..n], &x.as_slice()[n..2 * n], &x.as_slice()[2 * n..]);
     let (mut force, mut z_rate) = (vec![0.0; n], vec![0.0; m]);
-    system.force(0.0, q, v, z, &mut force, &mut z_rate);
+    system.force(time, q, v, z, &mut force, &mut z_rate);
     let accelerations = force.iter().zip(&system.mass).map(|(force, mass)| force / mass);
     DVector::from_iterator(2 * n + m, v.iter().copied().chain(accelerations).chain(z_rate))
 }
@@ -74,5 +82,48 @@ fn the_state_matrix_matches_differences() {
     for (row, (own, due)) in a.row_iter().zip(differences.row_iter()).enumerate() {
         let error = (own - due).amax() / due.amax();
         assert!(error < 1e-5, "row {row}: {error:.1e}");
+    }
+}
+
+/// By the pressure at a rate of zero, and by the rate, which damping and memory see through the length.
+#[test]
+fn derivatives_by_pressure_match_differences() {
+    let muscle = Muscle::built_in("garbulinski-2022").unwrap();
+    let pressure = 2.3e5;
+    let (at, by) = muscle.value_and_slope(pressure, "pder_32", Extrapolation::Refused).unwrap();
+    let spec = muscle.spec(&at).with(&[
+        ("rayleigh_stiffness.beta", 2e-3),
+        ("viscoelastic.branch_stiffness", 0.3),
+        ("set_curvature.curvature_over_pressure", 1e-6),
+        ("damping_over_pressure.stiffness_time", 1e-3),
+    ]);
+    let under = |change: f64| {
+        let rows = [(0.0, pressure), (1.0, pressure + change)];
+        let schedule =
+            PressureSchedule::new(muscle.clone(), "pder_32", Extrapolation::Refused, &rows).unwrap();
+        let spec = ModelSpec { nodes: 8, schedule: Some(Arc::new(schedule)), ..spec.clone() };
+        Model::new(&spec).unwrap()
+    };
+    let rest = equilibrium(&under(0.0), None).unwrap();
+    let motion = SmallMotion::about(&under(0.0), &rest);
+    let slopes = [
+        by.length / at.length,
+        by.bending_stiffness / at.bending_stiffness,
+        by.axial_stiffness / at.axial_stiffness,
+        by.outer_diameter / at.outer_diameter,
+    ];
+    let x = state(&rest);
+    let differences = [
+        |model: &Model, x: &DVector<f64>| rates_at(&mut System::at_rest(model), 1.0, x),
+        |model: &Model, x: &DVector<f64>| rates_at(&mut System::new(model), 0.0, x),
+    ]
+    .map(|of| (of(&under(20.0), &x) - of(&under(-20.0), &x)) / 40.0);
+    for (own, due) in motion.by_pressure(slopes).into_iter().zip(differences) {
+        let n = motion.dof();
+        for part in [n..2 * n, 2 * n..x.len()] {
+            let [own, due] = [&own, &due].map(|all| all.rows(part.start, part.len()).into_owned());
+            // Of second order in 20 Pa, and rounding of the forces over 20 Pa.
+            assert!((&own - &due).amax() <= 1e-5 * due.amax(), "{part:?}: {own} due {due}");
+        }
     }
 }
