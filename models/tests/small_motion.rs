@@ -125,5 +125,8 @@ fn derivatives_by_pressure_match_differences() {
             // Of second order in 20 Pa, and rounding of the forces over 20 Pa.
             assert!((&own - &due).amax() <= 1e-5 * due.amax(), "{part:?}: {own} due {due}");
         }
-    }
+    } // Linear in the slopes, as it is only at a rate of zero.
+    let value = |scale: f64| motion.by_pressure(slopes.map(|slope| scale * slope))[0].clone();
+    let (small, large) = (value(1.0) - value(0.0), value(1e7) - value(0.0));
+    assert!((large - 1e7 * &small).amax() < 1e-8 * 1e7 * small.amax());
 }
