@@ -9,7 +9,7 @@
 //! [`Energy::supplied`]: crate::snapshot::Energy::supplied
 
 use crate::model::Schedule;
-use crate::muscle::{AtPressure, Extrapolation, Muscle, MuscleError};
+use crate::muscle::{AtPressure, Extrapolation, Muscle, MuscleError, RodSlopes};
 
 /// Pressure over time: straight lines between the rows of a table, constant before and after.
 #[derive(Clone, Debug)]
@@ -107,8 +107,8 @@ impl Schedule for PressureSchedule {
 /// A pressure that begins to change at time 0, from a rod of known slopes: for the derivatives of the equations of motion
 /// by the pressure and by its rate.
 pub(crate) struct Begins {
-    /// Derivatives by pressure of length, bending stiffness, axial stiffness and diameter, over their values, 1/Pa.
-    pub slopes: [f64; 4],
+    /// How the rod follows the pressure.
+    pub slopes: RodSlopes,
     /// With a rate of 1 Pa/s; else from rest, with an acceleration of 1 Pa/s².
     pub at_once: bool,
 }

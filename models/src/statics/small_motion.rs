@@ -15,11 +15,13 @@ use nalgebra::{Complex, DMatrix, DVector, Vector2};
 use crate::effects::LANES;
 use crate::error::ModelError;
 use crate::model::{Model, Schedule};
+use crate::muscle::RodSlopes;
 use crate::posture::Between;
 use crate::pressure::Begins;
 use crate::system::{System, TimePass};
 
 use super::Equilibrium;
+use super::modes::ALONG;
 
 /// The linear equations of motion about a rest.
 ///
@@ -67,17 +69,14 @@ impl SmallMotion {
         system.linearise(rest.time, &rest.q, &vec![0.0; dof], &rest.z, &mut vec![0.0; dof]);
         // A step of no length leaves memory no time to answer.
         system.condense(f64::INFINITY);
-        let columns = |add: &dyn Fn(&[[f64; 1]], &mut [[f64; 1]])| {
-            let mut dense = DMatrix::zeros(dof, dof);
-            for (k, mut column) in dense.column_iter_mut().enumerate() {
-                let mut product = vec![[0.0]; dof];
-                add(&unit(dof, k), &mut product);
-                column.copy_from_slice(product.as_flattened());
-            }
-            dense
-        };
-        let stiffness = columns(&|x, y| system.stiffness().multiply_add(x, y));
-        let damping = columns(&|x, y| system.damping().multiply_add(x, y));
+        let [mut stiffness, mut damping] = [(); 2].map(|()| DMatrix::zeros(dof, dof));
+        for k in 0..dof {
+            let [mut by_stiffness, mut by_damping] = [(); 2].map(|()| vec![[0.0]; dof]);
+            system.stiffness().multiply_add(&unit(dof, k), &mut by_stiffness);
+            system.damping().multiply_add(&unit(dof, k), &mut by_damping);
+            stiffness.column_mut(k).copy_from_slice(by_stiffness.as_flattened());
+            damping.column_mut(k).copy_from_slice(by_damping.as_flattened());
+        }
         let mut motion = Self {
             rest: rest.clone(),
             mass: system.mass.clone(),
@@ -185,11 +184,10 @@ impl SmallMotion {
         self.rates(&(0..=last).map(force).collect::<Vec<_>>(), &vec![0.0; self.rest.z.len()])
     }
 
-    /// Rates of `[q, v, z]` by the pressure, 1/Pa, of a rod whose length, bending stiffness, axial stiffness and diameter
-    /// have these derivatives by pressure over their values; and the second vector `e`, by which velocities and memory jump
-    /// with the pressure: damping and memory see the rate of the rest length. With `x = x̃ + e p`, `x̃` obeys
+    /// Rates `b` of `[q, v, z]` by the pressure, 1/Pa, of a rod with these slopes; and `e`, by which velocities and memory
+    /// jump with the pressure: damping and memory see the rate of the rest length. With `x = x̃ + e p`, `x̃` obeys
     /// `x̃' = A x̃ + (b + A e) p`.
-    pub fn by_pressure(&self, slopes: [f64; 4]) -> [DVector<f64>; 2] {
+    pub fn by_pressure(&self, slopes: RodSlopes) -> [DVector<f64>; 2] {
         let [by_value, by_rate] = [true, false].map(|at_once| {
             let changes = Begins { slopes, at_once };
             let [with, without] = [Some(Arc::new(changes) as Arc<dyn Schedule>), None].map(|schedule| {
@@ -222,15 +220,16 @@ impl SmallMotion {
         DVector::from_iterator(2 * n + self.memory.len(), all)
     }
 
-    /// Share of stretch in the energy of a vibration, of its pole, 1/s, and its shape: increments of `[q, v, z]`.
-    pub fn stretch_share(&mut self, pole: Complex<f64>, shape: &[Complex<f64>]) -> f64 {
+    /// Whether a vibration is one along the rod, as [`modes`](super::modes()) leaves them out: of its pole, 1/s, and its
+    /// shape, increments of `[q, v, z]`.
+    pub fn is_along(&mut self, pole: Complex<f64>, shape: &[Complex<f64>]) -> bool {
         let (mut stretch, mut motion) = (0.0, 0.0);
         for part in [|x: &Complex<f64>| x.re, |x: &Complex<f64>| x.im] {
             let part: Vec<f64> = shape[..self.dof()].iter().map(part).collect();
             stretch += self.system.stretch_energy(self.rest.time, &self.rest.q, &part);
             motion += part.iter().zip(&self.mass).map(|(x, mass)| mass * x * x).sum::<f64>();
         }
-        stretch / (pole.norm_sqr() * motion)
+        stretch >= ALONG * pole.norm_sqr() * motion
     }
 
     /// The observed tip at the rest, m, and how that moves along x and z with the coordinates, shape `[2, 2N+1]`.

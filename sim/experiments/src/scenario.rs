@@ -55,7 +55,7 @@ use std::sync::Arc;
 use efam_core::accuracy::Goal;
 use efam_core::accuracy::first;
 use efam_core::forward::{Run, uniform};
-use efam_core::linear::{Linear, LinearError, PressureSlopes, linearise};
+use efam_core::linear::{Linear, LinearError, linearise};
 use efam_core::pace::Pace;
 use efam_core::rest::rest;
 use models::model::Model;
@@ -159,25 +159,14 @@ impl Case {
         inputs: &[impl AsRef<str>],
         outputs: &[impl AsRef<str>],
     ) -> Result<Linear, LinearError> {
-        let muscle = self.pressure_slopes();
+        let muscle = self.plan.muscle.as_ref().zip(self.pressure).map(|(plan, pressure)| {
+            let found = plan.muscle.rod_slopes(pressure, &plan.stiffness, plan.extrapolation);
+            found.expect("the case has been built at this pressure")
+        });
         let usual = if muscle.is_some() { "pressure" } else { "force_z" };
         let inputs: Vec<&str> = inputs.iter().map(AsRef::as_ref).collect();
         let inputs = if inputs.is_empty() { vec![usual] } else { inputs };
         linearise(&self.model, muscle, &inputs, outputs)
-    }
-
-    /// How length, bending stiffness, axial stiffness and diameter follow the pressure at release, over their values,
-    /// 1/Pa; none if the rod is no muscle.
-    fn pressure_slopes(&self) -> Option<PressureSlopes> {
-        let (plan, pressure) = (self.plan.muscle.as_ref()?, self.pressure?);
-        let found = plan.muscle.value_and_slope(pressure, &plan.stiffness, plan.extrapolation);
-        let (at, by) = found.expect("the case has been built at this pressure");
-        Some([
-            by.length / at.length,
-            by.bending_stiffness / at.bending_stiffness,
-            by.axial_stiffness / at.axial_stiffness,
-            by.outer_diameter / at.outer_diameter,
-        ])
     }
 
     /// The case with another mesh, or other settings.

@@ -4,8 +4,8 @@
 //! Gramians follow from the poles in closed form, `P_ij = −b_i b_j* / (λ_i + λ_j*)`. Inputs and outputs are weighed by how
 //! far the one moves the other, so that units do not matter.
 //!
-//! Source: Moore (1981), Principal component analysis in linear systems; the bound: Enns (1984), Glover (1984); static gain kept: Liu and
-//! Anderson (1989), Singular perturbation approximation of balanced systems.
+//! Source: Moore (1981), Principal component analysis in linear systems; the bound: Enns (1984), Glover (1984); static gain
+//! kept: Liu and Anderson (1989), Singular perturbation approximation of balanced systems.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -27,6 +27,8 @@ pub struct Reduced {
 
 /// Singular values below this share of the largest are rounding: square roots of it are taken.
 const ROUNDING: f64 = 1e-8;
+/// Outputs that move less than this share of the others do so by rounding.
+const UNMOVED: f64 = 1e-9;
 
 impl Modal {
     /// The model with `order` states.
@@ -38,7 +40,9 @@ impl Modal {
             return Err(LinearError::NoDecay { slowest });
         }
         let reach = self.reach();
-        let outputs = DVector::from_iterator(reach.nrows(), reach.row_iter().map(|row| 1.0 / row.max()));
+        let least = UNMOVED * reach.max();
+        let outputs = reach.row_iter().map(|row| 1.0 / row.max().max(least));
+        let outputs = DVector::from_iterator(reach.nrows(), outputs);
         let weighed = DMatrix::from_diagonal(&outputs) * &reach;
         let inputs = DVector::from_iterator(reach.ncols(), weighed.column_iter().map(|own| 1.0 / own.max()));
         let p = self.gramian(&(&self.b * DMatrix::from_diagonal(&inputs).map(Complex::from)), false);

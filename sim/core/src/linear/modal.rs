@@ -60,37 +60,31 @@ impl StateSpace {
         if inverse.iter().any(|x| !x.is_finite()) {
             return Err(LinearError::PoleAtZero);
         }
-        let complex = inverse.map(|x| Complex::new(x, 0.0));
-        let schur = Schur::try_new(complex, f64::EPSILON, 100 * self.a.nrows());
+        let schur = Schur::try_new(complex(&inverse), f64::EPSILON, 100 * self.a.nrows());
         let (basis, triangle) = schur.ok_or(LinearError::Defective)?.unpack();
-        let mut shapes = basis * triangle_shapes(&triangle);
-        for (mut row, scale) in shapes.row_iter_mut().zip(&scale) {
-            row *= Complex::from(*scale);
-        }
-        let poles = triangle.diagonal().map(|inverse| inverse.inv());
-        let condition = |m: &DMatrix<Complex>| m.map(|x| x.norm()).norm();
-        // Shapes of length one in the balanced states; scaled alike, the condition is that of the directions.
-        let dual = shapes.clone().try_inverse().ok_or(LinearError::Defective)?;
-        let of_balanced = |m: &DMatrix<Complex>, column: bool| {
-            DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| {
-                if column { m[(i, j)] / scale[i] } else { m[(i, j)] * scale[j] }
-            })
-        };
-        let worst = condition(&of_balanced(&shapes, true)) * condition(&of_balanced(&dual, false));
-        if worst.is_nan() || worst > WORST_CONDITION {
+        let shapes = basis * triangle_shapes(&triangle);
+        let inverse = shapes.clone().try_inverse().ok_or(LinearError::Defective)?;
+        let condition = shapes.norm() * inverse.norm();
+        if condition.is_nan() || condition > WORST_CONDITION {
             return Err(LinearError::Defective);
         }
-        let lift = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
+        let poles = triangle.diagonal().map(|inverse| inverse.inv());
+        let shapes = DMatrix::from_diagonal(&scale.map(Complex::from)) * shapes;
+        let inverse = inverse * DMatrix::from_diagonal(&scale.map(|scale| Complex::from(1.0 / scale)));
         Ok(Modal {
             is_along: vec![false; poles.len()],
-            b: &dual * lift(&self.b),
-            c: lift(&self.c) * &shapes,
+            b: &inverse * complex(&self.b),
+            c: complex(&self.c) * &shapes,
             poles,
             shapes,
-            inverse: dual,
+            inverse,
             matrices: self.clone(),
         })
     }
+}
+
+fn complex(matrix: &DMatrix<f64>) -> DMatrix<Complex> {
+    matrix.map(Complex::from)
 }
 
 /// Eigenvectors of an upper triangular matrix, in columns of length one.
@@ -133,11 +127,11 @@ impl Modal {
         })
     }
 
-    /// Marks vibrations along the rod, by the share of stretch in a pole's shape.
-    pub(super) fn mark_stretch(&mut self, mut share: impl FnMut(Complex, &[Complex]) -> f64) {
+    /// Marks vibrations along the rod, by their poles and shapes.
+    pub(super) fn mark(&mut self, mut is_along: impl FnMut(Complex, &[Complex]) -> bool) {
         for (k, pole) in self.poles.iter().enumerate() {
             let swings = pole.im.abs() > REAL * pole.norm();
-            self.is_along[k] = swings && share(*pole, self.shapes.column(k).as_slice()) >= 0.5;
+            self.is_along[k] = swings && is_along(*pole, self.shapes.column(k).as_slice());
         }
     }
 
@@ -154,18 +148,23 @@ impl Modal {
         (&self.shapes, &self.inverse)
     }
 
-    /// `Σ c b factor(λ)` over the poles, and what inputs add at once.
+    /// `Σ c b factor(λ)` over the poles.
     fn sum(&self, factor: impl Fn(Complex) -> Complex) -> DMatrix<Complex> {
-        let mut weighted = self.b.clone();
+        &self.c * self.weighted(&self.b, factor)
+    }
+
+    /// Rows of amplitudes, each times a factor of its pole.
+    fn weighted(&self, rows: &DMatrix<Complex>, factor: impl Fn(Complex) -> Complex) -> DMatrix<Complex> {
+        let mut weighted = rows.clone();
         for (mut row, pole) in weighted.row_iter_mut().zip(&self.poles) {
             row *= factor(*pole);
         }
-        &self.c * weighted
+        weighted
     }
 
     /// Outputs by inputs that move as `exp(s t)`: at `s = iω` what a Bode plot shows.
     pub fn response(&self, s: Complex) -> DMatrix<Complex> {
-        self.sum(|pole| (s - pole).inv()) + self.matrices.d.map(Complex::from)
+        self.sum(|pole| (s - pole).inv()) + complex(&self.matrices.d)
     }
 
     /// The largest distance of the responses of two models up to a frequency, Hz, shape `[outputs, inputs]`.
@@ -191,17 +190,8 @@ impl Modal {
 
     /// The model with samples a time apart, s, whose inputs stay between them: zero-order hold.
     pub fn discrete(&self, sample: f64) -> StateSpace {
-        let of = |factor: &dyn Fn(Complex) -> Complex, right: &DMatrix<Complex>| {
-            let mut weighted = right.clone();
-            for (mut row, pole) in weighted.row_iter_mut().zip(&self.poles) {
-                row *= factor(*pole);
-            }
-            (&self.shapes * weighted).map(|x| x.re)
-        };
-        StateSpace {
-            a: of(&|pole| (pole * sample).exp(), &self.inverse),
-            b: of(&|pole| ((pole * sample).exp() - 1.0) / pole, &self.b),
-            ..self.matrices.clone()
-        }
+        let a = &self.shapes * self.weighted(&self.inverse, |pole| (pole * sample).exp());
+        let b = &self.shapes * self.weighted(&self.b, |pole| ((pole * sample).exp() - 1.0) / pole);
+        StateSpace { a: a.map(|x| x.re), b: b.map(|x| x.re), ..self.matrices.clone() }
     }
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use efam_core::forward::{Initial, Run};
-use efam_core::linear::{Complex, DMatrix, DVector, Linear, LinearError, PressureSlopes, linearise};
+use efam_core::linear::{Complex, DMatrix, DVector, Linear, LinearError, linearise};
 use efam_core::stepper::Stepper;
 use efam_experiments::scenario::parse_laws;
 use models::model::{Model, ModelSpec};
@@ -24,20 +24,10 @@ const DAMPING: [(&str, f64); 2] = [("rayleigh_mass.alpha", 2.0), ("rayleigh_stif
 const VISCOELASTIC: [(&str, f64); 2] =
     [("viscoelastic.branch_stiffness", 0.2), ("viscoelastic.relaxation_time", 0.1)];
 
-fn slopes(psi: f64) -> PressureSlopes {
-    let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
-    let (at, by) =
-        muscle.value_and_slope(psi * PSI, "pder_32", Extrapolation::Refused).expect("in the table");
-    [
-        by.length / at.length,
-        by.bending_stiffness / at.bending_stiffness,
-        by.axial_stiffness / at.axial_stiffness,
-        by.outer_diameter / at.outer_diameter,
-    ]
-}
-
 fn linear(model: &Model, psi: f64, inputs: &[&str], outputs: &[&str]) -> Linear {
-    linearise(model, Some(slopes(psi)), inputs, outputs).expect("it hangs")
+    let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
+    let slopes = muscle.rod_slopes(psi * PSI, "pder_32", Extrapolation::Refused).expect("in the table");
+    linearise(model, Some(slopes), inputs, outputs).expect("it hangs")
 }
 
 /// The muscle under a pressure over time.
