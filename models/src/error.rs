@@ -50,6 +50,14 @@ pub enum ModelError {
     /// Modes were asked for about a posture that is no stable equilibrium.
     #[error("the rest posture is not stable, and so has no frequencies; lower the load or stiffen the rod")]
     Unstable,
+    /// An input of a linear model that moves the coordinates themselves.
+    #[error(
+        "{path}: a mass, a length or an angle of the clamp is no input of a linear model; linearise at two values of it"
+    )]
+    NoInput {
+        /// Path of the parameter.
+        path: String,
+    },
     /// No load holds the end of the rod as it should.
     #[error(
         "no load was found that holds the end of the rod there: {reached_percent:.0} % of the way from its rest was \

@@ -243,6 +243,11 @@ impl Model {
         Ok(model)
     }
 
+    /// The same model under another pressure over time, or under one that stays.
+    pub(crate) fn under(&self, schedule: Option<Arc<dyn Schedule>>) -> Self {
+        Self { schedule, ..self.clone() }
+    }
+
     /// The active effect of that name.
     pub fn effect(&self, name: &str) -> Option<&Active> {
         self.effects.iter().find(|active| active.effect.about().name == name)
@@ -378,7 +383,7 @@ impl Model {
 
     /// Whether a parameter, as an index into `theta`, moves points of the rod at fixed coordinates or
     /// changes the mass matrix, and not only what the laws say.
-    fn is_geometric(&self, parameter: usize) -> bool {
+    pub(crate) fn is_geometric(&self, parameter: usize) -> bool {
         let of_effect = self.effects.iter().find(|active| active.theta.contains(&parameter));
         match of_effect {
             Some(active) => {

@@ -145,6 +145,9 @@ pub struct PressureSlopes {
     pub rayleigh_stiffness: Option<f64>,
 }
 
+/// Derivatives by pressure of length, bending stiffness, axial stiffness and diameter, over their values, 1/Pa.
+pub type RodSlopes = [f64; 4];
+
 /// That and where a table was left; displays as a warning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extrapolated {
@@ -265,6 +268,25 @@ impl Muscle {
         });
         value.check()?;
         Ok((value, first, second))
+    }
+
+    /// How the rod of the muscle follows the pressure; see [`RodSlopes`].
+    ///
+    /// # Errors
+    /// As [`Muscle::at`].
+    pub fn rod_slopes(
+        &self,
+        pressure: f64,
+        stiffness_source: &str,
+        extrapolation: Extrapolation,
+    ) -> Result<RodSlopes, MuscleError> {
+        let (at, by) = self.value_and_slope(pressure, stiffness_source, extrapolation)?;
+        Ok([
+            by.length / at.length,
+            by.bending_stiffness / at.bending_stiffness,
+            by.axial_stiffness / at.axial_stiffness,
+            by.outer_diameter / at.outer_diameter,
+        ])
     }
 
     /// The rod that the muscle is: its mass is that without pressure, which stays as it lengthens.

@@ -142,7 +142,8 @@ impl Between {
         Self { first, weights, slopes }
     }
 
-    fn of_nodes(&self, value: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    /// The value there of what the nodes have.
+    pub fn of_nodes(&self, value: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
         let mut sum = [0.0; 2];
         for (node, weight) in (self.first..).zip(self.weights) {
             let [x, z] = value(node);

@@ -9,7 +9,7 @@
 //! [`Energy::supplied`]: crate::snapshot::Energy::supplied
 
 use crate::model::Schedule;
-use crate::muscle::{AtPressure, Extrapolation, Muscle, MuscleError};
+use crate::muscle::{AtPressure, Extrapolation, Muscle, MuscleError, RodSlopes};
 
 /// Pressure over time: straight lines between the rows of a table, constant before and after.
 #[derive(Clone, Debug)]
@@ -101,5 +101,28 @@ impl Schedule for PressureSchedule {
 
     fn breakpoints(&self) -> &[f64] {
         &self.times
+    }
+}
+
+/// A pressure that begins to change at time 0, from a rod of known slopes: for the derivatives of the equations of motion
+/// by the pressure and by its rate.
+pub(crate) struct Begins {
+    /// How the rod follows the pressure.
+    pub slopes: RodSlopes,
+    /// With a rate of 1 Pa/s; else from rest, with an acceleration of 1 Pa/s².
+    pub at_once: bool,
+}
+
+impl Schedule for Begins {
+    fn factors(&self, _time: f64, _since: f64) -> [[f64; 3]; 4] {
+        self.slopes.map(|slope| if self.at_once { [1.0, slope, 0.0] } else { [1.0, 0.0, slope] })
+    }
+
+    fn pressure_change(&self, _time: f64, _since: f64) -> (f64, f64) {
+        (0.0, if self.at_once { 1.0 } else { 0.0 })
+    }
+
+    fn breakpoints(&self) -> &[f64] {
+        &[]
     }
 }

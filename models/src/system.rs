@@ -156,6 +156,7 @@ impl System {
     ) {
         let pass = &mut pass.pass;
         pass.assembly.since = self.assembly.since;
+        pass.assembly.stands_still = self.assembly.stands_still;
         pass.evaluate(&self.model, Dual64::from(time).derivative(), q, v, z);
         for (out, f) in force.iter_mut().zip(&pass.force) {
             *out = f.eps;

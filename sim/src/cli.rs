@@ -16,6 +16,7 @@ mod figures;
 mod init;
 mod inspect;
 mod interrupt;
+mod linearise;
 mod live;
 mod man;
 mod node_steps;
@@ -105,6 +106,8 @@ enum Command {
     Statics(rest::Statics),
     /// Show the small vibrations about the rest posture.
     Modes(rest::Modes),
+    /// Make a linear model about the rest posture, for a controller: poles, gains, matrices.
+    Linearise(linearise::Linearise),
     /// Check this installation: features, threads, viewer, folder for results.
     Doctor(doctor::Doctor),
     /// Print the JSON schema of what a command prints with --json.
@@ -162,6 +165,7 @@ fn run(command: Command, console: &Console) -> Result<ExitCode, Failure> {
         Command::Inspect(args) => inspect::run(&args, console),
         Command::Statics(args) => rest::statics(&args, console),
         Command::Modes(args) => rest::modes(&args, console),
+        Command::Linearise(args) => linearise::run(&args, console),
         Command::Doctor(args) => doctor::run(&args, console),
         Command::Schema(args) => schema::run(&args),
         Command::Completions(args) => completions::run(&args, Efam::command()),

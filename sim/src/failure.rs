@@ -4,6 +4,7 @@ use std::fmt::{self, Display};
 use std::io;
 
 use efam_core::forward::ForwardError;
+use efam_core::linear::LinearError;
 use efam_experiments::experiment::ExperimentError;
 use efam_experiments::scenario::ScenarioError;
 use efam_inference::calibrate::{CalibrateError, SectionError};
@@ -84,6 +85,17 @@ impl From<CheckError> for Failure {
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         Failure::Diverged(error.to_string())
+    }
+}
+
+/// What the user can change in the call is a matter of usage.
+impl From<LinearError> for Failure {
+    fn from(error: LinearError) -> Self {
+        match error {
+            LinearError::Model(error) if !matches!(error, ModelError::NoInput { .. }) => error.into(),
+            LinearError::PoleAtZero | LinearError::Defective => Failure::Diverged(error.to_string()),
+            error => Failure::Usage(error.to_string()),
+        }
     }
 }
 

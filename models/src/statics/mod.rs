@@ -1,7 +1,8 @@
 //! What needs no time: rest postures, and small vibrations about them.
 //!
 //! [`equilibrium()`] finds the posture in which a model hangs, [`modes()`] its natural frequencies
-//! there, [`section_share()`] what a thick section does to them; [`euler_bernoulli`] is the paper's linear beam.
+//! there, [`SmallMotion`] all linear motion about
+//! it, [`section_share()`] what a thick section does to them; [`euler_bernoulli`] is the paper's linear beam.
 
 mod equilibrium;
 pub mod euler_bernoulli;
@@ -9,8 +10,10 @@ mod held;
 mod modes;
 mod path;
 mod section;
+mod small_motion;
 
 pub use equilibrium::{Equilibrium, equilibrium, equilibrium_at};
 pub use held::{Hold, held};
 pub use modes::{Mode, modes};
 pub use section::section_share;
+pub use small_motion::SmallMotion;

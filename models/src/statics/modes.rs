@@ -32,7 +32,7 @@ pub struct Mode {
 }
 
 /// Share of stretch in the energy of a mode from which on it is a vibration along the rod.
-const ALONG: f64 = 0.5;
+pub(super) const ALONG: f64 = 0.5;
 
 /// The `count` slowest bending modes about a stable rest posture, ascending; all that there are, if the
 /// model has fewer. Vibrations along the rod, whose energy is mostly stretch, are left out.

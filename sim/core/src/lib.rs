@@ -33,6 +33,7 @@
 //! |---|---|
 //! | run from a start to an end | [`forward::forward`] with a [`run::Run`]; a [`trajectory::Trajectory`] comes out |
 //! | go on step by step, and change parameters between | [`stepper::Stepper`] |
+//! | have a linear model for a controller | [`linear::linearise`] |
 //! | differentiate a run by parameters | [`run::Run::sensitivities`] |
 //! | find where the rod hangs, and how it swings there | [`rest::rest`], or [`models::statics`] |
 //! | know how wrong a run is, and have mesh and tolerance chosen | [`accuracy::settle`] |
@@ -53,6 +54,7 @@ pub mod integrate;
 pub mod left_out;
 pub mod levenberg_marquardt;
 pub mod limits;
+pub mod linear;
 pub mod loss;
 mod observed;
 pub mod pace;

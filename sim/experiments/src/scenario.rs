@@ -55,6 +55,7 @@ use std::sync::Arc;
 use efam_core::accuracy::Goal;
 use efam_core::accuracy::first;
 use efam_core::forward::{Run, uniform};
+use efam_core::linear::{Linear, LinearError, linearise};
 use efam_core::pace::Pace;
 use efam_core::rest::rest;
 use models::model::Model;
@@ -142,6 +143,30 @@ impl Case {
     /// The muscle that its rod is, if it is one.
     pub fn muscle(&self) -> Option<&Muscle> {
         self.plan.muscle.as_ref().map(|plan| &plan.muscle)
+    }
+
+    /// The case whose frictions slip, and so hold nothing; itself without friction.
+    pub fn slipping(self) -> Self {
+        let model = self.model.slipping().unwrap_or_else(|| self.model.clone());
+        Self { model, ..self }
+    }
+
+    /// The linear model about its rest; without inputs by the pressure, or the force along z of a rod that is no muscle.
+    /// # Errors
+    /// [`LinearError`].
+    pub fn linearise(
+        &self,
+        inputs: &[impl AsRef<str>],
+        outputs: &[impl AsRef<str>],
+    ) -> Result<Linear, LinearError> {
+        let muscle = self.plan.muscle.as_ref().zip(self.pressure).map(|(plan, pressure)| {
+            let found = plan.muscle.rod_slopes(pressure, &plan.stiffness, plan.extrapolation);
+            found.expect("the case has been built at this pressure")
+        });
+        let usual = if muscle.is_some() { "pressure" } else { "force_z" };
+        let inputs: Vec<&str> = inputs.iter().map(AsRef::as_ref).collect();
+        let inputs = if inputs.is_empty() { vec![usual] } else { inputs };
+        linearise(&self.model, muscle, &inputs, outputs)
     }
 
     /// The case with another mesh, or other settings.

@@ -9,6 +9,7 @@ from ._answers import Answer, Residuals, Sweep, analyse, calibrate, check, diagn
 from ._efam import (
     DataError,
     EfamError,
+    Linear,
     Model,
     OutputError,
     ScenarioError,
@@ -25,6 +26,7 @@ __all__ = [
     "DataError",
     "EfamError",
     "Experiment",
+    "Linear",
     "Many",
     "Model",
     "OutputError",

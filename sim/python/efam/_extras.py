@@ -3,7 +3,14 @@
 from importlib import import_module
 from typing import Any
 
-EXTRAS = {"matplotlib": "plots", "pandas": "tables", "xarray": "tables", "tqdm": "progress"}
+EXTRAS = {
+    "control": "control",
+    "matplotlib": "plots",
+    "pandas": "tables",
+    "scipy": "control",
+    "tqdm": "progress",
+    "xarray": "tables",
+}
 
 
 def optional(module: str) -> Any:

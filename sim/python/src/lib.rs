@@ -4,6 +4,7 @@ mod answer;
 mod experiment;
 mod failure;
 mod inference;
+mod linear;
 mod many;
 mod model;
 mod overrides;
@@ -24,6 +25,7 @@ fn _efam(py: Python<'_>, module: &Bound<'_, PyModule>) -> PyResult<()> {
     failure::register(py, module)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<model::Model>()?;
+    module.add_class::<linear::Linear>()?;
     module.add_class::<run::RunData>()?;
     module.add_class::<swing::Swing>()?;
     module.add_class::<residuals::ResidualsData>()?;

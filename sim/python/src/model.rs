@@ -8,6 +8,7 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::linear::Linear;
 use crate::overrides::{Laws, overrides, tables};
 use crate::run::{self, RunData};
 use crate::source::{Parts, Source, read};
@@ -68,6 +69,19 @@ impl Model {
     /// The rod at its start, to be stepped.
     fn start(&self) -> PyResult<Swing> {
         Swing::of(self.source.clone())
+    }
+
+    /// The linear model about its rest, for a controller.
+    #[pyo3(signature = (*, inputs = Vec::new(), outputs = vec!["tip_x".to_owned(), "tip_z".to_owned()], slipping = false))]
+    fn linearise(
+        &self,
+        py: Python<'_>,
+        inputs: Vec<String>,
+        outputs: Vec<String>,
+        slipping: bool,
+    ) -> PyResult<Linear> {
+        let case = self.case.clone();
+        py.detach(|| Linear::of(&if slipping { case.slipping() } else { case }, &inputs, &outputs))
     }
 
     /// Its name.

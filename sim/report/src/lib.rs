@@ -25,6 +25,7 @@ pub mod export;
 pub mod figures;
 pub mod grid;
 mod interval;
+pub mod linear;
 pub mod page;
 pub mod paper;
 pub mod picture;

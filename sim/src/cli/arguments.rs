@@ -163,7 +163,7 @@ pub fn payload(text: Option<&String>, set: &[String]) -> Result<Option<f64>, Fai
 }
 
 /// The value of an option in a unit.
-fn quantity(option: &str, value: Option<&String>, unit: &str) -> Result<Option<f64>, Failure> {
+pub fn quantity(option: &str, value: Option<&String>, unit: &str) -> Result<Option<f64>, Failure> {
     let Some(text) = value else { return Ok(None) };
     let parsed = Quantity::parse(text).and_then(|quantity| quantity.to(unit));
     parsed.map(Some).map_err(|error| Failure::Usage(format!("{option} {text}: {error}")))

@@ -130,7 +130,7 @@ enum Friction {
 /// Shows the rest posture.
 pub fn statics(args: &Statics, console: &Console) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    let cases = cases(&args.source, args.payload.as_ref(), console)?;
+    let cases = cases(&load(&args.source, args.payload.as_ref())?, console)?;
     let muscle = cases.first().and_then(Case::muscle).map(Muscle::described);
     for case in cases {
         let rest = equilibrium(&case.model, None)?;
@@ -180,7 +180,7 @@ pub fn statics(args: &Statics, console: &Console) -> Result<ExitCode, Failure> {
 /// Shows the slowest vibrations about the rest posture.
 pub fn modes(args: &Modes, console: &Console) -> Result<ExitCode, Failure> {
     let mut rows = Vec::new();
-    for case in cases(&args.source, args.payload.as_ref(), console)? {
+    for case in cases(&load(&args.source, args.payload.as_ref())?, console)? {
         let modes = rest(&case.model, 0.0, args.count)?.modes?;
         console.warn(left_out::warnings(&case.model, case.muscle().is_some(), args.count));
         let slipping = slipping_modes(&case.model, 0.0, args.count);
@@ -225,12 +225,18 @@ pub fn modes(args: &Modes, console: &Console) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn cases(source: &Source, mass: Option<&String>, console: &Console) -> Result<Vec<Case>, Failure> {
+/// The scenario with the command's options over it.
+pub fn load(source: &Source, mass: Option<&String>) -> Result<Scenario, Failure> {
     let load = ReleaseOptions { payload: payload(mass, &source.set)?, ..ReleaseOptions::default() };
     let overrides = [load.overrides(), source.overrides()?].concat();
     let scenario = Scenario::load_with(&source.scenario, &overrides, &source.law);
-    let cases = of_kind(FileKind::Scenario, &source.scenario, scenario)?.cases()?;
-    console.detail(format!("{}: {} to show", source.scenario.display(), cases.len()));
+    of_kind(FileKind::Scenario, &source.scenario, scenario)
+}
+
+/// Its cases, their warnings said.
+pub fn cases(scenario: &Scenario, console: &Console) -> Result<Vec<Case>, Failure> {
+    let cases = scenario.cases()?;
+    console.detail(format!("{}: {} to show", scenario.path.display(), cases.len()));
     console.warn(cases.iter().flat_map(|case| &case.warnings));
     Ok(cases)
 }

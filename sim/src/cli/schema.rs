@@ -11,8 +11,8 @@ use serde_json::{Map, Value, json};
 use super::console::print;
 use super::failure::Failure;
 use super::{
-    analyse, calibrate, diagnose, doctor, effects, experiment, export, figures, inspect, predict, report,
-    rest, simulate, sweep,
+    analyse, calibrate, diagnose, doctor, effects, experiment, export, figures, inspect, linearise, predict,
+    report, rest, simulate, sweep,
 };
 
 const HELP: &str = "Examples:
@@ -34,7 +34,7 @@ pub struct Schema {
 type Make = fn() -> Value;
 
 /// Commands that print JSON, and the schema of it.
-pub const SCHEMAS: [(&str, Make); 21] = [
+pub const SCHEMAS: [(&str, Make); 22] = [
     ("simulate", of::<simulate::Printed>),
     ("calibrate", of::<calibrate::Printed>),
     ("diagnose", of::<diagnose::Printed>),
@@ -55,6 +55,7 @@ pub const SCHEMAS: [(&str, Make); 21] = [
     ("inspect", of::<inspect::Printed>),
     ("statics", of::<rest::StaticsPrinted>),
     ("modes", of::<rest::ModesPrinted>),
+    ("linearise", of::<linearise::Printed>),
     ("doctor", of::<doctor::Printed>),
 ];
 

@@ -22,7 +22,7 @@ use crate::strangers::tree;
 const SOON: Duration = Duration::from_secs(120);
 
 /// Commands that make sense in the house.
-const LINES: [&[&str]; 34] = [
+const LINES: [&[&str]; 35] = [
     &["simulate", "s.toml"],
     &["simulate", "s.toml", "--csv", "--json"],
     &["simulate", "s.toml", "--overwrite", "--out", "run"],
@@ -55,6 +55,7 @@ const LINES: [&[&str]; 34] = [
     &["inspect", "15psi.csv", "--json"],
     &["statics", "s.toml"],
     &["modes", "s.toml", "--count", "2"],
+    &["linearise", "s.toml", "--input", "force_z", "--sample", "10ms", "--reduce", "2", "--out", "linear"],
     &["man", "--out", "man1"],
     &["doctor"],
 ];

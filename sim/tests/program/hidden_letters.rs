@@ -62,6 +62,7 @@ fn an_argument_that_is_no_text_never_panics() {
         &["inspect"],
         &["statics"],
         &["modes"],
+        &["linearise"],
         &["doctor"],
         &["schema"],
         &["completions"],

@@ -27,6 +27,7 @@ mod interrupted;
 mod killed;
 mod laws;
 mod limits;
+mod linearise;
 #[cfg(target_os = "linux")]
 mod listening;
 #[cfg(feature = "rerun")]

@@ -171,6 +171,7 @@ fn what_is_printed_fits_its_schema() {
     try_one("inspect", &[&recording]);
     try_one("statics", &at("s.toml"));
     try_one("modes", &at("s.toml"));
+    try_one("linearise", &[&at("s.toml")[..], &["--reduce", "2", "--sample", "10ms"]].concat());
     try_one("doctor", &[]);
     let published: BTreeSet<_> = schemas.as_object().expect("an object").keys().cloned().collect();
     assert_eq!(tried, published);

@@ -17,7 +17,7 @@ const fn folder(arguments: &'static [&'static str]) -> Work {
     Work { arguments, ending: "", at_once: true }
 }
 
-pub const WORK: [Work; 10] = [
+pub const WORK: [Work; 11] = [
     folder(&["simulate", "s.toml", "--csv"]),
     folder(&["calibrate", "e.toml"]),
     folder(&["diagnose", "e.toml"]),
@@ -41,6 +41,7 @@ pub const WORK: [Work; 10] = [
     Work { arguments: &["export", "run", "--to", "mcap"], ending: ".mcap", at_once: true },
     folder(&["analyse", "e.toml"]),
     folder(&["report", "run", "run"]),
+    folder(&["linearise", "s.toml", "--reduce", "4", "--sample", "10ms"]),
     Work { arguments: &["experiment", "init", "15psi.csv"], ending: ".toml", at_once: true },
 ];
 

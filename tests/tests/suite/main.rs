@@ -13,6 +13,7 @@ mod dynamics {
     mod energy_budget;
     mod envelopes;
     mod equal_effects;
+    mod linear_model;
     mod methods_agree;
     mod numbers_of_motions;
     mod pressure_changes;

@@ -9,6 +9,7 @@ use std::io::{self, Write};
 
 use crate::export::mat::{MOST_LETTERS, columns, words};
 use crate::export::stored::{Cells, Series, Stored, Table};
+use crate::linear::{LinearAnswer, Matrices, SignalAnswer};
 
 /// Types of elements.
 const INT8: u32 = 1;
@@ -23,6 +24,7 @@ const OF_LETTERS: u32 = 4;
 const OF_DOUBLES: u32 = 6;
 
 /// A value of MATLAB.
+#[derive(Clone)]
 enum Value {
     /// Column by column.
     Matrix {
@@ -37,7 +39,50 @@ enum Value {
 /// Writes the file.
 /// # Errors
 /// What the file system says, and a table of more than 4 GB, which this format has no place for.
-pub(super) fn write(run: &Stored, mut to: impl Write) -> io::Result<()> {
+pub(super) fn write(run: &Stored, to: impl Write) -> io::Result<()> {
+    file(variables(run), to)
+}
+
+/// Writes a linear model: `m = load("linear.mat"); sys = ss(m.A, m.B, m.C, m.D);`, and as much in the structs `discrete`,
+/// `reduced` and `reduced_discrete`, as far as there are such. `inputs`, `outputs` and `states` have a name a line.
+/// # Errors
+/// What the file system says.
+pub(crate) fn linear_mat(answer: &LinearAnswer, to: impl Write) -> io::Result<()> {
+    let matrix = |rows: &[Vec<f64>]| {
+        let width = rows.first().map_or(0, Vec::len);
+        let numbers = (0..width).flat_map(|k| rows.iter().map(move |row| row[k])).collect();
+        Value::Matrix { rows: rows.len(), width, numbers }
+    };
+    let matrices = |of: &Matrices| {
+        let all = [("A", &of.a), ("B", &of.b), ("C", &of.c), ("D", &of.d)];
+        all.map(|(name, rows)| (name.to_owned(), matrix(rows))).to_vec()
+    };
+    let names = |all: &[SignalAnswer]| {
+        let names: Vec<&str> = all.iter().map(|own| own.name.as_str()).collect();
+        Value::Text(names.join("\n"))
+    };
+    let sampled = |of: &Matrices| {
+        let sample = answer.sample_s.map(|sample| ("sample_s".to_owned(), matrix(&[vec![sample]])));
+        Value::Struct(matrices(of).into_iter().chain(sample).collect())
+    };
+    let mut variables = matrices(&answer.continuous);
+    for (name, all) in [("inputs", &answer.inputs), ("outputs", &answer.outputs), ("states", &answer.states)]
+    {
+        variables.push((name.to_owned(), names(all)));
+        let at_rest: Vec<Vec<f64>> = all.iter().map(|own| vec![own.at_rest]).collect();
+        variables.push((format!("{name}_at_rest"), matrix(&at_rest)));
+    }
+    variables.push(("static_gain".to_owned(), matrix(&answer.static_gain)));
+    variables.extend(answer.discrete.as_ref().map(|own| ("discrete".to_owned(), sampled(own))));
+    if let Some(reduced) = &answer.reduced {
+        variables.push(("reduced".to_owned(), Value::Struct(matrices(&reduced.continuous))));
+        let discrete = reduced.discrete.as_ref();
+        variables.extend(discrete.map(|own| ("reduced_discrete".to_owned(), sampled(own))));
+    }
+    file(variables, to)
+}
+
+fn file(variables: Vec<(String, Value)>, mut to: impl Write) -> io::Result<()> {
     let mut head = [b' '; 124];
     let title = b"MATLAB 5.0 MAT-file, by efam";
     head[..title.len()].copy_from_slice(title);
@@ -45,7 +90,7 @@ pub(super) fn write(run: &Stored, mut to: impl Write) -> io::Result<()> {
     head[116..].fill(0);
     to.write_all(&head)?;
     to.write_all(&[0x00, 0x01, b'I', b'M'])?;
-    for (name, value) in variables(run) {
+    for (name, value) in variables {
         let mut bytes = Vec::new();
         matrix(&variable(&name), &value, &mut bytes)?;
         to.write_all(&bytes)?;

@@ -27,6 +27,7 @@ use crate::reread::RereadError;
 
 use animated::Motion;
 use font::Font;
+pub(crate) use mat5::linear_mat;
 pub use stored::{Cells, Series, Stored, Table, read};
 
 /// Formats that a run can be written in.

@@ -66,6 +66,7 @@ const FLOORS: [Floors; 5] = [
         &[
             ("integrate", &[]),
             ("levenberg_marquardt", &[]),
+            ("linear", &[]),
             ("loss", &[]),
             ("point", &[]),
             ("quantile", &[]),

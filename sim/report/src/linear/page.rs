@@ -1,0 +1,82 @@
+//! The page of a linear model.
+
+use std::time::SystemTime;
+
+use crate::Request;
+use crate::linear::{LinearAnswer, SignalAnswer, pole_cells};
+use crate::page::{BeforeUse, Page, Table};
+use crate::picture::Picture;
+use crate::report::{readable, significant};
+
+/// What any linear model takes for granted.
+const ASSUMED: [&str; 3] = [
+    "Motions are small. An error grows with the square of the swing, and with the change of pressure.",
+    "The pressure follows its command at once, and the muscle its table.",
+    "Friction holds as a spring in motions this small.",
+];
+
+/// Vibrations in the table.
+const SHOWN: usize = 8;
+
+pub(super) fn of(
+    request: &Request,
+    answer: &LinearAnswer,
+    pictures: &[Picture],
+    written: SystemTime,
+) -> String {
+    let mut page = Page::new(&format!("Linear model: {}", answer.name), "Linear", &lead(answer));
+    page.section("Poles");
+    page.table(&Table {
+        caption: "Bending vibrations about the rest, slowest first",
+        heads: &["pole", "frequency, Hz", "damping ratio", "settling to 5 %, s"],
+        rows: answer
+            .vibrations()
+            .take(SHOWN)
+            .enumerate()
+            .map(|(k, pole)| pole_cells(k, pole, "", "").to_vec())
+            .collect(),
+    });
+    answer.decays().iter().for_each(|decays| page.text(&format!("{decays}.")));
+    page.section("Gains");
+    let inputs = answer.inputs.iter().map(|input| input.name.as_str());
+    let heads: Vec<&str> = [""].into_iter().chain(inputs).collect();
+    let mut gains = |caption: &str, gains: &[Vec<f64>]| {
+        page.table(&Table { caption, heads: &heads, rows: answer.gains(gains) });
+    };
+    gains("Static gain: output after long by an input that stays", &answer.static_gain);
+    if let Some(reduced) = &answer.reduced {
+        let (states, band) = (reduced.states, significant(reduced.band_hz, 3));
+        let found = format!("Largest error up to {band} Hz of the model reduced to {states} states");
+        gains(&found, &reduced.error_found);
+        gains("Bound of its error at any frequency", &reduced.error_bound);
+    }
+    page.section("Responses");
+    pictures.iter().for_each(|picture| page.figure(picture));
+    page.section("The rest");
+    let row = |own: &SignalAnswer| {
+        let (factor, unit) = readable(&own.unit);
+        vec![own.name.clone(), significant(factor * own.at_rest, 5), unit.to_owned()]
+    };
+    page.table(&Table {
+        caption: "Inputs and outputs at the rest, from which the model counts",
+        heads: &["", "value", "unit"],
+        rows: answer.inputs.iter().chain(&answer.outputs).map(row).collect(),
+    });
+    page.before_use(&BeforeUse {
+        warnings: answer.warnings.clone(),
+        assumed: ASSUMED.map(str::to_owned).to_vec(),
+        ..BeforeUse::default()
+    });
+    page.facts_of(request, written, vec![("states".to_owned(), answer.states.len().to_string())]);
+    page.finish()
+}
+
+fn lead(answer: &LinearAnswer) -> String {
+    let slowest = answer.vibrations().next().map(|pole| {
+        let [_, frequency, ratio, settling] = pole_cells(0, pole, " Hz", " s");
+        format!("first vibration {frequency}, damping ratio {ratio}, settling to 5 % in {settling}; ")
+    });
+    let gains = answer.gains(&answer.static_gain);
+    let gain = format!("{} to {}: {}", answer.inputs[0].name, gains[0][0], gains[0][1]);
+    format!("{}static gain from {gain}.", slowest.unwrap_or_default())
+}
