@@ -1,11 +1,11 @@
 //! One inference: hypotheses are weighed by what an expert compares, then by all samples.
 //!
 //! Experimental: `efam diagnose --method features`. A hypothesis is a model with unknowns that all have proper priors
-//! (`setup.rs`). Its evidence is that of the features of all releases (`likelihood.rs`), by Laplace's method at the optimum
-//! (`search.rs`). Nothing, every effect of the catalogue and every statement that may be wrong are weighed by one formula
-//! (`candidates.rs`); a screen at a few strengths chooses which are fitted (`screen.rs`). What wins is fitted to all samples
-//! (`samples.rs`). The verdict is odds (`verdict.rs`), and one rule beside: odds do not know that the truth is absent, so the
-//! misfit must fall by half, or the answer is unknown.
+//! (`setup.rs`). Nothing, every effect of the catalogue and every statement that may be wrong are hypotheses (`candidates.rs`); a
+//! screen at a few strengths chooses which are fitted (`screen.rs`). The fit compares features of all releases
+//! (`likelihood.rs`, `search.rs`): they are smooth in all unknowns, so that starts matter little. Those that features favour are
+//! fitted to all samples (`samples.rs`), whose evidence by Laplace's method decides. The verdict is odds (`verdict.rs`), and one
+//! rule beside: odds do not know that the truth is absent, so the misfit must fall by half, or the answer is unknown.
 
 mod answer;
 mod candidates;

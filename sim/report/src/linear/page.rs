@@ -5,7 +5,7 @@ use std::time::SystemTime;
 use crate::Request;
 use crate::linear::{LinearAnswer, SignalAnswer, pole_cells};
 use crate::page::{BeforeUse, Page, Table};
-use crate::picture::Picture;
+use crate::picture::{PASCAL_PER_PSI, Picture};
 use crate::report::{readable, significant};
 
 /// What any linear model takes for granted.
@@ -43,7 +43,7 @@ pub(super) fn of(
     let mut gains = |caption: &str, gains: &[Vec<f64>]| {
         page.table(&Table { caption, heads: &heads, rows: answer.gains(gains) });
     };
-    gains("Static gain: output after long by an input that stays", &answer.static_gain);
+    gains("Static gain: change of an output at rest over that of an input", &answer.static_gain);
     if let Some(reduced) = &answer.reduced {
         let (states, band) = (reduced.states, significant(reduced.band_hz, 3));
         let found = format!("Largest error up to {band} Hz of the model reduced to {states} states");
@@ -54,7 +54,9 @@ pub(super) fn of(
     pictures.iter().for_each(|picture| page.figure(picture));
     page.section("The rest");
     let row = |own: &SignalAnswer| {
-        let (factor, unit) = readable(&own.unit);
+        // As in the gains.
+        let (factor, unit) =
+            if own.unit == "Pa" { (PASCAL_PER_PSI.recip(), "psi") } else { readable(&own.unit) };
         vec![own.name.clone(), significant(factor * own.at_rest, 5), unit.to_owned()]
     };
     page.table(&Table {
