@@ -117,11 +117,14 @@ pub fn diagnose(
     listener.doing("the model as it is");
     let no_fit = || CalibrateError::NoFit { release: name.clone() };
     let start = nothing.start();
-    let at_means = data.compare(&nothing, &start, &|_| true);
-    let baseline = fit(&data, &nothing, &start, FIRST_SHARE, BASE_EFFORT).ok_or_else(no_fit)?;
-    let baseline_sampled = samples::fit(&data, &nothing, &baseline.z).ok_or_else(no_fit)?;
+    let at_means = Arc::new(data.compare(&nothing, &start, &|_| true).ok_or_else(no_fit)?);
+    let baseline =
+        fit(&data, &nothing, &start, Some(at_means.clone()), FIRST_SHARE, BASE_EFFORT).ok_or_else(no_fit)?;
+    let mut baseline_sampled = samples::fit(&data, &nothing, &baseline.z).ok_or_else(no_fit)?;
     listener.began();
-    let mut baseline_sampled = baseline_sampled;
+    // A setup that is found where it is stated is one origin, not two.
+    let is_far = (&baseline.z - &start).amax() > FAR;
+    let means = is_far.then(|| Origin { z: &start, compared: &at_means });
     let (mut rounds, mut accepted): (Vec<Round>, Vec<Accepted>) = (Vec::new(), Vec::new());
     let mut members = Vec::new();
     for number in 0..settings.most_effects {
@@ -133,16 +136,12 @@ pub fn diagnose(
             warnings.push(format!("the budget ended the search before round {}", number + 1));
             break;
         }
-        let accepted_is_empty = accepted.is_empty();
+        let others = if accepted.is_empty() { means.as_slice() } else { &[] };
         let (base, sampled) = match accepted.last_mut() {
             Some(last) => (&last.fit, &mut last.sampled),
             None => (&baseline, &mut baseline_sampled),
         };
-        // A setup that is found where it is stated is one origin, not two.
-        let is_far = accepted_is_empty && (&base.z - &start).amax() > FAR;
-        let means: Vec<Origin> =
-            at_means.iter().filter(|_| is_far).map(|compared| Origin { z: &start, compared }).collect();
-        let (bar, tried) = round(&data, base, sampled, &means, settings, number, listener);
+        let (bar, tried) = round(&data, base, sampled, others, settings, number, listener);
         rounds.push(Round { bar, share: base.share, candidates: tried.iter().map(Tried::odds_of).collect() });
         // What was not fitted to all samples is no answer.
         let mut sampled = tried.into_iter().filter_map(Tried::sampled);
@@ -166,7 +165,7 @@ fn round(
     data: &Data,
     base: &Fit,
     base_sampled: &mut Sampled,
-    means: &[Origin],
+    others: &[Origin],
     settings: &DiagnosisSettings,
     number: usize,
     listener: &dyn Listener,
@@ -177,15 +176,16 @@ fn round(
     let mut names: Vec<&str> = extensions.iter().map(|own| own.name.as_str()).collect();
     names.dedup();
     let bar = (names.len() as f64).ln() + MARGIN;
-    let screened = screen(data, base, means, extensions);
+    let screened = screen(data, base, others, extensions);
     let chosen = chosen(screened);
     listener.doing(&format!("round {}: {} fits", number + 1, chosen.len()));
     let fitted = |own: Screened| {
         let hypothesis = Arc::new(own.extension.hypothesis.clone());
-        let first = fit(data, &hypothesis, &own.start, own.share, EFFORT);
+        let first = fit(data, &hypothesis, &own.start, None, own.share, EFFORT);
         let is_lost = first.as_ref().is_none_or(|fit| fit.evidence < base.evidence - LOCAL_MINIMUM);
-        let again = is_lost
-            .then(|| fit(data, &hypothesis, &beside(base, &base.z, &own.extension), base.share, EFFORT));
+        let again = is_lost.then(|| {
+            fit(data, &hypothesis, &beside(base, &base.z, &own.extension), None, base.share, EFFORT)
+        });
         let best = [first, again.flatten()]
             .into_iter()
             .flatten()

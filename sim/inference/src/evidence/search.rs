@@ -41,17 +41,17 @@ pub struct Fit {
     pub compared: Arc<Compared>,
 }
 
-/// The optimum from a start; none where the start cannot be run.
+/// The optimum from a start, of which it may be known how it compares; none where the start cannot be run.
 pub fn fit(
     data: &Data,
     hypothesis: &Arc<Hypothesis>,
     start: &DVector<f64>,
+    mut known: Option<Arc<Compared>>,
     share: f64,
     effort: Effort,
 ) -> Option<Fit> {
     let all = |_: usize| true;
     let (mut z, mut share) = (start.clone(), share);
-    let mut known: Option<Arc<Compared>> = None;
     for _ in 0..MOST_ROUNDS {
         let search = hypothesis.search(LONGEST, TOLERANCE, effort.0);
         let (begin, first) = (z.clone(), known.take());
