@@ -160,12 +160,11 @@ pub fn linearise(
     inputs: &[impl AsRef<str>],
     outputs: &[impl AsRef<str>],
 ) -> Result<Linear, LinearError> {
-    let names = |all: &[&str]| all.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
     let inputs: Vec<&str> = inputs.iter().map(AsRef::as_ref).collect();
     let outputs: Vec<&str> = outputs.iter().map(AsRef::as_ref).collect();
     for (kind, all) in [("inputs", &inputs), ("outputs", &outputs)] {
         if all.is_empty() || (1..all.len()).any(|k| all[..k].contains(&all[k])) {
-            return Err(LinearError::Listed { name: format!("{kind}: {}", names(all).join(",")) });
+            return Err(LinearError::Listed { name: format!("{kind}: {}", all.join(",")) });
         }
     }
     // Forces at the end are the parameters of a load that may be zero.

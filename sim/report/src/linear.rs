@@ -229,12 +229,17 @@ impl LinearAnswer {
     }
 }
 
-/// Factor and unit in which a gain is told, such as mm/psi.
+/// Factor and unit of a pressure for a reader; nothing for another unit.
+fn in_psi(unit: &str) -> Option<(f64, &'static str)> {
+    (unit == "Pa").then_some((PASCAL_PER_PSI.recip(), "psi"))
+}
+
+/// Factor and unit in which a gain is printed, such as mm/psi.
 pub(crate) fn gain_unit(output: &SignalAnswer, input: &SignalAnswer) -> (f64, String) {
     let (factor, unit) = readable(&output.unit);
-    let (per, by) = if input.unit == "Pa" { (PASCAL_PER_PSI, "psi") } else { (1.0, input.unit.as_str()) };
+    let (per, by) = in_psi(&input.unit).unwrap_or((1.0, &input.unit));
     let by = if by.contains(['/', ' ']) { format!("({by})") } else { by.to_owned() };
-    (factor * per, if by.is_empty() { unit.to_owned() } else { format!("{unit}/{by}") })
+    (factor / per, if by.is_empty() { unit.to_owned() } else { format!("{unit}/{by}") })
 }
 
 fn signals(all: &[Signal]) -> Vec<SignalAnswer> {

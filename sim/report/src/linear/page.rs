@@ -3,9 +3,9 @@
 use std::time::SystemTime;
 
 use crate::Request;
-use crate::linear::{LinearAnswer, SignalAnswer, pole_cells};
+use crate::linear::{LinearAnswer, SignalAnswer, in_psi, pole_cells};
 use crate::page::{BeforeUse, Page, Table};
-use crate::picture::{PASCAL_PER_PSI, Picture};
+use crate::picture::Picture;
 use crate::report::{readable, significant};
 
 /// What any linear model takes for granted.
@@ -54,9 +54,7 @@ pub(super) fn of(
     pictures.iter().for_each(|picture| page.figure(picture));
     page.section("The rest");
     let row = |own: &SignalAnswer| {
-        // As in the gains.
-        let (factor, unit) =
-            if own.unit == "Pa" { (PASCAL_PER_PSI.recip(), "psi") } else { readable(&own.unit) };
+        let (factor, unit) = in_psi(&own.unit).unwrap_or_else(|| readable(&own.unit));
         vec![own.name.clone(), significant(factor * own.at_rest, 5), unit.to_owned()]
     };
     page.table(&Table {
