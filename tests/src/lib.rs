@@ -5,9 +5,9 @@ pub mod blind;
 pub mod drawn_scenarios;
 pub mod hostile;
 pub mod recordings;
+mod skipped;
 pub mod twin;
 
-use std::io::Write;
 use std::ops::ControlFlow;
 
 use efam_core::forward::{Run, forward};
@@ -15,6 +15,8 @@ use efam_core::trajectory::Trajectory;
 use models::effects::Rod;
 use models::model::{Model, ModelSpec, Scheme};
 use models::muscle::{Extrapolation, Muscle};
+
+pub use skipped::skipped;
 
 /// One pound-force per square inch, Pa.
 pub const PSI: f64 = 6_894.757_293_168_361;
@@ -79,15 +81,4 @@ pub fn order(sizes: &[f64], errors: &[f64]) -> f64 {
     let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
     let covariance: f64 = points.iter().map(|p| (p.0 - mean.0) * (p.1 - mean.1)).sum();
     covariance / points.iter().map(|p| (p.0 - mean.0).powi(2)).sum::<f64>()
-}
-
-/// Says that a test leaves something out, also where the output of tests that pass is not shown. `EFAM_HAVE` names what
-/// must be there, such as `disk,user`: in CI, where it is installed, leaving it out is an error.
-pub fn skipped(what: &str, why: &str) {
-    let have = std::env::var("EFAM_HAVE").unwrap_or_default();
-    let thread = std::thread::current();
-    let test = thread.name().unwrap_or("a test").to_owned();
-    assert!(!have.split(',').any(|own| own == what), "{test}: {what} must be there, and {why}");
-    // The macros write where the output of a test is caught.
-    let _ = writeln!(std::io::stderr(), "skipped: {test}: {why}");
 }

@@ -1,12 +1,16 @@
 //! A folder for one test, in which the program is run.
 
+#[path = "../../../tests/src/skipped.rs"]
+mod skipped;
+
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use efam_report::picture::dotted;
 use serde_json::Value;
+
+pub use skipped::skipped;
 
 /// The program that is tested: the one that was built, or another that EFAM_PROGRAM names, such as an older one that a
 /// test is to be seen to fail with.
@@ -119,15 +123,4 @@ pub fn recordings(name: &str) -> Option<PathBuf> {
         return None;
     }
     Some(path)
-}
-
-/// Says that a test leaves something out, also where the output of tests that pass is not shown. `EFAM_HAVE` names what
-/// must be there, such as `disk,user`: in CI, where it is installed, leaving it out is an error.
-pub fn skipped(what: &str, why: &str) {
-    let have = std::env::var("EFAM_HAVE").unwrap_or_default();
-    let thread = std::thread::current();
-    let test = thread.name().unwrap_or("a test").to_owned();
-    assert!(!have.split(',').any(|own| own == what), "{test}: {what} must be there, and {why}");
-    // The macros write where the output of a test is caught.
-    let _ = writeln!(std::io::stderr(), "skipped: {test}: {why}");
 }

@@ -1,7 +1,7 @@
 //! Goal: the linear model about a rest is the nonlinear one for small motions.
 //! Setup: the paper's muscle with damping and memory, hanging from a level clamp; small forces and pressures.
 //! Expected: poles of the modes, static gains of two rests, responses of simulated swings, samples of the continuous
-//! model, and reduced models within their bound; each tolerance stands beside its test.
+//! model, and reduced models within their bound; each tolerance is written beside its test.
 
 use std::f64::consts::TAU;
 use std::path::Path;
