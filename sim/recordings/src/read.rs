@@ -18,7 +18,7 @@ const MOST_BYTES: u64 = 2 << 30;
 /// 72 with an orientation, and some copies of those that are used; each has 20 bytes or so of a text. (A text that
 /// is made to deceive takes 100, and [`columnar::MOST_EXPANSION`] is what Parquet may take.)
 const MEMORY: u64 = 8;
-/// Bytes that are read before a file can be refused by them. All that tells a format stands in the first.
+/// Bytes that are read before a file can be refused by them. All that shows a format is in the first.
 const PIECE: u64 = 1 << 20;
 
 /// Reads a recording; its format is told from what stands in it, not from its name.
@@ -174,8 +174,7 @@ fn text(bytes: Vec<u8>, options: &ReadOptions) -> Result<Draft, RecordingProblem
     Ok(draft)
 }
 
-/// The line in which an export of Kinovea begins another trajectory, behind a blank line. Its times begin anew, and `--rate`
-/// would make one path of all.
+/// The line in which an export of Kinovea begins another trajectory, behind a blank line. Its times begin anew.
 fn second_trajectory(text: &str) -> Option<usize> {
     let mut lines = text.lines().enumerate();
     let is_of_kinovea = lines.next()?.1.to_lowercase().trim_start_matches(['#', ' ']).starts_with("kinovea");

@@ -63,7 +63,7 @@ fn added(
     }
 }
 
-/// What stands in a manifest of a file that is to be replaced.
+/// Why a file may not be replaced; nothing where efam wrote it, or none is there.
 /// # Errors
 /// [`Foreign`] if efam did not write what is there, and it is not the same; what the file system said.
 fn known(folder: &Path, name: &str, sha256: &str) -> io::Result<Option<Foreign>> {

@@ -1,7 +1,7 @@
 //! The calls by which this crate changes a disk, each of which a test can make fail.
 //!
 //! A debug build fails the call whose number `EFAM_FAULT` states, such as `17 fail /tmp/log`, or ends there with `kill`
-//! for `fail`; a write that fails has written half. What was struck is told in the file. A release build has nothing of
+//! for `fail`; a write that fails has written half. The file says which call it was. A release build has nothing of
 //! this.
 
 use std::fs;

@@ -33,7 +33,7 @@ pub struct Manifest {
     /// SHA-256 of what stood under a name before: a program that is killed between manifest and rename leaves that.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     earlier: BTreeMap<String, Vec<String>>,
-    /// Folders that commands may add later, each with a manifest of its own; `*` stands for any text.
+    /// Folders that commands may add later, each with a manifest of its own; `*` is any text.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     folders: Vec<String>,
 }
@@ -305,7 +305,7 @@ mod tests {
         add("summary.json", "{1}").unwrap();
         add("sweep.json", "{}").unwrap();
         assert_eq!(foreign(&folder).unwrap(), None, "a shard was added, and results");
-        // Killed before the rename, the old content stands beside the new hash.
+        // Killed before the rename, the old content is there under the new hash.
         fs::write(folder.join("summary.json"), "{}").unwrap();
         assert_eq!(foreign(&folder).unwrap(), None);
         add("summary.json", "{2}").unwrap();
