@@ -3,7 +3,7 @@
 use super::Accepted;
 use super::data::Data;
 use super::samples::{Sampled, numbers};
-use super::search::Fit;
+use super::likelihood::Fit;
 use super::unknown::Role;
 use super::verdict::{Round, Seen, Value, Weighed};
 use super::words::words;
@@ -21,39 +21,35 @@ const REPORTED: usize = 5;
 /// The answer from what was accepted.
 pub fn answer(
     data: &Data,
-    baseline: &Fit,
-    baseline_sampled: &Sampled,
+    baseline: &Sampled,
     accepted: &[Accepted],
     members: Vec<String>,
     rounds: Vec<Round>,
     warnings: Vec<String>,
 ) -> Weighed {
     let last = accepted.last();
-    let (fit, sampled) = match last {
-        Some(own) => (&own.fit, &own.sampled),
-        None => (baseline, baseline_sampled),
-    };
+    let sampled = last.map_or(baseline, |own| &own.sampled);
     let swing = data.first_swing();
-    let values = values(fit, sampled, |role| !matches!(role, Role::Setup(_)));
+    let values = values(sampled, |role| !matches!(role, Role::Setup(_)));
     let mut weighed = Weighed {
         named: accepted.iter().map(|own| own.name.clone()).collect(),
         members,
         rounds,
-        moved: values_of_setup(fit, sampled),
+        moved: values_of_setup(sampled),
         values,
-        before_mm: 1e3 * baseline_sampled.rms,
+        before_mm: 1e3 * baseline.rms,
         after_mm: 1e3 * sampled.rms,
         noise_mm: 1e3 * sampled.noise,
-        seen: last.map_or(Vec::new(), |own| seen(data, baseline, &own.fit)),
+        seen: last.map_or(Vec::new(), |own| seen(data, &baseline.fit, &own.sampled.fit)),
         runs: data.runs(),
         features: data.count(),
-        unknowns: baseline.z.len(),
+        unknowns: baseline.fit.at.z.len(),
         releases: data.plans.len(),
         warnings,
         ..Weighed::default()
     };
     let numbers = data.plans.iter().map(numbers).sum();
-    weighed.verdict = verdict(baseline_sampled, sampled, accepted, &weighed, numbers, swing);
+    weighed.verdict = verdict(baseline, sampled, accepted, &weighed, numbers, swing);
     weighed.summary = summary(&weighed);
     weighed
 }
@@ -72,13 +68,13 @@ fn verdict(
         // What is far beyond noise and what repeats is there, whatever explains it.
         return if is_little(before) { Verdict::NothingMissing } else { Verdict::Unknown };
     }
-    let saved = 0.5 * (before.z.norm_squared() - after.z.norm_squared()).max(0.0);
+    let saved = 0.5 * (before.fit.at.z.norm_squared() - after.fit.at.z.norm_squared()).max(0.0);
     let explained = numbers * (before.misfit() / after.misfit()).ln() + saved;
     if explained < -numbers * LEFT.ln() && !is_little(after) {
         return Verdict::Unknown;
     }
     let is_statement =
-        accepted.last().is_some_and(|own| own.fit.hypothesis.freed == Some(statement(&own.name)));
+        accepted.last().is_some_and(|own| own.sampled.fit.hypothesis.freed == Some(statement(&own.name)));
     if is_statement && accepted.len() == 1 {
         return Verdict::Misstated;
     }
@@ -93,10 +89,11 @@ fn statement(name: &str) -> &'static str {
     super::setup::FREED.iter().map(|(own, _)| *own).find(|own| *own == name).unwrap_or_default()
 }
 
-fn value(fit: &Fit, sampled: &Sampled, u: usize) -> Value {
+fn value(sampled: &Sampled, u: usize) -> Value {
+    let fit = &sampled.fit;
     let unknown = &fit.hypothesis.unknowns[u];
     let own = unknown.own(&fit.hypothesis.trials);
-    let (z, error) = (sampled.z[u], sampled.covariance[(u, u)].max(0.0).sqrt());
+    let (z, error) = (fit.at.z[u], sampled.covariance[(u, u)].max(0.0).sqrt());
     let at = |z: f64| unknown.value(own, if unknown.is_half { z.max(0.0) } else { z });
     let mut interval = [at(z - NORMAL_95 * error), at(z + NORMAL_95 * error)];
     interval.sort_by(f64::total_cmp);
@@ -109,16 +106,16 @@ fn value(fit: &Fit, sampled: &Sampled, u: usize) -> Value {
     }
 }
 
-fn values(fit: &Fit, sampled: &Sampled, is_of: impl Fn(&Role) -> bool) -> Vec<Value> {
-    let unknowns = &fit.hypothesis.unknowns;
-    (0..unknowns.len()).filter(|u| is_of(&unknowns[*u].role)).map(|u| value(fit, sampled, u)).collect()
+fn values(sampled: &Sampled, is_of: impl Fn(&Role) -> bool) -> Vec<Value> {
+    let unknowns = &sampled.fit.hypothesis.unknowns;
+    (0..unknowns.len()).filter(|u| is_of(&unknowns[*u].role)).map(|u| value(sampled, u)).collect()
 }
 
 /// Parts of the setup that are far off what is stated, the farthest first; losses are not stated.
-fn values_of_setup(fit: &Fit, sampled: &Sampled) -> Vec<Value> {
+fn values_of_setup(sampled: &Sampled) -> Vec<Value> {
     let is_stated = |role: &Role| matches!(role, Role::Setup(word) if !["parameter", "hand"].contains(word));
-    let mut all = values(fit, sampled, is_stated);
-    let freed = fit.hypothesis.freed;
+    let mut all = values(sampled, is_stated);
+    let freed = sampled.fit.hypothesis.freed;
     all.retain(|own| {
         own.deviations.abs() > MOVED || freed.is_some_and(|_| own.deviations.abs() > 0.5 * MOVED)
     });
@@ -134,7 +131,7 @@ fn seen(data: &Data, before: &Fit, after: &Fit) -> Vec<Seen> {
     for (r, plan) in data.plans.iter().enumerate() {
         let trial = &after.hypothesis.trials[r];
         for (f, what) in plan.features.iter().enumerate() {
-            let (was, is) = (before.compared.differences[r][f], after.compared.differences[r][f]);
+            let (was, is) = (before.at.seen.features.differences[r][f], after.at.seen.features.differences[r][f]);
             if !(was.is_finite() && is.is_finite()) {
                 continue;
             }

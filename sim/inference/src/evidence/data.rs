@@ -1,12 +1,13 @@
-//! What hypotheses are compared with: features of all releases and their weights; and the comparison, release by release.
+//! What hypotheses are compared with: features of all releases and all samples; and the comparison, release by release.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::hypothesis::{Hypothesis, Simulated};
-use super::likelihood::{Compared, Weights};
+use super::likelihood::Weights;
 use crate::calibrate::Trial;
 use crate::features::Plan;
 use crate::features::covariance::{colour, covariance};
@@ -16,6 +17,24 @@ pub struct Data {
     pub plans: Vec<Plan>,
     pub weights: Vec<Weights>,
     runs: AtomicUsize,
+}
+
+/// Differences, simulated less recorded, and their slopes by all unknowns; by release.
+#[derive(Clone, Debug, Default)]
+pub struct Compared {
+    pub differences: Vec<DVector<f64>>,
+    pub slopes: Arc<Vec<DMatrix<f64>>>,
+}
+
+/// One simulation of all releases beside the recordings.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// Features, over their scales.
+    pub features: Compared,
+    /// All samples, m.
+    pub samples: Compared,
+    /// `JᵀJ` of the slopes of all samples, by release.
+    pub squares: Arc<Vec<DMatrix<f64>>>,
 }
 
 impl Data {
@@ -47,44 +66,83 @@ impl Data {
         self.plans.iter().map(|plan| plan.features.len()).sum()
     }
 
-    /// All releases simulated, and what `of` makes of each; none where one cannot be run.
-    pub fn simulate<T: Send>(
-        &self,
-        hypothesis: &Hypothesis,
-        z: &DVector<f64>,
-        wanted: &(dyn Fn(usize) -> bool + Sync),
-        of: impl Fn(usize, &Plan, Simulated) -> T + Sync,
-    ) -> Option<Vec<T>> {
-        self.runs.fetch_add(self.plans.len(), Ordering::Relaxed);
-        let one = |(r, plan): (usize, &Plan)| {
-            let simulated = hypothesis.simulate(r, plan, z, wanted)?;
-            Some(of(r, plan, simulated))
-        };
-        self.plans.par_iter().enumerate().map(one).collect::<Vec<_>>().into_iter().collect()
-    }
-
-    /// Features compared; with slopes by the unknowns that are wanted, zero by others.
-    pub fn compare(
-        &self,
-        hypothesis: &Hypothesis,
-        z: &DVector<f64>,
-        wanted: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Option<Compared> {
+    /// All releases simulated and compared, with slopes by all unknowns; none where one cannot be run.
+    pub fn compare(&self, hypothesis: &Hypothesis, z: &DVector<f64>) -> Option<Comparison> {
         let n = hypothesis.unknowns.len();
-        let of = |_: usize, plan: &Plan, simulated: Simulated| {
+        let of = |plan: &Plan, simulated: Simulated| {
             let at = plan.simulated(&simulated.coordinates);
-            let count = plan.features.len();
-            let difference = DVector::from_fn(count, |f, _| (at.values[f] - plan.values[f]) / plan.scales[f]);
-            let mut slopes = DMatrix::zeros(count, n);
+            let (feature, difference) = differences(plan, &simulated, &at.values);
+            let mut features = DMatrix::zeros(feature.len(), n);
+            let mut samples = DMatrix::zeros(difference.len(), n);
+            let count = plan.samples.len();
             for (u, moved) in &simulated.slopes {
                 let along = plan.along(&simulated.coordinates, &at, moved);
                 for (f, slope) in along.into_iter().enumerate() {
-                    slopes[(f, *u)] = slope / plan.scales[f];
+                    features[(f, *u)] = slope / plan.scales[f];
+                }
+                for (c, q) in moved.iter().enumerate() {
+                    samples.view_mut((c * count, *u), (count, 1)).copy_from_slice(&q[..count]);
                 }
             }
-            (difference, slopes)
+            let square = samples.transpose() * &samples;
+            ((feature, features), (difference, samples), square)
         };
-        let (differences, slopes) = self.simulate(hypothesis, z, wanted, of)?.into_iter().unzip();
-        Some(Compared { differences, slopes })
+        let (mut feature, mut sample, mut squares) = (Vec::new(), Vec::new(), Vec::new());
+        for (own, other, square) in self.simulate(hypothesis, z, true, of)? {
+            feature.push(own);
+            sample.push(other);
+            squares.push(square);
+        }
+        let compared = |own: Vec<(DVector<f64>, DMatrix<f64>)>| {
+            let (differences, slopes): (Vec<_>, Vec<_>) = own.into_iter().unzip();
+            Compared { differences, slopes: slopes.into() }
+        };
+        Some(Comparison { features: compared(feature), samples: compared(sample), squares: squares.into() })
     }
+
+    /// The same with the slopes of another point.
+    pub fn compare_with(
+        &self,
+        hypothesis: &Hypothesis,
+        z: &DVector<f64>,
+        slopes: &Comparison,
+    ) -> Option<Comparison> {
+        let of = |plan: &Plan, simulated: Simulated| {
+            differences(plan, &simulated, &plan.simulated(&simulated.coordinates).values)
+        };
+        let (features, samples) = self.simulate(hypothesis, z, false, of)?.into_iter().unzip();
+        Some(Comparison {
+            features: Compared { differences: features, slopes: slopes.features.slopes.clone() },
+            samples: Compared { differences: samples, slopes: slopes.samples.slopes.clone() },
+            squares: slopes.squares.clone(),
+        })
+    }
+
+    /// All releases simulated, and what `of` makes of each.
+    fn simulate<T: Send>(
+        &self,
+        hypothesis: &Hypothesis,
+        z: &DVector<f64>,
+        slopes: bool,
+        of: impl Fn(&Plan, Simulated) -> T + Sync,
+    ) -> Option<Vec<T>> {
+        self.runs.fetch_add(self.plans.len(), Ordering::Relaxed);
+        let one = |(r, plan): (usize, &Plan)| {
+            let simulated = hypothesis.simulate(r, plan, z, slopes)?;
+            Some(of(plan, simulated))
+        };
+        self.plans.par_iter().enumerate().map(one).collect::<Vec<_>>().into_iter().collect()
+    }
+}
+
+/// Differences of features, over their scales, and of all samples, m.
+fn differences(plan: &Plan, simulated: &Simulated, values: &[f64]) -> (DVector<f64>, DVector<f64>) {
+    let feature =
+        DVector::from_fn(plan.features.len(), |f, _| (values[f] - plan.values[f]) / plan.scales[f]);
+    let count = plan.samples.len();
+    let sample = DVector::from_fn(count * plan.recorded.len(), |i, _| {
+        let (c, k) = (i / count, i % count);
+        simulated.coordinates[c][k] - plan.recorded[c][k]
+    });
+    (feature, sample)
 }

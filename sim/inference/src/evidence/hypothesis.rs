@@ -83,16 +83,16 @@ impl Hypothesis {
         }
     }
 
-    /// Simulates one release at the times of its plan, with slopes by the unknowns that are `wanted`. None where the model
+    /// Simulates one release at the times of its plan, with slopes by all unknowns or none. None where the model
     /// cannot be run.
     pub fn simulate(
         &self,
         r: usize,
         plan: &Plan,
         z: &DVector<f64>,
-        wanted: &dyn Fn(usize) -> bool,
+        slopes: bool,
     ) -> Option<Simulated> {
-        let mut setting = self.setting(r, plan, z, wanted);
+        let mut setting = self.setting(r, plan, z, slopes);
         let markers = setting.points.len();
         let asides: Vec<usize> = setting.chains.iter().filter_map(|chain| setting.place(chain)).collect();
         for track in asides {
@@ -134,7 +134,7 @@ impl Hypothesis {
         r: usize,
         plan: &Plan,
         z: &DVector<f64>,
-        wanted: &dyn Fn(usize) -> bool,
+        slopes: bool,
     ) -> Setting<'_> {
         let trial = &self.trials[r];
         let points = plan.tracks.iter().map(|track| trial.release.tracks[*track].at).collect();
@@ -158,7 +158,7 @@ impl Hypothesis {
                         }
                     }
                 }
-                if wanted(u) {
+                if slopes {
                     setting.chains.push(Chain { unknown: u, act, theta, slope });
                 }
             }

@@ -8,8 +8,13 @@
 //! half of the space. Its factor is taken for each such unknown by itself.
 //! Sources: Wood (2010), Nature 466, 1102-1104; MacKay (2003), chapter 28; Kass and Raftery (1995).
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use super::data::{Comparison, Compared, Data};
+use super::hypothesis::Hypothesis;
+use super::search::{Effort, Likelihood, Point, search};
 use super::unknown::Unknown;
 use crate::features::Plan;
 
@@ -23,6 +28,12 @@ const LACKING: f64 = 5.0;
 /// Points of a search for the share, and the factor between them from which on a parabola leads to the best.
 const POINTS: usize = 9;
 const NEAR: f64 = 1.15;
+/// Share with which a search from the priors' means begins: first tracks are off by several per cent.
+pub const FIRST_SHARE: f64 = 0.05;
+/// Change of the share in one round, at most: a factor.
+const SHARE_STEP: f64 = 3.0;
+/// Factor of the share within which a round has not changed it.
+const SETTLED: f64 = 1.05;
 
 /// What features of one release are weighed by.
 #[derive(Clone, Debug)]
@@ -49,18 +60,71 @@ impl Weights {
     }
 }
 
-/// Differences of features, simulated less recorded, over their scales, and their slopes by all unknowns; by release.
-#[derive(Clone, Debug, Default)]
-pub struct Compared {
-    pub differences: Vec<DVector<f64>>,
-    pub slopes: Vec<DMatrix<f64>>,
-}
-
 /// Differences and slopes of one release in the eigenvectors of the noise.
 struct Rotated<'a> {
     difference: DVector<f64>,
     slopes: DMatrix<f64>,
     weights: &'a Weights,
+}
+
+/// A hypothesis at one point, weighed by features.
+#[derive(Clone)]
+pub struct Fit {
+    pub hypothesis: Arc<Hypothesis>,
+    /// Where, and how it compares there.
+    pub at: Point,
+    pub share: f64,
+    /// Logarithm of the evidence by features.
+    pub evidence: f64,
+}
+
+impl Fit {
+    /// At a point, with the best share near another one.
+    pub fn at(data: &Data, hypothesis: &Arc<Hypothesis>, at: Point, near: f64) -> Self {
+        let unknowns = &hypothesis.unknowns;
+        let (evidence, share) =
+            evidence(&at.seen.features, &data.weights, unknowns, &at.z, near, SHARE_STEP);
+        Self { hypothesis: hypothesis.clone(), at, share, evidence }
+    }
+
+    /// The optimum by features from a point that has its own slopes.
+    pub fn by_features(
+        data: &Data,
+        hypothesis: &Arc<Hypothesis>,
+        start: Point,
+        share: f64,
+        effort: Effort,
+    ) -> Option<Self> {
+        let (at, share) = search(&Features, data, hypothesis, start, share, effort)?;
+        Some(Self::at(data, hypothesis, at, share))
+    }
+}
+
+/// Features as what a search compares; the scale is the share.
+pub struct Features;
+
+impl Likelihood for Features {
+    type Scale = f64;
+    const LONGEST: f64 = 2.0;
+
+    fn expanded(&self, data: &Data, seen: &Comparison, z: &DVector<f64>, share: &f64) -> Expanded {
+        expand(&seen.features, &data.weights, z, *share)
+    }
+
+    fn scale(
+        &self,
+        data: &Data,
+        hypothesis: &Hypothesis,
+        seen: &Comparison,
+        z: &DVector<f64>,
+        near: &f64,
+    ) -> f64 {
+        evidence(&seen.features, &data.weights, &hypothesis.unknowns, z, *near, SHARE_STEP).1
+    }
+
+    fn is_settled(&self, before: &f64, after: &f64) -> bool {
+        (after / before).ln().abs() < SETTLED.ln()
+    }
 }
 
 /// A quadratic expansion of the exponent at one point and one share.
@@ -262,7 +326,7 @@ mod tests {
         let sign = |k: usize| if k.is_multiple_of(2) { 0.02 } else { -0.02 };
         let compared = Compared {
             differences: vec![DVector::from_fn(n, |k, _| sign(k))],
-            slopes: vec![DMatrix::zeros(n, 0)],
+            slopes: vec![DMatrix::zeros(n, 0)].into(),
         };
         let (_, share) = evidence(&compared, &[weights], &[], &DVector::zeros(0), 0.01, 30.0);
         assert!((share - 0.02).abs() < 5e-4, "{share}");

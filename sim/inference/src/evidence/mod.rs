@@ -25,6 +25,7 @@ use std::sync::Arc;
 use efam_core::work::Work;
 use efam_experiments::cleaning::Cleaned;
 use efam_experiments::experiment::Experiment;
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::calibrate::{CalibrateError, Problem, SectionError};
@@ -32,19 +33,19 @@ use crate::diagnose::{DiagnosisSettings, Listener, section};
 use crate::normal::NORMAL_95;
 use candidates::{Extension, effects, statements};
 use data::Data;
-use samples::Sampled;
-use screen::{Origin, Screened, beside, screen};
-use search::{Effort, FIRST_SHARE, Fit, fit};
+use likelihood::{FIRST_SHARE, Features, Fit};
+use samples::{Sampled, Samples};
+use screen::{Promise, Screened, beside, screen};
+use search::{Effort, Point, steps};
 pub use verdict::Weighed;
 use verdict::{Odds, Round};
 
-/// Candidates of a round that are fitted at least and at most, and how far behind the best by the screen one may be.
-const LEAST_FITTED: usize = 5;
+/// Candidates of a round that are fitted at most, and how far behind the best by the screen one may be.
 const MOST_FITTED: usize = 12;
 const BEHIND: f64 = 15.0;
 /// Tries of one effect that are fitted: a memory may be short or long.
 const TRIES: usize = 2;
-/// Candidates that are fitted to all samples, of those that features favour at all.
+/// Candidates that are fitted to their end by features, and to all samples, by each of the two promises.
 const MOST_SAMPLED: usize = 4;
 /// Log odds within which two answers are one class: twenty to one.
 const CLASS: f64 = 3.0;
@@ -54,9 +55,10 @@ const MARGIN: f64 = 2.0;
 const LOCAL_MINIMUM: f64 = 2.0;
 /// Prior standard deviations between the optimum and the priors' means from which on candidates are tried from both.
 const FAR: f64 = 2.0;
-/// Evaluations of a fit from the priors' means in each round, and of a candidate's.
-const BASE_EFFORT: Effort = Effort(25);
-const EFFORT: Effort = Effort(12);
+/// How much a fit may cost by features: of the model as it is, of a candidate's first steps, and to its end.
+const BASE_EFFORT: Effort = Effort { rounds: 5, evaluations: 25 };
+const FIRST_STEPS: usize = 4;
+const EFFORT: Effort = Effort { rounds: 4, evaluations: 10 };
 
 /// The problem of an experiment: as of a calibration, losses shared, a stated stiffness with the prior of a test.
 /// # Errors
@@ -66,25 +68,19 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
 }
 
 /// A candidate that was fitted.
-struct Tried {
-    name: String,
+struct Tried<'a> {
+    extension: &'a Extension,
     fit: Fit,
     sampled: Option<Sampled>,
-    /// Places of its strengths among the unknowns, and the logarithm of its prior odds.
-    strengths: Vec<usize>,
-    odds: f64,
     /// Log odds over the model before, by features and, where they were fitted, by all samples.
     features: f64,
     all: f64,
 }
 
-/// A candidate that was fitted to all samples.
+/// A candidate that was accepted.
 struct Accepted {
     name: String,
-    fit: Fit,
     sampled: Sampled,
-    /// Log odds over the model before.
-    all: f64,
 }
 
 /// Weighs what may be missing.
@@ -116,15 +112,13 @@ pub fn diagnose(
     let nothing = Arc::new(setup::nothing(problem, trials, &data.plans).map_err(of_model)?);
     listener.doing("the model as it is");
     let no_fit = || CalibrateError::NoFit { release: name.clone() };
-    let start = nothing.start();
-    let at_means = Arc::new(data.compare(&nothing, &start, &|_| true).ok_or_else(no_fit)?);
-    let baseline =
-        fit(&data, &nothing, &start, Some(at_means.clone()), FIRST_SHARE, BASE_EFFORT).ok_or_else(no_fit)?;
-    let mut baseline_sampled = samples::fit(&data, &nothing, &baseline.z).ok_or_else(no_fit)?;
+    let at_means = Point::of(&data, &nothing, nothing.start()).ok_or_else(no_fit)?;
+    let by_features = Fit::by_features(&data, &nothing, at_means.clone(), FIRST_SHARE, BASE_EFFORT);
+    let mut baseline = Sampled::from(&data, &by_features.ok_or_else(no_fit)?).ok_or_else(no_fit)?;
     listener.began();
     // A setup that is found where it is stated is one origin, not two.
-    let is_far = (&baseline.z - &start).amax() > FAR;
-    let means = is_far.then(|| Origin { z: &start, compared: &at_means });
+    let is_far = (&baseline.fit.at.z - &at_means.z).amax() > FAR;
+    let means = is_far.then_some(&at_means);
     let (mut rounds, mut accepted): (Vec<Round>, Vec<Accepted>) = (Vec::new(), Vec::new());
     let mut members = Vec::new();
     for number in 0..settings.most_effects {
@@ -137,16 +131,22 @@ pub fn diagnose(
             break;
         }
         let others = if accepted.is_empty() { means.as_slice() } else { &[] };
-        let (base, sampled) = match accepted.last_mut() {
-            Some(last) => (&last.fit, &mut last.sampled),
-            None => (&baseline, &mut baseline_sampled),
+        let base = accepted.last_mut().map_or(&mut baseline, |last| &mut last.sampled);
+        let extensions = extensions(&base.fit, settings);
+        let mut names: Vec<&str> = extensions.iter().map(|own| own.name.as_str()).collect();
+        names.dedup();
+        let bar = (names.len() as f64).ln() + MARGIN;
+        let screened = {
+            listener.doing(&format!("round {}: screen", number + 1));
+            screen(&data, base, others, extensions)
         };
-        let (bar, tried) = round(&data, base, sampled, others, settings, number, listener);
-        rounds.push(Round { bar, share: base.share, candidates: tried.iter().map(Tried::odds_of).collect() });
+        let share = base.fit.share;
+        let tried = round(&data, base, &screened, number, listener);
+        rounds.push(Round { bar, share, candidates: tried.iter().map(Tried::odds_of).collect() });
         // What was not fitted to all samples is no answer.
-        let mut sampled = tried.into_iter().filter_map(Tried::sampled);
-        let Some(best) = sampled.next().filter(|best| best.all >= bar) else { break };
-        members = sampled.filter(|own| best.all - own.all < CLASS).map(|own| own.name).collect();
+        let mut sampled = tried.into_iter().filter_map(Tried::accepted);
+        let Some((all, best)) = sampled.next().filter(|(all, _)| *all >= bar) else { break };
+        members = sampled.filter(|(own, _)| all - own < CLASS).map(|(_, own)| own.name).collect();
         // What does not repeat is no second effect.
         let is_done = best.sampled.is_little(data.first_swing());
         accepted.push(best);
@@ -157,109 +157,140 @@ pub fn diagnose(
     if data.plans.iter().any(|plan| plan.frequency * (plan.time[1] - plan.time[0]) > 0.1) {
         warnings.push("fewer than ten samples in a cycle: turns are known badly".to_owned());
     }
-    Ok(answer::answer(&data, &baseline, &baseline_sampled, &accepted, members, rounds, warnings))
+    Ok(answer::answer(&data, &baseline, &accepted, members, rounds, warnings))
 }
 
-/// One round: every candidate is screened, some are fitted, and the best also to all samples; the best first.
-fn round(
+/// Everything that may be missing or wrong beside a model.
+fn extensions(base: &Fit, settings: &DiagnosisSettings) -> Vec<Extension> {
+    let mut all = effects(&base.hypothesis, settings);
+    all.extend(statements(&base.hypothesis));
+    all
+}
+
+/// One round: the most promising candidates are fitted by features, and the best to all samples; the best first.
+fn round<'a>(
     data: &Data,
-    base: &Fit,
-    base_sampled: &mut Sampled,
-    others: &[Origin],
-    settings: &DiagnosisSettings,
+    base: &mut Sampled,
+    screened: &'a [Screened],
     number: usize,
     listener: &dyn Listener,
-) -> (f64, Vec<Tried>) {
-    listener.doing(&format!("round {}: screen", number + 1));
-    let mut extensions = effects(&base.hypothesis, settings);
-    extensions.extend(statements(&base.hypothesis));
-    let mut names: Vec<&str> = extensions.iter().map(|own| own.name.as_str()).collect();
-    names.dedup();
-    let bar = (names.len() as f64).ln() + MARGIN;
-    let screened = screen(data, base, others, extensions);
-    let chosen = chosen(screened);
-    listener.doing(&format!("round {}: {} fits", number + 1, chosen.len()));
-    let fitted = |own: Screened| {
-        let hypothesis = Arc::new(own.extension.hypothesis.clone());
-        let first = fit(data, &hypothesis, &own.start, None, own.share, EFFORT);
-        let is_lost = first.as_ref().is_none_or(|fit| fit.evidence < base.evidence - LOCAL_MINIMUM);
-        let again = is_lost.then(|| {
-            fit(data, &hypothesis, &beside(base, &base.z, &own.extension), None, base.share, EFFORT)
-        });
-        let best = [first, again.flatten()]
-            .into_iter()
-            .flatten()
-            .max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
-        let features = best.evidence - base.evidence + own.extension.odds;
-        let Extension { name, strengths, odds, .. } = own.extension;
-        Some(Tried { name, features, all: features, fit: best, sampled: None, strengths, odds })
-    };
-    let mut tried: Vec<Tried> =
-        chosen.into_par_iter().map(fitted).collect::<Vec<_>>().into_iter().flatten().collect();
+) -> Vec<Tried<'a>> {
+    listener.doing(&format!("round {}: fits by features", number + 1));
+    let mut tried: Vec<Tried> = leaders(screened, |own| own.by_features.as_ref(), MOST_FITTED)
+        .into_par_iter()
+        .filter_map(|(own, promise)| Some(Tried::of(base, &own.extension, first_steps(data, base, own, promise)?)))
+        .collect();
     tried.sort_by(|a, b| b.features.total_cmp(&a.features));
-    // The better of several tries of one effect stays.
-    let mut seen: Vec<String> = Vec::new();
-    tried.retain(|own| {
-        let is_new = !seen.contains(&own.name);
-        seen.push(own.name.clone());
-        is_new
-    });
-    let near: Vec<&mut Tried> =
-        tried.iter_mut().take(MOST_SAMPLED).filter(|own| own.features > 0.0).collect();
-    listener.doing(&format!("round {}: all samples", number + 1));
-    near.into_par_iter().for_each(|own| {
-        own.sampled = samples::fit(data, &own.fit.hypothesis, &own.fit.z);
-    });
-    again(data, base, base_sampled, &tried);
-    for own in &mut tried {
-        if let Some(sampled) = &own.sampled {
-            own.all = sampled.evidence - base_sampled.evidence + own.odds;
+    let top = tried.first().map_or(0.0, |own| own.features);
+    tried.par_iter_mut().take(MOST_SAMPLED).filter(|own| top - own.features < BEHIND).for_each(|own| {
+        let (hypothesis, share) = (&own.fit.hypothesis, own.fit.share);
+        let found = Point::of(data, hypothesis, own.fit.at.z.clone())
+            .and_then(|start| Fit::by_features(data, hypothesis, start, share, EFFORT));
+        if let Some(found) = found {
+            *own = Tried::of(base, own.extension, found);
         }
+    });
+    listener.doing(&format!("round {}: fits to all samples", number + 1));
+    tried.par_iter_mut().take(MOST_SAMPLED).filter(|own| own.features > 0.0).for_each(|own| {
+        own.sampled = Sampled::from(data, &own.fit);
+    });
+    let direct = |(own, promise): (&'a Screened, &Promise)| {
+        let hypothesis = Arc::new(own.extension.hypothesis.clone());
+        let (start, slopes) = (&promise.start, promise.slopes());
+        let misfits = Samples::misfits(data, &base.fit.at.seen);
+        let near = steps(&Samples, data, &hypothesis, start, &slopes, &misfits, FIRST_STEPS)?;
+        let fit = Fit::at(data, &hypothesis, Point::of(data, &hypothesis, near.z)?, promise.share);
+        let sampled = Sampled::from(data, &fit)?;
+        let tried = Tried::of(base, &own.extension, sampled.fit.clone());
+        Some(Tried { sampled: Some(sampled), ..tried })
+    };
+    let by_samples = leaders(screened, |own| own.by_samples.as_ref(), MOST_SAMPLED);
+    let is_hopeful = |(_, promise): &(&Screened, &Promise)| promise.odds > 0.0;
+    tried.extend(by_samples.into_par_iter().filter(is_hopeful).filter_map(direct).collect::<Vec<_>>());
+    again(data, base, &tried);
+    for own in &mut tried {
+        own.all = own.sampled.as_ref().map_or(f64::NEG_INFINITY, |sampled| sampled.evidence)
+            - base.evidence
+            + own.extension.odds;
     }
     // Those that were not fitted to all samples stay behind.
-    tried.sort_by(|a, b| b.sampled.is_some().cmp(&a.sampled.is_some()).then(b.all.total_cmp(&a.all)));
-    (bar, tried)
+    tried.sort_by(|a, b| b.all.total_cmp(&a.all).then(b.features.total_cmp(&a.features)));
+    // The best of several tries of one effect stays.
+    let mut seen: Vec<&str> = Vec::new();
+    tried.retain(|own| {
+        let is_new = !seen.contains(&own.extension.name.as_str());
+        seen.push(&own.extension.name);
+        is_new
+    });
+    tried
+}
+
+/// The first steps of a candidate's fit by features; from beside the model before where they are lost.
+fn first_steps(data: &Data, base: &Sampled, own: &Screened, promise: &Promise) -> Option<Fit> {
+    let hypothesis = Arc::new(own.extension.hypothesis.clone());
+    let slopes = promise.slopes();
+    let from = |start: &DVector<f64>, share: f64| {
+        let at = steps(&Features, data, &hypothesis, start, &slopes, &share, FIRST_STEPS)?;
+        Some(Fit::at(data, &hypothesis, at, share))
+    };
+    let first = from(&promise.start, promise.share);
+    let is_lost = first.as_ref().is_none_or(|fit| fit.evidence < base.fit.evidence - LOCAL_MINIMUM);
+    let again = is_lost.then(|| from(&beside(base, &base.fit.at.z, &own.extension), base.fit.share));
+    [first, again.flatten()].into_iter().flatten().max_by(|a, b| a.evidence.total_cmp(&b.evidence))
 }
 
 /// Fits the model before to all samples once more, from where the best candidate leads without its strength: what the setup
 /// explains is no evidence of an effect.
-fn again(data: &Data, base: &Fit, base_sampled: &mut Sampled, tried: &[Tried]) {
-    let effects = tried.iter().filter(|own| !own.strengths.is_empty()).filter_map(|own| own.sampled.as_ref());
-    let Some(best) = effects.max_by(|a, b| a.evidence.total_cmp(&b.evidence)) else { return };
-    let start = best.z.rows(0, base.z.len()).into_owned();
-    if let Some(found) =
-        samples::fit(data, &base.hypothesis, &start).filter(|own| own.evidence > base_sampled.evidence)
-    {
-        *base_sampled = found;
+fn again(data: &Data, base: &mut Sampled, tried: &[Tried]) {
+    let effects = tried.iter().filter(|own| !own.extension.strengths.is_empty());
+    let best =
+        effects.filter_map(|own| own.sampled.as_ref()).max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+    let Some(best) = best else { return };
+    let start = best.fit.at.z.rows(0, base.fit.at.z.len()).into_owned();
+    let Some(start) = Point::of(data, &base.fit.hypothesis, start) else { return };
+    let fit = Fit::at(data, &base.fit.hypothesis, start, base.fit.share);
+    if let Some(found) = Sampled::from(data, &fit).filter(|own| own.evidence > base.evidence) {
+        *base = found;
     }
 }
 
-/// The candidates that are fitted: the most promising, and not too many tries of one effect.
-fn chosen(screened: Vec<Screened>) -> Vec<Screened> {
-    let top = screened.first().map_or(0.0, |own| own.promise);
-    let mut chosen: Vec<Screened> = Vec::new();
-    for own in screened {
-        let tries = chosen.iter().filter(|other| other.extension.name == own.extension.name).count();
-        let is_near = top - own.promise < BEHIND;
-        if tries < TRIES && chosen.len() < MOST_FITTED && (is_near || chosen.len() < LEAST_FITTED) {
+/// The most promising candidates that are near the best, and not too many tries of one effect.
+fn leaders(
+    screened: &[Screened],
+    promise: impl Fn(&Screened) -> Option<&Promise>,
+    most: usize,
+) -> Vec<(&Screened, &Promise)> {
+    let mut all: Vec<_> = screened.iter().filter_map(|own| Some((own, promise(own)?))).collect();
+    all.sort_by(|a, b| b.1.odds.total_cmp(&a.1.odds));
+    let top = all.first().map_or(0.0, |(_, promise)| promise.odds);
+    let mut chosen: Vec<(&Screened, &Promise)> = Vec::new();
+    for own in all {
+        let tries = chosen.iter().filter(|other| other.0.extension.name == own.0.extension.name).count();
+        if tries < TRIES && chosen.len() < most && top - own.1.odds < BEHIND {
             chosen.push(own);
         }
     }
     chosen
 }
 
-impl Tried {
-    /// What was fitted to all samples, unless the interval of its strength holds zero.
-    fn sampled(self) -> Option<Accepted> {
+impl<'a> Tried<'a> {
+    fn of(base: &Sampled, extension: &'a Extension, fit: Fit) -> Self {
+        let features = fit.evidence - base.fit.evidence + extension.odds;
+        Self { extension, fit, sampled: None, features, all: f64::NEG_INFINITY }
+    }
+
+    /// What was fitted to all samples, with its log odds, unless the interval of its strength holds zero.
+    fn accepted(self) -> Option<(f64, Accepted)> {
         let sampled = self.sampled?;
-        let is_off = |u: &usize| sampled.z[*u].abs() > NORMAL_95 * sampled.covariance[(*u, *u)].sqrt();
-        let is_told = self.strengths.is_empty() || self.strengths.iter().any(is_off);
-        is_told.then_some(Accepted { name: self.name, fit: self.fit, sampled, all: self.all })
+        let is_off =
+            |u: &usize| sampled.fit.at.z[*u].abs() > NORMAL_95 * sampled.covariance[(*u, *u)].sqrt();
+        let is_told = self.extension.strengths.is_empty() || self.extension.strengths.iter().any(is_off);
+        is_told.then(|| (self.all, Accepted { name: self.extension.name.clone(), sampled }))
     }
 
     fn odds_of(&self) -> Odds {
         Odds {
-            name: self.name.clone(),
+            name: self.extension.name.clone(),
             features: self.features,
             all: self.sampled.as_ref().map(|_| self.all),
             share: self.fit.share,

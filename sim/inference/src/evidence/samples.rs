@@ -5,14 +5,13 @@
 //! of the likelihood is `−n/2 ln(σ² + m² N / n)` and what all models share. So a model without misfit has the intervals of
 //! its noise, and another one those of what it misses.
 
-use std::sync::Arc;
-
-use efam_core::levenberg_marquardt::{Evaluated, minimise};
 use nalgebra::{DMatrix, DVector};
 
-use super::data::Data;
-use super::hypothesis::{Hypothesis, Simulated};
-use super::likelihood::{Expanded, laplace};
+use super::data::{Comparison, Data};
+use super::hypothesis::Hypothesis;
+use super::likelihood::{Expanded, Fit, laplace};
+use super::search::{Effort, Likelihood, search};
+use super::unknown::Unknown;
 use crate::calibrate::repeats::{grouped_trials, is_one_condition};
 use crate::features::Plan;
 
@@ -20,24 +19,17 @@ use crate::features::Plan;
 const NOISE: f64 = 0.5;
 /// Share of the first swing that does not repeat, where nothing else is known: two releases by hand differ by 1 to 3 %.
 const REPEATS: f64 = 0.01;
-/// Rounds in which the misfit follows the fit, and evaluations of each.
-const ROUNDS: usize = 4;
-const EVALUATIONS: usize = 10;
-/// Predicted decrease of the cost that is not worth a step, nats.
-const TOLERANCE: f64 = 0.02;
-const LONGEST: f64 = 1.0;
+/// How much a fit may cost: the misfit follows it.
+const EFFORT: Effort = Effort { rounds: 4, evaluations: 10 };
 /// Change of the misfit, as a logarithm, that is worth another round.
 const SETTLED: f64 = 0.05;
-
-/// Residuals of one release, recorded less simulated, m, and their slopes by all unknowns.
-struct Residuals {
-    residual: DVector<f64>,
-    slopes: DMatrix<f64>,
-}
+/// Rounds in which the misfit of a linearised model follows its optimum.
+const LINEAR_ROUNDS: usize = 8;
 
 /// A fit to all samples.
 pub struct Sampled {
-    pub z: DVector<f64>,
+    /// Where it ended, weighed by features.
+    pub fit: Fit,
     pub covariance: DMatrix<f64>,
     /// Root mean square distance of simulated and recorded markers, m: two coordinates together.
     pub rms: f64,
@@ -60,68 +52,110 @@ impl Sampled {
     pub fn misfit(&self) -> f64 {
         self.misfit
     }
+
+    /// The optimum of all samples, from a fit that has its own slopes; none where the model cannot be run.
+    pub fn from(data: &Data, start: &Fit) -> Option<Self> {
+        let hypothesis = &start.hypothesis;
+        let misfits = Samples::misfits(data, &start.at.seen);
+        let (at, misfits) = search(&Samples, data, hypothesis, start.at.clone(), misfits, EFFORT)?;
+        let (z, seen) = (&at.z, &at.seen);
+        let expansion = expanded(data, &normals(seen), z, &misfits);
+        let covariance = expansion.hessian.clone().cholesky()?.inverse();
+        let cost = 0.5 * z.norm_squared() - likelihood(data, &misfits);
+        let evidence = laplace(&Expanded { cost, ..expansion }, z, &halves(&hypothesis.unknowns));
+        let differences = &seen.samples.differences;
+        let misfit = misfit(data, hypothesis, differences, &misfits);
+        let count: f64 = data.plans.iter().map(|plan| sampled(plan) as f64).sum();
+        let of = |plan: &Plan| sampled(plan) as f64 * plan.noise.powi(2);
+        let noise = (2.0 * data.plans.iter().map(of).sum::<f64>() / count).sqrt();
+        let rms = rms(differences);
+        Some(Self { fit: Fit::at(data, hypothesis, at, start.share), covariance, rms, noise, evidence, misfit })
+    }
 }
 
-/// Fits all samples; none where the model cannot be run at the start.
-pub fn fit(data: &Data, hypothesis: &Arc<Hypothesis>, start: &DVector<f64>) -> Option<Sampled> {
-    let mut z = start.clone();
-    let mut seen: Option<Arc<Vec<Residuals>>> = None;
-    let mut misfits = Vec::new();
-    for _ in 0..ROUNDS {
-        let first = match seen.take() {
-            Some(seen) => seen,
-            None => see(data, hypothesis, &z, true)?.into(),
-        };
-        let now = misfits_of(data, &first);
-        let changed =
-            misfits.iter().zip(&now).any(|(a, b): (&f64, &f64)| (0.5 * (a / b).ln()).abs() > SETTLED);
-        let is_first = misfits.is_empty();
-        if !is_first && !changed {
-            seen = Some(first);
+/// All samples as what a search compares; the scale is the mean square of the misfit of each release.
+pub struct Samples;
+
+impl Likelihood for Samples {
+    type Scale = Vec<f64>;
+    const LONGEST: f64 = 1.0;
+
+    fn expanded(&self, data: &Data, seen: &Comparison, z: &DVector<f64>, misfits: &Vec<f64>) -> Expanded {
+        expanded(data, &normals(seen), z, misfits)
+    }
+
+    fn scale(&self, data: &Data, _: &Hypothesis, seen: &Comparison, _: &DVector<f64>, _: &Vec<f64>) -> Vec<f64> {
+        Self::misfits(data, seen)
+    }
+
+    fn is_settled(&self, before: &Vec<f64>, after: &Vec<f64>) -> bool {
+        before.iter().zip(after).all(|(a, b)| (0.5 * (a / b).ln()).abs() <= SETTLED)
+    }
+}
+
+impl Samples {
+    /// The misfits at a point.
+    pub fn misfits(data: &Data, seen: &Comparison) -> Vec<f64> {
+        misfits_of(data, &squares(&seen.samples.differences))
+    }
+}
+
+/// The normal equations of one release: with differences d and slopes J, `JᵀJ`, `Jᵀd` and `dᵀd`.
+pub struct Normal {
+    pub jj: DMatrix<f64>,
+    pub jd: DVector<f64>,
+    pub dd: f64,
+}
+
+fn normals(seen: &Comparison) -> Vec<Normal> {
+    let of = |r: usize| {
+        let difference = &seen.samples.differences[r];
+        Normal {
+            jj: seen.squares[r].clone(),
+            jd: seen.samples.slopes[r].tr_mul(difference),
+            dd: difference.norm_squared(),
+        }
+    };
+    (0..seen.squares.len()).map(of).collect()
+}
+
+/// Optimum, covariance and evidence of the model that is linear about `z`, with the misfit that it then has.
+pub fn linearised(
+    data: &Data,
+    unknowns: &[Unknown],
+    normals: &[Normal],
+    z: &DVector<f64>,
+) -> Option<(DVector<f64>, DMatrix<f64>, f64)> {
+    let squares = |step: &DVector<f64>| -> Vec<f64> {
+        let of = |own: &Normal| (own.dd + 2.0 * step.dot(&own.jd) + step.dot(&(&own.jj * step))).max(0.0);
+        normals.iter().map(of).collect()
+    };
+    let mut step = DVector::zeros(z.len());
+    let mut covariance = None;
+    let mut misfits = misfits_of(data, &squares(&step));
+    for _ in 0..LINEAR_ROUNDS {
+        let at = expanded(data, normals, z, &misfits);
+        let factors = at.hessian.cholesky()?;
+        step = -factors.solve(&at.gradient);
+        covariance = Some(factors.inverse());
+        let next = misfits_of(data, &squares(&step));
+        let is_settled = Samples.is_settled(&misfits, &next);
+        misfits = next;
+        if is_settled {
             break;
         }
-        misfits = now;
-        let search = hypothesis.search(LONGEST, TOLERANCE, EVALUATIONS);
-        let begin = z.clone();
-        let mut evaluate = |x: &DVector<f64>, reused: Option<&Arc<Vec<Residuals>>>| {
-            let residuals: Arc<Vec<Residuals>> = match (reused, *x == begin) {
-                (None, true) => first.clone(),
-                (None, false) => see(data, hypothesis, x, true)?.into(),
-                (Some(reused), _) => {
-                    let here = see(data, hypothesis, x, false)?;
-                    let both = here.into_iter().zip(reused.iter());
-                    let joined = both.map(|(here, other)| Residuals { slopes: other.slopes.clone(), ..here });
-                    Arc::new(joined.collect())
-                }
-            };
-            let (cost, gradient, hessian) = expanded(data, &residuals, x, &misfits);
-            Some(Evaluated { cost, gradient, hessian, carried: residuals })
-        };
-        let found = minimise(&z, None, &search, &mut evaluate)?;
-        z = found.x;
-        seen = Some(if found.home == Some(z.clone()) {
-            found.at.carried
-        } else {
-            see(data, hypothesis, &z, true)?.into()
-        });
     }
-    let seen = seen?;
-    let misfits = misfits_of(data, &seen);
-    let (_, gradient, hessian) = expanded(data, &seen, &z, &misfits);
-    let covariance = hessian.clone().cholesky()?.inverse();
-    let of = |((own, plan), misfit): ((&Residuals, &Plan), &f64)| {
-        -0.5 * numbers(plan) * variance(own, plan, *misfit).ln()
-    };
-    let likelihood: f64 = seen.iter().zip(&data.plans).zip(&misfits).map(of).sum();
-    let is_half: Vec<bool> = hypothesis.unknowns.iter().map(|own| own.is_half).collect();
-    let cost = 0.5 * z.norm_squared() - likelihood;
-    let evidence = laplace(&Expanded { cost, gradient, hessian }, &z, &is_half);
-    let misfit = misfit(data, hypothesis, &seen, &misfits);
-    let count: f64 = data.plans.iter().map(|plan| sampled(plan) as f64).sum();
-    let noise = (2.0 * data.plans.iter().map(|plan| sampled(plan) as f64 * plan.noise.powi(2)).sum::<f64>()
-        / count)
-        .sqrt();
-    Some(Sampled { z, covariance, rms: rms(&seen), noise, evidence, misfit })
+    let (optimum, rests) = (z + &step, squares(&step));
+    let rest = |(own, dd): (&Normal, &f64)| Normal { jj: own.jj.clone(), jd: &own.jd + &own.jj * &step, dd: *dd };
+    let there: Vec<Normal> = normals.iter().zip(&rests).map(rest).collect();
+    let at = expanded(data, &there, &optimum, &misfits);
+    let cost = 0.5 * optimum.norm_squared() - likelihood(data, &misfits);
+    let evidence = laplace(&Expanded { cost, ..at }, &optimum, &halves(unknowns));
+    Some((optimum, covariance?, evidence))
+}
+
+fn halves(unknowns: &[Unknown]) -> Vec<bool> {
+    unknowns.iter().map(|own| own.is_half).collect()
 }
 
 /// Independent numbers that the misfit of a release is worth: as many as describe its swing.
@@ -134,63 +168,49 @@ fn sampled(plan: &Plan) -> usize {
     plan.samples.len() * plan.tracks.len()
 }
 
-fn see(data: &Data, hypothesis: &Arc<Hypothesis>, z: &DVector<f64>, slopes: bool) -> Option<Vec<Residuals>> {
-    let n = hypothesis.unknowns.len();
-    let of = |_: usize, plan: &Plan, simulated: Simulated| {
-        let count = plan.samples.len();
-        let coordinates = plan.recorded.len();
-        let flat = |q: &[Vec<f64>], c: usize, k: usize| q[c][k];
-        let residual = DVector::from_fn(count * coordinates, |i, _| {
-            let (c, k) = (i / count, i % count);
-            flat(&plan.recorded, c, k) - flat(&simulated.coordinates, c, k)
-        });
-        let mut by = DMatrix::zeros(if slopes { residual.len() } else { 0 }, if slopes { n } else { 0 });
-        for (u, moved) in simulated.slopes.iter().filter(|_| slopes) {
-            for (c, q) in moved.iter().enumerate() {
-                by.view_mut((c * count, *u), (count, 1)).copy_from_slice(&q[..count]);
-            }
-        }
-        Residuals { residual, slopes: by }
-    };
-    data.simulate(hypothesis, z, &|_| slopes, of)
+/// Recorded numbers of a release.
+fn coordinates(plan: &Plan) -> f64 {
+    (plan.samples.len() * plan.recorded.len()) as f64
 }
 
-/// Mean square of the residuals of each release beside its noise, a little of that at least.
-fn misfits_of(data: &Data, seen: &[Residuals]) -> Vec<f64> {
-    let of = |(own, plan): (&Residuals, &Plan)| {
-        let square = own.residual.norm_squared() / own.residual.len() as f64;
-        (square - plan.noise.powi(2)).max(1e-3 * plan.noise.powi(2))
-    };
-    seen.iter().zip(&data.plans).map(of).collect()
+fn squares(differences: &[DVector<f64>]) -> Vec<f64> {
+    differences.iter().map(DVector::norm_squared).collect()
 }
 
-fn expanded(
-    data: &Data,
-    seen: &[Residuals],
-    z: &DVector<f64>,
-    misfits: &[f64],
-) -> (f64, DVector<f64>, DMatrix<f64>) {
+/// Mean square misfit of each release beside its noise, a little of that at least, from the sums of its squares.
+fn misfits_of(data: &Data, squares: &[f64]) -> Vec<f64> {
+    let of = |(square, plan): (&f64, &Plan)| {
+        (square / coordinates(plan) - plan.noise.powi(2)).max(1e-3 * plan.noise.powi(2))
+    };
+    squares.iter().zip(&data.plans).map(of).collect()
+}
+
+fn expanded(data: &Data, normals: &[Normal], z: &DVector<f64>, misfits: &[f64]) -> Expanded {
     let n = z.len();
     let (mut cost, mut gradient, mut hessian) = (0.5 * z.norm_squared(), z.clone(), DMatrix::identity(n, n));
-    for ((own, plan), misfit) in seen.iter().zip(&data.plans).zip(misfits) {
-        let weight = variance(own, plan, *misfit).recip();
-        cost += 0.5 * weight * own.residual.norm_squared();
-        if own.slopes.ncols() == n {
-            gradient -= weight * own.slopes.tr_mul(&own.residual);
-            hessian += weight * own.slopes.tr_mul(&own.slopes);
-        }
+    for ((own, plan), misfit) in normals.iter().zip(&data.plans).zip(misfits) {
+        let weight = variance(plan, *misfit).recip();
+        cost += 0.5 * weight * own.dd;
+        gradient += weight * &own.jd;
+        hessian += weight * &own.jj;
     }
-    (cost, gradient, hessian)
+    Expanded { cost, gradient, hessian }
+}
+
+/// Logarithm of the likelihood at the most probable misfits, up to what all models share.
+fn likelihood(data: &Data, misfits: &[f64]) -> f64 {
+    let of = |(plan, misfit): (&Plan, &f64)| -0.5 * numbers(plan) * variance(plan, *misfit).ln();
+    data.plans.iter().zip(misfits).map(of).sum()
 }
 
 /// Variance of each of the independent numbers of a release, m²; `misfit` is a mean square beside the noise.
-fn variance(own: &Residuals, plan: &Plan, misfit: f64) -> f64 {
-    plan.noise.powi(2) + misfit * (own.residual.len() as f64 / numbers(plan)).max(1.0)
+fn variance(plan: &Plan, misfit: f64) -> f64 {
+    plan.noise.powi(2) + misfit * (coordinates(plan) / numbers(plan)).max(1.0)
 }
 
 /// Root mean square distance beside the noise, m, of what releases of one condition have in common: the mean product of the
 /// residuals of two of them, in which noise and what does not repeat cancel. Of a release alone it is all beside the noise.
-fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[Residuals], misfits: &[f64]) -> f64 {
+fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[DVector<f64>], misfits: &[f64]) -> f64 {
     let mut square = 0.0;
     for group in grouped_trials(hypothesis.trials.iter(), |_| true, is_one_condition) {
         let pairs = group.iter().enumerate().flat_map(|(k, a)| group[k + 1..].iter().map(move |b| (*a, *b)));
@@ -205,8 +225,8 @@ fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[Residuals], misfits: &[f
 }
 
 /// Mean product of the residuals of two releases at the same times, m².
-fn product(data: &Data, seen: &[Residuals], a: usize, b: usize) -> f64 {
-    let [first, second] = [a, b].map(|r| (data.plans[r].samples.len(), &data.plans[r], &seen[r].residual));
+fn product(data: &Data, seen: &[DVector<f64>], a: usize, b: usize) -> f64 {
+    let [first, second] = [a, b].map(|r| (data.plans[r].samples.len(), &data.plans[r], &seen[r]));
     let (mut sum, mut count) = (0.0, 0);
     for c in 0..first.1.recorded.len().min(second.1.recorded.len()) {
         let path = |(n, plan, residual): (usize, &Plan, &DVector<f64>)| {
@@ -231,11 +251,9 @@ fn products(first: &[(f64, f64)], second: &[(f64, f64)]) -> (f64, usize) {
 }
 
 /// Root mean square distance of all markers.
-fn rms(seen: &[Residuals]) -> f64 {
-    let (sum, count) = seen
-        .iter()
-        .fold((0.0, 0), |(sum, count), own| (sum + own.residual.norm_squared(), count + own.residual.len()));
-    (2.0 * sum / count.max(1) as f64).sqrt()
+fn rms(seen: &[DVector<f64>]) -> f64 {
+    let count: usize = seen.iter().map(DVector::len).sum();
+    (2.0 * squares(seen).iter().sum::<f64>() / count.max(1) as f64).sqrt()
 }
 
 #[cfg(test)]

@@ -2,18 +2,22 @@
 //!
 //! A candidate is tried at a few strengths: friction, drag and memory are not linear in theirs, and a small one says little of a
 //! large one. Each try is one run of the releases. From there the other unknowns respond by the slopes of the model before,
-//! and the strength by the secant from zero. The evidence of that linearised model ranks the candidates.
+//! and the strength by the secant from zero. The evidence of that linearised model ranks the candidates, by features and by
+//! all samples: features lead a model that is far off, and samples see what is small.
 //!
 //! A model without an effect may bend what is stated far, a stiffness by 70 % where a mass is missing. The way back from there is
 //! long, so tries also begin at the priors' means.
+
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::candidates::Extension;
-use super::data::Data;
-use super::likelihood::{Compared, evidence, expand};
-use super::search::Fit;
+use super::data::{Compared, Comparison, Data};
+use super::likelihood::{evidence, expand};
+use super::samples::{Normal, Sampled, linearised};
+use super::search::Point;
 use super::unknown::Unknown;
 
 /// Strengths that are tried, prior standard deviations: together they cover three decades.
@@ -27,103 +31,215 @@ const LITTLE: f64 = TRIED[0];
 /// Factor of the share within which the linearised model finds its own.
 const REACH: f64 = 20.0;
 
-/// A candidate and where its fit begins.
+/// A candidate, and where its fits begin: by features, and by all samples.
 pub struct Screened {
     pub extension: Extension,
+    pub by_features: Option<Promise>,
+    pub by_samples: Option<Promise>,
+}
+
+/// Where a fit begins, and what it promises.
+#[derive(Clone)]
+pub struct Promise {
     pub start: DVector<f64>,
+    /// Share by features there.
     pub share: f64,
     /// Logarithm of the odds over the model before, by the linearised model.
-    pub promise: f64,
+    pub odds: f64,
+    /// The try that it comes from.
+    tried: Arc<Try>,
+    /// Whether the linearised model wants the sign of the strength that was tried.
+    is_of_sign: bool,
 }
 
-/// Where tries begin: a place of the model before, with differences and slopes there.
-pub struct Origin<'a> {
-    pub z: &'a DVector<f64>,
-    pub compared: &'a Compared,
+/// Where tries begin: a place of the model before, with its own slopes.
+pub type Origin<'a> = &'a Point;
+
+/// One strength of a candidate from one origin: how it compares, with the slopes of the origin in the places of the extension
+/// and the secant of the strength in that of the first strength.
+struct Try {
+    strength: f64,
+    /// Place of the first strength.
+    place: Option<usize>,
+    z: DVector<f64>,
+    features: Compared,
+    /// All samples; their slopes are those of the origin, by how much wider each prior is, and a secant.
+    here: Comparison,
+    wider: Vec<f64>,
+    secants: Vec<DVector<f64>>,
+    normals: Vec<Normal>,
 }
 
-/// Screens extensions of a fit, the most promising first; tries begin at the fit and at other origins.
-pub fn screen(data: &Data, base: &Fit, others: &[Origin], extensions: Vec<Extension>) -> Vec<Screened> {
-    let own = Origin { z: &base.z, compared: &base.compared };
+/// Screens extensions of a fit; tries begin at the fit and at other origins.
+pub fn screen(data: &Data, base: &Sampled, others: &[Origin], extensions: Vec<Extension>) -> Vec<Screened> {
     let screened = |extension: Extension| {
-        let tries = if extension.strengths.is_empty() { vec![0.0] } else { tries(&extension) };
-        let from = |origin: &Origin| {
-            let found =
-                tries.iter().filter_map(|strength| linearised(data, base, origin, &extension, *strength));
-            found.max_by(|a, b| a.0.total_cmp(&b.0))
-        };
-        let found = std::iter::once(&own).chain(others).filter_map(from);
-        let (promise, share, start) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(Screened { promise: promise - base.evidence + extension.odds, share, start, extension })
+        let mut best = Screened { extension, by_features: None, by_samples: None };
+        for origin in std::iter::once(&base.fit.at).chain(others.iter().copied()) {
+            if best.extension.strengths.is_empty() {
+                best.improve(data, base, origin, 0.0);
+                continue;
+            }
+            let first = best.extension.strengths[0];
+            let is_half = best.extension.hypothesis.unknowns[first].is_half;
+            for strength in TRIED {
+                let is_of_sign = best.improve(data, base, origin, strength);
+                if !is_half && !is_of_sign {
+                    best.improve(data, base, origin, -strength);
+                }
+            }
+        }
+        best
     };
-    let mut all: Vec<Screened> =
-        extensions.into_par_iter().map(screened).collect::<Vec<_>>().into_iter().flatten().collect();
-    all.sort_by(|a, b| b.promise.total_cmp(&a.promise));
+    extensions.into_par_iter().map(screened).collect()
+}
+
+impl Screened {
+    /// Tries a strength, and keeps what is better; whether both linearised models want this sign.
+    fn improve(&mut self, data: &Data, base: &Sampled, origin: Origin, strength: f64) -> bool {
+        let Some(tried) = Try::of(data, base, origin, &self.extension, strength) else { return false };
+        let (tried, extension) = (Arc::new(tried), &self.extension);
+        let promises = [tried.by_features(data, base, extension), tried.by_samples(data, base, extension)];
+        let is_of_sign = promises.iter().flatten().all(|own| own.is_of_sign);
+        for (best, own) in [&mut self.by_features, &mut self.by_samples].into_iter().zip(promises) {
+            if own.as_ref().is_some_and(|own| best.as_ref().is_none_or(|best| own.odds > best.odds)) {
+                *best = own;
+            }
+        }
+        is_of_sign
+    }
+}
+
+impl Promise {
+    /// How it compares at the try, with slopes in the places of the extension.
+    pub fn slopes(&self) -> Comparison {
+        let Try { here, features, wider, secants, normals, place, z, .. } = &*self.tried;
+        let both = here.samples.slopes.iter().zip(secants);
+        let slopes: Vec<_> =
+            both.map(|(slopes, secant)| extended(slopes, wider, *place, secant, z.len())).collect();
+        Comparison {
+            features: features.clone(),
+            samples: Compared { differences: here.samples.differences.clone(), slopes: slopes.into() },
+            squares: normals.iter().map(|own| own.jj.clone()).collect::<Vec<_>>().into(),
+        }
+    }
+}
+
+impl Try {
+    fn of(data: &Data, base: &Sampled, origin: Origin, extension: &Extension, strength: f64) -> Option<Self> {
+        let mut z = beside(base, &origin.z, extension);
+        extension.strengths.iter().for_each(|place| z[*place] = strength);
+        let place = extension.strengths.first().copied();
+        let here = match place {
+            Some(_) => data.compare_with(&extension.hypothesis, &z, &origin.seen)?,
+            None => Comparison::clone(&origin.seen),
+        };
+        let wider = wider(base, extension);
+        let secants = |before: &Compared, here: &Compared| -> Vec<DVector<f64>> {
+            let both = here.differences.iter().zip(&before.differences);
+            both.map(|(here, before)| if place.is_some() { (here - before) / strength } else { here * 0.0 })
+                .collect()
+        };
+        let slopes = here.features.slopes.iter().zip(secants(&origin.seen.features, &here.features));
+        let slopes: Vec<_> =
+            slopes.map(|(slopes, secant)| extended(slopes, &wider, place, &secant, z.len())).collect();
+        let features =
+            Compared { differences: here.features.differences.clone(), slopes: slopes.into() };
+        let secants = secants(&origin.seen.samples, &here.samples);
+        let normal = |r: usize| normal(&here, r, &wider, place, &secants[r], z.len());
+        let normals = (0..secants.len()).map(normal).collect();
+        Some(Self { strength, place, z, features, here, wider, secants, normals })
+    }
+
+    fn by_features(self: &Arc<Self>, data: &Data, base: &Sampled, extension: &Extension) -> Option<Promise> {
+        let (before, unknowns) = (&base.fit, &extension.hypothesis.unknowns);
+        let (value, share) =
+            evidence(&self.features, &data.weights, unknowns, &self.z, before.share, REACH);
+        let expanded = expand(&self.features, &data.weights, &self.z, share);
+        let factors = expanded.hessian.cholesky()?;
+        let optimum = &self.z - factors.solve(&expanded.gradient);
+        Some(self.promise(value - before.evidence, share, optimum, &factors.inverse(), extension))
+    }
+
+    fn by_samples(self: &Arc<Self>, data: &Data, base: &Sampled, extension: &Extension) -> Option<Promise> {
+        let (optimum, covariance, value) =
+            linearised(data, &extension.hypothesis.unknowns, &self.normals, &self.z)?;
+        Some(self.promise(value - base.evidence, base.fit.share, optimum, &covariance, extension))
+    }
+
+    /// The secant is good for strengths about its own: the strength stays near, and the others follow it.
+    fn promise(
+        self: &Arc<Self>,
+        odds: f64,
+        share: f64,
+        optimum: DVector<f64>,
+        covariance: &DMatrix<f64>,
+        extension: &Extension,
+    ) -> Promise {
+        let (odds, unknowns) = (odds + extension.odds, &extension.hypothesis.unknowns);
+        let tried = self.clone();
+        let Some(place) = self.place else {
+            return Promise { start: nearer(&self.z, &optimum, unknowns), share, odds, tried, is_of_sign: true };
+        };
+        let (sign, size) = (self.strength.signum(), self.strength.abs());
+        let is_of_sign = optimum[place] * sign > 0.0;
+        let size = sign * (optimum[place] * sign).clamp(size / FACTOR, size * FACTOR);
+        let aside = size - optimum[place];
+        let variance = covariance[(place, place)];
+        let there = optimum + covariance.column(place) * (aside / variance);
+        let mut start = nearer(&self.z, &there, unknowns);
+        extension.strengths.iter().for_each(|place| start[*place] = size);
+        Promise { start, share, odds: odds - 0.5 * aside * aside / variance, tried, is_of_sign }
+    }
+}
+
+/// Slopes of the model before in the places of an extension, with a secant in that of its strength.
+fn extended(
+    slopes: &DMatrix<f64>,
+    wider: &[f64],
+    place: Option<usize>,
+    secant: &DVector<f64>,
+    count: usize,
+) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(slopes.nrows(), count);
+    for (u, wider) in wider.iter().enumerate() {
+        all.column_mut(u).axpy(*wider, &slopes.column(u), 0.0);
+    }
+    if let Some(place) = place {
+        all.column_mut(place).copy_from(secant);
+    }
     all
 }
 
-/// Strengths at which an extension is tried, of both signs if it may have both.
-fn tries(extension: &Extension) -> Vec<f64> {
-    let is_half = extension.hypothesis.unknowns[extension.strengths[0]].is_half;
-    let signs: &[f64] = if is_half { &[1.0] } else { &[1.0, -1.0] };
-    signs.iter().flat_map(|sign| TRIED.map(|strength| sign * strength)).collect()
+/// By how much the prior of each unknown of the model before is wider in an extension.
+fn wider(base: &Sampled, extension: &Extension) -> Vec<f64> {
+    let both = base.fit.hypothesis.unknowns.iter().zip(&extension.hypothesis.unknowns);
+    both.map(|(before, own)| if before.scaled == own.scaled { 1.0 } else { extension.wider }).collect()
 }
 
-/// Evidence of the model that is linearised about one strength, its share, and its optimum.
-fn linearised(
-    data: &Data,
-    base: &Fit,
-    origin: &Origin,
-    extension: &Extension,
-    strength: f64,
-) -> Option<(f64, f64, DVector<f64>)> {
-    let unknowns = &extension.hypothesis.unknowns;
-    let mut z = beside(base, origin.z, extension);
-    extension.strengths.iter().for_each(|place| z[*place] = strength);
-    let here = match extension.strengths.first() {
-        Some(_) => data.compare(&extension.hypothesis, &z, &|_| false)?.differences,
-        None => origin.compared.differences.clone(),
-    };
-    let compared = Compared { slopes: slopes(base, origin, extension, &here, strength), differences: here };
-    let (value, share) = evidence(&compared, &data.weights, unknowns, &z, base.share, REACH);
-    let expanded = expand(&compared, &data.weights, &z, share);
-    let factors = expanded.hessian.cholesky()?;
-    let optimum = &z - factors.solve(&expanded.gradient);
-    let Some(place) = extension.strengths.first().copied() else {
-        return Some((value, share, nearer(&z, &optimum, unknowns)));
-    };
-    // The secant is good for strengths about its own.
-    let covariance = factors.inverse();
-    let size = (optimum[place] * strength.signum()).clamp(strength.abs() / FACTOR, strength.abs() * FACTOR);
-    let aside = size * strength.signum() - optimum[place];
-    let variance = covariance[(place, place)];
-    let mut start = nearer(&z, &(optimum + covariance.column(place) * (aside / variance)), unknowns);
-    extension.strengths.iter().for_each(|place| start[*place] = size * strength.signum());
-    Some((value - 0.5 * aside * aside / variance, share, start))
-}
-
-/// Slopes of the model before in the places of an extension, and the secant of its strengths in that of the first.
-fn slopes(
-    base: &Fit,
-    origin: &Origin,
-    extension: &Extension,
-    here: &[DVector<f64>],
-    strength: f64,
-) -> Vec<DMatrix<f64>> {
-    let unknowns = &extension.hypothesis.unknowns;
-    let wider = |u: usize| {
-        if base.hypothesis.unknowns[u].scaled == unknowns[u].scaled { 1.0 } else { extension.wider }
-    };
-    let first = extension.strengths.first();
-    let before = origin.compared.slopes.iter().zip(&origin.compared.differences);
-    let of_release = |((slopes, before), here): ((&DMatrix<f64>, &DVector<f64>), &DVector<f64>)| {
-        DMatrix::from_fn(slopes.nrows(), unknowns.len(), |f, u| match u {
-            u if u < slopes.ncols() => wider(u) * slopes[(f, u)],
-            u if Some(&u) == first => (here[f] - before[f]) / strength,
-            _ => 0.0,
-        })
-    };
-    before.zip(here).map(of_release).collect()
+/// Normal equations of all samples of a release in the places of an extension, with the secant of its strength.
+fn normal(
+    here: &Comparison,
+    r: usize,
+    wider: &[f64],
+    place: Option<usize>,
+    secant: &DVector<f64>,
+    count: usize,
+) -> Normal {
+    let (slopes, difference) = (&here.samples.slopes[r], &here.samples.differences[r]);
+    let wider = DVector::from_column_slice(wider);
+    let n = wider.len();
+    let (mut jj, mut jd) = (DMatrix::zeros(count, count), DVector::zeros(count));
+    let square = here.squares[r].component_mul(&(&wider * wider.transpose()));
+    jj.view_mut((0, 0), (n, n)).copy_from(&square);
+    jd.rows_mut(0, n).copy_from(&slopes.tr_mul(difference).component_mul(&wider));
+    if let Some(place) = place {
+        let aside = slopes.tr_mul(secant).component_mul(&wider);
+        jj.view_mut((0, place), (n, 1)).copy_from(&aside);
+        jj.view_mut((place, 0), (1, n)).copy_from(&aside.transpose());
+        jj[(place, place)] = secant.norm_squared();
+        jd[place] = secant.dot(difference);
+    }
+    Normal { jj, jd, dd: difference.norm_squared() }
 }
 
 /// A point on the way from one to another, no unknown farther than the longest step, none of one sign below zero.
@@ -135,11 +251,10 @@ fn nearer(from: &DVector<f64>, to: &DVector<f64>, unknowns: &[Unknown]) -> DVect
 }
 
 /// A place of the model before, with a little of the strengths.
-pub fn beside(base: &Fit, at: &DVector<f64>, extension: &Extension) -> DVector<f64> {
-    let unknowns = &extension.hypothesis.unknowns;
-    DVector::from_fn(unknowns.len(), |u, _| match base.hypothesis.unknowns.get(u) {
-        Some(before) if before.scaled != unknowns[u].scaled => at[u] / extension.wider,
-        Some(_) => at[u],
+pub fn beside(base: &Sampled, at: &DVector<f64>, extension: &Extension) -> DVector<f64> {
+    let (unknowns, before) = (&extension.hypothesis.unknowns, wider(base, extension));
+    DVector::from_fn(unknowns.len(), |u, _| match before.get(u) {
+        Some(wider) => at[u] / wider,
         None if extension.strengths.contains(&u) => LITTLE,
         None => unknowns[u].start,
     })

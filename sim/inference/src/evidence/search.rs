@@ -1,88 +1,142 @@
-//! The search for the optimum of a hypothesis in the space of features, and its evidence there.
+//! The search for the optimum of a hypothesis, by features or by all samples.
 //!
-//! Levenberg and Marquardt at a given share s, then the share with the largest evidence, and so on. s falls with the misfit,
-//! which anneals the search. All unknowns are standard normal, so no scales are needed.
+//! Levenberg and Marquardt at a given scale of what the model misses, then the scale that is most probable there, and so on. The
+//! scale falls with the misfit, which anneals the search. All unknowns are standard normal, so no scales of them are needed.
 
 use std::sync::Arc;
 
-use efam_core::levenberg_marquardt::{Evaluated, minimise};
+use efam_core::levenberg_marquardt::{Evaluated, Reused, minimise};
 use nalgebra::DVector;
 
-use super::data::Data;
+use super::data::{Comparison, Data};
 use super::hypothesis::Hypothesis;
-use super::likelihood::{Compared, evidence, expand};
+use super::likelihood::Expanded;
 
-/// Share with which a search from the priors' means begins: first tracks are off by several per cent.
-pub const FIRST_SHARE: f64 = 0.05;
-/// Change of the share in one round, at most: a factor.
-const SHARE_STEP: f64 = 3.0;
-/// Factor of the share within which a round has not changed it.
-const SETTLED: f64 = 1.05;
 /// Predicted decrease of the cost that is not worth a step, nats.
 const TOLERANCE: f64 = 0.05;
-/// Longest step of an unknown, prior standard deviations.
-const LONGEST: f64 = 2.0;
-/// Rounds of share and steps, at most.
-const MOST_ROUNDS: usize = 5;
 
-/// How much a fit may cost: evaluations in each round.
-#[derive(Clone, Copy, Debug)]
-pub struct Effort(pub usize);
+/// How a search compares, with the scale of what the model misses.
+pub trait Likelihood {
+    /// The scale.
+    type Scale;
+    /// Longest step of an unknown, prior standard deviations.
+    const LONGEST: f64;
 
-/// A fitted hypothesis.
-#[derive(Clone)]
-pub struct Fit {
-    pub hypothesis: Arc<Hypothesis>,
-    pub z: DVector<f64>,
-    pub share: f64,
-    /// Logarithm of the evidence.
-    pub evidence: f64,
-    /// Differences and slopes at the optimum.
-    pub compared: Arc<Compared>,
+    /// Cost and derivatives at `z` for a scale.
+    fn expanded(&self, data: &Data, seen: &Comparison, z: &DVector<f64>, scale: &Self::Scale) -> Expanded;
+
+    /// The most probable scale at `z`, near another one.
+    fn scale(
+        &self,
+        data: &Data,
+        hypothesis: &Hypothesis,
+        seen: &Comparison,
+        z: &DVector<f64>,
+        near: &Self::Scale,
+    ) -> Self::Scale;
+
+    /// Whether a change of the scale is worth no other round.
+    fn is_settled(&self, before: &Self::Scale, after: &Self::Scale) -> bool;
 }
 
-/// The optimum from a start, of which it may be known how it compares; none where the start cannot be run.
-pub fn fit(
+/// How much a search may cost.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Rounds of steps and scale.
+    pub rounds: usize,
+    /// Evaluations in each.
+    pub evaluations: usize,
+}
+
+/// A point, and how it compares there, with the slopes of some point.
+#[derive(Clone)]
+pub struct Point {
+    pub z: DVector<f64>,
+    pub seen: Arc<Comparison>,
+}
+
+impl Point {
+    /// With slopes of the point itself; none where the model cannot be run.
+    pub fn of(data: &Data, hypothesis: &Hypothesis, z: DVector<f64>) -> Option<Self> {
+        let seen = data.compare(hypothesis, &z)?.into();
+        Some(Self { z, seen })
+    }
+}
+
+/// The optimum from a point that has its own slopes, with its scale; the end has slopes that are good within a standard error.
+/// None where the model cannot be run.
+pub fn search<L: Likelihood>(
+    by: &L,
     data: &Data,
-    hypothesis: &Arc<Hypothesis>,
-    start: &DVector<f64>,
-    mut known: Option<Arc<Compared>>,
-    share: f64,
+    hypothesis: &Hypothesis,
+    start: Point,
+    mut scale: L::Scale,
     effort: Effort,
-) -> Option<Fit> {
-    let all = |_: usize| true;
-    let (mut z, mut share) = (start.clone(), share);
-    for _ in 0..MOST_ROUNDS {
-        let search = hypothesis.search(LONGEST, TOLERANCE, effort.0);
-        let (begin, first) = (z.clone(), known.take());
-        let mut evaluate = |x: &DVector<f64>,
-                            reused: Option<&Arc<Compared>>|
-         -> Option<Evaluated<Arc<Compared>>> {
-            let compared = match (&first, reused) {
-                (Some(known), None) if *x == begin => known.clone(),
-                (_, None) => data.compare(hypothesis, x, &all)?.into(),
-                (_, Some(reused)) => {
-                    let here = data.compare(hypothesis, x, &|_| false)?;
-                    Arc::new(Compared { slopes: reused.slopes.clone(), ..here })
-                }
+) -> Option<(Point, L::Scale)> {
+    let mut at = start;
+    let mut home = at.z.clone();
+    for _ in 0..effort.rounds {
+        let limits = hypothesis.search(L::LONGEST, TOLERANCE, effort.evaluations);
+        let mut evaluate = |x: &DVector<f64>, slopes: Option<&Arc<Comparison>>| {
+            let seen = match slopes {
+                _ if *x == at.z && (slopes.is_some() || home == at.z) => at.seen.clone(),
+                Some(slopes) => data.compare_with(hypothesis, x, slopes)?.into(),
+                None => data.compare(hypothesis, x)?.into(),
             };
-            let at = expand(&compared, &data.weights, x, share);
-            Some(Evaluated { cost: at.cost, gradient: at.gradient, hessian: at.hessian, carried: compared })
+            Some(evaluated(by, data, seen, x, &scale))
         };
-        let found = minimise(&z, None, &search, &mut evaluate)?;
-        z = found.x;
-        // The share and the evidence take slopes of the very point.
-        let is_there = found.home.as_ref() == Some(&z);
-        let compared = if is_there { found.at.carried } else { data.compare(hypothesis, &z, &all)?.into() };
-        let (_, best) = evidence(&compared, &data.weights, &hypothesis.unknowns, &z, share, SHARE_STEP);
-        let is_settled = (best / share).ln().abs() < SETTLED.ln();
-        share = best;
-        known = Some(compared);
-        if is_settled && found.converged {
+        let known = Reused { carried: &at.seen, home: Some(&home) };
+        let found = minimise(&at.z, Some(known), &limits, &mut evaluate)?;
+        let is_near = |home: &DVector<f64>| {
+            let moved = &found.x - home;
+            moved.dot(&(&found.at.hessian * &moved)) < 1.0
+        };
+        let is_there = found.home.as_ref().is_some_and(is_near);
+        let seen = if is_there { found.at.carried } else { data.compare(hypothesis, &found.x)?.into() };
+        home = found.home.filter(|_| is_there).unwrap_or_else(|| found.x.clone());
+        at = Point { z: found.x, seen };
+        let best = by.scale(data, hypothesis, &at.seen, &at.z, &scale);
+        let is_settled = by.is_settled(&scale, &best) && found.converged && is_there;
+        scale = best;
+        if is_settled {
             break;
         }
     }
-    let compared = known?;
-    let (value, share) = evidence(&compared, &data.weights, &hypothesis.unknowns, &z, share, SHARE_STEP);
-    Some(Fit { hypothesis: hypothesis.clone(), z, share, evidence: value, compared })
+    Some((at, scale))
+}
+
+/// Some steps with the slopes of another point; none where the model cannot be run.
+pub fn steps<L: Likelihood>(
+    by: &L,
+    data: &Data,
+    hypothesis: &Hypothesis,
+    start: &DVector<f64>,
+    slopes: &Comparison,
+    scale: &L::Scale,
+    count: usize,
+) -> Option<Point> {
+    let limits = hypothesis.search(L::LONGEST, TOLERANCE, count);
+    let mut last: Option<Point> = None;
+    let mut evaluate = |x: &DVector<f64>, _: Option<&Arc<Comparison>>| {
+        // There are no other slopes to be had.
+        let seen = match last.take().filter(|last| last.z == *x) {
+            Some(last) => last.seen,
+            None => Arc::new(data.compare_with(hypothesis, x, slopes)?),
+        };
+        last = Some(Point { z: x.clone(), seen: seen.clone() });
+        Some(evaluated(by, data, seen, x, scale))
+    };
+    let found = minimise(start, None, &limits, &mut evaluate)?;
+    Some(Point { z: found.x, seen: found.at.carried })
+}
+
+fn evaluated<L: Likelihood>(
+    by: &L,
+    data: &Data,
+    seen: Arc<Comparison>,
+    z: &DVector<f64>,
+    scale: &L::Scale,
+) -> Evaluated<Arc<Comparison>> {
+    let Expanded { cost, gradient, hessian } = by.expanded(data, &seen, z, scale);
+    Evaluated { cost, gradient, hessian, carried: seen }
 }
