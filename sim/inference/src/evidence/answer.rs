@@ -2,8 +2,8 @@
 
 use super::Accepted;
 use super::data::Data;
-use super::samples::{Sampled, numbers};
 use super::likelihood::Fit;
+use super::samples::{Sampled, numbers};
 use super::unknown::Role;
 use super::verdict::{Round, Seen, Value, Weighed};
 use super::words::words;
@@ -131,7 +131,8 @@ fn seen(data: &Data, before: &Fit, after: &Fit) -> Vec<Seen> {
     for (r, plan) in data.plans.iter().enumerate() {
         let trial = &after.hypothesis.trials[r];
         for (f, what) in plan.features.iter().enumerate() {
-            let (was, is) = (before.at.seen.features.differences[r][f], after.at.seen.features.differences[r][f]);
+            let (was, is) =
+                (before.at.seen.features.differences[r][f], after.at.seen.features.differences[r][f]);
             if !(was.is_finite() && is.is_finite()) {
                 continue;
             }

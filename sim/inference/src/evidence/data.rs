@@ -8,9 +8,13 @@ use rayon::prelude::*;
 
 use super::hypothesis::{Hypothesis, Simulated};
 use super::likelihood::Weights;
+use super::search::Point;
 use crate::calibrate::Trial;
 use crate::features::Plan;
 use crate::features::covariance::{colour, covariance};
+
+/// Error of a mesh that the noise hides, over the noise: it adds a ninth to the mean square.
+const MESH: f64 = 1.0 / 3.0;
 
 /// Features of releases, and what was simulated so far.
 pub struct Data {
@@ -118,6 +122,16 @@ impl Data {
         })
     }
 
+    /// Whether another mesh differs by less than the noise hides; none where it cannot be run.
+    pub fn is_same(&self, at: &Point, other: &Hypothesis) -> Option<bool> {
+        let there = self.compare_with(other, &at.z, &at.seen)?;
+        let both = at.seen.samples.differences.iter().zip(&there.samples.differences);
+        let is_little = |((here, there), plan): ((&DVector<f64>, &DVector<f64>), &Plan)| {
+            (here - there).norm_squared() <= here.len() as f64 * (MESH * plan.noise).powi(2)
+        };
+        Some(both.zip(&self.plans).all(is_little))
+    }
+
     /// All releases simulated, and what `of` makes of each.
     fn simulate<T: Send>(
         &self,
@@ -137,8 +151,7 @@ impl Data {
 
 /// Differences of features, over their scales, and of all samples, m.
 fn differences(plan: &Plan, simulated: &Simulated, values: &[f64]) -> (DVector<f64>, DVector<f64>) {
-    let feature =
-        DVector::from_fn(plan.features.len(), |f, _| (values[f] - plan.values[f]) / plan.scales[f]);
+    let feature = DVector::from_fn(plan.features.len(), |f, _| (values[f] - plan.values[f]) / plan.scales[f]);
     let count = plan.samples.len();
     let sample = DVector::from_fn(count * plan.recorded.len(), |i, _| {
         let (c, k) = (i / count, i % count);

@@ -85,13 +85,7 @@ impl Hypothesis {
 
     /// Simulates one release at the times of its plan, with slopes by all unknowns or none. None where the model
     /// cannot be run.
-    pub fn simulate(
-        &self,
-        r: usize,
-        plan: &Plan,
-        z: &DVector<f64>,
-        slopes: bool,
-    ) -> Option<Simulated> {
+    pub fn simulate(&self, r: usize, plan: &Plan, z: &DVector<f64>, slopes: bool) -> Option<Simulated> {
         let mut setting = self.setting(r, plan, z, slopes);
         let markers = setting.points.len();
         let asides: Vec<usize> = setting.chains.iter().filter_map(|chain| setting.place(chain)).collect();
@@ -129,13 +123,7 @@ impl Hypothesis {
     }
 
     /// Values of the model and of the setup at `z`.
-    fn setting(
-        &self,
-        r: usize,
-        plan: &Plan,
-        z: &DVector<f64>,
-        slopes: bool,
-    ) -> Setting<'_> {
+    fn setting(&self, r: usize, plan: &Plan, z: &DVector<f64>, slopes: bool) -> Setting<'_> {
         let trial = &self.trials[r];
         let points = plan.tracks.iter().map(|track| trial.release.tracks[*track].at).collect();
         let mut setting = Setting { points, ..Setting::default() };

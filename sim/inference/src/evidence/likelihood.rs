@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::data::{Comparison, Compared, Data};
+use super::data::{Compared, Comparison, Data};
 use super::hypothesis::Hypothesis;
 use super::search::{Effort, Likelihood, Point, search};
 use super::unknown::Unknown;
@@ -82,8 +82,7 @@ impl Fit {
     /// At a point, with the best share near another one.
     pub fn at(data: &Data, hypothesis: &Arc<Hypothesis>, at: Point, near: f64) -> Self {
         let unknowns = &hypothesis.unknowns;
-        let (evidence, share) =
-            evidence(&at.seen.features, &data.weights, unknowns, &at.z, near, SHARE_STEP);
+        let (evidence, share) = evidence(&at.seen.features, &data.weights, unknowns, &at.z, near, SHARE_STEP);
         Self { hypothesis: hypothesis.clone(), at, share, evidence }
     }
 

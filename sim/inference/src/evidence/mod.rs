@@ -28,7 +28,7 @@ use efam_experiments::experiment::Experiment;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use crate::calibrate::{CalibrateError, Problem, SectionError};
+use crate::calibrate::{CalibrateError, Problem, SectionError, Trial};
 use crate::diagnose::{DiagnosisSettings, Listener, section};
 use crate::normal::NORMAL_95;
 use candidates::{Extension, effects, statements};
@@ -46,7 +46,7 @@ const BEHIND: f64 = 15.0;
 /// Tries of one effect that are fitted: a memory may be short or long.
 const TRIES: usize = 2;
 /// Candidates that are fitted to their end by features, and to all samples, by each of the two promises.
-const MOST_SAMPLED: usize = 4;
+const MOST_SAMPLED: usize = 3;
 /// Log odds within which two answers are one class: twenty to one.
 const CLASS: f64 = 3.0;
 /// Log odds over all candidates together that an answer needs beside, `ln K` being their number.
@@ -93,9 +93,14 @@ pub fn diagnose(
 ) -> Result<Weighed, CalibrateError> {
     let name = problem.trials.first().map_or(String::new(), |trial| trial.release.name.clone());
     let of_model = |error| CalibrateError::Model { release: name.clone(), error };
-    let mut trials = setup::trials(problem).map_err(of_model)?;
     let work = Work::limited(settings.budget);
-    trials.iter_mut().for_each(|trial| trial.run.work = work.clone());
+    let trials = |is_coarse: bool| {
+        let mut trials = setup::trials(problem, is_coarse).map_err(of_model)?;
+        trials.iter_mut().for_each(|trial| trial.run.work = work.clone());
+        Ok(trials)
+    };
+    let own_mesh = trials(false)?;
+    let trials = trials(true)?;
     if trials.is_empty() {
         return Err(CalibrateError::NoTrials);
     }
@@ -105,14 +110,21 @@ pub fn diagnose(
         .filter(|r| !places.contains(r))
         .map(|r| format!("{}: shows no swing, and takes no part", trials[r].release.name))
         .collect();
-    let trials: Vec<_> = places.iter().map(|r| trials[*r].clone()).collect();
-    if trials.is_empty() {
+    if places.is_empty() {
         return Err(CalibrateError::NoFit { release: name });
     }
-    let nothing = Arc::new(setup::nothing(problem, trials, &data.plans).map_err(of_model)?);
-    listener.doing("the model as it is");
+    let nothing = |trials: Vec<Trial>| {
+        let trials = places.iter().map(|r| trials[*r].clone()).collect();
+        Ok(Arc::new(setup::nothing(problem, trials, &data.plans).map_err(of_model)?))
+    };
     let no_fit = || CalibrateError::NoFit { release: name.clone() };
-    let at_means = Point::of(&data, &nothing, nothing.start()).ok_or_else(no_fit)?;
+    listener.doing("the model as it is");
+    let (mut nothing, fine) = (nothing(trials)?, nothing(own_mesh)?);
+    let mut at_means = Point::of(&data, &nothing, nothing.start()).ok_or_else(no_fit)?;
+    if !data.is_same(&at_means, &fine).ok_or_else(no_fit)? {
+        nothing = fine;
+        at_means = Point::of(&data, &nothing, nothing.start()).ok_or_else(no_fit)?;
+    }
     let by_features = Fit::by_features(&data, &nothing, at_means.clone(), FIRST_SHARE, BASE_EFFORT);
     let mut baseline = Sampled::from(&data, &by_features.ok_or_else(no_fit)?).ok_or_else(no_fit)?;
     listener.began();
@@ -178,7 +190,9 @@ fn round<'a>(
     listener.doing(&format!("round {}: fits by features", number + 1));
     let mut tried: Vec<Tried> = leaders(screened, |own| own.by_features.as_ref(), MOST_FITTED)
         .into_par_iter()
-        .filter_map(|(own, promise)| Some(Tried::of(base, &own.extension, first_steps(data, base, own, promise)?)))
+        .filter_map(|(own, promise)| {
+            Some(Tried::of(base, &own.extension, first_steps(data, base, own, promise)?))
+        })
         .collect();
     tried.sort_by(|a, b| b.features.total_cmp(&a.features));
     let top = tried.first().map_or(0.0, |own| own.features);
@@ -206,11 +220,20 @@ fn round<'a>(
     };
     let by_samples = leaders(screened, |own| own.by_samples.as_ref(), MOST_SAMPLED);
     let is_hopeful = |(_, promise): &(&Screened, &Promise)| promise.odds > 0.0;
+    // What came to more than was promised is there already.
+    let is_new = |(own, promise): &(&Screened, &Promise)| {
+        let of = |tried: &Tried| {
+            tried.sampled.as_ref().map(|found| found.evidence - base.evidence + own.extension.odds)
+        };
+        let is_there =
+            |tried: &Tried| tried.extension.name == own.extension.name && of(tried) >= Some(promise.odds);
+        !tried.iter().any(is_there)
+    };
+    let by_samples: Vec<_> = by_samples.into_iter().filter(is_new).collect();
     tried.extend(by_samples.into_par_iter().filter(is_hopeful).filter_map(direct).collect::<Vec<_>>());
     again(data, base, &tried);
     for own in &mut tried {
-        own.all = own.sampled.as_ref().map_or(f64::NEG_INFINITY, |sampled| sampled.evidence)
-            - base.evidence
+        own.all = own.sampled.as_ref().map_or(f64::NEG_INFINITY, |sampled| sampled.evidence) - base.evidence
             + own.extension.odds;
     }
     // Those that were not fitted to all samples stay behind.
@@ -282,8 +305,7 @@ impl<'a> Tried<'a> {
     /// What was fitted to all samples, with its log odds, unless the interval of its strength holds zero.
     fn accepted(self) -> Option<(f64, Accepted)> {
         let sampled = self.sampled?;
-        let is_off =
-            |u: &usize| sampled.fit.at.z[*u].abs() > NORMAL_95 * sampled.covariance[(*u, *u)].sqrt();
+        let is_off = |u: &usize| sampled.fit.at.z[*u].abs() > NORMAL_95 * sampled.covariance[(*u, *u)].sqrt();
         let is_told = self.extension.strengths.is_empty() || self.extension.strengths.iter().any(is_off);
         is_told.then(|| (self.all, Accepted { name: self.extension.name.clone(), sampled }))
     }

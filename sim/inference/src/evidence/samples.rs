@@ -69,7 +69,14 @@ impl Sampled {
         let of = |plan: &Plan| sampled(plan) as f64 * plan.noise.powi(2);
         let noise = (2.0 * data.plans.iter().map(of).sum::<f64>() / count).sqrt();
         let rms = rms(differences);
-        Some(Self { fit: Fit::at(data, hypothesis, at, start.share), covariance, rms, noise, evidence, misfit })
+        Some(Self {
+            fit: Fit::at(data, hypothesis, at, start.share),
+            covariance,
+            rms,
+            noise,
+            evidence,
+            misfit,
+        })
     }
 }
 
@@ -84,7 +91,14 @@ impl Likelihood for Samples {
         expanded(data, &normals(seen), z, misfits)
     }
 
-    fn scale(&self, data: &Data, _: &Hypothesis, seen: &Comparison, _: &DVector<f64>, _: &Vec<f64>) -> Vec<f64> {
+    fn scale(
+        &self,
+        data: &Data,
+        _: &Hypothesis,
+        seen: &Comparison,
+        _: &DVector<f64>,
+        _: &Vec<f64>,
+    ) -> Vec<f64> {
         Self::misfits(data, seen)
     }
 
@@ -146,7 +160,8 @@ pub fn linearised(
         }
     }
     let (optimum, rests) = (z + &step, squares(&step));
-    let rest = |(own, dd): (&Normal, &f64)| Normal { jj: own.jj.clone(), jd: &own.jd + &own.jj * &step, dd: *dd };
+    let rest =
+        |(own, dd): (&Normal, &f64)| Normal { jj: own.jj.clone(), jd: &own.jd + &own.jj * &step, dd: *dd };
     let there: Vec<Normal> = normals.iter().zip(&rests).map(rest).collect();
     let at = expanded(data, &there, &optimum, &misfits);
     let cost = 0.5 * optimum.norm_squared() - likelihood(data, &misfits);

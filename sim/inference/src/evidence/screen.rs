@@ -1,8 +1,8 @@
 //! The screen: which candidates are worth a fit, and where it begins.
 //!
-//! A candidate is tried at a few strengths: friction, drag and memory are not linear in theirs, and a small one says little of a
+//! A candidate is tried at two strengths: friction, drag and memory are not linear in theirs, and a small one says little of a
 //! large one. Each try is one run of the releases. From there the other unknowns respond by the slopes of the model before,
-//! and the strength by the secant from zero. The evidence of that linearised model ranks the candidates, by features and by
+//! and the strength by the secant from zero. The second try is made where the first leads to. The evidence of that linearised model ranks the candidates, by features and by
 //! all samples: features lead a model that is far off, and samples see what is small.
 //!
 //! A model without an effect may bend what is stated far, a stiffness by 70 % where a mass is missing. The way back from there is
@@ -20,14 +20,15 @@ use super::samples::{Normal, Sampled, linearised};
 use super::search::Point;
 use super::unknown::Unknown;
 
-/// Strengths that are tried, prior standard deviations: together they cover three decades.
-const TRIED: [f64; 3] = [0.02, 0.14, 1.0];
-/// Factor between these strengths.
-const FACTOR: f64 = 7.0;
+/// Strength that is tried first, prior standard deviations, and by how much the next may differ.
+const TRIED: f64 = 0.1;
+const FACTOR: f64 = 10.0;
+/// A strength within this factor of one that was tried needs no try of its own.
+const SAME: f64 = 3.0;
 /// Longest step of another unknown, prior standard deviations.
 const LONGEST: f64 = 2.0;
 /// Strength from which a fit begins again, prior standard deviations.
-const LITTLE: f64 = TRIED[0];
+const LITTLE: f64 = 0.02;
 /// Factor of the share within which the linearised model finds its own.
 const REACH: f64 = 20.0;
 
@@ -48,8 +49,8 @@ pub struct Promise {
     pub odds: f64,
     /// The try that it comes from.
     tried: Arc<Try>,
-    /// Whether the linearised model wants the sign of the strength that was tried.
-    is_of_sign: bool,
+    /// Strength that the linearised model wants, within a factor of the one that was tried.
+    strength: f64,
 }
 
 /// Where tries begin: a place of the model before, with its own slopes.
@@ -79,12 +80,14 @@ pub fn screen(data: &Data, base: &Sampled, others: &[Origin], extensions: Vec<Ex
                 best.improve(data, base, origin, 0.0);
                 continue;
             }
-            let first = best.extension.strengths[0];
-            let is_half = best.extension.hypothesis.unknowns[first].is_half;
-            for strength in TRIED {
-                let is_of_sign = best.improve(data, base, origin, strength);
-                if !is_half && !is_of_sign {
-                    best.improve(data, base, origin, -strength);
+            // By both likelihoods, unless that is where it was.
+            let led = best.improve(data, base, origin, TRIED);
+            let mut made = vec![TRIED];
+            for next in led.into_iter().flatten() {
+                let is_same = |own: &f64| (1.0 / SAME..SAME).contains(&(next / own));
+                if !made.iter().any(is_same) {
+                    best.improve(data, base, origin, next);
+                    made.push(next);
                 }
             }
         }
@@ -94,18 +97,20 @@ pub fn screen(data: &Data, base: &Sampled, others: &[Origin], extensions: Vec<Ex
 }
 
 impl Screened {
-    /// Tries a strength, and keeps what is better; whether both linearised models want this sign.
-    fn improve(&mut self, data: &Data, base: &Sampled, origin: Origin, strength: f64) -> bool {
-        let Some(tried) = Try::of(data, base, origin, &self.extension, strength) else { return false };
+    /// Tries a strength, and keeps what is better; the strengths that features and samples want then.
+    fn improve(&mut self, data: &Data, base: &Sampled, origin: Origin, strength: f64) -> [Option<f64>; 2] {
+        let Some(tried) = Try::of(data, base, origin, &self.extension, strength) else {
+            return [(strength > TRIED / FACTOR).then_some(strength / FACTOR), None];
+        };
         let (tried, extension) = (Arc::new(tried), &self.extension);
         let promises = [tried.by_features(data, base, extension), tried.by_samples(data, base, extension)];
-        let is_of_sign = promises.iter().flatten().all(|own| own.is_of_sign);
+        let wanted = promises.each_ref().map(|own| own.as_ref().map(|own| own.strength));
         for (best, own) in [&mut self.by_features, &mut self.by_samples].into_iter().zip(promises) {
             if own.as_ref().is_some_and(|own| best.as_ref().is_none_or(|best| own.odds > best.odds)) {
                 *best = own;
             }
         }
-        is_of_sign
+        wanted
     }
 }
 
@@ -142,8 +147,7 @@ impl Try {
         let slopes = here.features.slopes.iter().zip(secants(&origin.seen.features, &here.features));
         let slopes: Vec<_> =
             slopes.map(|(slopes, secant)| extended(slopes, &wider, place, &secant, z.len())).collect();
-        let features =
-            Compared { differences: here.features.differences.clone(), slopes: slopes.into() };
+        let features = Compared { differences: here.features.differences.clone(), slopes: slopes.into() };
         let secants = secants(&origin.seen.samples, &here.samples);
         let normal = |r: usize| normal(&here, r, &wider, place, &secants[r], z.len());
         let normals = (0..secants.len()).map(normal).collect();
@@ -152,8 +156,7 @@ impl Try {
 
     fn by_features(self: &Arc<Self>, data: &Data, base: &Sampled, extension: &Extension) -> Option<Promise> {
         let (before, unknowns) = (&base.fit, &extension.hypothesis.unknowns);
-        let (value, share) =
-            evidence(&self.features, &data.weights, unknowns, &self.z, before.share, REACH);
+        let (value, share) = evidence(&self.features, &data.weights, unknowns, &self.z, before.share, REACH);
         let expanded = expand(&self.features, &data.weights, &self.z, share);
         let factors = expanded.hessian.cholesky()?;
         let optimum = &self.z - factors.solve(&expanded.gradient);
@@ -178,17 +181,18 @@ impl Try {
         let (odds, unknowns) = (odds + extension.odds, &extension.hypothesis.unknowns);
         let tried = self.clone();
         let Some(place) = self.place else {
-            return Promise { start: nearer(&self.z, &optimum, unknowns), share, odds, tried, is_of_sign: true };
+            let start = nearer(&self.z, &optimum, unknowns);
+            return Promise { start, share, odds, tried, strength: 0.0 };
         };
-        let (sign, size) = (self.strength.signum(), self.strength.abs());
-        let is_of_sign = optimum[place] * sign > 0.0;
-        let size = sign * (optimum[place] * sign).clamp(size / FACTOR, size * FACTOR);
+        let tried_size = self.strength.abs();
+        let sign = if unknowns[place].is_half || optimum[place] > 0.0 { 1.0 } else { -1.0 };
+        let size = sign * (optimum[place] * sign).clamp(tried_size / FACTOR, tried_size * FACTOR);
         let aside = size - optimum[place];
         let variance = covariance[(place, place)];
         let there = optimum + covariance.column(place) * (aside / variance);
         let mut start = nearer(&self.z, &there, unknowns);
         extension.strengths.iter().for_each(|place| start[*place] = size);
-        Promise { start, share, odds: odds - 0.5 * aside * aside / variance, tried, is_of_sign }
+        Promise { start, share, odds: odds - 0.5 * aside * aside / variance, tried, strength: size }
     }
 }
 
