@@ -46,7 +46,7 @@ const BEHIND: f64 = 15.0;
 /// Tries of one effect that are fitted: a memory may be short or long.
 const TRIES: usize = 2;
 /// Candidates that are fitted to their end by features, and to all samples, by each of the two promises.
-const MOST_SAMPLED: usize = 3;
+const MOST_SAMPLED: usize = 4;
 /// Log odds within which two answers are one class: twenty to one.
 const CLASS: f64 = 3.0;
 /// Log odds over all candidates together that an answer needs beside, `ln K` being their number.

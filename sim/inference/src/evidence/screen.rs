@@ -1,13 +1,14 @@
 //! The screen: which candidates are worth a fit, and where it begins.
 //!
-//! A candidate is tried at two strengths: friction, drag and memory are not linear in theirs, and a small one says little of a
-//! large one. Each try is one run of the releases. From there the other unknowns respond by the slopes of the model before,
-//! and the strength by the secant from zero. The second try is made where the first leads to. The evidence of that linearised model ranks the candidates, by features and by
+//! A candidate is tried at a few strengths: friction, drag and memory are not linear in theirs, and a small one says little of a
+//! large one. The next tries are made where these lead to. Each is one run of the releases. From there the other unknowns respond by the slopes of the model before,
+//! and the strength by the secant from zero. The evidence of that linearised model ranks the candidates, by features and by
 //! all samples: features lead a model that is far off, and samples see what is small.
 //!
 //! A model without an effect may bend what is stated far, a stiffness by 70 % where a mass is missing. The way back from there is
 //! long, so tries also begin at the priors' means.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
@@ -20,11 +21,13 @@ use super::samples::{Normal, Sampled, linearised};
 use super::search::Point;
 use super::unknown::Unknown;
 
-/// Strength that is tried first, prior standard deviations, and by how much the next may differ.
-const TRIED: f64 = 0.1;
+/// Strengths that are tried first, prior standard deviations, and by how much the next may differ.
+const TRIED: [f64; 2] = [0.1, 1.0];
 const FACTOR: f64 = 10.0;
 /// A strength within this factor of one that was tried needs no try of its own.
-const SAME: f64 = 3.0;
+const SAME: f64 = 2.0;
+/// Tries of a candidate from one origin.
+const TRIES: usize = 4;
 /// Longest step of another unknown, prior standard deviations.
 const LONGEST: f64 = 2.0;
 /// Strength from which a fit begins again, prior standard deviations.
@@ -80,14 +83,12 @@ pub fn screen(data: &Data, base: &Sampled, others: &[Origin], extensions: Vec<Ex
                 best.improve(data, base, origin, 0.0);
                 continue;
             }
-            // By both likelihoods, unless that is where it was.
-            let led = best.improve(data, base, origin, TRIED);
-            let mut made = vec![TRIED];
-            for next in led.into_iter().flatten() {
-                let is_same = |own: &f64| (1.0 / SAME..SAME).contains(&(next / own));
-                if !made.iter().any(is_same) {
-                    best.improve(data, base, origin, next);
+            // The next are where features or samples lead to, unless one was there.
+            let (mut made, mut wanted) = (Vec::<f64>::new(), VecDeque::from(TRIED));
+            while let Some(next) = wanted.pop_front().filter(|_| made.len() < TRIES) {
+                if !made.iter().any(|own| (1.0 / SAME..SAME).contains(&(next / own))) {
                     made.push(next);
+                    wanted.extend(best.improve(data, base, origin, next).into_iter().flatten());
                 }
             }
         }
@@ -100,7 +101,7 @@ impl Screened {
     /// Tries a strength, and keeps what is better; the strengths that features and samples want then.
     fn improve(&mut self, data: &Data, base: &Sampled, origin: Origin, strength: f64) -> [Option<f64>; 2] {
         let Some(tried) = Try::of(data, base, origin, &self.extension, strength) else {
-            return [(strength > TRIED / FACTOR).then_some(strength / FACTOR), None];
+            return [(strength >= TRIED[0]).then_some(strength / FACTOR), None];
         };
         let (tried, extension) = (Arc::new(tried), &self.extension);
         let promises = [tried.by_features(data, base, extension), tried.by_samples(data, base, extension)];
