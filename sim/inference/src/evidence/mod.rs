@@ -25,12 +25,12 @@ use std::sync::Arc;
 use efam_core::work::Work;
 use efam_experiments::cleaning::Cleaned;
 use efam_experiments::experiment::Experiment;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::calibrate::repeats::quantile_of_f;
 use crate::calibrate::{CalibrateError, Problem, SectionError, Trial};
 use crate::diagnose::{DiagnosisSettings, Listener, section};
-use crate::normal::NORMAL_95;
 use candidates::{Extension, effects, statements};
 use data::Data;
 use likelihood::{FIRST_SHARE, Features, Fit};
@@ -40,7 +40,9 @@ use search::{Effort, Point, steps};
 pub use verdict::Weighed;
 use verdict::{Odds, Round};
 
-/// Candidates of a round that are fitted at most, and how far behind the best by the screen one may be.
+/// Candidates of a round that are fitted at least and at most, and how far behind the best by the screen one may be. The promise of a
+/// linearised model is rough where the misfit is large.
+const LEAST_FITTED: usize = 8;
 const MOST_FITTED: usize = 12;
 const BEHIND: f64 = 15.0;
 /// Tries of one effect that are fitted: a memory may be short or long.
@@ -289,7 +291,8 @@ fn leaders(
     let mut chosen: Vec<(&Screened, &Promise)> = Vec::new();
     for own in all {
         let tries = chosen.iter().filter(|other| other.0.extension.name == own.0.extension.name).count();
-        if tries < TRIES && chosen.len() < most && top - own.1.odds < BEHIND {
+        let is_near = top - own.1.odds < BEHIND || chosen.len() < LEAST_FITTED;
+        if tries < TRIES && chosen.len() < most && is_near {
             chosen.push(own);
         }
     }
@@ -302,11 +305,12 @@ impl<'a> Tried<'a> {
         Self { extension, fit, sampled: None, features, all: f64::NEG_INFINITY }
     }
 
-    /// What was fitted to all samples, with its log odds, unless the interval of its strength holds zero.
+    /// What was fitted to all samples, with its log odds, unless the interval of its strengths together holds zero.
     fn accepted(self) -> Option<(f64, Accepted)> {
-        let sampled = self.sampled?;
-        let is_off = |u: &usize| sampled.fit.at.z[*u].abs() > NORMAL_95 * sampled.covariance[(*u, *u)].sqrt();
-        let is_told = self.extension.strengths.is_empty() || self.extension.strengths.iter().any(is_off);
+        let (sampled, strengths) = (self.sampled?, &self.extension.strengths);
+        let z = DVector::from_iterator(strengths.len(), strengths.iter().map(|u| sampled.fit.at.z[*u]));
+        let covariance = sampled.covariance.select_rows(strengths).select_columns(strengths);
+        let is_told = strengths.is_empty() || is_off(&z, covariance)?;
         is_told.then(|| (self.all, Accepted { name: self.extension.name.clone(), sampled }))
     }
 
@@ -318,5 +322,34 @@ impl<'a> Tried<'a> {
             share: self.fit.share,
             rms_mm: self.sampled.as_ref().map(|own| 1e3 * own.rms),
         }
+    }
+}
+
+/// Whether zero lies outside of the interval of 95 % of numbers that are normal together: chi-squared, which is F with no end of
+/// degrees of freedom below. None where the covariance is none.
+fn is_off(z: &DVector<f64>, covariance: DMatrix<f64>) -> Option<bool> {
+    const NO_END: f64 = 1e9;
+    let count = z.len() as f64;
+    Some(z.dot(&covariance.cholesky()?.solve(z)) > count * quantile_of_f(count, NO_END))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two numbers whose sum is known badly and whose difference is known well: neither is off by itself, but together they are.
+    /// The 95 % point of chi-squared is 5.99 for two and 3.84 for one.
+    #[test]
+    fn strengths_may_be_off_together() {
+        let alike = DMatrix::from_row_slice(2, 2, &[1.0, 0.99, 0.99, 1.0]);
+        let of = |z: [f64; 2], covariance: &DMatrix<f64>| {
+            is_off(&DVector::from_column_slice(&z), covariance.clone())
+        };
+        assert_eq!(of([0.3, -0.3], &alike), Some(true));
+        assert_eq!(of([0.3, 0.3], &alike), Some(false));
+        let one = |z: f64| is_off(&DVector::from_element(1, z), DMatrix::identity(1, 1)).unwrap();
+        assert!(one(2.0) && one(-2.0) && !one(1.9));
+        let apart = DMatrix::identity(2, 2);
+        assert_eq!((of([1.75, 1.75], &apart), of([1.7, 1.7], &apart)), (Some(true), Some(false)));
     }
 }

@@ -59,9 +59,9 @@ impl Sampled {
         let misfits = Samples::misfits(data, &start.at.seen);
         let (at, misfits) = search(&Samples, data, hypothesis, start.at.clone(), misfits, EFFORT)?;
         let (z, seen) = (&at.z, &at.seen);
-        let expansion = expanded(data, &normals(seen), z, &misfits);
+        let expansion = expanded(&data.plans, &normals(seen), z, &misfits);
         let covariance = expansion.hessian.clone().cholesky()?.inverse();
-        let cost = 0.5 * z.norm_squared() - likelihood(data, &misfits);
+        let cost = 0.5 * z.norm_squared() - likelihood(&data.plans, &misfits);
         let evidence = laplace(&Expanded { cost, ..expansion }, z, &halves(&hypothesis.unknowns));
         let differences = &seen.samples.differences;
         let misfit = misfit(data, hypothesis, differences, &misfits);
@@ -88,7 +88,7 @@ impl Likelihood for Samples {
     const LONGEST: f64 = 1.0;
 
     fn expanded(&self, data: &Data, seen: &Comparison, z: &DVector<f64>, misfits: &Vec<f64>) -> Expanded {
-        expanded(data, &normals(seen), z, misfits)
+        expanded(&data.plans, &normals(seen), z, misfits)
     }
 
     fn scale(
@@ -110,7 +110,7 @@ impl Likelihood for Samples {
 impl Samples {
     /// The misfits at a point.
     pub fn misfits(data: &Data, seen: &Comparison) -> Vec<f64> {
-        misfits_of(data, &squares(&seen.samples.differences))
+        misfits_of(&data.plans, &squares(&seen.samples.differences))
     }
 }
 
@@ -135,7 +135,7 @@ fn normals(seen: &Comparison) -> Vec<Normal> {
 
 /// Optimum, covariance and evidence of the model that is linear about `z`, with the misfit that it then has.
 pub fn linearised(
-    data: &Data,
+    plans: &[Plan],
     unknowns: &[Unknown],
     normals: &[Normal],
     z: &DVector<f64>,
@@ -146,13 +146,13 @@ pub fn linearised(
     };
     let mut step = DVector::zeros(z.len());
     let mut covariance = None;
-    let mut misfits = misfits_of(data, &squares(&step));
+    let mut misfits = misfits_of(plans, &squares(&step));
     for _ in 0..LINEAR_ROUNDS {
-        let at = expanded(data, normals, z, &misfits);
+        let at = expanded(plans, normals, z, &misfits);
         let factors = at.hessian.cholesky()?;
         step = -factors.solve(&at.gradient);
         covariance = Some(factors.inverse());
-        let next = misfits_of(data, &squares(&step));
+        let next = misfits_of(plans, &squares(&step));
         let is_settled = Samples.is_settled(&misfits, &next);
         misfits = next;
         if is_settled {
@@ -163,8 +163,8 @@ pub fn linearised(
     let rest =
         |(own, dd): (&Normal, &f64)| Normal { jj: own.jj.clone(), jd: &own.jd + &own.jj * &step, dd: *dd };
     let there: Vec<Normal> = normals.iter().zip(&rests).map(rest).collect();
-    let at = expanded(data, &there, &optimum, &misfits);
-    let cost = 0.5 * optimum.norm_squared() - likelihood(data, &misfits);
+    let at = expanded(plans, &there, &optimum, &misfits);
+    let cost = 0.5 * optimum.norm_squared() - likelihood(plans, &misfits);
     let evidence = laplace(&Expanded { cost, ..at }, &optimum, &halves(unknowns));
     Some((optimum, covariance?, evidence))
 }
@@ -193,17 +193,17 @@ fn squares(differences: &[DVector<f64>]) -> Vec<f64> {
 }
 
 /// Mean square misfit of each release beside its noise, a little of that at least, from the sums of its squares.
-fn misfits_of(data: &Data, squares: &[f64]) -> Vec<f64> {
+fn misfits_of(plans: &[Plan], squares: &[f64]) -> Vec<f64> {
     let of = |(square, plan): (&f64, &Plan)| {
         (square / coordinates(plan) - plan.noise.powi(2)).max(1e-3 * plan.noise.powi(2))
     };
-    squares.iter().zip(&data.plans).map(of).collect()
+    squares.iter().zip(plans).map(of).collect()
 }
 
-fn expanded(data: &Data, normals: &[Normal], z: &DVector<f64>, misfits: &[f64]) -> Expanded {
+fn expanded(plans: &[Plan], normals: &[Normal], z: &DVector<f64>, misfits: &[f64]) -> Expanded {
     let n = z.len();
     let (mut cost, mut gradient, mut hessian) = (0.5 * z.norm_squared(), z.clone(), DMatrix::identity(n, n));
-    for ((own, plan), misfit) in normals.iter().zip(&data.plans).zip(misfits) {
+    for ((own, plan), misfit) in normals.iter().zip(plans).zip(misfits) {
         let weight = variance(plan, *misfit).recip();
         cost += 0.5 * weight * own.dd;
         gradient += weight * &own.jd;
@@ -213,9 +213,9 @@ fn expanded(data: &Data, normals: &[Normal], z: &DVector<f64>, misfits: &[f64]) 
 }
 
 /// Logarithm of the likelihood at the most probable misfits, up to what all models share.
-fn likelihood(data: &Data, misfits: &[f64]) -> f64 {
+fn likelihood(plans: &[Plan], misfits: &[f64]) -> f64 {
     let of = |(plan, misfit): (&Plan, &f64)| -0.5 * numbers(plan) * variance(plan, *misfit).ln();
-    data.plans.iter().zip(misfits).map(of).sum()
+    plans.iter().zip(misfits).map(of).sum()
 }
 
 /// Variance of each of the independent numbers of a release, m²; `misfit` is a mean square beside the noise.
@@ -273,7 +273,41 @@ fn rms(seen: &[DVector<f64>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::unknown::Scaled;
     use super::*;
+    use crate::features::tests::swing;
+
+    /// A linear model has one optimum and one evidence, wherever it is expanded; at the optimum the gradient of the cost is zero.
+    #[test]
+    fn a_linear_model_is_the_same_from_each_point() {
+        let plans = [Plan::of(&swing(1.4, 0.3, |_| [0.0; 2]), false).unwrap()];
+        let plan = &plans[0];
+        let rows = plan.samples.len() * plan.recorded.len();
+        let size = 1e-3;
+        let slopes = DMatrix::from_fn(rows, 2, |k, u| size * (0.03 * (k as f64) * (1.0 + u as f64)).sin());
+        let own = |z: &DVector<f64>| {
+            let aside = DVector::from_fn(rows, |k, _| 2.0 * size * (0.011 * k as f64).cos());
+            let difference = aside + &slopes * (z - DVector::from_vec(vec![0.7, -0.4]));
+            Normal {
+                jj: slopes.tr_mul(&slopes),
+                jd: slopes.tr_mul(&difference),
+                dd: difference.norm_squared(),
+            }
+        };
+        let unknown = Unknown::setup("", "", "", Scaled::Normal(0.0, 1.0));
+        let unknowns = [unknown.clone(), unknown];
+        let from = |z: [f64; 2]| {
+            let z = DVector::from_column_slice(&z);
+            linearised(&plans, &unknowns, &[own(&z)], &z).unwrap()
+        };
+        let ((optimum, _, evidence), (other, _, value)) = (from([0.0, 0.0]), from([-2.0, 1.5]));
+        assert!((&optimum - &other).norm() < 0.01, "{optimum} {other}");
+        assert!((evidence - value).abs() < 0.01, "{evidence} {value}");
+        let there = [own(&optimum)];
+        let misfits = misfits_of(&plans, &[there[0].dd]);
+        let gradient = expanded(&plans, &there, &optimum, &misfits).gradient;
+        assert!(gradient.norm() < 0.01 && optimum.norm() > 0.1, "{gradient} {optimum}");
+    }
 
     /// What two releases have in common has the mean square of a sine, at other times as well; what only one of them has
     /// cancels: sines of different frequencies over whole periods.

@@ -166,7 +166,7 @@ impl Try {
 
     fn by_samples(self: &Arc<Self>, data: &Data, base: &Sampled, extension: &Extension) -> Option<Promise> {
         let (optimum, covariance, value) =
-            linearised(data, &extension.hypothesis.unknowns, &self.normals, &self.z)?;
+            linearised(&data.plans, &extension.hypothesis.unknowns, &self.normals, &self.z)?;
         Some(self.promise(value - base.evidence, base.fit.share, optimum, &covariance, extension))
     }
 

@@ -413,4 +413,4 @@ fn windows(count: usize) -> Vec<(usize, usize)> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
