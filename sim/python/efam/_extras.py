@@ -7,6 +7,7 @@ EXTRAS = {
     "control": "control",
     "matplotlib": "plots",
     "pandas": "tables",
+    "pythonfmu3": "fmu",
     "scipy": "control",
     "tqdm": "progress",
     "xarray": "tables",

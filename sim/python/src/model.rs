@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::Case;
 use numpy::PyArray1;
 use pyo3::exceptions::PyKeyError;
@@ -11,7 +12,7 @@ use pyo3::types::PyDict;
 use crate::linear::Linear;
 use crate::overrides::{Laws, overrides, tables};
 use crate::run::{self, RunData};
-use crate::source::{Parts, Source, read};
+use crate::source::{Parts, Source, of_kind, read};
 use crate::swing::Swing;
 
 /// A rod with its clamp, effects and release: a scenario of one run.
@@ -49,9 +50,12 @@ impl Model {
             let set = overrides(options, &Laws::of(&path, "", &own))?;
             return Self::of(path, String::new(), [own, set].concat());
         }
-        let (path, text) = read(source, "scenario")?;
-        let set = overrides(options, &Laws::of(&path, &text, &[]))?;
-        Self::of(path, text, set)
+        let made = || {
+            let (path, text) = read(source, "scenario")?;
+            let set = overrides(options, &Laws::of(&path, &text, &[]))?;
+            Self::of(path, text, set)
+        };
+        made().map_err(|error| of_kind(FileKind::Scenario, source, error))
     }
 
     /// The same model with something else.

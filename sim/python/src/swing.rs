@@ -4,6 +4,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use efam_core::integrate::State;
 use efam_core::stepper::Stepper;
+use models::effects::by_name;
+use models::quantity::Quantity;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -55,6 +57,15 @@ impl Swing {
     }
 }
 
+/// A part of a load at the tip, on which nothing else of a scenario depends: it is set without reading that again.
+fn load(set: &str) -> Option<(&str, f64)> {
+    let (path, value) = set.split_once('=')?;
+    let own = path.strip_prefix("effects.tip_load.")?;
+    let parameter = by_name("tip_load")?.about().parameters.iter().find(|parameter| parameter.name == own)?;
+    let value = Quantity::parse(value.trim_matches('"')).ok()?.to(parameter.unit).ok()?;
+    (parameter.range.0..=parameter.range.1).contains(&value).then_some((path, value))
+}
+
 #[pymethods]
 impl Swing {
     /// Goes on for a time, such as 0.01 or "10 ms".
@@ -74,6 +85,12 @@ impl Swing {
         let more = overrides(options, &source.laws())?;
         py.detach(|| {
             let mut inner = self.inner();
+            let wrong = |error: &dyn std::fmt::Display| exception(Failure::Usage(error.to_string()));
+            if let Some(loads) = more.iter().map(|set| load(set)).collect::<Option<Vec<_>>>() {
+                inner.stepper.set_all(&loads).map_err(|error| wrong(&error))?;
+                inner.source = inner.source.with(more);
+                return Ok(());
+            }
             let source = inner.source.with(more);
             let own = source.case()?.0.model;
             let is_timed = inner.stepper.model().schedule.is_some() || own.schedule.is_some();
@@ -88,7 +105,7 @@ impl Swing {
                 .map(|parameter| parameter.path.as_str())
                 .zip(own.theta.clone())
                 .collect();
-            inner.stepper.set_all(&values).map_err(|error| exception(Failure::Usage(error.to_string())))?;
+            inner.stepper.set_all(&values).map_err(|error| wrong(&error))?;
             inner.source = source;
             Ok(())
         })
