@@ -5,6 +5,7 @@ from typing import Any
 
 EXTRAS = {
     "control": "control",
+    "gymnasium": "gym",
     "matplotlib": "plots",
     "pandas": "tables",
     "pythonfmu3": "fmu",

@@ -21,6 +21,8 @@ use crate::watch::followed;
 /// What comes of many runs: times, tips with shape `[models][samples][2]`, numbers with shape `[models][NUMBERS]`, and the
 /// failures with their places.
 type Tips<'py> = (Array<'py>, Array<'py>, Array<'py>, Vec<(usize, String)>);
+/// Tips and numbers of a run.
+type Rows<'a> = (&'a mut [f64], &'a mut [f64]);
 type Array<'py> = Bound<'py, PyArray1<f64>>;
 
 /// Numbers of a summary: name, SI unit, value.
@@ -70,7 +72,7 @@ pub fn tips_of_many<'py>(
         let mut tips = vec![f64::NAN; 2 * times.len() * cases.len()];
         let width = 2 * times.len();
         let mut numbers = vec![f64::NAN; NUMBERS.len() * cases.len()];
-        let one = |(place, ((row, own), case)): (usize, ((&mut [f64], &mut [f64]), &&Case))| {
+        let one = |(place, ((row, own), case)): (usize, (Rows, &&Case))| {
             if cancel.is_requested() {
                 return None;
             }

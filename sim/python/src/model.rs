@@ -31,8 +31,8 @@ impl Model {
     }
 
     fn of_source(source: Source) -> PyResult<Self> {
-        let (case, without_files) = source.case()?;
-        Ok(Self { source, without_files, case })
+        let (case, scenario) = source.case()?;
+        Ok(Self { source, without_files: scenario.without_files(), case })
     }
 }
 

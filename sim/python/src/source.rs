@@ -25,8 +25,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// Its one run, and what a pickle needs beside the text: the muscle and posture that its files say.
-    pub fn case(&self) -> PyResult<(Case, Vec<String>)> {
+    /// Its one run, and the scenario that was read.
+    pub fn case(&self) -> PyResult<(Case, Scenario)> {
         let scenario = Scenario::parse(&self.path, &self.text, &self.overrides).map_err(exception)?;
         if scenario.is_all_rows() {
             let message =
@@ -34,7 +34,7 @@ impl Source {
             return Err(exception(Failure::Usage(message.to_owned())));
         }
         let mut cases = scenario.cases().map_err(exception)?;
-        Ok((cases.swap_remove(0), scenario.without_files()))
+        Ok((cases.swap_remove(0), scenario))
     }
 
     /// Its laws as text.
