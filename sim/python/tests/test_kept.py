@@ -55,7 +55,21 @@ def test_a_folder_of_the_program_is_read(scenario, tmp_path):
         efam.load(tmp_path)
 
 
-def test_answers_are_the_same_from_their_folder_and_from_a_pickle(tmp_path):
+def drawn_models_have_the_spread_of_the_prediction(found, muscle, scenario):
+    model = efam.Model(scenario, muscle=muscle, pressure="15 psi")
+    drawn = model.drawn(60, seed=7)
+    poles = [min((pole for pole in own.linearise().poles if pole.imag > 0), key=abs) for own in drawn]
+    low, high = np.percentile(np.abs(poles) / (2 * np.pi), [2.5, 97.5])
+    prediction = efam.predict(found, pressure="15 psi", draws=200, seed=7)
+    (due,) = (own for own in prediction["quantities"] if own["meaning"] == "frequency of small swings")
+    assert low < due["value"] < high
+    assert high - low == pytest.approx(due["interval_95"][1] - due["interval_95"][0], rel=0.4)
+    assert np.array_equal([own["rod.mass"] for own in model.drawn(3, seed=7)], [own["rod.mass"] for own in drawn[:3]])
+    with pytest.raises(efam.ScenarioError, match="no .calibration."):
+        efam.Model(scenario).drawn(1)
+
+
+def test_answers_are_the_same_from_their_folder_and_from_a_pickle(tmp_path, scenario):
     found = efam.calibrate(EXPERIMENT, **{"calibrate.mesh": "kept"})
     folder = found.write(tmp_path / "beam")
     for own in (efam.load(folder), pickle.loads(pickle.dumps(found)), pickle.loads(pickle.dumps(efam.load(folder)))):
@@ -75,6 +89,7 @@ def test_answers_are_the_same_from_their_folder_and_from_a_pickle(tmp_path):
     assert str(by_folder) == str(by_answer)
     prediction = pickle.loads(pickle.dumps(by_folder))
     assert str(efam.load(prediction.write(tmp_path / "prediction"))) == str(by_folder)
+    drawn_models_have_the_spread_of_the_prediction(found, folder / "muscle.toml", scenario)
     with pytest.raises(TypeError, match="has no calibration"):
         efam.predict(efam.simulate(EXPERIMENT.parents[2] / "release-15psi.toml").write(tmp_path / "run"))
 

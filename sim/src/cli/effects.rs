@@ -120,7 +120,7 @@ fn list(json: bool, console: &Console) -> Result<ExitCode, Failure> {
         print(&Printed::Catalogue { effects: all() })?;
     } else if !console.quiet {
         let mut out = stdout();
-        writeln!(out, "{}", listed())?;
+        write!(out, "{}", listed())?;
         writeln!(
             out,
             "A scenario switches an effect on by [effects.NAME]; `efam effects NAME` shows its page."
