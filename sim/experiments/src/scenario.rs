@@ -261,6 +261,12 @@ impl Scenario {
     pub fn cases(&self) -> Result<Vec<Case>, ScenarioError> {
         case::cases(self)
     }
+
+    /// The model of its muscle at another constant pressure, Pa, for a controller that changes it at every step: it costs a
+    /// part of reading a scenario. None where the scenario has no constant pressure, or refuses this one.
+    pub fn model_at(&self, pressure: f64) -> Option<Model> {
+        case::model_at(self, pressure)
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,22 @@
 >>> print(run)
 """
 
-from ._answers import Answer, Residuals, Sweep, analyse, calibrate, check, diagnose, predict, sweep
+from ._answers import (
+    Answer,
+    Residuals,
+    Sweep,
+    analyse,
+    calibrate,
+    check,
+    compare,
+    diagnose,
+    effects,
+    load,
+    modes,
+    predict,
+    statics,
+    sweep,
+)
 from ._efam import (
     DataError,
     EfamError,
@@ -18,17 +33,22 @@ from ._efam import (
     __version__,
 )
 from ._experiment import Experiment
+from ._fmu import to_fmu
+from ._options import ExperimentOptions, Options
 from ._recording import Recording
-from ._run import Many, Run, simulate, simulate_many
+from ._run import Animation, Many, Run, simulate, simulate_many
 
 __all__ = [
+    "Animation",
     "Answer",
     "DataError",
     "EfamError",
     "Experiment",
+    "ExperimentOptions",
     "Linear",
     "Many",
     "Model",
+    "Options",
     "OutputError",
     "Recording",
     "Residuals",
@@ -41,9 +61,15 @@ __all__ = [
     "analyse",
     "calibrate",
     "check",
+    "compare",
     "diagnose",
+    "effects",
+    "load",
+    "modes",
     "predict",
     "simulate",
     "simulate_many",
+    "statics",
     "sweep",
+    "to_fmu",
 ]

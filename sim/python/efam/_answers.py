@@ -1,15 +1,18 @@
 """Analysis, calibration, diagnosis, prediction and sweeps, with the options and the words of the program."""
 
+from __future__ import annotations
+
 import html
 import json
 import os
+import re
 import shutil
 import tempfile
 import webbrowser
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path as FilePath
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +22,14 @@ from ._efam import AnswerData, ResidualsData
 from ._experiment import Source, data_of
 from ._extras import optional
 from ._progress import bar
+from ._run import Run, model_of
+from ._run import Source as Scenario
+from ._stored import StoredAnswer, StoredRun, files_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import ExperimentOptions, Options
 
 Path = Union[str, "os.PathLike[str]"]
 Floats = NDArray[np.float64]
@@ -29,8 +40,17 @@ _REPORT = "report.html"
 class Answer(Mapping[str, Any]):
     """What a command prints with --json, as a mapping; as text, the table that it prints."""
 
-    def __init__(self, data: AnswerData) -> None:
+    def __init__(self, data: Union[AnswerData, StoredAnswer]) -> None:
         self._data = data
+
+    def __reduce__(self) -> Any:
+        own, files = self._data, []
+        if isinstance(own, StoredAnswer):
+            files = own.files
+        elif own.has_folder:
+            with tempfile.TemporaryDirectory(prefix="efam-") as folder:
+                files = files_of(self.write(FilePath(folder) / "answer"))
+        return Answer, (StoredAnswer(own.json, own.table, own.models, files),)
 
     @cached_property
     def _entries(self) -> dict[str, Any]:
@@ -62,6 +82,27 @@ class Answer(Mapping[str, Any]):
 
         return pandas.json_normalize(self[key])
 
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the 95 % intervals of a calibration or prediction, in % of each value, by matplotlib; returns the axes."""
+        rows = [own for own in self.get("parameters") or self.get("quantities") or [] if own.get("interval_95")]
+        if not rows:
+            raise TypeError("plot: there are no intervals here; report() shows the page with its pictures")
+        if axes is None:
+            pyplot = optional("matplotlib.pyplot")
+
+            _, axes = pyplot.subplots(figsize=(8, 1 + 0.3 * len(rows)), layout="constrained")
+        for place, own in enumerate(rows):
+            low, high = (100 * (end - own["value"]) / abs(own["value"]) for end in own["interval_95"])
+            axes.plot([low, high], [place, place], color="C0", marker="|")
+            axes.plot(0, place, color="C0", marker="o")
+        names = [own["name"] for own in rows]
+        if len(set(names)) < len(names):
+            names = [f"{own['name']}, {1e-3 * (own['pressure_pa'] or 0):.0f} kPa" for own in rows]
+        values = [f"{name}: {own['value']:.4g} {own['unit']}" for name, own in zip(names, rows)]
+        axes.set(yticks=range(len(rows)), yticklabels=values, xlabel="95 % interval, % of the value")
+        axes.invert_yaxis()
+        return axes
+
     def write(self, out: Optional[Path] = None, *, overwrite: bool = False) -> FilePath:
         """Writes the folder that the program writes: `out`, or a new one in outputs/. Returns where it is."""
         return FilePath(self._data.write(out, overwrite))
@@ -78,15 +119,23 @@ class Answer(Mapping[str, Any]):
         webbrowser.open(path.as_uri())
         return path
 
-    def _repr_html_(self) -> str:
-        page = html.escape(self.page(), quote=True)
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+    def _repr_html_(self) -> Optional[str]:
+        if not self._data.has_folder:
+            return f"<pre>{html.escape(str(self))}</pre>"
+        return _framed(self.page())
 
     def __str__(self) -> str:
         return self._data.table
 
     def __repr__(self) -> str:
-        return f"<efam.{type(self).__name__}: {', '.join(self._entries)}>"
+        names = list(self._entries)
+        more = ", ..." if len(names) > 6 else ""
+        return f"<efam.{type(self).__name__}: {', '.join(names[:6])}{more}>"
+
+
+def _framed(page: str) -> str:
+    srcdoc = html.escape(page, quote=True)
+    return f'<iframe srcdoc="{srcdoc}" style="width: 100%; height: 40em; border: 0"></iframe>'
 
 
 class Sweep(Answer):
@@ -109,6 +158,14 @@ class Sweep(Answer):
     def models(self) -> dict[str, str]:
         """None."""
         return {}
+
+    def __reduce__(self) -> Any:
+        if self._keep is not None:
+            raise TypeError("a sweep in a temporary folder cannot be pickled; give out= to efam.sweep")
+        return Sweep, (self._json, self._table, self.folder, self.columns, None)
+
+    def _repr_html_(self) -> Optional[str]:
+        return _framed(self.page())
 
     def to_pandas(self, key: Optional[str] = None) -> Any:
         """The table of all points as a pandas.DataFrame, or a list of the answer, such as "numbers"."""
@@ -135,7 +192,7 @@ class Sweep(Answer):
 class Residuals:
     """Residuals of an experiment at any values of its unknowns, and their Jacobian, for solvers of Python."""
 
-    def __init__(self, experiment: Source, /, **options: Any) -> None:
+    def __init__(self, experiment: Source, /, **options: Unpack[ExperimentOptions]) -> None:
         self._data = ResidualsData(data_of(experiment, options))
 
     @property
@@ -168,19 +225,26 @@ class Residuals:
         return self._data.residuals_and_jacobian(theta, exact=exact)
 
 
-def check(experiment: Source, /, **options: Any) -> Answer:
+def check(experiment: Source, /, **options: Unpack[ExperimentOptions]) -> Answer:
     """Cuts the releases out of the recordings of an experiment, as `efam experiment check` does."""
     return Answer(_efam.analyse(data_of(experiment, options), None))
 
 
-def analyse(experiment: Source, /, *, nodes: Optional[Sequence[int]] = None, **options: Any) -> Answer:
+def analyse(
+    experiment: Source, /, *, nodes: Optional[Sequence[int]] = None, **options: Unpack[ExperimentOptions]
+) -> Answer:
     """Finds frequency, damping and stiffness of each release of an experiment, as `efam analyse` does."""
     own = list(nodes) if nodes is not None else _efam.analysis_nodes()
     return Answer(_efam.analyse(data_of(experiment, options), own))
 
 
 def calibrate(
-    experiment: Source, /, *, profile: bool = False, progress: Optional[bool] = None, **options: Any
+    experiment: Source,
+    /,
+    *,
+    profile: bool = False,
+    progress: Optional[bool] = None,
+    **options: Unpack[ExperimentOptions],
 ) -> Answer:
     """Finds parameters of a model from the releases of an experiment, as `efam calibrate` does.
 
@@ -200,7 +264,7 @@ def diagnose(
     without: Sequence[str] = (),
     budget: float = 2e9,
     progress: Optional[bool] = None,
-    **options: Any,
+    **options: Unpack[ExperimentOptions],
 ) -> Answer:
     """Finds which effect the model of an experiment lacks, as `efam diagnose` does.
 
@@ -220,12 +284,12 @@ def predict(
     draws: int = 200,
     seed: int = 1,
     progress: Optional[bool] = None,
-    **options: Any,
+    **options: Unpack[Options],
 ) -> Answer:
     """Predicts how a calibrated rod or muscle responds, with intervals, as `efam predict` does of one case.
 
-    `of` is a calibration, a scenario or its text, such as the rod.toml of a calibration, its muscle.toml, or the name of
-    a built-in muscle. Options are those of `simulate`. With `check`, an experiment, the releases of that are predicted
+    `of` is a calibration or its folder, a scenario or its text, such as the rod.toml of a calibration, its muscle.toml, or
+    the name of a built-in muscle. Options are those of `simulate`. With `check`, an experiment, the releases of that are predicted
     and compared with it, and options set its keys.
     """
     with tempfile.TemporaryDirectory(prefix="efam-") as folder:
@@ -238,10 +302,57 @@ def predict(
             return Answer(_efam.predict(rod, draws, seed, tell, **options))
 
 
+def statics(scenario: Scenario, /, **options: Unpack[Options]) -> Answer:
+    """Finds the rest posture of a model, as `efam statics` does."""
+    return Answer(_efam.statics(model_of(scenario, **options)))
+
+
+def modes(scenario: Scenario, /, *, count: int = 3, **options: Unpack[Options]) -> Answer:
+    """Finds the slowest vibrations of a model about its rest, as `efam modes` does."""
+    return Answer(_efam.modes(model_of(scenario, **options), count))
+
+
+def effects(name: Optional[str] = None, /) -> Answer:
+    """The catalogue of effects, or the page of one, as `efam effects` shows them."""
+    return Answer(_efam.effects(name))
+
+
+def compare(*runs: Union[Path, Run, Answer]) -> Answer:
+    """Compares runs and answers, or their folders, as `efam report` does."""
+    with tempfile.TemporaryDirectory(prefix="efam-") as folder:
+        folders = [
+            FilePath(folder) / str(k) if isinstance(own, (Run, Answer)) else FilePath(own)
+            for k, own in enumerate(runs)
+        ]
+        for own, where in zip(runs, folders):
+            if isinstance(own, (Run, Answer)):
+                own.write(where)
+        return Answer(_efam.compare_runs(folders))
+
+
+def load(folder: Path, /) -> Union[Run, Answer]:
+    """Reads the folder of a run or an answer back, by whichever version and program it was written."""
+    kind, text, table = _efam.loaded(folder)
+    own = FilePath(folder)
+    if kind == "simulation":
+        return Run(StoredRun.read(own, text, table))
+    files = files_of(own)
+    is_model = re.compile(r"rod(-[0-9]+)?\.toml|muscle\.toml").fullmatch
+    models = [(name, content.decode()) for name, content in files if is_model(name)]
+    return Answer(StoredAnswer(text, table, models, files))
+
+
 def _rod(of: Union[Path, Answer, None], folder: FilePath) -> Optional[str]:
     """What `predict` is about, as the program takes it."""
-    if not isinstance(of, Answer):
-        return None if of is None else os.fspath(of)
+    if of is not None and not isinstance(of, Answer):
+        if not os.path.isdir(of):
+            return os.fspath(of)
+        found = load(of)
+        if not isinstance(found, Answer):
+            raise TypeError("predict: the folder of a run has no calibration; efam.load reads it")
+        of = found
+    if of is None:
+        return None
     if len(of.models) != 1:
         names = ", ".join(of.models) or "none"
         raise TypeError(f"predict: the answer has {len(of.models)} models ({names}); give one of answer.models")

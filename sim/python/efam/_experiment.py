@@ -1,13 +1,20 @@
 """Experiments: recordings, what was measured in each, and the model that is compared with them."""
 
+from __future__ import annotations
+
 import itertools
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 from ._efam import ExperimentData, RecordingData, first_experiment
 from ._recording import Recording
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import ExperimentOptions
 
 Source = Union["Experiment", str, "os.PathLike[str]", Mapping[str, Any], None]
 Held = list[tuple[str, RecordingData]]
@@ -27,7 +34,7 @@ class Experiment:
 
     _data: ExperimentData
 
-    def __init__(self, source: Source = None, /, **options: Any) -> None:
+    def __init__(self, source: Source = None, /, **options: Unpack[ExperimentOptions]) -> None:
         held: Held = []
         tables = _tables(options, held)
         if isinstance(source, Experiment):
@@ -42,7 +49,7 @@ class Experiment:
     @classmethod
     def init(
         cls, *recordings: Union[Recording, str, "os.PathLike[str]"], name: str = "experiment"
-    ) -> "Experiment":
+    ) -> Experiment:
         """A first experiment from recordings, as `efam experiment init` writes it.
 
         `text` marks with GUESS what was guessed, and with FILL IN what nobody can know from recordings. `replace` sets
@@ -57,7 +64,7 @@ class Experiment:
         made._data = ExperimentData(first_experiment(name, held), {}, held)
         return made
 
-    def replace(self, **options: Any) -> "Experiment":
+    def replace(self, **options: Unpack[ExperimentOptions]) -> Experiment:
         """The same with something else: **{"recording[1].pressure": "15 psi"}, or rod={...}."""
         return Experiment(self, **options)
 

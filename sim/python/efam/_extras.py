@@ -5,8 +5,10 @@ from typing import Any
 
 EXTRAS = {
     "control": "control",
+    "gymnasium": "gym",
     "matplotlib": "plots",
     "pandas": "tables",
+    "pythonfmu3": "fmu",
     "scipy": "control",
     "tqdm": "progress",
     "xarray": "tables",

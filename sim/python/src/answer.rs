@@ -23,7 +23,8 @@ pub struct AnswerData {
     /// Files with a calibrated model, by name.
     models: Vec<(String, String)>,
     request: Request,
-    write: Box<Write>,
+    /// None of an answer that is printed and never written.
+    write: Option<Box<Write>>,
 }
 
 impl AnswerData {
@@ -34,8 +35,13 @@ impl AnswerData {
         request: Request,
         write: impl Fn(&Folder, &Request) -> Result<(), StoreError> + Send + Sync + 'static,
     ) -> Self {
+        Self { request, write: Some(Box::new(write)), ..Self::printed(answer, table) }
+    }
+
+    /// One that the program prints, and writes to no folder.
+    pub fn printed(answer: &impl Serialize, table: String) -> Self {
         let json = serde_json::to_string(answer).expect("an answer has nothing that JSON has not");
-        Self { json, table, models: Vec::new(), request, write: Box::new(write) }
+        Self { json, table, models: Vec::new(), request: Request::default(), write: None }
     }
 
     /// The same with files of a calibrated model.
@@ -76,12 +82,22 @@ impl AnswerData {
         self.models.clone()
     }
 
+    /// Whether it has a folder.
+    #[getter]
+    fn has_folder(&self) -> bool {
+        self.write.is_some()
+    }
+
     /// Writes the folder that the program writes; returns where it is.
     fn write(&self, py: Python<'_>, out: Option<PathBuf>, overwrite: bool) -> PyResult<PathBuf> {
+        let Some(write) = &self.write else {
+            let message = "write: the program writes no folder of this; str() and the entries are all of it";
+            return Err(exception(Failure::Usage(message.to_owned())));
+        };
         let request = Request { out, overwrite, ..self.request.clone() };
         let written = || -> Result<PathBuf, Failure> {
             let folder = efam_report::begin(&request)?;
-            (self.write)(&folder, &request)?;
+            write(&folder, &request)?;
             Ok(folder.finish()?)
         };
         py.detach(written).map_err(exception)

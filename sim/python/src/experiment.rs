@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use efam_experiments::cleaning::{Cleaned, clean};
 use efam_experiments::experiment::Experiment;
 use efam_experiments::init;
+use efam_experiments::kind::FileKind;
 use efam_recordings::ReadOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,7 +14,7 @@ use sim::failure::Failure;
 use crate::failure::exception;
 use crate::overrides::{Laws, tables};
 use crate::recording::RecordingData;
-use crate::source::read;
+use crate::source::{of_kind, read};
 use crate::watch::watched;
 
 /// What takes the place of the name of a file.
@@ -87,9 +88,12 @@ impl ExperimentData {
             let set = tables(options, &Laws::of(&path, &text, &[]))?;
             return Self::of(path, text, set, held);
         }
-        let (path, text) = read(of, NAME)?;
-        let set = tables(options, &Laws::of(&path, &text, &[]))?;
-        Self::of(path, text, set, held)
+        let made = || {
+            let (path, text) = read(of, NAME)?;
+            let set = tables(options, &Laws::of(&path, &text, &[]))?;
+            Self::of(path, text, set, held)
+        };
+        made().map_err(|error| of_kind(FileKind::Experiment, of, error))
     }
 
     /// The same with more set over it. What is set again replaces what was set.

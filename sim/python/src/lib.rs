@@ -11,8 +11,10 @@ mod overrides;
 mod program;
 mod recording;
 mod residuals;
+mod rest;
 mod run;
 mod source;
+mod stored;
 mod sweep;
 mod swing;
 mod watch;
@@ -40,6 +42,16 @@ fn _efam(py: Python<'_>, module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(inference::compare, module)?)?;
     module.add_function(wrap_pyfunction!(inference::diagnose, module)?)?;
     module.add_function(wrap_pyfunction!(inference::predict, module)?)?;
+    module.add_function(wrap_pyfunction!(many::numbers_of_many, module)?)?;
+    module.add_function(wrap_pyfunction!(overrides::option_keys, module)?)?;
+    module.add_function(wrap_pyfunction!(rest::effects, module)?)?;
+    module.add_function(wrap_pyfunction!(rest::modes, module)?)?;
+    module.add_function(wrap_pyfunction!(rest::statics, module)?)?;
+    module.add_function(wrap_pyfunction!(stored::animated, module)?)?;
+    module.add_function(wrap_pyfunction!(stored::columns, module)?)?;
+    module.add_function(wrap_pyfunction!(stored::compare_runs, module)?)?;
+    module.add_function(wrap_pyfunction!(stored::loaded, module)?)?;
+    module.add_function(wrap_pyfunction!(stored::write_files, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(program::main, module)?)?;
     Ok(())

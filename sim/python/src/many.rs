@@ -5,6 +5,9 @@ use std::ops::ControlFlow;
 use efam_core::forward::{Run, uniform};
 use efam_core::trajectory::Status;
 use efam_experiments::scenario::Case;
+use efam_experiments::summary::Summary;
+use efam_report::Request;
+use efam_report::told::told;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -15,15 +18,42 @@ use crate::failure::exception;
 use crate::model::Model;
 use crate::watch::followed;
 
-/// What comes of many runs: times, tips with shape `[models][samples][2]`, and the failures with their places.
-type Tips<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<(usize, String)>);
+/// What comes of many runs: times, tips with shape `[models][samples][2]`, numbers with shape `[models][NUMBERS]`, and the
+/// failures with their places.
+type Tips<'py> = (Array<'py>, Array<'py>, Array<'py>, Vec<(usize, String)>);
+/// Tips and numbers of a run.
+type Rows<'a> = (&'a mut [f64], &'a mut [f64]);
+type Array<'py> = Bound<'py, PyArray1<f64>>;
 
-/// The tips of many models, on all cores, sampled `rate` times a second. What a run has not is not a number.
+/// Numbers of a summary: name, SI unit, value.
+type Number = (&'static str, &'static str, fn(&Summary) -> Option<f64>);
+const NUMBERS: [Number; 10] = [
+    ("damped_frequency_hz", "Hz", |own| own.damped_frequency_hz),
+    ("natural_frequency_hz", "Hz", |own| own.natural_frequency_hz),
+    ("damping_ratio", "", |own| own.damping_ratio),
+    ("settling_2_percent_s", "s", |own| own.settling_2_percent_s),
+    ("settling_5_percent_s", "s", |own| own.settling_5_percent_s),
+    ("rest_tip_x_m", "m", |own| Some(own.rest?.tip_x_m)),
+    ("rest_tip_z_m", "m", |own| Some(own.rest?.tip_z_m)),
+    ("lowest_tip_z_m", "m", |own| Some(own.lowest?.tip_z_m)),
+    ("peak_speed_m_s", "m/s", |own| Some(own.peak_speed.as_ref()?.speed_m_s)),
+    ("least_tip_angle_rad", "rad", |own| own.least_tip_angle_rad),
+];
+
+/// Name and SI unit of each number of a summary.
+#[pyfunction]
+pub fn numbers_of_many() -> Vec<(&'static str, &'static str)> {
+    NUMBERS.iter().map(|(name, unit, _)| (*name, *unit)).collect()
+}
+
+/// The tips of many models, on all cores, sampled `rate` times a second, and the numbers of their summaries if these are
+/// wanted. What a run has not is not a number.
 #[pyfunction]
 pub fn tips_of_many<'py>(
     py: Python<'py>,
     models: Vec<Py<Model>>,
     rate: f64,
+    summaries: bool,
     tell: Option<Py<PyAny>>,
 ) -> PyResult<Tips<'py>> {
     if !(rate > 0.0 && rate.is_finite()) {
@@ -37,22 +67,34 @@ pub fn tips_of_many<'py>(
         return Err(exception(Failure::Usage(message)));
     }
     let times = uniform(longest, rate);
-    let (tips, failures) = followed(py, tell, |cancel, progress| {
+    let (tips, numbers, failures) = followed(py, tell, |cancel, progress| {
         progress.expect(cases.len());
         let mut tips = vec![f64::NAN; 2 * times.len() * cases.len()];
         let width = 2 * times.len();
-        let one = |(place, (row, case)): (usize, (&mut [f64], &&Case))| {
+        let mut numbers = vec![f64::NAN; NUMBERS.len() * cases.len()];
+        let one = |(place, ((row, own), case)): (usize, (Rows, &&Case))| {
             if cancel.is_requested() {
                 return None;
             }
             let samples: Vec<f64> = times.iter().copied().filter(|time| *time <= case.run.duration).collect();
-            let run = Run { samples, energy: false, trace_step: None, ..case.run.clone() };
+            let run = Run {
+                samples,
+                energy: false,
+                trace_step: case.run.trace_step.filter(|_| summaries),
+                ..case.run.clone()
+            };
             let case = case.run_as(&case.model, &run);
             let done = simulate::simulate(&case, false, cancel.clone(), &mut |_| ControlFlow::Continue(()));
             progress.step();
             match done {
                 Err(failure) => Some((place, failure.to_string())),
                 Ok(done) => {
+                    if summaries {
+                        let told = told(&Request::default(), &done.model, &done.run, &done.trajectory);
+                        for (own, (_, _, number)) in own.iter_mut().zip(NUMBERS) {
+                            *own = number(&told.summary).unwrap_or(f64::NAN);
+                        }
+                    }
                     for (own, tip) in row.chunks_exact_mut(2).zip(&done.trajectory.tip) {
                         own.copy_from_slice(tip);
                     }
@@ -63,8 +105,10 @@ pub fn tips_of_many<'py>(
                 }
             }
         };
-        let failures: Vec<_> = tips.par_chunks_mut(width).zip(&cases).enumerate().filter_map(one).collect();
-        (tips, failures)
+        let rows = tips.par_chunks_mut(width).zip(numbers.par_chunks_mut(NUMBERS.len()));
+        let failures: Vec<_> = rows.zip(&cases).enumerate().filter_map(one).collect();
+        (tips, numbers, failures)
     })?;
-    Ok((PyArray1::from_vec(py, times), PyArray1::from_vec(py, tips), failures))
+    let array = |own| PyArray1::from_vec(py, own);
+    Ok((array(times), array(tips), array(numbers), failures))
 }

@@ -2,16 +2,22 @@
 
 use std::path::PathBuf;
 
+use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::Case;
+use efam_inference::predict::errors::Errors;
+use models::muscle::Known;
 use numpy::PyArray1;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::prelude::*;
+use sim::failure::Failure;
 
+use crate::failure::exception;
 use crate::linear::Linear;
 use crate::overrides::{Laws, overrides, tables};
 use crate::run::{self, RunData};
-use crate::source::{Parts, Source, read};
+use crate::source::{Parts, Source, of_kind, read};
 use crate::swing::Swing;
 
 /// A rod with its clamp, effects and release: a scenario of one run.
@@ -20,6 +26,8 @@ pub struct Model {
     source: Source,
     /// What pickles need beside the text: the muscle and posture that its files say.
     without_files: Vec<String>,
+    /// How well a calibration knows its rod.
+    known: Option<Known>,
     /// The one run of the scenario.
     pub case: Case,
 }
@@ -30,8 +38,8 @@ impl Model {
     }
 
     fn of_source(source: Source) -> PyResult<Self> {
-        let (case, without_files) = source.case()?;
-        Ok(Self { source, without_files, case })
+        let (case, scenario) = source.case()?;
+        Ok(Self { source, without_files: scenario.without_files(), known: scenario.known().cloned(), case })
     }
 }
 
@@ -49,9 +57,12 @@ impl Model {
             let set = overrides(options, &Laws::of(&path, "", &own))?;
             return Self::of(path, String::new(), [own, set].concat());
         }
-        let (path, text) = read(source, "scenario")?;
-        let set = overrides(options, &Laws::of(&path, &text, &[]))?;
-        Self::of(path, text, set)
+        let made = || {
+            let (path, text) = read(source, "scenario")?;
+            let set = overrides(options, &Laws::of(&path, &text, &[]))?;
+            Self::of(path, text, set)
+        };
+        made().map_err(|error| of_kind(FileKind::Scenario, source, error))
     }
 
     /// The same model with something else.
@@ -82,6 +93,22 @@ impl Model {
     ) -> PyResult<Linear> {
         let case = self.case.clone();
         py.detach(|| Linear::of(&if slipping { case.slipping() } else { case }, &inputs, &outputs))
+    }
+
+    /// Models that the errors of its calibration admit, in SI units: their pressure is as it is.
+    #[pyo3(signature = (count, *, seed = 1))]
+    fn drawn(&self, py: Python<'_>, count: usize, seed: u64) -> PyResult<Vec<Self>> {
+        let known = self.known.as_ref().ok_or_else(|| {
+            let message =
+                "has no [calibration], and its muscle none: take the rod.toml or muscle.toml of one";
+            exception(Failure::Usage(format!("{}: {message}", self.case.name)))
+        })?;
+        let errors = Errors::new(known, &self.case);
+        let texts: Vec<String> = py.detach(|| {
+            let drawn = (0..count).into_par_iter().map(|draw| errors.drawn(seed, draw)).collect::<Vec<_>>();
+            drawn.iter().flatten().map(|model| self.case.run_as(model, &self.case.run).resolved()).collect()
+        });
+        texts.into_iter().map(|text| Self::of(PathBuf::from("scenario"), text, Vec::new())).collect()
     }
 
     /// Its name.

@@ -3,9 +3,11 @@
 use std::cell::OnceCell;
 use std::path::Path;
 
+use efam_experiments::scenario::units::{EXPERIMENT, SCENARIO, keys};
 use efam_experiments::scenario::{ReleaseOptions, effects_of, unit_of};
 use efam_store::escape::toml_string;
 use models::effects::Catalogue;
+use models::nearest::nearest;
 use models::quantity::Quantity;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -16,6 +18,17 @@ use crate::failure::exception;
 
 /// Tables within one another; the deepest key of a scenario has five parts.
 const DEEPEST: usize = 8;
+
+/// Options of the program that are quantities of the release: name, place, SI unit.
+type OfRelease = (&'static str, fn(&mut ReleaseOptions) -> &mut Option<f64>, &'static str);
+const RELEASE: [OfRelease; 6] = [
+    ("payload", |own| &mut own.payload, "kg"),
+    ("payload_center", |own| &mut own.payload_center, "m"),
+    ("payload_inertia", |own| &mut own.payload_inertia, "kg m^2"),
+    ("frontal_area", |own| &mut own.frontal_area, "m^2"),
+    ("angle", |own| &mut own.angle, "rad"),
+    ("duration", |own| &mut own.duration, "s"),
+];
 
 /// Options of the program that are one key of a scenario.
 const KEYS: [(&str, &str); 2] = [("muscle", "muscle.file"), ("pressure", "muscle.pressure")];
@@ -82,25 +95,51 @@ pub fn overrides(given: Option<&Bound<'_, PyDict>>, laws: &Laws) -> PyResult<Vec
     let mut set = Vec::new();
     for (key, value) in given.iter() {
         let key: String = key.extract()?;
-        let slot = match key.as_str() {
-            "payload" => Some((&mut release.payload, "kg")),
-            "payload_center" => Some((&mut release.payload_center, "m")),
-            "payload_inertia" => Some((&mut release.payload_inertia, "kg m^2")),
-            "frontal_area" => Some((&mut release.frontal_area, "m^2")),
-            "angle" => Some((&mut release.angle, "rad")),
-            "duration" => Some((&mut release.duration, "s")),
-            _ => None,
-        };
-        match (slot, KEYS.iter().find(|(name, _)| *name == key)) {
-            (Some((slot, unit)), _) => *slot = Some(quantity(&key, &value, unit)?),
+        let release_option = RELEASE.iter().find(|(name, ..)| *name == key);
+        match (release_option, KEYS.iter().find(|(name, _)| *name == key)) {
+            (Some((_, slot, unit)), _) => *slot(&mut release) = Some(quantity(&key, &value, unit)?),
             (None, Some((_, path))) => flatten(path, &value, DEEPEST, laws, &mut set)?,
-            (None, None) => flatten(&key, &value, DEEPEST, laws, &mut set)?,
+            (None, None) => {
+                if let Some(meant) = misspelt(&key) {
+                    let message = format!("{key}: no option is called so; did you mean `{meant}`?");
+                    return Err(exception(Failure::Usage(message)));
+                }
+                flatten(&key, &value, DEEPEST, laws, &mut set)?;
+            }
         }
     }
     if release.payload.is_some_and(|mass| mass < 0.0) {
         return Err(exception(Failure::Usage("payload: it must not be negative".to_owned())));
     }
     Ok([release.overrides(), set].concat())
+}
+
+fn options() -> impl Iterator<Item = &'static str> {
+    RELEASE.iter().map(|own| own.0).chain(KEYS.iter().map(|own| own.0))
+}
+
+/// The option that a word which is no section of a scenario most likely means; a path is read with the scenario.
+fn misspelt(key: &str) -> Option<&'static str> {
+    let known = || options().chain(SCENARIO);
+    let is_word = !key.contains('.') && known().all(|own| own != key);
+    nearest(key, known()).filter(|meant| is_word && options().any(|own| own == *meant))
+}
+
+/// All options and keys: those of a scenario, each with its unit if it is a quantity, and the sections of an experiment.
+#[pyfunction]
+pub fn option_keys() -> (Vec<(String, Option<&'static str>)>, Vec<&'static str>) {
+    let of_release = RELEASE.iter().map(|(name, _, unit)| ((*name).to_owned(), Some(*unit)));
+    let words = KEYS.iter().map(|own| own.0).chain(SCENARIO).map(|word| (word.to_owned(), None));
+    let mut all: Vec<_> = of_release.collect();
+    // A pressure may be one over time.
+    let is_quantity = |name: &str| name != "muscle.pressure";
+    let keys = keys().into_iter().map(|(name, unit)| (name.clone(), unit.filter(|_| is_quantity(&name))));
+    words.chain(keys).for_each(|own| {
+        if all.iter().all(|(name, _)| *name != own.0) {
+            all.push(own);
+        }
+    });
+    (all, EXPERIMENT.to_vec())
 }
 
 /// A scenario or an experiment as tables of Python, or what is set over one.

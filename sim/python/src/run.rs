@@ -1,6 +1,7 @@
 //! A run with all its numbers.
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::OnceLock;
 use std::time::Instant;
 
@@ -133,6 +134,20 @@ impl RunData {
         let Settled { model, run, trajectory, .. } = &self.done;
         let (request, told) = self.about(py);
         py.detach(|| told.page(request, model, run, trajectory))
+    }
+
+    /// Paths of the parameters by which the tip is differentiated.
+    #[getter]
+    fn sensitivities(&self) -> Vec<String> {
+        self.sensitivities.clone()
+    }
+
+    /// Writes the folder that the program writes; returns where it is.
+    fn write(&self, py: Python<'_>, out: Option<PathBuf>, overwrite: bool, csv: bool) -> PyResult<PathBuf> {
+        let Settled { model, run, trajectory, .. } = &self.done;
+        let request = Request { out, overwrite, csv, ..self.about(py).0.clone() };
+        let written = py.detach(|| efam_report::write(&request, model, run, trajectory));
+        Ok(written.map_err(exception)?.folder)
     }
 
     /// The scenario that gives the same bits.

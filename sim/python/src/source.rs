@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::{Case, Scenario};
 use efam_store::input;
 use pyo3::exceptions::PyTypeError;
@@ -9,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 use sim::failure::Failure;
 
-use crate::failure::exception;
+use crate::failure::{ScenarioError, exception};
 use crate::overrides::Laws;
 
 /// The path that files are relative to, the text, and what is set over it: what a pickle holds.
@@ -24,8 +25,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// Its one run, and what a pickle needs beside the text: the muscle and posture that its files say.
-    pub fn case(&self) -> PyResult<(Case, Vec<String>)> {
+    /// Its one run, and the scenario that was read.
+    pub fn case(&self) -> PyResult<(Case, Scenario)> {
         let scenario = Scenario::parse(&self.path, &self.text, &self.overrides).map_err(exception)?;
         if scenario.is_all_rows() {
             let message =
@@ -33,7 +34,7 @@ impl Source {
             return Err(exception(Failure::Usage(message.to_owned())));
         }
         let mut cases = scenario.cases().map_err(exception)?;
-        Ok((cases.swap_remove(0), scenario.without_files()))
+        Ok((cases.swap_remove(0), scenario))
     }
 
     /// Its laws as text.
@@ -67,4 +68,22 @@ pub fn read(given: &Bound<'_, PyAny>, name: &str) -> PyResult<(PathBuf, String)>
         exception(Failure::Usage(format!("{path}: cannot be read ({error}); check the path")))
     })?;
     Ok((path, text))
+}
+
+/// The error of a file that is plainly of another kind than the one that is due, with the call that takes it; or else its
+/// own.
+pub fn of_kind(due: FileKind, given: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
+    // A text is no path of a file.
+    let Ok(path) = given.extract::<PathBuf>() else { return error };
+    let Some(found) = FileKind::of(&path).filter(|found| *found != due) else { return error };
+    let call = match found {
+        FileKind::Scenario => "efam.simulate",
+        FileKind::Experiment => "efam.analyse",
+        FileKind::Sweep => "efam.sweep",
+        FileKind::Muscle => "efam.predict",
+        FileKind::Laws => "laws=",
+        FileKind::Recording => "efam.Experiment.init, which drafts an experiment, or efam.Recording",
+        FileKind::Run => "efam.load",
+    };
+    ScenarioError::new_err(format!("{}: is {found}, and {due} is due; it is for {call}", path.display()))
 }

@@ -6,13 +6,12 @@ use std::time::Instant;
 use efam_core::forward::Cancel;
 use efam_report::Request;
 use efam_report::swept::{again, request_of, swept_table, write_plan, write_swept};
-use efam_store::columns::{Cells, Found, table};
+use efam_store::columns::{Found, table};
 use efam_sweeps::merge::merge;
 use efam_sweeps::plan::{PLAN, Plan};
 use efam_sweeps::request::SweepRequest;
 use efam_sweeps::shard::{Told, is_due, run_all};
 use efam_sweeps::status::SWEEP;
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::to_string;
@@ -21,6 +20,7 @@ use sim::failure::Failure;
 use crate::failure::exception;
 use crate::overrides::{Laws, tables};
 use crate::source::read;
+use crate::stored::arrays;
 use crate::watch::{Progress, followed};
 
 /// What is printed as JSON and for people, where it is, and all columns.
@@ -89,13 +89,6 @@ pub fn sweep<'py>(
             Ok((json, swept_table(&merged), plan.folder, columns))
         };
     let (json, text, folder, columns) = followed(py, tell, work)?.map_err(exception)?;
-    let all = PyDict::new(py);
-    for Found { name, cells, .. } in columns {
-        match cells {
-            Cells::Numbers(numbers) => all.set_item(name, PyArray1::from_vec(py, numbers))?,
-            Cells::Counts(counts) => all.set_item(name, PyArray1::from_vec(py, counts))?,
-            Cells::Texts(texts) => all.set_item(name, texts)?,
-        }
-    }
+    let all = arrays(py, columns)?;
     Ok((json, text, folder, all))
 }

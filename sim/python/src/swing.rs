@@ -4,6 +4,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use efam_core::integrate::State;
 use efam_core::stepper::Stepper;
+use efam_experiments::scenario::Scenario;
+use models::effects::by_name;
+use models::quantity::Quantity;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -26,12 +29,44 @@ struct Inner {
     stepper: Stepper,
     /// The scenario as it stands, with all that was set.
     source: Source,
+    /// The same as it was read, without what was set since by [`Inner::quickly`].
+    scenario: Scenario,
 }
+
+impl Inner {
+    /// Values of a load at the tip and of the pressure, on which nothing else of a scenario depends: they are set without
+    /// reading it again. None where there is more to set, or something is refused.
+    fn quickly(&self, set: &[String]) -> Option<Vec<(String, f64)>> {
+        let mut values = Vec::new();
+        for own in set {
+            let (path, text) = own.split_once('=')?;
+            let quantity = |unit: &str| Quantity::parse(text.trim_matches('"')).ok()?.to(unit).ok();
+            if let Some(name) = path.strip_prefix(LOAD) {
+                self.stepper.model().index(path).ok()?;
+                let parameter =
+                    by_name("tip_load")?.about().parameters.iter().find(|own| own.name == name)?;
+                let is_admitted = |value: &f64| (parameter.range.0..=parameter.range.1).contains(value);
+                values.push((path.to_owned(), quantity(parameter.unit).filter(is_admitted)?));
+            } else if path == "muscle.pressure" {
+                let model = self.scenario.model_at(quantity("Pa")?)?;
+                let all = model.parameters.iter().map(|parameter| parameter.path.clone()).zip(model.theta);
+                values.extend(all.filter(|(path, _)| !path.starts_with(LOAD)));
+            } else {
+                return None;
+            }
+        }
+        Some(values)
+    }
+}
+
+/// The load at the tip.
+const LOAD: &str = "effects.tip_load.";
 
 impl Swing {
     /// At the start of a scenario, on the mesh with which a run of its accuracy begins.
     pub fn of(source: Source) -> PyResult<Self> {
-        let case = source.case()?.0.begun();
+        let (case, scenario) = source.case()?;
+        let case = case.begun();
         let wrong = |error: &dyn std::fmt::Display| exception(Failure::Diverged(error.to_string()));
         let state = case.run.initial.state(&case.model).map_err(|error| wrong(&error))?;
         let control = efam_core::integrate::Control {
@@ -42,7 +77,7 @@ impl Swing {
         };
         let stepper = Stepper::with(&case.model, state, case.run.method, control);
         let stepper = stepper.map_err(|error| wrong(&error))?;
-        Ok(Self { inner: Mutex::new(Inner { stepper, source }) })
+        Ok(Self { inner: Mutex::new(Inner { stepper, source, scenario }) })
     }
 
     /// A panic leaves a rod that `set_state` makes whole again.
@@ -74,8 +109,16 @@ impl Swing {
         let more = overrides(options, &source.laws())?;
         py.detach(|| {
             let mut inner = self.inner();
+            let wrong = |error: &dyn std::fmt::Display| exception(Failure::Usage(error.to_string()));
+            if let Some(values) = inner.quickly(&more) {
+                let values: Vec<_> = values.iter().map(|(path, value)| (path.as_str(), *value)).collect();
+                inner.stepper.set_all(&values).map_err(|error| wrong(&error))?;
+                inner.source = inner.source.with(more);
+                return Ok(());
+            }
             let source = inner.source.with(more);
-            let own = source.case()?.0.model;
+            let (case, scenario) = source.case()?;
+            let own = case.model;
             let is_timed = inner.stepper.model().schedule.is_some() || own.schedule.is_some();
             if is_timed || own.theta.len() != inner.stepper.model().theta.len() {
                 let message = "while it swings no effect can be added and no pressure over time be given; \
@@ -88,8 +131,8 @@ impl Swing {
                 .map(|parameter| parameter.path.as_str())
                 .zip(own.theta.clone())
                 .collect();
-            inner.stepper.set_all(&values).map_err(|error| exception(Failure::Usage(error.to_string())))?;
-            inner.source = source;
+            inner.stepper.set_all(&values).map_err(|error| wrong(&error))?;
+            (inner.source, inner.scenario) = (source, scenario);
             Ok(())
         })
     }

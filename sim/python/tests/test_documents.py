@@ -7,7 +7,7 @@ import pytest
 
 from conftest import ROOT
 
-PAGES = ["README.md", "docs/src/guide/python.md"]
+PAGES = ["README.md", "docs/src/guide/linear.md", "docs/src/guide/python.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)

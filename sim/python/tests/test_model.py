@@ -112,6 +112,29 @@ def test_pressure_and_payload_change_while_it_swings(scenario):
         swing.state = (0.0, [1.0], [1.0], [])
 
 
+def test_what_is_set_quickly_is_what_the_scenario_says(scenario):
+    force = "effects.tip_load.force_z"
+    swing = efam.Model(scenario, **{force: 0.0}).start()
+    swing.step(0.1)
+    said = {}
+    for options in (
+        {force: 0.02},
+        {"pressure": "31 psi"},
+        {"pressure": 2e5, force: "30 mN"},
+        {"pressure": "22 psi"},
+        {"payload": "10 g"},
+        {"pressure": "23 psi"},
+    ):
+        swing.set(**options)
+        said |= options
+        due = efam.Model(scenario, **{force: 0.0}).replace(**said).parameters
+        assert {path: swing[path] for path in due} == due, options
+    with pytest.raises(efam.ScenarioError, match="outside the table"):
+        swing.set(pressure="400 psi")
+    with pytest.raises(efam.ScenarioError, match="must lie in"):
+        swing.set(**{force: 1e7})
+
+
 def test_pressure_damps_a_swing(scenario):
     """The controller of the guide: at a higher pressure the tip rests lower, so pressure rises with the tip."""
 

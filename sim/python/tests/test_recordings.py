@@ -277,14 +277,14 @@ def test_a_sweep_is_that_of_the_program(tmp_path, scenario):
 
 def test_progress_is_told_and_what_it_raises_ends_the_work(model):
     told = []
-    efam._efam.tips_of_many([model] * 30, 10.0, lambda *seen: told.append(seen))
+    efam._efam.tips_of_many([model] * 30, 10.0, False, lambda *seen: told.append(seen))
     assert told[-1] == (30, 30, "") and told == sorted(told)
 
     def stop(*_):
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        efam._efam.tips_of_many([model.replace(duration=1000)] * 30, 10.0, stop)
+        efam._efam.tips_of_many([model.replace(duration=1000)] * 30, 10.0, False, stop)
     assert efam.simulate_many([model], progress=True).failures == {}
 
 

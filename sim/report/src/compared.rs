@@ -8,13 +8,15 @@
 //! ```
 
 mod page;
+mod table;
 
 use std::collections::BTreeMap;
 use std::time::SystemTime;
 
 use efam_inference::calibrate::calibration::Calibrated;
 use efam_store::StoreError;
-use efam_store::folder::Folder;
+use efam_store::folder::{Folder, MARK};
+use efam_store::input;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -25,6 +27,7 @@ use crate::quantities::quantities;
 use crate::reread::{Reread, RunKind};
 use crate::simulated::psi;
 use crate::{Request, write_mark};
+pub use table::comparison_table;
 
 /// The numbers.
 pub const COMPARISON: &str = "comparison.json";
@@ -138,6 +141,19 @@ pub fn compare(runs: &[Reread]) -> Comparison {
 pub fn letter(k: usize) -> String {
     let letter = char::from(b'A' + (k % 26) as u8);
     if k < 26 { letter.to_string() } else { format!("{letter}{}", k / 26) }
+}
+
+/// What the folder of a comparison says of its making.
+pub fn request_of(runs: &[Reread]) -> Request {
+    let mut names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let hash = |run: &Reread| {
+        let file = run.folder.join(MARK);
+        Some((file.display().to_string(), input::sha256(&file).ok()?))
+    };
+    let input_hashes = runs.iter().filter_map(hash).collect();
+    Request { name: names.join(", "), input_hashes, ..Request::default() }
 }
 
 /// Writes a comparison into an open folder.

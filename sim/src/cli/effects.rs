@@ -6,11 +6,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use efam_experiments::scenario::read_laws;
-use efam_report::aligned::{Aligned, Side};
 use models::check::{Outcome, TESTS, is_mirrored};
-use models::effects::{About, CATALOGUE, Kind, Parameter, by_name};
-use models::nearest::{alike, offer};
-use models::quantity::format_si;
 use models::written::Definition;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -19,6 +15,7 @@ use super::arguments::Form;
 use super::console::{Console, print};
 use super::failure::Failure;
 use super::terminal::stdout;
+use crate::catalogue::{Effect, all, listed, named};
 
 const HELP: &str = "Examples:
   efam effects
@@ -104,40 +101,6 @@ impl Tested {
     }
 }
 
-/// A physical effect.
-#[derive(Serialize, JsonSchema)]
-pub struct Effect {
-    /// Its stable name.
-    name: &'static str,
-    /// What it is, in words.
-    meaning: &'static str,
-    /// elastic, dissipative, inertial, load, measurement or description.
-    kind: String,
-    /// Its parameters.
-    parameters: Vec<OfEffect>,
-    /// What one sees of it in a release.
-    signature: &'static str,
-    /// Effects that are easily taken for it.
-    confounded_with: &'static [&'static str],
-}
-
-/// A parameter of an effect; SI.
-#[derive(Serialize, JsonSchema)]
-struct OfEffect {
-    /// Scenario key.
-    name: &'static str,
-    /// What it is, in words.
-    meaning: &'static str,
-    /// SI unit; empty if dimensionless.
-    unit: &'static str,
-    /// Its value where a scenario is silent.
-    default: f64,
-    /// Smallest and largest admissible value.
-    range: [f64; 2],
-    /// Value at which it does nothing, if there is one.
-    null_value: Option<f64>,
-}
-
 pub fn run(args: &Effects, console: &Console) -> Result<ExitCode, Failure> {
     if let Some(file) = &args.rust {
         return rust(file);
@@ -151,62 +114,26 @@ pub fn run(args: &Effects, console: &Console) -> Result<ExitCode, Failure> {
     }
 }
 
-/// Letters in a line of the list.
-const WIDTH: u16 = 120;
-/// Blanks between columns.
-const GAP: u16 = 2;
-/// The column that is broken into lines.
-const MEANING: usize = 1;
-
-const KINDS: [(Kind, &str); 6] = [
-    (Kind::Elastic, "elastic: gives back what it stores"),
-    (Kind::Dissipative, "dissipative: never feeds energy"),
-    (Kind::Inertial, "inertial: adds mass"),
-    (Kind::Load, "load: acts from outside"),
-    (Kind::Measurement, "measurement: changes what is observed"),
-    (Kind::Description, "description: a force of unknown cause; no diagnosis names it"),
-];
-
 /// Lists all effects, kind by kind.
 fn list(json: bool, console: &Console) -> Result<ExitCode, Failure> {
-    let abouts = || CATALOGUE.iter().map(|effect| effect.about());
     if json {
-        let effects = abouts().map(of_about).collect();
-        print(&Printed::Catalogue { effects })?;
-        return Ok(ExitCode::SUCCESS);
+        print(&Printed::Catalogue { effects: all() })?;
+    } else if !console.quiet {
+        let mut out = stdout();
+        write!(out, "{}", listed())?;
+        writeln!(
+            out,
+            "A scenario switches an effect on by [effects.NAME]; `efam effects NAME` shows its page."
+        )?;
     }
-    if console.quiet {
-        return Ok(ExitCode::SUCCESS);
-    }
-    let mut out = stdout();
-    let widths = widths(abouts().flat_map(|about| about.parameters));
-    let longest = abouts().map(|about| about.name.len()).max().unwrap_or(0);
-    for (kind, title) in KINDS {
-        if abouts().all(|about| about.kind != kind) {
-            continue;
-        }
-        writeln!(out, "{title}")?;
-        for about in abouts().filter(|about| about.kind == kind) {
-            writeln!(out, "  {:longest$}  {}", about.name, about.meaning)?;
-            if !about.parameters.is_empty() {
-                write!(out, "{}", table(about.parameters, widths))?;
-            }
-        }
-        writeln!(out)?;
-    }
-    writeln!(out, "A scenario switches an effect on by [effects.NAME]; `efam effects NAME` shows its page.")?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Shows the page of an effect.
 fn page(name: &str, json: bool, console: &Console) -> Result<ExitCode, Failure> {
-    let Some(effect) = by_name(name) else {
-        let names: Vec<_> = CATALOGUE.iter().map(|effect| effect.about().name).collect();
-        let meant = offer(alike(name, names.iter().copied()));
-        return Err(Failure::Usage(format!("no effect `{name}`{meant}; there are {}", names.join(", "))));
-    };
+    let effect = named(name)?;
     if json {
-        print(&Printed::Page { effect: of_about(effect.about()), page: effect.page() })?;
+        print(&Printed::Page { effect: Effect::of(effect.about()), page: effect.page() })?;
     } else if !console.quiet {
         writeln!(stdout(), "{}", effect.page())?;
     }
@@ -225,7 +152,7 @@ fn check(file: &Path, json: bool, console: &Console) -> Result<ExitCode, Failure
         let effect = law.effect().map_err(|error| Failure::Usage(format!("laws.{}: {error}", law.name)))?;
         let tests = TESTS.map(|(test, run)| Tested::of(test, run(effect)));
         checked.push(Checked {
-            effect: of_about(effect.about()),
+            effect: Effect::of(effect.about()),
             page: effect.page(),
             mirrored: is_mirrored(effect).map_err(Failure::Usage)?,
             tests: tests.into(),
@@ -264,51 +191,4 @@ fn rust(file: &Path) -> Result<ExitCode, Failure> {
         write!(out, "{text}")?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The parameters of an effect; all effects have columns of the same widths.
-fn table(parameters: &[Parameter], widths: [u16; 5]) -> Aligned {
-    let mut table = Aligned::new(&[("", Side::Words); 5]).with_widths(&widths);
-    parameters.iter().for_each(|own| table.row(of_parameter(own)));
-    table
-}
-
-/// Widths of the columns: as much as each takes, and the rest for the meaning.
-fn widths<'a>(parameters: impl Iterator<Item = &'a Parameter>) -> [u16; 5] {
-    let mut widths = [0; 5];
-    for cells in parameters.map(of_parameter) {
-        let own = cells.map(|cell| cell.chars().count() as u16 + GAP);
-        widths = std::array::from_fn(|k| own[k].max(widths[k]));
-    }
-    widths[MEANING] = 0;
-    widths[MEANING] = WIDTH.saturating_sub(widths.iter().sum());
-    widths
-}
-
-/// Name, meaning, default, range, and where it is off.
-fn of_parameter(p: &Parameter) -> [String; 5] {
-    let bare = |value: f64| format_si(value, "");
-    let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
-    let range = format!("{} to {}{unit}", bare(p.range.0), bare(p.range.1));
-    let off = p.null_value.map_or(String::new(), |off| format!("off at {}", bare(off)));
-    [format!("    {}", p.name), p.meaning.to_owned(), format_si(p.default, p.unit), range, off]
-}
-
-fn of_about(about: &'static About) -> Effect {
-    let parameter = |p: &'static Parameter| OfEffect {
-        name: p.name,
-        meaning: p.meaning,
-        unit: p.unit,
-        default: p.default,
-        range: [p.range.0, p.range.1],
-        null_value: p.null_value,
-    };
-    Effect {
-        name: about.name,
-        meaning: about.meaning,
-        kind: format!("{:?}", about.kind).to_lowercase(),
-        parameters: about.parameters.iter().map(parameter).collect(),
-        signature: about.signature,
-        confounded_with: about.confounded_with,
-    }
 }

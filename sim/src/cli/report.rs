@@ -1,18 +1,14 @@
 //! `efam report`: comparison of runs.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
 use efam_report::Request;
-use efam_report::aligned::{Aligned, Side};
-use efam_report::compared::{Comparison, compare, write_comparison};
+use efam_report::compared::{Comparison, compare, comparison_table, request_of, write_comparison};
 use efam_report::reread::{Reread, RereadError, reread};
-use efam_store::folder::MARK;
-use efam_store::input;
-use models::digits::significant_or_dash;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -51,19 +47,7 @@ pub fn run(args: &Report, console: &Console) -> Result<ExitCode, Failure> {
     let begin = Instant::now();
     let runs: Vec<Reread> = args.runs.iter().map(|run| reread(run)).collect::<Result<_, _>>()?;
     let comparison = compare(&runs);
-    let mut names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    let hash = |run: &PathBuf| {
-        let file = run.join(MARK);
-        Some((file.display().to_string(), input::sha256(&file).ok()?))
-    };
-    let request = Request {
-        name: names.join(", "),
-        input_hashes: args.runs.iter().filter_map(hash).collect(),
-        argv: argv(),
-        ..Request::default()
-    };
+    let request = Request { argv: argv(), ..request_of(&runs) };
     let asks = format!("{:?}", request.input_hashes);
     let folder = efam_store::folder::open(
         args.output.out.as_deref(),
@@ -77,49 +61,10 @@ pub fn run(args: &Report, console: &Console) -> Result<ExitCode, Failure> {
     if args.output.form.json {
         print(&Printed { folder: &folder, comparison: &comparison })?;
     } else if !console.quiet {
-        let mut out = stdout();
-        tell(&mut out, &comparison)?;
-        writeln!(out, "\nresults in {}", folder.display())?;
+        writeln!(stdout(), "{}\nresults in {}", comparison_table(&comparison), folder.display())?;
     }
     browser::show(args.output.open, &folder, console);
     Ok(ExitCode::SUCCESS)
-}
-
-fn tell(out: &mut impl Write, comparison: &Comparison) -> io::Result<()> {
-    for run in &comparison.runs {
-        writeln!(out, "{}  {}, {}", run.letter, run.name, run.kind)?;
-    }
-    let letters = || comparison.runs.iter().map(|run| run.letter.as_str());
-    let with_heads = |side: Side| {
-        let own = letters().map(|letter| (letter, side));
-        Aligned::new(
-            &[("", Side::Words)].into_iter().chain(own).chain([("", Side::Name)]).collect::<Vec<_>>(),
-        )
-    };
-    let mut differences = with_heads(Side::Words);
-    for of in &comparison.differences {
-        let values = of.values.iter().map(|value| value.as_deref().unwrap_or("-"));
-        differences.row([of.key.as_str()].into_iter().chain(values));
-    }
-    if !comparison.differences.is_empty() {
-        write!(out, "\n{differences}")?;
-    }
-    let mut numbers = with_heads(Side::Number);
-    let rows =
-        [&comparison.quantities, &comparison.over_pressure, &comparison.predictions, &comparison.analyses];
-    for row in rows.into_iter().flatten() {
-        let values = row.values.iter().map(|value| significant_or_dash(*value, 4));
-        numbers.row([row.name.clone()].into_iter().chain(values).chain([row.unit.clone()]));
-    }
-    for one in &comparison.parameters {
-        let values = one.values.iter().map(|value| significant_or_dash(*value, 5));
-        numbers.row([one.name.clone()].into_iter().chain(values).chain([one.unit.clone()]));
-    }
-    write!(out, "\n{numbers}")?;
-    for of in &comparison.verdicts {
-        writeln!(out, "{}  {}: {}", of.letter, of.verdict, of.effects.join(", "))?;
-    }
-    Ok(())
 }
 
 impl From<RereadError> for Failure {

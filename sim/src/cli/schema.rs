@@ -12,8 +12,9 @@ use super::console::print;
 use super::failure::Failure;
 use super::{
     analyse, calibrate, diagnose, doctor, effects, experiment, export, figures, inspect, linearise, predict,
-    report, rest, simulate, sweep,
+    report, simulate, sweep,
 };
+use crate::rest;
 
 const HELP: &str = "Examples:
   efam schema simulate

@@ -52,6 +52,7 @@ use models::muscle::Known;
 use crate::scenario::document::{Document, Keys};
 use crate::scenario::plan::{self, Plan};
 use crate::scenario::start::From;
+use crate::scenario::units::EXPERIMENT;
 use crate::scenario::{Case, LAWS, ScenarioProblem, case, read_laws};
 
 pub use crate::error::ExperimentError;
@@ -112,17 +113,7 @@ impl Experiment {
 
     fn of(path: &Path, document: Document) -> Result<Experiment, ExperimentError> {
         let keys = document.keys();
-        keys.only(&[
-            "name",
-            "muscle",
-            "rod",
-            "effects",
-            "laws",
-            "integrator",
-            "recording",
-            "calibrate",
-            "diagnose",
-        ])?;
+        keys.only(&EXPERIMENT)?;
         let plan = Plan::of_experiment(&document)?;
         let has_muscle = plan.as_ref().is_some_and(|plan| plan.muscle.is_some());
         let tables = keys.tables("recording")?;

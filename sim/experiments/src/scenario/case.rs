@@ -45,6 +45,15 @@ pub(super) fn cases(scenario: &Scenario) -> Result<Vec<Case>, ScenarioError> {
         .collect()
 }
 
+/// The model of a scenario whose pressure is constant, at another one, Pa: nothing is read again.
+pub(super) fn model_at(scenario: &Scenario, pressure: f64) -> Option<Model> {
+    let plan = &scenario.plan;
+    let is_constant = matches!(plan.muscle.as_ref()?.pressure, Pressure::Constant(_));
+    let builder = Builder { document: &scenario.document, plan, pressure_key: "muscle.pressure" };
+    let case = is_constant.then(|| builder.case(scenario.name.clone(), Some(pressure)))?;
+    Some(case.ok()?.with_loss(plan).model)
+}
+
 /// The case of an experiment's plan at a pressure, Pa, that stands at `pressure_key`.
 pub(crate) fn at_pressure(
     document: &Document,

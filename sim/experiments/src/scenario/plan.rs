@@ -16,7 +16,7 @@ use super::error::{ScenarioError, ScenarioProblem};
 use super::laws::{self, LAWS};
 use super::start::{From, is_kinked, read_from};
 use super::tables::{EffectPlan, read_effects, read_file, read_rod};
-use super::units::ROD;
+use super::units::{OF_INTEGRATOR, OF_MUSCLE, OF_RELEASE, OF_ROD, OF_RUN, ROD, SCENARIO};
 
 /// What a scenario says, in SI units; `None` where it says nothing.
 #[derive(Clone, Debug)]
@@ -91,7 +91,7 @@ const MOST_SAMPLES: f64 = 1e7;
 impl Plan {
     pub fn read(document: &Document) -> Result<Plan, ScenarioError> {
         let keys = document.keys();
-        keys.only(&["name", "muscle", "rod", "release", "run", "integrator", "effects", LAWS, CALIBRATION])?;
+        keys.only(&SCENARIO)?;
         let mut plan = Plan::of(document, true)?;
         if keys.has(CALIBRATION) {
             let known = Known::read(document.text());
@@ -120,11 +120,9 @@ impl Plan {
         let keys = document.keys();
         let catalogue = laws::catalogue(document)?;
         let rod = keys.table("rod")?;
-        rod.only(
-            &[&["nodes", "scheme", "root", "base_angle", "tip"][..], &ROD.map(|(key, _)| key)].concat(),
-        )?;
+        rod.only(&[&OF_ROD[..], &ROD.map(|(key, _)| key)].concat())?;
         let release = keys.table("release")?;
-        release.only(&["angle", "angular_velocity", "from", "by", "posture", "nodes", "hold", "history"])?;
+        release.only(&OF_RELEASE)?;
         let RunPlan { rate, accuracy, chooses_tolerance, run } = read_run(&keys)?;
         let run = Run { history: read_history(&release)?, ..run };
         let schemes = [("consistent", Scheme::Consistent), ("paper", Scheme::Paper)];
@@ -195,7 +193,7 @@ fn read_muscle(
     if !keys.is_given() {
         return Ok(None);
     }
-    keys.only(&["name", "file", "text", "pressure", "stiffness", "extrapolation", "mass"])?;
+    keys.only(&OF_MUSCLE)?;
     let given: Vec<_> = ["name", "file", "text"].into_iter().filter(|key| keys.has(key)).collect();
     let text = match given[..] {
         ["name"] => {
@@ -303,7 +301,7 @@ struct RunPlan {
 
 fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
     let run = keys.table("run")?;
-    run.only(&["duration", "rate", "accuracy"])?;
+    run.only(&OF_RUN)?;
     let duration =
         run.quantity_that("duration", "s", "be positive", |duration| duration > 0.0)?.unwrap_or(20.0);
     let rate = run.quantity_that("rate", "Hz", "be positive", |rate| rate > 0.0)?;
@@ -316,7 +314,7 @@ fn read_run(keys: &Keys) -> Result<RunPlan, ScenarioError> {
     let must = "lie in 1e-9..=0.1 m";
     let accuracy = run.quantity_that("accuracy", "m", must, |accuracy| (1e-9..=0.1).contains(&accuracy))?;
     let integrator = keys.table("integrator")?;
-    integrator.only(&["method", "tolerance", "most_steps", "fixed_step"])?;
+    integrator.only(&OF_INTEGRATOR)?;
     let mut settings = Run { samples: Vec::new(), ..Run::release(duration, pace::DEFAULT_RATE) };
     let admitted = |tolerance: f64| (1e-12..=0.1).contains(&tolerance);
     settings.method = integrator.word("method", &METHODS)?.unwrap_or(DEFAULT_METHOD);

@@ -1,4 +1,4 @@
-//! Units of the keys of a scenario, for those who give numbers in SI.
+//! Keys of a scenario, and their units for those who give numbers in SI.
 
 use models::effects::Catalogue;
 
@@ -11,6 +11,26 @@ pub const ROD: [(&str, &str); 6] = [
     ("diameter", "m"),
     ("pressure", "Pa"),
 ];
+
+/// Sections of a scenario.
+pub const SCENARIO: [&str; 9] =
+    ["name", "muscle", "rod", "release", "run", "integrator", "effects", "laws", "calibration"];
+/// Sections of an experiment.
+pub const EXPERIMENT: [&str; 9] =
+    ["name", "muscle", "rod", "effects", "laws", "integrator", "recording", "calibrate", "diagnose"];
+
+/// Keys of a muscle.
+pub(crate) const OF_MUSCLE: [&str; 7] =
+    ["name", "file", "text", "pressure", "stiffness", "extrapolation", "mass"];
+/// Keys of a rod, beside [`ROD`].
+pub(crate) const OF_ROD: [&str; 5] = ["nodes", "scheme", "root", "base_angle", "tip"];
+/// Keys of a release.
+pub(crate) const OF_RELEASE: [&str; 8] =
+    ["angle", "angular_velocity", "from", "by", "posture", "nodes", "hold", "history"];
+/// Keys of a run.
+pub(crate) const OF_RUN: [&str; 3] = ["duration", "rate", "accuracy"];
+/// Keys of an integrator.
+pub(crate) const OF_INTEGRATOR: [&str; 4] = ["method", "tolerance", "most_steps", "fixed_step"];
 
 /// Keys with a unit that no table of the model has.
 const KEYS: [(&str, &str); 10] = [
@@ -67,6 +87,25 @@ pub fn unit_of(path: &str, catalogue: &Catalogue) -> Option<&'static str> {
         None => catalogue.parameter(path)?.unit,
     };
     (!unit.is_empty()).then_some(unit)
+}
+
+/// All keys of a scenario by their paths, each with its unit if it is a quantity.
+pub fn keys() -> Vec<(String, Option<&'static str>)> {
+    let sections: [(&str, &[&str]); 5] = [
+        ("muscle", &OF_MUSCLE),
+        ("rod", &OF_ROD),
+        ("release", &OF_RELEASE),
+        ("run", &OF_RUN),
+        ("integrator", &OF_INTEGRATOR),
+    ];
+    let of_sections =
+        sections.into_iter().flat_map(|(section, own)| own.iter().map(move |key| (section, *key)));
+    let of_rods = ROD.iter().map(|(key, _)| ("rod", *key));
+    let catalogue = Catalogue::default();
+    let unit =
+        |path: &str| catalogue.parameter(path).map(|own| own.unit).or_else(|| unit_of(path, &catalogue));
+    let paths = of_sections.chain(of_rods).map(|(section, key)| format!("{section}.{key}"));
+    paths.chain(catalogue.paths()).map(|path| (path.clone(), unit(&path))).collect()
 }
 
 /// The key that a path without its first tables means, such as `effects.payload.mass` of `payload.mass`; none if no

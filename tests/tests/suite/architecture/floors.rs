@@ -143,8 +143,10 @@ const FLOORS: [Floors; 5] = [
         &[
             ("failure", &[]),
             ("observe", &[]),
+            ("catalogue", &["failure"]),
+            ("rest", &[]),
             ("simulate", &["failure"]),
-            ("cli", &["failure", "observe", "simulate"]),
+            ("cli", &["catalogue", "failure", "observe", "rest", "simulate"]),
         ],
     ),
 ];
