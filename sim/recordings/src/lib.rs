@@ -17,6 +17,7 @@ mod columnar;
 mod draft;
 mod error;
 mod format;
+mod kinovea;
 mod layout;
 mod length;
 mod lost;
@@ -58,6 +59,14 @@ pub struct Recording {
     pub markers: Vec<Marker>,
     /// What was found and decided in reading, in plain words: units, gaps, jumps, lost points.
     pub findings: Vec<String>,
+}
+
+impl Recording {
+    /// Whether all places are on one axis of the file, as those of a laser, so that the others were not measured.
+    pub fn has_one_coordinate(&self) -> bool {
+        let seen = || self.markers.iter().flat_map(|marker| marker.position.iter().flatten());
+        (0..3).filter(|axis| seen().any(|at| at[*axis] != 0.0)).count() < 2
+    }
 }
 
 /// One tracked point or rigid body.
