@@ -175,11 +175,13 @@ impl Cleaned {
     /// Caveats of every answer of a planar model.
     pub fn warnings(&self) -> Vec<String> {
         let moves = |of: &CleanRecording| {
-            let base = of.base.as_ref().filter(|base| base.followed.is_some())?;
+            let base = of.base.as_ref().filter(|base| base.is_followed())?;
             Some(format!(
-                "{}: the base moves by up to {}: that is taken off sample by sample, and no model has the forces of its acceleration",
+                "{}: the base moves by up to {} and turns by up to {:.2} deg: that is taken off sample by sample, and no model \
+                 has the forces of its acceleration",
                 of.name,
-                mm(base.moved)
+                mm(base.moved),
+                base.turned.to_degrees()
             ))
         };
         let out_of_plane = out_of_plane::warning(self.used().map(|used| &used.release));
