@@ -11,7 +11,7 @@ use super::release::{Context, LEAST_NOISE, Rod};
 use super::{
     BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, distance, frame, noise, release,
 };
-use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
+use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset, Start};
 use crate::scenario::ScenarioProblem;
 
 /// Samples that a release needs.
@@ -224,7 +224,10 @@ fn cut(
         .into());
     }
     let sigma = entry.noise.or_else(|| noise::of_path(time, &tip.path, step)).unwrap_or(LEAST_NOISE);
-    let cuts = cycles::cut(time, &tip.path, step, sigma, entry.instants.as_deref());
+    let cuts = match entry.start {
+        Some(Start::InMotion) => cycles::cut_in_motion(time, &tip.path, step, sigma, entry.instant_of(1)),
+        _ => cycles::cut(time, &tip.path, step, sigma, entry.instants.as_deref()),
+    };
     let no_release = |why| CleaningError::NoRelease { file: entry.name.clone(), why, key: entry.key.clone() };
     let cuts = cuts.map_err(no_release)?;
     let spans: Vec<_> = cuts.iter().map(|cut| format!("{:.2}", time[cut.swing.start])).collect();

@@ -71,21 +71,6 @@ pub struct Entry {
     pub overrides: Vec<Override>,
 }
 
-/// A body at the tip.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Payload {
-    /// Mass, kg.
-    pub mass: f64,
-    /// From the end of the active length to its centre of mass, m.
-    pub center_of_mass: f64,
-    /// Its centre of mass beside the axis of the end fitting, m, positive to the left looking outwards.
-    pub offset: f64,
-    /// About its centre of mass, kg m².
-    pub rotary_inertia: f64,
-    /// Whether the recording says anything of it.
-    pub is_given: bool,
-}
-
 /// A marker along the rod.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyMarker {
@@ -120,6 +105,10 @@ pub enum Start {
     Straight,
     /// Bent, by a hand at its end: force and moment follow from the markers.
     Held,
+    /// Not held: at rest by itself, until its pressure changes.
+    Rest,
+    /// Not held: the recording begins in mid-swing. Posture and velocity follow from the markers.
+    InMotion,
 }
 
 /// Where the tip marker stands beside the rod's end.
@@ -268,22 +257,6 @@ impl Entry {
     }
 }
 
-impl Payload {
-    /// As the effect of the model.
-    pub(super) fn effect(&self) -> EffectPlan {
-        let values = [
-            ("mass", self.mass),
-            ("center_of_mass", self.center_of_mass),
-            ("offset", self.offset),
-            ("rotary_inertia", self.rotary_inertia),
-        ];
-        let parameters: &'static [Parameter] =
-            by_name("payload").map_or(&[], |effect| effect.about().parameters);
-        let found = |(name, value)| Some((parameters.iter().find(|p| p.name == name)?, value));
-        ("payload", values.into_iter().filter_map(found).collect())
-    }
-}
-
 fn markers(keys: &Keys, key: &str) -> Result<Option<Vec<String>>, ScenarioError> {
     let Some(names) = keys.texts(key)? else { return Ok(None) };
     let twice = names.iter().collect::<BTreeSet<_>>().len() < names.len();
@@ -292,25 +265,6 @@ fn markers(keys: &Keys, key: &str) -> Result<Option<Vec<String>>, ScenarioError>
         return Err(keys.wrong(key, ScenarioProblem::Must { must }));
     }
     Ok(Some(names.into_iter().map(str::to_owned).collect()))
-}
-
-fn payload(keys: &Keys) -> Result<Payload, ScenarioError> {
-    let not_negative = |keys: &Keys, key: &str, unit: &str| {
-        keys.quantity_that(key, unit, "not be negative", |value| value >= 0.0).map(Option::unwrap_or_default)
-    };
-    let is_given = keys.has("payload");
-    if !is_given || keys.is_text("payload") {
-        return Ok(Payload { mass: not_negative(keys, "payload", "kg")?, is_given, ..Payload::default() });
-    }
-    let table = keys.table("payload")?;
-    table.only(&["mass", "center_of_mass", "offset", "rotary_inertia"])?;
-    Ok(Payload {
-        mass: not_negative(&table, "mass", "kg")?,
-        center_of_mass: table.quantity("center_of_mass", "m")?.unwrap_or_default(),
-        offset: table.quantity("offset", "m")?.unwrap_or_default(),
-        rotary_inertia: not_negative(&table, "rotary_inertia", "kg m^2")?,
-        is_given,
-    })
 }
 
 fn body(keys: &Keys) -> Result<Vec<BodyMarker>, ScenarioError> {
@@ -378,12 +332,25 @@ fn angle(keys: &Keys, key: &str) -> Result<Option<f64>, ScenarioError> {
 
 /// What to do about two starts.
 const ONE_START: &str = "its posture follows from the markers; leave one of the two out";
+const NO_ANGLE: &str = "a rod that is held bent, at rest or in motion has no angle";
 
 fn start(keys: &Keys) -> Result<Option<Start>, ScenarioError> {
-    let start = keys.word("start", &[("straight", Start::Straight), ("held", Start::Held)])?;
-    if start == Some(Start::Held) && keys.has("angle") {
-        let message = format!("a rod that is held bent has no angle; {ONE_START}");
-        return Err(keys.wrong("start", ScenarioProblem::Other { message }));
+    let starts = [
+        ("straight", Start::Straight),
+        ("held", Start::Held),
+        ("rest", Start::Rest),
+        ("in motion", Start::InMotion),
+    ];
+    let start = keys.word("start", &starts)?;
+    if start.is_some_and(|start| start != Start::Straight) && keys.has("angle") {
+        return Err(
+            keys.wrong("start", ScenarioProblem::Other { message: format!("{NO_ANGLE}; {ONE_START}") })
+        );
+    }
+    if start == Some(Start::InMotion) && keys.quantities("instants", "s")?.is_some_and(|list| list.len() > 1)
+    {
+        let must = "have one instant at most if the recording begins in motion";
+        return Err(keys.wrong("instants", ScenarioProblem::Must { must }));
     }
     Ok(start)
 }

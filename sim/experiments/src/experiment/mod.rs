@@ -20,7 +20,8 @@
 //! clamp = ["0 mm", "0 mm", "0 mm"]            # where the rod leaves the clamp, in the file's frame
 //! base_angle = "25 deg"          # of the clamp above the level, where it is not rod.base_angle
 //! angle = "0 deg"                # of the straight rod while it is held; then offset = "hold"
-//! start = "held"                 # without an angle: bent by a hand at its end, as the markers show; or "straight"
+//! start = "held"                 # without an angle: bent by a hand at its end, as the markers show; or "straight";
+//!                                # or "in motion": the recording begins in mid-swing
 //! offset = "hold"                # of the tip marker from the rod's end, taken off: "hold", "none",
 //!                                # or ["0 mm", "22 mm"], along and across the rod at the hold
 //! instants = ["0.71 s"]          # of release, on the recording's clock, instead of those found
@@ -40,6 +41,8 @@
 
 mod direction;
 mod entry;
+mod payload;
+mod pressure;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -50,7 +53,7 @@ use models::effects::Catalogue;
 use models::muscle::Known;
 
 use crate::scenario::document::{Document, Keys};
-use crate::scenario::plan::{self, Plan};
+use crate::scenario::plan::{self, Plan, Pressure};
 use crate::scenario::start::From;
 use crate::scenario::{Case, LAWS, ScenarioProblem, case, read_laws};
 

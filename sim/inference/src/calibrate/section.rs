@@ -20,6 +20,7 @@
 
 use std::sync::Arc;
 
+use efam_core::forward::Initial;
 use efam_experiments::cleaning::{CleanRelease, Cleaned};
 use efam_experiments::experiment::{Experiment, ExperimentError, Start};
 use efam_experiments::scenario::document::Keys;
@@ -47,6 +48,15 @@ pub enum SectionError {
     NoRelease {
         /// Its file.
         experiment: String,
+    },
+    /// A recording of one coordinate alone.
+    #[error(
+        "{file}: has one coordinate alone, and a fit would take the others, which are 0, for measured; `efam analyse` gives its \
+         frequency and damping"
+    )]
+    OneCoordinate {
+        /// Its name.
+        file: String,
     },
     /// An experiment without a model.
     #[error(
@@ -118,11 +128,17 @@ pub fn problem(
 /// [`CalibrateError::Held`] if the model cannot be held so.
 pub(crate) fn trial(experiment: &Experiment, of: &CleanRelease, case: Case) -> Result<Trial, CalibrateError> {
     let mut trial = Trial { release: of.release.clone(), model: case.model, run: case.run };
-    if experiment.recordings[of.recording].start_of(of.number) == Start::Held {
-        hold(&mut trial).map_err(|error| CalibrateError::Held {
+    match experiment.recordings[of.recording].start_of(of.number) {
+        Start::Straight => {}
+        Start::Rest => {
+            let mut hold = trial.model.clone();
+            hold.schedule = None;
+            trial.run.initial = Initial::Equilibrium { hold: Box::new(hold), own: Vec::new() };
+        }
+        Start::Held | Start::InMotion => hold(&mut trial).map_err(|error| CalibrateError::Held {
             release: trial.release.name.clone(),
             error: error.into(),
-        })?;
+        })?,
     }
     Ok(trial)
 }
