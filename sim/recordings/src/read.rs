@@ -49,7 +49,7 @@ pub fn parse(bytes: Vec<u8>, source: &Path, options: &ReadOptions) -> Result<Rec
     recording.map_err(|problem| RecordingError { file: source.to_owned(), problem })
 }
 
-fn load(path: &Path) -> Result<Vec<u8>, RecordingProblem> {
+pub(super) fn load(path: &Path) -> Result<Vec<u8>, RecordingProblem> {
     let metadata = std::fs::metadata(path).map_err(RecordingProblem::Unreadable)?;
     if !metadata.is_file() {
         return Err(RecordingProblem::NotAFile);

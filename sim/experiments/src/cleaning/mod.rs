@@ -36,6 +36,7 @@ use serde::Serialize;
 
 use crate::experiment::{Experiment, ExperimentError};
 use crate::release::Release;
+use crate::scenario::Case;
 
 pub use crate::error::CleaningError;
 pub use base::BasePose;
@@ -190,11 +191,18 @@ impl Cleaned {
 }
 
 impl CleanRelease {
+    /// The case of this release, with the pressure over its time; nothing if the experiment has no model.
+    /// # Errors
+    /// [`ExperimentError`] for what the muscle or the model refuses.
+    pub fn case(&self, experiment: &Experiment) -> Result<Option<Case>, ExperimentError> {
+        experiment.case_at(self.recording, self.angle, None, Some(self.instant))
+    }
+
     /// The model of this release; nothing if the experiment has none.
     /// # Errors
     /// [`ExperimentError`] for what the muscle or the model refuses.
     pub fn model(&self, experiment: &Experiment) -> Result<Option<models::model::Model>, ExperimentError> {
-        Ok(experiment.case(self.recording, self.angle)?.map(|case| case.model))
+        Ok(self.case(experiment)?.map(|case| case.model))
     }
 }
 

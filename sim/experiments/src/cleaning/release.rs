@@ -108,7 +108,7 @@ impl Context<'_> {
             time: time[samples].iter().map(|t| t - onset.instant).collect(),
             release_uncertainty: onset.uncertainty,
             tracks,
-            pressure: entry.pressure,
+            pressure: entry.pressures.as_ref().map(|all| all.at(onset.instant)).or(entry.pressure),
             payload: entry.payload.mass,
             held_out: entry.is_held_out(number),
             out_of_plane: OutOfPlane { distance: out_of_plane, share: out_of_plane / length },

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use efam_recordings::Length;
 use efam_store::escape::escaped;
-use models::effects::{Parameter, by_name};
 
 use super::direction::{AXES, Direction};
+use super::payload::{Payload, payload};
+use super::pressure::{Pressures, pressure};
 use crate::scenario::document::{Document, Keys};
-use crate::scenario::tables::EffectPlan;
 use crate::scenario::{ScenarioError, ScenarioProblem};
 
 /// A recording, and what is known of it beside its file.
@@ -21,8 +21,10 @@ pub struct Entry {
     pub name: String,
     /// Its file.
     pub file: PathBuf,
-    /// Gauge pressure, Pa, if it is known.
+    /// Gauge pressure, Pa, if it is known; the mean of one that changes.
     pub pressure: Option<f64>,
+    /// The same over time, if that was recorded.
+    pub pressures: Option<Pressures>,
     /// What hung on the tip.
     pub payload: Payload,
     /// Markers whose centroid is the tip.
@@ -176,12 +178,11 @@ impl Entry {
             return Err(keys.missing("pressure", "pressure = \"15 psi\", which the muscle needs"));
         }
         keys.text("note")?;
+        let (pressure, pressures) = pressure(document, keys, &file, has_muscle)?;
         let (start, overrides) = (start(keys)?, overrides(keys)?);
-        if let (Some(Start::Held), Some(own)) = (start, overrides.iter().find(|own| own.angle.is_some())) {
-            let message = format!(
-                "a rod that is held bent has no angle, and release {} has one; {ONE_START}",
-                own.number
-            );
+        let is_bent = start.is_some_and(|start| start != Start::Straight);
+        if let (true, Some(own)) = (is_bent, overrides.iter().find(|own| own.angle.is_some())) {
+            let message = format!("{NO_ANGLE}, and release {} has one; {ONE_START}", own.number);
             return Err(keys.wrong("start", ScenarioProblem::Other { message }));
         }
         let whole = |key| keys.counts(key).and_then(|counts| from_one(keys, key, counts));
@@ -189,7 +190,8 @@ impl Entry {
             key: keys.path.clone(),
             name,
             file,
-            pressure: keys.quantity("pressure", "Pa")?,
+            pressure,
+            pressures,
             payload: payload(keys)?,
             tip: markers(keys, "tip")?
                 .ok_or_else(|| keys.missing("tip", "tip = with the name of a marker"))?,

@@ -9,6 +9,7 @@
 //! [[recording]]
 //! file = "15psi.csv"             # relative to this file
 //! pressure = "15 psi"            # needed with a [muscle]
+//!                                # or { file = "p.csv", column = "p", unit = "bar", delay = "0 s" }: over time
 //! payload = "80 g"               # or { mass = "80 g", center_of_mass = "1 in", offset = …, rotary_inertia = … }
 //! tip = ["Tip - 1", "Tip - 2"]   # one marker, or several whose centroid it is
 //! body = [{ marker = "M3", at = "120 mm" }]   # from the clamp, or a share of the active length
@@ -59,7 +60,9 @@ use crate::scenario::{Case, LAWS, ScenarioProblem, case, read_laws};
 
 pub use crate::error::ExperimentError;
 pub use direction::Direction;
-pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Payload, Start};
+pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Start};
+pub use payload::Payload;
+pub use pressure::Pressures;
 
 /// An experiment, read and checked; its recordings are not read yet.
 #[derive(Clone, Debug)]
@@ -198,7 +201,7 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError::Document`] for what the muscle or the model refuses.
     pub fn case(&self, recording: usize, angle: Option<f64>) -> Result<Option<Case>, ExperimentError> {
-        self.case_with(recording, angle, None)
+        self.case_at(recording, angle, None, None)
     }
 
     /// The same with another number of nodes.
@@ -209,6 +212,19 @@ impl Experiment {
         recording: usize,
         angle: Option<f64>,
         nodes: Option<usize>,
+    ) -> Result<Option<Case>, ExperimentError> {
+        self.case_at(recording, angle, nodes, None)
+    }
+
+    /// The same, with the pressure over time that the recording has, from an instant on its clock on, s.
+    /// # Errors
+    /// As [`Self::case`].
+    pub fn case_at(
+        &self,
+        recording: usize,
+        angle: Option<f64>,
+        nodes: Option<usize>,
+        instant: Option<f64>,
     ) -> Result<Option<Case>, ExperimentError> {
         let Some(plan) = &self.plan else { return Ok(None) };
         let entry = &self.recordings[recording];
@@ -227,6 +243,10 @@ impl Experiment {
             None => plan.effects.push(payload),
         }
         let key = format!("{}.pressure", entry.key);
+        let rows = entry.pressures.as_ref().zip(instant).map(|(all, instant)| all.since(instant));
+        if let (Some(rows), Some(muscle)) = (rows, &mut plan.muscle) {
+            muscle.pressure = Pressure::Schedule(rows);
+        }
         let pressure = plan.muscle.is_some().then_some(entry.pressure).flatten();
         let case = case::at_pressure(&self.document, &Arc::new(plan), entry.name.clone(), pressure, &key)?;
         Ok(Some(case))

@@ -83,7 +83,11 @@ pub fn problem(
     }
     let mut trials = Vec::new();
     for used in cleaned.used() {
-        let case = experiment.case(used.recording, used.angle)?;
+        let of = &cleaned.recordings[used.recording];
+        if of.recording.has_one_coordinate() {
+            return Err(SectionError::OneCoordinate { file: of.name.clone() });
+        }
+        let case = used.case(experiment)?;
         trials.extend(case.map(|case| trial(experiment, used, case)).transpose()?);
     }
     let Some(first) = trials.iter().find(|trial| !trial.release.held_out) else {
