@@ -152,7 +152,8 @@ fn a_recording_that_begins_in_mid_swing_is_fitted() {
         for (found, truth) in losses.into_iter().zip([alpha, beta]) {
             assert!((found[0] - truth).abs() < 4.0 * found[1], "{phase} s: {losses:?}");
         }
-        let ratio = |alpha: f64, beta: f64| 0.5 * (alpha / 10.33 + beta * 10.33);
+        // Bending is 0.9 of the stiffness of the first mode, and weight the rest.
+        let ratio = |alpha: f64, beta: f64| 0.5 * (alpha / 10.33 + 0.9 * beta * 10.33);
         let share = ratio(losses[0][0], losses[1][0]) / ratio(alpha, beta) - 1.0;
         assert!(share.abs() < 0.02, "{phase} s: {losses:?}, a damping ratio that is {share} off");
         for track in found["releases"][0]["tracks"].as_array().expect("tracks") {
@@ -209,12 +210,12 @@ fn a_step_of_a_recorded_pressure_is_fitted() {
     };
     bench.file("e.toml", &experiment(""));
     let found = bench.json(&["calibrate", "e.toml", "--json", "--out", "out"])["calibration"].clone();
-    let value = |list: &str, name: &str, key: &str| {
+    let value = |list: &str, name: &str| {
         let all = found[list].as_array().expect("a list");
         let own = all.iter().find(|own| own["name"] == name).unwrap_or_else(|| panic!("{name} in {found:#}"));
         own["value"].as_f64().expect("a number")
     };
     let [alpha, beta] = ["effects.rayleigh_mass.alpha", "effects.rayleigh_stiffness.beta"]
-        .map(|path| value("parameters", path, "name"));
+        .map(|path| value("parameters", path));
     assert!((alpha / 0.8 - 1.0).abs() < 0.1 && (beta / 3e-3 - 1.0).abs() < 0.1, "{alpha}, {beta}");
 }
