@@ -8,8 +8,8 @@
 //!   F_x, F_z   force of the hand                             N
 //!   M_h        moment of the hand                            N m
 //!
-//! A hand that moves changes its force at the rates `rate_x` and `rate_z`, N/s: the rod follows from rest to
-//! rest, and is let go with that velocity.
+//! A hand that moves changes its force and moment at the rates `rate_x` and `rate_z`, N/s, and `rate_moment`, N m/s: the
+//! rod follows from rest to rest, and is let go with that velocity.
 //!
 //! Assumes:  The rod is in equilibrium in the hand, and the hand lets go at once.
 //!           A start from equilibrium sets `held` to 1 in the model that holds the rod, and leaves it
@@ -29,13 +29,14 @@ pub struct TipHold;
 pub const NAME: &str = "tip_hold";
 /// Path of the parameter that says whether the rod is held.
 pub const HELD: &str = "effects.tip_hold.held";
-/// Paths of what the hand does: force along x and z, their rates, and the moment.
-pub const PULL: [&str; 5] = [
+/// Paths of what the hand does: force along x and z, their rates, the moment, and its rate.
+pub const PULL: [&str; 6] = [
     "effects.tip_hold.force_x",
     "effects.tip_hold.force_z",
     "effects.tip_hold.rate_x",
     "effects.tip_hold.rate_z",
     "effects.tip_hold.moment",
+    "effects.tip_hold.rate_moment",
 ];
 
 impl Law for TipHold {
@@ -62,6 +63,7 @@ impl Law for TipHold {
             component("moment", "moment of the hand, from x towards z", "N m", 0.01),
             component("rate_x", "rate of the force along x at the release", "N/s", 1.0),
             component("rate_z", "rate of the force along z at the release", "N/s", 1.0),
+            component("rate_moment", "rate of the moment at the release", "N m/s", 0.1),
         ],
         signature: "a bent posture at the release",
         confounded_with: &["set_curvature"],

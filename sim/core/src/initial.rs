@@ -75,9 +75,9 @@ impl Initial {
     /// Whether a hand moves the rod, or would with another value of a parameter: its rate.
     pub(crate) fn is_in_a_moving_hand(&self, parameter: usize) -> bool {
         let Initial::Equilibrium { hold, .. } = self else { return false };
-        let [_, _, rates @ .., _] = tip_hold::PULL;
-        let rates = rates.map(|path| hold.index(path).ok());
-        rates.into_iter().flatten().any(|rate| rate == parameter || hold.theta[rate] != 0.0)
+        let [_, _, x, z, _, moment] = tip_hold::PULL;
+        let mut rates = [x, z, moment].into_iter().filter_map(|path| hold.index(path).ok());
+        rates.any(|rate| rate == parameter || hold.theta[rate] != 0.0)
     }
 
     /// The state in which a model starts; its memory is relaxed there.
@@ -123,21 +123,22 @@ pub(crate) fn along(points: &[CurvePoint], edges: usize) -> Posture<f64> {
     Posture::along(&positions, &velocities, edges)
 }
 
-/// Velocity with which an equilibrium moves while the force of the hand changes, shape `[2N+1]`.
+/// Velocity with which an equilibrium moves while the load of the hand changes, shape `[2N+1]`.
 fn velocity_in_the_hand(hold: &Model, rest: &Equilibrium) -> Result<Vec<f64>, ModelError> {
     let mut velocity = vec![0.0; rest.q.len()];
     if hold.effect(tip_hold::NAME).is_none() {
         return Ok(velocity);
     }
-    let [x, z, rate_x, rate_z, _] = tip_hold::PULL;
-    let (forces, rates) = ([hold.index(x)?, hold.index(z)?], [hold.index(rate_x)?, hold.index(rate_z)?]);
+    let [x, z, rate_x, rate_z, moment, rate_moment] = tip_hold::PULL;
+    let loads = [hold.index(x)?, hold.index(z)?, hold.index(moment)?];
+    let rates = [hold.index(rate_x)?, hold.index(rate_z)?, hold.index(rate_moment)?];
     if rates.iter().all(|k| hold.theta[*k] == 0.0) {
         return Ok(velocity);
     }
     let mut system = System::new(hold);
-    system.watch(&forces.map(Some));
-    for (velocity, by_force) in velocity.iter_mut().zip(rest_by_parameters(&mut system, rest, 0)) {
-        *velocity = rates.iter().zip(by_force).map(|(k, slope)| hold.theta[*k] * slope).sum();
+    system.watch(&loads.map(Some));
+    for (velocity, by_load) in velocity.iter_mut().zip(rest_by_parameters(&mut system, rest, 0)) {
+        *velocity = rates.iter().zip(by_load).map(|(k, slope)| hold.theta[*k] * slope).sum();
     }
     Ok(velocity)
 }

@@ -10,8 +10,8 @@ use efam_core::models::model::{Model, ModelSpec};
 use efam_core::point::Point;
 use efam_core::trajectory::Trajectory;
 
-/// A rod with a hand of 30 mN upwards, which changes at the rates given, N/s along x and z.
-fn model(rates: [f64; 2]) -> Model {
+/// A rod with a hand of 30 mN upwards, which changes at the rates given, N/s along x and z, and of a moment, N m/s.
+fn model(rates: [f64; 3]) -> Model {
     let rod = Rod {
         length: 0.2,
         mass: 0.03,
@@ -24,6 +24,7 @@ fn model(rates: [f64; 2]) -> Model {
         ("tip_hold.force_z", 0.03),
         ("tip_hold.rate_x", rates[0]),
         ("tip_hold.rate_z", rates[1]),
+        ("tip_hold.rate_moment", rates[2]),
         ("rayleigh_stiffness.beta", 5e-3),
     ];
     Model::new(&ModelSpec { nodes: 12, ..ModelSpec::of(rod) }.with(&values)).unwrap()
@@ -51,11 +52,12 @@ fn start(model: &Model) -> Vec<[f64; 2]> {
 
 #[test]
 fn a_hand_that_moves_lets_go_with_the_velocity_of_the_rest() {
-    let rates = [0.2, -0.5];
+    let rates = [0.2, -0.5, 0.04];
     let seen = released(&model(rates), Vec::new()).point_velocities[0].clone();
     let aside = |time: f64| {
         let mut model = model(rates);
-        for (path, rate) in PULL.into_iter().zip(rates) {
+        let [x, z, _, _, moment, _] = PULL;
+        for (path, rate) in [x, z, moment].into_iter().zip(rates) {
             let k = model.index(path).unwrap();
             model.theta[k] += rate * time;
         }
@@ -68,12 +70,12 @@ fn a_hand_that_moves_lets_go_with_the_velocity_of_the_rest() {
             assert!((seen[axis] - due).abs() < 1e-4 * (1e-2 + due.abs()), "{point}: {seen:?}, due {due}");
         }
     }
-    assert_eq!(released(&model([0.0; 2]), Vec::new()).point_velocities[0], [[0.0; 2]; 2]);
+    assert_eq!(released(&model([0.0; 3]), Vec::new()).point_velocities[0], [[0.0; 2]; 2]);
 }
 
 #[test]
 fn derivatives_of_a_start_in_a_hand_match_differences() {
-    let model = model([0.2, -0.5]);
+    let model = model([0.2, -0.5, 0.04]);
     let paths = [PULL.as_slice(), &["rod.bending_stiffness", "rod.mass"]].concat();
     let indices: Vec<usize> = paths.iter().map(|path| model.index(path).unwrap()).collect();
     let found = released(&model, indices.clone());

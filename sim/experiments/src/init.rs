@@ -125,18 +125,26 @@ pub fn draft(name: &str, recordings: &[(String, Recording)], options: &ReadOptio
             for release in &cleaned.releases {
                 let s = &release.statistics;
                 let held = s.hold_angle.to_degrees();
-                found[release.recording].push(format!(
-                    "release {} at {:.3} s: the tip is held {held:.1} deg above the level and sinks by {:.2} mm",
-                    release.number,
-                    release.instant,
-                    1e3 * s.static_drop
-                ));
                 let start = &mut starts[release.recording];
+                let what = if start.in_motion {
+                    "the tip swings, and posture and velocity there are fitted".to_owned()
+                } else {
+                    format!(
+                        "the tip is held {held:.1} deg above the level and sinks by {:.2} mm",
+                        1e3 * s.static_drop
+                    )
+                };
+                let about = format!("release {} at {:.3} s: {what}", release.number, release.instant);
+                found[release.recording].push(about);
+                if start.in_motion {
+                    continue;
+                }
                 if LEVEL.contains(&s.hold_angle) && start.instants.is_empty() {
                     start.angle = Some(s.hold_angle);
                 }
             }
-            for (k, start) in starts.iter_mut().enumerate().filter(|(_, start)| start.instants.is_empty()) {
+            let is_free = |start: &Guessed| start.instants.is_empty() && !start.in_motion;
+            for (k, start) in starts.iter_mut().enumerate().filter(|(_, start)| is_free(start)) {
                 start.lowered(cleaned.releases.iter().filter(|release| release.recording == k));
             }
             for decision in cleaned.decisions.iter().filter(|decision| decision.key == "up") {
@@ -219,10 +227,12 @@ struct Guessed {
     angle: Option<f64>,
     /// Which axis of the file seems to be up, and how that is known.
     up: Option<(Direction, String)>,
+    /// Whether it begins in mid-swing.
+    in_motion: bool,
 }
 
 impl Guessed {
-    /// The first sample, if the file has no release that can be found without it, and has one with it.
+    /// The first sample, if the file has no release that can be found without it, and has one with it, or swings from it on.
     fn of(recording: &(String, Recording)) -> Self {
         let alone = std::slice::from_ref(recording);
         let is_found =
@@ -232,7 +242,9 @@ impl Guessed {
             why: "the file has no hold, so the rod is let go at its first sample",
             ..Guessed::default()
         };
-        if !is_found(Guessed::default()) && is_found(at_once.clone()) { at_once } else { Guessed::default() }
+        let in_motion = Guessed { in_motion: true, ..Guessed::default() };
+        let all = [Guessed::default(), at_once, in_motion];
+        all.into_iter().find(|own| is_found(own.clone())).unwrap_or_default()
     }
 
     /// Gives all releases of a recording their instants, if a hand lowers the rod before one of them. It is not held straight
@@ -262,6 +274,9 @@ fn start(out: &mut String, guessed: &Guessed) {
     }
     let knows_up = up(out, guessed.up.as_ref());
     match guessed.angle {
+        _ if guessed.in_motion => {
+            *out += "start = \"in motion\"   # GUESS: the file has no hold, and begins in mid-swing\n"
+        }
         Some(held) => {
             let sure = if knows_up && held.abs() <= -LEVEL.start() { "surely" } else { "perhaps" };
             let _ = writeln!(

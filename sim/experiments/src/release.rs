@@ -10,7 +10,7 @@ pub struct Release {
     /// Time of each sample after the estimated instant of release, s, ascending; samples of the hold
     /// before it are negative.
     pub time: Vec<f64>,
-    /// Standard error of the release instant, s.
+    /// Standard error of the release instant, s; zero if time zero is a sample at which the rod is in motion.
     pub release_uncertainty: f64,
     /// What was tracked.
     pub tracks: Vec<Track>,

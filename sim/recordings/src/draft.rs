@@ -106,6 +106,7 @@ impl Draft {
             findings.push(repeats::leave_out(&fresh, &mut time, &mut markers));
             rate_hz = clock::rate_of(&time);
         }
+        findings.extend(lost::mask_repeated(&mut markers));
         if markers.iter().all(|marker| marker.position.iter().all(Option::is_none)) {
             return Err(RecordingProblem::AllLost { markers: markers.len(), samples: time.len() });
         }

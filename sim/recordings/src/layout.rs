@@ -326,7 +326,7 @@ fn wrong_clock(rows: &Rows, line: u64, column: usize, name: &str) -> RecordingPr
 
 /// A time, s: a number of a unit, or hours, minutes and seconds between colons, with hundredths after a third one as
 /// Kinovea writes them; a date before it is passed over.
-fn second_of(cell: &str, second: f64, numbers: &mut Numbers, line: u64) -> Option<f64> {
+pub(super) fn second_of(cell: &str, second: f64, numbers: &mut Numbers, line: u64) -> Option<f64> {
     if !cell.contains(':') {
         return Some(second * numbers.read(cell, line).ok().flatten()?);
     }

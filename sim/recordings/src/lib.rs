@@ -17,6 +17,7 @@ mod columnar;
 mod draft;
 mod error;
 mod format;
+mod kinovea;
 mod layout;
 mod length;
 mod lost;
@@ -27,6 +28,7 @@ mod qualisys;
 mod quality;
 mod read;
 mod repeats;
+mod series;
 mod tidy;
 mod trc;
 mod vicon;
@@ -39,6 +41,7 @@ pub use format::Format;
 pub use length::{Length, TOO_FAR, UnknownUnit};
 pub use quality::Quality;
 pub use read::{parse, read};
+pub use series::{Series, series};
 pub use tidy::table;
 
 /// A recording as it was read: nothing is filtered, filled in or cut, but for samples that only repeat the one before.
@@ -58,6 +61,14 @@ pub struct Recording {
     pub markers: Vec<Marker>,
     /// What was found and decided in reading, in plain words: units, gaps, jumps, lost points.
     pub findings: Vec<String>,
+}
+
+impl Recording {
+    /// Whether all places are on one axis of the file, as those of a laser, so that the others were not measured.
+    pub fn has_one_coordinate(&self) -> bool {
+        let seen = || self.markers.iter().flat_map(|marker| marker.position.iter().flatten());
+        (0..3).filter(|axis| seen().any(|at| at[*axis] != 0.0)).count() < 2
+    }
 }
 
 /// One tracked point or rigid body.

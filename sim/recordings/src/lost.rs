@@ -1,7 +1,12 @@
-//! Zeros that stand for lost points, where the format does not say so.
+//! Places that stand for lost points, where the format does not say so.
+//!
+//! Programs that follow points in pictures repeat the last place, or the first, while they have none. A marker at rest
+//! repeats its place too, but leaves it no faster than it moves later.
 //!
 //! Programs write 0, 0, 0 for a point that they lost. A marker that moves through the origin is there by the way it
 //! moves; one that jumps to it from afar and back is not.
+
+use std::ops::Range;
 
 use efam_core::quantile::quantile;
 
@@ -33,6 +38,56 @@ pub(super) fn mask_zeros(markers: &mut [Marker]) -> Option<String> {
     })
 }
 
+/// Equal places in a row that may be a repetition.
+const REPEATED: usize = 3;
+/// Times the largest other step, by which no marker leaves a rest.
+const LEAP: f64 = 2.0;
+
+/// Empties places that are repeated, and from which the marker leaps farther than it moves anywhere else; says where.
+pub(super) fn mask_repeated(markers: &mut [Marker]) -> Option<String> {
+    let (mut masked, mut names) = (0, Vec::new());
+    for marker in markers {
+        for run in repeated(&marker.position) {
+            masked += run.len();
+            names.push(marker.name.clone());
+            marker.position[run].fill(None);
+        }
+    }
+    names.dedup();
+    (masked > 0).then(|| {
+        format!(
+            "{masked} times a marker stood exactly where it was before, and then leapt farther than it moves anywhere else: \
+             was it not followed there? it counts as lost: {}",
+            some(&names)
+        )
+    })
+}
+
+fn repeated(position: &[Option<[f64; 3]>]) -> Vec<Range<usize>> {
+    let step = |i: usize| {
+        let (a, b) = (position[i]?, position.get(i + 1).copied().flatten()?);
+        Some((0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt())
+    };
+    let mut runs: Vec<(Range<usize>, f64)> = Vec::new();
+    let (mut start, mut farthest) = (0, 0.0f64);
+    for i in 0..position.len() {
+        match step(i) {
+            Some(0.0) => {}
+            Some(leap) if i + 1 - start >= REPEATED && step(i + 1).is_some() => {
+                runs.push((start..i + 1, leap));
+                start = i + 1;
+            }
+            other => {
+                farthest = farthest.max(other.unwrap_or(0.0));
+                start = i + 1;
+            }
+        }
+    }
+    // Of several runs each is compared with what is no leap.
+    let is_leap = |own: &(Range<usize>, f64)| own.1 > LEAP * farthest && farthest > 0.0;
+    runs.into_iter().filter(is_leap).map(|(run, _)| run).collect()
+}
+
 fn zeros(position: &[Option<[f64; 3]>]) -> Vec<usize> {
     let size = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
     let steps = position.windows(2).filter_map(|pair| {
@@ -55,6 +110,32 @@ fn zeros(position: &[Option<[f64; 3]>]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_marker_that_is_not_followed_is_told_from_one_at_rest() {
+        let at = |x: f64| Some([x, 0.0, 0.0]);
+        let swing = |t: f64| at(0.15 * (7.0 * t).cos() * (-0.2 * t).exp());
+        let from = |still: f64, begin: f64| -> Vec<_> {
+            (0..200).map(|k| f64::from(k) / 30.0).map(|t| swing((t - still).max(0.0) + begin)).collect()
+        };
+        // Held for half a second and let go; in mid-swing by then; likewise in the midst.
+        assert_eq!(repeated(&from(0.5, 0.0)), []);
+        let mut late = from(0.0, 0.0);
+        let first = late[0];
+        late[..16].fill(first);
+        assert_eq!(repeated(&late), [0..16]);
+        let mut lost = from(0.0, 0.0);
+        let last = lost[60];
+        lost[60..67].fill(last);
+        assert_eq!(repeated(&lost), [60..67]);
+        // A ghost beside a rest, steps of the last digit, and a rest to the end.
+        let mut ghost = from(0.5, 0.0);
+        ghost[9] = at(3.0);
+        assert_eq!(repeated(&ghost), []);
+        let coarse = (0..400).map(|k| at((100.0 * (0.01 * f64::from(k)).cos()).round())).collect::<Vec<_>>();
+        assert_eq!(repeated(&coarse), []);
+        assert_eq!(repeated(&[at(0.0), at(1.0), at(1.0), at(1.0), at(1.0)]), []);
+    }
 
     #[test]
     fn a_jump_to_the_origin_is_a_loss_and_a_way_through_it_is_none() {

@@ -10,7 +10,7 @@ use super::cells::{Rows, decode, is_wide, no_letter, without_blanks};
 use super::draft::{Draft, ReadOptions};
 use super::error::{RecordingError, RecordingProblem};
 use super::format::{self, Format};
-use super::{Recording, c3d, columnar, motive, qualisys, tidy, trc, vicon};
+use super::{Recording, c3d, columnar, kinovea, motive, qualisys, tidy, trc, vicon};
 
 /// The longest file that is read, bytes: three days of one marker at 100 Hz, or an hour of sixty.
 const MOST_BYTES: u64 = 2 << 30;
@@ -49,7 +49,7 @@ pub fn parse(bytes: Vec<u8>, source: &Path, options: &ReadOptions) -> Result<Rec
     recording.map_err(|problem| RecordingError { file: source.to_owned(), problem })
 }
 
-fn load(path: &Path) -> Result<Vec<u8>, RecordingProblem> {
+pub(super) fn load(path: &Path) -> Result<Vec<u8>, RecordingProblem> {
     let metadata = std::fs::metadata(path).map_err(RecordingProblem::Unreadable)?;
     if !metadata.is_file() {
         return Err(RecordingProblem::NotAFile);
@@ -147,13 +147,20 @@ fn another(bytes: &[u8], extension: &str) -> Option<RecordingProblem> {
 }
 
 fn text(bytes: Vec<u8>, options: &ReadOptions) -> Result<Draft, RecordingProblem> {
-    let (mut text, finding) = decode(bytes)?;
-    if let Some(line) = second_trajectory(&text) {
-        return Err(RecordingProblem::NotRead {
-            what: format!("an export of Kinovea with several trajectories (the second from line {line} on)"),
-            remedy: "export each into a file of its own, or all as one table with columns for each",
-        });
-    }
+    let (text, finding) = decode(bytes)?;
+    let Some(all) = kinovea::trajectories(&text) else { return one_text(text, finding, options) };
+    let drafts = all.map(|text| one_text(text, finding.clone(), options));
+    kinovea::merged(drafts.collect::<Result<_, _>>()?, text.len()).ok_or_else(|| RecordingProblem::NotRead {
+        what: "an export of Kinovea with too many trajectories, or some whose times do not ascend".to_owned(),
+        remedy: "export each into a file of its own, or all as one table with columns for each",
+    })
+}
+
+fn one_text(
+    mut text: String,
+    finding: Option<String>,
+    options: &ReadOptions,
+) -> Result<Draft, RecordingProblem> {
     let tabs = without_blanks(&text);
     let is_strict = tabs.is_some();
     text = tabs.unwrap_or(text);
@@ -174,17 +181,6 @@ fn text(bytes: Vec<u8>, options: &ReadOptions) -> Result<Draft, RecordingProblem
     Ok(draft)
 }
 
-/// The line in which an export of Kinovea begins another trajectory, behind a blank line. Its times begin anew.
-fn second_trajectory(text: &str) -> Option<usize> {
-    let mut lines = text.lines().enumerate();
-    let is_of_kinovea = lines.next()?.1.to_lowercase().trim_start_matches(['#', ' ']).starts_with("kinovea");
-    let is_row = |line: &str| line.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let mut rest =
-        lines.skip_while(|(_, line)| !is_row(line)).skip_while(|(_, line)| !line.trim().is_empty());
-    let next = rest.find(|(_, line)| !line.trim().is_empty());
-    next.filter(|_| is_of_kinovea).map(|(at, _)| at + 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,23 +198,32 @@ mod tests {
     }
 
     #[test]
-    fn several_trajectories_are_not_joined_into_one() {
-        let block = |from: usize| (0..20).map(|k| format!("0.{k:02} {k} {from}\n")).collect::<String>();
+    fn several_trajectories_are_a_marker_each() {
+        let rows = |from: usize, count: usize, x: usize| {
+            (from..from + count).map(|k| format!("0.{k:02} {} 0\n", x + k)).collect::<String>()
+        };
         let head = "#Kinovea Trajectory data export\n#T X Y\n";
         let read = |text: String, rate_hz: Option<f64>| {
-            let options =
-                ReadOptions { unit: Some(crate::Length::Millimetre), rate_hz, ..ReadOptions::default() };
-            parse(text.into_bytes(), Path::new("a.txt"), &options).map_err(|error| error.to_string())
+            let options = ReadOptions { unit: Some(crate::Length::Metre), rate_hz, ..ReadOptions::default() };
+            parse(text.into_bytes(), Path::new("a.txt"), &options)
         };
         for between in ["\n", "\r\n", "\n\n#T X Y\n"] {
-            for rate in [None, Some(50.0)] {
-                let error = read(format!("{head}{}{between}{}", block(0), block(9)), rate).unwrap_err();
-                let line = if between.contains('T') { 25 } else { 24 };
-                assert!(error.contains(&format!("the second from line {line} on")), "{error}");
+            // The second one begins later, and ends earlier.
+            let text = format!("{head}{}{between}{}", rows(0, 20, 0), rows(3, 9, 100));
+            let read = read(text, None).unwrap();
+            assert_eq!((read.time.len(), read.rate_hz, read.markers.len()), (20, 100.0, 2), "{between:?}");
+            for k in 0..20usize {
+                let at = [0, 1].map(|marker: usize| read.markers[marker].position[k].map(|at| at[0]));
+                let second = (3..12).contains(&k).then_some(100.0 + k as f64);
+                assert_eq!(at, [Some(k as f64), second], "{k}");
             }
+            assert_ne!(read.markers[0].name, read.markers[1].name);
         }
+        let error = read(format!("{head}{}\n{}{}", rows(0, 9, 0), rows(5, 9, 0), rows(0, 9, 0)), None);
+        assert!(error.unwrap_err().to_string().contains("whose times do not ascend"));
         // One of them, and a blank line at the end or in another program's table.
-        for text in [format!("{head}{}\n \n", block(0)), format!("t_s x y\n{}\n{}", block(0), "0.21 1 1\n")] {
+        let block = rows(0, 20, 0);
+        for text in [format!("{head}{block}\n \n"), format!("t_s x y\n{block}\n0.21 1 1\n")] {
             assert_eq!(read(text, None).unwrap().markers.len(), 1);
         }
     }

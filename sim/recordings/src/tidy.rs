@@ -61,6 +61,12 @@ pub(super) fn is_table(rows: &mut Rows) -> Result<bool, RecordingProblem> {
     Ok(head(lines, notes, rows).is_some())
 }
 
+/// Names of columns, and their line; the rows then go on with the first sample.
+pub(super) fn names(rows: &mut Rows) -> Result<(Vec<String>, u64), RecordingProblem> {
+    let (lines, notes) = above(rows)?;
+    head(lines, notes, rows).map(|head| (head.names, head.line)).ok_or(RecordingProblem::Empty)
+}
+
 type Line = (u64, Vec<String>);
 
 /// The lines above the first sample, which is held: those of words, and those that a `#` begins.

@@ -75,6 +75,7 @@ mod properties {
     }
 }
 mod recordings {
+    mod analysed_alike;
     mod errors;
     mod formats;
     mod mutations;

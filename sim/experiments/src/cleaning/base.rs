@@ -25,6 +25,8 @@ pub struct BasePose {
     /// How far it is from its mean place in each sample, m, where that is taken off the other markers; nothing where
     /// it does not move.
     pub followed: Option<Vec<[f64; 3]>>,
+    /// How far it is turned about that place in each sample, as a rotation vector, rad; likewise.
+    pub followed_turn: Option<Vec<[f64; 3]>>,
 }
 
 /// Standard deviations of its noise by which a base that moves is off its mean.
@@ -78,45 +80,95 @@ fn pose(positions: &[Vector3<f64>], turns: &[UnitQuaternion<f64>]) -> BasePose {
             .map_or(0.0, |mean| mean_square(turns.iter().map(|turn| turn.angle_to(&mean))).sqrt()),
         frames: positions.len(),
         followed: None,
+        followed_turn: None,
     }
 }
 
+/// Turns of the base in each sample from their mean, as rotation vectors, rad: of a rigid body, of three markers or more, or
+/// of two, which show no turn about their own line. Nothing where they are not seen.
+pub(super) fn turns(markers: &[Path], body: Option<&[Option<[f64; 4]>]>) -> Vec<Option<[f64; 3]>> {
+    let samples = body.map_or(markers.first().map_or(0, Vec::len), <[_]>::len);
+    let points = |i: usize| markers.iter().map(|path| path[i].map(Vector3::from)).collect::<Option<Vec<_>>>();
+    let reference = (0..samples).find_map(points);
+    let turn = |i: usize| match (body, &reference) {
+        (Some(all), _) => {
+            all[i].map(|[w, x, y, z]| UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
+        }
+        (None, Some(first)) if first.len() > 2 => kabsch(first, &points(i)?),
+        (None, Some(first)) if first.len() == 2 => {
+            let now = points(i)?;
+            UnitQuaternion::rotation_between(&(first[1] - first[0]), &(now[1] - now[0]))
+        }
+        _ => None,
+    };
+    let turns: Vec<Option<UnitQuaternion<f64>>> = (0..samples).map(turn).collect();
+    let seen: Vec<_> = turns.iter().flatten().copied().collect();
+    let Some(mean) = mean_orientation(&seen) else { return vec![None; samples] };
+    turns.into_iter().map(|turn| Some((turn? * mean.inverse()).scaled_axis().into())).collect()
+}
+
 impl BasePose {
-    /// Follows the base sample by sample, if it moves by more than its noise and by a share of the distance `far` to the tip
-    /// that matters: smoothed as far as its noise alone is left over, and on a straight line where it is lost.
-    pub(super) fn follow(&mut self, time: &[f64], path: &Path, step: f64, far: f64) {
-        let sigma = noise::of_path(time, path, step).unwrap_or(0.0);
-        let deviation = self.deviation.into_iter().fold(0.0, f64::max);
-        if deviation <= (MOVES * sigma).max(MATTERS * far) {
-            return;
-        }
-        let off = |i: usize| path[i].map(|at| std::array::from_fn(|k| at[k] - self.position[k]));
-        let seen: Vec<usize> = (0..path.len()).filter(|i| path[*i].is_some()).collect();
-        let whole: Vec<[f64; 3]> = (0..path.len())
-            .map(|i| {
-                let next = seen.partition_point(|k| *k < i);
-                let (before, after) = (seen[next.saturating_sub(1)], seen[next.min(seen.len() - 1)]);
-                let share = if after > before {
-                    (time[i] - time[before]) / (time[after] - time[before])
-                } else {
-                    0.0
-                };
-                let [a, b]: [[f64; 3]; 2] = [before, after].map(|k| off(k).expect("it is seen"));
-                std::array::from_fn(|k| a[k] + share.clamp(0.0, 1.0) * (b[k] - a[k]))
-            })
-            .collect();
-        let mut best = whole.clone();
-        for half in (0..).map(|k| 1 << k).take_while(|half| 4 * half < whole.len()) {
-            let smooth = running_means(&whole, half);
-            let left = seen.iter().flat_map(|i| (0..3).map(|k| (whole[*i][k] - smooth[*i][k]).powi(2)));
-            let left = (left.sum::<f64>() / (3 * seen.len()) as f64).sqrt();
-            if left > LEFT * sigma {
-                break;
-            }
-            best = smooth;
-        }
-        self.followed = Some(best);
+    /// Follows the base sample by sample, its place and its turns, if they move by more than their noise and by a share of the
+    /// distance `far` to the tip that matters.
+    pub(super) fn follow(&mut self, time: &[f64], path: &Path, turns: &Path, step: f64, far: f64) {
+        let place = self.position;
+        let off: Path =
+            path.iter().map(|at| at.map(|at| std::array::from_fn(|k| at[k] - place[k]))).collect();
+        self.followed = followed(time, &off, step, MATTERS * far);
+        let angles = || turns.iter().flatten().map(|turn| Vector3::from(*turn).norm());
+        self.turned = angles().fold(0.0, f64::max);
+        self.turn_deviation = mean_square(angles().collect::<Vec<_>>().into_iter()).sqrt();
+        self.followed_turn = followed(time, turns, step, MATTERS);
     }
+
+    /// Takes the motion of the base off a path.
+    pub(super) fn take_off(&self, path: &mut Path) {
+        let place = Vector3::from(self.position);
+        for (i, at) in path.iter_mut().enumerate() {
+            let of = |all: &Option<Vec<[f64; 3]>>| all.as_ref().map_or(Vector3::zeros(), |all| all[i].into());
+            let (off, turn) = (of(&self.followed), UnitQuaternion::new(of(&self.followed_turn)));
+            *at = at.map(|at| (place + turn.inverse() * (Vector3::from(at) - off - place)).into());
+        }
+    }
+
+    /// Whether its motion is taken off other markers.
+    pub fn is_followed(&self) -> bool {
+        self.followed.is_some() || self.followed_turn.is_some()
+    }
+}
+
+/// What moves about zero, in each sample, if it moves by more than its noise and than what matters: smoothed as far as its
+/// noise alone is left over, and on a straight line where it is lost.
+fn followed(time: &[f64], off: &Path, step: f64, matters: f64) -> Option<Vec<[f64; 3]>> {
+    let seen: Vec<usize> = (0..off.len()).filter(|i| off[*i].is_some()).collect();
+    let sigma = noise::of_path(time, off, step).unwrap_or(0.0);
+    let along = |k: usize| {
+        mean_square(seen.iter().filter_map(|i| Some(off[*i]?[k])).collect::<Vec<_>>().into_iter()).sqrt()
+    };
+    if (0..3).map(along).fold(0.0, f64::max) <= (MOVES * sigma).max(matters) {
+        return None;
+    }
+    let whole: Vec<[f64; 3]> = (0..off.len())
+        .map(|i| {
+            let next = seen.partition_point(|k| *k < i);
+            let (before, after) = (seen[next.saturating_sub(1)], seen[next.min(seen.len() - 1)]);
+            let share =
+                if after > before { (time[i] - time[before]) / (time[after] - time[before]) } else { 0.0 };
+            let [a, b]: [[f64; 3]; 2] = [before, after].map(|k| off[k].expect("it is seen"));
+            std::array::from_fn(|k| a[k] + share.clamp(0.0, 1.0) * (b[k] - a[k]))
+        })
+        .collect();
+    let mut best = whole.clone();
+    for half in (0..).map(|k| 1 << k).take_while(|half| 4 * half < whole.len()) {
+        let smooth = running_means(&whole, half);
+        let left = seen.iter().flat_map(|i| (0..3).map(|k| (whole[*i][k] - smooth[*i][k]).powi(2)));
+        let left = (left.sum::<f64>() / (3 * seen.len()) as f64).sqrt();
+        if left > LEFT * sigma {
+            break;
+        }
+        best = smooth;
+    }
+    Some(best)
 }
 
 /// Means over so many samples to either side; fewer at the ends, as many on both sides.
@@ -132,13 +184,6 @@ fn running_means(path: &[[f64; 3]], half: usize) -> Vec<[f64; 3]> {
         std::array::from_fn(|k| (sums[to][k] - sums[from][k]) / (to - from) as f64)
     };
     (0..path.len()).map(mean).collect()
-}
-
-/// Takes the motion of a base off a path.
-pub(super) fn take_off(off: &[[f64; 3]], path: &mut Path) {
-    for (at, off) in path.iter_mut().zip(off) {
-        *at = at.map(|at| std::array::from_fn(|k| at[k] - off[k]));
-    }
 }
 
 /// Mean square about a mean that is known from the same values; zero of one value.
@@ -223,12 +268,42 @@ mod tests {
             noise.disturb(&mut path, 1e-4);
             path[100..110].fill(None);
             let mut pose = of_markers(std::slice::from_ref(&path)).unwrap();
-            pose.follow(&time, &path, 0.02, 0.4);
+            pose.follow(&time, &path, &vec![None; 400], 0.02, 0.4);
             assert_eq!(pose.followed.is_some(), is_followed);
             for (t, off) in time.iter().zip(pose.followed.iter().flatten()) {
                 // Over three samples at least, noise is less by 1.7; three standard deviations.
                 assert!((off[2] + pose.position[2] - drift(*t)).abs() < 2.5e-4, "{off:?} at {t}");
             }
+        }
+    }
+
+    /// A base that turns by up to 3 degrees and drifts, of two markers, of three and of a body: a point that is fixed to it is
+    /// at rest when its motion is taken off, though it is 0.4 m from it.
+    #[test]
+    fn a_base_that_turns_is_followed() {
+        let time: Vec<f64> = (0..400).map(|i| 0.02 * f64::from(i)).collect();
+        let turn = |t: f64| UnitQuaternion::from_euler_angles(0.0, 0.05 * (0.7 * t).sin(), 0.0);
+        let moved = |at: [f64; 3]| -> Path {
+            let drift = |t: f64| Vector3::new(0.1, 0.0, 0.004 * (0.4 * t).sin());
+            time.iter().map(|t| Some((turn(*t) * Vector3::from(at) + drift(*t)).into())).collect()
+        };
+        let mut noise = crate::cleaning::tests::Noise::new(6);
+        let mut markers = [[-0.05, 0.0, 0.0], [0.05, 0.0, 0.0], [0.0, 0.0, 0.08]].map(moved);
+        markers.iter_mut().for_each(|path| noise.disturb(path, 5e-5));
+        let orientation: Vec<_> = time.iter().map(|t| Some(turn(*t)).map(|q| [q.w, q.i, q.j, q.k])).collect();
+        for (count, body) in [(2, None), (3, None), (1, Some(&orientation[..]))] {
+            let own = &markers[..count];
+            let mut pose = of_markers(own).unwrap();
+            let center = crate::cleaning::points::centroid(own);
+            pose.follow(&time, &center, &turns(own, body), 0.02, 0.4);
+            assert!((pose.turned - 0.05).abs() < 0.015, "{count}: {}", pose.turned);
+            let mut fixed = moved([0.4, 0.0, 0.0]);
+            pose.take_off(&mut fixed);
+            let mean = crate::cleaning::cycles::mean(&fixed, 0..400).unwrap();
+            let off = |at: &[f64; 3]| crate::cleaning::distance(*at, mean);
+            let farthest = fixed.iter().flatten().map(off).fold(0.0, f64::max);
+            // Of 20 mm; a marker's noise on an arm of 0.05 m, over the smoothing, is 0.2 mm at 0.4 m.
+            assert!(farthest < 1e-3, "{count} markers: {farthest} m");
         }
     }
 

@@ -47,10 +47,12 @@ const QUIET: f64 = 0.04;
 const FAST: f64 = 0.5;
 /// Speed, m/s, below which nothing was let go, whatever the noise.
 const SLOWEST: f64 = 1e-4;
-/// Shortest hold, s.
+/// Shortest hold, s, or in periods if that is less.
 const SHORTEST_HOLD: f64 = 0.08;
-/// Time within which it must be fast, s.
+const HELD_PERIODS: f64 = 0.5;
+/// Time within which it must be fast, s, or in periods if that is more: a swing from rest needs a twelfth of one.
 const SOON: f64 = 0.5;
+const SOON_PERIODS: f64 = 0.2;
 /// Noise in the speed that may be, in standard deviations.
 const MOST_NOISE: f64 = 6.0;
 /// Turns that make a swing.
@@ -59,8 +61,9 @@ const LEAST_TURNS: usize = 3;
 const LEAST_TURN: f64 = 0.04;
 /// Samples to either side that say where the tip is at an instant, in spite of one that is spurious.
 const AROUND: usize = 4;
-/// Length of the window in which the rest is looked for, s.
+/// Length of the window in which the rest is looked for, s, or in periods if that is more.
 const REST_WINDOW: f64 = 0.5;
+const REST_PERIODS: f64 = 0.25;
 
 /// All releases of a path, or why there is none.
 pub fn cut(
@@ -70,16 +73,11 @@ pub fn cut(
     sigma: f64,
     given: Option<&[f64]>,
 ) -> Result<Vec<Cut>, String> {
-    let motion = Motion::new(time, path, step, sigma);
-    let fastest = (0..path.len()).filter_map(|i| motion.speed(i)).fold(0.0, f64::max);
+    let (motion, period) = Motion::paced(time, path, step, sigma);
+    let fastest = motion.fastest();
+    let shortest = SHORTEST_HOLD.min(HELD_PERIODS * period);
     let quiet = (QUIET * fastest).max(MOST_NOISE * motion.noise);
-    let none_moves = || {
-        let width = only_noise(path, sigma)?;
-        Some(format!(
-            "nothing moves: the tip stays within {:.3} mm along each axis, which noise explains",
-            1e3 * width
-        ))
-    };
+    let none_moves = || none_moves(path, sigma);
     let holds = match given {
         Some(instants) => {
             if let Some(why) = none_moves() {
@@ -91,7 +89,7 @@ pub fn cut(
                     return Err(format!(
                         "at the instant {at} s the tip moves at {speed:.3} m/s, and at {fastest:.3} m/s at most: it is not \
                          let go from rest there; give an instant at which it is held still, or a recording that begins \
-                         before it is let go"
+                         before it is let go, or start = \"in motion\""
                     ));
                 }
             }
@@ -105,13 +103,16 @@ pub fn cut(
         }
         None => match none_moves() {
             Some(why) => return Err(why),
-            None => holds(time, &motion, quiet, FAST * fastest),
+            None => {
+                holds(time, &motion, [quiet, FAST * fastest], [shortest, SOON.max(SOON_PERIODS * period)])
+            }
         },
     };
     if holds.is_empty() {
         return Err(format!(
-            "the tip, which moves at up to {:.0} mm/s, is nowhere still for {SHORTEST_HOLD} s and fast soon after",
-            1e3 * fastest
+            "the tip, which moves at up to {:.0} mm/s, is nowhere still for {} s and fast soon after",
+            1e3 * fastest,
+            (1e3 * shortest).round() / 1e3
         ));
     }
     let count = holds.len();
@@ -136,6 +137,43 @@ pub fn cut(
     } else {
         Ok(cuts)
     }
+}
+
+/// Why a path is no swing, if noise explains it.
+fn none_moves(path: &[Option<[f64; 3]>], sigma: f64) -> Option<String> {
+    let width = 1e3 * only_noise(path, sigma)?;
+    Some(format!("nothing moves: the tip stays within {width:.3} mm along each axis, which noise explains"))
+}
+
+/// The swing of a path that begins in mid-swing, from its first sample on, or from an instant. Its hold is that sample alone,
+/// and its held place the farthest from the rest.
+pub fn cut_in_motion(
+    time: &[f64],
+    path: &[Option<[f64; 3]>],
+    step: f64,
+    sigma: f64,
+    from: Option<f64>,
+) -> Result<Vec<Cut>, String> {
+    if let Some(why) = none_moves(path, sigma) {
+        return Err(why);
+    }
+    let motion = Motion::paced(time, path, step, sigma).0;
+    let begin = from.map_or(0, |from| time.partition_point(|t| *t < from));
+    let none = || "the tip is not seen from the instant on at which the swing is to begin".to_owned();
+    let first = (begin..path.len()).find(|i| path[*i].is_some()).ok_or_else(none)?;
+    let hold = first..first + 1;
+    let swing = hold.end..path.len();
+    let place = path[first].ok_or_else(none)?;
+    let (rest, window) = rest(time, path, &motion, swing.clone(), place, true).ok_or_else(none)?;
+    let held = path[first..].iter().flatten().copied();
+    let held = held.max_by(|a, b| distance(*a, rest).total_cmp(&distance(*b, rest))).ok_or_else(none)?;
+    let turns = turns(path, swing.clone(), held, rest);
+    if turns < LEAST_TURNS {
+        return Err(format!(
+            "the tip turns back {turns} times, and a swing does so {LEAST_TURNS} times at least"
+        ));
+    }
+    Ok(vec![Cut { hold, swing, held, rest, rest_end: window.end }])
 }
 
 /// What follows a hold.
@@ -176,7 +214,12 @@ fn swings(
 
 /// Stretches of quiet after which the tip soon is fast. They begin and end with a sample that is seen: what
 /// the tip does while it is lost, nobody knows.
-fn holds(time: &[f64], motion: &Motion, quiet: f64, fast: f64) -> Vec<Range<usize>> {
+fn holds(
+    time: &[f64],
+    motion: &Motion,
+    [quiet, fast]: [f64; 2],
+    [shortest, soon]: [f64; 2],
+) -> Vec<Range<usize>> {
     let mut found: Vec<Range<usize>> = Vec::new();
     // A hold, and the first sample after it that is seen.
     let mut last: Option<(Range<usize>, usize)> = None;
@@ -186,13 +229,13 @@ fn holds(time: &[f64], motion: &Motion, quiet: f64, fast: f64) -> Vec<Range<usiz
         if speed < quiet {
             open.get_or_insert(i..i).end = i + 1;
         } else if let Some(hold) = open.take()
-            && time[hold.end - 1] - time[hold.start] >= SHORTEST_HOLD
+            && time[hold.end - 1] - time[hold.start] >= shortest
         {
             last = Some((hold, i));
         }
         if speed >= fast
             && let Some((hold, after)) = last.take()
-            && time[i] - time[after] <= SOON
+            && time[i] - time[after] <= soon
         {
             found.push(hold);
         }
@@ -219,7 +262,7 @@ fn rest(
     is_last: bool,
 ) -> Option<([f64; 3], Range<usize>)> {
     let (begin, end) = (*time.get(swing.start)?, *time.get(swing.end.checked_sub(1)?)?);
-    let window = REST_WINDOW.min(0.3 * (end - begin));
+    let window = REST_WINDOW.max(REST_PERIODS * motion.period(path)).min(0.3 * (end - begin));
     if is_last {
         let from = swing.clone().find(|&i| time[i] >= end - 1.5 * window)?;
         return Some((mean(path, from..swing.end)?, from..swing.end));
@@ -301,6 +344,7 @@ pub(super) fn mean(path: &[Option<[f64; 3]>], range: Range<usize>) -> Option<[f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cleaning::onset::estimate;
     use crate::cleaning::tests::{Noise, along, falling_swing, raised_and_released};
 
     #[test]
@@ -308,16 +352,29 @@ mod tests {
         let mut noise = Noise::new(11);
         let (time, mut path, instants) = raised_and_released(6);
         noise.disturb(&mut path, 3e-4);
-        let cuts = cut(&time, &path, 0.01, 3e-4, None).unwrap();
-        assert_eq!(cuts.len(), 6);
-        for (cut, (instant, raise)) in cuts.iter().zip(instants) {
-            let end = time[cut.hold.end];
-            // The window of the velocity is three samples to either side.
-            assert!((end - instant).abs() < 0.05, "{end} for {instant}");
-            let last = time[cut.swing.end - 1];
-            assert!(last > raise - 0.6 && last < raise + 0.1, "{last} for {raise}");
-            assert!(distance(cut.held, [0.2, 0.0, 0.0]) < 1e-3, "{cut:?}");
-            assert!(distance(cut.rest, [0.15, 0.0, -0.12]) < 3e-3, "{cut:?}");
+        // At 1.3 Hz and at 64 Hz.
+        for pace in [1.0, 0.02] {
+            let time: Vec<f64> = time.iter().map(|t| pace * t).collect();
+            let step = 0.01 * pace;
+            let cuts = cut(&time, &path, step, 3e-4, None).unwrap_or_else(|why| panic!("{pace}: {why}"));
+            assert_eq!(cuts.len(), 6, "{pace}");
+            for (cut, (instant, raise)) in cuts.iter().zip(&instants) {
+                let end = time[cut.hold.end] / pace;
+                // The window of the velocity is three samples to either side, or a tenth of a period.
+                let window = if pace < 1.0 { 0.12 } else { 0.05 };
+                assert!((end - instant).abs() < window, "{pace}: {end} for {instant}");
+                let last = time[cut.swing.end - 1] / pace;
+                assert!(last > raise - 0.6 && last < raise + 2.0 * window, "{pace}: {last} for {raise}");
+                assert!(distance(cut.held, [0.2, 0.0, 0.0]) < 1e-3, "{pace}: {cut:?}");
+                assert!(distance(cut.rest, [0.15, 0.0, -0.12]) < 3e-3, "{pace}: {cut:?}");
+                let onset = estimate(&time, &path, cut, step).unwrap();
+                let error = (onset.instant / pace - instant).abs();
+                // A sample is 0.01 s.
+                assert!(
+                    error < 0.008 && error < 4.0 * onset.uncertainty / pace,
+                    "{pace}: {onset:?} for {instant}"
+                );
+            }
         }
     }
 

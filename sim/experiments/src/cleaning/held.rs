@@ -73,7 +73,8 @@ pub(super) fn speed_at(
 
 #[cfg(test)]
 mod tests {
-    use super::super::cycles::cut;
+    use super::super::cycles::{cut, cut_in_motion};
+    use super::super::distance;
     use super::super::tests::{Noise, falling_swing};
 
     /// Noise alone, white or rounded, is no release, whether instants are given or not.
@@ -90,6 +91,7 @@ mod tests {
                 let why = cut(&time, path, 0.01, sigma, given).unwrap_err();
                 assert!(why.starts_with("nothing moves") || why.contains("which is no release"), "{why}");
             }
+            assert!(cut_in_motion(&time, path, 0.01, sigma, None).unwrap_err().starts_with("nothing moves"));
         }
     }
 
@@ -109,6 +111,11 @@ mod tests {
             for begin in [0.06, 0.12, 0.2, 0.28, 0.44, 0.54, 0.64, 0.94] {
                 let why = from((begin / step) as usize).unwrap_err();
                 assert!(why.contains("not let go from rest"), "{begin} s: {why}");
+                let first = (begin / step) as usize;
+                let time: Vec<f64> = time[first..].iter().map(|t| t - time[first]).collect();
+                let cuts = cut_in_motion(&time, &path[first..], step, 1e-4, None).unwrap();
+                assert_eq!((cuts.len(), cuts[0].hold.clone()), (1, 0..1), "{begin} s");
+                assert!(distance(cuts[0].rest, [0.15, 0.0, -0.12]) < 5e-3, "{begin} s: {cuts:?}");
             }
             // Nor is there one in the midst of it.
             assert!(

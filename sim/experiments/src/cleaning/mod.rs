@@ -36,6 +36,7 @@ use serde::Serialize;
 
 use crate::experiment::{Experiment, ExperimentError};
 use crate::release::Release;
+use crate::scenario::Case;
 
 pub use crate::error::CleaningError;
 pub use base::BasePose;
@@ -175,11 +176,13 @@ impl Cleaned {
     /// Caveats of every answer of a planar model.
     pub fn warnings(&self) -> Vec<String> {
         let moves = |of: &CleanRecording| {
-            let base = of.base.as_ref().filter(|base| base.followed.is_some())?;
+            let base = of.base.as_ref().filter(|base| base.is_followed())?;
             Some(format!(
-                "{}: the base moves by up to {}: that is taken off sample by sample, and no model has the forces of its acceleration",
+                "{}: the base moves by up to {} and turns by up to {:.2} deg: that is taken off sample by sample, and no model \
+                 has the forces of its acceleration",
                 of.name,
-                mm(base.moved)
+                mm(base.moved),
+                base.turned.to_degrees()
             ))
         };
         let out_of_plane = out_of_plane::warning(self.used().map(|used| &used.release));
@@ -188,11 +191,18 @@ impl Cleaned {
 }
 
 impl CleanRelease {
+    /// The case of this release, with the pressure over its time; nothing if the experiment has no model.
+    /// # Errors
+    /// [`ExperimentError`] for what the muscle or the model refuses.
+    pub fn case(&self, experiment: &Experiment) -> Result<Option<Case>, ExperimentError> {
+        experiment.case_at(self.recording, self.angle, None, Some(self.instant))
+    }
+
     /// The model of this release; nothing if the experiment has none.
     /// # Errors
     /// [`ExperimentError`] for what the muscle or the model refuses.
     pub fn model(&self, experiment: &Experiment) -> Result<Option<models::model::Model>, ExperimentError> {
-        Ok(experiment.case(self.recording, self.angle)?.map(|case| case.model))
+        Ok(self.case(experiment)?.map(|case| case.model))
     }
 }
 

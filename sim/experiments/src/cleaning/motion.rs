@@ -1,5 +1,7 @@
 //! Velocity of a point, smoothed over a few samples, for finding where it rests and where it moves.
 
+use efam_core::quantile::quantile;
+
 /// Velocity of a path and the noise in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
@@ -9,15 +11,57 @@ pub struct Motion {
     pub noise: f64,
 }
 
-/// Least half width of the window, s.
+/// Least half width of the window, s, or in periods if that is less.
 const HALF_WIDTH: f64 = 0.03;
+const HALF_PERIODS: f64 = 0.1;
+/// A window that is too wide hides how fast a point is, and so is made narrower step by step: at most so often.
+const MOST_STEPS: usize = 20;
 /// Least half width in samples.
 const LEAST_SAMPLES: f64 = 2.5;
+/// Times its noise, by which a speed is none of noise.
+const NOISE: f64 = 30.0;
 
 impl Motion {
     /// Slope of the straight line through the samples near each; `sigma` is their noise, m.
     pub fn new(time: &[f64], path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> Motion {
-        let half = HALF_WIDTH.max(LEAST_SAMPLES * step) * (1.0 + 1e-9);
+        Self::within(HALF_WIDTH, time, path, step, sigma)
+    }
+
+    /// The same with a window that is short beside the period of the motion, and that period, s.
+    pub fn paced(time: &[f64], path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> (Motion, f64) {
+        let mut half = HALF_WIDTH;
+        let mut motion = Self::new(time, path, step, sigma);
+        for _ in 0..MOST_STEPS {
+            let narrower = HALF_PERIODS * motion.period(path);
+            // Noise alone has no period.
+            if narrower >= half || half < LEAST_SAMPLES * step || motion.fastest() < NOISE * motion.noise {
+                break;
+            }
+            half = narrower;
+            motion = Self::within(half, time, path, step, sigma);
+        }
+        let period = motion.period(path);
+        (motion, period)
+    }
+
+    /// The fastest speed, m/s.
+    pub fn fastest(&self) -> f64 {
+        (0..self.velocity.len()).filter_map(|i| self.speed(i)).fold(0.0, f64::max)
+    }
+
+    /// Time, s, in which a point that moves as far and as fast as this one swings once, or longer: a hand moves it too.
+    pub fn period(&self, path: &[Option<[f64; 3]>]) -> f64 {
+        let range = (0..3).map(|k| {
+            let seen = || path.iter().flatten().map(|at| at[k]).collect();
+            let [low, high] = [0.01, 0.99].map(|share| quantile(seen(), share));
+            high.zip(low).map_or(0.0, |(high, low)| high - low)
+        });
+        // A swing of amplitude a is fastest at a ω.
+        std::f64::consts::PI * range.map(|range| range * range).sum::<f64>().sqrt() / self.fastest()
+    }
+
+    fn within(half: f64, time: &[f64], path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> Motion {
+        let half = half.max(LEAST_SAMPLES * step) * (1.0 + 1e-9);
         let full = (half / step).floor();
         let mut low = 0;
         let velocity = (0..path.len())

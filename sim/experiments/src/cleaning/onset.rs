@@ -30,6 +30,8 @@ pub struct Onset {
 const WAY: f64 = 0.12;
 /// Time of the hold that is fitted, s.
 const HOLD: f64 = 0.3;
+/// Time before the end of the hold at which the instant may be, s, or the time of that way if it is more.
+const BEFORE: f64 = 0.15;
 /// Samples after the hold that are fitted at least, and that [`WAY`] has to have for a push to be believed: a higher mode begins
 /// as fast.
 const LEAST_FALL: usize = 4;
@@ -69,7 +71,9 @@ pub fn estimate(time: &[f64], path: &[Option<[f64; 3]>], cut: &Cut, step: f64) -
     let until = |share: f64| {
         let past = cut.swing.clone().find(|&i| way(i).is_some_and(|way| way > share * whole))?;
         let samples = (begin..=past.max(enough)).filter_map(|i| Some((time[i], way(i)?))).collect();
-        Some(Begun { samples, window: [time[cut.hold.end] - 0.15, time[past]], step })
+        // A slow rod leaves the hold slowly.
+        let before = BEFORE.max(time[past] - time[cut.hold.end]);
+        Some(Begun { samples, window: [time[cut.hold.end] - before, time[past]], step })
     };
     let begun = until(WAY)?;
     let smooth = begun.search::<SMOOTH>()?;

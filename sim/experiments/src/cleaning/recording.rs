@@ -11,7 +11,7 @@ use super::release::{Context, LEAST_NOISE, Rod};
 use super::{
     BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, distance, frame, noise, release,
 };
-use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset};
+use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset, Start};
 use crate::scenario::ScenarioProblem;
 
 /// Samples that a release needs.
@@ -54,10 +54,10 @@ pub fn clean_recording(
         body.push((see(entry, &time, step, &found, &mut log), marker.at));
     }
     let base = base_pose(experiment, entry, &markers, (&time, &tip.path), step, &mut log)?;
-    if let Some(off) = base.as_ref().and_then(|base| base.followed.as_ref()) {
+    if let Some(base) = base.as_ref().filter(|base| base.is_followed()) {
         for seen in [&mut tip].into_iter().chain(body.iter_mut().map(|(seen, _)| seen)) {
-            base::take_off(off, &mut seen.raw);
-            base::take_off(off, &mut seen.path);
+            base.take_off(&mut seen.raw);
+            base.take_off(&mut seen.path);
         }
     }
     let cuts = cut(entry, &time, &tip, step, &mut log)?;
@@ -159,30 +159,31 @@ fn base_pose(
     }
     let found = markers.find(experiment, &format!("{}.base", entry.key), &entry.base)?;
     let body = found.iter().find_map(|marker| Some((marker, marker.orientation.as_ref()?)));
-    let (mut pose, path) = match (body, found.len()) {
+    let (mut pose, path, turns) = match (body, found.len()) {
         (Some((marker, orientation)), 1) => {
-            (base::of_body(&marker.position, orientation), marker.position.clone())
+            let turns = base::turns(&[], Some(orientation));
+            (base::of_body(&marker.position, orientation), marker.position.clone(), turns)
         }
         _ => {
             let paths: Vec<_> =
                 found.iter().map(|marker| see(entry, time, step, &[marker], log).path).collect();
-            (base::of_markers(&paths), centroid(&paths))
+            (base::of_markers(&paths), centroid(&paths), base::turns(&paths, None))
         }
     };
     if let (Some(pose), Some(tip)) = (&mut pose, cycles::mean(tip, 0..tip.len())) {
-        pose.follow(time, &path, step, distance(tip, pose.position));
+        pose.follow(time, &path, &turns, step, distance(tip, pose.position));
     }
     match &pose {
         None => log
             .say("base", "the base is never seen whole: it is left out, and that it stands still is assumed"),
         Some(pose) => {
-            let turn = match pose.orientation {
-                Some(_) => format!(
+            let turn = match found.len() {
+                1 if pose.orientation.is_none() => "; its turns are not seen with one marker".to_owned(),
+                _ => format!(
                     " and turns by at most {:.2} deg, standard deviation {:.3} deg",
                     pose.turned.to_degrees(),
                     pose.turn_deviation.to_degrees()
                 ),
-                None => "; its turns are not seen with fewer than three markers".to_owned(),
             };
             log.say(
                 "base",
@@ -191,9 +192,10 @@ fn base_pose(
                     mm(pose.moved),
                     mm(pose.deviation.into_iter().fold(0.0, f64::max)),
                     pose.frames,
-                    match pose.followed {
-                        Some(_) => "that is taken off all markers sample by sample",
-                        None => "its mean pose is used",
+                    if pose.is_followed() {
+                        "that is taken off all markers sample by sample"
+                    } else {
+                        "its mean pose is used"
                     }
                 ),
             );
@@ -223,7 +225,10 @@ fn cut(
         .into());
     }
     let sigma = entry.noise.or_else(|| noise::of_path(time, &tip.path, step)).unwrap_or(LEAST_NOISE);
-    let cuts = cycles::cut(time, &tip.path, step, sigma, entry.instants.as_deref());
+    let cuts = match entry.start {
+        Some(Start::InMotion) => cycles::cut_in_motion(time, &tip.path, step, sigma, entry.instant_of(1)),
+        _ => cycles::cut(time, &tip.path, step, sigma, entry.instants.as_deref()),
+    };
     let no_release = |why| CleaningError::NoRelease { file: entry.name.clone(), why, key: entry.key.clone() };
     let cuts = cuts.map_err(no_release)?;
     let spans: Vec<_> = cuts.iter().map(|cut| format!("{:.2}", time[cut.swing.start])).collect();

@@ -7,7 +7,7 @@ use super::decision::{Log, mm};
 use super::onset::{self, Onset};
 use super::points::Seen;
 use super::{CleanRelease, Frame, Statistics, distance, frame, noise};
-use crate::experiment::{At, Entry, Offset};
+use crate::experiment::{At, Entry, Offset, Start};
 use crate::release::{OutOfPlane, Point, Release, Track};
 
 /// What the model says of a recording: active length and distance of the tip from the clamp, m.
@@ -108,7 +108,7 @@ impl Context<'_> {
             time: time[samples].iter().map(|t| t - onset.instant).collect(),
             release_uncertainty: onset.uncertainty,
             tracks,
-            pressure: entry.pressure,
+            pressure: entry.pressures.as_ref().map(|all| all.at(onset.instant)).or(entry.pressure),
             payload: entry.payload.mass,
             held_out: entry.is_held_out(number),
             out_of_plane: OutOfPlane { distance: out_of_plane, share: out_of_plane / length },
@@ -128,6 +128,11 @@ impl Context<'_> {
     }
 
     fn onset(&self, cut: &Cut, number: usize, log: &mut Log) -> Onset {
+        if self.entry.start_of(number) == Start::InMotion {
+            let instant = self.time[cut.hold.start];
+            log.say("start", format!("in motion at {instant:.4} s: posture and velocity there are fitted"));
+            return Onset { instant, uncertainty: 0.0, acceleration: None, push: None };
+        }
         if let Some(instant) = self.entry.instant_of(number) {
             log.say("instants", format!("released at {instant} s, as the experiment says"));
             let uncertainty = self.entry.instant_error.unwrap_or(0.5 * self.step);

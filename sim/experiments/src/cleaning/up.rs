@@ -13,7 +13,7 @@ use super::CleaningError;
 use super::cycles::Cut;
 use super::decision::Log;
 use super::onset::first_fall;
-use crate::experiment::{Direction, Entry};
+use crate::experiment::{Direction, Entry, Start};
 
 /// Largest angle between the first fall and an axis that is taken as vertical, rad.
 const FALL: f64 = 30.0 * DEGREE;
@@ -97,6 +97,9 @@ impl Known<'_> {
 
     /// By the first fall, which gravity begins.
     fn fall(&self) -> Option<Candidate> {
+        if self.is_in_motion() {
+            return None;
+        }
         let falls = self.cuts.iter().filter_map(|cut| first_fall(self.path, cut));
         let fall: Vector3<f64> = falls.map(Vector3::from).sum();
         let (down, off) = Direction::nearest(fall.try_normalize(0.0)?.into());
@@ -121,6 +124,11 @@ impl Known<'_> {
         sum / self.cuts.len().max(1) as f64
     }
 
+    /// Whether the recording begins in mid-swing, so that it shows no fall.
+    fn is_in_motion(&self) -> bool {
+        self.entry.start == Some(Start::InMotion)
+    }
+
     /// Whether the file has x and z alone.
     fn is_flat(&self) -> bool {
         self.path.iter().flatten().all(|at| at[1] == 0.0)
@@ -137,6 +145,9 @@ impl Known<'_> {
         let named = "the file has x and z alone";
         if let Some(own) = hanging.filter(|own| own.off < HANGING).filter(along_z).or(fall.filter(along_z)) {
             return Some((own.up, true, format!("{named}, and {}", own.why)));
+        }
+        if self.is_in_motion() {
+            return Some((Direction::Axis(2, 1.0), false, named.to_owned()));
         }
         let sinks: f64 = self.cuts.iter().map(|cut| cut.held[2] - cut.rest[2]).sum();
         let why = format!("{named}, and the tip rests on the other side along z than it is held");

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use efam_recordings::Length;
 use efam_store::escape::escaped;
-use models::effects::{Parameter, by_name};
 
 use super::direction::{AXES, Direction};
+use super::payload::{Payload, payload};
+use super::pressure::{Pressures, pressure};
 use crate::scenario::document::{Document, Keys};
-use crate::scenario::tables::EffectPlan;
 use crate::scenario::{ScenarioError, ScenarioProblem};
 
 /// A recording, and what is known of it beside its file.
@@ -21,8 +21,10 @@ pub struct Entry {
     pub name: String,
     /// Its file.
     pub file: PathBuf,
-    /// Gauge pressure, Pa, if it is known.
+    /// Gauge pressure, Pa, if it is known; the mean of one that changes.
     pub pressure: Option<f64>,
+    /// The same over time, if that was recorded.
+    pub pressures: Option<Pressures>,
     /// What hung on the tip.
     pub payload: Payload,
     /// Markers whose centroid is the tip.
@@ -71,21 +73,6 @@ pub struct Entry {
     pub overrides: Vec<Override>,
 }
 
-/// A body at the tip.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Payload {
-    /// Mass, kg.
-    pub mass: f64,
-    /// From the end of the active length to its centre of mass, m.
-    pub center_of_mass: f64,
-    /// Its centre of mass beside the axis of the end fitting, m, positive to the left looking outwards.
-    pub offset: f64,
-    /// About its centre of mass, kg m².
-    pub rotary_inertia: f64,
-    /// Whether the recording says anything of it.
-    pub is_given: bool,
-}
-
 /// A marker along the rod.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyMarker {
@@ -120,6 +107,10 @@ pub enum Start {
     Straight,
     /// Bent, by a hand at its end: force and moment follow from the markers.
     Held,
+    /// Not held: at rest by itself, until its pressure changes.
+    Rest,
+    /// Not held: the recording begins in mid-swing. Posture and velocity follow from the markers.
+    InMotion,
 }
 
 /// Where the tip marker stands beside the rod's end.
@@ -187,12 +178,11 @@ impl Entry {
             return Err(keys.missing("pressure", "pressure = \"15 psi\", which the muscle needs"));
         }
         keys.text("note")?;
+        let (pressure, pressures) = pressure(document, keys, &file, has_muscle)?;
         let (start, overrides) = (start(keys)?, overrides(keys)?);
-        if let (Some(Start::Held), Some(own)) = (start, overrides.iter().find(|own| own.angle.is_some())) {
-            let message = format!(
-                "a rod that is held bent has no angle, and release {} has one; {ONE_START}",
-                own.number
-            );
+        let is_bent = start.is_some_and(|start| start != Start::Straight);
+        if let (true, Some(own)) = (is_bent, overrides.iter().find(|own| own.angle.is_some())) {
+            let message = format!("{NO_ANGLE}, and release {} has one; {ONE_START}", own.number);
             return Err(keys.wrong("start", ScenarioProblem::Other { message }));
         }
         let whole = |key| keys.counts(key).and_then(|counts| from_one(keys, key, counts));
@@ -200,7 +190,8 @@ impl Entry {
             key: keys.path.clone(),
             name,
             file,
-            pressure: keys.quantity("pressure", "Pa")?,
+            pressure,
+            pressures,
             payload: payload(keys)?,
             tip: markers(keys, "tip")?
                 .ok_or_else(|| keys.missing("tip", "tip = with the name of a marker"))?,
@@ -268,22 +259,6 @@ impl Entry {
     }
 }
 
-impl Payload {
-    /// As the effect of the model.
-    pub(super) fn effect(&self) -> EffectPlan {
-        let values = [
-            ("mass", self.mass),
-            ("center_of_mass", self.center_of_mass),
-            ("offset", self.offset),
-            ("rotary_inertia", self.rotary_inertia),
-        ];
-        let parameters: &'static [Parameter] =
-            by_name("payload").map_or(&[], |effect| effect.about().parameters);
-        let found = |(name, value)| Some((parameters.iter().find(|p| p.name == name)?, value));
-        ("payload", values.into_iter().filter_map(found).collect())
-    }
-}
-
 fn markers(keys: &Keys, key: &str) -> Result<Option<Vec<String>>, ScenarioError> {
     let Some(names) = keys.texts(key)? else { return Ok(None) };
     let twice = names.iter().collect::<BTreeSet<_>>().len() < names.len();
@@ -292,25 +267,6 @@ fn markers(keys: &Keys, key: &str) -> Result<Option<Vec<String>>, ScenarioError>
         return Err(keys.wrong(key, ScenarioProblem::Must { must }));
     }
     Ok(Some(names.into_iter().map(str::to_owned).collect()))
-}
-
-fn payload(keys: &Keys) -> Result<Payload, ScenarioError> {
-    let not_negative = |keys: &Keys, key: &str, unit: &str| {
-        keys.quantity_that(key, unit, "not be negative", |value| value >= 0.0).map(Option::unwrap_or_default)
-    };
-    let is_given = keys.has("payload");
-    if !is_given || keys.is_text("payload") {
-        return Ok(Payload { mass: not_negative(keys, "payload", "kg")?, is_given, ..Payload::default() });
-    }
-    let table = keys.table("payload")?;
-    table.only(&["mass", "center_of_mass", "offset", "rotary_inertia"])?;
-    Ok(Payload {
-        mass: not_negative(&table, "mass", "kg")?,
-        center_of_mass: table.quantity("center_of_mass", "m")?.unwrap_or_default(),
-        offset: table.quantity("offset", "m")?.unwrap_or_default(),
-        rotary_inertia: not_negative(&table, "rotary_inertia", "kg m^2")?,
-        is_given,
-    })
 }
 
 fn body(keys: &Keys) -> Result<Vec<BodyMarker>, ScenarioError> {
@@ -378,12 +334,25 @@ fn angle(keys: &Keys, key: &str) -> Result<Option<f64>, ScenarioError> {
 
 /// What to do about two starts.
 const ONE_START: &str = "its posture follows from the markers; leave one of the two out";
+const NO_ANGLE: &str = "a rod that is held bent, at rest or in motion has no angle";
 
 fn start(keys: &Keys) -> Result<Option<Start>, ScenarioError> {
-    let start = keys.word("start", &[("straight", Start::Straight), ("held", Start::Held)])?;
-    if start == Some(Start::Held) && keys.has("angle") {
-        let message = format!("a rod that is held bent has no angle; {ONE_START}");
-        return Err(keys.wrong("start", ScenarioProblem::Other { message }));
+    let starts = [
+        ("straight", Start::Straight),
+        ("held", Start::Held),
+        ("rest", Start::Rest),
+        ("in motion", Start::InMotion),
+    ];
+    let start = keys.word("start", &starts)?;
+    if start.is_some_and(|start| start != Start::Straight) && keys.has("angle") {
+        return Err(
+            keys.wrong("start", ScenarioProblem::Other { message: format!("{NO_ANGLE}; {ONE_START}") })
+        );
+    }
+    if start == Some(Start::InMotion) && keys.quantities("instants", "s")?.is_some_and(|list| list.len() > 1)
+    {
+        let must = "have one instant at most if the recording begins in motion";
+        return Err(keys.wrong("instants", ScenarioProblem::Must { must }));
     }
     Ok(start)
 }

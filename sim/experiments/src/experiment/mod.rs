@@ -9,6 +9,7 @@
 //! [[recording]]
 //! file = "15psi.csv"             # relative to this file
 //! pressure = "15 psi"            # needed with a [muscle]
+//!                                # or { file = "p.csv", column = "p", unit = "bar", delay = "0 s" }: over time
 //! payload = "80 g"               # or { mass = "80 g", center_of_mass = "1 in", offset = …, rotary_inertia = … }
 //! tip = ["Tip - 1", "Tip - 2"]   # one marker, or several whose centroid it is
 //! body = [{ marker = "M3", at = "120 mm" }]   # from the clamp, or a share of the active length
@@ -20,7 +21,8 @@
 //! clamp = ["0 mm", "0 mm", "0 mm"]            # where the rod leaves the clamp, in the file's frame
 //! base_angle = "25 deg"          # of the clamp above the level, where it is not rod.base_angle
 //! angle = "0 deg"                # of the straight rod while it is held; then offset = "hold"
-//! start = "held"                 # without an angle: bent by a hand at its end, as the markers show; or "straight"
+//! start = "held"                 # without an angle: bent by a hand at its end, as the markers show; or "straight";
+//!                                # or "in motion": the recording begins in mid-swing
 //! offset = "hold"                # of the tip marker from the rod's end, taken off: "hold", "none",
 //!                                # or ["0 mm", "22 mm"], along and across the rod at the hold
 //! instants = ["0.71 s"]          # of release, on the recording's clock, instead of those found
@@ -40,6 +42,8 @@
 
 mod direction;
 mod entry;
+mod payload;
+mod pressure;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -50,14 +54,16 @@ use models::effects::Catalogue;
 use models::muscle::Known;
 
 use crate::scenario::document::{Document, Keys};
-use crate::scenario::plan::{self, Plan};
+use crate::scenario::plan::{self, Plan, Pressure};
 use crate::scenario::start::From;
 use crate::scenario::units::EXPERIMENT;
 use crate::scenario::{Case, LAWS, ScenarioProblem, case, read_laws};
 
 pub use crate::error::ExperimentError;
 pub use direction::Direction;
-pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Payload, Start};
+pub use entry::{At, BodyMarker, Entry, HeldOut, Offset, Override, Start};
+pub use payload::Payload;
+pub use pressure::Pressures;
 
 /// An experiment, read and checked; its recordings are not read yet.
 #[derive(Clone, Debug)]
@@ -186,7 +192,7 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError::Document`] for what the muscle or the model refuses.
     pub fn case(&self, recording: usize, angle: Option<f64>) -> Result<Option<Case>, ExperimentError> {
-        self.case_with(recording, angle, None)
+        self.case_at(recording, angle, None, None)
     }
 
     /// The same with another number of nodes.
@@ -197,6 +203,19 @@ impl Experiment {
         recording: usize,
         angle: Option<f64>,
         nodes: Option<usize>,
+    ) -> Result<Option<Case>, ExperimentError> {
+        self.case_at(recording, angle, nodes, None)
+    }
+
+    /// The same, with the pressure over time that the recording has, from an instant on its clock on, s.
+    /// # Errors
+    /// As [`Self::case`].
+    pub fn case_at(
+        &self,
+        recording: usize,
+        angle: Option<f64>,
+        nodes: Option<usize>,
+        instant: Option<f64>,
     ) -> Result<Option<Case>, ExperimentError> {
         let Some(plan) = &self.plan else { return Ok(None) };
         let entry = &self.recordings[recording];
@@ -215,6 +234,10 @@ impl Experiment {
             None => plan.effects.push(payload),
         }
         let key = format!("{}.pressure", entry.key);
+        let rows = entry.pressures.as_ref().zip(instant).map(|(all, instant)| all.since(instant));
+        if let (Some(rows), Some(muscle)) = (rows, &mut plan.muscle) {
+            muscle.pressure = Pressure::Schedule(rows);
+        }
         let pressure = plan.muscle.is_some().then_some(entry.pressure).flatten();
         let case = case::at_pressure(&self.document, &Arc::new(plan), entry.name.clone(), pressure, &key)?;
         Ok(Some(case))

@@ -65,10 +65,15 @@ fn a_rod_without_an_angle_is_held_bent() {
     assert_eq!(starts("start = \"straight\"\n"), [Start::Straight, Start::Straight]);
     let second = "[[recording.release]]\nnumber = 2\nangle = \"5 deg\"\n";
     assert_eq!(starts(second), [Start::Held, Start::Straight]);
-    for more in ["angle = \"0 deg\"\n", second] {
-        let said = error(&format!("{RECORDING}start = \"held\"\n{more}"), &[]);
-        assert!(said.contains("recording[1].start") && said.contains("held bent has no angle"), "{said}");
+    for start in ["held", "in motion"] {
+        for more in ["angle = \"0 deg\"\n", second] {
+            let said = error(&format!("{RECORDING}start = \"{start}\"\n{more}"), &[]);
+            assert!(said.contains("recording[1].start") && said.contains("has no angle"), "{said}");
+        }
     }
+    assert_eq!(starts("start = \"in motion\"\n"), [Start::InMotion; 2]);
+    let said = error(&format!("{RECORDING}start = \"in motion\"\ninstants = [\"1 s\", \"2 s\"]\n"), &[]);
+    assert!(said.contains("have one instant at most"), "{said}");
 }
 
 #[test]

@@ -218,12 +218,12 @@ impl Builder<'_> {
         warnings: &mut Vec<String>,
     ) -> Result<Arc<PressureSchedule>, ScenarioError> {
         for (_, pressure) in rows {
-            self.at(muscle, *pressure, "muscle.pressure", warnings)?;
+            self.at(muscle, *pressure, self.pressure_key, warnings)?;
         }
         warnings.dedup();
         PressureSchedule::new(muscle.muscle.clone(), &muscle.stiffness, muscle.extrapolation, rows)
             .map(Arc::new)
-            .map_err(|error| self.document.error_of("muscle.pressure", ScenarioProblem::Muscle(error)))
+            .map_err(|error| self.document.error_of(self.pressure_key, ScenarioProblem::Muscle(error)))
     }
 
     /// Effects that only hold the rod are part of the model, but off, once it is let go.

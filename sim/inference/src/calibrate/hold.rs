@@ -3,6 +3,10 @@
 //! The rod starts at rest under a dead load at its end (`effects::tip_hold`). The load is a nuisance parameter of its
 //! release. Here it gets its first value: least squares on the places of the markers at the release, with what a hand may
 //! do as a prior.
+//!
+//! A rod that begins in mid-swing starts likewise: its posture is the rest under such a load, its velocity that with which
+//! this rest moves as force and moment change. Six numbers hold the first modes. Their first values are least squares on
+//! the first quarter of a swing.
 
 use std::ops::ControlFlow;
 
@@ -12,6 +16,7 @@ use efam_experiments::release::Release;
 use models::effects::tip_hold::{HELD, NAME, PULL};
 use models::error::ModelError;
 use models::model::Model;
+use models::statics::{equilibrium, modes};
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::Trial;
@@ -26,28 +31,46 @@ const PLACE: f64 = 3e-3;
 const NODES: usize = 17;
 
 /// Sizes of what a hand does: forces that bend the rod by its length and bear what it weighs, rates that change them in
-/// the time in which the end falls by that length, the moment of such a force.
+/// the time in which the end falls by that length, the moment of such a force, and its rate.
 /// Source: a cantilever under a load at its end, `P = 3 EI w / L³`.
-pub(crate) fn sizes(model: &Model) -> Result<[f64; 5], ModelError> {
+pub(crate) fn sizes(model: &Model) -> Result<[f64; 6], ModelError> {
     let value = |path: &str| Ok(model.theta[model.index(path)?]);
     let rod = model.rod();
     let mass = rod.mass + value("effects.end_fitting.mass")? + value("effects.payload.mass")?;
     let gravity = value("effects.gravity.acceleration")?;
     let force = 3.0 * rod.bending_stiffness / rod.length.powi(2) + mass * gravity;
     let rate = force / (rod.length / gravity.max(1.0)).sqrt();
-    Ok([force, force, rate, rate, force * rod.length])
+    Ok([force, force, rate, rate, force * rod.length, rate * rod.length])
 }
 
-/// Whether a release can tell the moment: one marker does not show it.
-fn shows_moment(release: &Release) -> bool {
-    release.tracks.len() > 1
+/// Part of a swing on which a start in motion gets its first values.
+const FIRST_PART: f64 = 0.25;
+/// Samples that this has at least.
+const FIRST_SAMPLES: usize = 4;
+
+/// Angular frequency of the slowest mode of a trial about its rest, rad/s.
+fn pace(trial: &Trial) -> Option<f64> {
+    let mut model = trial.model.clone();
+    model.schedule = None;
+    let rest = equilibrium(&model, None).ok()?;
+    Some(modes(&model, &rest, 1).ok()?.first()?.angular_frequency).filter(|pace| *pace > 0.0)
 }
 
-/// What a hand does before a held release, as far as the release can tell it: path, unit, and standard deviation.
+/// What moves the start of a trial, as far as its release can tell it: path, unit, and standard deviation. One marker does not
+/// show the moment of a hand. Of a rod in motion the swing shows all, and its rates have its pace.
 pub(crate) fn pulls(trial: &Trial) -> Result<Vec<(&'static str, &'static str, f64)>, ModelError> {
-    let units = ["N", "N", "N/s", "N/s", "N m"];
-    let all = PULL.into_iter().zip(units).zip(sizes(&trial.model)?);
-    let count = PULL.len() - usize::from(!shows_moment(&trial.release));
+    let units = ["N", "N", "N/s", "N/s", "N m", "N m/s"];
+    let mut sizes = sizes(&trial.model)?;
+    let count = match trial.is_in_motion() {
+        true => PULL.len(),
+        false if trial.release.tracks.len() > 1 => PULL.len() - 1,
+        false => PULL.len() - 2,
+    };
+    if let Some(pace) = pace(trial).filter(|_| trial.is_in_motion()) {
+        let [x, z, _, _, moment, _] = sizes;
+        sizes = [x, z, pace * x, pace * z, moment, pace * moment];
+    }
+    let all = PULL.into_iter().zip(units).zip(sizes);
     Ok(all.map(|((path, unit), size)| (path, unit, size)).take(count).collect())
 }
 
@@ -55,6 +78,7 @@ pub(crate) fn pulls(trial: &Trial) -> Result<Vec<(&'static str, &'static str, f6
 pub(crate) fn hold(trial: &mut Trial) -> Result<(), ForwardError> {
     trial.model = trial.model.with_effect(NAME, &[("held", 0.0)])?;
     let mut holding = trial.model.clone();
+    holding.schedule = None;
     holding.set(HELD, 1.0)?;
     let own = vec![holding.index(HELD)?];
     trial.run.initial = Initial::Equilibrium { hold: Box::new(holding), own };
@@ -65,17 +89,30 @@ pub(crate) fn hold(trial: &mut Trial) -> Result<(), ForwardError> {
 
 /// The change of the hand's load, SI, with which the markers stay where they are when the model of a trial becomes that of `after`.
 pub(crate) fn change(before: &Trial, after: &Trial) -> Result<Vec<(&'static str, f64)>, ForwardError> {
-    let [x, z, _, _, moment] = PULL;
+    let paths = load(before)?.into_iter().map(|(path, ..)| path);
     let changes = find(before)?.into_iter().zip(find(after)?).map(|((_, from), (_, to))| to - from);
-    Ok([x, z, moment].into_iter().zip(changes).collect())
+    Ok(paths.zip(changes).collect())
 }
 
-/// Where the force, and the moment if the release can tell it, stand in `theta`, and their sizes.
-fn load(trial: &Trial) -> Result<Vec<(usize, f64)>, ModelError> {
-    let ([x, z, _, _, moment], [force, .., of_moment]) = (PULL, sizes(&trial.model)?);
-    let moment = shows_moment(&trial.release).then_some((moment, of_moment));
-    let all = [(x, force), (z, force)].into_iter().chain(moment);
-    all.map(|(path, size)| Ok((trial.model.index(path)?, size))).collect()
+/// What is looked for: path, place in `theta`, and size. The rates of a hand show in the hold, not in a posture.
+fn load(trial: &Trial) -> Result<Vec<(&'static str, usize, f64)>, ModelError> {
+    let is_seen = |unit: &str| trial.is_in_motion() || !unit.ends_with("/s");
+    let all = pulls(trial)?.into_iter().filter(|(_, unit, _)| is_seen(unit));
+    all.map(|(path, _, size)| Ok((path, trial.model.index(path)?, size))).collect()
+}
+
+/// Where the tracks are: times, s, and places there. At the release or, of a rod in motion, at the first samples.
+fn seen(trial: &Trial) -> Vec<(f64, Vec<Option<[f64; 2]>>)> {
+    let release = &trial.release;
+    if !trial.is_in_motion() {
+        return vec![(0.0, targets(release))];
+    }
+    let last = pace(trial).map_or(0.0, |pace| FIRST_PART * std::f64::consts::TAU / pace);
+    let all = release.time.iter().enumerate().filter(|(_, time)| **time >= 0.0);
+    let first = all.enumerate().take_while(|(n, (_, time))| *n < FIRST_SAMPLES || **time <= last);
+    first
+        .map(|(_, (k, time))| (*time, release.tracks.iter().map(|track| track.position[k]).collect()))
+        .collect()
 }
 
 /// Where each track is at the release: the mean of the end of the hold, or else the first sample.
@@ -98,32 +135,34 @@ fn find(trial: &Trial) -> Result<Vec<(usize, f64)>, ForwardError> {
     if trial.model.edges >= NODES {
         (trial.model, trial.run) = trial.run.on_mesh(&trial.model, NODES)?;
     }
-    let targets = targets(&trial.release);
+    let targets = seen(&trial);
     let load = load(&trial)?;
     let unknowns = load.len();
     let scaled = |x: &DVector<f64>| -> Vec<_> {
-        load.iter().zip(x.iter()).map(|((place, size), x)| (*place, size * x)).collect()
+        load.iter().zip(x.iter()).map(|((_, place, size), x)| (*place, size * x)).collect()
     };
     let per_error = (PLACE * trial.model.rod().length).recip();
     let look = |x: &DVector<f64>| -> Result<Evaluated<()>, ForwardError> {
         let (model, initial) = trial.with(&scaled(x));
         let run = Run {
             initial,
-            sensitivities: load.iter().map(|(place, _)| *place).collect(),
+            sensitivities: load.iter().map(|(_, place, _)| *place).collect(),
             points: trial.release.tracks.iter().map(|track| track.at).collect(),
             trace_step: None,
-            samples: vec![0.0],
-            ..Run::release(0.0, 1.0)
+            samples: targets.iter().map(|(time, _)| *time).collect(),
+            ..Run::release(targets.last().map_or(0.0, |(time, _)| *time), 1.0)
         };
         let seen = forward(&model, &run, &mut |_| ControlFlow::Continue(()))?;
         // The prior has a standard deviation of one.
         let (mut cost, mut gradient) = (0.5 * x.norm_squared(), x.clone());
         let mut hessian = DMatrix::identity(unknowns, unknowns);
-        for (t, target) in targets.iter().enumerate() {
-            let Some(target) = target else { continue };
+        let all =
+            targets.iter().enumerate().flat_map(|(n, (_, tracks))| (0..tracks.len()).map(move |t| (n, t)));
+        for (n, t) in all {
+            let Some(target) = targets[n].1[t] else { continue };
             for axis in 0..2 {
-                let residual = per_error * (target[axis] - seen.points[0][t][axis]);
-                let slope = |k: usize| per_error * load[k].1 * seen.points_by_parameters[0][t][k][axis];
+                let residual = per_error * (target[axis] - seen.points[n][t][axis]);
+                let slope = |k: usize| per_error * load[k].2 * seen.points_by_parameters[n][t][k][axis];
                 let slopes = DVector::from_fn(unknowns, |k, _| slope(k));
                 cost += 0.5 * residual * residual;
                 gradient -= residual * &slopes;
@@ -153,7 +192,6 @@ pub(crate) mod tests {
     use efam_core::example::muscle_at_15_psi;
     use efam_core::forward::uniform;
     use efam_experiments::release::{Point, Track};
-    use models::statics::equilibrium;
     use models::system::System;
 
     use super::*;

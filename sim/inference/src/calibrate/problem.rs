@@ -194,9 +194,14 @@ impl Trial {
         matches!(self.run.initial, Initial::Straight)
     }
 
-    /// Whether a hand holds the rod bent before the release.
+    /// Whether a load sets the posture of the start: of a hand that holds the rod bent, or of a start in motion.
     pub fn is_held(&self) -> bool {
         self.run.initial.is_in_a_hand()
+    }
+
+    /// Whether the recording begins in mid-swing. Its first sample is the start, so no instant is unknown.
+    pub fn is_in_motion(&self) -> bool {
+        self.is_held() && self.release.release_uncertainty == 0.0
     }
 
     /// The same with an effect at these parameters, also in what holds the rod.

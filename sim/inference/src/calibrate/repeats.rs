@@ -232,7 +232,8 @@ pub(crate) fn is_one_condition(a: &Trial, b: &Trial) -> bool {
         }
     };
     let count = a.model.parameters.len();
-    count == b.model.parameters.len() && (0..count).all(is_same)
+    // A swing that begins anywhere is compared with no other.
+    !a.is_in_motion() && !b.is_in_motion() && count == b.model.parameters.len() && (0..count).all(is_same)
 }
 
 /// Whether a difference in what the hand does before the release bends the rod by no more than the angle of a release may

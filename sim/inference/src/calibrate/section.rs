@@ -20,6 +20,7 @@
 
 use std::sync::Arc;
 
+use efam_core::forward::Initial;
 use efam_experiments::cleaning::{CleanRelease, Cleaned};
 use efam_experiments::experiment::{Experiment, ExperimentError, Start};
 use efam_experiments::scenario::document::Keys;
@@ -48,6 +49,15 @@ pub enum SectionError {
         /// Its file.
         experiment: String,
     },
+    /// A recording of one coordinate alone.
+    #[error(
+        "{file}: has one coordinate alone, and a fit would take the others, which are 0, for measured; `efam analyse` gives its \
+         frequency and damping"
+    )]
+    OneCoordinate {
+        /// Its name.
+        file: String,
+    },
     /// An experiment without a model.
     #[error(
         "{experiment}: says nothing of the rod, so there is no model to calibrate; add [muscle], or [rod] with its length, mass and stiffness"
@@ -73,7 +83,11 @@ pub fn problem(
     }
     let mut trials = Vec::new();
     for used in cleaned.used() {
-        let case = experiment.case(used.recording, used.angle)?;
+        let of = &cleaned.recordings[used.recording];
+        if of.recording.has_one_coordinate() {
+            return Err(SectionError::OneCoordinate { file: of.name.clone() });
+        }
+        let case = used.case(experiment)?;
         trials.extend(case.map(|case| trial(experiment, used, case)).transpose()?);
     }
     let Some(first) = trials.iter().find(|trial| !trial.release.held_out) else {
@@ -118,11 +132,17 @@ pub fn problem(
 /// [`CalibrateError::Held`] if the model cannot be held so.
 pub(crate) fn trial(experiment: &Experiment, of: &CleanRelease, case: Case) -> Result<Trial, CalibrateError> {
     let mut trial = Trial { release: of.release.clone(), model: case.model, run: case.run };
-    if experiment.recordings[of.recording].start_of(of.number) == Start::Held {
-        hold(&mut trial).map_err(|error| CalibrateError::Held {
+    match experiment.recordings[of.recording].start_of(of.number) {
+        Start::Straight => {}
+        Start::Rest => {
+            let mut hold = trial.model.clone();
+            hold.schedule = None;
+            trial.run.initial = Initial::Equilibrium { hold: Box::new(hold), own: Vec::new() };
+        }
+        Start::Held | Start::InMotion => hold(&mut trial).map_err(|error| CalibrateError::Held {
             release: trial.release.name.clone(),
             error: error.into(),
-        })?;
+        })?,
     }
     Ok(trial)
 }

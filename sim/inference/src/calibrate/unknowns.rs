@@ -47,7 +47,7 @@ pub(crate) enum UnknownKind {
     ClampAngle,
     /// Mass damping α, over that of the model.
     MassDamping,
-    /// A component of the load by which a hand holds the rod before its release.
+    /// A component of the load that sets the start, such as that of a hand before the release.
     Pull,
     /// Offset of a track along an axis.
     Offset { track: usize, axis: usize },
@@ -236,7 +236,7 @@ impl Unknowns {
             let start = if let Acts::Theta(k) = acts { trial.model.theta[k] } else { 0.0 };
             self.list.push(Unknown { start, ..unknown });
         };
-        if nuisances.release_instant {
+        if nuisances.release_instant && !trial.is_in_motion() {
             let deviation = trial.release.release_uncertainty.max(LEAST_INSTANT);
             add(UnknownKind::Instant, Acts::Instant, RELEASE_INSTANT, "s", deviation, FARTHEST);
         }

@@ -1,0 +1,80 @@
+//! Trajectories of Kinovea: as text, one below the other, a blank line between them, each with times of its own.
+//!
+//! ```text
+//! #Kinovea Trajectory data export
+//! #T X Y
+//! 0:00:00:00 0.00 0.00
+//!
+//! 0:00:00:12 3.10 0.20
+//! ```
+
+use std::collections::BTreeMap;
+
+use super::Marker;
+use super::draft::Draft;
+use super::names::{distinct, some};
+
+/// Trajectories that are read at most.
+const MOST: usize = 50;
+
+/// The trajectories of an export, each with the lines above the first one and with its own numbers of lines; nothing unless
+/// there are several.
+pub(super) fn trajectories(text: &str) -> Option<impl Iterator<Item = String>> {
+    let is_of_kinovea =
+        text.lines().next()?.to_lowercase().trim_start_matches(['#', ' ']).starts_with("kinovea");
+    let is_row = |line: &str| line.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    let first = text.lines().position(is_row).filter(|_| is_of_kinovea)?;
+    let (mut starts, mut was_row) = (Vec::new(), false);
+    for (at, line) in text.lines().enumerate() {
+        if is_row(line) && !was_row {
+            starts.push(at);
+        }
+        was_row = is_row(line);
+    }
+    let one = move |start: usize| {
+        let above = text.lines().take(first).chain(std::iter::repeat_n("", start - first));
+        let own = text.lines().skip(start).take_while(move |line| is_row(line));
+        above.chain(own).flat_map(|line| [line, "\n"]).collect::<String>()
+    };
+    (starts.len() > 1).then(|| starts.into_iter().take(MOST + 1).map(one))
+}
+
+/// Trajectories of a text of so many bytes as one draft, over all times that one of them has; nothing if there are too many,
+/// or the times of one do not ascend.
+pub(super) fn merged(drafts: Vec<Draft>, bytes: usize) -> Option<Draft> {
+    let is_clear = |draft: &Draft| {
+        let ascends = draft.times.windows(2).all(|pair| pair[0] < pair[1]);
+        let first = draft.times.first().is_some_and(|time| *time >= 0.0);
+        draft.wrong_clock.is_none() && ascends && first
+    };
+    // The bits of numbers that are not negative ascend as they do.
+    let bits = |time: &f64| (time + 0.0).to_bits();
+    let mut places: BTreeMap<u64, u64> = BTreeMap::new();
+    for draft in &drafts {
+        draft.times.iter().zip(&draft.places).for_each(|(time, place)| {
+            places.entry(bits(time)).or_insert(*place);
+        });
+    }
+    let count = drafts.len();
+    // A whole row has a byte or more for each point; so memory follows from the file's length.
+    if count > MOST || count * places.len() > bytes || !drafts.iter().all(is_clear) {
+        return None;
+    }
+    let of_one = |draft: &Draft| draft.markers.iter().map(|own| own.name.clone()).collect::<Vec<_>>();
+    let names = distinct(drafts.iter().flat_map(of_one), &mut Vec::new());
+    let marker = |(name, (draft, own)): (String, (&Draft, &Marker))| {
+        let mut seen = draft.times.iter().zip(&own.position).peekable();
+        let at = |time: &u64| seen.next_if(|(own, _)| bits(own) == *time).and_then(|(_, at)| *at);
+        Marker { name, position: places.keys().map(at).collect(), orientation: None }
+    };
+    let all = drafts.iter().flat_map(|draft| draft.markers.iter().map(move |own| (draft, own)));
+    let markers: Vec<Marker> = names.into_iter().zip(all).map(marker).collect();
+    let names: Vec<String> = markers.iter().map(|own| own.name.clone()).collect();
+    let times = places.keys().map(|time| f64::from_bits(*time)).collect();
+    let mut merged = drafts.into_iter().next()?;
+    merged.findings.push(format!(
+        "{count} trajectories, one below the other, a marker each: {}; one that is not seen at a time counts as lost there",
+        some(&names)
+    ));
+    Some(Draft { times, places: places.into_values().collect(), markers, ..merged })
+}
