@@ -123,11 +123,11 @@ mod tests {
         let mut late = from(0.0, 0.0);
         let first = late[0];
         late[..16].fill(first);
-        assert_eq!(repeated(&late), [0..16]);
+        assert_eq!(repeated(&late), vec![0..16; 1]);
         let mut lost = from(0.0, 0.0);
         let last = lost[60];
         lost[60..67].fill(last);
-        assert_eq!(repeated(&lost), [60..67]);
+        assert_eq!(repeated(&lost), vec![60..67; 1]);
         // A ghost beside a rest, steps of the last digit, and a rest to the end.
         let mut ghost = from(0.5, 0.0);
         ghost[9] = at(3.0);
