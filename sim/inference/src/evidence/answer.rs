@@ -163,9 +163,11 @@ fn summary(own: &Weighed) -> String {
         _ if own.rounds.iter().any(|round| round.candidates.is_empty()) && own.named.is_empty() => {
             format!("No answer: no candidate was fitted. {:.3} mm are left.", own.after_mm)
         }
-        Verdict::NothingMissing => {
-            format!("Nothing is missing that these recordings show: {:.3} mm are left.", own.after_mm)
-        }
+        Verdict::NothingMissing => format!(
+            "Nothing is missing that these recordings show: {:.3} mm are left.{}",
+            own.after_mm,
+            moved(&own.moved)
+        ),
         Verdict::Unknown if own.named.is_empty() => {
             format!(
                 "Something is missing that no effect of the catalogue explains: {:.3} mm are left.",
@@ -184,5 +186,39 @@ fn summary(own: &Weighed) -> String {
         Verdict::Misstated => format!("A stated value is wrong: {what}. Seen: {saw}. {left}."),
         Verdict::Named => format!("{what} is missing. Seen: {saw}. {left}."),
         Verdict::Incomplete => format!("{what} is missing, and something else. Seen: {saw}. {left}."),
+    }
+}
+
+/// What of the setup is far off what is stated, as a sentence with a blank before; nothing where there is none.
+fn moved(all: &[Value]) -> String {
+    let of = |own: &Value| {
+        let unit = if own.unit.is_empty() { String::new() } else { format!(" {}", own.unit) };
+        format!("{} is {:.3e}{unit}, {:.1} deviations off", own.name, own.value, own.deviations.abs())
+    };
+    let all: Vec<String> = all.iter().take(2).map(of).collect();
+    if all.is_empty() {
+        return String::new();
+    }
+    format!(" But the setup is not quite as stated: {}.", all.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setup_that_is_off_is_said_where_nothing_is_missing() {
+        let off = Value {
+            name: "set curvature".to_owned(),
+            unit: "1/m".to_owned(),
+            value: 0.5,
+            interval_95: [0.4, 0.6],
+            deviations: 3.2,
+        };
+        let mut weighed = Weighed { verdict: Verdict::NothingMissing, ..Weighed::default() };
+        assert!(!summary(&weighed).contains("setup"));
+        weighed.moved = vec![off];
+        let said = summary(&weighed);
+        assert!(said.ends_with("set curvature is 5.000e-1 1/m, 3.2 deviations off."), "{said}");
     }
 }
