@@ -21,8 +21,9 @@ use super::samples::{Normal, Sampled, linearised};
 use super::search::Point;
 use super::unknown::Unknown;
 
-/// Strengths that are tried first, prior standard deviations, and by how much the next may differ.
+/// Strengths that are tried first, prior standard deviations: a small one and one that is usual.
 const TRIED: [f64; 2] = [0.1, 1.0];
+/// By how much the next strength may differ: a secant is no guide over more than a decade.
 const FACTOR: f64 = 10.0;
 /// A strength within this factor of one that was tried needs no try of its own.
 const SAME: f64 = 2.0;
