@@ -83,8 +83,8 @@ pub fn problem(
     }
     let mut trials = Vec::new();
     for used in cleaned.used() {
-        let of = &cleaned.recordings[used.recording];
-        if of.recording.has_one_coordinate() {
+        let of = cleaned.recordings.get(used.recording);
+        if let Some(of) = of.filter(|of| of.recording.has_one_coordinate()) {
             return Err(SectionError::OneCoordinate { file: of.name.clone() });
         }
         let case = used.case(experiment)?;
