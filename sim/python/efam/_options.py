@@ -80,6 +80,7 @@ Options = TypedDict(
         "effects.tip_hold.moment": Quantity,  # N m
         "effects.tip_hold.rate_x": Quantity,  # N/s
         "effects.tip_hold.rate_z": Quantity,  # N/s
+        "effects.tip_hold.rate_moment": Quantity,  # N m/s
         "effects.air_drag.drag_coefficient": Quantity,  # dimensionless
         "effects.air_drag.air_density": Quantity,  # kg/m^3
         "effects.viscoelastic.branch_stiffness": Quantity,  # dimensionless
