@@ -2,7 +2,9 @@
 
 use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
 
-use super::noise;
+use super::cycles::mean;
+use super::points::centroid;
+use super::{distance, noise};
 
 /// Mean pose of the base over a recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,9 +86,75 @@ fn pose(positions: &[Vector3<f64>], turns: &[UnitQuaternion<f64>]) -> BasePose {
     }
 }
 
+/// How a base moves in each sample.
+pub(super) struct Moving {
+    /// Its place, m.
+    place: Path,
+    /// Its turns from their mean, as rotation vectors, rad.
+    turns: Path,
+    /// Errors of place, m, and turn, rad: what its markers move against each other, a base does not.
+    errors: [f64; 2],
+    /// The same without the marker that moves most: what this marker alone shows is no motion of the base.
+    others: Option<Box<Moving>>,
+}
+
+impl Moving {
+    /// From markers, shape `[markers][samples]`.
+    pub fn of_markers(markers: &[Path]) -> Self {
+        let others = (markers.len() > 2).then(|| {
+            let motion = |path: &Path| {
+                of_markers(std::slice::from_ref(path))
+                    .map_or(0.0, |pose| pose.deviation.into_iter().fold(0.0, f64::max))
+            };
+            let most = |a: &usize, b: &usize| motion(&markers[*a]).total_cmp(&motion(&markers[*b]));
+            let most = (0..markers.len()).max_by(most);
+            let others = (0..markers.len()).filter(|k| Some(*k) != most).map(|k| markers[k].clone());
+            Box::new(Self::of_markers(&others.collect::<Vec<_>>()))
+        });
+        Self { place: centroid(markers), turns: turns(markers, None), errors: errors(markers), others }
+    }
+
+    /// From a rigid body.
+    pub fn of_body(position: &Path, orientation: &[Option<[f64; 4]>]) -> Self {
+        Self { place: position.clone(), turns: turns(&[], Some(orientation)), errors: [0.0; 2], others: None }
+    }
+
+    /// How far the base is off a place, m, and turned, rad, in each sample; nothing where it does not move, or by less than a share
+    /// of the distance `far` to the tip that matters.
+    fn followed(&self, time: &[f64], step: f64, place: [f64; 3], far: f64) -> [Option<Vec<[f64; 3]>>; 2] {
+        let off = |at: [f64; 3]| std::array::from_fn(|k| at[k] - place[k]);
+        let off: Path = self.place.iter().map(|at| at.map(off)).collect();
+        let [of_place, of_turn] = self.errors;
+        let own = [
+            followed(time, &off, step, of_place, MATTERS * far),
+            followed(time, &self.turns, step, of_turn, MATTERS),
+        ];
+        let Some(others) = &self.others else { return own };
+        let Some(place) = mean(&others.place, 0..others.place.len()) else { return [None, None] };
+        let mut shown = others.followed(time, step, place, far).into_iter();
+        own.map(|own| shown.next().flatten().and(own))
+    }
+}
+
+/// Standard errors of the place of some markers, m, and of their turn, rad, from the pair whose distance changes most. The
+/// distance has the errors of two markers, the centroid a share of one.
+fn errors(markers: &[Path]) -> [f64; 2] {
+    let (mut place, mut turn) = (0.0f64, 0.0f64);
+    for (k, a) in markers.iter().enumerate() {
+        for b in &markers[..k] {
+            let apart = || a.iter().zip(b).filter_map(|(a, b)| Some(distance((*a)?, (*b)?)));
+            let mean = apart().sum::<f64>() / apart().count().max(1) as f64;
+            let deviation = mean_square(apart().map(|apart| apart - mean)).sqrt();
+            place = place.max(deviation / (2.0 * markers.len() as f64).sqrt());
+            turn = turn.max(if mean > 0.0 { deviation / mean } else { 0.0 });
+        }
+    }
+    [place, turn]
+}
+
 /// Turns of the base in each sample from their mean, as rotation vectors, rad: of a rigid body, of three markers or more, or
 /// of two, which show no turn about their own line. Nothing where they are not seen.
-pub(super) fn turns(markers: &[Path], body: Option<&[Option<[f64; 4]>]>) -> Vec<Option<[f64; 3]>> {
+fn turns(markers: &[Path], body: Option<&[Option<[f64; 4]>]>) -> Vec<Option<[f64; 3]>> {
     let samples = body.map_or(markers.first().map_or(0, Vec::len), <[_]>::len);
     let points = |i: usize| markers.iter().map(|path| path[i].map(Vector3::from)).collect::<Option<Vec<_>>>();
     let reference = (0..samples).find_map(points);
@@ -110,15 +178,11 @@ pub(super) fn turns(markers: &[Path], body: Option<&[Option<[f64; 4]>]>) -> Vec<
 impl BasePose {
     /// Follows the base sample by sample, its place and its turns, if they move by more than their noise and by a share of the
     /// distance `far` to the tip that matters.
-    pub(super) fn follow(&mut self, time: &[f64], path: &Path, turns: &Path, step: f64, far: f64) {
-        let place = self.position;
-        let off: Path =
-            path.iter().map(|at| at.map(|at| std::array::from_fn(|k| at[k] - place[k]))).collect();
-        self.followed = followed(time, &off, step, MATTERS * far);
-        let angles = || turns.iter().flatten().map(|turn| Vector3::from(*turn).norm());
+    pub(super) fn follow(&mut self, time: &[f64], moving: &Moving, step: f64, far: f64) {
+        [self.followed, self.followed_turn] = moving.followed(time, step, self.position, far);
+        let angles = || moving.turns.iter().flatten().map(|turn| Vector3::from(*turn).norm());
         self.turned = angles().fold(0.0, f64::max);
-        self.turn_deviation = mean_square(angles().collect::<Vec<_>>().into_iter()).sqrt();
-        self.followed_turn = followed(time, turns, step, MATTERS);
+        self.turn_deviation = mean_square(angles()).sqrt();
     }
 
     /// Takes the motion of the base off a path.
@@ -137,14 +201,12 @@ impl BasePose {
     }
 }
 
-/// What moves about zero, in each sample, if it moves by more than its noise and than what matters: smoothed as far as its
-/// noise alone is left over, and on a straight line where it is lost.
-fn followed(time: &[f64], off: &Path, step: f64, matters: f64) -> Option<Vec<[f64; 3]>> {
+/// What moves about zero, in each sample, if it moves by more than its noise, or a standard error that is larger, and than what
+/// matters: smoothed as far as its noise alone is left over, and on a straight line where it is lost.
+fn followed(time: &[f64], off: &Path, step: f64, error: f64, matters: f64) -> Option<Vec<[f64; 3]>> {
     let seen: Vec<usize> = (0..off.len()).filter(|i| off[*i].is_some()).collect();
-    let sigma = noise::of_path(time, off, step).unwrap_or(0.0);
-    let along = |k: usize| {
-        mean_square(seen.iter().filter_map(|i| Some(off[*i]?[k])).collect::<Vec<_>>().into_iter()).sqrt()
-    };
+    let sigma = noise::of_path(time, off, step).unwrap_or(0.0).max(error);
+    let along = |k: usize| mean_square(seen.iter().filter_map(|i| Some(off[*i]?[k]))).sqrt();
     if (0..3).map(along).fold(0.0, f64::max) <= (MOVES * sigma).max(matters) {
         return None;
     }
@@ -187,9 +249,9 @@ fn running_means(path: &[[f64; 3]], half: usize) -> Vec<[f64; 3]> {
 }
 
 /// Mean square about a mean that is known from the same values; zero of one value.
-fn mean_square(off: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let degrees = off.len().saturating_sub(1).max(1) as f64;
-    off.map(|off| off * off).sum::<f64>() / degrees
+fn mean_square(off: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = off.fold((0.0, 0usize), |(sum, count), off| (sum + off * off, count + 1));
+    sum / count.saturating_sub(1).max(1) as f64
 }
 
 /// The turn that takes points of the reference onto others; none of points on one line.
@@ -268,12 +330,32 @@ mod tests {
             noise.disturb(&mut path, 1e-4);
             path[100..110].fill(None);
             let mut pose = of_markers(std::slice::from_ref(&path)).unwrap();
-            pose.follow(&time, &path, &vec![None; 400], 0.02, 0.4);
+            pose.follow(&time, &Moving::of_markers(std::slice::from_ref(&path)), 0.02, 0.4);
             assert_eq!(pose.followed.is_some(), is_followed);
             for (t, off) in time.iter().zip(pose.followed.iter().flatten()) {
                 // Over three samples at least, noise is less by 1.7; three standard deviations.
                 assert!((off[2] + pose.position[2] - drift(*t)).abs() < 2.5e-4, "{off:?} at {t}");
             }
+        }
+    }
+
+    /// Three markers at rest, of which one is seen 0.1 mm off for a while: it moves against the others, so the base does not turn.
+    #[test]
+    fn a_marker_that_moves_against_the_others_is_no_turn() {
+        let mut noise = crate::cleaning::tests::Noise::new(7);
+        let time: Vec<f64> = (0..400).map(|i| 0.02 * f64::from(i)).collect();
+        let mut markers = [[0.0, 0.0, 0.0], [0.058, 0.0, 0.0], [0.05, 0.0, 0.027]]
+            .map(|at| time.iter().map(|_| Some(at)).collect::<Path>());
+        markers.iter_mut().for_each(|path| noise.disturb(path, 1e-5));
+        // In the plane of the markers it changes distances; across it does not.
+        for axis in 0..3 {
+            let mut seen = markers.clone();
+            for (t, at) in time.iter().zip(seen[2].iter_mut().flatten()) {
+                at[axis] += 3e-4 * (0.9 * t).sin();
+            }
+            let mut pose = of_markers(&seen).unwrap();
+            pose.follow(&time, &Moving::of_markers(&seen), 0.02, 0.1);
+            assert!(!pose.is_followed() && pose.turn_deviation > 1e-3, "{axis}: {pose:?}");
         }
     }
 
@@ -294,8 +376,8 @@ mod tests {
         for (count, body) in [(2, None), (3, None), (1, Some(&orientation[..]))] {
             let own = &markers[..count];
             let mut pose = of_markers(own).unwrap();
-            let center = crate::cleaning::points::centroid(own);
-            pose.follow(&time, &center, &turns(own, body), 0.02, 0.4);
+            let moving = body.map_or_else(|| Moving::of_markers(own), |body| Moving::of_body(&own[0], body));
+            pose.follow(&time, &moving, 0.02, 0.4);
             assert!((pose.turned - 0.05).abs() < 0.015, "{count}: {}", pose.turned);
             let mut fixed = moved([0.4, 0.0, 0.0]);
             pose.take_off(&mut fixed);

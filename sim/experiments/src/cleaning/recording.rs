@@ -4,12 +4,13 @@ use efam_core::quantile::usual_step;
 use efam_recordings::{Length, Recording};
 use models::quantity::format_si;
 
+use super::base::{self, Moving};
 use super::cycles::{self, Cut};
 use super::decision::{Log, mm};
-use super::points::{ByName, Seen, centroid, see};
+use super::points::{ByName, Seen, see};
 use super::release::{Context, LEAST_NOISE, Rod};
 use super::{
-    BasePose, CleanRecording, CleanRelease, CleaningError, Decision, base, distance, frame, noise, release,
+    BasePose, CleanRecording, CleanRelease, CleaningError, Decision, distance, frame, noise, release,
 };
 use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset, Start};
 use crate::scenario::ScenarioProblem;
@@ -159,19 +160,19 @@ fn base_pose(
     }
     let found = markers.find(experiment, &format!("{}.base", entry.key), &entry.base)?;
     let body = found.iter().find_map(|marker| Some((marker, marker.orientation.as_ref()?)));
-    let (mut pose, path, turns) = match (body, found.len()) {
+    let (mut pose, moving) = match (body, found.len()) {
         (Some((marker, orientation)), 1) => {
-            let turns = base::turns(&[], Some(orientation));
-            (base::of_body(&marker.position, orientation), marker.position.clone(), turns)
+            let seen = &marker.position;
+            (base::of_body(seen, orientation), Moving::of_body(seen, orientation))
         }
         _ => {
             let paths: Vec<_> =
                 found.iter().map(|marker| see(entry, time, step, &[marker], log).path).collect();
-            (base::of_markers(&paths), centroid(&paths), base::turns(&paths, None))
+            (base::of_markers(&paths), Moving::of_markers(&paths))
         }
     };
     if let (Some(pose), Some(tip)) = (&mut pose, cycles::mean(tip, 0..tip.len())) {
-        pose.follow(time, &path, &turns, step, distance(tip, pose.position));
+        pose.follow(time, &moving, step, distance(tip, pose.position));
     }
     match &pose {
         None => log
