@@ -56,8 +56,8 @@ def to_fmu(
     """Writes a model as a functional mock-up unit (FMI 3.0, co-simulation): its path.
 
     Inputs are force_x, force_z and moment at the end of the rod, and pressure of a muscle; outputs the tip and energies. All
-    else of the model is a parameter by its path, fixed at initialisation. The unit runs in Python: where it is simulated, a
-    Python with this package is due.
+    else of the model is a parameter by its path, fixed at initialisation. The unit runs in Python: the tool that simulates it
+    needs a Python with this package.
     """
     builder = optional("pythonfmu3").FmuBuilder
     model = model_of(scenario, **options)
@@ -68,7 +68,8 @@ def to_fmu(
         raise TypeError(f"{target}: a unit is a file such as rod.fmu")
     if target.exists() and not overwrite:
         raise FileExistsError(f"{target}: exists; overwrite=True replaces it")
-    with tempfile.TemporaryDirectory(prefix="efam-") as folder:
+    # Beside the file, so that a unit is there whole or not at all.
+    with tempfile.TemporaryDirectory(prefix=".efam-", dir=target.parent) as folder:
         work = Path(folder)
         # What a pickle of the model has.
         (work / MODEL).write_text(json.dumps(model.__reduce__()[1], default=os.fspath), encoding="utf-8")

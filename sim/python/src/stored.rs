@@ -34,7 +34,7 @@ pub fn loaded(py: Python<'_>, of: PathBuf) -> PyResult<(String, String, String)>
             said.map_err(|error| Failure::Data(format!("{}: cannot be read ({error})", file.display())))
         };
         // A prediction is read as its file has it; a table takes more.
-        fn told<T: DeserializeOwned>(json: &str, table: fn(&T) -> String) -> String {
+        fn printed<T: DeserializeOwned>(json: &str, table: fn(&T) -> String) -> String {
             serde_json::from_str(json).map_or_else(|_| json.to_owned(), |own| table(&own))
         }
         let (json, table) = match &own.kind {
@@ -43,12 +43,12 @@ pub fn loaded(py: Python<'_>, of: PathBuf) -> PyResult<(String, String, String)>
             RunKind::Diagnosis(found) => (text(DIAGNOSIS)?, diagnosis_table(found)),
             RunKind::Prediction(_) => {
                 let json = text(PREDICTION)?;
-                (json.clone(), told(&json, prediction_table))
+                (json.clone(), printed(&json, prediction_table))
             }
             RunKind::Analysis(_) => (text(MARK)?, text(MARK)?),
             RunKind::Other(word) if word == "prediction check" => {
                 let json = text(CHECK)?;
-                (json.clone(), told(&json, check_table))
+                (json.clone(), printed(&json, check_table))
             }
             RunKind::Other(word) if word == "comparison" => (text(COMPARISON)?, text(COMPARISON)?),
             RunKind::Other(word) if word == "linear model" => (text(LINEAR)?, text(LINEAR)?),

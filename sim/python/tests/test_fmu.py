@@ -52,12 +52,12 @@ def test_a_unit_is_valid_and_follows_the_run(scenario, unit):
     model = efam.Model(scenario, duration="2 s", **{"run.rate": "100 Hz"})
     of_run = {"stop_time": 2, "output_interval": 0.01, "output": ["tip_x", "tip_z"]}
     # Accuracy of the run and of the unit, 0.02 mm each.
-    asked = 4e-5
+    tolerance = 4e-5
     found = fmpy.simulate_fmu(str(unit), **of_run)
-    assert error_of(found, efam.simulate(model)) < asked
+    assert error_of(found, efam.simulate(model)) < tolerance
     heavy = fmpy.simulate_fmu(str(unit), start_values={"effects.rayleigh_mass.alpha": 1.2}, **of_run)
     changed = efam.simulate(model, **{"effects.rayleigh_mass.alpha": 1.2})
-    assert error_of(heavy, changed) < asked < error_of(heavy, efam.simulate(model))
+    assert error_of(heavy, changed) < tolerance < error_of(heavy, efam.simulate(model))
 
 
 def test_forces_and_pressure_move_it(scenario, unit):

@@ -1,4 +1,4 @@
-//! Places that stand for lost points, where the format does not say so.
+//! Points that a program lost, where the format does not mark them.
 //!
 //! Programs that follow points in pictures repeat the last place, or the first, while they have none. A marker at rest
 //! repeats its place too, but leaves it no faster than it moves later.

@@ -66,7 +66,9 @@ pub(crate) fn pulls(trial: &Trial) -> Result<Vec<(&'static str, &'static str, f6
         false if trial.release.tracks.len() > 1 => PULL.len() - 1,
         false => PULL.len() - 2,
     };
-    if let Some(pace) = pace(trial).filter(|_| trial.is_in_motion()) {
+    if trial.is_in_motion()
+        && let Some(pace) = pace(trial)
+    {
         let [x, z, _, _, moment, _] = sizes;
         sizes = [x, z, pace * x, pace * z, moment, pace * moment];
     }

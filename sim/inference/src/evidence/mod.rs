@@ -33,10 +33,11 @@ use crate::calibrate::{CalibrateError, Problem, SectionError, Trial};
 use crate::diagnose::{DiagnosisSettings, Listener, section};
 use candidates::{Extension, effects, statements};
 use data::Data;
+use hypothesis::Hypothesis;
 use likelihood::{FIRST_SHARE, Features, Fit};
 use samples::{Sampled, Samples};
 use screen::{Promise, Screened, beside, screen};
-use search::{Effort, Point, steps};
+use search::{EFFORT, Effort, Point, steps};
 pub use verdict::Weighed;
 use verdict::{Odds, Round};
 
@@ -57,10 +58,9 @@ const MARGIN: f64 = 2.0;
 const LOCAL_MINIMUM: f64 = 2.0;
 /// Prior standard deviations between the optimum and the priors' means from which on candidates are tried from both.
 const FAR: f64 = 2.0;
-/// How much a fit may cost by features: of the model as it is, of a candidate's first steps, and to its end.
+/// How much a fit may cost by features: of the model as it is, and of a candidate's first steps.
 const BASE_EFFORT: Effort = Effort { rounds: 5, evaluations: 25 };
 const FIRST_STEPS: usize = 4;
-const EFFORT: Effort = Effort { rounds: 4, evaluations: 10 };
 
 /// The problem of an experiment: as of a calibration, losses shared, a stated stiffness with the prior of a test.
 /// # Errors
@@ -123,7 +123,8 @@ pub fn diagnose(
     listener.doing("the model as it is");
     let (mut nothing, fine) = (nothing(trials)?, nothing(own_mesh)?);
     let mut at_means = Point::of(&data, &nothing, nothing.start()).ok_or_else(no_fit)?;
-    if !data.is_same(&at_means, &fine).ok_or_else(no_fit)? {
+    let edges = |of: &Hypothesis| of.trials.iter().map(|trial| trial.model.edges).collect::<Vec<_>>();
+    if edges(&nothing) != edges(&fine) && !data.is_same(&at_means, &fine).ok_or_else(no_fit)? {
         nothing = fine;
         at_means = Point::of(&data, &nothing, nothing.start()).ok_or_else(no_fit)?;
     }
@@ -150,10 +151,8 @@ pub fn diagnose(
         let mut names: Vec<&str> = extensions.iter().map(|own| own.name.as_str()).collect();
         names.dedup();
         let bar = (names.len() as f64).ln() + MARGIN;
-        let screened = {
-            listener.doing(&format!("round {}: screen", number + 1));
-            screen(&data, base, others, extensions)
-        };
+        listener.doing(&format!("round {}: screen", number + 1));
+        let screened = screen(&data, base, others, extensions);
         let share = base.fit.share;
         let tried = round(&data, base, &screened, number, listener);
         rounds.push(Round { bar, share, candidates: tried.iter().map(Tried::odds_of).collect() });
@@ -310,8 +309,8 @@ impl<'a> Tried<'a> {
         let (sampled, strengths) = (self.sampled?, &self.extension.strengths);
         let z = DVector::from_iterator(strengths.len(), strengths.iter().map(|u| sampled.fit.at.z[*u]));
         let covariance = sampled.covariance.select_rows(strengths).select_columns(strengths);
-        let is_told = strengths.is_empty() || is_off(&z, covariance)?;
-        is_told.then(|| (self.all, Accepted { name: self.extension.name.clone(), sampled }))
+        let is_significant = strengths.is_empty() || is_off(&z, covariance)?;
+        is_significant.then(|| (self.all, Accepted { name: self.extension.name.clone(), sampled }))
     }
 
     fn odds_of(&self) -> Odds {

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use super::data::{Comparison, Data};
 use super::hypothesis::Hypothesis;
 use super::likelihood::{Expanded, Fit, laplace};
-use super::search::{Effort, Likelihood, search};
+use super::search::{EFFORT, Likelihood, search};
 use super::unknown::Unknown;
 use crate::calibrate::repeats::{grouped_trials, is_one_condition};
 use crate::features::Plan;
@@ -19,8 +19,6 @@ use crate::features::Plan;
 const NOISE: f64 = 0.5;
 /// Share of the first swing that does not repeat, where nothing else is known: two releases by hand differ by 1 to 3 %.
 const REPEATS: f64 = 0.01;
-/// How much a fit may cost: the misfit follows it.
-const EFFORT: Effort = Effort { rounds: 4, evaluations: 10 };
 /// Change of the misfit, as a logarithm, that is worth another round.
 const SETTLED: f64 = 0.05;
 /// Rounds in which the misfit of a linearised model follows its optimum.

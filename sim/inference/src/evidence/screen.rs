@@ -1,9 +1,9 @@
 //! The screen: which candidates are worth a fit, and where it begins.
 //!
 //! A candidate is tried at a few strengths: friction, drag and memory are not linear in theirs, and a small one says little of a
-//! large one. The next tries are made where these lead to. Each is one run of the releases. From there the other unknowns respond by the slopes of the model before,
-//! and the strength by the secant from zero. The evidence of that linearised model ranks the candidates, by features and by
-//! all samples: features lead a model that is far off, and samples see what is small.
+//! large one. The next tries are made where these lead to. Each is one run of the releases. From there the other unknowns
+//! respond by the slopes of the model before, and the strength by the secant from zero. The evidence of that linearised model
+//! ranks the candidates, by features and by all samples: features lead a model that is far off, and samples see what is small.
 //!
 //! A model without an effect may bend what is stated far, a stiffness by 70 % where a mass is missing. The way back from there is
 //! long, so tries also begin at the priors' means.
@@ -67,8 +67,8 @@ struct Try {
     /// Place of the first strength.
     place: Option<usize>,
     z: DVector<f64>,
-    features: Compared,
-    /// All samples; their slopes are those of the origin, by how much wider each prior is, and a secant.
+    /// Features have the slopes in the places of the extension, all samples those of the origin: the others follow from how
+    /// much wider each prior is, and from secants.
     here: Comparison,
     wider: Vec<f64>,
     secants: Vec<DVector<f64>>,
@@ -119,12 +119,12 @@ impl Screened {
 impl Promise {
     /// How it compares at the try, with slopes in the places of the extension.
     pub fn slopes(&self) -> Comparison {
-        let Try { here, features, wider, secants, normals, place, z, .. } = &*self.tried;
+        let Try { here, wider, secants, normals, place, z, .. } = &*self.tried;
         let both = here.samples.slopes.iter().zip(secants);
         let slopes: Vec<_> =
             both.map(|(slopes, secant)| extended(slopes, wider, *place, secant, z.len())).collect();
         Comparison {
-            features: features.clone(),
+            features: here.features.clone(),
             samples: Compared { differences: here.samples.differences.clone(), slopes: slopes.into() },
             squares: normals.iter().map(|own| own.jj.clone()).collect::<Vec<_>>().into(),
         }
@@ -136,7 +136,7 @@ impl Try {
         let mut z = beside(base, &origin.z, extension);
         extension.strengths.iter().for_each(|place| z[*place] = strength);
         let place = extension.strengths.first().copied();
-        let here = match place {
+        let mut here = match place {
             Some(_) => data.compare_with(&extension.hypothesis, &z, &origin.seen)?,
             None => Comparison::clone(&origin.seen),
         };
@@ -149,17 +149,18 @@ impl Try {
         let slopes = here.features.slopes.iter().zip(secants(&origin.seen.features, &here.features));
         let slopes: Vec<_> =
             slopes.map(|(slopes, secant)| extended(slopes, &wider, place, &secant, z.len())).collect();
-        let features = Compared { differences: here.features.differences.clone(), slopes: slopes.into() };
+        here.features.slopes = slopes.into();
         let secants = secants(&origin.seen.samples, &here.samples);
         let normal = |r: usize| normal(&here, r, &wider, place, &secants[r], z.len());
         let normals = (0..secants.len()).map(normal).collect();
-        Some(Self { strength, place, z, features, here, wider, secants, normals })
+        Some(Self { strength, place, z, here, wider, secants, normals })
     }
 
     fn by_features(self: &Arc<Self>, data: &Data, base: &Sampled, extension: &Extension) -> Option<Promise> {
         let (before, unknowns) = (&base.fit, &extension.hypothesis.unknowns);
-        let (value, share) = evidence(&self.features, &data.weights, unknowns, &self.z, before.share, REACH);
-        let expanded = expand(&self.features, &data.weights, &self.z, share);
+        let (value, share) =
+            evidence(&self.here.features, &data.weights, unknowns, &self.z, before.share, REACH);
+        let expanded = expand(&self.here.features, &data.weights, &self.z, share);
         let factors = expanded.hessian.cholesky()?;
         let optimum = &self.z - factors.solve(&expanded.gradient);
         Some(self.promise(value - before.evidence, share, optimum, &factors.inverse(), extension))

@@ -48,6 +48,9 @@ pub struct Effort {
     pub evaluations: usize,
 }
 
+/// Effort of a fit to its end: the scale follows it.
+pub const EFFORT: Effort = Effort { rounds: 4, evaluations: 10 };
+
 /// A point, and how it compares there, with the slopes of some point.
 #[derive(Clone)]
 pub struct Point {

@@ -234,9 +234,13 @@ impl Making<'_> {
         let label = |what: &str| format!("{what}{tag}");
         let interval = (plan.time[1] - plan.time[0]).abs();
         let deviation = INSTANT.max(INSTANT_SAMPLES * interval).max(trial.release.release_uncertainty);
-        let mut instant = Unknown::setup("instant", &label("instant"), "s", Scaled::Normal(0.0, deviation));
-        instant.acts.push((r, Act::Instant));
-        self.unknowns.push(instant);
+        // Of a start in motion the first sample is the start.
+        if !trial.is_in_motion() {
+            let scaled = Scaled::Normal(0.0, deviation);
+            let mut instant = Unknown::setup("instant", &label("instant"), "s", scaled);
+            instant.acts.push((r, Act::Instant));
+            self.unknowns.push(instant);
+        }
         if let Some(deviation) = problem.nuisances.offset {
             for (axis, letter) in ["x", "z"].into_iter().enumerate() {
                 let name = label(&format!("offset in {letter}"));
