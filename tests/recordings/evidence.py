@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""Diagnoses recordings and drawn experiments by both methods of `efam diagnose`, and prints a row of each: the table of
-docs/src/validation/evidence.md.
+"""Diagnoses recordings and drawn experiments, and prints a row of each: the tables of docs/src/validation/evidence.md.
 
-Usage: tests/recordings/evidence.py [NAME…] [--from FOLDER] [--efam PROGRAM] [--out FOLDER] [--method METHOD]
+Usage: tests/recordings/evidence.py [NAME…] [--from FOLDER] [--efam PROGRAM] [--out FOLDER]
        tests/recordings/evidence.py --sets FOLDER   every experiment below it; truth.csv, if it is there, says what is hidden
 """
 
@@ -47,46 +46,37 @@ recordings.EXPERIMENTS |= MORE
 NAMES = ["gravity", "loads", "force", "cable", "orange_short", "black_long", "strip", "short_strip", "arm", "trunk"]
 # Effects of one law: a catalogue without one of them still has it.
 ONE_LAW = ["creep", "viscoelastic", "relaxation"]
-METHODS = {"samples": [], "features": ["--method", "features"]}
 
 
-def diagnosed(efam: Path, file: Path, method: str, more: list[str]) -> tuple[dict, float]:
-    """What a method prints, and the seconds of processor time that it took; an error as a text."""
+def diagnosed(efam: Path, file: Path, more: list[str]) -> tuple[dict, float]:
+    """What is printed, and the seconds of processor time that it took; an error as a text."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [efam, "diagnose", file, "--json", "--quiet", *METHODS[method], *more]
-    if method == "samples":
-        command += ["--out", file.parent / f"{file.stem}.answer", "--overwrite"]
+    out = ["--out", file.parent / f"{file.stem}.answer", "--overwrite"]
+    command = [efam, "diagnose", file, "--json", "--quiet", *out, *more]
     done = subprocess.run(command, capture_output=True, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     if done.returncode != 0:
         return {"error": " ".join(done.stderr.split())[:200]}, seconds
-    return json.loads(done.stdout), seconds
+    return json.loads(done.stdout)["diagnosis"], seconds
 
 
-def row(found: dict) -> tuple[str, str]:
+def row(own: dict) -> tuple[str, str]:
     """The names of an answer, and its figures."""
-    if "error" in found:
-        return "error", found["error"]
-    if "weighed" in found:
-        own = found["weighed"]
-        odds = own["rounds"][0]["candidates"][:1] if own["rounds"] else []
-        odds = f"log odds {odds[0]['all'] or odds[0]['features']:.1f} for {odds[0]['name']}; " if odds else ""
-        values = [(v["name"], v["value"], v["interval_95"]) for v in own["values"]]
-        misfit = (own["before_mm"], own["after_mm"])
-        names, members, runs = own["named"], own["members"], f"; {own['runs']} runs"
-    else:
-        own, odds, runs = found["diagnosis"], "", ""
-        values = [
-            (p["name"], p["value"], p["interval_95"]) for e in own["effects"] for p in e["parameters"][:2]
-        ]
-        gap = [(g["before_mm"], g["after_mm"]) for g in own["gap"]]
-        misfit = [(sum(x * x for x in xs) / max(len(gap), 1)) ** 0.5 for xs in zip(*gap)] or (0, 0)
-        names, members = [e["effect"] for e in own["effects"]], [m["effect"] for m in own["members"]]
-        names += ["!" + c["parameter"] for c in own["contradictions"][:1]]
+    if "error" in own:
+        return "error", own["error"]
+    first = own["rounds"][0]["candidates"][:1] if own.get("rounds") else []
+    odds = f"log odds {first[0]['all'] or first[0]['features']:.1f} for {first[0]['name']}; " if first else ""
+    values = [(p["name"], p["value"], p["interval_95"]) for e in own["effects"] for p in e["parameters"][:2]]
+    values += [(c["parameter"], c["value"], c.get("interval_95")) for c in own["contradictions"][:1]]
+    gap = [(g["before_mm"], g["after_mm"]) for g in own["gap"] if not g["held_out"]]
+    misfit = [(sum(x * x for x in xs) / max(len(gap), 1)) ** 0.5 for xs in zip(*gap)] or (0, 0)
+    names, members = [e["effect"] for e in own["effects"]], [m["effect"] for m in own["members"]]
+    names += [f"stated {own['freed']}"] if own.get("freed") else []
     said = f"{own['verdict']}: {' + '.join(names)}" + (f" ({', '.join(members)})" if members else "")
     interval = lambda of: f" ({of[0]:.3g} to {of[1]:.3g})" if of else ""
-    values = ", ".join(f"{name} {value:.3g}{interval(of)}" for name, value, of in values[:3])
+    values = ", ".join(f"{name} {value:.3g}{interval(of)}" for name, value, of in values[:4])
+    runs = f"; {own['runs']} runs" if "runs" in own else ""
     return said, f"{odds}{misfit[0]:.3f} to {misfit[1]:.3f} mm; {values}{runs}"
 
 
@@ -113,7 +103,6 @@ def main() -> int:
     parser.add_argument("--efam", type=Path, default=recordings.ROOT / "target/release/efam")
     parser.add_argument("--out", type=Path, default=recordings.ROOT / "target/recordings")
     parser.add_argument("--sets", type=Path)
-    parser.add_argument("--method", choices=METHODS, action="append")
     options = parser.parse_args()
     if options.sets:
         asked = [own for own in sets(options.sets) if not options.names or any(n in own[0] for n in options.names)]
@@ -123,10 +112,9 @@ def main() -> int:
             file = recordings.experiment(options.efam, options.folder, name, options.out)
             asked.append((name, file, []))
     for name, file, more in asked:
-        for method in options.method or METHODS:
-            found, seconds = diagnosed(options.efam, file, method, more)
-            said, figures = row(found)
-            print(f"{name:28} {method:8} {seconds:6.1f} s  {said}\n{'':38}{figures}", flush=True)
+        found, seconds = diagnosed(options.efam, file, more)
+        said, figures = row(found)
+        print(f"{name:36} {seconds:6.1f} s  {said}\n{'':38}{figures}", flush=True)
     return 0
 
 

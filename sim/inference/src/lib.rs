@@ -3,7 +3,6 @@
 
 pub mod calibrate;
 pub mod diagnose;
-pub mod evidence;
 #[cfg(test)]
 mod example;
 mod features;

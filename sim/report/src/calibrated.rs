@@ -114,7 +114,6 @@ fn repeats_in_words(repeats: &Repeats) -> String {
             )
         }
         Source::Stated => format!("repeatability: {size} mm rms, as stated"),
-        Source::Assumed => format!("repeatability: {size} mm rms, assumed for a single release"),
     }
 }
 

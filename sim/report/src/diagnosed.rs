@@ -4,7 +4,7 @@
 //! outputs/<UTC>_<name>_<hash8>/
 //!   report.html            the verdict with its evidence for people: one page with all pictures in it
 //!   diagnosis.json         the same for programs
-//!   gap.svg, residual-01.svg …, swing.svg, shapes.svg, candidates-1.svg …    the pictures
+//!   gap.svg, features.svg, residual-01.svg …, swing.svg, candidates-1.svg …    the pictures
 //!   repaired-1.toml …      a scenario for each release, with the effects in its model: `efam simulate`
 //!   experiment.toml        the experiment as it was read
 //!   summary.json           the verdict alone, and by which command
@@ -19,7 +19,7 @@ use efam_core::work::written;
 use efam_experiments::scenario::resolved::plain;
 use efam_inference::calibrate::problem::is_of_pressure;
 use efam_inference::diagnose::plan::Prospect;
-use efam_inference::diagnose::verdict::{Evidence, Gap};
+use efam_inference::diagnose::verdict::{Gap, Round, Seen};
 use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome};
 use efam_store::StoreError;
 use efam_store::folder::Folder;
@@ -94,59 +94,11 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
             );
         }
     }
-    for (round, threshold) in diagnosis.thresholds.iter().enumerate() {
-        let mut shapes = diagnosis.shapes.iter().filter(|shape| shape.round == round + 1).peekable();
-        if shapes.peek().is_some() {
-            let _ = writeln!(out, "\nround {}: residual patterns", round + 1);
-        }
-        let numbers = ["score", "threshold", "mm", "at amplitude, %"].map(|head| (head, Side::Number));
-        let mut patterns =
-            Aligned::new(&[&[("pattern", Side::Words)], &numbers[..], &[("", Side::Name)]].concat());
-        for shape in shapes {
-            let stands_out = if shape.score > shape.threshold { "above" } else { "" };
-            patterns.row([
-                shape.what.clone(),
-                format!("{:.2}", shape.score),
-                format!("{:.2}", shape.threshold),
-                format!("{:.3}", shape.size_mm),
-                format!("{:.0}", 100.0 * shape.at_amplitude),
-                stands_out.to_owned(),
-            ]);
-        }
-        if !patterns.is_empty() {
-            let _ = write!(out, "{}", patterns.indented(2));
-        }
-        let _ = writeln!(
-            out,
-            "\nround {}: threshold of the score {threshold:.2}; predicted and fitted: decrease of χ²",
-            round + 1
-        );
-        let numbers = ["score", "predicted", "fitted", "strength"].map(|head| (head, Side::Number));
-        let mut candidates =
-            Aligned::new(&[&[("candidate", Side::Words)], &numbers[..]].concat()).indented(2);
-        // Candidates that are rejected for the same reason, in their order.
-        let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
-        let own: Vec<&Evidence> =
-            diagnosis.evidence.iter().filter(|evidence| evidence.round == round + 1).collect();
-        for evidence in own.iter().take(SHOWN) {
-            let keeps = evidence.realised_decrease.map_or("-".to_owned(), |keeps| format!("{keeps:.1}"));
-            candidates.row([
-                evidence.label(),
-                format!("{:.2}", evidence.score),
-                format!("{:.1}", evidence.predicted_decrease),
-                keeps,
-                significant(evidence.strength, 3),
-            ]);
-            let Some(why) = evidence.rejected.as_deref() else { continue };
-            match reasons.iter_mut().find(|own| own.0 == why) {
-                Some((_, all)) => all.push(evidence.label()),
-                None => reasons.push((why, vec![evidence.label()])),
-            }
-        }
-        let _ = write!(out, "{candidates}");
-        for (why, all) in reasons {
-            let _ = writeln!(out, "  {}: {why}", all.join(", "));
-        }
+    for (k, round) in diagnosis.rounds.iter().enumerate() {
+        let _ = write!(out, "\n{}", round_table(k + 1, round));
+    }
+    if !diagnosis.seen.is_empty() {
+        let _ = write!(out, "\n{}", seen_table(&diagnosis.seen));
     }
     let numbers = ["before", "after"].map(|head| (head, Side::Number));
     let heads = [&[("rms residual / noise", Side::Words)], &numbers[..], &[("", Side::Name)]].concat();
@@ -156,11 +108,57 @@ pub fn diagnosis_table(diagnosis: &Diagnosis) -> String {
         gaps.row([release, &format!("{before:.3}"), &format!("{after:.3}"), part]);
     }
     let [done, budget] = [diagnosis.node_steps, diagnosis.budget].map(written);
-    let _ = write!(out, "\n{gaps}\nwork: {done} node steps, of a budget of {budget}\n");
+    let runs = diagnosis.runs;
+    let _ = write!(out, "\n{gaps}\nwork: {runs} runs, {done} node steps, of a budget of {budget}\n");
     for warning in &diagnosis.warnings {
         let _ = writeln!(out, "warning: {warning}");
     }
     out
+}
+
+/// The candidates of a round with their odds.
+fn round_table(number: usize, round: &Round) -> String {
+    let mut out = format!(
+        "round {number}: {:.2} % of the swing is missed; an answer needs log odds of {:.1}\n",
+        100.0 * round.share,
+        round.bar
+    );
+    let numbers = ["by features", "by samples", "left, mm"].map(|head| (head, Side::Number));
+    let heads = [&[("candidate", Side::Words)], &numbers[..], &[("", Side::Name)]].concat();
+    let mut candidates = Aligned::new(&heads).indented(2);
+    for own in round.candidates.iter().take(SHOWN) {
+        let number = |value: Option<f64>, digits: usize| {
+            value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+        };
+        candidates.row([
+            own.name.clone(),
+            number(Some(own.features), 1),
+            number(own.all, 1),
+            number(own.rms_mm, 3),
+            own.rejected.clone().unwrap_or_else(|| "in the answer".to_owned()),
+        ]);
+    }
+    let _ = write!(out, "{candidates}");
+    out
+}
+
+/// What the recordings show, and what the model has before and after.
+fn seen_table(seen: &[Seen]) -> String {
+    let numbers = ["recorded", "before", "after"].map(|head| (head, Side::Number));
+    let heads = [&[("seen", Side::Words), ("of", Side::Words)], &numbers[..], &[("", Side::Name)]].concat();
+    let mut table = Aligned::new(&heads);
+    for own in seen {
+        let number = |value: f64| significant(value, 4);
+        table.row([
+            own.what.clone(),
+            own.release.clone(),
+            number(own.recorded),
+            number(own.before),
+            number(own.after),
+            own.unit.clone(),
+        ]);
+    }
+    table.to_string()
 }
 
 /// What a planned experiment could show, as a person reads it.

@@ -8,14 +8,12 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use efam_core::work::written;
-use efam_experiments::experiment::Experiment;
 use efam_experiments::kind::FileKind;
 use efam_experiments::scenario::Scenario;
 use efam_inference::diagnose::plan::Prospect;
 use efam_inference::diagnose::{
     Diagnosis, DiagnosisOutcome, DiagnosisSettings, diagnose, known_effects, plan, problem,
 };
-use efam_inference::evidence::{self, Weighed};
 use efam_report::Request;
 use efam_report::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
 use efam_report::experiment::input_hashes;
@@ -52,7 +50,7 @@ const BUDGET: &str = "2e9";
 pub struct Diagnose {
     #[command(flatten)]
     of: OfExperiment,
-    /// Probability that a round names an effect although none is missing.
+    /// Probability that nothing is missing, given the recordings, above which no effect is named.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
     false_alarm: f64,
     /// Largest number of effects to add.
@@ -88,18 +86,6 @@ pub struct Diagnose {
     /// serve.
     #[arg(long, value_name = "HOW", value_parser = Rerun::parse, conflicts_with = "plan")]
     rerun: Option<Rerun>,
-    /// How hypotheses are compared: by samples, or experimentally by features and then by samples, which saves nothing.
-    #[arg(long, value_enum, default_value = "samples", hide = true)]
-    method: Method,
-}
-
-/// How hypotheses are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Method {
-    /// Sample by sample.
-    Samples,
-    /// By features, then by samples.
-    Features,
 }
 
 /// The JSON output: a diagnosis, or a plan with `--plan`.
@@ -119,11 +105,6 @@ pub enum Printed<'a> {
         releases: usize,
         /// Each effect, that which is seen best first.
         prospects: &'a [Prospect],
-    },
-    /// Of an experiment, by features: experimental.
-    Weighed {
-        /// What was found.
-        weighed: &'a Weighed,
     },
 }
 
@@ -170,9 +151,6 @@ pub fn run(args: &Diagnose, console: &Console) -> Result<ExitCode, Failure> {
         ..DiagnosisSettings::default()
     }
     .stated(&experiment)?;
-    if args.method == Method::Features {
-        return by_features(args, &experiment, &settings, console);
-    }
     let folder = claim(&experiment, &args.of, console)?;
     let input_hashes = input_hashes(&experiment);
     let stages = console.stages();
@@ -237,31 +215,6 @@ fn expected(args: &Diagnose) -> String {
             format!("{budget}; time limit: {limit}, by which the answer depends on this machine and its load")
         }
     }
-}
-
-/// The same by features and then by samples: prints the answer and saves nothing.
-fn by_features(
-    args: &Diagnose,
-    experiment: &Experiment,
-    settings: &DiagnosisSettings,
-    console: &Console,
-) -> Result<ExitCode, Failure> {
-    signals::listen();
-    let stages = console.stages();
-    let work = || -> Result<Weighed, Failure> {
-        let cleaned = read(experiment, &stages)?;
-        let problem = evidence::problem(experiment, &cleaned)?;
-        Ok(evidence::diagnose(&problem, settings, &|what: &str| stages.tell(what))?)
-    };
-    let ((), weighed) = interrupt::during((), &stages, work);
-    let weighed = weighed?;
-    stages.clear();
-    if args.of.output.form.json {
-        print(&Printed::Weighed { weighed: &weighed })?;
-    } else if !console.quiet {
-        write!(stdout(), "{}", weighed.table())?;
-    }
-    Ok(ExitCode::SUCCESS)
 }
 
 /// What releases that are not recorded yet could show.

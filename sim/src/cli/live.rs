@@ -8,7 +8,7 @@ use efam_core::forward::Cancel;
 use efam_experiments::scenario::Case;
 use efam_inference::calibrate::{self, Problem, Progress};
 use efam_inference::diagnose;
-use efam_inference::diagnose::verdict::Evidence;
+use efam_inference::diagnose::verdict::Round;
 use efam_inference::predict::ensemble::Member;
 use models::snapshot::Snapshot;
 
@@ -97,8 +97,8 @@ impl diagnose::Listener for Watcher<'_, LiveSearch> {
         self.show(|live| live.doing(what));
     }
 
-    fn ranked(&self, threshold: f64, candidates: &[Evidence]) {
-        self.show(|live| live.ranked(threshold, candidates));
+    fn ranked(&self, number: usize, round: &Round) {
+        self.show(|live| live.ranked(number, round));
     }
 
     fn began(&self) {
@@ -159,8 +159,8 @@ mod with_rerun {
             self.0.doing(what).map_err(failure)
         }
 
-        pub fn ranked(&mut self, threshold: f64, candidates: &[Evidence]) -> Result<(), Failure> {
-            self.0.ranked(threshold, candidates).map_err(failure)
+        pub fn ranked(&mut self, number: usize, round: &Round) -> Result<(), Failure> {
+            self.0.ranked(number, round).map_err(failure)
         }
 
         pub fn found(&mut self, outcome: &diagnose::DiagnosisOutcome) -> Result<(), Failure> {
@@ -289,7 +289,7 @@ mod without {
             match self.0 {}
         }
 
-        pub fn ranked(&mut self, _: f64, _: &[Evidence]) -> Result<(), Failure> {
+        pub fn ranked(&mut self, _: usize, _: &Round) -> Result<(), Failure> {
             match self.0 {}
         }
 

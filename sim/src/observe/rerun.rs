@@ -15,7 +15,7 @@ use std::time::Duration;
 use ::rerun::{RecordingStream, RecordingStreamBuilder, RecordingStreamError, RecordingStreamResult};
 use efam_inference::calibrate::{self, Problem, Progress};
 use efam_inference::diagnose::DiagnosisOutcome;
-use efam_inference::diagnose::verdict::Evidence;
+use efam_inference::diagnose::verdict::Round;
 use efam_inference::predict::ensemble::Member;
 use models::snapshot::Snapshot;
 
@@ -200,11 +200,11 @@ impl SearchStream {
         self.show("a message", |search, recording| search.doing(recording, what))
     }
 
-    /// Shows candidates of a round as they stand, in the place of what was said of them before.
+    /// Shows the candidates of a round.
     /// # Errors
     /// [`RerunError::Refused`]; a viewer that left is told at the end.
-    pub fn ranked(&mut self, threshold: f64, candidates: &[Evidence]) -> Result<(), RerunError> {
-        self.show("a ranking", |search, recording| search.ranked(recording, threshold, candidates))
+    pub fn ranked(&mut self, number: usize, round: &Round) -> Result<(), RerunError> {
+        self.show("a ranking", |search, recording| search.ranked(recording, number, round))
     }
 
     /// Shows the answer, and every release before and after.

@@ -21,7 +21,7 @@ use super::row::{DesignValue, Point, Row, fault, joined};
 pub struct Diagnose {
     /// The folder in which the experiments are.
     pub folder: String,
-    /// Probability that a round names an effect although none is missing: as text, which is read back as it is.
+    /// Probability that nothing is missing above which no effect is named: as text, which is read back as it is.
     pub false_alarm: String,
     /// Largest number of effects to add.
     pub most: usize,

@@ -38,7 +38,7 @@ fn a_diagnosis_leaves_a_page_that_agrees_with_its_files() {
     holds("rod.bending_stiffness is fitted: one value for each pressure");
     holds("--without gravity");
     holds(&efam_store::sha::sha256(bench.text(RECORDING).as_bytes()));
-    for picture in ["gap", "residual-01", "swing", "shapes", "candidates-1"] {
+    for picture in ["gap", "features", "residual-01", "swing", "candidates-1"] {
         let svg = bench.picture(&format!("out/{picture}.svg"));
         // The page has it with a label for those who do not see it.
         holds(&svg);

@@ -44,8 +44,10 @@ fn a_law_of_a_file_is_fitted_scored_and_kept() {
     let arguments =
         ["diagnose", "lacking.toml", "--law", "law.toml", "--most", "1", "--json", "--out", "found"];
     let value = bench.json(&arguments);
-    let rows = value["diagnosis"]["evidence"].as_array().expect("rows");
-    assert!(rows.iter().any(|row| row["effect"] == "my_drag"), "{rows:?}");
+    let round = &value["diagnosis"]["rounds"][0];
+    let fitted = round["candidates"].as_array().expect("rows").iter().map(|own| &own["name"]);
+    let mut all = fitted.chain(round["others"].as_array().expect("names"));
+    assert!(all.any(|name| name == "my_drag"), "{round:?}");
 }
 
 #[test]

@@ -200,9 +200,6 @@ fn scored(folder: &Path, swept: &Path) -> Result<Vec<Answer>, String> {
     Ok(answers)
 }
 
-/// Score from which on a candidate that was not fitted is shown.
-const LOUD: f64 = 2.0;
-
 type AllLimits = BTreeMap<&'static str, Limits>;
 
 fn cases(words: &Words, limits: &AllLimits) -> Vec<Case> {
@@ -305,13 +302,6 @@ fn report(answer: &Answer) {
 fn details(answer: &Answer) {
     let diagnosis = &answer.diagnosis;
     println!("      {}", diagnosis.summary);
-    if let Some(repeats) = &diagnosis.repeats {
-        let (distance, share, rate) = (repeats.distance_mm, repeats.frequency_share, repeats.decay_rate);
-        let pairs = repeats.pairs;
-        println!(
-            "      repeats to {distance:.3} mm, frequencies to {share:.1e}, decays to {rate:.1e} 1/s, by {pairs} pairs"
-        );
-    }
     for Gap { release, held_out, before_mm, after_mm, before, after, .. } in &diagnosis.gap {
         let of = if *held_out { "held out" } else { "fitted" };
         println!(
@@ -319,25 +309,16 @@ fn details(answer: &Answer) {
         );
     }
     diagnosis.warnings.iter().for_each(|warning| println!("      {warning}"));
-    for shape in diagnosis.shapes.iter().filter(|shape| shape.score > shape.threshold) {
-        println!(
-            "      round {}: {}: {:.2} of {:.2}, {:.3} mm at {:.2} of the amplitude",
-            shape.round, shape.what, shape.score, shape.threshold, shape.size_mm, shape.at_amplitude
-        );
-    }
-    let mut evidence: Vec<_> = diagnosis.evidence.iter().collect();
-    evidence.sort_by(|a, b| a.round.cmp(&b.round).then(b.score.total_cmp(&a.score)));
-    for evidence in evidence.iter().filter(|own| own.realised_decrease.is_some() || own.score > LOUD) {
-        println!(
-            "      {} {:20} score {:7.2}  predicted {:8.1}  fitted {:8.1}  held out {:6.1}  strength {:.3e}  {}",
-            evidence.round,
-            evidence.effect,
-            evidence.score,
-            evidence.predicted_decrease,
-            evidence.realised_decrease.unwrap_or(f64::NAN),
-            evidence.held_out_decrease.unwrap_or(f64::NAN),
-            evidence.strength,
-            evidence.rejected.as_deref().unwrap_or("chosen"),
-        );
+    for (number, round) in diagnosis.rounds.iter().enumerate() {
+        for own in &round.candidates {
+            println!(
+                "      {} {:20} by features {:7.1}  by samples {:7.1}  {}",
+                number + 1,
+                own.name,
+                own.features,
+                own.all.unwrap_or(f64::NAN),
+                own.rejected.as_deref().unwrap_or("chosen"),
+            );
+        }
     }
 }

@@ -39,8 +39,7 @@ impl Answer {
 
     /// The same of a row of a sweep; nothing of one without an answer.
     pub fn swept(truth: Truth, said: &diagnosed::Answer) -> Option<Self> {
-        let member =
-            |effect: &String| Member { effect: effect.clone(), behind: f64::NAN, distance: f64::NAN };
+        let member = |effect: &String| Member { effect: effect.clone(), behind: f64::NAN, distance: None };
         let separating_experiment = said.separation.map(|distance| Separation {
             what: String::new(),
             distance,

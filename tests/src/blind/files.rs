@@ -40,11 +40,8 @@ pub fn experiment(name: &str, problem: &Problem, drawn: &Drawn) -> String {
          name = \"{name}\"\n\n[muscle]\nname = \"garbulinski-2022\"\n\n[rod]\nnodes = {}\n\n{AS_DRAWN}",
         model.edges + 1
     );
-    for (effect, parameter, unit) in [
-        ("rayleigh_mass", "alpha", "1/s"),
-        ("rayleigh_stiffness", "beta", "s"),
-        ("frame_tilt", "angle", "rad"),
-    ] {
+    for (effect, parameter, unit) in [("rayleigh_mass", "alpha", "1/s"), ("rayleigh_stiffness", "beta", "s")]
+    {
         let value = value(&format!("effects.{effect}.{parameter}"));
         let _ = write!(text, "\n[effects.{effect}]\n{parameter} = \"{value:?} {unit}\"\n");
     }

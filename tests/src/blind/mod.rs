@@ -14,7 +14,6 @@ use efam_core::forward::Run;
 use efam_experiments::cleaning::mask_spurious;
 use efam_experiments::release::Release;
 use efam_inference::calibrate::{FittedParameter, Nuisances, Prior, Problem, Scope, Trial};
-use efam_inference::diagnose::admit_tilt;
 use models::model::Model;
 
 use crate::twin::drawn::{Drawn, DrawnRelease};
@@ -39,7 +38,7 @@ pub fn problem(drawn: &Drawn) -> Problem {
         Trial { release, model, run: Run::release(duration, 100.0) }
     };
     let trials: Vec<Arc<Trial>> = drawn.releases.iter().enumerate().map(trial).map(Arc::new).collect();
-    // A balance: to a per cent, level within.
+    // A balance: to a per cent.
     let weighed = |path: &str| {
         let model = &trials[0].model;
         let mean = model.theta[model.index(path).expect("there")];
@@ -59,9 +58,7 @@ pub fn problem(drawn: &Drawn) -> Problem {
         offset: Some(2e-4),
         ..Nuisances::default()
     };
-    let mut problem = Problem { trials, parameters, nuisances };
-    admit_tilt(&mut problem, 0.2e-3);
-    problem
+    Problem { trials, parameters, nuisances }
 }
 
 /// Takes out what the cleaning takes for no marker.

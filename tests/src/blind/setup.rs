@@ -34,25 +34,28 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// The first that is named: an effect, or what is stated wrongly.
+    /// The first that is named: an effect, or what of the setup is not as stated.
     fn named(&self) -> Option<&str> {
+        let effect = self.diagnosis.effects.first().map(|own| own.effect.as_str());
         match self.diagnosis.verdict {
-            Verdict::Misstated => self.diagnosis.contradictions.first().map(|own| own.parameter.as_str()),
-            Verdict::Named | Verdict::Incomplete | Verdict::Class => {
-                self.diagnosis.effects.first().map(|own| own.effect.as_str())
+            Verdict::Named | Verdict::Incomplete | Verdict::Class => effect,
+            Verdict::Misstated | Verdict::NothingMissing => {
+                self.diagnosis.contradictions.first().map(|own| own.parameter.as_str())
             }
-            Verdict::NothingMissing | Verdict::Unknown => None,
+            Verdict::Unknown => None,
         }
     }
 
     /// Whether what is off is named first.
     pub fn is_right(&self) -> bool {
+        // A hand that pushes is part of the setup too.
         let own = match self.hidden.0 {
-            "frame_tilt" => "effects.frame_tilt.angle",
-            "clamp_tilt" => "error of the clamp angle",
+            "frame_tilt" => "tilt of the camera",
+            "clamp_tilt" => "angle of the clamp",
             effect => effect,
         };
-        self.named() == Some(own)
+        let is_push = self.hidden.0 == "initial_velocity";
+        self.named().is_some_and(|named| named.starts_with(own) || is_push && named.starts_with("push"))
     }
 
     /// In a line.

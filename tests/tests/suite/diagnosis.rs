@@ -4,8 +4,7 @@
 //! angles, 6 s, noise of 0.3 mm, losses, ghosts, setup off within its tolerances.
 //! Expected: the hidden effect first or in the class; gaps at the noise. `blind_bench` counts how often.
 
-use efam_inference::calibrate::repeats::Source;
-use efam_inference::calibrate::{Prior, Scope};
+use efam_inference::calibrate::Prior;
 use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome, DiagnosisSettings, Verdict, diagnose};
 use models::effects::CATALOGUE;
 use tests::blind::{all_fitted, problem, setup};
@@ -41,7 +40,7 @@ fn worst_gap(diagnosis: &Diagnosis) -> f64 {
 #[ignore = "long; .ci/thorough runs it"]
 fn where_nothing_is_hidden_nothing_is_named() {
     let found = diagnosed(&[], 901, &DiagnosisSettings::default()).diagnosis;
-    assert_eq!(found.verdict, Verdict::NothingMissing, "{} {:?}", found.summary, found.shapes);
+    assert_eq!(found.verdict, Verdict::NothingMissing, "{}", found.summary);
     assert!(found.effects.is_empty());
     assert!(worst_gap(&found) < 1.1, "{:?}", found.gap);
     assert_eq!(found.held_out.len(), 3);
@@ -76,8 +75,6 @@ fn an_interval_holds_what_does_not_repeat() {
     let found = diagnose(&all_fitted(&plan.draw(911)), &settings, &|_: &str| ())
         .expect("it can be diagnosed")
         .diagnosis;
-    let repeats = found.repeats.as_ref().expect("releases of one condition");
-    assert_eq!(repeats.source, Source::Measured);
     let first = &found.effects[0];
     assert_eq!(first.effect, "tip_mass", "{}", found.summary);
     let [low, high] = first.parameters[0].interval_95.expect("it was fitted");
@@ -105,8 +102,8 @@ fn the_mass_of_a_weight_that_is_told_as_a_load_is_found() {
     assert!((value("mass") / MASS - 1.0).abs() < 0.15, "{}", found.summary);
 }
 
-/// A rod whose EI is stated a quarter too large, as exactly as if it had been measured, and nothing is missing: no effect
-/// takes the blame alone.
+/// A rod whose EI is stated half too large, as exactly as if it had been measured, and nothing is missing: no effect takes
+/// the blame.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
 fn a_wrong_statement_is_said_before_an_effect() {
@@ -115,17 +112,13 @@ fn a_wrong_statement_is_said_before_an_effect() {
     let mut problem = all_fitted(&drawn);
     let truth = drawn.releases[0].bending_stiffness;
     let own = problem.parameters.iter_mut().find(|own| own.path == "rod.bending_stiffness");
-    own.expect("it is fitted").prior = Some(Prior { mean: 1.25 * truth, deviation: 0.01 * truth });
+    own.expect("it is fitted").prior = Some(Prior { mean: 1.5 * truth, deviation: 0.01 * truth });
     let found = diagnose(&problem, &only(&["tip_mass"]), &|_: &str| ()).expect("it can be diagnosed");
     let found = found.diagnosis;
-    assert_eq!(found.verdict, Verdict::Class, "{}", found.summary);
+    assert!(found.effects.is_empty(), "{}", found.summary);
     let first = found.contradictions.first().expect("EI is not as stated");
-    assert_eq!(first.parameter, "rod.bending_stiffness", "{}", found.summary);
+    assert_eq!(first.parameter, "EI", "{}", found.summary);
     assert!((first.value / truth - 1.0).abs() < 0.02, "{} of {truth}", first.value);
-    let answer = found.summary.lines().next().expect("an answer");
-    assert!(answer.starts_with("Tip mass is missing: "), "{answer}");
-    assert!(answer.contains("Or a stated value is wrong: rod.bending_stiffness"), "{answer}");
-    assert!(answer.contains("check it first"), "{answer}");
 }
 
 /// What is said of a setup with something off.
@@ -175,7 +168,7 @@ fn a_hand_that_pushes_is_named() {
     assert!(off < 0.2, "{}", answer.diagnosis.summary);
 }
 
-/// Everything up to the scores, and no fit: what speaks is shown, and is not called nothing.
+/// One round, and nothing is added: what speaks is shown, and is not called nothing.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
 fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
@@ -183,10 +176,8 @@ fn where_no_effect_may_be_added_what_speaks_is_not_called_nothing() {
     let settings = DiagnosisSettings { most_effects: 0, ..only(&["viscoelastic", "air_drag"]) };
     let found = diagnosed(&[hidden], 902, &settings).diagnosis;
     assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
-    assert!(found.summary.contains("no effect was fitted"), "{}", found.summary);
-    assert!(found.evidence.iter().all(|evidence| evidence.realised_decrease.is_none()));
-    assert_eq!(found.thresholds.len(), 1);
-    assert!(found.evidence.iter().any(|evidence| evidence.score > found.thresholds[0]));
+    assert_eq!(found.rounds.len(), 1);
+    assert!(found.rounds[0].candidates.iter().any(|own| own.best() > found.rounds[0].bar));
 }
 
 /// Releases of a muscle with a viscoelastic branch with a different strength at each pressure, in what is typical.
@@ -213,7 +204,6 @@ fn with_stiffness_of_statics(asked: &[&str], seed: u64) -> Diagnosis {
     problem.parameters.retain(|parameter| parameter.path != "rod.bending_stiffness");
     let settings = DiagnosisSettings { most_effects: 1, ..only(asked) };
     let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
-    assert!(found.misses_first_swings, "{}", found.summary);
     found
 }
 
@@ -223,7 +213,6 @@ fn what_is_missing_from_the_first_swing_on_is_found() {
     let asked = ["viscoelastic", "damping_over_pressure", "cubic_stiffness", "tip_mass"];
     let found = with_stiffness_of_statics(&asked, 907);
     assert_eq!(found.verdict, Verdict::Named, "{}", found.summary);
-    assert!(found.summary.contains("misses even the first swings"), "{}", found.summary);
     let own = found.effects[0].parameters.iter().filter(|own| own.name == "branch_stiffness");
     let sizes: Vec<f64> = own.map(|own| own.value).collect();
     let typical = Hidden::named("viscoelastic", 1.0).expect("it is known").strength();
@@ -238,7 +227,6 @@ fn what_is_missing_from_the_first_swing_on_is_found() {
 fn what_misses_the_first_swings_with_every_effect_is_unknown() {
     let found = with_stiffness_of_statics(&["damping_over_pressure", "tip_mass"], 908);
     assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
-    assert!(found.evidence.iter().all(|evidence| evidence.rejected.is_some()), "{:?}", found.evidence);
 }
 
 /// No effect of one size does what this does; the size at the locked pressure is its own, too, and one release more
@@ -280,23 +268,6 @@ fn an_effect_of_another_size_at_each_pressure_is_found() {
     assert!(worst_gap(&found) < 1.25, "{:?}", found.gap);
 }
 
-/// A rod that is no muscle has no pressure, nor an effect that differs with it.
-#[test]
-#[ignore = "long; .ci/thorough runs it"]
-fn without_pressures_a_second_round_asks_for_none() {
-    let hidden = Hidden::named("viscoelastic", 1.0).expect("it is known");
-    let plan = Plan { pressures: vec![40.0], duration: 4.0, ..Plan::of_two_angles(&[hidden]) };
-    let mut problem = problem(&plan.draw(906));
-    for trial in problem.trials_mut() {
-        (trial.release.pressure, trial.release.held_out) = (None, false);
-    }
-    problem.parameters.iter_mut().for_each(|parameter| parameter.scope = Scope::Shared);
-    let settings = only(&["viscoelastic", "damping_over_pressure", "air_drag"]);
-    let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
-    assert!(found.thresholds.len() > 1, "{}", found.summary);
-    assert!(found.evidence.iter().all(|evidence| !evidence.of_each_pressure));
-}
-
 /// A pressure that rises with bending explains nearly all of a cubic stiffness. The rest is within the error of a law, and more
 /// than noise: the answer is incomplete.
 #[test]
@@ -315,20 +286,6 @@ fn a_similar_law_is_called_incomplete() {
 #[ignore = "a minute or more; its kind has a shorter test beside it"]
 fn what_the_catalogue_does_not_hold_is_unknown() {
     let found = robbed(Hidden::named("viscoelastic", 1.0).expect("it is known"), 903);
-    assert!(found.shapes.iter().any(|shape| shape.score > shape.threshold));
-    assert!(found.summary.contains("residual pattern"), "{}", found.summary);
-}
-
-/// Robbed of every stiffness that grows with bending, the catalogue has no name for one; its moment is found
-/// for what it is, a cube of the curvature.
-#[test]
-#[ignore = "long; .ci/thorough runs it"]
-fn what_has_no_name_is_described() {
-    let hidden = Hidden::named("cubic_stiffness", 1.0).expect("it is known");
-    let found = robbed(hidden, 904);
-    let description = found.description.as_ref().expect("it can be described");
-    let first = &description.moment.parameters[0];
-    assert_eq!((first.name.as_str(), description.moment.parameters.len()), ("cube", 1), "{}", found.summary);
-    assert!((first.value / hidden.strength() - 1.0).abs() < 0.05, "{} m^2", first.value);
-    assert!(description.share > 0.95, "{description:?}");
+    assert!(found.summary.contains("that no effect of the catalogue explains"), "{}", found.summary);
+    assert!(found.seen.iter().any(|own| own.deviations[1].abs() > 3.0), "{:?}", found.seen);
 }

@@ -11,7 +11,7 @@ use super::misfit::{FrequencyAndDamping, Misfit};
 use super::problem::{Prior, Problem, Scale, Scope, is_of_pressure};
 use super::repeats::Repeats;
 use super::stage::Stage;
-use super::unknowns::{MASS_DAMPING, pose};
+use super::unknowns::pose;
 
 /// A calibration: parameters with their errors, residuals and effort.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -192,7 +192,7 @@ impl Calibration {
         let mut problem = self.applied(problem);
         for trial in problem.trials_mut() {
             let name = trial.release.name.clone();
-            let is_own = |one: &&Calibrated| one.release.as_ref() == Some(&name) && one.name != MASS_DAMPING;
+            let is_own = |one: &&Calibrated| one.release.as_ref() == Some(&name);
             for found in self.nuisances.iter().filter(is_own) {
                 pose(trial, &found.name, found.value);
             }

@@ -17,14 +17,10 @@
 //! Source: Kennedy and O'Hagan (2001), Journal of the Royal Statistical Society B 63, 425-464, for a discrepancy beside
 //! the noise; Bayley and Hammersley (1946), Supplement to the same, 8, 184-197, for w.
 
-use std::sync::Arc;
-
 use efam_experiments::release::Track;
 
 use super::autocorrelation::{Autocovariance, products};
-use super::joint::Joint;
 use super::objective::Objective;
-use super::problem::Problem;
 use super::refine::CHANGED;
 use super::search::Found;
 use super::view::Series;
@@ -88,21 +84,6 @@ pub(super) fn hear(objective: &mut Objective, found: &Found) -> bool {
         }
     }
     has_changed
-}
-
-/// A problem whose samples are weighed by what a fit of it misses; none where that changes nothing.
-pub(crate) fn heard(fit: &Joint) -> Option<Problem> {
-    let (mut problem, mut has_changed) = (fit.problem.clone(), false);
-    for (r, trial) in fit.objective.part.trials.iter().enumerate() {
-        let measured = &fit.objective.measured[r];
-        let tracks = Arc::make_mut(&mut problem.trials[*trial]).release.tracks.iter_mut().enumerate();
-        for ((t, track), beyond) in tracks.zip(beyond(&fit.objective, &fit.found, r)) {
-            let change = measured.camera_noise[t].hypot(beyond) / measured.noise[t];
-            has_changed |= change.ln().abs() > CHANGED;
-            track.discrepancy = beyond;
-        }
-    }
-    has_changed.then_some(problem)
 }
 
 /// Standard deviation of a coordinate of each track of a release beside the camera's noise, as a sample of its own has it,

@@ -135,16 +135,3 @@ pub enum CalibrateError {
         release: String,
     },
 }
-
-impl CalibrateError {
-    /// What was found; none where no model could be run.
-    /// # Errors
-    /// Any other.
-    pub(crate) fn if_run<T>(found: Result<T, Self>) -> Result<Option<T>, Self> {
-        match found {
-            Ok(found) => Ok(Some(found)),
-            Err(Self::NoFit { .. } | Self::Forward { .. }) => Ok(None),
-            Err(error) => Err(error),
-        }
-    }
-}

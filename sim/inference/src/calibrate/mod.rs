@@ -11,7 +11,6 @@ mod error;
 pub(crate) mod ghosts;
 pub(crate) mod hold;
 mod identifiability;
-pub(crate) mod joint;
 pub(crate) mod marker;
 pub mod misfit;
 pub(crate) mod numerics;

@@ -300,8 +300,7 @@ mod tests {
                 FittedParameter::new("effects.rayleigh_mass.alpha", Scope::PerRelease),
                 FittedParameter::new("rod.base_angle", Scope::Shared),
             ],
-            // Beside the loss that is fitted, and on top of it.
-            nuisances: Nuisances { mass_damping: Some(0.2), ..Nuisances::default() },
+            nuisances: Nuisances::default(),
         }
     }
 
@@ -314,9 +313,9 @@ mod tests {
         let mut parts = parts(&problem, &unknowns);
         assert_eq!(parts.len(), 1, "EI joins the two");
         let objective = Objective::new(parts.remove(0)).unwrap();
-        // EI, two losses, base angle; instant, angle, own loss and two offsets of two tracks of two releases.
+        // EI, two losses, base angle; instant, angle and two offsets of two tracks of two releases.
         let mut x = objective.start();
-        assert_eq!(x.len(), 4 + 2 * (3 + 4));
+        assert_eq!(x.len(), 4 + 2 * (2 + 4));
         for (k, x) in x.iter_mut().enumerate() {
             *x += 0.01 * (k as f64 + 1.0);
         }

@@ -90,9 +90,6 @@ pub struct Nuisances {
     pub hold_angle: Option<f64>,
     /// Standard deviation of the clamp's angle, rad, about the model's.
     pub clamp_angle: Option<f64>,
-    /// Standard deviation of the mass damping α of a release, 1/s, about that of the model. Releases that are repeated tell it
-    /// (`repeats.rs`).
-    pub mass_damping: Option<f64>,
     /// Standard deviation of a constant offset of each track in x and z, m.
     pub offset: Option<f64>,
     /// Standard deviations by which each may be off at most.
@@ -106,7 +103,6 @@ impl Default for Nuisances {
             release_instant: true,
             hold_angle: Some(0.5f64.to_radians()),
             clamp_angle: None,
-            mass_damping: None,
             offset: Some(5e-4),
             farthest: f64::INFINITY,
         }
@@ -127,30 +123,6 @@ impl Problem {
     /// Whether the model of a trial has an effect.
     pub(crate) fn has(&self, effect: &str) -> bool {
         self.trials.iter().any(|trial| trial.model.effect(effect).is_some())
-    }
-
-    /// The problem with an effect of no interest in all its models, at zero, whose strength is an unknown with a prior of a
-    /// deviation about that; none where models have the effect already, or cannot have it.
-    pub(crate) fn with_nuisance(
-        &self,
-        effect: &str,
-        strength: &str,
-        scope: Scope,
-        deviation: f64,
-    ) -> Option<Self> {
-        if self.has(effect) {
-            return None;
-        }
-        let trials =
-            self.trials.iter().map(|trial| trial.with_effect(effect, &[(strength, 0.0)]).map(Arc::new));
-        let mut problem = Self { trials: trials.collect::<Result<_, _>>().ok()?, ..self.clone() };
-        problem.parameters.push(FittedParameter {
-            start: Some(0.0),
-            prior: Some(Prior { mean: 0.0, deviation }),
-            scale: Some(Scale::Linear),
-            ..FittedParameter::new(&format!("effects.{effect}.{strength}"), scope)
-        });
-        Some(problem)
     }
 
     /// Different pressures of the releases that are fitted, Pa, ascending.
@@ -212,11 +184,6 @@ impl Trial {
             **hold = hold.with_effect(name, values)?;
         }
         Ok(trial)
-    }
-
-    /// Divides each edge into `factor` of them, of what holds the rod as well. A posture keeps its nodes.
-    pub(crate) fn refine(&mut self, factor: usize) -> Result<(), ModelError> {
-        refine(&mut self.model, &mut self.run.initial, factor)
     }
 
     /// The model and the start of a run with parameters set, `(index in theta, value)`; what holds

@@ -12,12 +12,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ghosts::ghosts;
 use super::objective::Objective;
-use super::part::whole;
-use super::problem::{FittedParameter, Problem, Scope};
-use super::refine::LAST;
-use super::search::{Found, go_on, search};
-use super::unknowns::{ALPHA, Group, Scaled, UnknownKind, Unknowns};
-use super::waves::damp_waves;
+use super::search::Found;
+use super::unknowns::{ALPHA, Group, Scaled, UnknownKind};
 
 /// How two releases of one condition differ.
 pub(super) struct Difference {
@@ -57,33 +53,6 @@ pub(super) fn differences(fits: &[(&Objective, &Found)], conditions: &[Vec<usize
         pairs.filter_map(|(a, b)| difference(a, b)).collect()
     };
     conditions.iter().flat_map(of_condition).collect()
-}
-
-/// The same by a fit of these releases alone, held out or not; nothing where they cannot be fitted. No limit of a belief
-/// holds here: a fit that follows the swing says how two of them differ, wherever its parameters end.
-pub(super) fn fitted_apart(problem: &Problem, conditions: &[Vec<usize>]) -> Vec<Difference> {
-    let mut own = problem.clone();
-    for (place, trial) in own.trials_mut().enumerate() {
-        trial.release.held_out = !conditions.iter().flatten().any(|own| *own == place);
-    }
-    for path in [STIFFNESS, ALPHA] {
-        let is_in_all = own.trials().all(|trial| trial.model.index(path).is_ok());
-        match own.parameters.iter_mut().find(|parameter| parameter.path == path) {
-            Some(parameter) => parameter.scope = Scope::PerRelease,
-            None if is_in_all => own.parameters.push(FittedParameter::new(path, Scope::PerRelease)),
-            None => {}
-        }
-    }
-    damp_waves(&mut own);
-    let unknowns = if conditions.is_empty() { None } else { Unknowns::of(&own).ok() };
-    let objective = unknowns.and_then(|unknowns| Objective::new(whole(&own, unknowns)).ok());
-    let found = objective.and_then(|objective| {
-        let mut found = search(&objective, &objective.start(), &|_, _| ())?;
-        // The errors of a fit's steps cancel only between releases that swing alike.
-        go_on(&objective, &mut found, LAST)?;
-        Some(differences(&[(&objective, &found)], conditions))
-    });
-    found.unwrap_or_default()
 }
 
 const STIFFNESS: &str = "rod.bending_stiffness";
@@ -181,7 +150,11 @@ pub mod tests {
     use rand_xoshiro::rand_core::SeedableRng;
 
     use super::*;
-    use crate::calibrate::{Nuisances, Trial};
+    use crate::calibrate::part::whole;
+    use crate::calibrate::refine::LAST;
+    use crate::calibrate::search::{go_on, search};
+    use crate::calibrate::unknowns::Unknowns;
+    use crate::calibrate::{FittedParameter, Nuisances, Problem, Scope, Trial};
     use crate::normal::normal;
 
     const NOISE: f64 = 1e-4;
@@ -227,10 +200,14 @@ pub mod tests {
         let parameters = ["rod.bending_stiffness", "effects.rayleigh_mass.alpha"];
         let problem = Problem {
             trials: vec![a.into(), b.into()],
-            parameters: parameters.map(|path| FittedParameter::new(path, Scope::Shared)).to_vec(),
+            parameters: parameters.map(|path| FittedParameter::new(path, Scope::PerRelease)).to_vec(),
             nuisances: Nuisances::default(),
         };
-        fitted_apart(&problem, &[vec![0, 1]]).pop().unwrap()
+        let objective = Objective::new(whole(&problem, Unknowns::of(&problem).unwrap())).unwrap();
+        let mut found = search(&objective, &objective.start(), &|_, _| ()).unwrap();
+        // The errors of a fit's steps cancel only between releases that swing alike.
+        go_on(&objective, &mut found, LAST).unwrap();
+        differences(&[(&objective, &found)], &[vec![0, 1]]).pop().unwrap()
     }
 
     /// Noise of two recordings, of two coordinates.

@@ -20,10 +20,6 @@ use crate::normal::CLEAR;
 
 /// Share of a standard error to which the fit of a calibration is found.
 pub(super) const RESOLUTION: f64 = 0.02;
-/// The same for a fit of a diagnosis: the error of χ² is then 0.01.
-pub(crate) const RESOLUTION_FITTED: f64 = 0.1;
-/// The same for a fit that is only compared with others: the error of χ² is then 0.25, and a lead of 12 decides.
-pub(crate) const RESOLUTION_COMPARED: f64 = 0.5;
 /// Rounds in which the loss and the weights follow what a fit misses.
 pub(crate) const MOST_ROUNDS: usize = 4;
 /// Change of the spread of what is missed that is worth another round.

@@ -5,7 +5,6 @@
 //! instant and place of each (`pure_error.rs`), is what one of them deviates from a right model. Stiffnesses and dampings that
 //! differ are unknowns of each release: what a law describes need not be taken for error.
 
-use efam_experiments::release::Release;
 use models::digits::significant;
 use models::effects::tip_hold::PULL;
 use schemars::JsonSchema;
@@ -13,8 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use super::ghosts::known;
 use super::hold;
-use super::problem::{Problem, Scope, Trial, is_same};
-use super::pure_error::{Difference, fitted_apart};
+use super::problem::{Problem, Trial, is_same};
+use super::pure_error::Difference;
 use crate::normal::NORMAL_95_ONE_SIDED;
 
 /// How well an experiment repeats.
@@ -46,30 +45,12 @@ pub enum Source {
     Stated,
     /// Releases of one condition.
     Measured,
-    /// A single release, which cannot tell: a share of its motion is assumed.
-    Assumed,
 }
 
-/// Share of the motion of a single release to which it is taken to repeat. Two releases by hand of a beam of silicone
-/// differed by 1 % of their drop; with a weight at the tip, by 3 %.
-const ASSUMED: f64 = 0.01;
 /// Angle of release within which two releases are of one condition, rad.
 const SAME_ANGLE: f64 = 0.05;
 
 impl Repeats {
-    /// Of the releases of a problem, unless it is stated, m; none where neither releases of one condition nor the motion
-    /// of a single one tell.
-    pub(crate) fn of(problem: &Problem, stated: Option<f64>) -> Option<Self> {
-        if let Some(stated) = stated {
-            return Some(Self::stated(problem, stated));
-        }
-        let measured = || Self::measured(problem, &fitted_apart(problem, &conditions(problem)));
-        measured().or_else(|| {
-            let [only] = &problem.trials[..] else { return None };
-            Some(Self::new(problem, ASSUMED * motion(&only.release), Source::Assumed))
-        })
-    }
-
     /// As it is stated, m.
     pub(super) fn stated(problem: &Problem, distance: f64) -> Self {
         Self::new(problem, distance, Source::Stated)
@@ -104,24 +85,10 @@ impl Repeats {
         Self { distance_mm, noise_mm, source, pairs: 0, frequency_share: 0.0, decay_rate: 0.0 }
     }
 
-    /// Distance of a right model from so many releases that is exceeded once in twenty times, mm: the F test of lack of
-    /// fit against pure error. What does not repeat is known from few numbers of few releases; the noise in it from
-    /// all samples.
-    pub(crate) fn largest_mm(&self, releases: usize) -> f64 {
-        let factor = match self.pairs {
-            0 => 1.0,
-            pairs => quantile_of_f(NUMBERS * releases as f64, NUMBERS * pairs as f64),
-        };
-        let noise = self.noise_mm * self.noise_mm;
-        (noise + factor * (self.distance_mm * self.distance_mm - noise)).sqrt()
-    }
-
-    /// The problem with what does not repeat: a bending stiffness and a mass damping of each release, and, beside the noise of
-    /// each track, what is left. A release differs from another by few numbers, so many samples share each of them.
+    /// The problem with what does not repeat beside the noise of each track. A release differs from another by few numbers, so many
+    /// samples share each of them.
     pub(crate) fn heard_in(&self, problem: &Problem) -> Problem {
-        let mut problem = self.with_drift(problem).unwrap_or_else(|| problem.clone());
-        let of_release = self.of_release(2.0 * self.decay_rate);
-        problem.nuisances.mass_damping = Some(of_release).filter(|deviation| *deviation > 0.0);
+        let mut problem = problem.clone();
         let beyond = 1e-6 * (self.distance_mm.powi(2) - self.noise_mm.powi(2));
         for release in problem.trials_mut().map(|trial| &mut trial.release) {
             let coordinates = 2.0 * known(release).len() as f64;
@@ -133,20 +100,6 @@ impl Repeats {
         problem
     }
 
-    /// The problem with a bending stiffness of each release; none where frequencies repeat, or models have one. A
-    /// frequency is at most the root of a stiffness.
-    fn with_drift(&self, problem: &Problem) -> Option<Problem> {
-        let deviation = self.of_release(2.0 * self.frequency_share);
-        (self.frequency_share > 0.0)
-            .then(|| problem.with_nuisance(DRIFT, "share", Scope::PerRelease, deviation))
-            .flatten()
-    }
-
-    /// Standard deviation to expect of another release: what few pairs tell is known to `√(2 / pairs)` of it.
-    fn of_release(&self, deviation: f64) -> f64 {
-        deviation * (1.0 + 2.0 / self.pairs.max(1) as f64).sqrt()
-    }
-
     /// By how much the frequencies and dampings of repeated releases differ, as a clause behind others; empty where they do not.
     pub fn between(&self) -> String {
         let frequency = (self.frequency_share > 0.0)
@@ -156,15 +109,7 @@ impl Repeats {
         let both: Vec<String> = frequency.into_iter().chain(decay).collect();
         if both.is_empty() { String::new() } else { format!("; {} between repeats", both.join(" and ")) }
     }
-
-    /// Whether it is known from the experiment itself.
-    pub(crate) fn is_known(&self) -> bool {
-        self.source != Source::Assumed
-    }
 }
-
-/// The effect of a bending stiffness of each release.
-pub(crate) const DRIFT: &str = "release_drift";
 
 /// Numbers that a release differs by from another, beside its frequency and damping: size and phase of its swing in each coordinate.
 const NUMBERS: f64 = 4.0;
@@ -244,13 +189,6 @@ fn is_same_hand(trial: &Trial, path: &str, difference: f64) -> bool {
     own.is_none_or(|(own, size)| own.contains("rate") || difference.abs() < SAME_ANGLE * size)
 }
 
-/// How far the tip goes from where it begins at most, m.
-fn motion(release: &Release) -> f64 {
-    let path = known(release);
-    let Some((_, first)) = path.first() else { return 0.0 };
-    path.iter().map(|(_, at)| (at[0] - first[0]).hypot(at[1] - first[1])).fold(0.0, f64::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,7 +205,7 @@ mod tests {
     }
 
     /// A quarter of the square of 0.1 mm is the camera's: the rest is four numbers that 401 samples of two coordinates
-    /// share, and alone grows by the F test.
+    /// share.
     #[test]
     fn what_does_not_repeat_is_few_numbers() {
         let repeats = Repeats {
@@ -284,13 +222,6 @@ mod tests {
         let heard = repeats.heard_in(&problem);
         let found = heard.trials[0].release.tracks[0].discrepancy;
         assert!((found - 1e-3 * (0.5 * 0.0075f64 * 200.5).sqrt()).abs() < 1e-12, "{found}");
-        assert_eq!(heard.nuisances.mass_damping, None);
-        // One pair says little of a decay rate.
-        let damped = Repeats { decay_rate: 0.01, ..repeats.clone() }.heard_in(&problem);
-        let found = damped.nuisances.mass_damping.unwrap();
-        assert!((found - 0.02 * 3f64.sqrt()).abs() < 1e-15, "{found}");
-        let most = (0.0025 + quantile_of_f(8.0, 4.0) * 0.0075).sqrt();
-        assert!((repeats.largest_mm(2) - most).abs() < 1e-12);
         // A rod without a diameter is the same rod.
         let mut without = Trial::clone(&problem.trials[0]);
         without.model.theta[0] = f64::NAN;

@@ -6,8 +6,6 @@
 //! from the next best start. Multiple shooting would free the state at the start of each stretch, some
 //! hundred unknowns of a rod for each, of which a marker or two see little; stages have been enough.
 
-use std::sync::Arc;
-
 use efam_core::levenberg_marquardt::{
     Evaluated, FIRST_DAMPING, NEAR_DAMPING, Reused, Search, Solution, minimise,
 };
@@ -123,65 +121,6 @@ fn excursion(objective: &Objective, r: usize, from: usize, to: usize) -> f64 {
         count += seen.len();
     }
     (sum / (2 * count).max(1) as f64).sqrt()
-}
-
-/// A search in the first samples of each release, fitted at once from one start after another.
-pub(crate) struct Meeting {
-    pub objective: Arc<Objective>,
-    counts: Vec<usize>,
-    /// The best by the first swing first.
-    starts: Vec<DVector<f64>>,
-    begun: usize,
-    /// The best fit so far.
-    pub best: Option<Found>,
-    /// How far it is from the samples: the largest robust spread of its residuals as a share of the motion.
-    pub missed: f64,
-    /// Whether it meets the samples, or two searches ended alike.
-    pub is_over: bool,
-}
-
-impl Meeting {
-    pub fn new(objective: Objective, counts: &[usize]) -> Self {
-        let mut starts = ranked(&objective, &objective.start());
-        starts.truncate(MOST_STARTS);
-        let (counts, missed) = (counts.to_vec(), f64::INFINITY);
-        Self { objective: objective.into(), counts, starts, begun: 0, best: None, missed, is_over: false }
-    }
-
-    /// Whether its residuals need not come from a search gone astray.
-    pub fn is_met(&self) -> bool {
-        self.missed < NEAR
-    }
-
-    /// The cost of the best fit; infinite where no start could be run.
-    pub fn cost(&self) -> f64 {
-        self.best.as_ref().map_or(f64::INFINITY, |best| common_cost(&self.objective, best))
-    }
-
-    /// Searches from so many more starts at most.
-    pub fn go_on(&mut self, most: usize) {
-        let objective = &*self.objective;
-        let view = View { counts: self.counts.clone(), ..View::of_all(objective.all()) };
-        for start in self.starts.iter().skip(self.begun).take(most) {
-            if self.is_over {
-                break;
-            }
-            self.begun += 1;
-            let Some(seen) = objective.see(start, &view, None) else { continue };
-            let view = view.clone().like(seen);
-            let Some(ended) = minimise_in(objective, start, None, &view, STAGE_TOLERANCE, STAGE_SHARE) else {
-                continue;
-            };
-            let share = |(r, spread): (usize, f64)| spread / excursion(objective, r, 0, view.counts[r]);
-            let share = ended.at.carried.spreads().into_iter().enumerate().map(share).fold(0.0, f64::max);
-            let is_found_again = (share / self.missed).ln().abs() < ALIKE;
-            if share < self.missed {
-                self.missed = share;
-                self.best = Some(Found { starts: self.begun, ..Found::of(ended, view, Vec::new()) });
-            }
-            self.is_over = self.is_met() || is_found_again;
-        }
-    }
 }
 
 /// One search, from the first swing to the whole recordings.

@@ -12,7 +12,6 @@ use super::problem::{FittedParameter, Prior, Problem, Scale, Scope, Trial, is_sa
 pub const RELEASE_INSTANT: &str = "release instant";
 pub(crate) const HOLD_ANGLE: &str = "hold angle";
 pub(crate) const CLAMP_ANGLE: &str = "error of the clamp angle";
-pub(crate) const MASS_DAMPING: &str = "own mass damping";
 
 /// Likewise of a marker, along an axis.
 pub(crate) fn offset_of(marker: &str, letter: &str) -> String {
@@ -45,8 +44,6 @@ pub(crate) enum UnknownKind {
     HoldAngle,
     /// Angle of its clamp, over the model's.
     ClampAngle,
-    /// Mass damping α, over that of the model.
-    MassDamping,
     /// A component of the load that sets the start, such as that of a hand before the release.
     Pull,
     /// Offset of a track along an axis.
@@ -250,12 +247,6 @@ impl Unknowns {
             let acts = Acts::OnTheta(index(trial, BASE_ANGLE)?);
             add(UnknownKind::ClampAngle, acts, CLAMP_ANGLE, "rad", deviation, nuisances.farthest);
         }
-        if let Some(deviation) = nuisances.mass_damping
-            && let Ok(alpha) = trial.model.index(ALPHA)
-        {
-            let acts = Acts::OnTheta(alpha);
-            add(UnknownKind::MassDamping, acts, MASS_DAMPING, "1/s", deviation, nuisances.farthest);
-        }
         if trial.is_held() {
             for (path, unit, size) in hold::pulls(trial).map_err(|error| of_model(trial, error))? {
                 let acts = Acts::Theta(index(trial, path)?);
@@ -281,7 +272,6 @@ pub(crate) fn pose(trial: &mut Trial, name: &str, value: f64) {
     let (path, is_on_top) = match name {
         HOLD_ANGLE => (RELEASE_ANGLE, true),
         CLAMP_ANGLE => (BASE_ANGLE, true),
-        MASS_DAMPING => (ALPHA, true),
         path => (path, false),
     };
     let Ok(k) = trial.model.index(path) else { return };

@@ -61,21 +61,6 @@ impl View {
     pub fn steps_as(&self, kind: fn(Vec<f64>) -> Steps, r: usize) -> Steps {
         self.steps.as_ref().map_or(Steps::Adaptive, |steps| kind(steps[r].clone()))
     }
-
-    /// Releases as they were seen apart, each the one at a place of a view.
-    pub fn gathered(releases: &[(&View, usize)]) -> Option<Self> {
-        let (first, _) = releases.first()?;
-        let steps = |(view, r): &(&View, usize)| Some(view.steps.as_ref()?[*r].clone());
-        let corrections = |(view, r): &(&View, usize)| Some(view.corrections.as_ref()?[*r].clone());
-        Some(Self {
-            fidelity: first.fidelity,
-            slopes: first.slopes,
-            counts: releases.iter().map(|(view, r)| view.counts[*r]).collect(),
-            steps: releases.iter().map(steps).collect(),
-            loss: releases.iter().map(|(view, r)| view.loss[*r]).collect(),
-            corrections: releases.iter().map(corrections).collect(),
-        })
-    }
 }
 
 /// Residuals of one track in units of its noise: measurement minus prediction.

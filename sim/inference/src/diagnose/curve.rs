@@ -1,18 +1,10 @@
 //! What was measured beside what is predicted, before an effect is added and after.
 
-use super::swing::{share_of_largest, swing};
-use crate::calibrate::joint::Joint;
-use crate::calibrate::view::Series;
+use rayon::prelude::*;
 
-/// How a model meets releases.
-#[derive(Clone)]
-pub(super) struct Agreement {
-    /// Of each release: its name, root mean square distance of all samples but ghosts in mm, and, without what the robust loss holds
-    /// back, over the noise; noise in mm.
-    pub gaps: Vec<(String, f64, f64, f64)>,
-    /// Of each release and track: what was seen, and what is predicted.
-    pub paths: Vec<Path>,
-}
+use super::hypothesis::Settled;
+use super::swing::{share_of_largest, swing};
+use super::verdict::Gap;
 
 /// One track as it was measured, and as the model has it without and with what was added.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,7 +28,7 @@ pub struct Curve {
 /// One sample of a track.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Time after the estimated release, s.
+    /// Time after the release as it is recorded, s.
     pub time: f64,
     /// Measured position, m.
     pub measured: [f64; 2],
@@ -48,8 +40,6 @@ pub struct Sample {
     pub amplitude: f64,
     /// Phase of the swing, rad, growing with time.
     pub phase: f64,
-    /// Whether it lies so far from the prediction, as a ghost does, that a fit hardly hears it.
-    pub is_held_back: bool,
 }
 
 /// Where a prediction stands in a sample.
@@ -62,11 +52,6 @@ impl Curve {
     /// The samples that were seen.
     pub fn seen(&self) -> impl Iterator<Item = &Sample> {
         self.samples.iter().flatten()
-    }
-
-    /// Those of them that are not held back.
-    pub fn heard(&self) -> impl Iterator<Item = &Sample> {
-        self.seen().filter(|sample| !sample.is_held_back)
     }
 }
 
@@ -84,67 +69,73 @@ impl Sample {
     }
 }
 
-/// A track beside what one fit predicts of it.
-#[derive(Clone)]
-pub(super) struct Path {
-    curve: Curve,
-    predicted: Vec<[f64; 2]>,
-}
-
-/// The tracks of a fit's releases with what it predicts, mesh and step removed.
-pub(super) fn paths(fit: &Joint) -> Vec<Path> {
-    let of_release = |(r, block): (usize, &Vec<Series>)| {
-        let (release, measured) = (&fit.objective.part.members[r].release, &fit.objective.measured[r]);
-        let threshold = fit.found.view.loss[r].threshold;
-        let path = |(t, series): (usize, &Series)| {
-            let (track, noise) = (&release.tracks[t], measured.noise[t]);
-            let mut samples = vec![None; release.time.len()];
-            let mut predicted = Vec::with_capacity(series.samples.len());
-            for (k, residual) in series.samples.iter().zip(&series.residual) {
-                let place = measured.samples[*k];
-                let Some(seen) = track.position[place] else { continue };
-                samples[place] = Some(Sample {
-                    time: release.time[place],
-                    measured: seen,
-                    is_held_back: residual[0].hypot(residual[1]) > threshold,
+/// The curves of releases as a model has them before and after; those of releases that cannot be run are not there.
+pub(super) fn curves(pairs: &[(&Settled, &Settled)]) -> Vec<Curve> {
+    let of = |(before, after): &(&Settled, &Settled)| -> Option<Vec<Curve>> {
+        let release = &after.trial.release;
+        let [before, after] = [before.positions()?, after.positions()?];
+        let leading = release.leading_track();
+        let curve = |t: usize| {
+            let track = &release.tracks[t];
+            // Before the release a hand has the rod.
+            let sample = |k: usize| {
+                Some(Sample {
+                    time: Some(release.time[k]).filter(|time| *time >= 0.0)?,
+                    measured: track.position[k]?,
+                    before: before[k][t],
+                    after: after[k][t],
                     ..Sample::default()
-                });
-                predicted.push([0, 1].map(|axis| seen[axis] - noise * residual[axis]));
-            }
-            let curve = Curve {
+                })
+            };
+            Curve {
                 release: release.name.clone(),
-                held_out: false,
+                held_out: release.held_out,
                 pressure: release.pressure,
                 marker: track.marker.clone(),
-                is_leading: t == release.leading_track(),
-                noise: measured.camera_noise[t],
-                samples,
-            };
-            Path { curve, predicted }
+                is_leading: t == leading,
+                noise: track.noise,
+                samples: (0..release.time.len()).map(sample).collect(),
+            }
         };
-        block.iter().enumerate().map(path).collect::<Vec<_>>()
+        Some((0..release.tracks.len()).map(curve).collect())
     };
-    fit.found.at.carried.blocks.iter().enumerate().flat_map(of_release).collect()
-}
-
-/// The curves of pairs of agreements of the same releases, before and after, with whether they were held
-/// out.
-pub(super) fn curves(pairs: &[(&Agreement, &Agreement, bool)]) -> Vec<Curve> {
-    let curve = |before: &Path, after: &Path, held_out: bool| {
-        let mut curve = Curve { held_out, ..after.curve.clone() };
-        let predicted = before.predicted.iter().zip(&after.predicted);
-        for (sample, (before, after)) in curve.samples.iter_mut().flatten().zip(predicted) {
-            (sample.before, sample.after) = (*before, *after);
-        }
-        curve
-    };
-    let of_pair = |(before, after, held_out): &(&Agreement, &Agreement, bool)| {
-        let both = before.paths.iter().zip(&after.paths);
-        both.map(|(before, after)| curve(before, after, *held_out)).collect::<Vec<_>>()
-    };
-    let mut curves: Vec<Curve> = pairs.iter().flat_map(of_pair).collect();
+    let found: Vec<_> = pairs.par_iter().filter_map(of).collect();
+    let mut curves: Vec<Curve> = found.into_iter().flatten().collect();
     follow_swings(&mut curves);
     curves
+}
+
+/// The gap of each release, from its curves.
+pub(super) fn gaps(curves: &[Curve]) -> Vec<Gap> {
+    let mut gaps = Vec::new();
+    for leading in curves.iter().filter(|curve| curve.is_leading) {
+        let own: Vec<&Curve> = curves.iter().filter(|curve| curve.release == leading.release).collect();
+        let count = own.iter().map(|curve| curve.seen().count()).sum::<usize>().max(1) as f64;
+        let [before, after] = BEFORE_AND_AFTER.map(|predicted| {
+            let square = |sample: &Sample| {
+                let [x, z] = sample.residual(predicted(sample));
+                x * x + z * z
+            };
+            let (mut sum, mut over) = (0.0, 0.0);
+            for curve in &own {
+                let squares: f64 = curve.seen().map(square).sum();
+                sum += squares;
+                over += squares / (2.0 * curve.noise * curve.noise);
+            }
+            [1e3 * (sum / count).sqrt(), (over / count).sqrt()]
+        });
+        let noise = own.iter().map(|curve| curve.noise).sum::<f64>() / own.len().max(1) as f64;
+        gaps.push(Gap {
+            release: leading.release.clone(),
+            held_out: leading.held_out,
+            before_mm: before[0],
+            after_mm: after[0],
+            before: before[1],
+            after: after[1],
+            noise_mm: 1e3 * noise,
+        });
+    }
+    gaps
 }
 
 /// Reads amplitude and phase off the leading track of each release, and gives them to all its tracks.
@@ -160,8 +151,7 @@ fn follow_swings(curves: &mut [Curve]) {
     for (c, swing) in leading.into_iter().zip(swings) {
         let (time, release): (Vec<f64>, _) =
             (curves[c].seen().map(|sample| sample.time).collect(), curves[c].release.clone());
-        let held_out = curves[c].held_out;
-        let own = curves.iter_mut().filter(|curve| curve.release == release && curve.held_out == held_out);
+        let own = curves.iter_mut().filter(|curve| curve.release == release);
         for sample in own.flat_map(|curve| curve.samples.iter_mut().flatten()) {
             // Where the leading track has a gap: its last sample before it.
             let k = time.partition_point(|time| *time <= sample.time).saturating_sub(1);
@@ -170,29 +160,4 @@ fn follow_swings(curves: &mut [Curve]) {
             }
         }
     }
-}
-
-/// Mean square of residuals over that of the stated noise up to which they may be noise: it is estimated from third
-/// differences, which see little of noise that is slow.
-const NOISE: f64 = 4.0;
-
-/// Means of the squares of distances, and of what noise of both coordinates makes of them, mm².
-pub(super) fn mean_square(own: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
-    let (mut sum, mut count) = ([0.0; 2], 0.0f64);
-    for [distance, noise] in own {
-        sum = [sum[0] + distance * distance, sum[1] + 2.0 * noise * noise];
-        count += 1.0;
-    }
-    sum.map(|sum| sum / count.max(1.0))
-}
-
-/// Mean square distance of all releases, and of noise alone, mm².
-pub(super) fn of_all(agreement: &Agreement) -> [f64; 2] {
-    mean_square(agreement.gaps.iter().map(|(_, distance, _, noise)| [*distance, *noise]))
-}
-
-/// Whether what a model misses is noise, or no more than what releases of one condition differ by, mm.
-pub(super) fn is_noise(met: &Agreement, repeats: f64) -> bool {
-    let [distance, noise] = of_all(met);
-    distance <= NOISE * noise + repeats * repeats
 }

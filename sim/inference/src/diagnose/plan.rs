@@ -1,33 +1,35 @@
 //! What an experiment that is not made yet could show: from which size on each effect of the catalogue is
 //! seen, and from which it is told from all others.
 //!
-//! Releases are simulated and looked at as if they had been recorded. With `s⊥` the trace of an effect of
-//! unit strength that the baseline cannot make, in units of the noise, the effect is seen from
-//! `5 / |s⊥|` on, and told from another from `5 / (|s⊥| √(1 − cos²))` on, with the angle between the two
-//! traces (`score.rs`). Both are of small effects, with white noise, what does not repeat as a diagnosis takes it
-//! (`calibrate/repeats.rs`), and a model that is right otherwise.
+//! Releases are simulated and looked at as if they had been recorded; an effect is seen, and told from another, from five
+//! standard deviations on (`traces.rs`). Both are of small effects, with white noise, what does not repeat where it is stated,
+//! and a model that is right otherwise.
 
 use std::sync::Arc;
 
 use efam_experiments::release::{OutOfPlane, Point, Release, Track};
 use efam_experiments::scenario::Case;
+use nalgebra::DVector;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::DiagnosisSettings;
 use super::candidate::{Candidate, candidates};
-use super::design_matrix::{Column, extended, normal_equations, places, predictions};
-use super::planned::record;
-use super::score::{APART, columns, gram, unit_distance};
-use super::section::{SHARED, USUAL_TILT, admit_tilt};
-use crate::calibrate::joint::Joint;
-use crate::calibrate::prediction::Slopes;
-use crate::calibrate::refine::LAST;
-use crate::calibrate::repeats::Repeats;
+use super::data::Data;
+use super::extension::extension;
+use super::hypothesis::{Settled, refusal};
+use super::search::Point as At;
+use super::section::SHARED;
+use super::setup;
+use super::traces::{APART, Traces, trace};
 use crate::calibrate::{CalibrateError, FittedParameter, Nuisances, Problem, Scope, Trial};
 
 /// Standard error of the release instant in a recording, s: that of a camera at 100 Hz.
 const INSTANT: f64 = 2e-3;
+
+/// Strength at which an effect is probed, prior standard deviations: small ones are linear.
+const SMALL: f64 = 0.1;
 
 /// Sensitivity of a planned experiment to one effect.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -63,9 +65,7 @@ pub fn problem(cases: &[Case], noise: f64, markers: &[f64]) -> Problem {
     let is_under_pressure = trials.iter().all(|trial| trial.release.pressure.is_some());
     let scope = if is_under_pressure { Scope::PerPressure } else { Scope::Shared };
     parameters.insert(0, FittedParameter::new("rod.bending_stiffness", scope));
-    let mut problem = Problem { trials, parameters, nuisances: Nuisances::default() };
-    admit_tilt(&mut problem, USUAL_TILT);
-    problem
+    Problem { trials, parameters, nuisances: Nuisances::default() }
 }
 
 fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
@@ -86,9 +86,8 @@ fn trial(case: &Case, noise: f64, markers: &[f64]) -> Trial {
     Trial { release, model: case.model.clone(), run: case.run.clone() }
 }
 
-/// What the releases that are not held out would show of each effect, at each try of its other parameters, the
-/// best visible first. Two releases of one condition differ by what is stated, m, or else by what the problem's own
-/// recordings tell; `tell` hears what is being done.
+/// What releases would show of each effect, at each try of its other parameters, the best visible first. Two releases of one
+/// condition differ by what is stated, m; `tell` hears what is being done.
 /// # Errors
 /// [`CalibrateError`] for releases that cannot be simulated.
 pub fn plan(
@@ -96,46 +95,63 @@ pub fn plan(
     repeatability: Option<f64>,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Prospect>, CalibrateError> {
-    let repeats = Repeats::of(problem, repeatability);
-    let mut recorded = problem.clone();
-    recorded.trials.retain(|trial| !trial.release.held_out);
-    record(&mut recorded, &[])?;
-    let recorded = match repeats.filter(Repeats::is_known) {
-        Some(repeats) => repeats.heard_in(&recorded),
-        None => recorded,
+    let name = || problem.trials.first().map_or(String::new(), |trial| trial.release.name.clone());
+    let of_model = |error| CalibrateError::Model { release: name(), error };
+    tell("the planned releases");
+    let mut trials = setup::trials(problem, true).map_err(of_model)?;
+    trials.retain(|trial| !trial.release.held_out);
+    let alone = |trial: Trial| {
+        let settled = Settled { trial: trial.clone(), instant: 0.0, offset: [0.0; 2] };
+        settled.recorded().ok_or_else(|| refusal(&trial))
     };
-    let fit = Joint::at(&recorded, &[], Slopes::Differences, LAST)?;
-    let off = predictions(&fit).ok_or_else(|| fit.objective.refusal(&fit.found.x))?;
-    let candidates = candidates(&recorded, &DiagnosisSettings::default());
-    let columns = columns(&candidates, &fit, &off, tell);
-    let (_, hessian) = normal_equations(&fit, &extended(&fit, &columns), columns.len());
-    let gram = gram(&fit, &hessian);
-    let traces: Vec<Trace> =
-        candidates.iter().enumerate().map(|(c, candidate)| Trace::of(candidate, c, &columns)).collect();
-    let prospect = |trace: &Trace| {
-        let size = unit_distance(&gram, &trace.columns, &[]);
-        let others = traces.iter().filter(|other| other.candidate.name() != trace.candidate.name());
-        let nearest = others
-            .map(|other| (other, unit_distance(&gram, &trace.columns, &other.columns)))
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        let (low, high) = trace.candidate.believed();
-        let null_value = trace.candidate.null_value;
+    let trials = trials.into_iter().map(alone).collect::<Result<Vec<_>, _>>()?;
+    let (data, places) = Data::of(&trials, repeatability);
+    if places.is_empty() {
+        return Err(CalibrateError::NoFit { release: name() });
+    }
+    let trials: Vec<Trial> = places.iter().map(|r| trials[*r].clone()).collect();
+    let base = setup::nothing(problem, trials, &data.all()).map_err(of_model)?;
+    let no_fit = || refusal(&base.trials[0]);
+    let at = At::of(&data, &base, base.start()).ok_or_else(no_fit)?;
+    tell("the effects in them");
+    let probe = |candidate: Candidate| {
+        let own = extension(&base, &candidate).ok()?;
+        let unknowns = &own.hypothesis.unknowns;
+        let z = DVector::from_fn(unknowns.len(), |u, _| match at.z.get(u) {
+            Some(z) => *z,
+            None if own.strengths.contains(&u) => SMALL,
+            None => unknowns[u].start,
+        });
+        let strength = unknowns[*own.strengths.first()?].scaled.value(0.0, SMALL);
+        let over = (strength - candidate.null_value).abs();
+        Some((candidate, trace(&data, &at, &own.hypothesis, &z, over)?))
+    };
+    let all = candidates(&base.trials, &DiagnosisSettings::default());
+    let (probed, columns): (Vec<Candidate>, Vec<_>) = all.into_par_iter().filter_map(probe).unzip();
+    let misfit = repeatability.map_or(0.0, |distance| 0.5 * distance * distance);
+    let counts = vec![1; data.plans.len()];
+    let traces = Traces::of(&data, &at, &base, &columns, (&counts, 1), misfit).ok_or_else(no_fit)?;
+    let prospect = |k: usize| {
+        let candidate = &probed[k];
+        let others = (0..probed.len()).filter(|other| probed[*other].name() != candidate.name());
+        let nearest = others.map(|other| (other, traces.apart(k, other))).min_by(|a, b| a.1.total_cmp(&b.1));
+        let (low, high) = candidate.believed();
+        let null_value = candidate.null_value;
         Prospect {
-            effect: trace.candidate.name().to_owned(),
-            parameter: trace.candidate.strength.name.to_owned(),
-            unit: trace.candidate.strength.unit.to_owned(),
-            tried: trace.candidate.tried.iter().map(|(own, value)| (own.name.to_owned(), *value)).collect(),
-            detectable_from: APART / size,
-            separable_from: APART / nearest.as_ref().map_or(size, |(_, apart)| *apart),
-            nearest: nearest.map(|(other, _)| other.candidate.name().to_owned()),
-            largest_plausible: trace
-                .candidate
+            effect: candidate.name().to_owned(),
+            parameter: candidate.strength.name.to_owned(),
+            unit: candidate.strength.unit.to_owned(),
+            tried: candidate.tried.iter().map(|(own, value)| (own.name.to_owned(), *value)).collect(),
+            detectable_from: APART / traces.size(k),
+            separable_from: APART / nearest.map_or(traces.size(k), |(_, apart)| apart),
+            nearest: nearest.map(|(other, _)| probed[other].name().to_owned()),
+            largest_plausible: candidate
                 .strength
                 .plausible
                 .map(|_| (high - null_value).max(null_value - low)),
         }
     };
-    let mut prospects: Vec<Prospect> = traces.iter().map(prospect).collect();
+    let mut prospects: Vec<Prospect> = (0..probed.len()).map(prospect).collect();
     let share =
         |prospect: &Prospect| prospect.detectable_from / prospect.largest_plausible.unwrap_or(f64::INFINITY);
     prospects.sort_by(|a, b| share(a).total_cmp(&share(b)));
@@ -154,18 +170,6 @@ pub fn best_seen(prospects: Vec<Prospect>) -> Vec<Prospect> {
         }
     }
     best
-}
-
-/// A candidate with its columns.
-struct Trace<'a> {
-    candidate: &'a Candidate,
-    columns: Vec<usize>,
-}
-
-impl<'a> Trace<'a> {
-    fn of(candidate: &'a Candidate, place: usize, columns: &[Column]) -> Self {
-        Self { candidate, columns: places(columns, place) }
-    }
 }
 
 #[cfg(test)]

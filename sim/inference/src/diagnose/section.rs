@@ -1,5 +1,5 @@
-//! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all
-//! pressures share, and something held out.
+//! What a diagnosis takes from an experiment: the problem of its calibration, with losses that all pressures share, and something
+//! held out.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use models::effects::Catalogue;
 use models::nearest::{nearest, offer};
 
 use crate::calibrate::problem::is_same_pressure;
-use crate::calibrate::unknowns::{ALPHA, FARTHEST};
-use crate::calibrate::waves::{BETA, damp_waves};
+use crate::calibrate::unknowns::ALPHA;
+use crate::calibrate::waves::BETA;
 use crate::calibrate::{
     FittedParameter, Prior, Problem, Scope, SectionError, problem as calibration_problem,
 };
@@ -26,8 +26,7 @@ pub fn problem(experiment: &Experiment, cleaned: &Cleaned) -> Result<Problem, Se
     let mut problem = parameters(experiment, cleaned)?;
     let tracks = problem.trials_mut().flat_map(|trial| &mut trial.release.tracks);
     tracks.for_each(|track| track.noise = track.noise.max(LEAST_NOISE));
-    admit_tilt(&mut problem, USUAL_TILT);
-    lock_away(&mut problem);
+    hold_out(&mut problem);
     Ok(problem)
 }
 
@@ -45,14 +44,6 @@ pub(crate) fn parameters(experiment: &Experiment, cleaned: &Cleaned) -> Result<P
         believe_stiffness(&mut problem, experiment);
     }
     Ok(problem)
-}
-
-/// What every diagnosis keeps to, whoever posed the problem: a setup within what is stated of it, and waves that are
-/// damped.
-pub(super) fn limit(problem: &mut Problem) {
-    problem.nuisances.farthest = FARTHEST;
-    limit_beliefs(problem);
-    damp_waves(problem);
 }
 
 /// Noise below which a difference of fit and recording says nothing, m: what is left of mesh and step.
@@ -77,44 +68,9 @@ pub(crate) fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) 
     }
 }
 
-/// Keeps every belief of a parameter within its limit, where no bounds are given.
-fn limit_beliefs(problem: &mut Problem) {
-    let Some(trial) = problem.trials.first() else { return };
-    let range = |path: &str| {
-        trial
-            .model
-            .index(path)
-            .map_or((f64::NEG_INFINITY, f64::INFINITY), |k| trial.model.parameters[k].range)
-    };
-    for own in problem.parameters.iter_mut().filter(|own| own.bounds.is_none()) {
-        let Some(prior) = own.prior else { continue };
-        let (least, most) = range(&own.path);
-        let room = FARTHEST * prior.deviation;
-        own.bounds = Some(((prior.mean - room).max(least), (prior.mean + room).min(most)));
-    }
-}
-
-/// Standard deviation of what is believed of the cameras' vertical, rad: a third of a degree, as a calibration frame on a
-/// floor has it.
-pub(super) const USUAL_TILT: f64 = 5e-3;
-
-/// Makes the tilt of the recordings' frame, one for each pressure, an unknown of no interest with a prior
-/// about zero: a deviation in rad. Left out it would be taken for an effect of the muscle. Models that have
-/// `frame_tilt` already stay as they are.
-pub fn admit_tilt(problem: &mut Problem, deviation: f64) {
-    let is_known = problem.trials.iter().all(|trial| trial.release.pressure.is_some());
-    let scope = if is_known { Scope::PerPressure } else { Scope::Shared };
-    if let Some(tilted) = problem.with_nuisance(TILT, "angle", scope, deviation) {
-        *problem = tilted;
-    }
-}
-
-/// The effect of a frame that is not level.
-pub(super) const TILT: &str = "frame_tilt";
-
-/// Locks releases away if the experiment has not: of three pressures or more the middle one, and of what is
-/// left the last release, if two others stay.
-fn lock_away(problem: &mut Problem) {
+/// Holds releases out if the experiment has not: of three pressures or more the middle one, and of what is left the last release,
+/// if two others stay.
+fn hold_out(problem: &mut Problem) {
     if problem.trials.iter().any(|trial| trial.release.held_out) {
         return;
     }

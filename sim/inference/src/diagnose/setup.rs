@@ -1,254 +1,310 @@
-//! What is stated of the rod and of the setup competes with the effects.
-//!
-//! In a search no belief gives way by more than [`FARTHEST`] deviations. Without that limit a model that lacks an effect
-//! takes an impossible setup instead, and from there a fit with the effect finds no way back. Where the baseline or the
-//! answer needs a belief at its limit, that belief alone is lifted in the model without any effect. Where it is one of the
-//! setup, such as an angle, and nothing is missing then, the statement is wrong, and no effect is looked for. If a lifted
-//! belief does as well for its unknowns as the effects that were found, either may be the answer, and the statement is
-//! said first. If it leads by what names an effect, the effects are no answer.
+//! The hypothesis that nothing is missing: what the experiment states, and what a laboratory leaves open beside it.
 
-use rayon::prelude::*;
+use models::error::ModelError;
+use models::quantity::format_si;
 
-use super::Course;
-use super::refit::{penalty, prefix};
-use super::round::RoundRequest;
-use super::section::TILT;
-use super::shortlist::{Best, LEAD, RoundOutcome};
-use super::stop::ending_by;
-use super::validation::{HeldOut, agreement};
-use super::verdict::{Contradiction, Verdict};
-use super::warnings::{contradictions, deviations_off};
-use crate::calibrate::joint::{Estimate, Joint};
-use crate::calibrate::refine::RESOLUTION_FITTED;
-use crate::calibrate::stage::STAGE_SHARE;
-use crate::calibrate::unknowns::{CLAMP_ANGLE, Group, Unknown, UnknownKind};
-use crate::calibrate::{CalibrateError, Problem};
-use crate::ordered::in_order;
+use super::hypothesis::Hypothesis;
+use super::unknown::{Act, Role, Scaled, Unknown};
+use crate::calibrate::hold::pulls;
+use crate::calibrate::problem::is_of_pressure;
+use crate::calibrate::repeats::grouped_trials;
+use crate::calibrate::unknowns::{ALPHA, BASE_ANGLE, RELEASE_ANGLE};
+use crate::calibrate::waves::BETA;
+use crate::calibrate::{FittedParameter, Problem, Scale, Scope, Trial};
+use crate::features::Plan;
 
-/// Standard deviation of what is believed of a clamp's angle where nothing is said of it, rad: set by eye, or with a
-/// protractor.
-const USUAL_CLAMP: f64 = 0.5 * std::f64::consts::PI / 180.0;
-/// How much less is believed of a marker's place or of an angle that is lifted.
-const LIFTED: f64 = 25.0;
+/// Deviations of the logarithm: a stiffness from a static test, which the swing need not show; one that is a guess, or from a table
+/// of a material that is stiffer in motion; a loss that is only known to be there.
+const TESTED_STIFFNESS: f64 = 0.15;
+const GUESSED_STIFFNESS: f64 = 0.3;
+const LOSS: f64 = 1.5;
+/// Usual damping ratios by mass and by stiffness, medians.
+const MASS_DAMPING: f64 = 0.02;
+const STIFFNESS_DAMPING: f64 = 0.01;
+/// Length by a ruler to soft ends, masses by a balance with what hangs on them: logarithmic deviations.
+const LENGTH: f64 = 0.01;
+const MASS: f64 = 0.01;
+/// Angle of the clamp and of the camera, by eye or a bubble, rad: one degree.
+const ANGLE: f64 = 0.017_453_292_519_943_295;
+/// Place of a marker on the end, m, for rods of up to a third of a metre, and longer ones in proportion; of one along the rod, a
+/// share of its length.
+const MARKER: f64 = 1e-3;
+const MARKER_LENGTH: f64 = 0.3;
+const PLACE: f64 = 0.01;
+/// Curvature without load, over that of one radian over the length: of a rod that is stated straight, of one that hangs curved.
+const CURVATURE: f64 = 0.1;
+const HELD_CURVATURE: f64 = 0.3;
+/// Instant of release, s: a hand opens within two frames of a usual camera; and in sample intervals.
+const INSTANT: f64 = 0.01;
+const INSTANT_SAMPLES: f64 = 0.3;
+/// Angular velocity that a hand gives, over that of a free fall.
+const PUSH: f64 = 0.01;
+/// Nodes at least, and where their mesh errors are lost in the noise: those of sixteen edges are a twentieth of a millimetre on
+/// the paper's muscle.
+pub const NODES: usize = 17;
 
-/// The problem with one of its beliefs lifted.
-fn lifted(problem: &Problem, known: &Estimate) -> Problem {
-    let mut problem = problem.clone();
-    match known.unknown.kind {
-        UnknownKind::ClampAngle => problem.nuisances.clamp_angle = Some(LIFTED * USUAL_CLAMP),
-        UnknownKind::HoldAngle => problem.nuisances.hold_angle.iter_mut().for_each(|own| *own *= LIFTED),
-        UnknownKind::Offset { .. } => problem.nuisances.offset.iter_mut().for_each(|own| *own *= LIFTED),
-        _ => {
-            for own in problem.parameters.iter_mut().filter(|own| own.path == known.unknown.name) {
-                (own.prior, own.bounds) = (None, None);
-            }
-        }
-    }
+const EI: &str = "rod.bending_stiffness";
+const TILT: &str = "effects.frame_tilt.angle";
+
+/// Statements that may be freed, by how much wider their prior then is.
+pub const FREED: [(&str, f64); 10] = [
+    ("stiffness", 5.0),
+    ("length", 10.0),
+    ("mass", 30.0),
+    ("end fitting", 30.0),
+    ("payload", 30.0),
+    ("clamp", 10.0),
+    ("camera", 10.0),
+    ("marker", 10.0),
+    ("curvature", 10.0),
+    ("hold", 10.0),
+];
+
+/// The trials on their own mesh or on the coarsest, with the effects of the setup at zero.
+/// # Errors
+/// [`ModelError`] where a model cannot have them.
+pub fn trials(problem: &Problem, is_coarse: bool) -> Result<Vec<Trial>, ModelError> {
     problem
-}
-
-/// A model without any effect and with one belief lifted.
-#[derive(Clone)]
-pub(super) struct Lift {
-    /// The belief.
-    own: Estimate,
-    /// What the model costs; infinite where it cannot be run.
-    cost: f64,
-    known: Vec<Estimate>,
-}
-
-impl Lift {
-    /// What was believed to be otherwise, as it is found: an unknown for each release or pressure that has its own.
-    fn freed(&self) -> impl Iterator<Item = &Estimate> {
-        self.known.iter().filter(|found| found.unknown.name == self.own.unknown.name)
-    }
-
-    /// What it costs: a belief that is lifted is as free as what an effect brings.
-    fn worth(&self, each: f64) -> f64 {
-        worth(self.cost, self.freed().count(), each)
-    }
-
-    /// What it says of the parameter that was believed to be otherwise.
-    fn contradictions(&self) -> Vec<Contradiction> {
-        contradictions(self.freed().map(|found| (found, &self.own)))
-    }
-}
-
-/// A cost with what each of the unknowns takes that are free in a model, and not in the baseline.
-fn worth(cost: f64, free: usize, each: f64) -> f64 {
-    cost + 0.5 * each * free as f64
-}
-
-/// A statement that may be wrong in the place of what was found.
-pub(super) struct Misstated {
-    pub values: Vec<Contradiction>,
-    /// Whether it leads by what names an effect.
-    pub leads: bool,
-}
-
-/// What of the beliefs stands at its limit, each name once.
-fn at_limit<'a>(known: impl Iterator<Item = &'a Estimate>) -> Vec<&'a Estimate> {
-    let mut all: Vec<&Estimate> = known.filter(|own| deviations_off(own, own).is_some()).collect();
-    all.sort_by(|a, b| a.unknown.name.cmp(&b.unknown.name));
-    all.dedup_by_key(|own| &own.unknown.name);
-    all
-}
-
-/// Whether it says how something stands: the clamp, a camera, a marker. What is stated of the rod, of its masses and of its start
-/// competes with effects, such as a weight that nobody told of, or a hand that pushes: a rod that is pushed upwards swings
-/// as one that was held higher.
-fn is_of_setup(own: &Estimate) -> bool {
-    matches!(own.unknown.kind, UnknownKind::ClampAngle | UnknownKind::Offset { .. })
-        || own.unknown.name.starts_with(&prefix(TILT))
-}
-
-/// The clamp's angle as it is stated, where nothing is said of its error.
-fn stated_clamp(problem: &Problem) -> Option<Estimate> {
-    let is_believed = problem.nuisances.clamp_angle.is_some();
-    let unknown = Unknown::nuisance(
-        UnknownKind::ClampAngle,
-        CLAMP_ANGLE,
-        "rad",
-        Group::All,
-        USUAL_CLAMP,
-        f64::INFINITY,
-    );
-    (!is_believed).then_some(Estimate { unknown, x: 0.0 })
-}
-
-impl<'a> Course<'a> {
-    /// The course on which nothing is missing but one statement of the setup is wrong, if there is one. It is asked before any
-    /// effect, since a search beside a wrong statement names what stands in for it.
-    pub(super) fn misstated_alone(&mut self) -> Result<Option<Self>, CalibrateError> {
-        let clamp = stated_clamp(&self.problem);
-        let mut asked = at_limit(self.before.known.iter());
-        if !asked.is_empty() {
-            asked.extend(&clamp);
-        }
-        asked.retain(|own| is_of_setup(own));
-        if !asked.is_empty() && !self.may_search("a test of the stated setup") {
-            return Ok(None);
-        }
-        self.lifts = in_order::<_, Result<_, _>>(asked.into_par_iter().map(|own| self.lift(own)))?;
-        let each = penalty(&self.before.model, 1.0);
-        let best = self.lifts.iter().min_by(|a, b| a.worth(each).total_cmp(&b.worth(each)));
-        // A belief at its limit that hardly costs anything is a caveat, and no answer.
-        let leads = |best: &&Lift| 2.0 * (self.cost - best.worth(each)) >= LEAD;
-        let Some(best) = best.filter(leads).cloned() else { return Ok(None) };
-        if self.is_explained_by_an_effect(best.worth(each), each)? {
-            return Ok(None);
-        }
-        let problem = lifted(&self.problem, &best.own);
-        let stopped = ending_by(&problem, &self.listener.stop());
-        let Some(fit) = Joint::follow(&stopped, &best.known, RESOLUTION_FITTED)? else { return Ok(None) };
-        let mut alone = Self::new(self.before, self.settings, self.listener, self.diagnosis.clone());
-        (alone.after, alone.cost) = (agreement(&fit), fit.cost());
-        if !alone.is_within_noise() {
-            return Ok(None);
-        }
-        alone.lifted_held_out = HeldOut::meet(&problem, &fit.known())?;
-        (alone.model, alone.problem) = (fit.with_problem(problem.clone())?, problem);
-        let is_all = alone.add_all()?.is_none()
-            && alone.added.is_empty()
-            && alone.diagnosis.verdict == Verdict::NothingMissing;
-        if !is_all || alone.diagnosis.cut_short.is_some() || alone.is_astray()? {
-            return Ok(None);
-        }
-        alone.diagnosis.verdict = Verdict::Misstated;
-        alone.diagnosis.contradictions = Lift { known: alone.model.known(), ..best }.contradictions();
-        Ok(Some(alone))
-    }
-
-    /// Whether the best effect beside what is stated costs less than a wrong statement: angles of many releases describe
-    /// what one effect does as well. A baseline that misses the first swings has no scores, and is not asked.
-    fn is_explained_by_an_effect(&mut self, statement: f64, each: f64) -> Result<bool, CalibrateError> {
-        if self.before.first_swings.is_some() || self.is_stopped() {
-            return Ok(false);
-        }
-        let request = RoundRequest { number: 1, is_last: self.settings.most_effects == 0, is_widened: false };
-        let Some(round) = self.round(request)? else { return Ok(false) };
-        let of = |effect: &Best| worth(effect.refit.cost, self.free(&effect.refit.known), each);
-        let is_explained = matches!(&round.outcome, RoundOutcome::Effect(effect) if of(effect) < statement);
-        // The search goes on from here.
-        self.first_round = Some(round);
-        Ok(is_explained)
-    }
-
-    /// How many unknowns a model has that the baseline has not.
-    fn free(&self, known: &[Estimate]) -> usize {
-        known.len().saturating_sub(self.before.known.len())
-    }
-
-    /// The model without any effect and with a belief lifted. From the baseline where that meets the recordings, or else from
-    /// the start, since a belief at its limit may have lost the phase of the swing. What mesh and step do is known from the
-    /// baseline, unless that misses the first swings.
-    fn lift(&self, own: &Estimate) -> Result<Lift, CalibrateError> {
-        self.listener.doing(&format!("test of the stated {}", own.unknown.name));
-        let problem = ending_by(&lifted(&self.problem, own), &self.listener.stop());
-        let baseline = &self.before.model;
-        let view = &baseline.found.view;
-        let fit = match view.corrections {
-            Some(_) if baseline.is_met() => {
-                Joint::approach(&problem, &self.before.known, view, true, STAGE_SHARE)
+        .trials
+        .iter()
+        .map(|trial| {
+            let mut trial = Trial::clone(trial);
+            let nodes = trial.model.edges + 1;
+            if nodes < NODES || (is_coarse && nodes > NODES) {
+                (trial.model, trial.run) = trial.run.on_mesh(&trial.model, NODES)?;
             }
-            Some(_) => Joint::search_like(&problem, view),
-            None => Joint::search(&problem, &|_| ()).map(Some),
-        };
-        let fit = CalibrateError::if_run(fit)?.flatten().map(|fit| (fit.cost(), fit.known()));
-        let (cost, known) = fit.unwrap_or((f64::INFINITY, Vec::new()));
-        Ok(Lift { own: own.clone(), cost, known })
+            for (effect, keys) in [
+                ("frame_tilt", &["angle"][..]),
+                ("marker_offset", &["along", "across"]),
+                ("set_curvature", &["natural_curvature", "curvature_over_pressure"]),
+            ] {
+                if trial.model.effect(effect).is_none() {
+                    let values: Vec<_> = keys.iter().map(|key| (*key, 0.0)).collect();
+                    trial = trial.with_effect(effect, &values)?;
+                }
+            }
+            Ok(trial)
+        })
+        .collect()
+}
+
+/// The hypothesis that nothing is missing, of trials that all show a swing, each with its plan; those that are held out last.
+/// # Errors
+/// [`ModelError`] for a parameter that a model has not.
+pub fn nothing(problem: &Problem, trials: Vec<Trial>, plans: &[&Plan]) -> Result<Hypothesis, ModelError> {
+    let mut made = Making { trials: &trials, unknowns: Vec::new() };
+    let frequency = plans.iter().map(|plan| plan.frequency).sum::<f64>() / plans.len().max(1) as f64;
+    for own in &problem.parameters {
+        made.parameter(own, frequency)?;
+    }
+    let first = &trials[0];
+    let rod = first.model.rod();
+    let is_known = |path: &str| problem.parameters.iter().any(|own| own.path == path);
+    for (statement, label, path, deviation) in [
+        ("length", "length", "rod.length", LENGTH),
+        ("mass", "mass of the rod", "rod.mass", MASS),
+        ("end fitting", "mass of the end fitting", "effects.end_fitting.mass", MASS),
+        ("payload", "mass of the payload", "effects.payload.mass", MASS),
+    ] {
+        let has_some = made.any(|trial| trial.model.index(path).is_ok_and(|k| trial.model.theta[k] > 0.0));
+        if has_some && !is_known(path) {
+            let unit = if path == "rod.length" { "m" } else { "kg" };
+            made.shared(Unknown::setup(statement, label, unit, Scaled::Factor(deviation)), &[path])?;
+        }
+    }
+    let clamp = problem.nuisances.clamp_angle.unwrap_or(ANGLE);
+    let clamp = Unknown::setup("clamp", "angle of the clamp", "rad", Scaled::Shift(clamp));
+    if !is_known(BASE_ANGLE) {
+        made.shared(clamp, &[BASE_ANGLE, RELEASE_ANGLE])?;
+    }
+    if !is_known(TILT) {
+        made.grouped("camera", "tilt of the camera", "rad", Scaled::Shift(ANGLE), TILT)?;
+    }
+    let marker = MARKER * (rod.length / MARKER_LENGTH).max(1.0);
+    for (key, label) in
+        [("along", "place of the tip's marker along"), ("across", "place of the tip's marker across")]
+    {
+        let unknown = Unknown::setup("marker", label, "m", Scaled::Shift(marker));
+        made.shared(unknown, &[&format!("effects.marker_offset.{key}")])?;
+    }
+    let is_held = made.any(Trial::is_held);
+    let curvature = if is_held { HELD_CURVATURE } else { CURVATURE } / rod.length;
+    for (key, label) in [("natural_curvature", "set curvature"), ("taper", "taper of the set curvature")] {
+        let unknown = Unknown::setup("curvature", label, "1/m", Scaled::Shift(curvature));
+        made.shared(unknown, &[&format!("effects.set_curvature.{key}")])?;
+    }
+    let shared = made.unknowns.len();
+    for (r, plan) in plans.iter().enumerate() {
+        made.release(problem, r, plan)?;
+    }
+    made.unknowns[shared..].iter_mut().for_each(|unknown| unknown.is_own = true);
+    let unknowns = made.unknowns;
+    Ok(Hypothesis { trials, unknowns, freed: None })
+}
+
+/// Unknowns as they are collected.
+struct Making<'a> {
+    trials: &'a [Trial],
+    unknowns: Vec<Unknown>,
+}
+
+impl Making<'_> {
+    fn any(&self, is: impl Fn(&Trial) -> bool) -> bool {
+        self.trials.iter().any(is)
     }
 
-    /// What alone would have to be otherwise than stated, unless what was added leads it by as much as names an effect; and
-    /// whether it leads as much itself.
-    pub(super) fn misstated(&mut self) -> Result<Option<Misstated>, CalibrateError> {
-        if self.added.is_empty() {
-            return Ok(None);
+    /// Adds an unknown that acts on parameters of the releases for which `is_of` holds.
+    fn acting(
+        &mut self,
+        mut unknown: Unknown,
+        paths: &[&str],
+        is_of: impl Fn(usize) -> bool,
+    ) -> Result<(), ModelError> {
+        for (r, trial) in self.trials.iter().enumerate().filter(|(r, _)| is_of(*r)) {
+            let places = paths.iter().map(|path| trial.model.index(path)).collect::<Result<_, _>>()?;
+            unknown.acts.push((r, Act::Theta(places)));
         }
-        let variance_inflation = self.added.iter().map(|best| best.variance_inflation).fold(1.0, f64::max);
-        let known = self.model.known();
-        let each = variance_inflation * penalty(&self.model, variance_inflation);
-        let least = worth(self.cost, self.free(&known), each);
-        // What stood at its limit before an effect gave way may be what the effect stands in for.
-        let known = self.before.known.iter().chain(&known);
-        let is_new =
-            |own: &&Estimate| self.lifts.iter().all(|lift| lift.own.unknown.name != own.unknown.name);
-        let new: Vec<&Estimate> = at_limit(known).into_iter().filter(is_new).collect();
-        if !new.is_empty() && !self.may_search("a test of the stated setup beside the effects") {
-            return Ok(None);
+        self.unknowns.push(unknown);
+        Ok(())
+    }
+
+    fn shared(&mut self, unknown: Unknown, paths: &[&str]) -> Result<(), ModelError> {
+        self.acting(unknown, paths, |_| true)
+    }
+
+    /// An unknown for each pressure.
+    fn grouped(
+        &mut self,
+        statement: &'static str,
+        label: &str,
+        unit: &'static str,
+        scaled: Scaled,
+        path: &str,
+    ) -> Result<(), ModelError> {
+        for (pressure, group) in by_pressure(self.trials) {
+            let unknown = Unknown::setup(statement, &labelled(label, pressure), unit, scaled);
+            self.acting(Unknown { pressure, ..unknown }, &[path], |r| group.contains(&r))?;
         }
-        let new: Vec<Lift> = in_order::<_, Result<_, _>>(new.into_par_iter().map(|own| self.lift(own)))?;
-        let lifts = [self.lifts.clone(), new].concat();
-        let ahead = |lift: &Lift| 2.0 * (least - lift.worth(each)) / variance_inflation;
-        let best =
-            lifts.iter().max_by(|a, b| ahead(a).total_cmp(&ahead(b))).filter(|best| ahead(best) > -LEAD);
-        Ok(best.map(|best| Misstated { values: best.contradictions(), leads: ahead(best) >= LEAD }))
+        Ok(())
+    }
+
+    /// A parameter that the experiment has fitted.
+    fn parameter(&mut self, own: &FittedParameter, frequency: f64) -> Result<(), ModelError> {
+        let model = &self.trials[0].model;
+        let k = model.index(&own.path)?;
+        let (value, known) = (own.start.unwrap_or(model.theta[k]), model.parameters[k].clone());
+        let swing = 2.0 * std::f64::consts::TAU * frequency;
+        let scaled = match (own.prior, own.path.as_str()) {
+            (Some(prior), EI) if prior.mean > 0.0 => {
+                Scaled::LogNormal(prior.mean, (prior.deviation / prior.mean).max(TESTED_STIFFNESS))
+            }
+            (Some(prior), _) => Scaled::Normal(prior.mean, prior.deviation),
+            (None, EI) => Scaled::Factor(GUESSED_STIFFNESS),
+            (None, ALPHA) => Scaled::LogNormal(MASS_DAMPING * swing, LOSS),
+            (None, BETA) => Scaled::LogNormal(STIFFNESS_DAMPING * 4.0 / swing, LOSS),
+            (None, _) if own.scale == Some(Scale::Logarithmic) && value > 0.0 => {
+                Scaled::LogNormal(value, LOSS)
+            }
+            (None, _) => Scaled::Normal(value, 3.0 * known.scale.max(value.abs())),
+        };
+        let statement = if own.path == EI { "stiffness" } else { "parameter" };
+        let groups = match own.scope {
+            Scope::Shared => vec![(None, (0..self.trials.len()).collect())],
+            Scope::PerPressure => by_pressure(self.trials),
+            Scope::PerRelease => (0..self.trials.len()).map(|r| (None, vec![r])).collect(),
+        };
+        let limits = own.bounds.unwrap_or(known.range);
+        for (pressure, group) in &groups {
+            let name = if own.path == EI { "EI" } else { own.path.rsplit('.').next().unwrap_or(&own.path) };
+            let mut unknown = Unknown::setup(statement, &labelled(name, *pressure), known.unit, scaled);
+            (unknown.limits, unknown.pressure) = (limits, *pressure);
+            unknown.is_own = own.scope == Scope::PerRelease;
+            let first = &self.trials[group[0]].model;
+            let of_model = first.theta[first.index(&own.path)?];
+            if of_model > 0.0 {
+                unknown.start = scaled.place(of_model, own.start.unwrap_or(of_model)).clamp(-3.0, 3.0);
+            }
+            self.acting(unknown, &[&own.path], |r| group.contains(&r))?;
+        }
+        Ok(())
+    }
+
+    /// What each release has of its own.
+    fn release(&mut self, problem: &Problem, r: usize, plan: &Plan) -> Result<(), ModelError> {
+        let trial = &self.trials[r];
+        let tag = if self.trials.len() > 1 { format!(" of {}", trial.release.name) } else { String::new() };
+        let label = |what: &str| format!("{what}{tag}");
+        let interval = (plan.time[1] - plan.time[0]).abs();
+        let deviation = INSTANT.max(INSTANT_SAMPLES * interval).max(trial.release.release_uncertainty);
+        // Of a start in motion the first sample is the start.
+        if !trial.is_in_motion() {
+            let scaled = Scaled::Normal(0.0, deviation);
+            let mut instant = Unknown::setup("instant", &label("instant"), "s", scaled);
+            instant.acts.push((r, Act::Instant));
+            self.unknowns.push(instant);
+        }
+        if let Some(deviation) = problem.nuisances.offset {
+            for (axis, letter) in ["x", "z"].into_iter().enumerate() {
+                let name = label(&format!("offset in {letter}"));
+                let mut offset = Unknown::setup("offset", &name, "m", Scaled::Normal(0.0, deviation));
+                offset.acts.push((r, Act::Offset(axis)));
+                self.unknowns.push(offset);
+            }
+        }
+        for (place, track) in plan.tracks.iter().enumerate() {
+            let track = &trial.release.tracks[*track];
+            if let efam_experiments::release::Point::Along(_) = track.at {
+                let name = label(&format!("place of {}", track.marker));
+                let mut unknown = Unknown::setup("marker", &name, "", Scaled::Shift(PLACE));
+                unknown.acts.push((r, Act::Place(place)));
+                self.unknowns.push(unknown);
+            }
+        }
+        if trial.is_straight() {
+            let fall = (3.0 * 9.81 / trial.model.rod().length).sqrt();
+            let hold = problem.nuisances.hold_angle.unwrap_or(0.5f64.to_radians());
+            let hold = Unknown::setup("hold", &label("hold angle"), "rad", Scaled::Shift(hold));
+            self.acting(hold, &[RELEASE_ANGLE], |own| own == r)?;
+            let push = Unknown::setup("push", &label("push"), "rad/s", Scaled::Shift(PUSH * fall));
+            self.acting(push, &["release.angular_velocity"], |own| own == r)?;
+        }
+        if trial.is_held() {
+            for (path, unit, size) in pulls(trial)? {
+                let name = label(path.rsplit('.').next().unwrap_or(path));
+                let mut pull = Unknown::setup("hand", &name, unit, Scaled::Normal(0.0, size));
+                let value = trial.model.theta[trial.model.index(path)?];
+                pull.start = (value / size).clamp(-6.0, 6.0);
+                self.acting(pull, &[path], |own| own == r)?;
+            }
+        }
+        Ok(())
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A rod that a hand has pushed upwards swings as one that was held higher: such a start is no wrong statement.
-    #[test]
-    fn the_start_and_the_rod_are_not_asked_before_the_effects() {
-        let of = |kind: UnknownKind, name: &str| {
-            let unknown = Unknown::nuisance(kind, name, "", Group::All, 1.0, f64::INFINITY);
-            is_of_setup(&Estimate { unknown, x: 0.0 })
-        };
-        assert!(
-            of(UnknownKind::ClampAngle, CLAMP_ANGLE)
-                && of(UnknownKind::Offset { track: 0, axis: 1 }, "offset")
-        );
-        assert!(of(UnknownKind::Parameter(0), "effects.frame_tilt.angle"));
-        for (kind, name) in [
-            (UnknownKind::HoldAngle, "hold angle"),
-            (UnknownKind::Instant, "release instant"),
-            (UnknownKind::Parameter(0), "rod.mass"),
-            (UnknownKind::Parameter(0), "effects.tip_mass.mass"),
-        ] {
-            assert!(!of(kind, name), "{name}");
-        }
+/// Releases by pressure, in the order of the releases, with the pressure, Pa, where there are several; all in one group where a
+/// pressure is unknown.
+pub fn by_pressure(trials: &[Trial]) -> Vec<(Option<f64>, Vec<usize>)> {
+    if trials.iter().any(|trial| trial.release.pressure.is_none()) {
+        return vec![(None, (0..trials.len()).collect())];
     }
+    let pressure = |trial: &Trial| trial.release.pressure;
+    let groups = grouped_trials(trials.iter(), |_| true, |a, b| is_of_pressure(pressure(a), pressure(b)));
+    let is_alone = groups.len() == 1;
+    groups.into_iter().map(|own| (pressure(&trials[own[0]]).filter(|_| !is_alone), own)).collect()
+}
+
+/// A name with the pressure that it belongs to.
+pub fn labelled(name: &str, pressure: Option<f64>) -> String {
+    pressure.map_or_else(|| name.to_owned(), |own| format!("{name} at {}", format_si(own, "Pa")))
+}
+
+/// The hypothesis with a statement freed, and by how much its unknowns' priors are wider; none where nothing is stated of it.
+pub fn freed(of: &Hypothesis, statement: &'static str, factor: f64) -> Option<Hypothesis> {
+    let is_of = |unknown: &Unknown| unknown.role == Role::Setup(statement);
+    if of.freed.is_some() || !of.unknowns.iter().any(is_of) {
+        return None;
+    }
+    let wider = |own: &Unknown| if is_of(own) { own.freed(factor) } else { own.clone() };
+    let unknowns = of.unknowns.iter().map(wider).collect();
+    Some(Hypothesis { unknowns, freed: Some(statement), ..of.clone() })
 }

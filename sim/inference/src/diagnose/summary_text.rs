@@ -1,77 +1,37 @@
 //! The answer in words.
 
-use std::collections::HashSet;
-use std::fmt::Write;
-
+use models::digits::{short, significant};
 use models::effects::by_name;
 
-use super::misfit::BANDS;
-use super::round::NO_MORE;
-use super::verdict::{
-    Added, Contradiction, Description, Diagnosis, Evidence, Gap, Misfit, ParameterValue, Separation, Shape,
-    Verdict, Wrong,
-};
-use crate::calibrate::repeats::Source;
-use crate::calibrate::warnings::SETUP;
+use super::verdict::{Added, Contradiction, Diagnosis, Gap, ParameterValue, Seen, Separation, Verdict};
 use crate::listed::listed;
-use models::digits::{short, significant};
 
-/// Lines for a person: the answer with the gap before and after, then the evidence, then the caveats. A line is there only
-/// if it has numbers.
+/// Features that are said in a sentence.
+const SAID: usize = 2;
+/// Values of an effect that are told in a sentence, at most.
+const TOLD: usize = 3;
+
+/// Lines for a person: the answer with the gap before and after, then the evidence. A line is there only if it has numbers.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
-    let misfit = || {
-        if diagnosis.misses_first_swings {
-            Some(format!(
-                "The simulation misses even the first swings by more than a fifth of the motion: {SETUP}."
-            ))
-        } else {
-            wrong(&diagnosis.misfits)
-        }
+    let is_named = !diagnosis.effects.is_empty();
+    let first = match diagnosis.verdict {
+        Verdict::NothingMissing => "Nothing is missing that these recordings could show.".to_owned(),
+        Verdict::Misstated => misstated(diagnosis),
+        Verdict::Named | Verdict::Class | Verdict::Incomplete => named(diagnosis),
+        Verdict::Unknown => unknown(diagnosis),
     };
-    let lines: Vec<Option<String>> = match diagnosis.verdict {
-        Verdict::NothingMissing => vec![
-            Some(with_gap("Nothing is missing that these recordings could show.", diagnosis)),
-            Some("No effect of the catalogue lowers the gap by more than noise and repeatability explain.".to_owned()),
-            remains(diagnosis),
-            apart(diagnosis),
-        ],
-        Verdict::Misstated => vec![
-            contradicted(diagnosis).map(|value| with_gap(&format!("A stated value is wrong: {value}."), diagnosis)),
-            Some("With the fitted value, nothing else is missing that these recordings could show. Measure it again, or state it otherwise.".to_owned()),
-            removed(diagnosis),
-            remains(diagnosis),
-        ],
-        Verdict::Named | Verdict::Class => vec![
-            Some(with_gap(&named(diagnosis), diagnosis)),
-            removed(diagnosis),
-            remains(diagnosis),
-            // A class of one effect has it in its first line.
-            contradicted(diagnosis)
-                .filter(|_| !is_effect_or_statement(diagnosis))
-                .map(|value| format!("A stated value may be wrong: {value}. Check it first.")),
-            misfit(),
-            next_best(diagnosis),
-            diagnosis.separating_experiment.as_ref().map(to_tell_apart),
-        ],
-        Verdict::Incomplete => vec![
-            Some(with_gap(&named(diagnosis), diagnosis)),
-            removed(diagnosis),
-            remains(diagnosis),
-            contradicted(diagnosis)
-                .map(|value| format!("A stated value may be wrong instead: {value}. Check it first.")),
-            loudest(diagnosis).map(look),
-            misfit(),
-            diagnosis.separating_experiment.as_ref().map(to_tell_apart),
-        ],
-        Verdict::Unknown => vec![
-            Some(with_gap(&missing(diagnosis), diagnosis)),
-            misfit(),
-            partly(diagnosis),
-            diagnosis.description.as_ref().and_then(described),
-            loudest(diagnosis).map(look),
-            apart(diagnosis),
-        ],
-    };
+    let lines = [
+        Some(with_gap(&first, diagnosis)),
+        (diagnosis.verdict == Verdict::NothingMissing).then(|| {
+            "No effect of the catalogue explains more than noise and what does not repeat.".to_owned()
+        }),
+        (diagnosis.verdict != Verdict::NothingMissing).then(|| seen(&diagnosis.seen)).flatten(),
+        removed(diagnosis),
+        remains(diagnosis),
+        (diagnosis.verdict != Verdict::Misstated).then(|| contradicted(diagnosis)).flatten(),
+        is_named.then(|| next_best(diagnosis)).flatten(),
+        diagnosis.separating_experiment.as_ref().map(to_tell_apart),
+    ];
     let not_final = diagnosis.cut_short_in_round().filter(|_| diagnosis.verdict != Verdict::Unknown);
     let not_final = not_final.map(|round| format!("Not final: the search was cut short in round {round}. "));
     not_final.unwrap_or_default() + &lines.into_iter().flatten().collect::<Vec<_>>().join("\n")
@@ -79,12 +39,11 @@ pub(super) fn summary(diagnosis: &Diagnosis) -> String {
 
 /// An answer with the gap before and after, on one line.
 fn with_gap(answer: &str, diagnosis: &Diagnosis) -> String {
-    let Some(shares) = &diagnosis.shares else { return answer.to_owned() };
-    let has_changed = !diagnosis.effects.is_empty() || diagnosis.verdict == Verdict::Misstated;
-    let gap = if has_changed {
-        change(shares.before_mm, shares.left_mm)
+    let own = &diagnosis.total;
+    let gap = if diagnosis.effects.is_empty() && diagnosis.freed.is_none() {
+        format!("is {} mm", significant(own.after_mm, 2))
     } else {
-        format!("is {} mm", significant(shares.left_mm, 2))
+        change(own.before_mm, own.after_mm)
     };
     format!("{answer} The gap between simulation and recordings {gap}.")
 }
@@ -95,48 +54,11 @@ fn change(before: f64, after: f64) -> String {
     format!("{verb} from {} to {} mm", significant(before, 2), significant(after, 2))
 }
 
-/// Whether the answer is one effect, or a stated value that is wrong in its place.
-fn is_effect_or_statement(diagnosis: &Diagnosis) -> bool {
-    diagnosis.verdict == Verdict::Class && diagnosis.members.is_empty()
-}
-
-/// What of the setup a fit moved to its limit or beyond: the worst two, each parameter once.
-fn contradicted(diagnosis: &Diagnosis) -> Option<String> {
-    let mut seen = HashSet::new();
-    let of_each = diagnosis.contradictions.iter().filter(|own| seen.insert(&own.parameter));
-    let worst: Vec<String> = of_each.map(Contradiction::told).take(2).collect();
-    (!worst.is_empty()).then(|| listed(&worst))
-}
-
-/// That something is missing which has no name, or was not looked for.
-fn missing(diagnosis: &Diagnosis) -> String {
-    let is_unasked = |own: &Evidence| own.rejected.as_deref() == Some(NO_MORE);
-    if diagnosis.effects.is_empty() && diagnosis.evidence.iter().any(is_unasked) {
-        return "Something is missing; no effect was fitted, because none may be added.".to_owned();
-    }
-    if let Some(round) = diagnosis.cut_short_in_round() {
-        let so_far = if diagnosis.effects.is_empty() {
-            ", before it had found an effect."
-        } else {
-            ". Its best answer so far follows."
-        };
-        return format!("No final answer: the search was cut short in round {round}{so_far}");
-    }
-    let or = contradicted(diagnosis)
-        .map_or(String::new(), |told| format!(", or a stated value is wrong: {told}. Check it first"));
-    format!("Something is missing that no effect of the catalogue explains{or}.")
-}
-
-/// A parameter's name as a person says it.
-fn plain(name: &str) -> String {
-    name.replace('_', " ")
-}
-
-/// An effect as a person calls it: as its page begins, `Air drag on the body: …`.
-fn called(effect: &str) -> String {
-    let page = by_name(effect).map(|effect| effect.page());
+/// An effect or statement as a person calls it: an effect as its page begins, `Air drag on the body: …`.
+pub(super) fn called(name: &str) -> String {
+    let page = by_name(name).map(|effect| effect.page());
     let title = page.as_deref().and_then(|page| page.split_once(':'));
-    let Some((title, _)) = title else { return plain(effect) };
+    let Some((title, _)) = title else { return name.replace('_', " ") };
     let mut letters = title.chars();
     letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
 }
@@ -146,91 +68,69 @@ fn capitalised(words: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-fn names(diagnosis: &Diagnosis) -> String {
-    let is_of_each = |added: &Added| {
-        diagnosis
-            .evidence
-            .iter()
-            .any(|own| own.effect == added.effect && own.of_each_pressure && own.rejected.is_none())
-    };
-    let name = |added: &Added| {
-        if is_of_each(added) {
-            format!("{} with a different strength at each pressure", called(&added.effect))
-        } else {
-            called(&added.effect)
-        }
-    };
-    capitalised(&listed(&diagnosis.effects.iter().map(name).collect::<Vec<_>>()))
-}
-
-/// Share of the size of the largest misfit from which on another is worth words.
-const ALSO: f64 = 0.3;
-
-/// What the simulation does wrong: the largest misfit, and another beside it.
-fn wrong(misfits: &[Misfit]) -> Option<String> {
-    let first = misfits.first()?;
-    let where_and_when = |misfit: &Misfit| {
-        let [low, high] = misfit.amplitudes.map(|share| 100.0 * share);
-        let (size, range) = match (low, high) {
-            (_, 100.0..) => ("large", format!("above {low:.0} %")),
-            (low, _) if low <= 100.0 * BANDS[BANDS.len() - 1][0] => ("small", format!("below {high:.0} %")),
-            _ => ("middle", format!("{low:.0} to {high:.0} %")),
-        };
-        format!("at {size} swings ({range} of the largest amplitude)")
-    };
-    let mut words = format!("The simulation {} {}", does(first.what), where_and_when(first));
-    let (own, there) = (first.pressures_pa.len(), first.pressures_there_pa.len());
-    if own > 1 && own == there {
-        words += ", at all pressures";
-    } else if own > 0 && own < there {
-        let kilo = |pressure: &f64| format!("{:.0}", 1e-3 * pressure);
-        let own: Vec<_> = first.pressures_pa.iter().map(kilo).collect();
-        let _ = write!(words, ", most clearly at {} kPa", listed(&own));
-    }
-    let [cycles, before] = first.cycles;
-    if before < 1.0 {
-        let _ = write!(words, ", in the first {cycles:.0} cycles");
-    } else {
-        let _ = write!(words, ", from cycle {:.0} to {:.0}", before + 1.0, before + cycles);
-    }
-    let another = misfits[1..].iter().find(|other| other.size_mm > ALSO * first.size_mm);
-    if let Some(other) = another {
-        let _ = if other.amplitudes == first.amplitudes {
-            write!(words, "; there it also {}", does(other.what))
-        } else {
-            write!(words, "; it {} {}", does(other.what), where_and_when(other))
-        };
-    }
-    Some(words + ".")
-}
-
-fn does(what: Wrong) -> &'static str {
-    match what {
-        Wrong::LosesEnergyTooSlowly => "loses energy too slowly",
-        Wrong::LosesEnergyTooFast => "loses energy too fast",
-        Wrong::SwingsTooSlowly => "swings too slowly",
-        Wrong::SwingsTooFast => "swings too fast",
-    }
-}
-
-/// Values of an effect that are told in a sentence, at most.
-const TOLD: usize = 3;
-
 /// What is missing, with its values, and what cannot be told from it.
 fn named(diagnosis: &Diagnosis) -> String {
+    let names = listed(&diagnosis.effects.iter().map(with_sizes).collect::<Vec<_>>());
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
-    let or = if !others.is_empty() {
-        format!(", or an effect that these recordings cannot separate from it ({})", others.join(", "))
-    } else {
-        String::new()
+    let or = match others.is_empty() {
+        true => String::new(),
+        false => format!(", or what these recordings cannot separate from it ({})", others.join(", ")),
     };
-    let statement = contradicted(diagnosis)
-        .filter(|_| is_effect_or_statement(diagnosis))
-        .map_or(String::new(), |value| format!(" Or a stated value is wrong: {value}; check it first."));
     let is = if diagnosis.effects.len() > 1 { "are" } else { "is" };
     let values: Vec<String> = diagnosis.effects.iter().filter_map(values).collect();
     let values = if values.is_empty() { String::new() } else { format!(": {}", values.join("; ")) };
-    format!("{} {is} missing{or}{values}.{statement}", names(diagnosis))
+    let more = match diagnosis.verdict {
+        Verdict::Incomplete => {
+            " More than noise remains: a similar effect may act instead, or another one as well."
+        }
+        _ => "",
+    };
+    let freed = diagnosis.freed.as_ref().map_or(String::new(), |word| {
+        format!(" Beside that, what is stated of the {word} is wrong{}.", of_freed(diagnosis))
+    });
+    format!("{} {is} missing{or}{values}.{freed}{more}", capitalised(&names))
+}
+
+/// An effect as a person calls it, and whether its strength differs.
+fn with_sizes(added: &Added) -> String {
+    let first = added.parameters.first().map(|own| &own.name);
+    let sizes = added.parameters.iter().filter(|own| Some(&own.name) == first && own.of.is_some());
+    let of_each =
+        if sizes.count() > 1 { " with a strength of its own at each pressure or release" } else { "" };
+    format!("{}{of_each}", called(&added.effect))
+}
+
+/// A statement that is wrong, and what cannot be told from it.
+fn misstated(diagnosis: &Diagnosis) -> String {
+    let word = diagnosis.freed.as_deref().unwrap_or("setup");
+    let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
+    let or = match others.is_empty() {
+        true => String::new(),
+        false => format!(" Or what these recordings cannot separate from it: {}.", others.join(", ")),
+    };
+    format!(
+        "What is stated of the {word} is wrong{}. With the fitted value nothing else is missing: measure it again.{or}",
+        of_freed(diagnosis)
+    )
+}
+
+/// The values of a statement that is wrong, after a colon.
+fn of_freed(diagnosis: &Diagnosis) -> String {
+    let values: Vec<String> = diagnosis.contradictions.iter().take(SAID).map(Contradiction::told).collect();
+    if values.is_empty() { String::new() } else { format!(": {}", listed(&values)) }
+}
+
+/// That something is missing which has no name, or was not looked for.
+fn unknown(diagnosis: &Diagnosis) -> String {
+    let names: Vec<_> = diagnosis.effects.iter().map(|own| called(&own.effect)).collect();
+    match (names.is_empty(), diagnosis.cut_short_in_round()) {
+        (true, Some(round)) => format!("No final answer: the search was cut short in round {round}."),
+        (true, None) => "Something is missing that no effect of the catalogue explains.".to_owned(),
+        _ => format!(
+            "Something is missing that no effect of the catalogue explains. {} comes nearest, does not explain half of the misfit, and need not be its cause.",
+            capitalised(&listed(&names))
+        ),
+    }
 }
 
 /// The values of an effect; nothing where there are too many for a sentence.
@@ -244,91 +144,118 @@ fn values(added: &Added) -> Option<String> {
             }
             None => " (not fitted)".to_owned(),
         };
-        format!("{}{of} {}{interval}", plain(&value.name), number.trim_end())
+        format!("{}{of} {}{interval}", value.name.replace('_', " "), number.trim_end())
     };
     let few = (1..=TOLD).contains(&added.parameters.len());
     few.then(|| listed(&added.parameters.iter().map(told).collect::<Vec<_>>()))
+}
+
+/// What is seen in the recordings, and what the model has instead.
+fn seen(all: &[Seen]) -> Option<String> {
+    let of = |own: &Seen| {
+        let number = |value: f64| format!("{} {}", significant(value, 4), own.unit).trim_end().to_owned();
+        let after = if own.before == own.after {
+            String::new()
+        } else {
+            format!(", and {} with it", number(own.after))
+        };
+        format!(
+            "{} of {} is {}; the model has {}{after}",
+            own.what,
+            own.release,
+            number(own.recorded),
+            number(own.before)
+        )
+    };
+    let all: Vec<String> = all.iter().take(SAID).map(of).collect();
+    (!all.is_empty()).then(|| format!("Seen: {}.", all.join("; ")))
 }
 
 fn percent(share: f64) -> String {
     if share >= 0.995 { "all".to_owned() } else { format!("{:.0} %", 100.0 * share) }
 }
 
+/// Share of the square of what noise does not explain that an answer removes.
+fn share_removed(before: f64, after: f64, noise: f64) -> f64 {
+    1.0 - (after.powi(2) - noise.powi(2)).max(0.0) / (before.powi(2) - noise.powi(2)).max(f64::MIN_POSITIVE)
+}
+
 fn removed(diagnosis: &Diagnosis) -> Option<String> {
-    let shares = diagnosis.shares.as_ref()?;
-    let share = shares.removed.filter(|share| *share > 0.0)?;
-    let it = if diagnosis.effects.len() > 1 { "They explain" } else { "It explains" };
+    if diagnosis.effects.is_empty() && diagnosis.freed.is_none() {
+        return None;
+    }
+    let own = &diagnosis.total;
+    let share = share_removed(own.before_mm, own.after_mm, own.noise_mm);
     let held_out: Vec<&Gap> = diagnosis.gap.iter().filter(|gap| gap.held_out).collect();
-    let held_out = shares.removed_held_out.map_or(String::new(), |share| {
-        let share = if share > 0.0 { percent(share) } else { "nothing".to_owned() };
-        let gap = change(mean(&held_out, |gap| gap.before_mm), mean(&held_out, |gap| gap.after_mm));
-        format!(", and {share} on held-out releases, where the gap {gap}")
-    });
-    Some(format!("{it} {} of the residual beyond noise{held_out}.", percent(share)))
+    let mean = |of: fn(&Gap) -> f64| {
+        let square: f64 = held_out.iter().map(|gap| of(gap).powi(2)).sum();
+        (square / held_out.len().max(1) as f64).sqrt()
+    };
+    let on_held_out = if held_out.is_empty() {
+        String::new()
+    } else {
+        let gap = change(mean(|gap| gap.before_mm), mean(|gap| gap.after_mm));
+        format!(" On held-out releases the gap {gap}.")
+    };
+    (share > 0.0)
+        .then(|| format!("The answer explains {} of the residual beyond noise.{on_held_out}", percent(share)))
 }
 
 /// What remains, beside how well the experiment repeats.
 fn remains(diagnosis: &Diagnosis) -> Option<String> {
-    let shares = diagnosis.shares.as_ref()?;
-    let than = diagnosis.repeats.as_ref().map(|repeats| {
-        let size = significant(repeats.distance_mm, 2);
-        let releases = diagnosis.gap.iter().filter(|gap| !gap.held_out).count();
-        let is_within = shares.left_mm <= repeats.largest_mm(releases);
-        let than = if is_within { "no more than" } else { "more than" };
-        match repeats.source {
-            Source::Stated => format!("{than} the stated repeatability of {size} mm"),
-            Source::Measured => {
-                let most = significant(repeats.largest_mm(releases), 2);
-                format!(
-                    "{than} the measured repeatability of {size} mm ({most} mm at 95 %{})",
-                    repeats.between()
-                )
-            }
-            Source::Assumed => format!(
-                "{than} the repeatability of {size} mm assumed for a single release, 1 % of its motion (state calibrate.repeatability, or repeat the release)"
-            ),
-        }
-    });
-    let left = significant(shares.left_mm, 2);
-    let than = than.map(|than| format!("The remaining {left} mm are {than}."));
-    let more = (diagnosis.verdict == Verdict::Incomplete).then(|| {
-        "More than noise remains, here or in held-out releases: a similar effect may act instead, or another one as well."
-            .to_owned()
-    });
-    let both: Vec<String> = [than, more].into_iter().flatten().collect();
-    (!both.is_empty()).then(|| both.join(" "))
+    let own = &diagnosis.total;
+    (own.after_mm > 0.0).then(|| {
+        let [left, noise, repeats] =
+            [own.after_mm, own.noise_mm, own.repeats_mm].map(|value| significant(value, 2));
+        format!("The remaining {left} mm compare with {noise} mm of noise, and {repeats} mm by which releases may differ.")
+    })
 }
 
-/// What the next best effect would explain in the place of the one that was added.
+/// What of the setup a fit moved far.
+fn contradicted(diagnosis: &Diagnosis) -> Option<String> {
+    let far: Vec<String> = diagnosis.contradictions.iter().map(Contradiction::told).take(SAID).collect();
+    (!far.is_empty()).then(|| format!("Check the setup: {}.", listed(&far)))
+}
+
+impl Contradiction {
+    /// In words.
+    pub(super) fn told(&self) -> String {
+        let stated = |value: f64| match self.unit.as_str() {
+            "rad" => format!("{} deg", significant(value.to_degrees(), 3)),
+            unit => format!("{} {unit}", significant(value, 3)).trim_end().to_owned(),
+        };
+        format!(
+            "{} = {}, {:.1} standard deviations off",
+            self.parameter,
+            stated(self.value),
+            self.deviations.abs()
+        )
+    }
+}
+
+/// What the next best effect of the last round would explain.
 fn next_best(diagnosis: &Diagnosis) -> Option<String> {
-    let [only] = &diagnosis.effects[..] else { return None };
-    let is_found = |own: &&Evidence| own.effect == only.effect && own.rejected.is_none();
-    let found = diagnosis.evidence.iter().find(is_found)?;
-    let (round, own) = (found.round, found.realised_decrease?);
-    let first = || diagnosis.evidence.iter().filter(|evidence| evidence.round == round);
-    let is_other = |evidence: &&Evidence| {
-        evidence.effect != only.effect
-            && diagnosis.members.iter().all(|member| member.effect != evidence.effect)
-    };
-    let kept = first().filter(is_other).filter_map(|other| Some((other, other.realised_decrease?)));
-    let (next, kept) = kept.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let share = diagnosis.shares.as_ref()?.removed?.min(1.0) * kept / own;
-    (share >= 0.005).then(|| {
-        format!("{}, the next best, would explain {}.", capitalised(&called(&next.effect)), percent(share))
-    })
+    let named = diagnosis.effects.last()?;
+    let is_of = |name: &str| name == named.effect;
+    let round = diagnosis
+        .rounds
+        .iter()
+        .find(|round| round.candidates.iter().any(|own| own.rejected.is_none() && is_of(&own.name)))?;
+    let best = round.candidates.iter().find(|own| is_of(&own.name))?;
+    let is_other = |name: &str| !is_of(name) && diagnosis.members.iter().all(|own| own.effect != name);
+    let next = round.candidates.iter().find(|own| own.all.is_some() && is_other(&own.name))?;
+    let behind = best.best() - next.best();
+    Some(format!(
+        "{}, the next best, is less likely by a factor of {}.",
+        capitalised(&called(&next.name)),
+        odds(behind)
+    ))
 }
 
-/// Root mean square of a distance over releases.
-fn mean(gaps: &[&Gap], of: fn(&Gap) -> f64) -> f64 {
-    (gaps.iter().map(|gap| of(gap).powi(2)).sum::<f64>() / gaps.len() as f64).sqrt()
-}
-
-/// Gap between simulation and recordings in the end.
-fn apart(diagnosis: &Diagnosis) -> Option<String> {
-    let all: Vec<&Gap> = diagnosis.gap.iter().collect();
-    (!all.is_empty()).then(|| {
-        format!("The residual is {:.2} times the noise; 1 is noise alone.", mean(&all, |gap| gap.after))
-    })
+/// A factor from its logarithm, in words that can be read.
+fn odds(logarithm: f64) -> String {
+    let decades = logarithm / std::f64::consts::LN_10;
+    if decades < 3.0 { significant(logarithm.exp(), 2) } else { format!("1e{decades:.0}") }
 }
 
 fn to_tell_apart(separation: &Separation) -> String {
@@ -338,51 +265,88 @@ fn to_tell_apart(separation: &Separation) -> String {
     )
 }
 
-/// What was added on the way to an unknown.
-fn partly(diagnosis: &Diagnosis) -> Option<String> {
-    if diagnosis.effects.is_empty() {
-        return None;
-    }
-    let removed = diagnosis.shares.as_ref().and_then(|shares| shares.removed);
-    let share = removed.filter(|share| *share > 0.0);
-    let share = share.map_or("a part".to_owned(), percent);
-    let describes = if diagnosis.effects.len() > 1 { "describe" } else { "describes" };
-    Some(format!("{} {describes} {share} of it, and need not be its cause.", names(diagnosis)))
-}
-
-/// The moment that it would take.
-fn described(description: &Description) -> Option<String> {
-    let about = by_name(&description.moment.effect)?.about();
-    let term = |value: &ParameterValue| {
-        let parameter = about.parameters.iter().find(|parameter| parameter.name == value.name)?;
-        let number = format!("{} {}", short(value.value), value.unit);
-        Some(format!("{} ({})", parameter.meaning, number.trim_end()))
-    };
-    let terms: Vec<String> = description.moment.parameters.iter().filter_map(term).collect();
-    (!terms.is_empty()).then(|| {
-        format!(
-            "A description, not a cause: a moment at every bend, over EI {}, would explain {} of the residual.",
-            listed(&terms),
-            percent(description.share)
-        )
-    })
-}
-
-fn look(shape: &Shape) -> String {
-    format!(
-        "Largest residual pattern: {}, {:.2} mm at the tip, mostly at {:.0} % of the largest amplitude.",
-        shape.what,
-        shape.size_mm,
-        100.0 * shape.at_amplitude
-    )
-}
-
-/// The shape that stands out most in the last round, if one does.
-fn loudest(diagnosis: &Diagnosis) -> Option<&Shape> {
-    let last = diagnosis.shapes.iter().map(|shape| shape.round).max()?;
-    let own = diagnosis.shapes.iter().filter(|shape| shape.round == last && shape.score > shape.threshold);
-    own.max_by(|a, b| a.score.total_cmp(&b.score))
-}
-
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use crate::diagnose::verdict::{CutBy, CutShort, Member, Odds, Round, Total};
+
+    fn answer(verdict: Verdict) -> Diagnosis {
+        let value = ParameterValue {
+            name: "drag_coefficient".to_owned(),
+            unit: String::new(),
+            of: None,
+            value: 1.1,
+            interval_95: Some([1.0, 1.2]),
+        };
+        let candidate = |name: &str, all: f64, why: Option<&str>| Odds {
+            name: name.to_owned(),
+            all: Some(all),
+            rejected: why.map(str::to_owned),
+            ..Odds::default()
+        };
+        let candidates = vec![candidate("air_drag", 30.0, None), candidate("creep", 10.0, Some("less"))];
+        Diagnosis {
+            verdict,
+            effects: vec![Added { effect: "air_drag".to_owned(), parameters: vec![value] }],
+            rounds: vec![Round { bar: 8.0, share: 0.01, candidates, others: Vec::new() }],
+            total: Total { before_mm: 2.0, after_mm: 0.25, noise_mm: 0.2, repeats_mm: 1.0 },
+            seen: vec![Seen {
+                release: "first".to_owned(),
+                what: "frequency in the first cycle".to_owned(),
+                unit: "Hz".to_owned(),
+                recorded: 1.1,
+                before: 1.2,
+                after: 1.1,
+                deviations: [9.0, 0.1],
+            }],
+            ..Diagnosis::default()
+        }
+    }
+
+    #[test]
+    fn the_first_line_has_name_value_and_gap() {
+        let said = summary(&answer(Verdict::Named));
+        let first = said.lines().next().unwrap();
+        assert!(
+            first.starts_with(
+                "Air drag on the body is missing: drag coefficient 1.10 (95 % interval 1.00 to 1.20)."
+            ),
+            "{first}"
+        );
+        assert!(
+            first.ends_with("The gap between simulation and recordings falls from 2.0 to 0.25 mm."),
+            "{first}"
+        );
+        assert!(said.contains("Seen: frequency in the first cycle of first is 1.100 Hz; the model has 1.200 Hz, and 1.100 Hz with it."), "{said}");
+        assert!(said.contains("is less likely by a factor of 1e9"), "{said}");
+    }
+
+    #[test]
+    fn a_class_and_an_answer_that_is_not_final_say_so() {
+        let mut class = answer(Verdict::Class);
+        class.members = vec![Member { effect: "tip_drag".to_owned(), behind: 1.0, distance: Some(1.5) }];
+        assert!(summary(&class).contains("cannot separate from it (tip drag)"), "{}", summary(&class));
+        class.cut_short = Some(CutShort { round: Some(2), by: CutBy::Budget });
+        assert!(summary(&class).starts_with("Not final: the search was cut short in round 2."));
+    }
+
+    /// A setup that is off is said where nothing is missing.
+    #[test]
+    fn a_setup_that_is_off_is_said() {
+        let mut nothing =
+            Diagnosis { effects: Vec::new(), rounds: Vec::new(), ..answer(Verdict::NothingMissing) };
+        assert!(!summary(&nothing).contains("setup"));
+        nothing.contradictions = vec![Contradiction {
+            parameter: "angle of the clamp".to_owned(),
+            value: 0.1,
+            unit: "rad".to_owned(),
+            deviations: -3.2,
+            ..Contradiction::default()
+        }];
+        let said = summary(&nothing);
+        assert!(
+            said.contains("Check the setup: angle of the clamp = 5.73 deg, 3.2 standard deviations off."),
+            "{said}"
+        );
+    }
+}

@@ -3,21 +3,17 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::mesh_check::Numerics;
-use crate::calibrate::repeats::Repeats;
-
 /// The answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// One effect, or several, each told from all others.
     Named,
-    /// The same, or a class, and more than noise and repeatability remains: a similar effect may act instead, or another one as
-    /// well.
+    /// The same, and more than noise and repeatability remains: a similar effect may act instead, or another one as well.
     Incomplete,
-    /// Several effects that these recordings cannot separate, or an effect and a stated value that may be wrong instead.
+    /// Several effects, or an effect and a statement, that these recordings cannot separate.
     Class,
-    /// A value that is stated of the setup is wrong; with another one nothing is missing.
+    /// A value that is stated of the rod or the setup is wrong; with another one nothing is missing.
     Misstated,
     /// Nothing that these recordings could show.
     #[default]
@@ -35,66 +31,52 @@ pub struct Diagnosis {
     pub summary: String,
     /// Effects that were added to the model, in the order in which they were found.
     pub effects: Vec<Added>,
-    /// Effects that would do as well as the last one added; empty where it stands alone.
+    /// A statement that was freed because it explains more than any effect: its word, such as `stiffness`; none where none was.
+    pub freed: Option<String>,
+    /// Effects and statements that would do as well as one that was added; empty where each stands alone.
     pub members: Vec<Member>,
     /// Recordings that separate the members.
     pub separating_experiment: Option<Separation>,
-    /// Every candidate of every round.
-    pub evidence: Vec<Evidence>,
+    /// Candidates of each round, with their odds.
+    pub rounds: Vec<Round>,
+    /// What was seen: features that the answer mends, the largest gain first; those that are off most where there is no answer.
+    pub seen: Vec<Seen>,
+    /// What the fit moved far from the stated rod and setup, the farthest first.
+    pub contradictions: Vec<Contradiction>,
     /// Gap between simulation and recordings, before and after.
     pub gap: Vec<Gap>,
-    /// How well the experiment repeats; none where that is not known.
-    #[serde(default)]
-    pub repeats: Option<Repeats>,
-    /// The misfit, and the share that the effects explain.
-    #[serde(default)]
-    pub shares: Option<Shares>,
-    /// Parameters that the fit moved far from the stated setup, the farthest first.
-    #[serde(default)]
-    pub contradictions: Vec<Contradiction>,
-    /// False-alarm level of a round, and the score that it amounts to.
-    pub false_alarm: f64,
-    /// Score that a candidate has to exceed, by round.
-    pub thresholds: Vec<f64>,
-    /// Whether the model as it is misses even the first swings, so that candidates were fitted to these first.
-    #[serde(default)]
-    pub misses_first_swings: bool,
-    /// Errors of the simulation before anything is added, the largest first; empty where it misses even the first
-    /// swings.
-    pub misfits: Vec<Misfit>,
-    /// Residual patterns of each round.
-    pub shapes: Vec<Shape>,
-    /// Mesh and step.
-    pub numerics: Numerics,
+    /// The same of all fitted releases together.
+    pub total: Total,
     /// Held-out releases, by name.
     pub held_out: Vec<String>,
-    /// A moment that would explain the residual where no effect does: a description, not a cause.
-    pub description: Option<Description>,
-    /// Where the search was cut short, and what it left out; none where it ended by itself.
-    #[serde(default)]
+    /// Probability, given the recordings, that nothing is missing, above which no effect is named.
+    pub false_alarm: f64,
+    /// Nodes of the mesh.
+    pub nodes: usize,
+    /// Features of all fitted releases, and unknowns of the model without anything added.
+    pub features: usize,
+    /// Unknowns.
+    pub unknowns: usize,
+    /// Where the search was cut short; none where it ended by itself.
     pub cut_short: Option<CutShort>,
     /// Most node steps (nodes times steps of the integrator) of the search.
-    #[serde(default)]
     pub budget: u64,
-    /// Node steps of all its simulations, those of the baseline included.
-    #[serde(default)]
+    /// Node steps of all its simulations.
     pub node_steps: u64,
+    /// Simulated releases.
+    pub runs: usize,
     /// Caveats of the answer.
     pub warnings: Vec<String>,
 }
 
-/// What a search that was cut short left out.
+/// Where a search was cut short.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CutShort {
-    /// The round in which the search was cut short, so that its answer is not final; none where it was completed, and
-    /// parts of the answer alone are left out.
+    /// The round that was not completed, so that the answer is not final; none where every round was, and parts of the answer
+    /// alone are left out.
     pub round: Option<usize>,
     /// What ended it.
     pub by: CutBy,
-    /// Candidates that were not fitted for that, in the order of their scores where they have any.
-    pub not_fitted: Vec<String>,
-    /// Other parts of the search and of the answer that were left out.
-    pub left_out: Vec<String>,
 }
 
 /// What ended a search.
@@ -127,33 +109,35 @@ pub struct ParameterValue {
     pub of: Option<String>,
     /// Its value.
     pub value: f64,
-    /// Interval that holds the truth in 95 % of experiments; none for one that was held.
+    /// Interval that holds the truth with 95 %, given the model; none for one that was held.
     pub interval_95: Option<[f64; 2]>,
 }
 
-/// A parameter that a fit moved far from what is stated of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// A value of the rod or the setup that a fit moved far from what is stated of it; SI.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Contradiction {
     /// Its name.
     pub parameter: String,
-    /// Where the fit has it, SI.
+    /// Where the fit has it; of what is stated as a value itself, of a setup its distance from the statement.
     pub value: f64,
+    /// Interval that holds it with 95 %, given the model.
+    pub interval_95: [f64; 2],
     /// SI unit; empty if dimensionless.
     pub unit: String,
-    /// Distance from the stated value, in its standard deviations.
+    /// Distance from the stated value, in its standard deviations as stated.
     pub deviations: f64,
 }
 
-/// An effect with the same trace in these recordings.
+/// An effect or statement with the same trace in these recordings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Member {
     /// Its stable name.
     pub effect: String,
-    /// By how much its best fit is worse than that of the best, χ² in units of the noise as it is.
+    /// Logarithm of the odds of the best over it.
     pub behind: f64,
-    /// How far apart its trace and that of the best are when all else is fitted, standard deviations:
-    /// below 2 they are one, from 5 on they are separable.
-    pub distance: f64,
+    /// How far apart its trace and that of the best are when all else is fitted, standard deviations: below 2 they are one,
+    /// from 5 on they are separable. None of a statement.
+    pub distance: Option<f64>,
 }
 
 /// An experiment that would tell the members of a class apart.
@@ -167,46 +151,60 @@ pub struct Separation {
     pub distance_now: f64,
 }
 
-/// Evidence for and against one candidate in one round.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Evidence {
-    /// Round, 1 being the search for the first effect.
-    pub round: usize,
-    /// Its stable name.
-    pub effect: String,
-    /// Whether it was found before, and this candidate has a strength for each pressure.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub of_each_pressure: bool,
-    /// Whether it was fitted to the first swings, because the model misses even those: its score is the root of the
-    /// decrease of χ² there.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub of_first_swings: bool,
-    /// Values at which parameters were tried.
-    pub tried: Vec<(String, f64)>,
-    /// Size of its score.
-    pub score: f64,
-    /// Predicted decrease of χ².
-    pub predicted_decrease: f64,
-    /// Decrease of χ² when it was fitted, roughly where it came not near the best; none where it was not.
-    pub realised_decrease: Option<f64>,
-    /// Its strength: the fitted one, or else the predicted one; SI.
-    pub strength: f64,
-    /// Decrease of χ² on held-out releases.
-    pub held_out_decrease: Option<f64>,
-    /// Reason for its rejection; none for the answer.
+/// One round: candidates beside what was found before.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Round {
+    /// Logarithm of the odds that an answer must exceed.
+    pub bar: f64,
+    /// Share of the swing that the model misses or that does not repeat, before.
+    pub share: f64,
+    /// Candidates that were fitted, the best first.
+    pub candidates: Vec<Odds>,
+    /// Candidates that were not fitted: a model that is linear about that of before promises less of them.
+    pub others: Vec<String>,
+}
+
+/// Odds of one candidate.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Odds {
+    /// Effect or statement.
+    pub name: String,
+    /// Logarithm of the odds over the model without it, by features.
+    pub features: f64,
+    /// The same by all samples; none where they were not fitted.
+    pub all: Option<f64>,
+    /// Share of the swing that is left.
+    pub share: f64,
+    /// What is left of all samples, mm; none where that was not fitted.
+    pub rms_mm: Option<f64>,
+    /// Why it is not the answer; none for the answer.
     pub rejected: Option<String>,
 }
 
-impl Evidence {
-    /// Says why it is not the answer; the first reason stands.
-    pub(super) fn reject(&mut self, why: &str) {
-        self.rejected.get_or_insert_with(|| why.to_owned());
+impl Odds {
+    /// By all samples, or else by features.
+    pub fn best(&self) -> f64 {
+        self.all.unwrap_or(self.features)
     }
+}
 
-    /// What was requested, as a row of a table names it.
-    pub fn label(&self) -> String {
-        if self.of_each_pressure { format!("{}, by pressure", self.effect) } else { self.effect.clone() }
-    }
+/// A feature before and after.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Seen {
+    /// Release.
+    pub release: String,
+    /// What it is, in words.
+    pub what: String,
+    /// Its unit; empty if dimensionless.
+    pub unit: String,
+    /// As recorded, in that unit.
+    pub recorded: f64,
+    /// As the model has it before.
+    pub before: f64,
+    /// With the answer.
+    pub after: f64,
+    /// Distance from the recording before and after, in standard deviations of what the answer leaves.
+    pub deviations: [f64; 2],
 }
 
 /// Gap between simulation and recordings.
@@ -216,91 +214,34 @@ pub struct Gap {
     pub release: String,
     /// Whether it is held out.
     pub held_out: bool,
-    /// Root mean square distance of all samples without the effects, mm, and with them.
+    /// Root mean square distance of all samples without the answer, mm.
     pub before_mm: f64,
-    /// With them.
+    /// With it.
     pub after_mm: f64,
-    /// The same over the noise, 1 being noise alone, without samples that the robust loss holds back.
+    /// The same over the noise, 1 being noise alone.
     pub before: f64,
-    /// With them.
+    /// With it.
     pub after: f64,
     /// Standard deviation of the noise of a coordinate, mm: the mean over the tracks.
     pub noise_mm: f64,
 }
 
-/// A description, not a cause.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Description {
-    /// The terms that were needed, as parameters of `latent_moment`.
-    pub moment: Added,
-    /// Share of what noise does not explain that is gone with it, over what was fitted.
-    pub share: f64,
-    /// Decrease of χ², in units of the noise as it is.
-    pub decrease: f64,
-}
-
-/// A pattern that the residual may have.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Shape {
-    /// Round; the last one is of the repaired model.
-    pub round: usize,
-    /// In words.
-    pub what: String,
-    /// Size of its score.
-    pub score: f64,
-    /// Score that a shape has to exceed.
-    pub threshold: f64,
-    /// Amplitude, as a share of the largest of all releases, at which most of it is.
-    pub at_amplitude: f64,
-    /// Its size there at the tip, mm, when all else is fitted.
-    pub size_mm: f64,
-}
-
-/// Something that a simulation does wrong.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Misfit {
-    /// What it does.
-    pub what: Wrong,
-    /// Amplitudes, as shares of the largest of all releases, between which it does so.
-    pub amplitudes: [f64; 2],
-    /// Change of the measured swing against the simulated one from cycle to cycle: a share of the amplitude,
-    /// or an angle of the phase, rad.
-    pub per_cycle: f64,
-    /// Its standard error.
-    pub standard_error: f64,
-    /// Its size between these amplitudes, mm at the marker.
-    pub size_mm: f64,
-    /// Cycles that a release takes there, and cycles before that: medians.
-    pub cycles: [f64; 2],
-    /// Pressures at which it can be seen, Pa.
-    pub pressures_pa: Vec<f64>,
-    /// Pressures that swing at these amplitudes, Pa.
-    pub pressures_there_pa: Vec<f64>,
-}
-
-/// An error of a simulation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Wrong {
-    /// It decays more slowly than what was measured.
-    LosesEnergyTooSlowly,
-    /// It decays faster.
-    LosesEnergyTooFast,
-    /// Its frequency is too low.
-    SwingsTooSlowly,
-    /// Its frequency is too high.
-    SwingsTooFast,
-}
-
-/// What was missing before anything was added, and what of it is left; root mean square over releases and samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Shares {
-    /// Distance of simulation and recordings before, mm, of the releases that were fitted.
+/// Root mean square distance of simulation and recordings over all fitted releases, mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Total {
+    /// Of the model as it is.
     pub before_mm: f64,
-    /// The same with the effects.
-    pub left_mm: f64,
-    /// Share of the square of what noise does not explain that is gone; none where there is nothing to explain.
-    pub removed: Option<f64>,
-    /// The same for held-out releases.
-    pub removed_held_out: Option<f64>,
+    /// With the answer.
+    pub after_mm: f64,
+    /// Of noise alone.
+    pub noise_mm: f64,
+    /// How well releases repeat, mm: as stated, or else 1.7 % of the first swing.
+    pub repeats_mm: f64,
+}
+
+impl Diagnosis {
+    /// The round in which the search was cut short, if its answer is not final.
+    pub fn cut_short_in_round(&self) -> Option<usize> {
+        self.cut_short.as_ref()?.round
+    }
 }

@@ -1,90 +1,32 @@
 //! What should be known before an answer is used: what the experiment cannot tell, and what the fit had to assume.
 
+use efam_core::work::written;
 use efam_experiments::out_of_plane;
 use models::effects::Kind;
 
-use super::mesh_check;
-use super::refit::prefix;
-use super::section::{LEAST_NOISE, TILT};
-use super::stop;
-use super::verdict::{Contradiction, Diagnosis, Verdict};
+use super::Found;
+use super::section::LEAST_NOISE;
+use super::verdict::{CutBy, CutShort, Diagnosis, Verdict};
 use crate::calibrate::Problem;
-use crate::calibrate::joint::Estimate;
-use crate::calibrate::repeats::DRIFT;
-use crate::calibrate::unknowns::{FARTHEST, UnknownKind};
-use models::digits::significant;
 
-/// All that concern a diagnosis as it stands, its problem, and where its fit ended.
-pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, known: &[Estimate]) -> Vec<String> {
+/// Periods that a release should be seen for: damping is read off cycles.
+const LEAST_PERIODS: f64 = 3.0;
+/// Samples in a cycle below which turns are known badly: the quadratic through three of them is off by a per cent.
+const LEAST_SAMPLES: f64 = 10.0;
+
+/// All that concern a diagnosis as it stands, its problem, and what was found.
+pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, found: &Found) -> Vec<String> {
     let mut words: Vec<String> = several(diagnosis).into_iter().collect();
-    words.extend(stop::warning(diagnosis));
-    words.extend(mesh_check::warning(&diagnosis.numerics));
+    words.extend(cut_short(diagnosis));
+    let shown = |place: &usize| found.places.contains(place);
+    let all = problem.trials.iter().enumerate();
+    words.extend(
+        all.filter(|(place, _)| !shown(place))
+            .map(|(_, trial)| format!("{}: shows no swing, and takes no part", trial.release.name)),
+    );
     words.extend(of_experiment(problem));
-    words.extend(diagnosis.contradictions.iter().map(|own| format!("{}: check the setup", own.told())));
-    words.extend(diagnosis.effects.iter().flat_map(|added| bounded(known, &added.effect)));
+    words.extend(of_recordings(found));
     words
-}
-
-/// Standard deviations by which a value is off what was `believed`; none where it is not so far off as the setup may be, but
-/// for rounding. How far dampings of releases differ is measured, so a large one contradicts no statement.
-pub(super) fn deviations_off(found: &Estimate, believed: &Estimate) -> Option<f64> {
-    if believed.unknown.kind == UnknownKind::MassDamping {
-        return None;
-    }
-    let prior = believed.unknown.prior?;
-    Some(((found.value() - prior.mean) / prior.deviation).abs()).filter(|off| *off > FARTHEST * (1.0 - 1e-6))
-}
-
-/// Whether the fit needs a setup as far off as it may be.
-pub(super) fn is_strained(known: &[Estimate]) -> bool {
-    known.iter().any(|known| deviations_off(known, known).is_some())
-}
-
-/// What a fit had to assume of the setup against what was believed: each value, and the unknown that has the belief.
-pub(super) fn contradictions<'a>(
-    known: impl Iterator<Item = (&'a Estimate, &'a Estimate)>,
-) -> Vec<Contradiction> {
-    let of = |(found, believed): (&Estimate, &Estimate)| {
-        let deviations = deviations_off(found, believed)?;
-        let (parameter, unit) = (found.unknown.name.clone(), found.unknown.unit.to_owned());
-        Some(Contradiction { parameter, value: found.value(), unit, deviations })
-    };
-    let mut all: Vec<_> = known.filter_map(of).collect();
-    all.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
-    all
-}
-
-impl Contradiction {
-    /// In words.
-    pub(super) fn told(&self) -> String {
-        let Self { parameter, value, unit, deviations } = self;
-        let value = match unit.as_str() {
-            "rad" => stated(value.to_degrees(), "deg"),
-            unit => stated(*value, unit),
-        };
-        format!("{parameter} = {value} is {deviations:.0} standard deviations from its prior")
-    }
-}
-
-/// A value with its unit.
-fn stated(value: f64, unit: &str) -> String {
-    format!("{} {unit}", significant(value, 3)).trim_end().to_owned()
-}
-
-/// What of an effect stands at an end of what is believed, so that its interval is no more than a bound.
-fn bounded(known: &[Estimate], effect: &str) -> Vec<String> {
-    let prefix = prefix(effect);
-    let of = |known: &Estimate| {
-        let is_own = known.unknown.name.starts_with(&prefix);
-        (is_own && known.value() != 0.0 && known.unknown.is_at_bound(known.x)).then(|| {
-            format!(
-                "{} = {} hit its bound; the fit would go further: check whether this value suits the rod, or stands in for another effect",
-                known.unknown.label(),
-                stated(known.value(), known.unknown.unit)
-            )
-        })
-    };
-    known.iter().filter_map(of).collect()
 }
 
 /// What should be known of an answer of several names.
@@ -95,8 +37,28 @@ fn several(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
+/// What should be known of a search that was cut short.
+fn cut_short(diagnosis: &Diagnosis) -> Option<String> {
+    let CutShort { round, by } = diagnosis.cut_short.as_ref()?;
+    let reason = match by {
+        CutBy::Budget => format!("its budget of {} node steps", written(diagnosis.budget)),
+        CutBy::Interruption => {
+            "a time limit or an interruption, so another machine may give another answer".to_owned()
+        }
+    };
+    let what = match round {
+        Some(round) => {
+            format!("the search was cut short in round {round} by {reason}: the answer is not final")
+        }
+        None => format!(
+            "the answer was cut short by {reason}: no recording that separates the candidates was looked for"
+        ),
+    };
+    Some(format!("{what}; give a larger --budget, or leave out candidates with --without"))
+}
+
 /// Effects that are part of every diagnosis, and no choice of an experiment.
-const STANDING: [&str; 5] = ["gravity", "rayleigh_mass", "rayleigh_stiffness", TILT, DRIFT];
+const STANDING: [&str; 3] = ["gravity", "rayleigh_mass", "rayleigh_stiffness"];
 
 /// Candidates that are none because the experiment's model has them.
 fn had(problem: &Problem) -> Vec<&'static str> {
@@ -106,9 +68,6 @@ fn had(problem: &Problem) -> Vec<&'static str> {
         causes.filter(|about| about.parameters.iter().any(|parameter| parameter.null_value.is_some()));
     could.map(|about| about.name).filter(|name| !STANDING.contains(name) && problem.has(name)).collect()
 }
-
-/// A release that is seen for less than that, s, says little of how a swing dies away.
-const SHORT: f64 = 2.0;
 
 /// What an experiment cannot tell, whatever the answer.
 fn of_experiment(problem: &Problem) -> Vec<String> {
@@ -141,12 +100,6 @@ fn of_experiment(problem: &Problem) -> Vec<String> {
             1e3 * LEAST_NOISE
         ));
     }
-    let longest = fitted.iter().filter_map(|trial| trial.release.time.last()).fold(0.0, |a, b| b.max(a));
-    if longest < SHORT {
-        words.push(format!(
-            "no release is longer than {longest:.1} s: damping and slow changes are poorly determined; record until the swing has died away"
-        ));
-    }
     words.extend(out_of_plane::warning(problem.trials().map(|trial| &trial.release)));
     if fitted.iter().all(|trial| trial.release.tracks.len() < 2) {
         words.push(
@@ -157,10 +110,27 @@ fn of_experiment(problem: &Problem) -> Vec<String> {
     words
 }
 
+/// What recordings say badly.
+fn of_recordings(found: &Found) -> Vec<String> {
+    let plans = &found.data.plans;
+    let mut words = Vec::new();
+    let seen =
+        |plan: &crate::features::Plan| plan.frequency * (plan.time[plan.samples.len() - 1] - plan.time[0]);
+    let longest = plans.iter().map(seen).fold(0.0, f64::max);
+    if longest < LEAST_PERIODS {
+        words.push(format!(
+            "no release is longer than {longest:.1} periods: damping and slow changes are poorly determined; record until the swing has died away"
+        ));
+    }
+    if plans.iter().any(|plan| plan.frequency * (plan.time[1] - plan.time[0]) > LEAST_SAMPLES.recip()) {
+        words.push("fewer than ten samples in a cycle: turns are known badly".to_owned());
+    }
+    words
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::unknowns::{Group, Scaled, Unknown, UnknownKind};
     use crate::diagnose::verdict::Added;
 
     #[test]
@@ -178,39 +148,22 @@ mod tests {
     }
 
     #[test]
-    fn a_damping_that_does_not_repeat_contradicts_no_statement() {
-        let of = |kind: UnknownKind| {
-            let unknown = Unknown::nuisance(kind, "any", "", Group::Release(0), 1.0, f64::INFINITY);
-            let known = Estimate { unknown, x: 5.0 };
-            deviations_off(&known, &known)
+    fn a_search_that_was_cut_short_says_by_what() {
+        let of = |round: Option<usize>, by: CutBy| {
+            let diagnosis = Diagnosis {
+                cut_short: Some(CutShort { round, by }),
+                budget: 2_500_000,
+                ..Diagnosis::default()
+            };
+            cut_short(&diagnosis).unwrap()
         };
-        assert_eq!((of(UnknownKind::HoldAngle), of(UnknownKind::MassDamping)), (Some(5.0), None));
-    }
-
-    /// A part that is zero is absent, and at no bound.
-    #[test]
-    fn what_stands_at_an_end_of_its_range_is_warned_of() {
-        let known = |name: &str, value: f64| Estimate {
-            unknown: Unknown {
-                kind: UnknownKind::Parameter(0),
-                name: format!("effects.{name}"),
-                unit: "m",
-                group: Group::All,
-                scaled: Scaled::By(1e-3),
-                bounds: (0.0, 5.0),
-                prior: None,
-                start: 0.0,
-            },
-            x: 1e3 * value,
-        };
-        let all = [
-            known("marker_offset.along", 5e-3),
-            known("marker_offset.across", 3e-3),
-            known("marker_offset.third", 0.0),
-            known("hose.stiffness", 5e-3),
-        ];
-        let words = bounded(&all, "marker_offset");
-        assert_eq!(words.len(), 1, "{words:?}");
-        assert!(words[0].starts_with("effects.marker_offset.along = 0.00500 m hit its bound"), "{words:?}");
+        let one = of(Some(1), CutBy::Budget);
+        assert!(
+            one.contains("in round 1 by its budget of 2.50e6 node steps: the answer is not final"),
+            "{one}"
+        );
+        let answer = of(None, CutBy::Interruption);
+        assert!(answer.contains("another machine may give another answer") && !answer.contains("not final"));
+        assert_eq!(cut_short(&Diagnosis::default()), None);
     }
 }

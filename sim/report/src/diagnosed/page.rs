@@ -1,7 +1,7 @@
 //! A diagnosis as a page.
 
 use efam_core::work::written;
-use efam_inference::diagnose::verdict::{Added, ParameterValue};
+use efam_inference::diagnose::verdict::{Added, Contradiction, Odds, ParameterValue, Seen};
 use efam_inference::diagnose::{Curve, Diagnosis, DiagnosisOutcome, Verdict};
 use models::effects::Catalogue;
 
@@ -27,8 +27,13 @@ pub(super) fn page(
     let of = |names: &[&str]| {
         pictures.iter().filter(|picture| names.iter().any(|name| picture.name.starts_with(name))).collect()
     };
-    let [gap, over_time, looks, candidates]: [Vec<&Picture>; 4] =
-        [of(&["gap"]), of(&["residual"]), of(&["swing", "shapes"]), of(&["candidates"])];
+    let [gap, features, over_time, looks, candidates]: [Vec<&Picture>; 5] =
+        [of(&["gap"]), of(&["features"]), of(&["residual"]), of(&["swing"]), of(&["candidates"])];
+    page.section("What is seen");
+    for picture in features {
+        page.figure(picture);
+    }
+    seen(&mut page, diagnosis);
     page.section("Gap between simulation and recordings");
     page.figures(gap);
     gaps(&mut page, diagnosis);
@@ -37,13 +42,15 @@ pub(super) fn page(
         page.all_rods(&of_diagnosis(outcome));
         page.figures(over_time);
     }
-    page.section("Residual patterns");
-    page.figures(looks);
-    page.section("Candidate effects");
+    if !looks.is_empty() {
+        page.section("Residuals over the swing");
+        page.figures(looks);
+    }
+    page.section("Candidates");
     for picture in candidates {
         page.figure(picture);
     }
-    evidence(&mut page, diagnosis);
+    odds(&mut page, diagnosis);
     page.before_use(&reservations(outcome));
     page.facts_of(request, written, facts(diagnosis));
     page.finish()
@@ -68,20 +75,19 @@ fn reservations(outcome: &DiagnosisOutcome) -> BeforeUse {
         held_out: Some(outcome.diagnosis.held_out.clone()),
         extrapolated: None,
         masked: Some(Masked {
-            caption: "Samples left out: of the hold, lost or masked; and outliers held back",
-            heads: &["release", "marker", "samples", "missing", "held back"],
+            caption: "Samples left out: of the hold, lost or masked",
+            heads: &["release", "marker", "samples", "missing"],
             rows: outcome.curves.iter().filter_map(lost).collect(),
         }),
         assumed: assumed::of_problem(&outcome.repaired),
     }
 }
 
-/// How much of a track is not there, or hardly counts.
+/// How much of a track is not there.
 fn lost(curve: &Curve) -> Option<Vec<String>> {
-    let (all, seen, heard) = (curve.samples.len(), curve.seen().count(), curve.heard().count());
-    let counts = [all, all - seen, seen - heard].map(|count| count.to_string());
-    let names = [curve.release.clone(), curve.marker.clone()];
-    (heard < all).then(|| names.into_iter().chain(counts).collect())
+    let (all, seen) = (curve.samples.len(), curve.seen().count());
+    let cells = [curve.release.clone(), curve.marker.clone(), all.to_string(), (all - seen).to_string()];
+    (seen < all).then(|| cells.to_vec())
 }
 
 fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
@@ -108,12 +114,17 @@ fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
     page.list(&diagnosis.effects.iter().filter_map(|added| meaning(&added.effect)).collect::<Vec<_>>());
     let heads = ["parameter", "of", "value", "from", "to", "unit"];
     page.table(&Table { caption: "Values with their 95 % intervals", heads: &heads, rows });
-    if let Some(description) = &diagnosis.description {
-        page.heading("A description, not a cause");
+    if !diagnosis.contradictions.is_empty() {
+        let row = |own: &Contradiction| {
+            let [low, high] = own.interval_95.map(short);
+            let off = format!("{:.1}", own.deviations.abs());
+            vec![own.parameter.clone(), short(own.value), low, high, own.unit.clone(), off]
+        };
+        page.heading("Not as stated");
         page.table(&Table {
-            caption: "Moment at every bend, over EI, that would explain the residual; it is not in the repaired model",
-            heads: &heads,
-            rows: of_added(&description.moment),
+            caption: "Values of the rod and the setup that the fit moved by more than two standard deviations of what is stated",
+            heads: &["value", "fitted", "from", "to", "unit", "deviations"],
+            rows: diagnosis.contradictions.iter().map(row).collect(),
         });
     }
     if !diagnosis.members.is_empty() {
@@ -122,13 +133,13 @@ fn effects(page: &mut Page, diagnosis: &Diagnosis, catalogue: &Catalogue) {
             vec![
                 member.effect.clone(),
                 format!("{:.1}", member.behind),
-                format!("{:.1}", member.distance),
+                member.distance.map_or(String::new(), |distance| format!("{distance:.1}")),
                 meaning(&member.effect).unwrap_or_default(),
             ]
         };
         page.table(&Table {
             caption: "Effects that these recordings cannot separate from it. Distance in standard deviations: below 2 inseparable, from 5 separable",
-            heads: &["effect", "worse by, χ²", "distance", "meaning"],
+            heads: &["effect", "log odds behind", "distance", "meaning"],
             rows: diagnosis.members.iter().map(row).collect(),
         });
     }
@@ -162,46 +173,66 @@ fn gaps(page: &mut Page, diagnosis: &Diagnosis) {
     });
 }
 
-fn evidence(page: &mut Page, diagnosis: &Diagnosis) {
-    let row = |own: &efam_inference::diagnose::verdict::Evidence| {
-        let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.1}"));
+fn seen(page: &mut Page, diagnosis: &Diagnosis) {
+    let row = |own: &Seen| {
+        let number = |value: f64| significant(value, 4);
+        let [recorded, before, after] = [own.recorded, own.before, own.after].map(number);
+        vec![own.what.clone(), own.release.clone(), recorded, before, after, own.unit.clone()]
+    };
+    page.table(&Table {
+        caption: "Features that the answer changes most, as recorded and as the model has them before and after",
+        heads: &["feature", "release", "recorded", "before", "after", "unit"],
+        rows: diagnosis.seen.iter().map(row).collect(),
+    });
+}
+
+fn odds(page: &mut Page, diagnosis: &Diagnosis) {
+    let row = |(number, own): (usize, &Odds)| {
+        let number_of = |value: Option<f64>, digits: usize| {
+            value.map_or(String::new(), |value| format!("{value:.digits$}"))
+        };
         vec![
-            own.label(),
-            own.round.to_string(),
-            format!("{:.2}", own.score),
-            number(Some(own.predicted_decrease)),
-            number(own.realised_decrease),
-            number(own.held_out_decrease),
+            own.name.clone(),
+            number.to_string(),
+            number_of(Some(own.features), 1),
+            number_of(own.all, 1),
+            number_of(own.rms_mm, 3),
             own.rejected.clone().unwrap_or_else(|| "in the answer".to_owned()),
         ]
     };
+    let rounds = diagnosis.rounds.iter().enumerate();
+    let fitted = rounds.flat_map(|(k, round)| round.candidates.iter().map(move |own| (k + 1, own)));
     page.folded(
         "All candidates in numbers",
         &Table {
-            caption: "All candidates of all rounds; decreases are of χ²",
-            heads: &[
-                "effect",
-                "round",
-                "score",
-                "predicted decrease",
-                "fitted decrease",
-                "held-out decrease",
-                "reason for rejection",
-            ],
-            rows: diagnosis.evidence.iter().map(row).collect(),
+            caption: "Candidates that were fitted: logarithm of their odds over the model before",
+            heads: &["candidate", "round", "by features", "by all samples", "left, mm", "why not"],
+            rows: fitted.map(row).collect(),
         },
     );
+    for (k, round) in diagnosis.rounds.iter().enumerate().filter(|(_, round)| !round.others.is_empty()) {
+        page.text(&format!(
+            "Not fitted in round {}, because less was promised of them: {}.",
+            k + 1,
+            round.others.join(", ")
+        ));
+    }
 }
 
 /// What only a diagnosis has among its facts.
 fn facts(diagnosis: &Diagnosis) -> Vec<(String, String)> {
-    let thresholds: Vec<String> =
-        diagnosis.thresholds.iter().enumerate().map(|(k, t)| format!("round {}: {t:.2}", k + 1)).collect();
+    let bars: Vec<String> = diagnosis
+        .rounds
+        .iter()
+        .enumerate()
+        .map(|(k, own)| format!("round {}: {:.1}", k + 1, own.bar))
+        .collect();
     vec![
-        ("false-alarm level of a round".to_owned(), significant(diagnosis.false_alarm, 2)),
-        ("threshold of the score".to_owned(), thresholds.join(", ")),
-        ("nodes".to_owned(), diagnosis.numerics.nodes.to_string()),
-        ("mesh error over the noise".to_owned(), format!("{:.2}", diagnosis.numerics.left)),
+        ("most probable nothing that an answer leaves".to_owned(), significant(diagnosis.false_alarm, 2)),
+        ("log odds that an answer needs".to_owned(), bars.join(", ")),
+        ("nodes".to_owned(), diagnosis.nodes.to_string()),
+        ("features and unknowns".to_owned(), format!("{} and {}", diagnosis.features, diagnosis.unknowns)),
+        ("simulated releases".to_owned(), diagnosis.runs.to_string()),
         (
             "node steps, of the budget".to_owned(),
             format!("{} of {}", written(diagnosis.node_steps), written(diagnosis.budget)),
@@ -215,7 +246,7 @@ mod tests {
 
     use efam_inference::calibrate::{FittedParameter, Nuisances, Problem, Scope};
     use efam_inference::diagnose::curve::Sample;
-    use efam_inference::diagnose::verdict::{Added, Evidence, Gap, Member, Separation, Shape};
+    use efam_inference::diagnose::verdict::{Gap, Member, Round, Separation};
 
     use super::*;
     use crate::page::stripped;
@@ -230,8 +261,7 @@ mod tests {
             let measured = [0.3, after[1] + 2e-4 * (40.0 * time).sin()];
             let before = [0.3, after[1] - 1e-3 * phase.cos()];
             let amplitude = (-0.3 * time).exp();
-            let is_held_back = k == 50;
-            (k % 40 != 7).then_some(Sample { time, measured, before, after, amplitude, phase, is_held_back })
+            (k % 40 != 7).then_some(Sample { time, measured, before, after, amplitude, phase })
         };
         Curve {
             release: release.to_owned(),
@@ -245,17 +275,12 @@ mod tests {
     }
 
     fn outcome(verdict: Verdict, name: &str) -> DiagnosisOutcome {
-        let evidence = |effect: &str, rejected: Option<&str>| Evidence {
-            round: 1,
-            effect: effect.to_owned(),
-            of_each_pressure: false,
-            of_first_swings: false,
-            tried: Vec::new(),
-            score: 12.0,
-            predicted_decrease: 140.0,
-            realised_decrease: rejected.is_none().then_some(133.0),
-            strength: 1.1,
-            held_out_decrease: None,
+        let candidate = |name: &str, rejected: Option<&str>| Odds {
+            name: name.to_owned(),
+            features: 40.0,
+            all: rejected.is_none().then_some(133.0),
+            share: 0.01,
+            rms_mm: rejected.is_none().then_some(0.3),
             rejected: rejected.map(str::to_owned),
         };
         let gap = |release: &str, held_out: bool| Gap {
@@ -267,13 +292,14 @@ mod tests {
             after: 1.0,
             noise_mm: 0.3,
         };
-        let shape = |round: usize| Shape {
-            round,
-            what: "the mean drifts with the amplitude".to_owned(),
-            score: 7.0,
-            threshold: 5.0,
-            at_amplitude: 1.0,
-            size_mm: 0.4,
+        let seen = Seen {
+            release: name.to_owned(),
+            what: "frequency in the first cycle".to_owned(),
+            unit: "Hz".to_owned(),
+            recorded: 1.2,
+            before: 1.3,
+            after: 1.21,
+            deviations: [30.0, 0.5],
         };
         let value = ParameterValue {
             name: "drag_coefficient".to_owned(),
@@ -284,7 +310,7 @@ mod tests {
         };
         let has_effect = matches!(verdict, Verdict::Named | Verdict::Incomplete | Verdict::Class);
         let is_class = verdict == Verdict::Class;
-        let member = Member { effect: "tip_drag".to_owned(), behind: 2.0, distance: 1.5 };
+        let member = Member { effect: "tip_drag".to_owned(), behind: 2.0, distance: Some(1.5) };
         let separation =
             Separation { what: "a longer recording".to_owned(), distance: 6.0, distance_now: 1.5 };
         let added = Added { effect: "air_drag".to_owned(), parameters: vec![value] };
@@ -294,14 +320,18 @@ mod tests {
             effects: has_effect.then_some(added).into_iter().collect(),
             members: is_class.then_some(member).into_iter().collect(),
             separating_experiment: is_class.then_some(separation),
-            evidence: vec![
-                evidence("air_drag", None),
-                evidence("creep", Some("it would need the wrong sign")),
-            ],
+            rounds: vec![Round {
+                bar: 8.1,
+                share: 0.02,
+                candidates: vec![
+                    candidate("air_drag", None),
+                    candidate("creep", Some("air_drag explains more")),
+                ],
+                others: vec!["dahl".to_owned()],
+            }],
+            seen: vec![seen],
             gap: vec![gap(name, false), gap("held", true)],
             false_alarm: 0.01,
-            thresholds: vec![4.2],
-            shapes: vec![shape(1), shape(2)],
             held_out: vec!["held".to_owned()],
             warnings: vec!["one pressure alone".to_owned()],
             ..Diagnosis::default()
@@ -356,21 +386,21 @@ mod tests {
                 "one pressure alone",
                 "<li>held</li>",
                 "<th scope=\"row\">15 psi</th><td>Tip &lt;1&gt;</td><td class=\"number\">400</td>\
-                 <td class=\"number\">10</td><td class=\"number\">1</td>",
+                 <td class=\"number\">10</td>",
                 "rod.bending_stiffness is fitted: one value for each pressure",
-                "it would need the wrong sign",
+                "air_drag explains more",
                 "rms residual over noise",
                 "residual, mm",
                 "time since release, s",
                 "phase, share of a swing",
-                "score over its threshold",
-                "score, standard deviations",
-                "log10 of the decrease",
+                "model minus recording, standard deviations",
+                "square root of the log odds",
+                "less was promised of them: dahl",
                 "efam diagnose 15 psi.toml",
                 "SHA-256 of 15 psi.csv",
                 "0123abcd",
                 "19700101T000000Z",
-                "round 1: 4.20",
+                "round 1: 8.1",
             ] {
                 assert!(html.contains(text), "{kind:?}: {text}");
             }

@@ -6,7 +6,7 @@ use efam_inference::diagnose::Curve;
 use efam_inference::diagnose::curve::{BEFORE_AND_AFTER, Predicted, Sample};
 
 use crate::picture::panel::{Axis, Key, Panel, Row, Stroke, heading, px};
-use crate::picture::{Area, BLACK, BLUE, Drawn, GREY, MILLI, Picture, VERMILION, drawn};
+use crate::picture::{Area, BLUE, Drawn, GREY, MILLI, Picture, VERMILION, drawn};
 
 /// Points that a line has at most.
 const MOST_POINTS: usize = 2000;
@@ -14,9 +14,6 @@ const MOST_POINTS: usize = 2000;
 const SHADED: f64 = 2.0;
 
 const PREDICTIONS: [(&str, Predicted); 2] = [("Before", BEFORE_AND_AFTER[0]), ("After", BEFORE_AND_AFTER[1])];
-
-/// Samples held back one after the other from which on they are no ghosts, but what the model misses.
-const NO_GHOSTS: usize = 3;
 
 pub(super) fn before() -> Stroke {
     Stroke::new(VERMILION, 1.8)
@@ -26,22 +23,12 @@ pub(super) fn after() -> Stroke {
     Stroke::new(BLUE, 1.4)
 }
 
-fn is_held_back(sample: &Option<Sample>) -> bool {
-    sample.is_some_and(|sample| sample.is_held_back)
-}
-
-/// Samples that an axis must have room for: all but ghosts.
-fn shown(curve: &Curve) -> impl Iterator<Item = &Sample> {
-    let runs = curve.samples.chunk_by(|a, b| is_held_back(a) == is_held_back(b));
-    runs.filter(|run| run.len() >= NO_GHOSTS || !is_held_back(&run[0])).flatten().flatten()
-}
-
 /// The residual of the `number`-th release over time.
 pub(super) fn over_time(number: usize, curve: &Curve) -> Picture {
     let part = if curve.held_out { ", held out" } else { "" };
     let title = format!("Residual over time: {}{part}", curve.release);
     let sizes = PREDICTIONS.map(|(_, of)| {
-        let mut sizes: Vec<f64> = shown(curve).map(|s| MILLI * s.across(of(s)).abs()).collect();
+        let mut sizes: Vec<f64> = curve.seen().map(|s| MILLI * s.across(of(s)).abs()).collect();
         sizes.sort_by(f64::total_cmp);
         sizes.get((0.995 * sizes.len() as f64) as usize).copied().unwrap_or(0.0)
     });
@@ -78,22 +65,17 @@ fn one_over_time(
         return Panel::without_data(area, title, "no samples");
     };
     let shade = Stroke { alpha: 0.35, ..Stroke::new(GREY, 8.0) };
-    let mut keys =
-        vec![Key::line(*stroke, "measured minus predicted"), Key::line(shade, "noise, two deviations")];
-    let ghost = Stroke::new(BLACK, 1.0);
-    if curve.heard().count() < curve.seen().count() {
-        keys.push(Key::dot(ghost, "held back (beyond the axis: at its edge)"));
-    }
+    let keys = [Key::line(*stroke, "measured minus predicted"), Key::line(shade, "noise, two deviations")];
     let (x, y) = (Axis(first.min(0.0)..last, "time since release, s"), Axis(-most..most, "residual, mm"));
     let mut panel = Panel::new(area, title, &x, &y, &keys)?;
     let noise = SHADED * MILLI * curve.noise;
     panel.strip(first.min(0.0)..last, -noise..noise)?;
     let every = curve.samples.len().div_ceil(MOST_POINTS).max(1);
     let point = |s: &Sample| (s.time, (MILLI * s.across(of(s))).clamp(-most, most));
-    for piece in curve.samples.split(|sample| sample.is_none() || is_held_back(sample)) {
+    for piece in curve.samples.split(Option::is_none) {
         panel.line(piece.iter().flatten().step_by(every).map(point), stroke)?;
     }
-    panel.dots(curve.seen().filter(|sample| sample.is_held_back).map(point), &ghost, 1.8)
+    Ok(())
 }
 
 /// Bands of the amplitude from the largest down, each this share of the one before, and parts of a swing.
@@ -144,7 +126,7 @@ pub(super) fn over_swing(curves: &[&Curve]) -> Option<Picture> {
 fn cells(curves: &[&Curve], of: Predicted) -> Vec<Cell> {
     let mut sums = vec![[0.0; 2]; BANDS * PHASES];
     for curve in curves {
-        for sample in curve.heard() {
+        for sample in curve.seen() {
             let band = sample.amplitude.max(f64::MIN_POSITIVE).ln() / STEP.ln();
             if band >= BANDS as f64 {
                 continue;

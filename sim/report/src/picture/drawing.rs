@@ -80,12 +80,6 @@ impl<'a> Sheet<'a> {
         let (above, below) = self.area.split_vertically(y);
         (self.part(above), self.part(below))
     }
-
-    /// One beside the other.
-    pub fn split_horizontally(&self, x: i32) -> (Self, Self) {
-        let (left, right) = self.area.split_horizontally(x);
-        (self.part(left), self.part(right))
-    }
 }
 
 /// Draws on a page of that size.

@@ -221,9 +221,7 @@ impl Own<'_> {
             self.log(&["height", "measured"], &Scalars::single(1e3 * sample.measured[1]))?;
             for Shown { path, of, .. } in self.shown {
                 self.log(&["height", path], &Scalars::single(1e3 * of(sample)[1]))?;
-                if !sample.is_held_back {
-                    self.log(&["residual", path], &Scalars::single(1e3 * sample.across(of(sample))))?;
-                }
+                self.log(&["residual", path], &Scalars::single(1e3 * sample.across(of(sample))))?;
             }
         }
         Ok(())
@@ -231,7 +229,7 @@ impl Own<'_> {
 
     /// The residual over the phase of the swing, which goes from 0 to 2, as a share of the largest, 1.
     fn draw_phases(&self, curve: &Curve) -> RecordingStreamResult<()> {
-        let sizes = curve.heard().map(|sample| sample.across(sample.before).abs()).collect();
+        let sizes = curve.seen().map(|sample| sample.across(sample.before).abs()).collect();
         let most = quantile(sizes, MOST).unwrap_or(0.0).max(2.0 * curve.noise);
         self.log_static(&["phase"], &Transform3D::from_scale([1.0, -1.0, 1.0]))?;
         for Shown { path, color, of, .. } in self.shown {
@@ -239,7 +237,7 @@ impl Own<'_> {
                 let turn = sample.phase.rem_euclid(TAU) / TAU;
                 single([2.0 * turn, (sample.across(of(sample)) / most).clamp(-1.0, 1.0)])
             };
-            let points = Points2D::new(curve.heard().map(point))
+            let points = Points2D::new(curve.seen().map(point))
                 .with_colors([*color])
                 .with_radii([Radius::new_ui_points(1.5)]);
             self.log_static(&["phase", path], &points)?;

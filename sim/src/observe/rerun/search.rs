@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use ::rerun::external::re_sdk_types::components::MediaType;
 use ::rerun::{RecordingStream, RecordingStreamResult, TextDocument, TextLog};
-use efam_inference::diagnose::verdict::Evidence;
+use efam_inference::diagnose::verdict::Round;
 use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome};
 
 use super::compared::{draw, lay_out};
@@ -58,8 +58,8 @@ impl Steps {
 /// What of a diagnosis was shown.
 pub struct Search {
     steps: Steps,
-    /// Of each round its threshold and its candidates, as they were told last.
-    rounds: BTreeMap<usize, (f64, Vec<Evidence>)>,
+    /// The rounds up to now, by their numbers.
+    rounds: BTreeMap<usize, Round>,
 }
 
 impl Search {
@@ -83,16 +83,10 @@ impl Search {
     pub(super) fn ranked(
         &mut self,
         recording: &RecordingStream,
-        threshold: f64,
-        candidates: &[Evidence],
+        number: usize,
+        round: &Round,
     ) -> RecordingStreamResult<()> {
-        for candidate in candidates {
-            let (_, known) = self.rounds.entry(candidate.round).or_insert_with(|| (threshold, Vec::new()));
-            match known.iter_mut().find(|known| known.effect == candidate.effect) {
-                Some(known) => *known = candidate.clone(),
-                None => known.push(candidate.clone()),
-            }
-        }
+        self.rounds.insert(number, round.clone());
         self.steps.next(recording);
         recording.log(RANKING, &markdown(&ranking(&self.rounds)))
     }
@@ -126,30 +120,22 @@ pub(super) fn markdown(text: &str) -> TextDocument {
     TextDocument::new(text).with_media_type(MediaType::markdown())
 }
 
-/// The rounds, the last first, with bars for the scores.
-fn ranking(rounds: &BTreeMap<usize, (f64, Vec<Evidence>)>) -> String {
+/// The rounds, the last first, with bars for the odds.
+fn ranking(rounds: &BTreeMap<usize, Round>) -> String {
     let mut text = String::new();
-    for (round, (threshold, candidates)) in rounds.iter().rev() {
-        let _ = writeln!(text, "### Round {round}: threshold of the score {threshold:.2}\n");
-        text += "| candidate | score | | predicted | fitted | |\n|---|---:|---|---:|---:|---|\n";
-        let mut sorted: Vec<&Evidence> = candidates.iter().collect();
-        sorted.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let most = sorted.first().map_or(1.0, |first| first.score.max(*threshold));
-        for own in sorted.iter().take(SHOWN) {
-            let bar = "•".repeat((LONGEST * own.score / most).round() as usize);
-            let keeps = own.realised_decrease.map_or(String::new(), |keeps| format!("{keeps:.0}"));
-            let why = own.rejected.as_deref().unwrap_or("");
-            let _ = writeln!(
-                text,
-                "| {} | {:.2} | {bar} | {:.0} | {keeps} | {why} |",
-                own.label(),
-                own.score,
-                own.predicted_decrease
-            );
+    for (number, round) in rounds.iter().rev() {
+        let _ = writeln!(text, "### Round {number}: an answer needs log odds of {:.1}\n", round.bar);
+        text += "| candidate | by features | by samples | | |\n|---|---:|---:|---|---|\n";
+        let most = round.candidates.first().map_or(1.0, |first| first.best().max(round.bar));
+        for own in round.candidates.iter().take(SHOWN) {
+            let bar = "•".repeat((LONGEST * own.best().max(0.0) / most).min(LONGEST).round() as usize);
+            let all = own.all.map_or(String::new(), |all| format!("{all:.1}"));
+            let why = own.rejected.as_deref().unwrap_or("in the answer");
+            let _ = writeln!(text, "| {} | {:.1} | {all} | {bar} | {why} |", own.name, own.features);
         }
         text.push('\n');
     }
-    text + "Predicted and fitted: decrease of χ² by the score and by the fit.\n"
+    text + "Logarithm of the odds over the model before, by features and by all samples.\n"
 }
 
 /// The answer in words, the gaps, the warnings.
@@ -175,31 +161,29 @@ pub(super) fn cell(words: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use efam_inference::diagnose::verdict::Odds;
+
     use super::*;
 
     /// The last round stands first, the best candidate before the others, and no word breaks a table.
     #[test]
     fn a_ranking_is_a_table_with_the_best_on_top() {
-        let candidate = |round, effect: &str, score| Evidence {
-            round,
-            effect: effect.to_owned(),
-            of_each_pressure: false,
-            of_first_swings: false,
-            tried: Vec::new(),
-            score,
-            predicted_decrease: score * score,
-            realised_decrease: (round == 2).then_some(7.0),
-            strength: 1.0,
-            held_out_decrease: None,
-            rejected: None,
+        let candidate = |name: &str, features: f64, all: Option<f64>| Odds {
+            name: name.to_owned(),
+            features,
+            all,
+            rejected: all.is_none().then(|| "features favour others".to_owned()),
+            ..Odds::default()
         };
-        let first = (3.5, vec![candidate(1, "hose", 2.0), candidate(1, "air_drag", 8.0)]);
-        let rounds = BTreeMap::from([(1, first), (2, (3.4, vec![candidate(2, "dahl", 3.6)]))]);
+        let round = |bar: f64, candidates| Round { bar, candidates, ..Round::default() };
+        let first = vec![candidate("air_drag", 60.0, Some(64.0)), candidate("hose", 2.0, None)];
+        let rounds =
+            BTreeMap::from([(1, round(8.1, first)), (2, round(8.0, vec![candidate("dahl", 3.6, None)]))]);
         let text = ranking(&rounds);
         let at = |part: &str| text.find(part).unwrap_or_else(|| panic!("{part} in {text}"));
-        assert!(at("Round 2: threshold of the score 3.40") < at("Round 1"));
-        assert!(at("| dahl | 3.60 |") < at("| air_drag | 8.00 |") && at("| air_drag") < at("| hose"));
-        assert!(text.contains("| 13 | 7 |") && text.contains("| 64 |  |"));
+        assert!(at("Round 2: an answer needs log odds of 8.0") < at("Round 1"));
+        assert!(at("| dahl | 3.6 |") < at("| air_drag | 60.0 |") && at("| air_drag") < at("| hose"));
+        assert!(text.contains("| 60.0 | 64.0 |") && text.contains("| 2.0 |  |"));
         assert_eq!(cell("a | b\nc"), "a \\| b c");
     }
 }

@@ -42,7 +42,7 @@ fn text(diagnosis: &Diagnosis) -> String {
 fn threads_and_load_change_no_bit_of_an_answer() {
     let usual = DiagnosisSettings::default().budget;
     let whole = answer(usual, 2, false);
-    assert!(!whole.evidence.is_empty(), "{}", whole.summary);
+    assert!(!whole.rounds.is_empty(), "{}", whole.summary);
     assert!(whole.cut_short.is_none() && whole.node_steps > 0, "{:?}", whole.cut_short);
     // Nothing but the baseline; a part of the search; all of it.
     let [none, some] = [0.0, 0.6].map(|share| (share * whole.node_steps as f64) as u64);
@@ -57,11 +57,8 @@ fn threads_and_load_change_no_bit_of_an_answer() {
         let Some(cut) = &found.cut_short else { panic!("{budget}: {}", found.summary) };
         println!("{budget} of {}: {} {:?} {cut:?}", whole.node_steps, found.node_steps, found.summary);
         assert_eq!(cut.by, CutBy::Budget);
-        assert!(!cut.not_fitted.is_empty() || !cut.left_out.is_empty(), "{budget}: {cut:?}");
         assert!(found.node_steps >= budget && found.node_steps < whole.node_steps, "{}", found.node_steps);
     }
     let none = &cut[0];
-    let not_fitted = &none.cut_short.as_ref().expect("it is cut short").not_fitted;
-    assert!(CANDIDATES.iter().all(|name| not_fitted.iter().any(|own| own == name)), "{not_fitted:?}");
     assert_eq!((none.verdict, none.effects.len()), (Verdict::Unknown, 0), "{}", none.summary);
 }

@@ -3,16 +3,18 @@
 
 use std::ops::ControlFlow;
 
-use efam_core::forward::{FAST_TOLERANCE, Run, forward};
+use efam_core::forward::{Cancel, FAST_TOLERANCE, Initial, Run, forward};
 use efam_core::integrate::{Method, Steps};
 use efam_core::levenberg_marquardt::{FIRST_DAMPING, Search};
 use efam_core::trajectory::{Status, Trajectory};
 use efam_experiments::release::Point;
+use models::error::ModelError;
+use models::model::Model;
 use models::sensor::Sensor;
 use nalgebra::DVector;
 
 use super::unknown::{Act, Unknown};
-use crate::calibrate::Trial;
+use crate::calibrate::{CalibrateError, Trial};
 use crate::features::Plan;
 
 /// Change of a marker's place along the rod by which its slope is taken, a share of the length: the rod bends over tenths.
@@ -86,7 +88,7 @@ impl Hypothesis {
     /// Simulates one release at the times of its plan, with slopes by all unknowns or none. None where the model
     /// cannot be run.
     pub fn simulate(&self, r: usize, plan: &Plan, z: &DVector<f64>, slopes: bool) -> Option<Simulated> {
-        let mut setting = self.setting(r, plan, z, slopes);
+        let mut setting = self.setting(r, &plan.tracks, z, slopes);
         let markers = setting.points.len();
         let asides: Vec<usize> = setting.chains.iter().filter_map(|chain| setting.place(chain)).collect();
         for track in asides {
@@ -123,9 +125,9 @@ impl Hypothesis {
     }
 
     /// Values of the model and of the setup at `z`.
-    fn setting(&self, r: usize, plan: &Plan, z: &DVector<f64>, slopes: bool) -> Setting<'_> {
+    fn setting(&self, r: usize, tracks: &[usize], z: &DVector<f64>, slopes: bool) -> Setting<'_> {
         let trial = &self.trials[r];
-        let points = plan.tracks.iter().map(|track| trial.release.tracks[*track].at).collect();
+        let points = tracks.iter().map(|track| trial.release.tracks[*track].at).collect();
         let mut setting = Setting { points, ..Setting::default() };
         for (u, unknown) in self.unknowns.iter().enumerate() {
             for (_, act) in unknown.acts.iter().filter(|(own, _)| *own == r) {
@@ -140,7 +142,7 @@ impl Hypothesis {
                     Act::Instant => setting.instant += unknown.value(0.0, z[u]),
                     Act::Offset(axis) => setting.offset[*axis] += unknown.value(0.0, z[u]),
                     Act::Place(track) => {
-                        if let Point::Along(share) = &mut setting.points[*track] {
+                        if let Some(Point::Along(share)) = setting.points.get_mut(*track) {
                             slope = unknown.slope(*share, z[u]);
                             *share = unknown.value(*share, z[u]).clamp(0.0, 1.0);
                         }
@@ -165,28 +167,150 @@ impl Hypothesis {
         let trial = &self.trials[r];
         let (model, initial) = trial.with(&setting.theta);
         let times: Vec<f64> = plan.time.iter().map(|t| (t - setting.instant).max(0.0)).collect();
-        let last = times.last().copied()?;
-        let run = Run {
-            initial,
-            history: trial.run.history,
-            duration: last.max(Sensor::new(&model, model.theta.clone()).instant(last)),
-            samples: times.clone(),
-            method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
-            tolerance: FAST_TOLERANCE,
-            steps: Steps::Adaptive,
-            most_steps: MOST_STEPS,
-            keep_samples: true,
-            keep_steps: false,
-            energy: false,
-            sensitivities: watched.to_vec(),
-            points: setting.points.clone(),
-            trace_step: None,
-            cancel: trial.run.cancel.clone(),
-            work: trial.run.work.clone(),
-        };
-        let path = forward(&model, &run, &mut |_| ControlFlow::Continue(())).ok()?;
-        (path.status == Status::Complete && path.points.len() == times.len()).then_some((path, times))
+        let path = run(trial, &model, initial, &times, setting.points.clone(), watched)?;
+        Some((path, times))
     }
+
+    /// One release with the values of all unknowns at `z`; `tracks` are those of its plan.
+    pub fn settled(&self, r: usize, tracks: &[usize], z: &DVector<f64>) -> Settled {
+        let setting = self.setting(r, tracks, z, false);
+        let mut trial = self.trials[r].clone();
+        (trial.model, trial.run.initial) = trial.with(&setting.theta);
+        trial.run.cancel = Cancel::default();
+        for (place, track) in tracks.iter().enumerate() {
+            trial.release.tracks[*track].at = setting.points[place];
+        }
+        Settled { trial, instant: setting.instant, offset: setting.offset }
+    }
+
+    /// The hypothesis of the releases from `first` on alone, which are those that are held out: what they share with others stays as it
+    /// is at `z`, and what is their own is unknown. `plans` are those of all releases.
+    pub fn apart(&self, first: usize, plans: &[&Plan], z: &DVector<f64>) -> Self {
+        let is_own = |u: &usize| self.unknowns[*u].acts.iter().all(|(r, _)| *r >= first);
+        let (own, shared): (Vec<usize>, Vec<usize>) = (0..z.len()).partition(is_own);
+        let of = |places: &[usize]| places.iter().map(|u| self.unknowns[*u].clone()).collect::<Vec<_>>();
+        let known = Self { unknowns: of(&shared), ..self.clone() };
+        let z = z.select_rows(&shared);
+        let trials = (first..plans.len()).map(|r| known.settled(r, &plans[r].tracks, &z).trial);
+        let mut unknowns = of(&own);
+        unknowns.iter_mut().flat_map(|own| &mut own.acts).for_each(|(r, _)| *r -= first);
+        Self { trials: trials.collect(), unknowns, freed: None }
+    }
+}
+
+impl Hypothesis {
+    /// The same of other releases, each planned like one of these, with a place of its unknowns. What belongs to a release alone
+    /// does so in each that is planned like it. None where a model has not the parameters of its own.
+    pub fn planned(
+        &self,
+        z: &DVector<f64>,
+        like: &[usize],
+        trials: Vec<Trial>,
+    ) -> Option<(Self, DVector<f64>)> {
+        let act = |p: usize, act: &Act| -> Option<(usize, Act)> {
+            let Act::Theta(places) = act else { return Some((p, act.clone())) };
+            let path =
+                |k: &usize| trials[p].model.index(&self.trials[like[p]].model.parameters[*k].path).ok();
+            Some((p, Act::Theta(places.iter().map(path).collect::<Option<_>>()?)))
+        };
+        let (mut unknowns, mut values) = (Vec::new(), Vec::new());
+        for (unknown, z) in self.unknowns.iter().zip(z) {
+            let of = |p: usize| {
+                unknown.acts.iter().filter(move |(r, _)| *r == like[p]).map(move |(_, own)| act(p, own))
+            };
+            let acts = (0..like.len()).flat_map(of).collect::<Option<Vec<_>>>()?;
+            let each: Vec<Vec<(usize, Act)>> = match unknown.is_own {
+                true => acts.into_iter().map(|own| vec![own]).collect(),
+                false => vec![acts],
+            };
+            for acts in each {
+                unknowns.push(Unknown { acts, ..unknown.clone() });
+                values.push(*z);
+            }
+        }
+        Some((Self { trials, unknowns, freed: self.freed }, DVector::from_vec(values)))
+    }
+}
+
+/// One release as a fit has it.
+pub struct Settled {
+    /// With the fitted values in its model; its tracks are where the fit has them on the rod.
+    pub trial: Trial,
+    /// How much later than its recording's zero it begins, s.
+    pub instant: f64,
+    /// How far all its tracks are off, m.
+    pub offset: [f64; 2],
+}
+
+impl Settled {
+    /// Positions of its tracks as the model has them, `[sample][track]`, m; none where it cannot be run.
+    pub fn positions(&self) -> Option<Vec<Vec<[f64; 2]>>> {
+        let Trial { release, model, run: own } = &self.trial;
+        let times: Vec<f64> = release.time.iter().map(|t| (t - self.instant).max(0.0)).collect();
+        let points = release.tracks.iter().map(|track| track.at).collect();
+        let path = run(&self.trial, model, own.initial.clone(), &times, points, &[])?;
+        let seen = |point: &[f64; 2]| [0, 1].map(|axis| point[axis] + self.offset[axis]);
+        Some(path.points.iter().map(|all| all.iter().map(seen).collect()).collect())
+    }
+
+    /// The trial with what its model has in the place of what was recorded; none where it cannot be run.
+    pub fn recorded(mut self) -> Option<Trial> {
+        let positions = self.positions()?;
+        for (t, track) in self.trial.release.tracks.iter_mut().enumerate() {
+            track.position = positions.iter().map(|all| Some(all[t])).collect();
+        }
+        Some(self.trial)
+    }
+
+    /// The trial on another mesh.
+    /// # Errors
+    /// [`ModelError`] for a mesh that the model cannot have.
+    pub fn on_mesh(&self, nodes: usize) -> Result<Trial, ModelError> {
+        let mut trial = self.trial.clone();
+        (trial.model, trial.run) = trial.run.on_mesh(&trial.model, nodes)?;
+        Ok(trial)
+    }
+}
+
+/// Why a trial cannot be compared: what keeps its model from being run, or else that no fit was found.
+pub fn refusal(trial: &Trial) -> CalibrateError {
+    let release = trial.release.name.clone();
+    match forward(&trial.model, &trial.run, &mut |_| ControlFlow::Continue(())) {
+        Err(error) => CalibrateError::Forward { release, error: Box::new(error) },
+        Ok(_) => CalibrateError::NoFit { release },
+    }
+}
+
+/// The run of a trial with a model and a start, compared at these times, s, and points. None where it does not come to its end.
+fn run(
+    trial: &Trial,
+    model: &Model,
+    initial: Initial,
+    times: &[f64],
+    points: Vec<Point>,
+    watched: &[usize],
+) -> Option<Trajectory> {
+    let last = times.last().copied()?;
+    let run = Run {
+        initial,
+        history: trial.run.history,
+        duration: last.max(Sensor::new(model, model.theta.clone()).instant(last)),
+        samples: times.to_vec(),
+        method: if trial.run.method == Method::Auto { Method::Rodas4 } else { trial.run.method },
+        tolerance: FAST_TOLERANCE,
+        steps: Steps::Adaptive,
+        most_steps: trial.run.most_steps.min(MOST_STEPS),
+        keep_samples: true,
+        keep_steps: false,
+        energy: false,
+        sensitivities: watched.to_vec(),
+        points,
+        trace_step: None,
+        cancel: trial.run.cancel.clone(),
+        work: trial.run.work.clone(),
+    };
+    let path = forward(model, &run, &mut |_| ControlFlow::Continue(())).ok()?;
+    (path.status == Status::Complete && path.points.len() == times.len()).then_some(path)
 }
 
 impl Setting<'_> {

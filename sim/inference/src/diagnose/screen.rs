@@ -14,8 +14,8 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::candidates::Extension;
 use super::data::{Compared, Comparison, Data};
+use super::extension::Extension;
 use super::likelihood::{evidence, expand};
 use super::samples::{Normal, Sampled, linearised};
 use super::search::Point;
@@ -57,15 +57,12 @@ pub struct Promise {
     strength: f64,
 }
 
-/// Where tries begin: a place of the model before, with its own slopes.
-pub type Origin<'a> = &'a Point;
-
 /// One strength of a candidate from one origin: how it compares, with the slopes of the origin in the places of the extension
-/// and the secant of the strength in that of the first strength.
+/// and the secant of the strength, in each release in the place of the strength that acts on it.
 struct Try {
     strength: f64,
-    /// Place of the first strength.
-    place: Option<usize>,
+    /// Place of the strength of each release; none of a freed statement.
+    places: Vec<Option<usize>>,
     z: DVector<f64>,
     /// Features have the slopes in the places of the extension, all samples those of the origin: the others follow from how
     /// much wider each prior is, and from secants.
@@ -76,10 +73,10 @@ struct Try {
 }
 
 /// Screens extensions of a fit; tries begin at the fit and at other origins.
-pub fn screen(data: &Data, base: &Sampled, others: &[Origin], extensions: Vec<Extension>) -> Vec<Screened> {
+pub fn screen(data: &Data, base: &Sampled, others: &[Point], extensions: Vec<Extension>) -> Vec<Screened> {
     let screened = |extension: Extension| {
         let mut best = Screened { extension, by_features: None, by_samples: None };
-        for origin in std::iter::once(&base.fit.at).chain(others.iter().copied()) {
+        for origin in std::iter::once(&base.fit.at).chain(others) {
             if best.extension.strengths.is_empty() {
                 best.improve(data, base, origin, 0.0);
                 continue;
@@ -100,7 +97,7 @@ pub fn screen(data: &Data, base: &Sampled, others: &[Origin], extensions: Vec<Ex
 
 impl Screened {
     /// Tries a strength, and keeps what is better; the strengths that features and samples want then.
-    fn improve(&mut self, data: &Data, base: &Sampled, origin: Origin, strength: f64) -> [Option<f64>; 2] {
+    fn improve(&mut self, data: &Data, base: &Sampled, origin: &Point, strength: f64) -> [Option<f64>; 2] {
         let Some(tried) = Try::of(data, base, origin, &self.extension, strength) else {
             return [(strength >= TRIED[0]).then_some(strength / FACTOR), None];
         };
@@ -119,10 +116,10 @@ impl Screened {
 impl Promise {
     /// How it compares at the try, with slopes in the places of the extension.
     pub fn slopes(&self) -> Comparison {
-        let Try { here, wider, secants, normals, place, z, .. } = &*self.tried;
-        let both = here.samples.slopes.iter().zip(secants);
+        let Try { here, wider, secants, normals, places, z, .. } = &*self.tried;
+        let both = here.samples.slopes.iter().zip(secants).zip(places);
         let slopes: Vec<_> =
-            both.map(|(slopes, secant)| extended(slopes, wider, *place, secant, z.len())).collect();
+            both.map(|((slopes, secant), place)| extended(slopes, wider, *place, secant, z.len())).collect();
         Comparison {
             features: here.features.clone(),
             samples: Compared { differences: here.samples.differences.clone(), slopes: slopes.into() },
@@ -132,28 +129,34 @@ impl Promise {
 }
 
 impl Try {
-    fn of(data: &Data, base: &Sampled, origin: Origin, extension: &Extension, strength: f64) -> Option<Self> {
+    fn of(data: &Data, base: &Sampled, origin: &Point, extension: &Extension, strength: f64) -> Option<Self> {
         let mut z = beside(base, &origin.z, extension);
         extension.strengths.iter().for_each(|place| z[*place] = strength);
-        let place = extension.strengths.first().copied();
-        let mut here = match place {
-            Some(_) => data.compare_with(&extension.hypothesis, &z, &origin.seen)?,
-            None => Comparison::clone(&origin.seen),
+        let has_strength = !extension.strengths.is_empty();
+        let acts_on =
+            |u: &usize, r: usize| extension.hypothesis.unknowns[*u].acts.iter().any(|(own, _)| *own == r);
+        let place = |r: usize| extension.strengths.iter().copied().find(|u| acts_on(u, r));
+        let places: Vec<_> = (0..data.plans.len()).map(place).collect();
+        let mut here = match has_strength {
+            true => data.compare_with(&extension.hypothesis, &z, &origin.seen)?,
+            false => Comparison::clone(&origin.seen),
         };
         let wider = wider(base, extension);
         let secants = |before: &Compared, here: &Compared| -> Vec<DVector<f64>> {
             let both = here.differences.iter().zip(&before.differences);
-            both.map(|(here, before)| if place.is_some() { (here - before) / strength } else { here * 0.0 })
+            both.map(|(here, before)| if has_strength { (here - before) / strength } else { here * 0.0 })
                 .collect()
         };
         let slopes = here.features.slopes.iter().zip(secants(&origin.seen.features, &here.features));
-        let slopes: Vec<_> =
-            slopes.map(|(slopes, secant)| extended(slopes, &wider, place, &secant, z.len())).collect();
+        let slopes: Vec<_> = slopes
+            .zip(&places)
+            .map(|((slopes, secant), place)| extended(slopes, &wider, *place, &secant, z.len()))
+            .collect();
         here.features.slopes = slopes.into();
         let secants = secants(&origin.seen.samples, &here.samples);
-        let normal = |r: usize| normal(&here, r, &wider, place, &secants[r], z.len());
+        let normal = |r: usize| normal(&here, r, &wider, places[r], &secants[r], z.len());
         let normals = (0..secants.len()).map(normal).collect();
-        Some(Self { strength, place, z, here, wider, secants, normals })
+        Some(Self { strength, places, z, here, wider, secants, normals })
     }
 
     fn by_features(self: &Arc<Self>, data: &Data, base: &Sampled, extension: &Extension) -> Option<Promise> {
@@ -163,16 +166,16 @@ impl Try {
         let expanded = expand(&self.here.features, &data.weights, &self.z, share);
         let factors = expanded.hessian.cholesky()?;
         let optimum = &self.z - factors.solve(&expanded.gradient);
-        Some(self.promise(value - before.evidence, share, optimum, &factors.inverse(), extension))
+        self.promise(value - before.evidence, share, optimum, &factors.inverse(), extension)
     }
 
     fn by_samples(self: &Arc<Self>, data: &Data, base: &Sampled, extension: &Extension) -> Option<Promise> {
         let (optimum, covariance, value) =
             linearised(&data.plans, &extension.hypothesis.unknowns, &self.normals, &self.z)?;
-        Some(self.promise(value - base.evidence, base.fit.share, optimum, &covariance, extension))
+        self.promise(value - base.evidence, base.fit.share, optimum, &covariance, extension)
     }
 
-    /// The secant is good for strengths about its own: the strength stays near, and the others follow it.
+    /// The secant is good for strengths about its own: strengths stay near, and the others follow them.
     fn promise(
         self: &Arc<Self>,
         odds: f64,
@@ -180,26 +183,31 @@ impl Try {
         optimum: DVector<f64>,
         covariance: &DMatrix<f64>,
         extension: &Extension,
-    ) -> Promise {
+    ) -> Option<Promise> {
         let (odds, unknowns) = (odds + extension.odds, &extension.hypothesis.unknowns);
-        let tried = self.clone();
-        let Some(place) = self.place else {
+        let (tried, strengths) = (self.clone(), &extension.strengths);
+        if strengths.is_empty() {
             let start = nearer(&self.z, &optimum, unknowns);
-            return Promise { start, share, odds, tried, strength: 0.0 };
+            return Some(Promise { start, share, odds, tried, strength: 0.0 });
+        }
+        let size = self.strength.abs();
+        let near = |place: usize| {
+            let sign = if unknowns[place].is_half || optimum[place] > 0.0 { 1.0 } else { -1.0 };
+            sign * (optimum[place] * sign).clamp(size / FACTOR, size * FACTOR)
         };
-        let tried_size = self.strength.abs();
-        let sign = if unknowns[place].is_half || optimum[place] > 0.0 { 1.0 } else { -1.0 };
-        let size = sign * (optimum[place] * sign).clamp(tried_size / FACTOR, tried_size * FACTOR);
-        let aside = size - optimum[place];
-        let variance = covariance[(place, place)];
-        let there = optimum + covariance.column(place) * (aside / variance);
+        let sizes: Vec<f64> = strengths.iter().map(|place| near(*place)).collect();
+        let aside = DVector::from_fn(sizes.len(), |k, _| sizes[k] - optimum[strengths[k]]);
+        let columns = covariance.select_columns(strengths);
+        let pull = columns.select_rows(strengths).cholesky()?.solve(&aside);
+        let there = optimum + columns * &pull;
         let mut start = nearer(&self.z, &there, unknowns);
-        extension.strengths.iter().for_each(|place| start[*place] = size);
-        Promise { start, share, odds: odds - 0.5 * aside * aside / variance, tried, strength: size }
+        strengths.iter().zip(&sizes).for_each(|(place, size)| start[*place] = *size);
+        let largest = sizes.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        Some(Promise { start, share, odds: odds - 0.5 * aside.dot(&pull), tried, strength: largest })
     }
 }
 
-/// Slopes of the model before in the places of an extension, with a secant in that of its strength.
+/// Slopes of the model before in the places of an extension, with a secant in that of a strength.
 fn extended(
     slopes: &DMatrix<f64>,
     wider: &[f64],

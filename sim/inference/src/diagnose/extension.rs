@@ -3,12 +3,12 @@
 use models::effects::Parameter;
 use models::error::ModelError;
 
+use super::DiagnosisSettings;
+use super::candidate::{Candidate, candidates, has_several_pressures};
 use super::hypothesis::Hypothesis;
-use super::setup::{FREED, by_pressure, freed};
+use super::setup::{FREED, by_pressure, freed, labelled};
 use super::unknown::{Act, Role, Scaled, Unknown};
-use crate::calibrate::{Nuisances, Problem, Scope};
-use crate::diagnose::DiagnosisSettings;
-use crate::diagnose::candidate::{Candidate, candidates};
+use crate::calibrate::Scope;
 
 /// Standard deviations of a prior in a range that the catalogue takes for plausible, to each side.
 const DEVIATIONS: f64 = 2.0;
@@ -31,18 +31,31 @@ pub struct Extension {
     pub odds: f64,
 }
 
+impl Extension {
+    /// Name of the effect, however its strengths are shared.
+    pub fn effect(&self) -> &str {
+        self.name.strip_suffix(OF_EACH).unwrap_or(&self.name)
+    }
+}
+
 /// Prior odds of a statement that is wrong against a missing effect, a logarithm: whoever states a value has measured it.
 const STATEMENT_ODDS: f64 = -3.0;
 
-/// All effects that a hypothesis has not, each with each of its tries.
+/// What the name of an effect of the rod's material is followed by where it has a strength for each pressure.
+const OF_EACH: &str = ", by pressure";
+
+/// All effects that a hypothesis has not, each with each of its tries; those of the rod's material also with a strength for each
+/// pressure, which changes the material.
 pub fn effects(of: &Hypothesis, settings: &DiagnosisSettings) -> Vec<Extension> {
-    let problem = Problem {
-        trials: of.trials.iter().cloned().map(Into::into).collect(),
-        parameters: Vec::new(),
-        nuisances: Nuisances::default(),
-    };
-    let extended = |candidate: Candidate| extension(of, &candidate).ok();
-    candidates(&problem, settings).into_iter().filter_map(extended).collect()
+    let all = candidates(&of.trials, settings);
+    let is_varied = has_several_pressures(&of.trials);
+    let of_each = all.iter().filter(|_| is_varied).filter_map(Candidate::of_each_pressure);
+    let of_each = of_each.filter_map(|candidate| {
+        let own = extension(of, &candidate).ok()?;
+        Some(Extension { name: format!("{}{OF_EACH}", own.name), ..own })
+    });
+    let shared = all.iter().filter_map(|candidate| extension(of, candidate).ok());
+    shared.chain(of_each).collect()
 }
 
 /// All statements that may be freed.
@@ -60,7 +73,7 @@ pub fn statements(of: &Hypothesis) -> Vec<Extension> {
 }
 
 /// A hypothesis with a candidate beside.
-fn extension(of: &Hypothesis, candidate: &Candidate) -> Result<Extension, ModelError> {
+pub fn extension(of: &Hypothesis, candidate: &Candidate) -> Result<Extension, ModelError> {
     let (name, off) = (candidate.name(), candidate.null_value);
     let mut hypothesis = of.clone();
     for trial in &mut hypothesis.trials {
@@ -68,23 +81,24 @@ fn extension(of: &Hypothesis, candidate: &Candidate) -> Result<Extension, ModelE
     }
     let releases: Vec<usize> = (0..of.trials.len()).collect();
     let owners = match candidate.scope {
-        Scope::Shared => vec![releases.clone()],
+        Scope::Shared => vec![(None, releases.clone())],
         Scope::PerPressure => by_pressure(&of.trials),
-        Scope::PerRelease => releases.iter().map(|r| vec![*r]).collect(),
+        Scope::PerRelease => releases.iter().map(|r| (None, vec![*r])).collect(),
     };
     let (low, high) = candidate.believed();
     let first = hypothesis.unknowns.len();
-    for (k, owner) in owners.iter().enumerate() {
-        let tag = if owners.len() > 1 { format!(", {}", k + 1) } else { String::new() };
+    for (pressure, owner) in &owners {
         let (deviation, is_half) = strength(candidate.strength, off, (low, high));
         let unknown = Unknown {
-            label: format!("{}{tag}", candidate.strength.name),
+            label: labelled(candidate.strength.name, *pressure),
             unit: candidate.strength.unit,
             role: Role::Strength,
             scaled: Scaled::Normal(off, deviation),
             is_half,
             limits: candidate.strength.range,
             acts: Vec::new(),
+            pressure: *pressure,
+            is_own: candidate.scope == Scope::PerRelease,
             start: 0.0,
         };
         add(&mut hypothesis, unknown, &candidate.path(), owner)?;
@@ -134,6 +148,8 @@ fn shape(of: &Parameter, value: f64, (low, high): (f64, f64)) -> Unknown {
         is_half,
         limits: (least.max(of.range.0), of.range.1),
         acts: Vec::new(),
+        pressure: None,
+        is_own: false,
         start: scaled.place(0.0, value),
     }
 }

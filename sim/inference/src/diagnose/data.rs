@@ -16,10 +16,19 @@ use crate::features::covariance::{colour, covariance};
 /// Error of a mesh that the noise hides, over the noise: it adds a ninth to the mean square.
 const MESH: f64 = 1.0 / 3.0;
 
+/// Share of the first swing that does not repeat, where nothing else is known: two releases by hand differ by 1 to 3 %, of which
+/// this is the geometric mean.
+const REPEATS: f64 = 0.017;
+
 /// Features of releases, and what was simulated so far.
 pub struct Data {
+    /// Of the releases that are fitted.
     pub plans: Vec<Plan>,
     pub weights: Vec<Weights>,
+    /// Of those that are held out.
+    pub held_out: Vec<Plan>,
+    /// How well releases repeat, as stated, m.
+    repeatability: Option<f64>,
     runs: AtomicUsize,
 }
 
@@ -42,17 +51,19 @@ pub struct Comparison {
 }
 
 impl Data {
-    /// Of the releases of trials that show a swing, with the places of these.
-    pub fn of(trials: &[Trial]) -> (Self, Vec<usize>) {
-        let plan = |trial: &Trial| {
-            let plan = Plan::of(&trial.release, trial.is_held())?;
-            let weights = Weights::of(&plan, &covariance(&plan, colour(&plan)));
-            Some((plan, weights))
-        };
-        let found: Vec<_> = trials.par_iter().map(plan).collect();
-        let places = (0..trials.len()).filter(|r| found[*r].is_some()).collect();
-        let (plans, weights) = found.into_iter().flatten().unzip();
-        (Self { plans, weights, runs: AtomicUsize::new(0) }, places)
+    /// Of the releases of trials that show a swing, with the places of these: the fitted ones first.
+    pub fn of(trials: &[Trial], repeatability: Option<f64>) -> (Self, Vec<usize>) {
+        let found: Vec<_> =
+            trials.par_iter().map(|trial| Plan::of(&trial.release, trial.is_held())).collect();
+        let is_held_out = |r: &usize| trials[*r].release.held_out;
+        let shown = (0..trials.len()).filter(|r| found[*r].is_some());
+        let (held_out, fitted): (Vec<usize>, Vec<usize>) = shown.partition(is_held_out);
+        let of = |places: &[usize]| places.iter().filter_map(|r| found[*r].clone()).collect::<Vec<_>>();
+        let plans = of(&fitted);
+        let weights =
+            plans.par_iter().map(|plan| Weights::of(plan, &covariance(plan, colour(plan)))).collect();
+        let data = Self { plans, weights, held_out: of(&held_out), repeatability, runs: AtomicUsize::new(0) };
+        (data, [fitted, held_out].concat())
     }
 
     /// Releases simulated so far, with slopes or without.
@@ -60,9 +71,15 @@ impl Data {
         self.runs.load(Ordering::Relaxed)
     }
 
-    /// Size of the largest first swing, m.
-    pub fn first_swing(&self) -> f64 {
-        self.plans.iter().map(|plan| plan.first_swing).fold(0.0, f64::max)
+    /// The plans of all releases.
+    pub fn all(&self) -> Vec<&Plan> {
+        self.plans.iter().chain(&self.held_out).collect()
+    }
+
+    /// How well releases repeat, m.
+    pub fn repeats(&self) -> f64 {
+        let first_swing = self.plans.iter().map(|plan| plan.first_swing).fold(0.0, f64::max);
+        self.repeatability.unwrap_or(REPEATS * first_swing)
     }
 
     /// Number of features.

@@ -17,8 +17,6 @@ use crate::features::Plan;
 
 /// Misfit beside the noise, over it, that is not worth another effect: the noise itself is known to a tenth.
 const NOISE: f64 = 0.5;
-/// Share of the first swing that does not repeat, where nothing else is known: two releases by hand differ by 1 to 3 %.
-const REPEATS: f64 = 0.01;
 /// Change of the misfit, as a logarithm, that is worth another round.
 const SETTLED: f64 = 0.05;
 /// Rounds in which the misfit of a linearised model follows its optimum.
@@ -40,9 +38,9 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// Whether what is left is small beside the noise, or beside what does not repeat of a first swing, m.
-    pub fn is_little(&self, swing: f64) -> bool {
-        self.misfit() <= NOISE * self.noise || self.misfit() <= REPEATS * swing
+    /// Whether what is left is small beside the noise, or beside what does not repeat, m.
+    pub fn is_little(&self, repeats: f64) -> bool {
+        self.misfit() <= NOISE * self.noise || self.misfit() <= repeats
     }
 
     /// Root mean square misfit beside the noise, m. An effect acts in all releases of a condition: where there are several, this
@@ -217,7 +215,7 @@ fn likelihood(plans: &[Plan], misfits: &[f64]) -> f64 {
 }
 
 /// Variance of each of the independent numbers of a release, m²; `misfit` is a mean square beside the noise.
-fn variance(plan: &Plan, misfit: f64) -> f64 {
+pub fn variance(plan: &Plan, misfit: f64) -> f64 {
     plan.noise.powi(2) + misfit * (coordinates(plan) / numbers(plan)).max(1.0)
 }
 
@@ -225,7 +223,7 @@ fn variance(plan: &Plan, misfit: f64) -> f64 {
 /// residuals of two of them, in which noise and what does not repeat cancel. Of a release alone it is all beside the noise.
 fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[DVector<f64>], misfits: &[f64]) -> f64 {
     let mut square = 0.0;
-    for group in grouped_trials(hypothesis.trials.iter(), |_| true, is_one_condition) {
+    for group in grouped_trials(hypothesis.trials.iter(), |trial| !trial.release.held_out, is_one_condition) {
         let pairs = group.iter().enumerate().flat_map(|(k, a)| group[k + 1..].iter().map(move |b| (*a, *b)));
         let products: Vec<f64> = pairs.map(|(a, b)| product(data, seen, a, b)).collect();
         let own = match products.len() {

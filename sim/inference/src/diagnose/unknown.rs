@@ -2,6 +2,8 @@
 //!
 //! `z` is how many prior standard deviations an unknown is off its prior mean. Strengths of one sign have half a normal prior.
 
+use models::quantity::format_si;
+
 use crate::calibrate::Trial;
 
 /// What an unknown is for.
@@ -95,6 +97,10 @@ pub struct Unknown {
     pub limits: (f64, f64),
     /// The releases on which it acts.
     pub acts: Vec<(usize, Act)>,
+    /// The pressure that it belongs to, Pa, where each has its own.
+    pub pressure: Option<f64>,
+    /// Whether it belongs to one release alone.
+    pub is_own: bool,
     /// Where a search begins.
     pub start: f64,
 }
@@ -110,6 +116,8 @@ impl Unknown {
             is_half: false,
             limits: (f64::NEG_INFINITY, f64::INFINITY),
             acts: Vec::new(),
+            pressure: None,
+            is_own: false,
             start: 0.0,
         }
     }
@@ -130,6 +138,26 @@ impl Unknown {
     /// The same with a wider prior, and where it begins so that its value stays.
     pub fn freed(&self, factor: f64) -> Self {
         Self { scaled: self.scaled.wider(factor), start: self.start / factor, ..self.clone() }
+    }
+
+    /// Whether it acts on any of the first releases, which are those that are fitted.
+    pub fn is_of_any(&self, fitted: usize) -> bool {
+        self.acts.iter().any(|(r, _)| *r < fitted)
+    }
+
+    /// Path of the parameter on which it acts; none of what is no parameter of a model.
+    pub fn path<'a>(&self, trials: &'a [Trial]) -> Option<&'a str> {
+        let (r, Act::Theta(places)) = self.acts.first()? else { return None };
+        Some(&trials.get(*r)?.model.parameters.get(*places.first()?)?.path)
+    }
+
+    /// The release or pressure that it belongs to, where each has its own.
+    pub fn of(&self, trials: &[Trial]) -> Option<String> {
+        match (&self.acts[..], self.pressure) {
+            (_, Some(pressure)) => Some(format_si(pressure, "Pa")),
+            ([(r, _)], None) if self.is_own && trials.len() > 1 => Some(trials[*r].release.name.clone()),
+            _ => None,
+        }
     }
 
     /// Own value of the model of the first release on which it acts.

@@ -58,6 +58,11 @@ impl Weights {
         let variances = eigen.eigenvalues.map(|value| value.max(0.0));
         Self { rotation: eigen.eigenvectors.transpose(), variances, own }
     }
+
+    /// Standard deviation of a feature over its scale, of its noise and a share together.
+    pub fn deviation(&self, f: usize, share: f64) -> f64 {
+        (self.own[f] + share * share).sqrt()
+    }
 }
 
 /// Differences and slopes of one release in the eigenvectors of the noise.
@@ -138,7 +143,7 @@ fn rotated<'a>(compared: &Compared, weights: &'a [Weights], share: f64) -> Vec<R
         let (mut difference, mut slopes) = (compared.differences[r].clone(), compared.slopes[r].clone());
         for f in 0..difference.len() {
             if !difference[f].is_finite() {
-                difference[f] = LACKING * (weights.own[f] + share * share).sqrt();
+                difference[f] = LACKING * weights.deviation(f, share);
                 slopes.row_mut(f).fill(0.0);
             }
             // A slope that cannot be had says nothing.
