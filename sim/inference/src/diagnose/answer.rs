@@ -13,8 +13,8 @@ use crate::normal::NORMAL_95;
 /// Share of the mean square of the misfit that an answer may leave: odds do not know that the truth is absent, so it must explain
 /// more than it leaves. What it saves in deviations from what is stated counts as well, by its likelihood.
 const LEFT: f64 = 0.5;
-/// Prior standard deviations from which on a part of the setup is reported: of what all releases share, some eight, of which one
-/// in three sets is so far off by chance, which costs a look; of what each release has of its own, some fifty.
+/// Prior standard deviations from which on a part of the setup is reported. Of what all releases share there are some eight numbers:
+/// in one set of three one of them is so far off by chance, which costs a look. Of what each release has of its own there are fifty.
 const MOVED: f64 = 2.0;
 const OWN_MOVED: f64 = 3.0;
 /// Features that are reported.
@@ -58,11 +58,10 @@ pub(super) fn answer(found: &Found, settings: &DiagnosisSettings, gap: Vec<Gap>)
 /// The rules.
 fn verdict(found: &Found, gap: &[Gap]) -> Verdict {
     let Found { data, baseline, accepted, members, .. } = found;
-    let is_little = |own: &Sampled| own.is_little(data.repeats());
     let Some(last) = accepted.last() else {
         // What was not compared may be what is missing. What is far beyond noise and what repeats is there, whatever explains it.
         let is_cut_short = found.cut_short.is_some();
-        let is_nothing = is_little(baseline) && !is_cut_short;
+        let is_nothing = baseline.may_be_noise(data.repeats()) && !is_cut_short;
         return if is_nothing { Verdict::NothingMissing } else { Verdict::Unknown };
     };
     let after = &last.sampled;
@@ -74,14 +73,15 @@ fn verdict(found: &Found, gap: &[Gap]) -> Verdict {
         gap.iter().filter(|gap| gap.held_out).map(|gap| of(gap).powi(2)).sum()
     };
     let is_contradicted = held_out(|gap| gap.after) > held_out(|gap| gap.before);
-    if (explained < -0.5 * numbers * LEFT.ln() && !is_little(after)) || is_contradicted {
+    let is_half = explained >= -0.5 * numbers * LEFT.ln() || after.may_be_noise(data.stated_repeats());
+    if !is_half || is_contradicted {
         return Verdict::Unknown;
     }
-    match (&accepted[..], members.is_empty(), is_little(after)) {
-        ([only], _, _) if only.strengths.is_empty() => Verdict::Misstated,
+    match (&accepted[..], members.is_empty(), after.may_be_noise(data.known_repeats())) {
+        ([only], ..) if only.strengths.is_empty() => Verdict::Misstated,
+        (_, _, false) => Verdict::Incomplete,
         (_, false, _) => Verdict::Class,
-        (_, _, true) => Verdict::Named,
-        _ => Verdict::Incomplete,
+        _ => Verdict::Named,
     }
 }
 

@@ -76,10 +76,20 @@ impl Data {
         self.plans.iter().chain(&self.held_out).collect()
     }
 
-    /// How well releases repeat, m.
+    /// How well releases repeat, m: as stated, or else as releases by hand do.
     pub fn repeats(&self) -> f64 {
         let first_swing = self.plans.iter().map(|plan| plan.first_swing).fold(0.0, f64::max);
         self.repeatability.unwrap_or(REPEATS * first_swing)
+    }
+
+    /// The same as far as it is known, m: several releases tell it by what they have in common.
+    pub fn known_repeats(&self) -> f64 {
+        if self.plans.len() == 1 { self.repeats() } else { self.repeatability.unwrap_or(0.0) }
+    }
+
+    /// The same as it is stated, m.
+    pub fn stated_repeats(&self) -> f64 {
+        self.repeatability.unwrap_or(0.0)
     }
 
     /// Number of features.

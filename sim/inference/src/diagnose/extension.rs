@@ -1,5 +1,7 @@
 //! What may be missing: effects of the catalogue and statements that may be wrong, as hypotheses that extend another one.
 
+use std::f64::consts::LN_2;
+
 use models::effects::Parameter;
 use models::error::ModelError;
 
@@ -52,9 +54,13 @@ pub fn effects(of: &Hypothesis, settings: &DiagnosisSettings) -> Vec<Extension> 
     let of_each = all.iter().filter(|_| is_varied).filter_map(Candidate::of_each_pressure);
     let of_each = of_each.filter_map(|candidate| {
         let own = extension(of, &candidate).ok()?;
-        Some(Extension { name: format!("{}{OF_EACH}", own.name), ..own })
+        Some(Extension { name: format!("{}{OF_EACH}", own.name), odds: -LN_2, ..own })
     });
-    let shared = all.iter().filter_map(|candidate| extension(of, candidate).ok());
+    // Both have a half of an effect's prior odds.
+    let shared = all.iter().filter_map(|candidate| {
+        let has_both = is_varied && candidate.of_each_pressure().is_some();
+        Some(Extension { odds: if has_both { -LN_2 } else { 0.0 }, ..extension(of, candidate).ok()? })
+    });
     shared.chain(of_each).collect()
 }
 

@@ -227,9 +227,11 @@ impl<'a> Search<'a> {
         let others = if accepted.is_empty() { self.means.as_slice() } else { &[] };
         let base = accepted.last_mut().map_or(baseline, |last| &mut last.sampled);
         let extensions = extensions(&base.fit, self.settings);
-        let mut names: Vec<&str> = extensions.iter().map(|own| own.name.as_str()).collect();
+        let mut names: Vec<&str> = extensions.iter().map(Extension::effect).collect();
+        names.sort_unstable();
         names.dedup();
-        // Each candidate and nothing have the same prior odds: nothing must have a probability below that of a false alarm.
+        // That nothing is missing is as probable beforehand as that something is, and then each candidate alike. By Markov's
+        // inequality the odds of all are so large in a share of `false_alarm` at most where nothing is missing.
         let false_alarm = self.settings.false_alarm;
         let bar = (names.len() as f64).ln() + ((1.0 - false_alarm) / false_alarm).ln();
         self.listener.doing(&format!("round {number}: screen"));
@@ -247,7 +249,7 @@ impl<'a> Search<'a> {
             Some(Accepted { name: own.effect().to_owned(), strengths: own.strengths.clone(), odds, sampled })
         };
         let best = best.filter(|_| may_add).and_then(&mut taken);
-        let is_next = best.as_ref().is_some_and(|own| !own.sampled.is_little(data.repeats()));
+        let is_next = best.as_ref().is_some_and(|own| !own.sampled.is_little(data.known_repeats()));
         if let Some(best) = best {
             let place = accepted.len();
             members.retain(|(_, own)| own.name != best.name);

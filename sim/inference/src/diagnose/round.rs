@@ -194,7 +194,9 @@ pub fn weighed(
     share: f64,
 ) -> (Round, Option<usize>, Vec<usize>) {
     let first = tried.iter().position(Tried::is_significant);
-    let best = first.filter(|k| tried[*k].all >= bar);
+    // Two that explain the same share what speaks for them.
+    let all: f64 = tried.iter().filter(|own| own.is_significant()).map(|own| own.all.exp()).sum();
+    let best = first.filter(|_| all.ln() >= bar);
     // With a strength for each pressure an effect is no other one.
     let is_member = |k: &usize| {
         let is_near = |best: usize| {

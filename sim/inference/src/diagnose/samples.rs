@@ -17,6 +17,9 @@ use crate::features::Plan;
 
 /// Misfit beside the noise, over it, that is not worth another effect: the noise itself is known to a tenth.
 const NOISE: f64 = 0.5;
+/// Misfit beside the noise, over it, that may be noise as well: noise is measured from neighbours, which see little of what is slow
+/// in it. Both together are then at most twice what was measured.
+const SLOW: f64 = 1.732_050_807_568_877_2;
 /// Change of the misfit, as a logarithm, that is worth another round.
 const SETTLED: f64 = 0.05;
 /// Rounds in which the misfit of a linearised model follows its optimum.
@@ -38,9 +41,14 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// Whether what is left is small beside the noise, or beside what does not repeat, m.
+    /// Whether what is left is small beside the noise, or beside what does not repeat, m, so that another round is worth nothing.
     pub fn is_little(&self, repeats: f64) -> bool {
-        self.misfit() <= NOISE * self.noise || self.misfit() <= repeats
+        self.misfit() <= (NOISE * self.noise).max(repeats)
+    }
+
+    /// Whether what is left may be noise, or what does not repeat, m.
+    pub fn may_be_noise(&self, repeats: f64) -> bool {
+        self.misfit() <= (SLOW * self.noise).max(repeats)
     }
 
     /// Root mean square misfit beside the noise, m. An effect acts in all releases of a condition: where there are several, this

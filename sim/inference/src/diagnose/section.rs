@@ -8,7 +8,6 @@ use efam_experiments::experiment::{Experiment, ExperimentError};
 use models::effects::Catalogue;
 use models::nearest::{nearest, offer};
 
-use crate::calibrate::problem::is_same_pressure;
 use crate::calibrate::unknowns::ALPHA;
 use crate::calibrate::waves::BETA;
 use crate::calibrate::{
@@ -68,24 +67,14 @@ pub(crate) fn believe_stiffness(problem: &mut Problem, experiment: &Experiment) 
     }
 }
 
-/// Holds releases out if the experiment has not: of three pressures or more the middle one, and of what is left the last release,
-/// if two others stay.
+/// Releases from which on one is held out: with fewer it is worth more in the fit.
+const MANY: usize = 5;
+
+/// Holds the last release out if the experiment holds none out, and has many.
 fn hold_out(problem: &mut Problem) {
-    if problem.trials.iter().any(|trial| trial.release.held_out) {
-        return;
-    }
-    let pressures = problem.fitted_pressures();
-    if pressures.len() >= 3 {
-        let middle = pressures[pressures.len() / 2];
-        for trial in problem.trials_mut() {
-            let own = trial.release.pressure;
-            trial.release.held_out = own.is_some_and(|own| is_same_pressure(own, middle));
-        }
-    }
-    let left: Vec<usize> =
-        (0..problem.trials.len()).filter(|t| !problem.trials[*t].release.held_out).collect();
-    if left.len() >= 3 {
-        Arc::make_mut(&mut problem.trials[left[left.len() - 1]]).release.held_out = true;
+    let is_held_out = problem.trials.iter().any(|trial| trial.release.held_out);
+    if let (false, MANY.., Some(last)) = (is_held_out, problem.trials.len(), problem.trials.last_mut()) {
+        Arc::make_mut(last).release.held_out = true;
     }
 }
 

@@ -12,7 +12,7 @@ use super::hypothesis::Hypothesis;
 use super::samples::variance;
 use super::search::Point;
 
-/// Standard deviations by which two traces are told apart, and from which on one is seen.
+/// Standard deviations by which two traces are separated, and from which on one is seen.
 pub const APART: f64 = 5.0;
 
 /// The difference that an effect makes at a place of its unknowns, over a number, by release, m; none where it cannot be run.
