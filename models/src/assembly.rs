@@ -157,7 +157,7 @@ fn at(model: &Model, place: Place) -> impl Iterator<Item = &Active> {
 }
 
 /// Which effects act where.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Acting {
     pub bend: Vec<usize>,
     pub whole: Vec<usize>,
@@ -252,13 +252,13 @@ impl<T: Scalar> Assembly<T> {
         }
     }
 
-    /// The last node and the end body, as laws at the tip see them.
-    pub fn tip(&self, q: &[T]) -> Tip<'_, T> {
+    /// The last node and the end body at its angle, rad, as laws at the tip see them.
+    pub fn tip(&self, angle: T) -> Tip<'_, T> {
         let n = self.context.edges;
         Tip {
             position: self.fields.position[n],
             velocity: self.fields.velocity[n],
-            angle: q[2 * n],
+            angle,
             angular_velocity: self.fields.body_rate,
             center: [self.context.fixed.center_of_mass, self.context.fixed.offset],
             time: self.context.time,
@@ -278,7 +278,7 @@ impl<T: Scalar> Assembly<T> {
         (force, weightless.arm(self.fields.body_axis))
     }
 
-    pub(crate) fn add_loads(&mut self, model: &Model, q: &[T]) {
+    pub(crate) fn add_loads(&mut self, model: &Model, angle: T) {
         for &k in &self.acting.mass {
             let active = &model.effects[k];
             let share = self.share(active.effect);
@@ -299,7 +299,7 @@ impl<T: Scalar> Assembly<T> {
             let active = &model.effects[k];
             let share = self.share(active.effect);
             let effect = T::laws(active.effect);
-            let load = effect.tip(&self.tip(q), &self.context.theta[active.theta.clone()]);
+            let load = effect.tip(&self.tip(angle), &self.context.theta[active.theta.clone()]);
             self.fields.tip[0] += load.force[0] * share;
             self.fields.tip[1] += load.force[1] * share;
             self.fields.tip[2] += load.moment * share;
@@ -319,6 +319,25 @@ impl<T: Scalar> Assembly<T> {
         z_rate: &mut [T],
     ) {
         self.place(model, time, q, v);
+        self.add_laws(model, q[2 * model.edges], z, z_rate);
+        self.fields.resist(&self.context, !self.acting.clamp.is_empty());
+        self.fields.gather(&self.context, v, force);
+    }
+
+    /// Adds what the laws say where the rod [was put](Self::place), with the end body at an angle, rad.
+    pub(crate) fn add_laws(&mut self, model: &Model, angle: T, z: &[T], z_rate: &mut [T]) {
+        self.add_stresses(model, z, z_rate);
+        let Self { context: c, fields: f, acting, .. } = self;
+        for &k in &acting.flow {
+            let active = &model.effects[k];
+            let effect = T::laws(active.effect);
+            effect.add_flows(c, &c.theta[active.theta.clone()], f);
+        }
+        self.add_loads(model, angle);
+    }
+
+    /// Adds moments and tensions alone, and writes the rates of memories.
+    fn add_stresses(&mut self, model: &Model, z: &[T], z_rate: &mut [T]) {
         let Self { context: c, fields: f, acting, .. } = self;
         for &k in &acting.bend {
             let active = &model.effects[k];
@@ -331,14 +350,14 @@ impl<T: Scalar> Assembly<T> {
             let effect = T::laws(active.effect);
             effect.add_tensions(c, &c.theta[active.theta.clone()], f);
         }
-        for &k in &acting.flow {
-            let active = &model.effects[k];
-            let effect = T::laws(active.effect);
-            effect.add_flows(c, &c.theta[active.theta.clone()], f);
-        }
-        self.add_loads(model, q);
+    }
+
+    /// Bending moment at the root at a state, N m.
+    pub(crate) fn root_moment(&mut self, model: &Model, time: T, q: &[T], v: &[T], z: &[T]) -> T {
+        self.place(model, time, q, v);
+        self.add_stresses(model, z, &mut z.to_vec());
         self.fields.resist(&self.context, !self.acting.clamp.is_empty());
-        self.fields.gather(&self.context, v, force);
+        self.fields.bending_moment(0)
     }
 
     /// Stored energy of all effects and of weight at a state, J: `(elastic, potential)`.
@@ -349,9 +368,10 @@ impl<T: Scalar> Assembly<T> {
 
     /// Stored energy where the rod [was put](Self::place).
     pub(crate) fn energy_here(&mut self, model: &Model, q: &[T], z: &[T]) -> (T, T) {
-        self.add_loads(model, q);
+        let angle = q[2 * model.edges];
+        self.add_loads(model, angle);
         let (c, f) = (&self.context, &self.fields);
-        let tip = self.tip(q);
+        let tip = self.tip(angle);
         let mut elastic = c.stencil.clamp_energy(&f.angle);
         let mut potential = T::from(0.0);
         for active in &model.effects {

@@ -1,7 +1,8 @@
 //! The rod and its end body at one time, as laws and stencil see them.
 
 use crate::effects::law::Body;
-use crate::real::Real;
+use crate::number::Number;
+use crate::pack::{Pack, RODS};
 use crate::rod::Rod;
 use crate::stencil::Stencil;
 
@@ -43,10 +44,50 @@ pub struct Context<T> {
     pub stencil: Stencil<T>,
 }
 
-impl<T: Real> Context<T> {
+impl<T: Number> Context<T> {
     /// Length over which the bends of the rod stand, m: the active length, and half an edge more with
     /// the paper's root.
     pub fn bent_length(&self) -> T {
         self.per_voronoi.iter().fold(T::from(0.0), |sum, per| sum + per.recip())
+    }
+}
+
+impl Context<Pack> {
+    /// What geometry and matrices take of several rods with equal meshes; laws see each rod's own context.
+    pub(crate) fn of(rods: [&Context<f64>; RODS]) -> Self {
+        let each = |of: &dyn Fn(&Context<f64>) -> f64| Pack(rods.map(of));
+        let body = |of: &dyn Fn(&Context<f64>) -> Body<f64>| Body {
+            mass: each(&|rod| of(rod).mass),
+            heavy: each(&|rod| of(rod).heavy),
+            center_of_mass: each(&|rod| of(rod).center_of_mass),
+            offset: each(&|rod| of(rod).offset),
+            rotary_inertia: each(&|rod| of(rod).rotary_inertia),
+        };
+        let first = rods[0];
+        Self {
+            edges: first.edges,
+            per_edges: first.per_edges,
+            time: each(&|rod| rod.time),
+            rod: Rod {
+                length: each(&|rod| rod.rod.length),
+                mass: each(&|rod| rod.rod.mass),
+                bending_stiffness: each(&|rod| rod.rod.bending_stiffness),
+                axial_stiffness: each(&|rod| rod.rod.axial_stiffness),
+                diameter: each(&|rod| rod.rod.diameter),
+                pressure: each(&|rod| rod.rod.pressure),
+            },
+            theta: Vec::new(),
+            base_axis: [0, 1].map(|k| each(&|rod| rod.base_axis[k])),
+            body: body(&|rod| rod.body),
+            fixed: body(&|rod| rod.fixed),
+            node_mass: each(&|rod| rod.node_mass),
+            weightless_mass: each(&|rod| rod.weightless_mass),
+            weightless_body: body(&|rod| rod.weightless_body),
+            rest_length: each(&|rod| rod.rest_length),
+            rest_rate: each(&|rod| rod.rest_rate),
+            per_rest_length: each(&|rod| rod.per_rest_length),
+            per_voronoi: (0..=first.edges).map(|bend| each(&|rod| rod.per_voronoi[bend])).collect(),
+            stencil: Stencil::of(rods.map(|rod| &rod.stencil)),
+        }
     }
 }

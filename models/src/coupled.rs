@@ -8,41 +8,44 @@
 //! `A⁻¹ r = x − y (w·x)/(1 + w·y)`, with `B x = r` and `B y = u`.
 
 use crate::banded::{Banded, Singular};
+use crate::number::Plain;
+use crate::pack::{Pack, RODS};
 
 /// A matrix with a narrow band and, where something sees the whole rod, a product of two vectors.
 #[derive(Clone, Debug, Default)]
-pub struct Coupled {
+pub struct Coupled<T = f64> {
     /// The band.
-    pub band: Banded,
-    product: Product,
+    pub band: Banded<T>,
+    product: Product<T>,
 }
 
 /// `u wᵀ`, and what solves with it.
 #[derive(Clone, Debug, Default)]
-struct Product {
+struct Product<T> {
     /// Whether there is any: then the vectors are as long as the band.
     acts: bool,
-    column: Vec<f64>,
-    row: Vec<f64>,
+    column: Vec<T>,
+    row: Vec<T>,
     /// `B⁻¹ u` of the factors.
-    answer: Vec<f64>,
+    answer: Vec<T>,
     /// `1 + w·B⁻¹u`.
-    pole: f64,
+    pole: T,
 }
 
 /// Share of what it is made of below which `1 + w·B⁻¹u` counts as zero.
 const COLLAPSED: f64 = 1e-14;
 
-impl Coupled {
+impl<T: Plain> Coupled<T> {
     /// Zero, of `n` rows.
     pub fn zeros(n: usize) -> Self {
+        let zeros = vec![T::default(); n];
         let product =
-            Product { column: vec![0.0; n], row: vec![0.0; n], answer: vec![0.0; n], ..Product::default() };
+            Product { column: zeros.clone(), row: zeros.clone(), answer: zeros, ..Product::default() };
         Self { band: Banded::zeros(n), product }
     }
 
     /// Puts `column rowᵀ` in the place of what stood beside the band.
-    pub(crate) fn put_beside(&mut self, write: impl FnOnce(&mut [f64], &mut [f64])) {
+    pub(crate) fn put_beside(&mut self, write: impl FnOnce(&mut [T], &mut [T])) {
         self.product.acts = true;
         write(&mut self.product.column, &mut self.product.row);
     }
@@ -53,7 +56,8 @@ impl Coupled {
     }
 
     /// `self = a² diag + a damping + stiffness`, the matrix of an implicit step.
-    pub fn combine(&mut self, a: f64, diagonal: &[f64], damping: &Banded, stiffness: &Coupled) {
+    #[inline(always)]
+    pub fn combine(&mut self, a: T, diagonal: &[T], damping: &Banded<T>, stiffness: &Coupled<T>) {
         self.band.combine(a, diagonal, damping, &stiffness.band);
         self.product.acts = stiffness.product.acts;
         if stiffness.product.acts {
@@ -62,6 +66,34 @@ impl Coupled {
         }
     }
 
+    /// Solves with the factors of [`factorize`](Self::factorize), in place.
+    #[inline(always)]
+    pub fn solve(&self, x: &mut [T]) {
+        self.band.solve(x);
+        self.product.correct(x.as_chunks_mut::<1>().0);
+    }
+
+    /// Solves for `P` right-hand sides at once, which costs little more than one.
+    pub fn solve_many<const P: usize>(&self, x: &mut [[T; P]]) {
+        self.band.solve_many(x);
+        self.product.correct(x);
+    }
+
+    /// `y += self · x`, for `P` columns at once.
+    #[inline(always)]
+    pub fn multiply_add<const P: usize>(&self, x: &[[T; P]], y: &mut [[T; P]]) {
+        self.band.multiply_add(x, y);
+        let Product { acts: true, column, row, .. } = &self.product else { return };
+        let along = products(row, x);
+        for (y, u) in y.iter_mut().zip(column) {
+            for p in 0..P {
+                y[p] += *u * along[p];
+            }
+        }
+    }
+}
+
+impl Coupled {
     /// Factors in place, see [`Banded::factorize`].
     /// # Errors
     /// [`Singular`] with the row where a pivot of the band vanishes, or the last where the whole does.
@@ -72,7 +104,7 @@ impl Coupled {
         self.band.solve(answer);
         let size: f64 = row.iter().zip(&*answer).map(|(w, y)| (w * y).abs()).sum();
         *pole = 1.0 + product(row, answer);
-        if !pole.is_finite() || pole.abs() <= COLLAPSED * (1.0 + size) {
+        if collapses(*pole, size) {
             return Err(Singular { row: self.band.dim() - 1 });
         }
         Ok(())
@@ -89,56 +121,58 @@ impl Coupled {
             (false, is_added) => is_added && negative == 1,
         }
     }
+}
 
-    /// Solves with the factors of [`factorize`](Self::factorize), in place.
-    pub fn solve(&self, x: &mut [f64]) {
-        self.band.solve(x);
-        self.product.correct(x.as_chunks_mut::<1>().0);
-    }
-
-    /// Solves for `P` right-hand sides at once, which costs little more than one.
-    pub fn solve_many<const P: usize>(&self, x: &mut [[f64; P]]) {
-        self.band.solve_many(x);
-        self.product.correct(x);
-    }
-
-    /// `y += self · x`, for `P` columns at once.
-    pub fn multiply_add<const P: usize>(&self, x: &[[f64; P]], y: &mut [[f64; P]]) {
-        self.band.multiply_add(x, y);
-        let Product { acts: true, column, row, .. } = &self.product else { return };
-        let along = products(row, x);
-        for (y, u) in y.iter_mut().zip(column) {
-            for p in 0..P {
-                y[p] += u * along[p];
-            }
+impl Coupled<Pack> {
+    /// Factors in place; for each rod whether its matrix is regular.
+    #[inline(always)]
+    pub(crate) fn factorize_all(&mut self) -> [bool; RODS] {
+        let mut is_regular = self.band.factorize_all();
+        let Product { acts: true, column, row, answer, pole } = &mut self.product else { return is_regular };
+        answer.copy_from_slice(column);
+        self.band.solve(answer);
+        let sizes = row.iter().zip(&*answer).map(|(w, y)| (*w * *y).map(f64::abs));
+        let size = sizes.fold(Pack::default(), |sum, size| sum + size);
+        *pole = product(row, answer) + 1.0;
+        for (rod, is_regular) in is_regular.iter_mut().enumerate() {
+            *is_regular &= !collapses(pole[rod], size[rod]);
         }
+        is_regular
     }
 }
 
-impl Product {
+/// Whether `1 + w·B⁻¹u` is zero, against the size of what it is made of.
+fn collapses(pole: f64, size: f64) -> bool {
+    !pole.is_finite() || pole.abs() <= COLLAPSED * (1.0 + size)
+}
+
+impl<T: Plain> Product<T> {
     /// From solutions with the band to those with the whole.
-    fn correct<const P: usize>(&self, x: &mut [[f64; P]]) {
+    #[inline(always)]
+    fn correct<const P: usize>(&self, x: &mut [[T; P]]) {
         if !self.acts {
             return;
         }
         let along = products(&self.row, x).map(|along| along / self.pole);
         for (x, y) in x.iter_mut().zip(&self.answer) {
             for p in 0..P {
-                x[p] -= y * along[p];
+                x[p] -= *y * along[p];
             }
         }
     }
 }
 
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+#[inline(always)]
+fn product<T: Plain>(a: &[T], b: &[T]) -> T {
+    a.iter().zip(b).fold(T::from(-0.0), |sum, (a, b)| sum + *a * *b)
 }
 
-fn products<const P: usize>(row: &[f64], x: &[[f64; P]]) -> [f64; P] {
-    let mut sum = [0.0; P];
+#[inline(always)]
+fn products<T: Plain, const P: usize>(row: &[T], x: &[[T; P]]) -> [T; P] {
+    let mut sum = [T::default(); P];
     for (w, x) in row.iter().zip(x) {
         for p in 0..P {
-            sum[p] += w * x[p];
+            sum[p] += *w * x[p];
         }
     }
     sum

@@ -150,7 +150,7 @@ fn of_mass(assembly: &mut Assembly<Dual64>, active: &Active, _: &[Dual64], _: &[
 }
 
 fn of_tip(assembly: &mut Assembly<Dual64>, active: &Active, q: &[Dual64], _: &[Dual64]) -> Option<Given> {
-    let here = assembly.tip(q);
+    let here = assembly.tip(q[2 * assembly.context.edges]);
     let theta = &assembly.context.theta[active.theta.clone()];
     let TipLoad { force: [x, z], moment } = Dual64::laws(active.effect).tip(&here, theta);
     let all = [(out::FORCE_X, x), (out::FORCE_Z, z), (out::TIP_MOMENT, moment)];

@@ -6,8 +6,8 @@
 //! last node is a point of the end body, so the mass matrix is constant and diagonal.
 
 use crate::context::Context;
+use crate::number::Number;
 use crate::plane::{cross, dot, left, minus};
-use crate::real::Real;
 
 /// Where edge and bend quantities of one posture stand, and what the laws say of them.
 #[derive(Clone, Debug, Default)]
@@ -70,7 +70,7 @@ pub struct Fields<T> {
     pub decay_rate: T,
 }
 
-impl<T: Real> Fields<T> {
+impl<T: Number> Fields<T> {
     /// Room for `edges` edges.
     pub fn new(edges: usize) -> Self {
         let zero = T::from(0.0);
@@ -110,6 +110,7 @@ impl<T: Real> Fields<T> {
 
     /// Puts the rod at coordinates `q` and velocities `v`, shape `[2N+1]` each, and clears what the
     /// laws have said.
+    #[inline(always)]
     pub fn place(&mut self, c: &Context<T>, q: &[T], v: &[T]) {
         self.place_nodes(c, q, v);
         self.place_edges(c);
@@ -118,6 +119,7 @@ impl<T: Real> Fields<T> {
         self.clear();
     }
 
+    #[inline(always)]
     fn place_nodes(&mut self, c: &Context<T>, q: &[T], v: &[T]) {
         let zero = T::from(0.0);
         let n = c.edges;
@@ -141,6 +143,7 @@ impl<T: Real> Fields<T> {
         }
     }
 
+    #[inline(always)]
     fn place_edges(&mut self, c: &Context<T>) {
         for j in 0..c.edges {
             let edge = minus(self.position[j + 1], self.position[j]);
@@ -156,6 +159,7 @@ impl<T: Real> Fields<T> {
         }
     }
 
+    #[inline(always)]
     fn place_bends(&mut self, c: &Context<T>) {
         let n = c.edges;
         let mut before = c.base_axis;
@@ -176,6 +180,7 @@ impl<T: Real> Fields<T> {
     }
 
     /// From chords to the arcs over them.
+    #[inline(always)]
     fn place_arcs(&mut self, c: &Context<T>) {
         for j in 0..c.edges {
             let [before, after] = c.stencil.arc(j);
@@ -191,6 +196,7 @@ impl<T: Real> Fields<T> {
     }
 
     /// Takes the mean square of the curvature, `⟨κ²⟩ = Σ κ_i²/ℓ_i / Σ ℓ_i` with integrated curvatures.
+    #[inline(always)]
     pub fn average(&mut self, c: &Context<T>) {
         let zero = T::from(0.0);
         let square = self.kappa.iter().zip(&c.per_voronoi).fold(zero, |sum, (k, per)| sum + *k * *k * *per);
@@ -198,6 +204,7 @@ impl<T: Real> Fields<T> {
     }
 
     /// Forgets moments, tensions and loads.
+    #[inline(always)]
     pub fn clear(&mut self) {
         let zero = T::from(0.0);
         self.moment.fill(zero);
@@ -209,12 +216,15 @@ impl<T: Real> Fields<T> {
     }
 
     /// Velocity of an edge's midpoint along and across it, m/s.
+    #[inline(always)]
     pub fn midpoint_velocity(&self, j: usize) -> [T; 2] {
-        let sum = [0, 1].map(|k| (self.velocity[j][k] + self.velocity[j + 1][k]) * 0.5);
+        let (start, end) = (self.velocity[j], self.velocity[j + 1]);
+        let sum = [(start[0] + end[0]) * 0.5, (start[1] + end[1]) * 0.5];
         [dot(self.tangent[j], sum), cross(self.tangent[j], sum)]
     }
 
     /// Adds an outer force along and across edge `j`, N.
+    #[inline(always)]
     pub fn add_outer_force(&mut self, j: usize, along: T, across: T) {
         let tangent = self.tangent[j];
         let normal = left(tangent);
@@ -224,6 +234,7 @@ impl<T: Real> Fields<T> {
     }
 
     /// From the moments of the bends, the clamp's and the tensions to what resists the turning angles.
+    #[inline(always)]
     pub fn resist(&mut self, c: &Context<T>, clamp_acts: bool) {
         c.stencil.moments(&self.moment, &mut self.angle_moment);
         if clamp_acts {
@@ -238,25 +249,29 @@ impl<T: Real> Fields<T> {
     }
 
     /// Bending moment that turns the edges at a bend, N m; positive where the rod is bent towards +z.
+    #[inline(always)]
     pub fn bending_moment(&self, bend: usize) -> T {
         self.angle_moment[bend] * self.angle_slope[bend]
     }
 
     /// Difference of the bending moments at the ends of edge `j`, N m: its shear force times its length.
+    #[inline(always)]
     pub fn torque(&self, j: usize) -> T {
         self.bending_moment(j) - self.bending_moment(j + 1)
     }
 
     /// Gradient of stored and dissipated power by the edge vector, N: tension along, shear across.
+    #[inline(always)]
     pub fn edge_force(&self, j: usize) -> [T; 2] {
         let tangent = self.tangent[j];
         let normal = left(tangent);
         let pull = self.tension[j] * self.arc[j];
         let shear = self.torque(j) * self.per_length[j];
-        [0, 1].map(|k| tangent[k] * pull + normal[k] * shear)
+        [tangent[0] * pull + normal[0] * shear, tangent[1] * pull + normal[1] * shear]
     }
 
     /// Generalised forces, shape `[2N+1]`, of all that the laws have said.
+    #[inline(always)]
     pub fn gather(&self, c: &Context<T>, v: &[T], force: &mut [T]) {
         let n = c.edges;
         let mut before = [T::from(0.0); 2];

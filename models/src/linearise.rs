@@ -5,12 +5,17 @@
 //! is solved for each memory alone, before assembly: the tangents by curvature and rate gain
 //! `m_z g_κ/(a − g_z)` and `m_z g_κ̇/(a − g_z)`, and the band stays as narrow as without memory.
 
+use std::array::from_fn;
+
 use crate::assembly::Assembly;
 use crate::banded::Banded;
+use crate::context::Context;
 use crate::coupled::Coupled;
 use crate::effects::BendTangent;
+use crate::number::Plain;
 use crate::plane::{dot, left};
 use crate::system::System;
+use crate::tangent::Tangent;
 
 impl System {
     /// Evaluates forces and tangents of the laws at a state; returns the rates of the memory.
@@ -32,6 +37,12 @@ impl System {
         z_rate: &mut [f64],
     ) {
         self.assembly.place(&self.model, time, q, v);
+        self.linearise_laws(q[2 * self.model.edges], z, z_rate);
+        self.tangent.keep(&mut self.assembly, v, force);
+    }
+
+    /// Adds what the laws say where the rod was put, with the end body at an angle, rad; and their tangents.
+    pub(crate) fn linearise_laws(&mut self, angle: f64, z: &[f64], z_rate: &mut [f64]) {
         self.linearise_bends(z, z_rate);
         let (model, t) = (&self.model, &mut self.tangent);
         for list in [&mut t.by_stretch, &mut t.by_stretch_rate] {
@@ -57,25 +68,21 @@ impl System {
             let active = &model.effects[k];
             active.effect.linearise_flows(c, &model.theta[active.theta.clone()], f, &mut t.flow);
         }
-        self.assembly.add_loads(model, q);
+        self.assembly.add_loads(model, angle);
         let (borne, arm) = self.assembly.borne_at_the_end();
         for &k in &self.assembly.acting.tip {
             let active = &model.effects[k];
             let share = self.assembly.share(active.effect);
             let slopes =
-                active.effect.linearise_tip(&self.assembly.tip(q), &model.theta[active.theta.clone()]);
+                active.effect.linearise_tip(&self.assembly.tip(angle), &model.theta[active.theta.clone()]);
             for (row, add) in t.tip.iter_mut().zip(slopes) {
                 for (entry, slope) in row.iter_mut().zip(add) {
                     *entry += share * slope;
                 }
             }
         }
-        let Assembly { context: c, fields: f, acting, .. } = &mut self.assembly;
         // The weight of what has none acts before the last node, and turns with the body.
         t.tip[2][2] -= dot(arm, borne);
-        f.resist(c, !acting.clamp.is_empty());
-        f.gather(c, v, force);
-        t.keep_geometry(c, f, !acting.flow.is_empty());
     }
 
     /// Twice the energy, J, that a small displacement from the state of the last [`linearise`](Self::linearise) puts into
@@ -112,11 +119,7 @@ impl System {
     /// Makes tangent stiffness `−∂f/∂q` and damping `−∂f/∂v` for a step with `a = 1/(γh)`, 1/s, at
     /// the state of the last [`linearise`](Self::linearise). At `a = 0` the memory is relaxed: statics.
     pub fn condense(&mut self, a: f64) {
-        self.condense_with(|memory| {
-            let [g_kappa, g_rate, g_z] = memory.memory_rate;
-            let response = memory.moment[2] * response(a, g_z);
-            [response * g_kappa, response * g_rate]
-        });
+        self.tangent.condense(&self.assembly, &self.mass, a);
     }
 
     /// Makes tangent stiffness and damping as a small harmonic motion of angular frequency `omega`,
@@ -130,18 +133,78 @@ impl System {
     pub fn condense_at_frequency(&mut self, omega: f64) {
         assert!(omega > 0.0, "a harmonic motion needs a frequency: {omega}");
         let square = omega * omega;
-        self.condense_with(|memory| {
+        self.tangent.condense_with(&self.assembly, &self.mass, |memory| {
             let [g_kappa, g_rate, g_z] = memory.memory_rate;
             let response = memory.moment[2] / (square + g_z * g_z);
             [response * (square * g_rate - g_z * g_kappa), -response * (g_kappa + g_z * g_rate)]
         });
     }
 
+    /// Tangent stiffness `−∂f/∂q`.
+    pub fn stiffness(&self) -> &Coupled {
+        &self.tangent.stiffness
+    }
+
+    /// Tangent damping `−∂f/∂v`.
+    pub fn damping(&self) -> &Banded {
+        &self.tangent.damping
+    }
+
+    /// Adds tangent damping times velocities, for `P` columns: `sum += D v`.
+    pub fn add_damping<const P: usize>(&self, v: &[[f64; P]], sum: &mut [[f64; P]]) {
+        self.tangent.add_damping(&self.mass, v, sum);
+    }
+
+    /// Adds to the residuals of force what the residuals of memory do there, for `P` columns. Those of memory that no moment
+    /// depends on may be left out.
+    pub fn condense_residual<const P: usize>(&mut self, a: f64, r_z: &[[f64; P]], r_f: &mut [[f64; P]]) {
+        self.tangent.condense_residual(&self.assembly.context, a, r_z, r_f);
+    }
+
+    /// Memory increments that belong to increments of coordinates and velocities, for `P` columns:
+    /// overwrites the residuals of memory, of as much of it as there are.
+    pub fn recover_memory<const P: usize>(
+        &mut self,
+        a: f64,
+        u_q: &[[f64; P]],
+        u_v: &[[f64; P]],
+        r_z: &mut [[f64; P]],
+    ) {
+        self.tangent.recover_memory(&self.assembly.context, a, u_q, u_v, r_z);
+    }
+}
+
+impl<T: Plain> Tangent<T> {
+    /// Turns what the laws say into generalised forces, and keeps what the matrices need of the posture.
+    #[inline(always)]
+    pub(crate) fn keep(&mut self, assembly: &mut Assembly<T>, v: &[T], force: &mut [T]) {
+        let Assembly { context: c, fields: f, acting, .. } = assembly;
+        f.resist(c, !acting.clamp.is_empty());
+        f.gather(c, v, force);
+        self.keep_geometry(c, f, !acting.flow.is_empty());
+    }
+
+    /// Condenses for a step with `a = 1/(γh)`, 1/s.
+    #[inline(always)]
+    pub(crate) fn condense(&mut self, assembly: &Assembly<T>, mass: &[T], a: T) {
+        self.condense_with(assembly, mass, |memory| {
+            let [g_kappa, g_rate, g_z] = memory.memory_rate;
+            let response = memory.moment[2] * response(a, g_z);
+            [response * g_kappa, response * g_rate]
+        });
+    }
+
     /// Condenses with what a memory adds to the tangents by curvature and by its rate.
-    fn condense_with(&mut self, add: impl Fn(&BendTangent) -> [f64; 2]) {
-        let Assembly { context: c, fields: f, acting, .. } = &self.assembly;
+    #[inline(always)]
+    pub(crate) fn condense_with(
+        &mut self,
+        assembly: &Assembly<T>,
+        mass: &[T],
+        add: impl Fn(&BendTangent<T>) -> [T; 2],
+    ) {
+        let Assembly { context: c, fields: f, acting, .. } = assembly;
         let n = c.edges;
-        let t = &mut self.tangent;
+        let t = self;
         t.by_turns.clear();
         t.by_turn_rates.clear();
         for i in 0..=n {
@@ -154,12 +217,23 @@ impl System {
             }
             let first = c.stencil.first(i);
             let row = c.stencil.row(i);
-            let slopes: [f64; 3] = std::array::from_fn(|k| row[k] * t.angle_slope[first + k]);
-            let rate_slopes: [f64; 3] = std::array::from_fn(|k| row[k] * t.angle_curve_rate[first + k]);
-            let moment: [f64; 3] = std::array::from_fn(|k| by_kappa * slopes[k] + by_rate * rate_slopes[k]);
-            t.by_turns.add_angles(first, |k, l| slopes[k] * moment[l]);
-            if by_rate != 0.0 {
-                t.by_turn_rates.add_angles(first, |k, l| by_rate * slopes[k] * slopes[l]);
+            let zero = T::default();
+            let mut slopes = [zero; 3];
+            let mut moments = [zero; 3];
+            for k in 0..3 {
+                slopes[k] = row[k] * t.angle_slope[first + k];
+                moments[k] = by_kappa * slopes[k] + by_rate * (row[k] * t.angle_curve_rate[first + k]);
+            }
+            let (mut by_angles, mut by_angle_rates) = ([[zero; 3]; 3], [[zero; 3]; 3]);
+            for k in 0..3 {
+                for l in 0..3 {
+                    by_angles[k][l] = slopes[k] * moments[l];
+                    by_angle_rates[k][l] = by_rate * slopes[k] * slopes[l];
+                }
+            }
+            t.by_turns.add_angles(first, &by_angles);
+            if by_rate.any(|by_rate| by_rate != 0.0) {
+                t.by_turn_rates.add_angles(first, &by_angle_rates);
             }
         }
         for i in 0..=n {
@@ -167,7 +241,9 @@ impl System {
         }
         if !acting.clamp.is_empty() {
             let clamp = c.stencil.clamp_stiffness();
-            t.by_turns.add_angles(0, |k, l| clamp[k][l] * t.angle_slope[k] * t.angle_slope[l]);
+            let slopes = &t.angle_slope;
+            let by_angles = from_fn(|k| from_fn(|l| clamp[k][l] * slopes[k] * slopes[l]));
+            t.by_turns.add_angles(0, &by_angles);
         }
         for j in 0..n {
             t.add_edge(j, c, f);
@@ -184,27 +260,18 @@ impl System {
             t.couple(c, &f.kappa);
         }
         t.couples_rates = t.couples_rates || !(acting.flow.is_empty() && acting.tip.is_empty());
-        t.damping.add_diagonal(t.decay_rate, &self.mass);
-    }
-
-    /// Tangent stiffness `−∂f/∂q`.
-    pub fn stiffness(&self) -> &Coupled {
-        &self.tangent.stiffness
-    }
-
-    /// Tangent damping `−∂f/∂v`.
-    pub fn damping(&self) -> &Banded {
-        &self.tangent.damping
+        t.damping.add_diagonal(t.decay_rate, mass);
     }
 
     /// Adds tangent damping times velocities, for `P` columns: `sum += D v`.
-    pub fn add_damping<const P: usize>(&self, v: &[[f64; P]], sum: &mut [[f64; P]]) {
-        if self.tangent.couples_rates {
-            self.tangent.damping.multiply_add(v, sum);
-        } else if self.tangent.decay_rate != 0.0 {
-            for ((sum, v), mass) in sum.iter_mut().zip(v).zip(&self.mass) {
+    #[inline(always)]
+    pub(crate) fn add_damping<const P: usize>(&self, mass: &[T], v: &[[T; P]], sum: &mut [[T; P]]) {
+        if self.couples_rates {
+            self.damping.multiply_add(v, sum);
+        } else if self.decay_rate.any(|rate| rate != 0.0) {
+            for ((sum, v), mass) in sum.iter_mut().zip(v).zip(mass) {
                 for (sum, v) in sum.iter_mut().zip(v) {
-                    *sum += self.tangent.decay_rate * mass * v;
+                    *sum += self.decay_rate * *mass * *v;
                 }
             }
         }
@@ -212,18 +279,24 @@ impl System {
 
     /// Adds to the residuals of force what the residuals of memory do there, for `P` columns. Those of memory that no moment
     /// depends on may be left out.
-    pub fn condense_residual<const P: usize>(&mut self, a: f64, r_z: &[[f64; P]], r_f: &mut [[f64; P]]) {
-        let t = &mut self.tangent;
+    #[inline(always)]
+    pub(crate) fn condense_residual<const P: usize>(
+        &mut self,
+        c: &Context<T>,
+        a: T,
+        r_z: &[[T; P]],
+        r_f: &mut [[T; P]],
+    ) {
+        let t = self;
         if t.felt == 0 {
             return;
         }
-        let c = &self.assembly.context;
         for p in 0..P {
             for (i, moment) in t.of_bends.iter_mut().enumerate() {
                 let bend = t.memory[..t.felt].iter().zip(r_z).skip(i).step_by(c.edges + 1);
-                *moment = bend
-                    .map(|(memory, r)| memory.moment[2] * r[p] * response(a, memory.memory_rate[2]))
-                    .sum();
+                let own =
+                    bend.map(|(memory, r)| memory.moment[2] * r[p] * response(a, memory.memory_rate[2]));
+                *moment = own.fold(T::from(-0.0), |sum, own| sum + own);
             }
             t.turn_moments(&c.stencil);
             t.spread(|dof, resistance| r_f[dof][p] -= resistance);
@@ -232,24 +305,26 @@ impl System {
 
     /// Memory increments that belong to increments of coordinates and velocities, for `P` columns:
     /// overwrites the residuals of memory, of as much of it as there are.
-    pub fn recover_memory<const P: usize>(
+    #[inline(always)]
+    pub(crate) fn recover_memory<const P: usize>(
         &mut self,
-        a: f64,
-        u_q: &[[f64; P]],
-        u_v: &[[f64; P]],
-        r_z: &mut [[f64; P]],
+        c: &Context<T>,
+        a: T,
+        u_q: &[[T; P]],
+        u_v: &[[T; P]],
+        r_z: &mut [[T; P]],
     ) {
         if r_z.is_empty() {
             return;
         }
-        let t = &mut self.tangent;
-        let c = &self.assembly.context;
+        let t = self;
+        let zero = T::default();
         let n = c.edges;
         let (arm, swing) = (t.body_arm, left(t.body_arm));
         for p in 0..P {
-            let node = |i: usize| -> ([f64; 2], [f64; 2]) {
+            let node = |i: usize| -> ([T; 2], [T; 2]) {
                 if i == 0 {
-                    return ([0.0; 2], [0.0; 2]);
+                    return ([zero; 2], [zero; 2]);
                 }
                 let mut at = [0, 1].map(|k| u_q[2 * i - 2 + k][p]);
                 let mut rate = [0, 1].map(|k| u_v[2 * i - 2 + k][p]);
@@ -262,7 +337,7 @@ impl System {
                 (at, rate)
             };
             let mut start = node(0);
-            let mut turn_before = [0.0; 2];
+            let mut turn_before = [zero; 2];
             // Increments of the angles and of their rates.
             for i in 0..=n {
                 let turn = if i < n {
@@ -282,8 +357,9 @@ impl System {
             }
             for i in 0..=n {
                 let (row, first) = (c.stencil.row(i), c.stencil.first(i));
-                let along =
-                    |angles: &[f64]| -> f64 { row.iter().zip(&angles[first..]).map(|(a, b)| a * b).sum() };
+                let along = |angles: &[T]| {
+                    row.iter().zip(&angles[first..]).fold(T::from(-0.0), |sum, (a, b)| sum + *a * *b)
+                };
                 let (kappa, kappa_rate) = (along(&t.of_angles), along(&t.of_bends));
                 for k in (i..r_z.len()).step_by(n + 1) {
                     let [g_kappa, g_rate, g_z] = t.memory[k].memory_rate;
@@ -295,7 +371,7 @@ impl System {
 }
 
 /// `1/(a − g_z)`; zero where the memory does not move at all.
-fn response(a: f64, g_z: f64) -> f64 {
-    let pole = a - g_z;
-    if pole.abs() < 1e-12 { 0.0 } else { 1.0 / pole }
+#[inline(always)]
+fn response<T: Plain>(a: T, g_z: T) -> T {
+    (a - g_z).map(|pole| if pole.abs() < 1e-12 { 0.0 } else { 1.0 / pole })
 }

@@ -25,7 +25,8 @@
 //! The paper's rod is the other scheme: `κ_i = 2 tan(φ_i/2)`, a whole Voronoi length at the root, chords for arcs
 //! (Garbulinski and Wereley 2022, eq. 4 and 5). It is of first order in the edge length.
 
-use crate::real::Real;
+use crate::number::Number;
+use crate::pack::{Pack, RODS};
 
 /// How the continuous rod is made discrete, see [this page](self).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,7 +73,7 @@ const FIRST: f64 = 0.2;
 /// masses of the nodes integrate parabolas exactly.
 const LAST_HALF_CELL: f64 = 1.0 / 6.0;
 
-impl<T: Real> Stencil<T> {
+impl<T: Number> Stencil<T> {
     /// The stencil for a clamp that does not give.
     pub(crate) fn new(scheme: Scheme, edges: usize) -> Self {
         let root = match scheme {
@@ -100,6 +101,7 @@ impl<T: Real> Stencil<T> {
     }
 
     /// Length of rod that a bend stands for, over the edge length.
+    #[inline(always)]
     pub fn weight(&self, bend: usize) -> f64 {
         let from_end = bend.min(self.edges - bend);
         match self.scheme {
@@ -133,11 +135,13 @@ impl<T: Real> Stencil<T> {
     }
 
     /// First angle of a bend's row.
+    #[inline(always)]
     pub(crate) fn first(&self, bend: usize) -> usize {
         bend.saturating_sub(1).min(self.edges - 2)
     }
 
     /// A bend's row: what the three angles from [`first`](Self::first) on count.
+    #[inline(always)]
     pub(crate) fn row(&self, bend: usize) -> [T; 3] {
         match (bend, self.scheme) {
             (0 | 1, _) => self.root[bend],
@@ -154,6 +158,7 @@ impl<T: Real> Stencil<T> {
     }
 
     /// Integrated curvatures from turning angles, or their rates, shape `[N+1]` each.
+    #[inline(always)]
     pub(crate) fn curvatures(&self, angles: &[T], curvatures: &mut [T]) {
         for (i, curvature) in curvatures.iter_mut().enumerate() {
             let first = self.first(i);
@@ -163,6 +168,7 @@ impl<T: Real> Stencil<T> {
     }
 
     /// Moments at the turning angles from those of the bends, shape `[N+1]` each: the transpose.
+    #[inline(always)]
     pub(crate) fn moments(&self, of_bends: &[T], moments: &mut [T]) {
         moments.fill(T::from(0.0));
         for (i, of_bend) in of_bends.iter().enumerate() {
@@ -174,6 +180,7 @@ impl<T: Real> Stencil<T> {
     }
 
     /// Adds what the clamp adds to the moments at the turning angles.
+    #[inline(always)]
     pub(crate) fn add_clamp(&self, angles: &[T], moments: &mut [T]) {
         let turn = self.compliance * self.clamp_moment(angles);
         for (moment, weight) in moments.iter_mut().zip(self.clamp) {
@@ -188,17 +195,20 @@ impl<T: Real> Stencil<T> {
     }
 
     /// Second derivative of that energy by the first three angles, N m.
+    #[inline(always)]
     pub(crate) fn clamp_stiffness(&self) -> [[T; 3]; 3] {
         self.clamp.map(|a| self.clamp.map(|b| self.compliance * a * b))
     }
 
     /// Moment at the clamp, N m.
+    #[inline(always)]
     fn clamp_moment(&self, angles: &[T]) -> T {
         angles[0] * self.clamp[0] + angles[1] * self.clamp[1] + angles[2] * self.clamp[2]
     }
 
     /// What the squares of the angles at both ends of an edge count in its arc, `1 + Σ w φ²`. The angles at the
     /// ends of the rod hold half a cell, and at the root the clamp's turn, so their neighbours stand in for them.
+    #[inline(always)]
     pub(crate) fn arc(&self, edge: usize) -> [f64; 2] {
         match self.scheme {
             Scheme::Consistent if edge == 0 => [0.0, 1.0 / 24.0],
@@ -209,6 +219,7 @@ impl<T: Real> Stencil<T> {
     }
 
     /// Turning angle as the scheme takes it, and its derivative by the turning angle, from `h = tan(φ/2)`.
+    #[inline(always)]
     pub(crate) fn angle(&self, h: T) -> (T, T) {
         let square = h * h;
         match self.scheme {
@@ -222,6 +233,7 @@ impl<T: Real> Stencil<T> {
     }
 
     /// Its second derivative by the turning angle.
+    #[inline(always)]
     pub(crate) fn angle_curve(&self, h: T) -> T {
         let square = h * h;
         match self.scheme {
@@ -230,6 +242,20 @@ impl<T: Real> Stencil<T> {
                 square * square * (square + 5.0) * h * (square + 1.0) * per * per * per * 12.0
             }
             Scheme::Paper => h * (square + 1.0),
+        }
+    }
+}
+
+impl Stencil<Pack> {
+    /// Those of several rods with equal meshes.
+    pub(crate) fn of(rods: [&Stencil<f64>; RODS]) -> Self {
+        let each = |of: &dyn Fn(&Stencil<f64>) -> f64| Pack(rods.map(of));
+        Self {
+            scheme: rods[0].scheme,
+            edges: rods[0].edges,
+            root: [0, 1].map(|row| [0, 1, 2].map(|k| each(&|rod| rod.root[row][k]))),
+            clamp: [0, 1, 2].map(|k| each(&|rod| rod.clamp[k])),
+            compliance: each(&|rod| rod.compliance),
         }
     }
 }

@@ -238,9 +238,7 @@ impl System {
 
     /// Bending moment at the root in a state, N m; positive where the rod is bent towards +z.
     pub fn root_moment(&mut self, time: f64, q: &[f64], v: &[f64], z: &[f64]) -> f64 {
-        let (mut force, mut z_rate) = (vec![0.0; q.len()], vec![0.0; z.len()]);
-        self.force(time, q, v, z, &mut force, &mut z_rate);
-        self.assembly.fields.bending_moment(0)
+        self.assembly.root_moment(&self.model, time, q, v, z)
     }
 
     /// Kinetic, elastic and potential energy, J.

@@ -1,79 +1,80 @@
 //! Tangent stiffness and damping, assembled from tangents of the laws and the geometry of a posture: first by edge vectors, then
 //! by coordinates.
 
-use nalgebra::Vector2;
-
 use crate::banded::Banded;
-use crate::by_turns::{Block, ByTurns, EdgeRow, HALF_REACH, place_edges};
+use crate::by_turns::{Block, ByTurns, HALF_REACH, place_edges};
 use crate::context::Context;
 use crate::coupled::Coupled;
+use crate::edge_rows::{Damping, Stiffness};
 use crate::effects::BendTangent;
 use crate::kinematics::Fields;
 use crate::model::Model;
+use crate::number::Plain;
 use crate::plane::{dot, left};
 use crate::stencil::Stencil;
 
 /// Tangents of the laws and geometry of the posture at which they were taken.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tangent {
-    pub by_kappa: Vec<f64>,
-    pub by_kappa_rate: Vec<f64>,
+pub(crate) struct Tangent<T = f64> {
+    pub by_kappa: Vec<T>,
+    pub by_kappa_rate: Vec<T>,
     /// Moments' tangents by the mean square curvature.
-    pub by_mean: Vec<f64>,
-    pub by_stretch: Vec<f64>,
-    pub by_stretch_rate: Vec<f64>,
-    pub flow: Vec<[[f64; 2]; 2]>,
-    pub tip: [[f64; 6]; 3],
+    pub by_mean: Vec<T>,
+    pub by_stretch: Vec<T>,
+    pub by_stretch_rate: Vec<T>,
+    pub flow: Vec<[[T; 2]; 2]>,
+    pub tip: [[T; 6]; 3],
     /// One entry a bend and memory, in the order of the memories: effect, memory of the effect, bend.
-    pub memory: Vec<BendTangent>,
+    pub memory: Vec<BendTangent<T>>,
     /// How many of them, from the first, there are up to the last that a moment depends on: an effect that is off has none.
     pub felt: usize,
     /// Gradient of an edge's angle by the edge vector, 1/m, and of its rate, 1/(m s).
-    pub angle_by_edge: Vec<[f64; 2]>,
-    pub rate_by_edge: Vec<[f64; 2]>,
+    pub angle_by_edge: Vec<[T; 2]>,
+    pub rate_by_edge: Vec<[T; 2]>,
     /// Gradient of the rate of an edge's length by the edge vector, 1/s; that of its length is the tangent.
-    length_rate_by_edge: Vec<[f64; 2]>,
+    pub length_rate_by_edge: Vec<[T; 2]>,
     /// Axial force and shear force times length in each edge, N and N m.
-    pull: Vec<f64>,
-    torque: Vec<f64>,
+    pub pull: Vec<T>,
+    pub torque: Vec<T>,
     /// First and second derivative of the angles by the turning angles, and the second times their rate.
-    pub angle_slope: Vec<f64>,
-    pub angle_curve: Vec<f64>,
-    pub angle_curve_rate: Vec<f64>,
-    tangent: Vec<[f64; 2]>,
-    per_length: Vec<f64>,
-    outer: Vec<[f64; 2]>,
-    midpoint_velocity: Vec<[f64; 2]>,
+    pub angle_slope: Vec<T>,
+    pub angle_curve: Vec<T>,
+    pub angle_curve_rate: Vec<T>,
+    pub tangent: Vec<[T; 2]>,
+    pub per_length: Vec<T>,
+    outer: Vec<[T; 2]>,
+    midpoint_velocity: Vec<[T; 2]>,
     /// From the last node to the end body's centre of mass, m.
-    pub body_arm: [f64; 2],
-    pub body_rate: f64,
-    last_force: [f64; 2],
-    pub decay_rate: f64,
+    pub body_arm: [T; 2],
+    pub body_rate: T,
+    last_force: [T; 2],
+    pub decay_rate: T,
     /// Moments and axial forces by turning angles and edge lengths, and by their rates; memory condensed.
-    pub by_turns: ByTurns,
-    pub by_turn_rates: ByTurns,
+    pub by_turns: ByTurns<T>,
+    pub by_turn_rates: ByTurns<T>,
     /// Room for moments of the bends, and for those at the turning angles, shape `[N+1]`.
-    pub of_bends: Vec<f64>,
-    pub of_angles: Vec<f64>,
-    pub stiffness: Coupled,
-    pub damping: Banded,
+    pub of_bends: Vec<T>,
+    pub of_angles: Vec<T>,
+    pub stiffness: Coupled<T>,
+    pub damping: Banded<T>,
     /// Whether damping has more than the decay of momenta.
     pub couples_rates: bool,
 }
 
-impl Tangent {
+impl<T: Plain> Tangent<T> {
     pub(crate) fn new(model: &Model) -> Self {
         let n = model.edges;
-        let bends = vec![0.0; n + 1];
-        let edges = vec![0.0; n];
-        let vectors = vec![[0.0; 2]; n];
+        let zero = T::default();
+        let bends = vec![zero; n + 1];
+        let edges = vec![zero; n];
+        let vectors = vec![[zero; 2]; n];
         Self {
             by_kappa: bends.clone(),
             by_kappa_rate: bends.clone(),
             by_mean: bends.clone(),
             by_stretch: edges.clone(),
             by_stretch_rate: edges.clone(),
-            flow: vec![[[0.0; 2]; 2]; n],
+            flow: vec![[[zero; 2]; 2]; n],
             memory: vec![BendTangent::default(); model.memory()],
             felt: model.felt_memory(),
             angle_by_edge: vectors.clone(),
@@ -99,7 +100,8 @@ impl Tangent {
     }
 
     /// Keeps what the matrices need of the posture and of what the laws say there.
-    pub fn keep_geometry(&mut self, c: &Context<f64>, f: &Fields<f64>, has_flow: bool) {
+    #[inline(always)]
+    pub fn keep_geometry(&mut self, c: &Context<T>, f: &Fields<T>, has_flow: bool) {
         let n = c.edges;
         for j in 0..n {
             let tangent = f.tangent[j];
@@ -121,7 +123,7 @@ impl Tangent {
             self.angle_curve_rate[i] = curve * f.angle_rate[i] / f.angle_slope[i];
         }
         let inner = f.edge_force(n - 1);
-        self.last_force = [0, 1].map(|k| f.tip[k] - inner[k] + 0.5 * f.outer[n - 1][k]);
+        self.last_force = [0, 1].map(|k| f.tip[k] - inner[k] + f.outer[n - 1][k] * 0.5);
         self.decay_rate = f.decay_rate;
         self.angle_slope.copy_from_slice(&f.angle_slope);
         self.tangent.copy_from_slice(&f.tangent);
@@ -132,19 +134,21 @@ impl Tangent {
     }
 
     /// Turns moments of the bends into those at the turning angles, in place.
-    pub fn turn_moments(&mut self, stencil: &Stencil<f64>) {
+    #[inline(always)]
+    pub fn turn_moments(&mut self, stencil: &Stencil<T>) {
         stencil.moments(&self.of_bends, &mut self.of_angles);
         for (moment, slope) in self.of_angles.iter_mut().zip(&self.angle_slope) {
-            *moment *= slope;
+            *moment = *moment * *slope;
         }
     }
 
     /// Generalised forces, one for each coordinate, with which the moments [at the turning
     /// angles](Self::of_angles), N m, resist.
-    pub fn spread(&self, mut add: impl FnMut(usize, f64)) {
+    #[inline(always)]
+    pub fn spread(&self, mut add: impl FnMut(usize, T)) {
         let n = self.tangent.len();
         let moment = &self.of_angles;
-        let mut pull_before = [0.0; 2];
+        let mut pull_before = [T::default(); 2];
         for j in 0..n {
             let pull = self.angle_by_edge[j].map(|g| g * (moment[j] - moment[j + 1]));
             if j > 0 {
@@ -162,8 +166,9 @@ impl Tangent {
 
     /// What the mean square curvature `⟨κ²⟩` adds to the stiffness, beside its band: how it moves the
     /// forces, times how the coordinates move it.
-    pub fn couple(&mut self, c: &Context<f64>, kappa: &[f64]) {
-        let per_length = 2.0 / c.bent_length();
+    #[inline(always)]
+    pub fn couple(&mut self, c: &Context<T>, kappa: &[T]) {
+        let per_length = T::from(2.0) / c.bent_length();
         let mut stiffness = std::mem::take(&mut self.stiffness);
         stiffness.put_beside(|column, row| {
             self.of_bends.copy_from_slice(&self.by_mean);
@@ -179,48 +184,47 @@ impl Tangent {
     }
 
     /// `∂g/∂z` of every memory variable, 1/s.
-    pub(crate) fn memory_slopes(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn memory_slopes(&self) -> impl Iterator<Item = T> + '_ {
         self.memory.iter().map(|tangent| tangent.memory_rate[2])
     }
 
     /// Derivatives of the rate of every memory variable: by integrated curvature, by its rate, by itself.
-    pub(crate) fn memory_rates(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+    pub(crate) fn memory_rates(&self) -> impl Iterator<Item = [T; 3]> + '_ {
         self.memory.iter().map(|tangent| tangent.memory_rate)
     }
 }
 
-fn outer(a: [f64; 2], b: [f64; 2]) -> Block {
-    Vector2::from(a) * Vector2::from(b).transpose()
-}
-
 /// Adds `scale · block` at a pair of nodes; the clamped node 0 has no row.
-fn scatter(matrix: &mut Banded, row: usize, column: usize, scale: f64, block: &Block) {
+#[inline(always)]
+fn scatter<T: Plain>(matrix: &mut Banded<T>, row: usize, column: usize, scale: f64, block: &Block<T>) {
     if row == 0 || column == 0 {
         return;
     }
     for k in 0..2 {
         for l in 0..2 {
-            matrix[(2 * row - 2 + k, 2 * column - 2 + l)] += scale * block[(k, l)];
+            matrix[(2 * row - 2 + k, 2 * column - 2 + l)] += block.0[k][l] * scale;
         }
     }
 }
 
 /// Coordinates before the last node's that it is joined with: those of four nodes.
 const LAST_REACH: usize = 2 * (HALF_REACH + 1);
-impl Tangent {
+impl<T: Plain> Tangent<T> {
     /// Stretch of an edge's arc.
-    pub fn add_edge(&mut self, j: usize, c: &Context<f64>, f: &Fields<f64>) {
+    #[inline(always)]
+    pub fn add_edge(&mut self, j: usize, c: &Context<T>, f: &Fields<T>) {
         let [before, after] = c.stencil.arc(j).map(|weight| 2.0 * weight);
         let per_rest_length = c.per_rest_length;
         let (length, length_rate, tension) = (f.length[j], f.length_rate[j], f.tension[j]);
-        let mut strain = [0.0, 0.0, f.arc[j] * per_rest_length];
-        let mut strain_rate = [0.0, 0.0, f.arc_rate[j] * per_rest_length];
+        let zero = T::default();
+        let mut strain = [zero, zero, f.arc[j] * per_rest_length];
+        let mut strain_rate = [zero, zero, f.arc_rate[j] * per_rest_length];
         // The strain's second derivative; what the angle's own is stands with the moments.
-        let mut curve = [[0.0; 3]; 3];
+        let mut curve = [[zero; 3]; 3];
         for (k, (bend, weight)) in [(j, before), (j + 1, after)].into_iter().enumerate() {
             let (angle, slope, rate) = (f.angle[bend], f.angle_slope[bend], f.angle_rate[bend]);
-            let arc = weight * angle * slope;
-            let arc_rate = weight * (slope * rate + angle * self.angle_curve_rate[bend]);
+            let arc = angle * weight * slope;
+            let arc_rate = (slope * rate + angle * self.angle_curve_rate[bend]) * weight;
             strain[k] = length * arc * per_rest_length;
             strain_rate[k] = (length_rate * arc + length * arc_rate) * per_rest_length;
             curve[k][k] = tension * length * weight * slope * slope;
@@ -229,22 +233,31 @@ impl Tangent {
         }
         let stiffness = self.by_stretch[j] * c.rest_length;
         let damping = self.by_stretch_rate[j] * c.rest_length;
-        let force: [f64; 3] = std::array::from_fn(|l| stiffness * strain[l] + damping * strain_rate[l]);
-        self.by_turns.add_edge(j, |k, l| strain[k] * force[l] + curve[k][l]);
-        self.by_turn_rates.add_edge(j, |k, l| damping * strain[k] * strain[l]);
+        let mut by_strain = [[zero; 3]; 3];
+        let mut by_rate = [[zero; 3]; 3];
+        for l in 0..3 {
+            let force = stiffness * strain[l] + damping * strain_rate[l];
+            for k in 0..3 {
+                by_strain[k][l] = strain[k] * force + curve[k][l];
+                by_rate[k][l] = damping * strain[k] * strain[l];
+            }
+        }
+        self.by_turns.add_edge(j, &by_strain);
+        self.by_turn_rates.add_edge(j, &by_rate);
     }
 
     /// Stretch, bending and their geometric stiffness, with the last node in the place of the
     /// body's centre of mass.
+    #[inline(always)]
     pub fn assemble_edges(&mut self, n: usize) {
-        let is_damped = |slope: &f64| *slope != 0.0;
+        let is_damped = |slope: &T| slope.any(|slope| slope != 0.0);
         let mut rates = self.by_turn_rates.angles.iter().flatten().chain(&self.by_stretch_rate);
         self.couples_rates = rates.any(is_damped);
         let mut stiffness = std::mem::take(&mut self.stiffness);
-        place_edges(&mut stiffness.band, n, |j| self.edge_stiffness(j));
+        place_edges(&mut stiffness.band, n, &Stiffness(self));
         let mut damping = std::mem::take(&mut self.damping);
         if self.couples_rates {
-            place_edges(&mut damping, n, |j| self.edge_damping(j));
+            place_edges(&mut damping, n, &Damping(self));
         } else {
             damping.clear();
         }
@@ -254,7 +267,8 @@ impl Tangent {
     }
 
     /// The end body's angle, which is that of one edge more, of no length.
-    fn place_body(&self, n: usize, stiffness: &mut Banded, damping: &mut Banded) {
+    #[inline(always)]
+    fn place_body(&self, n: usize, stiffness: &mut Banded<T>, damping: &mut Banded<T>) {
         let angle = 2 * n;
         let (own, own_rate) = (self.by_turns.turn_by_turns(n), self.by_turn_rates.turn_by_turns(n));
         stiffness[(angle, angle)] += own[HALF_REACH];
@@ -288,101 +302,39 @@ impl Tangent {
                 }
                 for k in 0..2 {
                     let dof = 2 * node - 2 + k;
-                    stiffness[(dof, angle)] += sign * column[k];
-                    damping[(dof, angle)] += sign * column_rate[k];
-                    stiffness[(angle, dof)] += sign * row[k];
-                    damping[(angle, dof)] += sign * row_rate[k];
+                    stiffness[(dof, angle)] += column[k] * sign;
+                    damping[(dof, angle)] += column_rate[k] * sign;
+                    stiffness[(angle, dof)] += row[k] * sign;
+                    damping[(angle, dof)] += row_rate[k] * sign;
                 }
             }
         }
-    }
-
-    /// Derivative of the force in edge `j` by the edge vectors.
-    fn edge_stiffness(&self, j: usize) -> EdgeRow {
-        let n = self.tangent.len();
-        let (turns, rates) = (&self.by_turns, &self.by_turn_rates);
-        let (by_turns, by_turn_rates) = (turns.turn_by_turns(j), rates.turn_by_turns(j));
-        let (by_lengths, by_length_rates) = (turns.turn_by_lengths(j), rates.turn_by_lengths(j));
-        let (pull_by_turns, pull_by_turn_rates) = (turns.length_by_turns(j), rates.length_by_turns(j));
-        let (along, across) = (self.tangent[j], self.angle_by_edge[j]);
-        let mut row = EdgeRow::default();
-        for (k, block) in row.iter_mut().enumerate() {
-            let Some(other) = (j + k).checked_sub(HALF_REACH).filter(|other| *other < n) else { continue };
-            let (g, h) = (self.angle_by_edge[other], self.rate_by_edge[other]);
-            let mut turned = [0, 1].map(|m| by_turns[k] * g[m] + by_turn_rates[k] * h[m]);
-            // The arcs of edges join neighbours alone.
-            if let Some(near) = (k + 1).checked_sub(HALF_REACH).filter(|near| *near < 3) {
-                let (t, s) = (self.tangent[other], self.length_rate_by_edge[other]);
-                let mut pulled = [0, 1].map(|m| pull_by_turns[near] * g[m] + pull_by_turn_rates[near] * h[m]);
-                for m in 0..2 {
-                    turned[m] += by_lengths[near] * t[m] + by_length_rates[near] * s[m];
-                    if near == 1 {
-                        pulled[m] += turns.lengths[j] * t[m] + rates.lengths[j] * s[m];
-                    }
-                }
-                *block += outer(along, pulled);
-            }
-            *block += outer(across, turned);
-        }
-        let (normal, per_length) = (left(along), self.per_length[j]);
-        let crossed = outer(along, normal);
-        row[HALF_REACH] += outer(normal, normal) * (self.pull[j] * per_length)
-            - (crossed + crossed.transpose()) * (self.torque[j] * per_length * per_length);
-        row
-    }
-
-    /// Derivative of the force in edge `j` by the rates of the edge vectors.
-    fn edge_damping(&self, j: usize) -> EdgeRow {
-        let n = self.tangent.len();
-        let rates = &self.by_turn_rates;
-        let (by_turns, by_lengths) = (rates.turn_by_turns(j), rates.turn_by_lengths(j));
-        let pull_by_turns = rates.length_by_turns(j);
-        let (along, across) = (self.tangent[j], self.angle_by_edge[j]);
-        let mut row = EdgeRow::default();
-        for (k, block) in row.iter_mut().enumerate() {
-            let Some(other) = (j + k).checked_sub(HALF_REACH).filter(|other| *other < n) else { continue };
-            let g = self.angle_by_edge[other];
-            let mut turned = g.map(|g| by_turns[k] * g);
-            if let Some(near) = (k + 1).checked_sub(HALF_REACH).filter(|near| *near < 3) {
-                let t = self.tangent[other];
-                let mut pulled = g.map(|g| pull_by_turns[near] * g);
-                for m in 0..2 {
-                    turned[m] += by_lengths[near] * t[m];
-                    if near == 1 {
-                        pulled[m] += rates.lengths[j] * t[m];
-                    }
-                }
-                *block += outer(along, pulled);
-            }
-            *block += outer(across, turned);
-        }
-        row
     }
 
     /// Outer forces on edges, half on each end.
+    #[inline(always)]
     pub fn assemble_flows(&mut self, n: usize) {
         for j in 0..n {
             let tangent = self.tangent[j];
             let normal = left(tangent);
             let [along, across] = self.midpoint_velocity[j];
             let axes = [tangent, normal];
-            let mut by_velocity = Block::zeros();
+            let mut by_velocity = Block::default();
             for (k, row) in self.flow[j].iter().enumerate() {
                 for (l, slope) in row.iter().enumerate() {
-                    by_velocity += outer(axes[k], axes[l]) * *slope;
+                    by_velocity.add(Block::outer(axes[k], axes[l]).times(*slope));
                 }
             }
             // Turning the edge turns the force with it, and the velocity that it sees against it.
             let seen = [0, 1].map(|k| {
-                self.flow[j]
-                    .iter()
-                    .zip(axes)
-                    .map(|(row, axis)| (row[0] * across - row[1] * along) * axis[k])
-                    .sum::<f64>()
+                let turns = self.flow[j].iter().zip(axes);
+                turns.fold(T::from(-0.0), |sum, (row, axis)| {
+                    sum + (row[0] * across - row[1] * along) * axis[k]
+                })
             });
             let turned = left(self.outer[j]);
             let by_angle = [0, 1].map(|k| turned[k] + seen[k]);
-            let by_edge = outer(by_angle, self.angle_by_edge[j]);
+            let by_edge = Block::outer(by_angle, self.angle_by_edge[j]);
             for row in [j, j + 1] {
                 scatter(&mut self.stiffness.band, row, j + 1, -0.5, &by_edge);
                 scatter(&mut self.stiffness.band, row, j, 0.5, &by_edge);
@@ -393,6 +345,7 @@ impl Tangent {
     }
 
     /// Loads at the tip; the angle's coordinate follows the last node's.
+    #[inline(always)]
     pub fn assemble_tip(&mut self, n: usize) {
         for (k, row) in self.tip.iter().enumerate() {
             for l in 0..3 {
@@ -403,6 +356,7 @@ impl Tangent {
     }
 
     /// From the last node to the body's centre of mass: `x_N = X − c d(φ)`, by the chain rule.
+    #[inline(always)]
     pub fn turn_to_body(&mut self, n: usize) {
         let angle = 2 * n;
         let last = 2 * n - 2;

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use efam_core::accuracy::{Errors, Settled, energy_warning, first, settle};
-use efam_core::forward::{Cancel, ForwardError, Run, Sample, forward};
+use efam_core::forward::{Cancel, ForwardError, Job, Run, Sample, forward, forward_many};
 use efam_core::rest::rest;
 use efam_core::trajectory::Trajectory;
 use efam_core::{left_out, limits};
@@ -32,6 +32,26 @@ pub fn simulate(
     let (model, run) = first(&case.model, &run, &case.goal).map_err(stopped)?;
     let trajectory = kept(case, forward(&model, &run, see))?;
     Ok(Settled { model, run, trajectory, errors: None })
+}
+
+/// Simulates many cases on one thread as [`simulate`] does without estimates; `done` sees the place of each. Models that
+/// are alike but for their parameters run side by side, see [`forward_many`].
+pub fn simulate_many(cases: &[Case], cancel: &Cancel, done: &mut dyn FnMut(usize, Result<Settled, Failure>)) {
+    let mut begun = Vec::with_capacity(cases.len());
+    for (place, case) in cases.iter().enumerate() {
+        let run = Run { cancel: cancel.clone(), ..case.run.clone() };
+        match first(&case.model, &run, &case.goal) {
+            Ok((model, run)) => begun.push((place, model, run)),
+            Err(error) => done(place, Err(Failure::of_simulation(&case.name, error))),
+        }
+    }
+    let jobs: Vec<Job> = begun.iter().map(|(_, model, run)| Job { model, run }).collect();
+    forward_many(&jobs, &mut |_, _| ControlFlow::Continue(()), &mut |job, trajectory| {
+        let (place, model, run) = &begun[job];
+        let settled =
+            |trajectory| Settled { model: model.clone(), run: run.clone(), trajectory, errors: None };
+        done(*place, kept(&cases[*place], trajectory).map(settled));
+    });
 }
 
 /// What was integrated, if anything was.

@@ -1,12 +1,15 @@
 //! An [`Effect`] that a model can hold without knowing its law, and the scalars over which it is
 //! evaluated.
 
+use std::ops::Range;
+
 use num_dual::{Dual64, DualSVec64};
 
 use super::about::About;
 use super::law::{Body, Flow, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
 use crate::context::Context;
 use crate::kinematics::Fields;
+use crate::pack::{Laid, Pack};
 use crate::real::Real;
 use crate::rod::Rod;
 
@@ -77,11 +80,11 @@ impl Scalar for Lanes {
 
 /// Tangents of a law at a bend: by curvature, its rate and one memory.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct BendTangent {
+pub struct BendTangent<T = f64> {
     /// Of the moment.
-    pub moment: [f64; 3],
+    pub moment: [T; 3],
     /// Of the rate of that memory.
-    pub memory_rate: [f64; 3],
+    pub memory_rate: [T; 3],
 }
 
 /// A registered effect.
@@ -94,6 +97,19 @@ pub trait Effect: EffectFor<f64> + EffectFor<Dual64> + EffectFor<Lanes> {
     fn text(&self) -> Option<&str>;
     /// Whether it needs the diameter elsewhere than in the flow, where it shows by itself.
     fn needs_diameter(&self) -> bool;
+    /// Adds moments and memory rates of a pack of rods, as [`EffectFor::add_moments`] does for one.
+    fn add_moments_of(
+        &self,
+        rods: &Laid,
+        theta: Range<usize>,
+        f: &mut Fields<Pack>,
+        z: &[Pack],
+        z_rate: &mut [Pack],
+    );
+    /// Adds tensions of a pack of rods.
+    fn add_tensions_of(&self, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>);
+    /// Adds outer forces of a pack of rods.
+    fn add_flows_of(&self, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>);
     /// Adds the effect's moment and its tangents by curvature and rate, all of integrated
     /// curvature; for an effect with memories, writes their tangents and rates, shape `[memories, N+1]`.
     #[expect(clippy::too_many_arguments, reason = "what goes in, and four lists that come out")]

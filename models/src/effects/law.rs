@@ -1,6 +1,7 @@
 //! What an effect's author writes: a law over a generic scalar, and what it is given to see.
 
 use super::about::{About, Parameter};
+use crate::number::Number;
 use crate::plane::{cross, left};
 use crate::real::Real;
 use crate::rod::Rod;
@@ -122,7 +123,8 @@ impl<T: Real> Tip<'_, T> {
 }
 
 /// A vector along and across an axis, in W.
-fn in_world<T: Real>([along, across]: [T; 2], axis: [T; 2]) -> [T; 2] {
+#[inline(always)]
+fn in_world<T: Number>([along, across]: [T; 2], axis: [T; 2]) -> [T; 2] {
     let normal = left(axis);
     [0, 1].map(|k| axis[k] * along + normal[k] * across)
 }
@@ -169,8 +171,11 @@ impl<T: Real> Body<T> {
             rotary_inertia: theta[2],
         }
     }
+}
 
+impl<T: Number> Body<T> {
     /// From the end of the active length to the centre of mass, in W, m, for a direction of the axis.
+    #[inline(always)]
     pub fn arm(&self, axis: [T; 2]) -> [T; 2] {
         in_world([self.center_of_mass, self.offset], axis)
     }

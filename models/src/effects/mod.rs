@@ -10,6 +10,7 @@ mod erased;
 mod instance;
 pub(crate) mod law;
 mod memory;
+mod packed;
 mod registered;
 
 pub use crate::real::Real;

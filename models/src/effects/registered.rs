@@ -1,6 +1,8 @@
 //! From laws over a generic scalar to an [`Effect`]: each method is one loop over the rod, compiled for
 //! one [`Instance`] and one scalar.
 
+use std::ops::Range;
+
 use nalgebra::SVector;
 use num_dual::{Derivative, Dual64, DualSVec64};
 
@@ -8,8 +10,10 @@ use super::about::{About, Place};
 use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
 use super::instance::Instance;
 use super::law::{Bend, Body, Edge, Flow, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
+use super::packed;
 use crate::context::Context;
 use crate::kinematics::Fields;
+use crate::pack::{Laid, Pack};
 use crate::real::Real;
 use crate::rod::Rod;
 
@@ -215,6 +219,31 @@ impl<L: Instance> Effect for Registered<L> {
 
     fn needs_diameter(&self) -> bool {
         self.law.needs_diameter()
+    }
+
+    fn add_moments_of(
+        &self,
+        rods: &Laid,
+        theta: Range<usize>,
+        f: &mut Fields<Pack>,
+        z: &[Pack],
+        z_rate: &mut [Pack],
+    ) {
+        if const { acts::<L>(Place::Bend) } {
+            packed::moments(&self.law, rods, theta, f, z, z_rate);
+        }
+    }
+
+    fn add_tensions_of(&self, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>) {
+        if const { acts::<L>(Place::Edge) } {
+            packed::tensions(&self.law, rods, theta, f);
+        }
+    }
+
+    fn add_flows_of(&self, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>) {
+        if const { acts::<L>(Place::Flow) } {
+            packed::flows(&self.law, rods, theta, f);
+        }
     }
 
     fn linearise_moments(

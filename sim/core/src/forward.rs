@@ -4,6 +4,8 @@
 //! picks the parameters, the effects and the scenarios.
 
 mod budget;
+mod course;
+mod many;
 mod patience;
 mod slopes;
 
@@ -16,13 +18,13 @@ use models::system::System;
 use thiserror::Error;
 
 use crate::integrate::variational::lane_order;
-use crate::integrate::{self, Control, IntegrateError, Method, State, Steps};
-use crate::observed::Observer;
-use crate::trajectory::{Fed, Status, Trajectory};
+use crate::integrate::{self, IntegrateError, Method, State};
+use crate::trajectory::Trajectory;
 
-use budget::Budget;
-use patience::Patience;
+use course::{Course, Next};
 use slopes::initial_slopes;
+
+pub use many::{Job, forward_many};
 
 pub use crate::initial::{CurvePoint, Initial};
 pub use crate::run::{Cancel, DEFAULT_METHOD, DEFAULT_TOLERANCE, FAST_TOLERANCE, Run, uniform};
@@ -134,128 +136,39 @@ pub fn forward(
     run: &Run,
     observe: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Trajectory, ForwardError> {
-    let done = integrated(model, run, observe);
-    let effort = match &done {
-        Ok(trajectory) => Some(trajectory.effort),
-        Err(ForwardError::Integrate { trajectory, .. }) => Some(trajectory.effort),
-        Err(_) => None,
-    };
-    effort.iter().for_each(|effort| run.work.add(effort, model.edges + 1, run.sensitivities.len()));
-    done
+    let mut found = None;
+    forward_many(&[Job { model, run }], &mut |_, sample| observe(sample), &mut |_, done| found = Some(done));
+    found.expect("the run of each job is done")
 }
 
-/// The run, not yet counted.
-fn integrated(
+/// One run by itself.
+fn alone(
     model: &Model,
     run: &Run,
     observe: &mut dyn FnMut(&mut Sample) -> ControlFlow<()>,
 ) -> Result<Trajectory, ForwardError> {
-    let mut system = System::new(model);
-    let state = run.initial.state_of(&mut system, run.history)?;
     let order = lane_order(model, &run.sensitivities);
-    let mut variational =
-        if order.is_empty() { None } else { Some(initial_slopes(model, run, &state, &order)?) };
-    let mut observer = Observer::new(model, run);
-    let duration = run.duration.max(observer.end());
-    let mut budget = run.energy.then(|| Budget::new(model));
-    let follows_losses = run.energy && !model.is_conservative();
-    let mut trajectory = Trajectory::new(model, run);
-    let mut at = state.clone();
-    let breakpoints = model.schedule.as_ref().map_or(&[][..], |schedule| schedule.breakpoints());
-    let mut stops: Vec<f64> = breakpoints.iter().copied().filter(|t| *t > 0.0 && *t < duration).collect();
-    // What is seen later changes no step before the end of the run.
-    stops.extend([run.duration, duration]);
-    stops.sort_by(f64::total_cmp);
-    stops.dedup();
-    let control = Control {
-        tolerance: run.tolerance,
-        steps: run.steps.clone(),
-        most_steps: run.most_steps,
-        first_step: None,
-    };
     // A trajectory that is to be differentiated is integrated in steps that a stage can span.
     let method = match run.method {
-        Method::Auto if variational.is_some() => Method::Rodas4,
+        Method::Auto if !order.is_empty() => Method::Rodas4,
         method => method,
     };
-    let mut integrator = integrate::start(method, model, state, control).map_err(ForwardError::Method)?;
-    let (mut sample, mut stop) = (0, 0);
-    let mut patience = Patience::new(run.most_steps);
+    let (mut course, state) = Course::new(model, run, method)?;
+    let mut variational =
+        if order.is_empty() { None } else { Some(initial_slopes(model, run, &state, &order)?) };
+    let mut integrator =
+        integrate::start(method, model, state, course.control()).map_err(ForwardError::Method)?;
     loop {
-        let (begin, end) = (integrator.step_start(), integrator.state().time);
-        while let Some(instant) = observer.due(end) {
-            integrator.interpolate(instant, &mut at);
-            observer.see(&system, variational.as_ref(), &at, [begin, end], &mut trajectory);
-        }
-        while let Some(time) = trajectory.trace.due(end, run.duration) {
-            integrator.interpolate(time, &mut at);
-            trajectory.trace.record(&system, &at);
-        }
-        while sample < run.samples.len() && run.samples[sample] <= end {
-            let time = run.samples[sample];
-            integrator.interpolate(time, &mut at);
-            let energy = match &budget {
-                Some(budget) => budget.at(&mut system, &at, begin, end),
-                None => Energy::default(),
-            };
-            if run.keep_samples {
-                trajectory.record(&system, &at, energy);
-                if observer.is_differentiated() {
-                    let slopes = observer.tip_by_parameters(variational.as_ref(), &at, [begin, end]);
-                    trajectory.tip_by_parameters.push(slopes);
-                }
-            }
-            let mut seen = Sample { index: sample, system: &mut system, state: &at, energy };
-            if observe(&mut seen).is_break() {
-                trajectory.status = Status::CutShort { time };
-                trajectory.cut();
-                trajectory.effort = integrator.effort();
-                trajectory.fed = fed(&budget);
-                return Ok(trajectory);
-            }
-            sample += 1;
-        }
-        if end >= duration {
-            break;
-        }
-        if run.cancel.is_requested() {
-            trajectory.status = Status::CutShort { time: end };
-            trajectory.cut();
-            trajectory.fed = fed(&budget);
-            return Ok(trajectory);
-        }
-        while stops[stop] <= end {
-            stop += 1;
-        }
-        let stepped = integrator.advance(stops[stop]).and_then(|()| match &mut variational {
+        let stop = match course.look(&mut *integrator, variational.as_ref(), observe) {
+            Next::Step(stop) => stop,
+            Next::Over => return course.done(None),
+        };
+        let stepped = integrator.advance(stop).and_then(|()| match &mut variational {
             Some(variational) => variational.follow(&mut *integrator),
             None => Ok(()),
         });
-        trajectory.effort = integrator.effort();
-        if run.keep_steps {
-            trajectory.steps.push(integrator.state().time);
-        }
-        let paced = stepped.and_then(|()| match run.steps {
-            // Explicit steps are short, and cheap.
-            Steps::Adaptive if method.of(model) != Method::Verlet => {
-                patience.follow(model, trajectory.effort, integrator.state().time, duration)
-            }
-            _ => Ok(()),
-        });
-        if let Err(error) = paced {
-            let error = error.blamed(model, &mut *integrator);
-            trajectory.fed = fed(&budget);
-            trajectory.status = Status::Failed { time: integrator.state().time, reason: error.to_string() };
-            return Err(ForwardError::Integrate { error, trajectory: Box::new(trajectory) });
-        }
-        if let Some(budget) = budget.as_mut().filter(|_| follows_losses) {
-            budget.follow(&mut system, &mut *integrator, &mut at);
+        if let Err(error) = course.follow(&mut *integrator, stepped) {
+            return course.done(Some(error));
         }
     }
-    trajectory.fed = fed(&budget);
-    Ok(trajectory)
-}
-
-fn fed(budget: &Option<Budget>) -> Vec<Fed> {
-    budget.as_ref().map(Budget::fed).unwrap_or_default()
 }

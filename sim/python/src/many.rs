@@ -1,7 +1,5 @@
 //! The tips of many runs.
 
-use std::ops::ControlFlow;
-
 use efam_core::forward::{Run, uniform};
 use efam_core::trajectory::Status;
 use efam_experiments::scenario::Case;
@@ -12,7 +10,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use sim::failure::Failure;
-use sim::simulate;
+use sim::simulate::simulate_many;
 
 use crate::failure::exception;
 use crate::model::Model;
@@ -24,6 +22,10 @@ type Tips<'py> = (Array<'py>, Array<'py>, Array<'py>, Vec<(usize, String)>);
 /// Tips and numbers of a run.
 type Rows<'a> = (&'a mut [f64], &'a mut [f64]);
 type Array<'py> = Bound<'py, PyArray1<f64>>;
+
+/// Models that one thread takes at a time: enough that places in a pack are seldom empty, few enough that threads end
+/// together.
+const BATCH: usize = 32;
 
 /// Numbers of a summary: name, SI unit, value.
 type Number = (&'static str, &'static str, fn(&Summary) -> Option<f64>);
@@ -72,41 +74,46 @@ pub fn tips_of_many<'py>(
         let mut tips = vec![f64::NAN; 2 * times.len() * cases.len()];
         let width = 2 * times.len();
         let mut numbers = vec![f64::NAN; NUMBERS.len() * cases.len()];
-        let one = |(place, ((row, own), case)): (usize, (Rows, &&Case))| {
+        // Rows of a batch, the numbers of its runs, and which it is.
+        let one = |(batch, ((rows, numbers), cases)): (usize, (Rows, &[&Case]))| {
             if cancel.is_requested() {
-                return None;
+                return Vec::new();
             }
-            let samples: Vec<f64> = times.iter().copied().filter(|time| *time <= case.run.duration).collect();
-            let run = Run {
-                samples,
-                energy: false,
-                trace_step: case.run.trace_step.filter(|_| summaries),
-                ..case.run.clone()
-            };
-            let case = case.run_as(&case.model, &run);
-            let done = simulate::simulate(&case, false, cancel.clone(), &mut |_| ControlFlow::Continue(()));
-            progress.step();
-            match done {
-                Err(failure) => Some((place, failure.to_string())),
-                Ok(done) => {
-                    if summaries {
-                        let told = told(&Request::default(), &done.model, &done.run, &done.trajectory);
-                        for (own, (_, _, number)) in own.iter_mut().zip(NUMBERS) {
-                            *own = number(&told.summary).unwrap_or(f64::NAN);
-                        }
-                    }
-                    for (own, tip) in row.chunks_exact_mut(2).zip(&done.trajectory.tip) {
-                        own.copy_from_slice(tip);
-                    }
-                    match done.trajectory.status {
-                        Status::Failed { reason, .. } => Some((place, reason)),
-                        _ => None,
+            let runs = cases.iter().map(|case| {
+                let samples: Vec<f64> =
+                    times.iter().copied().filter(|time| *time <= case.run.duration).collect();
+                let trace_step = case.run.trace_step.filter(|_| summaries);
+                case.run_as(&case.model, &Run { samples, energy: false, trace_step, ..case.run.clone() })
+            });
+            let mut failures = Vec::new();
+            simulate_many(&runs.collect::<Vec<_>>(), &cancel, &mut |place, done| {
+                progress.step();
+                let in_all = BATCH * batch + place;
+                let done = match done {
+                    Err(failure) => return failures.push((in_all, failure.to_string())),
+                    Ok(done) => done,
+                };
+                if summaries {
+                    let told = told(&Request::default(), &done.model, &done.run, &done.trajectory);
+                    let own = &mut numbers[NUMBERS.len() * place..];
+                    for (own, (_, _, number)) in own.iter_mut().zip(NUMBERS) {
+                        *own = number(&told.summary).unwrap_or(f64::NAN);
                     }
                 }
-            }
+                let row = &mut rows[width * place..width * (place + 1)];
+                for (own, tip) in row.chunks_exact_mut(2).zip(&done.trajectory.tip) {
+                    own.copy_from_slice(tip);
+                }
+                if let Status::Failed { reason, .. } = done.trajectory.status {
+                    failures.push((in_all, reason));
+                }
+            });
+            failures.sort_unstable();
+            failures
         };
-        let rows = tips.par_chunks_mut(width).zip(numbers.par_chunks_mut(NUMBERS.len()));
-        let failures: Vec<_> = rows.zip(&cases).enumerate().filter_map(one).collect();
+        let rows = tips.par_chunks_mut(BATCH * width).zip(numbers.par_chunks_mut(BATCH * NUMBERS.len()));
+        let batches = rows.zip(cases.par_chunks(BATCH)).enumerate();
+        let failures: Vec<_> = batches.flat_map_iter(one).collect();
         (tips, numbers, failures)
     })?;
     let array = |own| PyArray1::from_vec(py, own);

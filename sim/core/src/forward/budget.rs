@@ -6,7 +6,7 @@ use models::model::Model;
 use models::snapshot::Energy;
 use models::system::{System, TimePass};
 
-use crate::integrate::{Integrator, State};
+use crate::integrate::{Reached, State};
 use crate::trajectory::Fed;
 
 /// Energy dissipated and supplied, by Gauss's three points in every step.
@@ -84,7 +84,7 @@ impl Budget {
         }
     }
 
-    pub fn follow(&mut self, system: &mut System, integrator: &mut dyn Integrator, at: &mut State) {
+    pub fn follow(&mut self, system: &mut System, integrator: &mut dyn Reached, at: &mut State) {
         let (begin, end) = (integrator.step_start(), integrator.state().time);
         self.before = self.until(self.last_step, 1.0);
         self.last_step = end - begin;

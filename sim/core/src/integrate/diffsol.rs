@@ -22,7 +22,7 @@ use ::diffsol::{
 use models::model::Model;
 
 use self::equations::{BandSolver, Equations, parts};
-use super::{Control, Effort, IntegrateError, Integrator, State, Steps, Stiff};
+use super::{Control, Effort, IntegrateError, Integrator, Reached, State, Steps, Stiff};
 
 /// Speed to which errors of velocities are compared, in rod lengths a second. A rod of 0.2 m falls
 /// at some 7: four times that spares steps which follow the velocity of small fast waves and leave
@@ -118,7 +118,9 @@ impl Integrator for Run {
         }
         Ok(())
     }
+}
 
+impl Reached for Run {
     fn state(&self) -> &State {
         &self.state
     }

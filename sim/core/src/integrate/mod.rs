@@ -3,6 +3,10 @@
 #[cfg(feature = "diffsol")]
 mod diffsol;
 mod rosenbrock;
+pub(crate) mod side_by_side;
+mod span;
+mod stages;
+mod stride;
 pub mod tableau;
 pub mod variational;
 mod verlet;
@@ -134,19 +138,27 @@ impl std::ops::Add for Effort {
 }
 
 /// An integrator in the middle of a run.
-pub trait Integrator {
+pub trait Integrator: Reached {
     /// Makes one step, which ends at the stop, s, or before it; at the stop it does nothing. The solution may have a
     /// kink there.
     /// # Errors
     /// [`IntegrateError`] with the time at which it gave up.
     fn advance(&mut self, stop: f64) -> Result<(), IntegrateError>;
+}
+
+/// How far a run has come: its last step.
+pub trait Reached {
     /// The state at the end of the last step.
     fn state(&self) -> &State;
     /// Where the last step began, s.
     fn step_start(&self) -> f64;
     /// The state at a time within the last step, written into one of the same size, such as a clone of
-    /// [`Integrator::state`].
+    /// [`Reached::state`].
     fn interpolate(&mut self, time: f64, state: &mut State);
+    /// Of that state the coordinates and velocities of the end body, if no more is to be had for less.
+    fn interpolate_end(&mut self, time: f64, state: &mut State) {
+        self.interpolate(time, state);
+    }
     /// Size that the next step would have, s.
     fn next_step(&self) -> f64;
     /// What the run has cost so far.
@@ -276,7 +288,7 @@ const AHEAD: [f64; 6] = [0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8];
 
 impl IntegrateError {
     /// The same error with what is to blame for it: a law that gives no number, or the effect that changes fastest.
-    pub fn blamed(mut self, model: &Model, integrator: &mut dyn Integrator) -> Self {
+    pub fn blamed(mut self, model: &Model, integrator: &mut dyn Reached) -> Self {
         if matches!(self, Self::Explicit | Self::WithoutDiffsol) {
             return self;
         }

@@ -14,7 +14,7 @@ use models::effects::LANES;
 use models::model::Model;
 use models::system::System;
 
-use super::{IntegrateError, Integrator, State, Stiff};
+use super::{IntegrateError, Reached, State, Stiff};
 
 /// L-stable, stiffly accurate, order 3. Source: Alexander (1977), SIAM J. Numer. Anal. 14, 1006-1021;
 /// `gamma` is the root of `γ³ − 3γ² + 3γ/2 − 1/6` near 0.44.
@@ -141,7 +141,7 @@ impl Variational {
     /// Follows the last step of a integrator.
     /// # Errors
     /// [`IntegrateError::StepTooSmall`] if a stage's matrix is singular.
-    pub fn follow(&mut self, integrator: &mut dyn Integrator) -> Result<(), IntegrateError> {
+    pub fn follow(&mut self, integrator: &mut dyn Reached) -> Result<(), IntegrateError> {
         let (begin, end) = (integrator.step_start(), integrator.state().time);
         let h = end - begin;
         let a = 1.0 / (GAMMA * h);

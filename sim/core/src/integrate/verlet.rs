@@ -9,7 +9,7 @@
 use models::model::Model;
 use models::system::System;
 
-use super::{Control, Effort, IntegrateError, Integrator, State, Steps, Stiff};
+use super::{Control, Effort, IntegrateError, Integrator, Reached, State, Steps, Stiff};
 
 /// A run of velocity Verlet.
 pub struct Verlet {
@@ -180,7 +180,9 @@ impl Integrator for Verlet {
             self.begin_again();
         }
     }
+}
 
+impl Reached for Verlet {
     fn state(&self) -> &State {
         &self.state
     }

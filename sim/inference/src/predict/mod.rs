@@ -32,7 +32,7 @@ use errors::Errors;
 use interval::of_draws;
 use model_error::ModelError;
 use quantity::{Off, QUANTITIES, Quantity, REST, seen};
-use simulated::{Mesh, Simulated, simulate, value};
+use simulated::{Mesh, Simulated, simulate, simulate_many, value};
 use warnings::{Extent, warnings};
 
 /// How a prediction is made.
@@ -98,6 +98,10 @@ pub struct Band {
     pub interval_95: Vec<[f64; 2]>,
 }
 
+/// Draws that one thread takes at a time: enough that places in a pack are seldom empty, few enough that threads end
+/// together, and that all of their trajectories are in memory.
+const BATCH: usize = 16;
+
 /// A prediction with what is drawn of it.
 #[derive(Clone, Debug, Default)]
 pub struct PredictionOutcome {
@@ -136,11 +140,15 @@ pub fn predict(
     let mut own = simulated.map_err(|reason| PredictError { name: case.name.clone(), reason })?;
     let mesh = mesh_of(known, &own, model, &run);
     mesh.iter().for_each(|mesh| mesh.removed(&mut own));
-    let simulate_draw = |draw: usize| {
-        let model = errors.as_ref()?.drawn(settings.seed, draw)?;
-        let mut done = simulate(&model, &run).ok();
-        mesh.iter().zip(&mut done).for_each(|(mesh, done)| mesh.removed(done));
-        tell();
+    // A batch of draws; none of those that cannot be.
+    let simulate_draws = |draws: &[usize]| {
+        let drawn = |draw: &usize| errors.as_ref().and_then(|errors| errors.drawn(settings.seed, *draw));
+        let models: Vec<_> = draws.iter().filter_map(drawn).collect();
+        let mut done: Vec<Simulated> = simulate_many(&models, &run).into_iter().flatten().collect();
+        if let Some(mesh) = &mesh {
+            done.iter_mut().for_each(|done| mesh.removed(done));
+        }
+        draws.iter().for_each(|_| tell());
         done
     };
     let model_error = known.and_then(|known| ModelError::of(known, case, &own));
@@ -148,7 +156,8 @@ pub fn predict(
         model_error.as_ref().map_or(interval, |error| error.widened(off, value, interval))
     };
     let count = if errors.is_some() { settings.draws } else { 0 };
-    let all: Vec<Simulated> = (0..count).into_par_iter().filter_map(simulate_draw).collect();
+    let draws: Vec<usize> = (0..count).collect();
+    let all: Vec<Simulated> = draws.par_chunks(BATCH).flat_map_iter(simulate_draws).collect();
     let mut prediction = Prediction {
         name: case.name.clone(),
         pressure_pa: case.pressure,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use efam_core::accuracy::order;
-use efam_core::forward::{Run, forward};
+use efam_core::forward::{ForwardError, Job, Run, Sample, forward, forward_many};
 use efam_core::integrate::Effort;
 use efam_core::rest::rest;
 use efam_core::trajectory::Trajectory;
@@ -54,20 +54,66 @@ impl Simulated {
     }
 }
 
+/// What a run shows on its way.
+struct Shown {
+    /// Largest bending moment at the root, N m.
+    root: f64,
+    /// Height of the tip where it is lowest, m, and the nodes with the tip there.
+    lowest: (f64, Vec<[f64; 2]>),
+}
+
+impl Shown {
+    fn nothing() -> Self {
+        Self { root: 0.0, lowest: (f64::INFINITY, Vec::new()) }
+    }
+
+    fn see(&mut self, sample: &mut Sample) {
+        self.root = self.root.max(sample.root_moment().abs());
+        let (at, _) = sample.system.observed_tip(&sample.state.q, &sample.state.v);
+        if at[1] < self.lowest.0 {
+            self.lowest = (at[1], [&sample.system.assembly.fields.position[..], &[at]].concat());
+        }
+    }
+}
+
 /// Runs a model to its end.
 /// # Errors
 /// Why it cannot, in words.
 pub fn simulate(model: &Model, run: &Run) -> Result<Simulated, String> {
-    let (mut root, mut lowest) = (0.0f64, (f64::INFINITY, Vec::new()));
-    let trajectory: Trajectory = forward(model, run, &mut |sample| {
-        root = root.max(sample.root_moment().abs());
-        let (at, _) = sample.system.observed_tip(&sample.state.q, &sample.state.v);
-        if at[1] < lowest.0 {
-            lowest = (at[1], [&sample.system.assembly.fields.position[..], &[at]].concat());
-        }
+    let mut shown = Shown::nothing();
+    let trajectory = forward(model, run, &mut |sample| {
+        shown.see(sample);
         ControlFlow::Continue(())
-    })
-    .map_err(|error| error.to_string())?;
+    });
+    told(model, run, trajectory, shown)
+}
+
+/// Runs models to their ends on one thread, those that are alike [side by side](forward_many).
+pub(super) fn simulate_many(models: &[Model], run: &Run) -> Vec<Result<Simulated, String>> {
+    let jobs: Vec<Job> = models.iter().map(|model| Job { model, run }).collect();
+    let mut shown: Vec<_> = models.iter().map(|_| Shown::nothing()).collect();
+    let mut all: Vec<_> = models.iter().map(|_| None).collect();
+    let mut ended = Vec::with_capacity(models.len());
+    let see = &mut |place: usize, sample: &mut Sample| {
+        shown[place].see(sample);
+        ControlFlow::Continue(())
+    };
+    forward_many(&jobs, see, &mut |place, trajectory| ended.push((place, trajectory)));
+    for (place, trajectory) in ended {
+        let shown = std::mem::replace(&mut shown[place], Shown::nothing());
+        all[place] = Some(told(&models[place], run, trajectory, shown));
+    }
+    all.into_iter().map(|one| one.expect("the run of each job is done")).collect()
+}
+
+/// What a run says.
+fn told(
+    model: &Model,
+    run: &Run,
+    trajectory: Result<Trajectory, ForwardError>,
+    Shown { root, lowest }: Shown,
+) -> Result<Simulated, String> {
+    let trajectory = trajectory.map_err(|error| error.to_string())?;
     let at_rest = rest(model, run.duration, MODES);
     let (summary, _) = summarise(model, run, &trajectory, &at_rest);
     let at_rest = at_rest.map_err(|error| error.to_string())?;
