@@ -152,7 +152,7 @@ impl<T: Plain> Banded<T> {
 }
 
 impl Banded {
-    /// Factors in place, see [`eliminate`](Self::eliminate).
+    /// Factors in place without pivoting: `L` below the diagonal, `U` on and above it.
     /// # Errors
     /// [`Singular`] with the row whose pivot is not finite or vanishes against the row.
     pub fn factorize(&mut self) -> Result<(), Singular> {
