@@ -203,8 +203,7 @@ fn with_stiffness_of_statics(asked: &[&str], seed: u64) -> Diagnosis {
     let mut problem = problem(&with_branches([1.0, 20.0, 20.0], &plan, seed));
     problem.parameters.retain(|parameter| parameter.path != "rod.bending_stiffness");
     let settings = DiagnosisSettings { most_effects: 1, ..only(asked) };
-    let found = diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis;
-    found
+    diagnose(&problem, &settings, &|_: &str| ()).expect("it can be diagnosed").diagnosis
 }
 
 #[test]

@@ -110,7 +110,7 @@ pub(crate) fn candidates(trials: &[Trial], settings: &DiagnosisSettings) -> Vec<
         }
         let mut tried: Vec<Vec<(&'static EffectParameter, f64)>> = vec![Vec::new()];
         let is_tried = |parameter: &&EffectParameter| {
-            !parameter.tries.is_empty() && parameter.tries_beside.is_none_or(|beside| has(beside))
+            !parameter.tries.is_empty() && parameter.tries_beside.is_none_or(has)
         };
         for parameter in about.parameters.iter().filter(is_tried) {
             tried = tried

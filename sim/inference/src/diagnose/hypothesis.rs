@@ -219,10 +219,8 @@ impl Hypothesis {
                 unknown.acts.iter().filter(move |(r, _)| *r == like[p]).map(move |(_, own)| act(p, own))
             };
             let acts = (0..like.len()).flat_map(of).collect::<Option<Vec<_>>>()?;
-            let each: Vec<Vec<(usize, Act)>> = match unknown.is_own {
-                true => acts.into_iter().map(|own| vec![own]).collect(),
-                false => vec![acts],
-            };
+            let each: Vec<Vec<(usize, Act)>> =
+                if unknown.is_own { acts.into_iter().map(|own| vec![own]).collect() } else { vec![acts] };
             for acts in each {
                 unknowns.push(Unknown { acts, ..unknown.clone() });
                 values.push(*z);

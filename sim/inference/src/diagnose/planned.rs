@@ -114,7 +114,9 @@ impl Pair<'_> {
         for extra in extras.iter().filter(|extra| matches!(extra, Angles | Payload)) {
             for k in 0..like.len() {
                 let more: Vec<Extra> = planned[k].iter().copied().chain([*extra]).collect();
-                (like.push(like[k]), counts.push(counts[k]), planned.push(more));
+                like.push(like[k]);
+                counts.push(counts[k]);
+                planned.push(more);
             }
         }
         let changed = |of: &Hypothesis| -> Option<Vec<Trial>> {

@@ -137,9 +137,10 @@ impl Try {
             |u: &usize, r: usize| extension.hypothesis.unknowns[*u].acts.iter().any(|(own, _)| *own == r);
         let place = |r: usize| extension.strengths.iter().copied().find(|u| acts_on(u, r));
         let places: Vec<_> = (0..data.plans.len()).map(place).collect();
-        let mut here = match has_strength {
-            true => data.compare_with(&extension.hypothesis, &z, &origin.seen)?,
-            false => Comparison::clone(&origin.seen),
+        let mut here = if has_strength {
+            data.compare_with(&extension.hypothesis, &z, &origin.seen)?
+        } else {
+            Comparison::clone(&origin.seen)
         };
         let wider = wider(base, extension);
         let secants = |before: &Compared, here: &Compared| -> Vec<DVector<f64>> {

@@ -72,9 +72,10 @@ fn capitalised(words: &str) -> String {
 fn named(diagnosis: &Diagnosis) -> String {
     let names = listed(&diagnosis.effects.iter().map(with_sizes).collect::<Vec<_>>());
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
-    let or = match others.is_empty() {
-        true => String::new(),
-        false => format!(", or what these recordings cannot separate from it ({})", others.join(", ")),
+    let or = if others.is_empty() {
+        String::new()
+    } else {
+        format!(", or what these recordings cannot separate from it ({})", others.join(", "))
     };
     let is = if diagnosis.effects.len() > 1 { "are" } else { "is" };
     let values: Vec<String> = diagnosis.effects.iter().filter_map(values).collect();
@@ -104,9 +105,10 @@ fn with_sizes(added: &Added) -> String {
 fn misstated(diagnosis: &Diagnosis) -> String {
     let word = diagnosis.freed.as_deref().unwrap_or("setup");
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
-    let or = match others.is_empty() {
-        true => String::new(),
-        false => format!(" Or what these recordings cannot separate from it: {}.", others.join(", ")),
+    let or = if others.is_empty() {
+        String::new()
+    } else {
+        format!(" Or what these recordings cannot separate from it: {}.", others.join(", "))
     };
     format!(
         "What is stated of the {word} is wrong{}. With the fitted value nothing else is missing: measure it again.{or}",

@@ -44,13 +44,10 @@ impl Traces {
     ) -> Option<Self> {
         let (n, m) = (at.z.len(), columns.len());
         // One release stands for some alike, each with a setup of its own; what all share is shared by all times.
-        let prior = |u: usize| match of.unknowns[u].is_own {
-            true => of.unknowns[u]
-                .acts
-                .first()
-                .and_then(|(r, _)| counts.get(*r))
-                .map_or(1.0, |count| *count as f64),
-            false => f64::from(times).recip(),
+        let prior = |u: usize| {
+            let unknown = &of.unknowns[u];
+            let count = || unknown.acts.first().and_then(|(r, _)| counts.get(*r));
+            if unknown.is_own { count().map_or(1.0, |count| *count as f64) } else { f64::from(times).recip() }
         };
         let mut square = DMatrix::from_diagonal(&DVector::from_fn(n, |u, _| prior(u)));
         let (mut mixed, mut own) = (DMatrix::zeros(n, m), DMatrix::zeros(m, m));
