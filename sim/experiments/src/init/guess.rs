@@ -15,6 +15,7 @@ const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
 const TIP: f64 = 0.8;
 /// By how much the distance of two markers of one body may vary, in the motion of the tip.
 const RIGID: f64 = 0.1;
+
 /// What the markers of a recording seem to be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guess {
