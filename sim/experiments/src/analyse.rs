@@ -51,12 +51,12 @@ fn one<'a>(
     nodes: &[usize],
 ) -> Result<Analysed<'a>, ExperimentError> {
     let (measured, rest) = measured(of);
-    let Some(case) = experiment.case(of.recording, of.angle.or(Some(of.statistics.hold_angle)))? else {
+    let Some(case) = of.case_at_rest(experiment, of.angle.or(Some(of.statistics.hold_angle)), None)? else {
         return Ok(Analysed { of, measured, rest, at_rest: Vec::new(), no_beam: None, in_motion: None });
     };
     let mut meshes = Vec::new();
     for count in nodes {
-        let case = experiment.case_with(of.recording, of.angle, Some(*count))?;
+        let case = of.case_at_rest(experiment, of.angle, Some(*count))?;
         meshes.extend(case.map(|case| case.model));
     }
     let tip = rest.map_or(of.statistics.rest, |rest| rest.position);
@@ -96,8 +96,8 @@ pub fn measured(of: &CleanRelease) -> (Result<Measured, AnalysisError>, Option<R
 pub struct Said<'a> {
     /// Name of the release.
     pub name: &'a str,
-    /// How far the tip sinks from hold to rest.
-    pub static_drop_m: f64,
+    /// How far the tip sinks from hold to rest; none where the recording begins in mid-swing.
+    pub static_drop_m: Option<f64>,
     /// Where the tip comes to rest, in W.
     pub rest_m: [f64; 2],
     /// Standard error of each coordinate of the rest; none where it is a mean of the end alone.
@@ -191,9 +191,9 @@ impl Analysed<'_> {
         self.rest.map_or(self.of.statistics.rest, |rest| rest.position)
     }
 
-    /// How far the tip sinks from hold to rest, m.
-    pub fn static_drop(&self) -> f64 {
-        self.of.statistics.hold[1] - self.tip_at_rest()[1]
+    /// How far the tip sinks from hold to rest, m; nothing where the recording shows no hold.
+    pub fn static_drop(&self) -> Option<f64> {
+        self.of.statistics.static_drop.map(|_| self.of.statistics.hold[1] - self.tip_at_rest()[1])
     }
 
     /// Whether the swing is over at the end of the recording; none where that is not known.
@@ -312,5 +312,40 @@ fn in_motion(found: &Result<DynamicStiffness, AnalysisError>) -> InMotion {
             why_not: None,
         },
         Err(error) => InMotion { why_not: Some(error.to_string()), ..InMotion::default() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use efam_recordings::{ReadOptions, parse};
+
+    use super::*;
+    use crate::cleaning::clean_all;
+
+    /// A swing of 1.6 Hz about 0.14 m below the level, let go after a second or recorded from its midst on: only the first shows how
+    /// far the tip sinks from its hold.
+    #[test]
+    fn a_recording_that_begins_in_mid_swing_has_no_static_drop() {
+        for (begin, start, has_drop) in [(1.0, "held", true), (-0.13, "in motion", false)] {
+            let mut text = "t_s,A_x_m,A_z_m\n".to_owned();
+            for time in (0..900).map(|k| 0.01 * f64::from(k)) {
+                let since = f64::max(time - begin, 0.0);
+                let height = -0.14 + 0.14 * (-0.4 * since).exp() * (10.0 * since).cos();
+                text += &format!("{time:.2},0.4,{height:.9}\n");
+            }
+            let recording =
+                parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()).expect("a table");
+            let entry =
+                format!("[[recording]]\nfile = \"a.csv\"\ntip = \"A\"\nup = \"+z\"\nstart = \"{start}\"\n");
+            let experiment = Experiment::parse(Path::new("e.toml"), &entry, &[]).expect("an experiment");
+            let cleaned = clean_all(&experiment, vec![recording]).expect("a swing");
+            let analysed = analyse(&experiment, &cleaned, &[]).expect("no model");
+            assert_eq!(analysed.len(), 1);
+            let drop = analysed[0].said().static_drop_m;
+            assert_eq!(drop.is_some(), has_drop, "{start}");
+            assert!(drop.is_none_or(|drop| (drop - 0.14).abs() < 1e-3), "{drop:?}");
+        }
     }
 }

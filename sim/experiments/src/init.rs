@@ -1,98 +1,28 @@
 //! A first experiment file, written from the recordings themselves: what is guessed says so, and how.
 
+mod guess;
 mod lowered;
+mod stepped;
 
 use std::fmt::Write;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use efam_core::quantile::quantile;
 use efam_recordings::{ReadOptions, Recording};
 use efam_store::escape::{escaped, toml_string};
 
-use crate::cleaning::{CleanRecording, CleanRelease, Cleaned, IS_UP, SURELY, clean_all, distance};
+use crate::cleaning::{CleanRecording, CleanRelease, Cleaned, IS_UP, SURELY, clean_all};
 use crate::experiment::{Direction, Experiment, ExperimentError};
 use crate::scenario::plan;
 
-/// Motion of base markers in that of the most moving one, at most.
-const STILL: f64 = 0.04;
-/// The same of markers that are named like a base.
-const STILL_BY_NAME: f64 = 0.25;
-/// Names of what stands still.
-const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
-/// Motion of tip markers, likewise, at least.
-const TIP: f64 = 0.8;
-/// By how much the distance of two markers of one body may vary, in the motion of the tip.
-const RIGID: f64 = 0.1;
+use stepped::Steps;
+
+pub use guess::{Guess, guess};
+
 /// Directions of the held tip between which the rod is guessed to be straight and level, rad. Markers stand on top of a rod:
 /// on a thick one they are seen far above the level. Below it the tip has sagged, unless a marker hangs there: on a rod of
 /// ten diameters one of them is 0.1 rad.
 const LEVEL: RangeInclusive<f64> = -0.1..=0.35;
-
-/// What the markers of a recording seem to be.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Guess {
-    /// Most moving, and as one body.
-    pub tip: Vec<String>,
-    /// Least moving.
-    pub base: Vec<String>,
-    /// All between, with their share of the way from base to tip.
-    pub body: Vec<(String, f64)>,
-    /// How far each marker moves, m, in the order of the recording.
-    pub moves: Vec<(String, f64)>,
-}
-
-/// Tells tip, base and body by how much they move; nothing if no marker is seen.
-pub fn guess(recording: &Recording) -> Option<Guess> {
-    let moves: Vec<f64> = recording.markers.iter().map(|marker| reach(&marker.position)).collect();
-    let most =
-        (0..moves.len()).max_by(|&a, &b| moves[a].total_cmp(&moves[b])).filter(|&k| moves[k] >= 0.0)?;
-    let path = |k: usize| &recording.markers[k].position;
-    let of_tip = |k: usize| {
-        k == most || (moves[k] > TIP * moves[most] && spread(path(k), path(most)) < RIGID * moves[most])
-    };
-    let is_tip: Vec<bool> = (0..moves.len()).map(of_tip).collect();
-    let is_base = |k: usize| {
-        let name = recording.markers[k].name.to_lowercase();
-        let limit = if BASES.iter().any(|base| name.contains(base)) { STILL_BY_NAME } else { STILL };
-        !is_tip[k] && moves[k] >= 0.0 && moves[k] < limit * moves[most]
-    };
-    let is_base: Vec<bool> = (0..moves.len()).map(is_base).collect();
-    let those = |is: &[bool]| -> Vec<usize> { (0..moves.len()).filter(|&k| is[k]).collect() };
-    let (tip, base) = (those(&is_tip), those(&is_base));
-    let place = |of: &[usize]| -> [f64; 3] {
-        let first: Vec<[f64; 3]> =
-            of.iter().filter_map(|&k| path(k).iter().flatten().next().copied()).collect();
-        std::array::from_fn(|c| first.iter().map(|at| at[c]).sum::<f64>() / first.len().max(1) as f64)
-    };
-    let (from, to) = (place(&base), place(&tip));
-    let share = |k: usize| (distance(place(&[k]), from) / distance(to, from).max(1e-9)).clamp(0.0, 1.0);
-    let is_body = |k: &usize| moves[*k] >= 0.0 && !is_tip[*k] && !is_base[*k];
-    let mut body: Vec<(usize, f64)> = (0..moves.len()).filter(is_body).map(|k| (k, share(k))).collect();
-    body.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let name = |k: usize| recording.markers[k].name.clone();
-    Some(Guess {
-        tip: tip.iter().map(|&k| name(k)).collect(),
-        base: base.iter().map(|&k| name(k)).collect(),
-        body: body.into_iter().map(|(k, share)| (name(k), share)).collect(),
-        moves: (0..moves.len()).map(|k| (name(k), moves[k])).collect(),
-    })
-}
-
-/// Distance from its median place within which a marker is 98 % of the time, m; −1 if it is never seen.
-fn reach(path: &[Option<[f64; 3]>]) -> f64 {
-    let seen = || path.iter().flatten();
-    let middle = std::array::from_fn(|c| quantile(seen().map(|at| at[c]).collect(), 0.5).unwrap_or_default());
-    quantile(seen().map(|at| distance(*at, middle)).collect(), 0.98).unwrap_or(-1.0)
-}
-
-/// By how much the distance of two markers varies, 96 % of the time, m.
-fn spread(a: &[Option<[f64; 3]>], b: &[Option<[f64; 3]>]) -> f64 {
-    let both = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
-    let apart: Vec<f64> = both.map(|(a, b)| distance(a, b)).collect();
-    let between = quantile(apart.clone(), 0.98).zip(quantile(apart, 0.02));
-    between.map_or(f64::INFINITY, |(high, low)| high - low)
-}
 
 /// The keys of a recording for what the person said of its file.
 fn keys(options: &ReadOptions) -> String {
@@ -112,7 +42,7 @@ pub fn draft(name: &str, recordings: &[(String, Recording)], options: &ReadOptio
     let fit = |c: char| if plan::fits_name(c) { c } else { '-' };
     let fitting: String = name.trim_start_matches('.').chars().map(fit).collect();
     let name = if fitting.trim().is_empty() { "experiment" } else { &fitting };
-    let mut starts = vec![Guessed::default(); recordings.len()];
+    let mut starts: Vec<Guessed> = recordings.iter().map(Guessed::stepped).collect();
     let mut found = vec![Vec::new(); recordings.len()];
     // The recordings at hand are read already.
     let mut cleaned = clean(&text(name, recordings, "", &starts, &found), recordings);
@@ -126,24 +56,25 @@ pub fn draft(name: &str, recordings: &[(String, Recording)], options: &ReadOptio
                 let s = &release.statistics;
                 let held = s.hold_angle.to_degrees();
                 let start = &mut starts[release.recording];
-                let what = if start.in_motion {
-                    "the tip swings, and posture and velocity there are fitted".to_owned()
-                } else {
-                    format!(
-                        "the tip is held {held:.1} deg above the level and sinks by {:.2} mm",
-                        1e3 * s.static_drop
-                    )
+                let what = match s.static_drop.map(|drop| 1e3 * drop) {
+                    None => "the tip swings, and posture and velocity there are fitted".to_owned(),
+                    Some(drop) if start.steps.is_some() => {
+                        format!("the pressure steps, and the tip, at rest before, sinks by {drop:.2} mm")
+                    }
+                    Some(drop) => {
+                        format!("the tip is held {held:.1} deg above the level and sinks by {drop:.2} mm")
+                    }
                 };
                 let about = format!("release {} at {:.3} s: {what}", release.number, release.instant);
                 found[release.recording].push(about);
-                if start.in_motion {
+                if !start.is_held() {
                     continue;
                 }
                 if LEVEL.contains(&s.hold_angle) && start.instants.is_empty() {
                     start.angle = Some(s.hold_angle);
                 }
             }
-            let is_free = |start: &Guessed| start.instants.is_empty() && !start.in_motion;
+            let is_free = |start: &Guessed| start.instants.is_empty() && start.is_held();
             for (k, start) in starts.iter_mut().enumerate().filter(|(_, start)| is_free(start)) {
                 start.lowered(cleaned.releases.iter().filter(|release| release.recording == k));
             }
@@ -157,6 +88,7 @@ pub fn draft(name: &str, recordings: &[(String, Recording)], options: &ReadOptio
         }
         Err(error) => found.iter_mut().for_each(|found| found.push(format!("NOT YET USABLE: {error}"))),
     }
+    starts.iter_mut().filter_map(|start| start.steps.as_mut()).for_each(|steps| steps.file = None);
     text(name, recordings, &keys(options), &starts, &found)
 }
 
@@ -194,7 +126,11 @@ fn text(
         for found in &found[k] {
             let _ = writeln!(out, "# found: {}", escaped(found));
         }
-        pressure_and_payload(&mut out, file);
+        match &starts[k].steps {
+            Some(steps) => steps.write(&mut out),
+            None => pressure(&mut out, file),
+        }
+        payload(&mut out, file);
         markers(&mut out, recording);
         start(&mut out, &starts[k]);
         out += "# clamp = [\"0 mm\", \"0 mm\", \"0 mm\"]   # where the rod leaves the clamp, in the file's frame\n\
@@ -229,22 +165,55 @@ struct Guessed {
     up: Option<(Direction, String)>,
     /// Whether it begins in mid-swing.
     in_motion: bool,
+    /// The pressure whose steps begin its swings.
+    steps: Option<Steps>,
 }
 
 impl Guessed {
-    /// The first sample, if the file has no release that can be found without it, and has one with it, or swings from it on.
+    /// The first sample, if the file has no release that can be found without it, and has one with it, or swings from it on. Where it
+    /// does not show which way is up, the start is known all the same.
     fn of(recording: &(String, Recording)) -> Self {
-        let alone = std::slice::from_ref(recording);
-        let is_found =
-            |start: Guessed| clean(&text("draft", alone, "", &[start], &[Vec::new()]), alone).is_ok();
         let at_once = Guessed {
             instants: recording.1.time.first().copied().into_iter().collect(),
             why: "the file has no hold, so the rod is let go at its first sample",
             ..Guessed::default()
         };
         let in_motion = Guessed { in_motion: true, ..Guessed::default() };
-        let all = [Guessed::default(), at_once, in_motion];
-        all.into_iter().find(|own| is_found(own.clone())).unwrap_or_default()
+        let stepped = Guessed::stepped(recording);
+        let is_found = |start: &&Guessed| {
+            let has_hold = start.instants.is_empty() && !start.in_motion;
+            let is_even =
+                |cleaned: Cleaned| has_hold || cleaned.recordings.iter().all(CleanRecording::is_even);
+            start.tried(recording).is_ok_and(is_even)
+        };
+        let axes = [2, 1, 0].map(|axis| Direction::Axis(axis, 1.0));
+        let upright = axes.map(|axis| {
+            let why = format!("{}{IS_UP}{SURELY}: it is tried", axis.text());
+            Guessed { up: Some((axis, why)), ..in_motion.clone() }
+        });
+        let all = [&stepped, &Guessed::default(), &at_once, &in_motion];
+        let found = all.into_iter().chain(&upright).find(is_found).cloned().unwrap_or_default();
+        Guessed { up: None, ..found }
+    }
+
+    /// What cleaning makes of a recording that starts so.
+    fn tried(&self, recording: &(String, Recording)) -> Result<Cleaned, ExperimentError> {
+        let alone = std::slice::from_ref(recording);
+        clean(&text("draft", alone, "", std::slice::from_ref(self), &[Vec::new()]), alone)
+    }
+
+    /// At rest until its pressure steps, if the file has a pressure that begins swings.
+    fn stepped(recording: &(String, Recording)) -> Self {
+        let steps = Steps::of(&recording.1);
+        let start = Guessed { steps, ..Guessed::default() };
+        Some(start)
+            .filter(|start| start.steps.is_some() && start.tried(recording).is_ok())
+            .unwrap_or_default()
+    }
+
+    /// Whether something holds the rod before it is let go.
+    fn is_held(&self) -> bool {
+        !self.in_motion && self.steps.is_none()
     }
 
     /// Gives all releases of a recording their instants, if a hand lowers the rod before one of them. It is not held straight
@@ -274,6 +243,9 @@ fn start(out: &mut String, guessed: &Guessed) {
     }
     let knows_up = up(out, guessed.up.as_ref());
     match guessed.angle {
+        _ if guessed.steps.is_some() => {
+            *out += "start = \"rest\"   # GUESS: the tip is at rest before the pressure steps\n";
+        }
         _ if guessed.in_motion => {
             *out += "start = \"in motion\"   # GUESS: the file has no hold, and begins in mid-swing\n"
         }
@@ -307,16 +279,23 @@ fn up(out: &mut String, up: Option<&(Direction, String)>) -> bool {
     is_sure
 }
 
-fn pressure_and_payload(out: &mut String, file: &str) {
-    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
-    match number_before(name, &["psi", "kpa", "mbar", "bar"]) {
+/// The name of a file without its folders.
+fn base_name(file: &str) -> &str {
+    file.rsplit(['/', '\\']).next().unwrap_or(file)
+}
+
+fn pressure(out: &mut String, file: &str) {
+    match number_before(base_name(file), &["psi", "kpa", "mbar", "bar"]) {
         Some((number, unit)) => {
             let unit = if unit == "kpa" { "kPa" } else { unit };
             let _ = writeln!(out, "pressure = \"{number} {unit}\"   # GUESS: from the file's name");
         }
         None => *out += "# pressure = \"… psi\"   # FILL IN, if there is one: gauge pressure\n",
     }
-    match number_before(name, &["kg", "g"]) {
+}
+
+fn payload(out: &mut String, file: &str) {
+    match number_before(base_name(file), &["kg", "g"]) {
         Some((number, unit)) => {
             let _ = writeln!(out, "payload = \"{number} {unit}\"   # GUESS: from the file's name");
         }
@@ -409,6 +388,29 @@ mod tests {
             at_once.contains("\ninstants = [\"0 s\"]   # GUESS") && at_once.contains("\n# angle"),
             "{at_once}"
         );
+    }
+
+    /// A recording of the path of a tip, in metres: a height over time beside 0.4 m.
+    fn tip(height: impl Fn(f64) -> f64) -> (String, Recording) {
+        let mut text = "t_s,A_x_m,A_y_m,A_z_m\n".to_owned();
+        for time in (0..900).map(|k| 0.01 * f64::from(k)) {
+            text += &format!("{time:.2},0.4,0.01,{:.9}\n", height(time));
+        }
+        let file = Path::new("a.csv");
+        ("a.csv".to_owned(), parse(text.into_bytes(), file, &ReadOptions::default()).expect("a table"))
+    }
+
+    /// A drift, and a bump between two rests, are no swing of a rod that is let go at the first sample; a swing in full motion is
+    /// one, though nothing says which way is up.
+    #[test]
+    fn what_does_not_swing_has_no_start() {
+        let draft = |own: (String, Recording)| draft("name", &[own], &ReadOptions::default());
+        for still in [draft(tip(|t| 1e-3 * t)), draft(tip(|t| 0.01 * (-((t - 4.0) / 0.5).powi(2)).exp()))] {
+            assert!(still.contains("NOT YET USABLE") && !still.contains("\ninstants"), "{still}");
+            assert!(!still.contains("\nstart"), "{still}");
+        }
+        let swing = draft(tip(|t| -0.14 + 0.1 * (-0.4 * t).exp() * (10.0 * t + 1.2).cos()));
+        assert!(swing.contains("\nstart = \"in motion\"") && swing.contains("which way is up"), "{swing}");
     }
 
     #[test]

@@ -58,7 +58,10 @@ impl FileKind {
     fn command(self, file: &str) -> String {
         match self {
             FileKind::Scenario => format!("`efam simulate {file}` takes it"),
-            FileKind::Experiment => format!("`efam diagnose {file}` takes it, as calibrate and analyse do"),
+            FileKind::Experiment => format!(
+                "`efam diagnose {file}` takes it, as calibrate and analyse do; `efam predict` takes the rod.toml or muscle.toml that \
+                 `efam calibrate {file}` writes"
+            ),
             FileKind::Sweep => format!("`efam sweep {file}` takes it"),
             FileKind::Muscle => format!("`efam predict --muscle {file} --pressure 40psi` takes it"),
             FileKind::Laws => format!("`efam effects --check {file}` takes it"),

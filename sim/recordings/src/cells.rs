@@ -56,6 +56,8 @@ pub(super) fn without_blanks(text: &str) -> Option<String> {
         word.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.'))
             && word.chars().all(|c| c.is_ascii_digit() || ":.,+-eE".contains(c))
             && !word.ends_with(',')
+            // A comma is a decimal sign here, and separates no cells.
+            && (!word.contains(',') || word.matches([',', '.']).count() == 1)
             || word.eq_ignore_ascii_case("nan")
     };
     let lines: Vec<&str> = sample(text);

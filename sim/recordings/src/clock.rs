@@ -175,6 +175,21 @@ fn ascending(
     Err(RecordingProblem::Order { place: place(at + 1), what, before: values[at], after: values[at + 1] })
 }
 
+/// Adds a day to times of the day, s, from midnight on.
+pub(super) fn over_midnight(times: &mut [f64]) {
+    if !times.iter().all(|time| (0.0..DAY).contains(time)) {
+        return;
+    }
+    // A clock that is set back falls by less.
+    let is_midnight = |pair: &[f64]| pair[0] - pair[1] > 0.9 * DAY;
+    if let Some(at) = times.windows(2).position(is_midnight) {
+        times[at + 1..].iter_mut().for_each(|time| *time += DAY);
+    }
+}
+
+/// s
+const DAY: f64 = 86_400.0;
+
 /// Whether each value is more than the one before.
 pub(super) fn ascends(values: &[f64]) -> bool {
     values.windows(2).all(|pair| pair[1] > pair[0])

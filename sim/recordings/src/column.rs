@@ -15,6 +15,12 @@ pub(super) enum Column {
         axis: usize,
         unit: Option<Length>,
     },
+    /// A coordinate in a name that may mean another thing, such as `x1`, `x_tip` or `tipX`: one where it has a second axis.
+    Perhaps {
+        marker: String,
+        axis: usize,
+        unit: Option<Length>,
+    },
     /// A part of a quaternion: w, x, y or z.
     Orientation {
         body: String,
@@ -98,16 +104,20 @@ const ASIDE: [&str; 14] = [
 /// What joins the name of a marker to its axis.
 const JOINTS: [char; 6] = ['_', '.', ':', ' ', '/', '-'];
 
+/// What a time is called, in the languages of spreadsheets.
+const TIMES: [&str; 9] = ["t", "time", "timestamp", "zeit", "temps", "tiempo", "tempo", "tijd", "tid"];
+
 /// What a column's name says.
 pub(super) fn column(name: &str) -> Column {
-    let words = words(name);
-    let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    match words.as_slice() {
-        ["elapsed", "time"] | ["t" | "time" | "timestamp"] => return Column::Time(1.0, false),
-        ["elapsed", "time", unit] | ["t" | "time" | "timestamp", unit] | [unit]
-            // A single letter may be anything: an arc length, a mass.
-            if second(unit).is_some() && (words.len() > 1 || unit.len() > 1) =>
-        {
+    // Programs put the name of a run before it, such as `Data Set 1:Time(s)`.
+    let own = words(name.rsplit_once(':').map_or(name, |(_, own)| own));
+    match own.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["elapsed", word] | [word] if TIMES.contains(&word) => return Column::Time(1.0, false),
+        ["elapsed", word, unit] | [word, unit] if TIMES.contains(&word) && second(unit).is_some() => {
+            return Column::Time(second(unit).expect("it is one"), true);
+        }
+        // A single letter may be anything: an arc length, a mass.
+        [unit] if second(unit).is_some() && unit.len() > 1 => {
             return Column::Time(second(unit).expect("it is one"), true);
         }
         ["frame" | "coords" | "bodyparts"] | ["frame", "number" | "idx" | "index" | "no" | "nr"] => {
@@ -135,6 +145,7 @@ fn second(unit: &str) -> Option<f64> {
         "s" | "sec" | "secs" | "second" | "seconds" => Some(1.0),
         "ms" | "msec" | "millis" | "millisecond" | "milliseconds" => Some(1e-3),
         "us" | "µs" | "microsecond" | "microseconds" => Some(1e-6),
+        "ns" | "nanosecond" | "nanoseconds" => Some(1e-9),
         "min" | "minute" | "minutes" => Some(60.0),
         _ => None,
     }
@@ -186,10 +197,32 @@ fn position(name: &str) -> Option<Column> {
         let marker = marker.trim_end_matches([' ', '-', '/']).to_owned();
         return (unit.is_some() || !is_other()).then_some(Column::Position { marker, axis, unit });
     }
-    let (first, node) = stem.split_once('_')?;
-    let is_number = !node.is_empty() && node.bytes().all(|byte| byte.is_ascii_digit());
-    let axis = axis(first).filter(|_| is_number && unit.is_some())?;
-    Some(Column::Position { marker: format!("node_{node}"), axis, unit })
+    if let Some((first, node)) = stem.split_once('_')
+        && let Some(axis) = axis(first).filter(|_| is_number(node) && unit.is_some())
+    {
+        return Some(Column::Position { marker: format!("node_{node}"), axis, unit });
+    }
+    let (marker, axis) = perhaps(stem)?;
+    let is_other = words(&marker).iter().any(|word| QUANTITIES.contains(&word.as_str()));
+    (!is_other).then_some(Column::Perhaps { marker, axis, unit })
+}
+
+fn is_number(word: &str) -> bool {
+    !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Marker and axis of `x1`, `x_tip` and `tipX`.
+fn perhaps(stem: &str) -> Option<(String, usize)> {
+    let axis = |letter: char| AXES.iter().position(|axis| axis.starts_with(letter.to_ascii_lowercase()));
+    let (first, last) = (stem.chars().next()?, stem.chars().next_back()?);
+    let after = &stem[first.len_utf8()..];
+    let marker = after.strip_prefix(JOINTS).filter(|marker| !marker.is_empty());
+    if let Some((axis, marker)) = axis(first).zip(marker.or(Some(after).filter(|after| is_number(after)))) {
+        return Some((marker.to_owned(), axis));
+    }
+    let before = &stem[..stem.len() - last.len_utf8()];
+    let is_small = before.ends_with(|c: char| c.is_lowercase() || c.is_ascii_digit());
+    Some((before.to_owned(), axis(last).filter(|_| is_small && last.is_uppercase())?))
 }
 
 #[cfg(test)]
@@ -199,6 +232,7 @@ mod tests {
     #[test]
     fn names_of_columns_say_what_they_hold() {
         let at = |marker: &str, axis, unit| Column::Position { marker: marker.to_owned(), axis, unit };
+        let perhaps = |marker: &str, axis, unit| Column::Perhaps { marker: marker.to_owned(), axis, unit };
         for (name, expected) in [
             ("t_s", Column::Time(1.0, true)),
             ("Time (ms)", Column::Time(1e-3, true)),
@@ -219,6 +253,15 @@ mod tests {
             ("sec", Column::Time(1.0, true)),
             ("time_stamp", Column::Other),
             ("frame_idx", Column::Frame),
+            ("Zeit [s]", Column::Time(1.0, true)),
+            ("Video Analysis: Time (s)", Column::Time(1.0, true)),
+            ("Data Set 1:X(m)", at("Data Set 1", 0, Some(Length::Metre))),
+            ("x_tip_mm", perhaps("tip", 0, Some(Length::Millimetre))),
+            ("Y2", perhaps("2", 1, None)),
+            ("markerZ", perhaps("marker", 2, None)),
+            ("x_velocity", Column::Other),
+            ("index", Column::Other),
+            ("MAX", Column::Other),
             ("s", Column::Other),
             ("qw", Column::Orientation { body: "point".to_owned(), part: 0 }),
             ("pose.orientation.w", Column::W { body: "pose.orientation".to_owned() }),

@@ -13,7 +13,7 @@ use parquet::file::metadata::ParquetMetaData;
 use super::draft::Draft;
 use super::error::RecordingProblem;
 use super::format::Format;
-use super::layout::{Columns, Layout};
+use super::layout::Layout;
 use super::tidy;
 
 /// First bytes of a file.
@@ -68,9 +68,7 @@ fn read_checked(bytes: Vec<u8>) -> Result<Draft, RecordingProblem> {
         point.position = point.position.map(|column| column.map(place));
         point.orientation = point.orientation.map(|columns| columns.map(place));
     }
-    let mut draft = Draft::new(Format::Parquet, layout.unit.clone(), "row");
-    draft.findings = layout.findings.clone();
-    draft.markers = layout.points.iter().map(Columns::marker).collect();
+    let mut draft = layout.draft("row");
     for batch in reader {
         let batch = batch.map_err(|error| broken(&error))?;
         add(&layout, &batch, &mut draft)?;

@@ -35,6 +35,8 @@ pub(super) struct Draft {
     pub frames: Vec<f64>,
     /// Time of each sample, s; empty if the file has none.
     pub times: Vec<f64>,
+    /// The column of times, if it states no unit and seconds are assumed.
+    pub assumed_second: Option<String>,
     /// The first thing that is wrong with frames, times or rate; it does not matter if the person states a rate.
     pub wrong_clock: Option<RecordingProblem>,
     /// Where each sample stands, for messages.
@@ -64,17 +66,33 @@ pub(super) enum Unit {
 /// Extents beyond which a unit is doubtful, m.
 const DOUBTFUL_EXTENT: (f64, f64) = (1e-3, 30.0);
 
+/// Steps of a time without a unit from which on it is probably not in seconds: milliseconds and frames are whole numbers.
+const LONG_STEP: f64 = 1.0;
+
 impl Draft {
     pub(super) fn new(format: Format, unit: Unit, place: &'static str) -> Self {
         let (frames, times, places) = Default::default();
-        let (markers, findings, wrong_clock) = Default::default();
-        Self { format, unit, rate: None, frames, times, wrong_clock, places, place, markers, findings }
+        let (assumed_second, markers, findings, wrong_clock) = Default::default();
+        Self {
+            format,
+            unit,
+            rate: None,
+            frames,
+            times,
+            assumed_second,
+            wrong_clock,
+            places,
+            place,
+            markers,
+            findings,
+        }
     }
 
     /// Makes the recording.
     pub(super) fn finish(self, source: &Path, options: &ReadOptions) -> Result<Recording, RecordingProblem> {
         let Draft { format, unit, mut rate, places, place, mut markers, findings: met, .. } = self;
-        let (mut frames, times) = (self.frames, self.times);
+        let (mut frames, mut times) = (self.frames, self.times);
+        clock::over_midnight(&mut times);
         if places.len() < 2 {
             return Err(RecordingProblem::OneSample);
         }
@@ -92,6 +110,11 @@ impl Draft {
             Some(problem) if options.rate_hz.is_none() => return Err(problem),
             Some(problem) => findings.push(format!("the file's own clock is set aside: {problem}")),
             None => {}
+        }
+        let step = (times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0))
+            / (places.len() - 1) as f64;
+        if let Some(column) = self.assumed_second.filter(|_| options.rate_hz.is_none() && step >= LONG_STEP) {
+            return Err(RecordingProblem::TimeUnit { column, step: clock::plain(step) });
         }
         if options.rate_hz.is_some() && !clock::ascends(&frames) {
             findings.push("frame numbers do not ascend; samples are counted instead".to_owned());

@@ -111,7 +111,7 @@ pub enum RecordingProblem {
     /// No column names a position.
     #[error(
         "names no marker; expected columns such as tip_x_m, tip_y_m, tip_z_m (accelerations, rates and angles are no \
-         positions), met {met}"
+         positions), met {met}; or say what they hold, such as --columns t_s,z_mm"
     )]
     NoMarkers {
         /// Columns met.
@@ -170,6 +170,17 @@ pub enum RecordingProblem {
     NoUnit {
         /// What is silent.
         place: String,
+    },
+    /// A time without a unit whose steps are long for seconds.
+    #[error(
+        "column `{column}` states no unit of time, and its steps are {step}, which is long for seconds; name it, such as t_s, \
+         t_ms, t_us or t_ns, or say --rate"
+    )]
+    TimeUnit {
+        /// Name of the column.
+        column: String,
+        /// Mean step, in the column's own unit.
+        step: String,
     },
     /// No clock at all.
     #[error("states neither times nor a sampling rate; add a column t_s, or say --rate with the rate in Hz")]

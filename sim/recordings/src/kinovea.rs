@@ -3,10 +3,14 @@
 //! ```text
 //! #Kinovea Trajectory data export
 //! #T X Y
+//!
+//! # tip
 //! 0:00:00:00 0.00 0.00
 //!
+//! # base
 //! 0:00:00:12 3.10 0.20
 //! ```
+//! Versions before 2023 write no names.
 
 use std::collections::BTreeMap;
 
@@ -17,26 +21,33 @@ use super::names::{distinct, some};
 /// Trajectories that are read at most.
 const MOST: usize = 50;
 
-/// The trajectories of an export, each with the lines above the first one and with its own numbers of lines; nothing unless
-/// there are several.
-pub(super) fn trajectories(text: &str) -> Option<impl Iterator<Item = String>> {
+/// One of them: its name, if the export has names, and a text of the lines above the first one and its own, each in its place.
+pub(super) struct Trajectory {
+    pub name: Option<String>,
+    pub text: String,
+}
+
+/// The trajectories of an export; none of another text.
+pub(super) fn trajectories(text: &str) -> impl Iterator<Item = Trajectory> {
+    let note = |line: &str| line.strip_prefix('#').map(|note| note.trim().to_owned());
     let is_of_kinovea =
-        text.lines().next()?.to_lowercase().trim_start_matches(['#', ' ']).starts_with("kinovea");
+        |line: &str| line.to_lowercase().trim_start_matches(['#', ' ']).starts_with("kinovea");
     let is_row = |line: &str| line.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let first = text.lines().position(is_row).filter(|_| is_of_kinovea)?;
-    let (mut starts, mut was_row) = (Vec::new(), false);
-    for (at, line) in text.lines().enumerate() {
+    let first = text.lines().position(is_row).filter(|_| text.lines().next().is_some_and(is_of_kinovea));
+    let (mut starts, mut name, mut was_row) = (Vec::new(), None, false);
+    for (at, line) in text.lines().enumerate().filter(|_| first.is_some()) {
         if is_row(line) && !was_row {
-            starts.push(at);
+            starts.push((at, name.take()));
         }
         was_row = is_row(line);
+        name = note(line).filter(|note| !note.is_empty() && note != "T X Y" && !is_of_kinovea(note)).or(name);
     }
-    let one = move |start: usize| {
+    starts.into_iter().take(MOST + 1).map(move |(start, name)| {
+        let first = first.unwrap_or_default();
         let above = text.lines().take(first).chain(std::iter::repeat_n("", start - first));
         let own = text.lines().skip(start).take_while(move |line| is_row(line));
-        above.chain(own).flat_map(|line| [line, "\n"]).collect::<String>()
-    };
-    (starts.len() > 1).then(|| starts.into_iter().take(MOST + 1).map(one))
+        Trajectory { name, text: above.chain(own).flat_map(|line| [line, "\n"]).collect() }
+    })
 }
 
 /// Trajectories of a text of so many bytes as one draft, over all times that one of them has; nothing if there are too many,

@@ -21,6 +21,8 @@ pub(super) struct Layout {
     pub frame: Option<usize>,
     /// Column of times, and the length of their unit, s.
     pub time: Option<(usize, f64)>,
+    /// The name of that column, if it states no unit.
+    pub assumed_second: Option<String>,
     pub points: Vec<Columns>,
     /// Whether the format writes three zeros for a lost point.
     pub zero_is_lost: bool,
@@ -70,6 +72,7 @@ impl Layout {
             wrong_clock: None,
             frame: None,
             time: None,
+            assumed_second: None,
             points,
             zero_is_lost: false,
             is_picture: false,
@@ -77,6 +80,16 @@ impl Layout {
             samples: None,
             findings,
         }
+    }
+
+    /// A draft without samples, whose places are counted in lines or rows.
+    pub(super) fn draft(&self, place: &'static str) -> Draft {
+        let mut draft = Draft::new(self.format, self.unit.clone(), place);
+        draft.rate = self.rate;
+        draft.assumed_second.clone_from(&self.assumed_second);
+        draft.findings.clone_from(&self.findings);
+        draft.markers = self.points.iter().map(Columns::marker).collect();
+        draft
     }
 
     /// Reads all rows that follow.
@@ -89,11 +102,8 @@ impl Layout {
     pub(super) fn read_from(mut self, header_line: u64, rows: &mut Rows) -> Result<Draft, RecordingProblem> {
         let mut numbers = Numbers::default();
         let mut tally = Tally::default();
-        let mut draft = Draft::new(self.format, self.unit.clone(), "line");
-        draft.rate = self.rate;
+        let mut draft = self.draft("line");
         draft.wrong_clock = self.wrong_clock.take();
-        draft.findings = self.findings.clone();
-        draft.markers = self.points.iter().map(Columns::marker).collect();
         let width = 1 + self.columns().max().unwrap_or(0);
         while rows.read_filled()? {
             let line = rows.line();
@@ -325,16 +335,27 @@ fn wrong_clock(rows: &Rows, line: u64, column: usize, name: &str) -> RecordingPr
 }
 
 /// A time, s: a number of a unit, or hours, minutes and seconds between colons, with hundredths after a third one as
-/// Kinovea writes them; a date before it is passed over.
+/// Kinovea writes them; a date before it is passed over, and so is a time zone after it. Half of the day may be AM or PM.
 pub(super) fn second_of(cell: &str, second: f64, numbers: &mut Numbers, line: u64) -> Option<f64> {
     if !cell.contains(':') {
         return Some(second * numbers.read(cell, line).ok().flatten()?);
     }
-    let clock = cell.rsplit([' ', 'T']).next()?;
+    let cell = cell.to_ascii_uppercase();
+    let half = |half: &str| cell.strip_suffix(half).map(str::trim_end);
+    let (whole, noon) = match (half("AM"), half("PM")) {
+        (Some(before), _) => (before, Some(0.0)),
+        (_, Some(before)) => (before, Some(12.0)),
+        _ => (cell.as_str(), None),
+    };
+    let clock = whole.rsplit([' ', 'T']).next()?;
+    let clock = clock.split(['Z', '+', '-']).next()?;
     let parts = clock.split(':').map(in_header).collect::<Option<Vec<f64>>>()?;
     match parts[..] {
         [minutes, seconds] => Some(60.0 * minutes + seconds),
-        [hours, minutes, seconds] => Some(3600.0 * hours + 60.0 * minutes + seconds),
+        [hours, minutes, seconds] => {
+            let hours = noon.map_or(hours, |noon| noon + hours % 12.0);
+            Some(3600.0 * hours + 60.0 * minutes + seconds)
+        }
         [hours, minutes, seconds, hundredths] => {
             Some(3600.0 * hours + 60.0 * minutes + seconds + 0.01 * hundredths)
         }

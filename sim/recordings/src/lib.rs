@@ -41,7 +41,7 @@ pub use format::Format;
 pub use length::{Length, TOO_FAR, UnknownUnit};
 pub use quality::Quality;
 pub use read::{parse, read};
-pub use series::{Series, series};
+pub use series::{Series, quantities, series};
 pub use tidy::table;
 
 /// A recording as it was read: nothing is filtered, filled in or cut, but for samples that only repeat the one before.

@@ -10,6 +10,7 @@ use super::cells::{Rows, decode, is_wide, no_letter, without_blanks};
 use super::draft::{Draft, ReadOptions};
 use super::error::{RecordingError, RecordingProblem};
 use super::format::{self, Format};
+use super::kinovea::Trajectory;
 use super::{Recording, c3d, columnar, kinovea, motive, qualisys, tidy, trc, vicon};
 
 /// The longest file that is read, bytes: three days of one marker at 100 Hz, or an hour of sixty.
@@ -148,9 +149,18 @@ fn another(bytes: &[u8], extension: &str) -> Option<RecordingProblem> {
 
 fn text(bytes: Vec<u8>, options: &ReadOptions) -> Result<Draft, RecordingProblem> {
     let (text, finding) = decode(bytes)?;
-    let Some(all) = kinovea::trajectories(&text) else { return one_text(text, finding, options) };
-    let drafts = all.map(|text| one_text(text, finding.clone(), options));
-    kinovea::merged(drafts.collect::<Result<_, _>>()?, text.len()).ok_or_else(|| RecordingProblem::NotRead {
+    let read = |own: Trajectory| -> Result<Draft, RecordingProblem> {
+        let mut draft = one_text(own.text, finding.clone(), options)?;
+        if let ([marker], Some(name)) = (&mut draft.markers[..], own.name) {
+            marker.name = name;
+        }
+        Ok(draft)
+    };
+    let mut drafts = kinovea::trajectories(&text).map(read).collect::<Result<Vec<Draft>, _>>()?;
+    if drafts.len() < 2 {
+        return drafts.pop().map_or_else(|| one_text(text, finding, options), Ok);
+    }
+    kinovea::merged(drafts, text.len()).ok_or_else(|| RecordingProblem::NotRead {
         what: "an export of Kinovea with too many trajectories, or some whose times do not ascend".to_owned(),
         remedy: "export each into a file of its own, or all as one table with columns for each",
     })
@@ -219,6 +229,20 @@ mod tests {
             }
             assert_ne!(read.markers[0].name, read.markers[1].name);
         }
+        // Since 2023 each has its name above it, and numbers have the decimal sign of the program.
+        let named = format!(
+            "#Kinovea Trajectory data export\n#T X Y\n\n# Tip 1\n{}\n# base\n{}\n",
+            rows(0, 20, 0),
+            rows(3, 9, 100)
+        );
+        for text in [named.clone(), named.replace('.', ",")] {
+            let read = read(text, None).unwrap();
+            let names: Vec<&str> = read.markers.iter().map(|marker| marker.name.as_str()).collect();
+            assert_eq!((names, read.rate_hz), (vec!["Tip 1", "base"], 100.0));
+        }
+        let alone =
+            read(format!("#Kinovea Trajectory data export\n#T X Y\n\n# Tip 1\n{}", rows(0, 20, 0)), None);
+        assert_eq!(alone.unwrap().markers[0].name, "Tip 1");
         let error = read(format!("{head}{}\n{}{}", rows(0, 9, 0), rows(5, 9, 0), rows(0, 9, 0)), None);
         assert!(error.unwrap_err().to_string().contains("whose times do not ascend"));
         // One of them, and a blank line at the end or in another program's table.

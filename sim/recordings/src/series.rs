@@ -25,19 +25,32 @@ pub struct Series {
 /// # Errors
 /// [`RecordingError`], also where no column has the name, or no other one is a time.
 pub fn series(path: &Path, name: &str) -> Result<Series, RecordingError> {
+    table(path, |text| of_text(text, name))
+}
+
+/// What a table in text says.
+fn table<T>(path: &Path, of: impl Fn(String) -> Result<T, RecordingProblem>) -> Result<T, RecordingError> {
     let read = || {
         let bytes = read::load(path)?;
         if bytes.starts_with(b"PAR1") {
             let what = "a table in Parquet, of which markers alone are read".to_owned();
             return Err(RecordingProblem::NotRead { what, remedy: "save the table as CSV" });
         }
-        of_text(decode(bytes)?.0, name)
+        let text = decode(bytes)?.0;
+        of(without_blanks(&text).unwrap_or(text))
     };
     read().map_err(|problem| RecordingError { file: path.to_owned(), problem })
 }
 
+/// The columns of a text by their whole names, each with the unit at its end.
+/// # Errors
+/// As [`series`].
+pub fn quantities(path: &Path) -> Result<Vec<(String, Option<String>)>, RecordingError> {
+    let names = table(path, |text| Ok(tidy::names(&mut Rows::new(&text))?.0))?;
+    Ok(names.into_iter().map(|name| (name.clone(), stem(&name).1.map(str::to_owned))).collect())
+}
+
 fn of_text(text: String, wanted: &str) -> Result<Series, RecordingProblem> {
-    let text = without_blanks(&text).unwrap_or(text);
     let rows = &mut Rows::new(&text);
     let (names, line) = tidy::names(rows)?;
     let of = |name: &str| {

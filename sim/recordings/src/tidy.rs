@@ -95,7 +95,9 @@ fn above(rows: &mut Rows) -> Result<(Vec<Line>, Vec<Line>), RecordingProblem> {
 fn head(mut lines: Vec<Line>, notes: Vec<Line>, rows: &Rows) -> Option<Head> {
     let mut findings = Vec::new();
     let names_columns = |line: &Line| {
-        line.1.iter().any(|name| matches!(column(name), Column::Time(..) | Column::Position { .. }))
+        let is_known =
+            |column| matches!(column, Column::Time(..) | Column::Position { .. } | Column::Perhaps { .. });
+        line.1.iter().any(|name| is_known(column(name)))
     };
     if !lines.iter().any(names_columns) {
         // Programs that write numbers alone put the names behind a sign of comment.
@@ -136,21 +138,27 @@ fn name_by_groups(names: &mut [String], lines: Vec<Line>, findings: &mut Vec<Str
     let mut passed_over = 0;
     for (_, cells) in lines {
         let filled: Vec<usize> = (0..cells.len()).filter(|at| !cells[*at].is_empty()).collect();
-        let above: Vec<usize> = filled.iter().copied().filter(|at| places.contains(at)).collect();
+        // A name may begin over the time before its axes.
+        let place = |at: &usize| {
+            let is_time = names.get(*at).is_some_and(|name| matches!(column(name), Column::Time(..)));
+            let place = if is_time { at + 1 } else { *at };
+            Some(place).filter(|place| places.contains(place) && (place == at || !filled.contains(place)))
+        };
+        let over = |at: usize| filled.iter().find(|own| place(own) == Some(at)).map(|own| &cells[*own]);
+        let above: Vec<usize> = filled.iter().filter_map(place).collect();
         // A title that is alone names all; names over axes begin at one and go on to the next.
         let is_title = filled.len() == 1 && above.is_empty();
-        let first = above.first().map(|at| &cells[*at]);
-        let says_one = above.len() == places.len()
-            && above.iter().all(|at| Some(&cells[*at]) == first)
-            && places.len() > 3;
+        let first = above.first().and_then(|at| over(*at));
+        let says_one =
+            above.len() == places.len() && above.iter().all(|at| over(*at) == first) && places.len() > 3;
         if above.is_empty() && !is_title || says_one {
             passed_over += 1;
             continue;
         }
         let mut group = if is_title { cells[filled[0]].clone() } else { String::new() };
         for at in &places {
-            if !is_title && cells.get(*at).is_some_and(|cell| !cell.is_empty()) {
-                group.clone_from(&cells[*at]);
+            if let Some(cell) = over(*at).filter(|_| !is_title) {
+                group.clone_from(cell);
             }
             if !group.is_empty() {
                 groups[*at] =
@@ -186,9 +194,7 @@ pub fn table(
     assert!(lengths.all(|length| length == first), "columns of one length");
     let read = || {
         let layout = layout(names, Format::Made)?;
-        let mut draft = Draft::new(Format::Made, layout.unit.clone(), "row");
-        draft.findings = layout.findings.clone();
-        draft.markers = layout.points.iter().map(Columns::marker).collect();
+        let mut draft = layout.draft("row");
         let wanted: BTreeSet<usize> = layout.columns().collect();
         let finite = |value: &f64| Some(*value).filter(|value| value.is_finite());
         let numbers = |(k, column): (usize, &Result<Vec<f64>, String>)| match column {
@@ -209,6 +215,7 @@ pub fn table(
 pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, RecordingProblem> {
     let mut columns: Vec<Column> = names.iter().map(|name| column(name)).collect();
     quaternions(&mut columns);
+    decide(&mut columns);
     let with_unit = columns.iter().zip(names).filter_map(|(column, name)| match column {
         Column::Position { unit: Some(unit), .. } => Some((name.as_str(), *unit)),
         _ => None,
@@ -218,13 +225,14 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Recordi
 
     let (mut points, mut index) = (Vec::<Columns>::new(), HashMap::new());
     let (mut time, mut frame, mut passed_over, mut bodies) = (None, None, Vec::new(), Vec::new());
-    let (mut silent, mut findings, mut likely) = (None, Vec::new(), Vec::new());
+    let (mut silent, mut findings, mut likely, mut assumed_second) = (None, Vec::new(), Vec::new(), None);
     for (at, (column, name)) in columns.into_iter().zip(names).enumerate() {
         match column {
             Column::Time(second, is_stated) if time.is_none() => {
                 time = Some((at, second));
                 if !is_stated {
                     findings.push(format!("time: s is assumed, for column `{name}` states no unit"));
+                    assumed_second = Some(name.clone());
                 }
             }
             Column::Frame if frame.is_none() => frame = Some(at),
@@ -275,7 +283,7 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Recordi
     let pixels = || Unit::Stated(Length::Pixel, "places have a likelihood, as in a picture".to_owned());
     let unit = unit.or_else(|| is_picture.then(pixels)).or(silent.map(Unit::Silent));
     let unit = unit.expect("there are points, with a unit or silent");
-    Ok(Layout { frame, time, is_picture, ..Layout::new(format, unit, points, findings) })
+    Ok(Layout { frame, time, assumed_second, is_picture, ..Layout::new(format, unit, points, findings) })
 }
 
 /// Takes x, y and z beside a w of the same name for a quaternion, unless they are lengths.
@@ -295,6 +303,21 @@ fn quaternions(columns: &mut [Column]) {
         if let Some((body, part)) = part.filter(|(own, _)| bodies.contains(own)) {
             *column = Column::Orientation { body, part };
         }
+    }
+}
+
+/// Takes what may be a coordinate for one if its marker has another axis.
+fn decide(columns: &mut [Column]) {
+    let of = |column: &Column| match column {
+        Column::Perhaps { marker, axis, .. } => Some((marker.clone(), *axis)),
+        _ => None,
+    };
+    let met: Vec<(String, usize)> = columns.iter().filter_map(of).collect();
+    for column in columns {
+        let Column::Perhaps { marker, axis, unit } = &*column else { continue };
+        let has_other = met.iter().any(|(own, other)| own == marker && other != axis);
+        let position = || Column::Position { marker: marker.clone(), axis: *axis, unit: *unit };
+        *column = if has_other { position() } else { Column::Other };
     }
 }
 

@@ -128,3 +128,61 @@ fn files_of_other_programs_are_named() {
     let ragged = read("x_m,z_m\n1,0.4,0\n2,0.4,0.1\n").unwrap_err();
     assert!(ragged.contains("line 2 has 3 cells, and line 1 names 2 columns"), "{ragged}");
 }
+
+/// A time of day with a date, a zone, AM or PM, and over midnight: steps of 10 ms. One without a unit whose steps are whole
+/// numbers is refused, since they may be milliseconds, nanoseconds or frames.
+#[test]
+fn clocks_of_loggers_are_read_or_refused() {
+    let table = |times: [&str; 3]| {
+        read(&format!(
+            "timestamp,tip_x_m,tip_z_m\n{}",
+            times.map(|time| format!("{time},0.4,0.1\n")).concat()
+        ))
+    };
+    for times in [
+        ["2024-03-05 14:59:57.98", "2024-03-05 14:59:57.99", "2024-03-05 14:59:58.00"],
+        ["2024-03-05T14:59:57.98Z", "2024-03-05T14:59:57.99Z", "2024-03-05T14:59:58.00Z"],
+        ["2024-03-05T14:59:57.98+01:00", "2024-03-05T14:59:57.99+01:00", "2024-03-05T14:59:58.00+01:00"],
+        ["11:59:59.99 AM", "12:00:00.00 PM", "12:00:00.01 PM"],
+        ["03/05/2024 11:59:59.98 PM", "03/05/2024 11:59:59.99 PM", "03/06/2024 12:00:00.00 AM"],
+        ["23:59:59.98", "23:59:59.99", "00:00:00.00"],
+        ["1709650797.98", "1709650797.99", "1709650798.00"],
+    ] {
+        let recording = table(times).unwrap();
+        assert!((recording.rate_hz - 100.0).abs() < 1e-3, "{times:?}: {} Hz", recording.rate_hz);
+    }
+    for times in [["0", "10", "20"], ["1709650797980000000", "1709650797990000000", "1709650798000000000"]] {
+        let refused = table(times).unwrap_err();
+        assert!(refused.contains("`timestamp` states no unit of time"), "{refused}");
+    }
+    let rate = ReadOptions { rate_hz: Some(50.0), ..ReadOptions::default() };
+    let told = read_with("time,tip_x_m,tip_z_m\n0,1,2\n10,1,2\n", &rate).unwrap();
+    assert_eq!(told.time, [0.0, 0.02]);
+}
+
+/// Names with the axis first, at the end without a joint, or with a number; names of runs before a colon; other languages; names
+/// over the time of each body, as in tables that were pasted side by side.
+#[test]
+fn names_of_other_programs_are_read() {
+    let metres = ReadOptions { unit: Some(Length::Metre), ..ReadOptions::default() };
+    for (names, marker) in [
+        ("t_s,x_tip_m,z_tip_m", "tip"),
+        ("t_s,tipX,tipZ", "tip"),
+        ("t_s,x1,z1", "1"),
+        ("Zeit [s],tip x [m],tip z [m]", "tip"),
+        ("Latest: Time (s),Latest: X (m),Latest: Y (m)", "Latest"),
+        ("Data Set 1:Time(s),Data Set 1:X(m),Data Set 1:Y(m)", "Data Set 1"),
+    ] {
+        let recording = read_with(&format!("{names}\n0,0.4,0.1\n0.02,0.4,0.2\n"), &metres)
+            .unwrap_or_else(|error| panic!("{names}: {error}"));
+        assert_eq!(recording.markers[0].name.trim_end_matches(':'), marker, "{names}");
+        assert_eq!((recording.rate_hz, recording.markers[0].position[1]), (50.0, Some([0.4, 0.0, 0.2])));
+    }
+    // One axis alone of such a name is another quantity.
+    let offset = read("t_s,tip_x_m,tip_z_m,z_offset_m\n0,0.4,0.1,9\n1,0.4,0.2,9\n").unwrap();
+    assert_eq!(offset.markers.len(), 1);
+    let pasted = "mass_A;;;;mass_B;;\nt;x;y;;t;x;y\n0;0,4;0,1;;0;0,2;0\n0,02;0,4;0,2;;0,02;0,2;0\n";
+    let recording = read_with(pasted, &metres).unwrap();
+    let names: Vec<&str> = recording.markers.iter().map(|marker| marker.name.as_str()).collect();
+    assert_eq!((names, recording.rate_hz), (vec!["mass_A", "mass_B"], 50.0));
+}

@@ -184,7 +184,7 @@ impl Pressure {
     fn recorded(experiment: &Experiment, one: &Analysed, pressure: f64) -> Result<Self, ExperimentError> {
         let mut meshes = Vec::new();
         for nodes in NODES {
-            let case = experiment.case_with(one.of.recording, one.of.angle, Some(nodes))?;
+            let case = one.of.case_at_rest(experiment, one.of.angle, Some(nodes))?;
             meshes.extend(case.map(|case| case.model));
         }
         let measured = by_height(one);

@@ -28,7 +28,7 @@ use serde::Serialize;
 use super::arguments::{Output, ReleaseArguments, argv, once};
 use super::browser;
 use super::console::{Console, print};
-use super::failure::Failure;
+use super::failure::{Failure, of_kind};
 use super::live::{LiveEnsemble, Recording, Rerun};
 use super::terminal::stdout;
 use super::{interrupt, signals};
@@ -169,7 +169,11 @@ pub fn run(args: &Predict, console: &Console) -> Result<ExitCode, Failure> {
         ));
     }
     // What the scenario refuses is said before a folder is opened.
-    let (mut case, known) = cases.case(pressures.first().copied(), payloads.first().copied())?;
+    let read = cases.case(pressures.first().copied(), payloads.first().copied());
+    let (mut case, known) = match rod {
+        RodFile::Scenario(file) => of_kind(FileKind::Scenario, file, read)?,
+        RodFile::Muscle(_) => read?,
+    };
     let is_grid = pressures.len() > 1 || payloads.len() > 1;
     let name = title(args, &case.name);
     case.name = name.clone();

@@ -83,7 +83,8 @@ fn a_file_of_another_kind_is_named_with_the_command_that_takes_it() {
     let recording =
         "`efam experiment init x.csv` writes an experiment from it, `efam inspect x.csv` summarises it";
     let simulates = "`efam simulate s.toml` takes it";
-    let diagnoses = "`efam diagnose e.toml` takes it, as calibrate and analyse do";
+    let diagnoses = "`efam diagnose e.toml` takes it, as calibrate and analyse do; `efam predict` takes the rod.toml or muscle.toml \
+                     that `efam calibrate e.toml` writes";
     let sweeps = "`efam sweep sweep.toml` takes it";
     for (line, code, is, then) in [
         ("diagnose x.csv", 2, "x.csv: is a recording, and an experiment is due", recording),
@@ -91,6 +92,7 @@ fn a_file_of_another_kind_is_named_with_the_command_that_takes_it() {
         ("simulate x.csv", 2, "x.csv: is a recording, and a scenario is due", recording),
         ("simulate e.toml", 2, "e.toml: is an experiment, and a scenario is due", diagnoses),
         ("modes e.toml", 2, "e.toml: is an experiment, and a scenario is due", diagnoses),
+        ("predict e.toml", 2, "e.toml: is an experiment, and a scenario is due", diagnoses),
         ("simulate sweep.toml", 2, "sweep.toml: is a sweep, and a scenario is due", sweeps),
         ("diagnose s.toml", 2, "s.toml: is a scenario, and an experiment is due", simulates),
         ("diagnose --plan e.toml", 2, "e.toml: is an experiment, and a scenario is due", diagnoses),

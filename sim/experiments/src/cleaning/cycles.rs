@@ -28,13 +28,27 @@ pub struct Cut {
 }
 
 impl Cut {
+    /// Whether it turns as evenly as a swing does, and no farther from its rest than it was held: noise that wanders, a drift and a
+    /// single bump do not.
+    pub fn is_even(&self, time: &[f64], path: &[Option<[f64; 3]>]) -> bool {
+        let turns = turns(path, self.swing.clone(), self.held, self.rest);
+        let halves: Vec<f64> = turns.windows(2).map(|pair| time[pair[1]] - time[pair[0]]).collect();
+        let usual = quantile(halves.clone(), 0.5).unwrap_or(f64::NAN);
+        let even = halves.iter().filter(|half| (*half / usual - 1.0).abs() < UNEVEN).count();
+        let far = self.swing.clone().filter_map(|i| Some(distance(path[i]?, self.rest))).fold(0.0, f64::max);
+        turns.len() >= LEAST_TURNS
+            && even as f64 >= EVEN * halves.len() as f64
+            && far <= FARTHER * distance(self.held, self.rest)
+    }
+
     /// The end of the hold, over which its place is averaged.
     pub fn late_hold(&self, time: &[f64]) -> Range<usize> {
         late(time, &self.hold)
     }
 }
 
-fn late(time: &[f64], hold: &Range<usize>) -> Range<usize> {
+/// The end of a hold, over which its place is averaged.
+pub(super) fn late(time: &[f64], hold: &Range<usize>) -> Range<usize> {
     let Some(last) = hold.end.checked_sub(1) else { return hold.clone() };
     hold.clone().find(|&i| time[last] - time[i] <= LATE_HOLD).unwrap_or(hold.start)..hold.end
 }
@@ -44,19 +58,27 @@ const LATE_HOLD: f64 = 0.3;
 /// Speed below which the tip is quiet, in the fastest of the recording.
 const QUIET: f64 = 0.04;
 /// Speed above which it was let go, likewise.
-const FAST: f64 = 0.5;
+pub(super) const FAST: f64 = 0.5;
 /// Speed, m/s, below which nothing was let go, whatever the noise.
 const SLOWEST: f64 = 1e-4;
 /// Shortest hold, s, or in periods if that is less.
 const SHORTEST_HOLD: f64 = 0.08;
 const HELD_PERIODS: f64 = 0.5;
+/// The same at least, in periods times the share of the fastest speed that is quiet: a turn of a swing is so for half as long.
+const TURN_PERIODS: f64 = 2.0 / std::f64::consts::PI;
 /// Time within which it must be fast, s, or in periods if that is more: a swing from rest needs a twelfth of one.
 const SOON: f64 = 0.5;
 const SOON_PERIODS: f64 = 0.2;
 /// Noise in the speed that may be, in standard deviations.
 const MOST_NOISE: f64 = 6.0;
 /// Turns that make a swing.
-const LEAST_TURNS: usize = 3;
+pub(super) const LEAST_TURNS: usize = 3;
+/// Part by which half a period of a swing may differ from the usual one: large swings take up to 1.4 times as long as small ones.
+const UNEVEN: f64 = 0.4;
+/// Share of half periods that are as even: of those of a random walk less than half are.
+const EVEN: f64 = 2.0 / 3.0;
+/// Distance from the rest, in that of the hold, that a swing does not leave: it loses energy, and the rest is a mean.
+const FARTHER: f64 = 1.5;
 /// Way back that counts as a turn, in the distance of the hold from the rest.
 const LEAST_TURN: f64 = 0.04;
 /// Samples to either side that say where the tip is at an instant, in spite of one that is spurious.
@@ -75,8 +97,8 @@ pub fn cut(
 ) -> Result<Vec<Cut>, String> {
     let (motion, period) = Motion::paced(time, path, step, sigma);
     let fastest = motion.fastest();
-    let shortest = SHORTEST_HOLD.min(HELD_PERIODS * period);
-    let quiet = (QUIET * fastest).max(MOST_NOISE * motion.noise);
+    let quiet = quiet(fastest, motion.noise);
+    let shortest = SHORTEST_HOLD.min(HELD_PERIODS * period).max(TURN_PERIODS * quiet / fastest * period);
     let none_moves = || none_moves(path, sigma);
     let holds = match given {
         Some(instants) => {
@@ -139,8 +161,13 @@ pub fn cut(
     }
 }
 
+/// Speed below which the tip is quiet, m/s, of the fastest and of the noise in a speed.
+pub(super) fn quiet(fastest: f64, noise: f64) -> f64 {
+    (QUIET * fastest).max(MOST_NOISE * noise)
+}
+
 /// Why a path is no swing, if noise explains it.
-fn none_moves(path: &[Option<[f64; 3]>], sigma: f64) -> Option<String> {
+pub(super) fn none_moves(path: &[Option<[f64; 3]>], sigma: f64) -> Option<String> {
     let width = 1e3 * only_noise(path, sigma)?;
     Some(format!("nothing moves: the tip stays within {width:.3} mm along each axis, which noise explains"))
 }
@@ -167,7 +194,7 @@ pub fn cut_in_motion(
     let (rest, window) = rest(time, path, &motion, swing.clone(), place, true).ok_or_else(none)?;
     let held = path[first..].iter().flatten().copied();
     let held = held.max_by(|a, b| distance(*a, rest).total_cmp(&distance(*b, rest))).ok_or_else(none)?;
-    let turns = turns(path, swing.clone(), held, rest);
+    let turns = turns(path, swing.clone(), held, rest).len();
     if turns < LEAST_TURNS {
         return Err(format!(
             "the tip turns back {turns} times, and a swing does so {LEAST_TURNS} times at least"
@@ -203,7 +230,7 @@ fn swings(
         };
         let end = if is_last { whole.end } else { raised(path, whole.clone(), rest, held, &window) };
         let (swing, rest_end) = (whole.start..end, window.end);
-        if given || turns(path, swing.clone(), held, rest) >= LEAST_TURNS {
+        if given || turns(path, swing.clone(), held, rest).len() >= LEAST_TURNS {
             After::Swing(Cut { hold: hold.clone(), swing, held, rest, rest_end })
         } else {
             After::NoSwing
@@ -253,7 +280,7 @@ fn given_holds(time: &[f64], instants: &[f64]) -> Vec<Range<usize>> {
 }
 
 /// Where the swing comes to rest: the mean of the quietest window in it, of the last swing at its end; and that window.
-fn rest(
+pub(super) fn rest(
     time: &[f64],
     path: &[Option<[f64; 3]>],
     motion: &Motion,
@@ -310,18 +337,24 @@ fn raised(
     last.map_or(swing.end, |last| last + 1).max(window.end.min(swing.end))
 }
 
-/// How often the tip turns back along the line from its rest to its hold.
-fn turns(path: &[Option<[f64; 3]>], swing: Range<usize>, held: [f64; 3], rest: [f64; 3]) -> usize {
+/// Samples at which the tip turns back along the line from its rest to its hold.
+pub(super) fn turns(
+    path: &[Option<[f64; 3]>],
+    swing: Range<usize>,
+    held: [f64; 3],
+    rest: [f64; 3],
+) -> Vec<usize> {
     let whole = distance(held, rest);
     let along = |at: [f64; 3]| (0..3).map(|k| (at[k] - rest[k]) * (held[k] - rest[k])).sum::<f64>() / whole;
     let least = LEAST_TURN * whole;
-    let (mut extreme, mut falls, mut turns) = (f64::INFINITY, true, 0);
-    for value in swing.filter_map(|i| path[i]).map(along) {
+    let (mut extreme, mut last, mut falls, mut turns) = (f64::INFINITY, swing.start, true, Vec::new());
+    for (i, value) in swing.filter_map(|i| Some((i, along(path[i]?)))) {
         let is_farther = if falls { value < extreme } else { value > extreme };
         if is_farther {
-            extreme = value;
+            (extreme, last) = (value, i);
         } else if (value - extreme).abs() > least {
-            (extreme, falls, turns) = (value, !falls, turns + 1);
+            turns.push(last);
+            (extreme, last, falls) = (value, i, !falls);
         }
     }
     turns

@@ -28,13 +28,14 @@ mod recording;
 mod release;
 mod representative;
 mod spurious;
+mod steps;
 mod up;
 
 use efam_recordings::Recording;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::experiment::{Experiment, ExperimentError};
+use crate::experiment::{Experiment, ExperimentError, Under};
 use crate::release::Release;
 use crate::scenario::Case;
 
@@ -118,8 +119,8 @@ pub struct Statistics {
     pub hold: [f64; 2],
     /// Tip at rest, likewise.
     pub rest: [f64; 2],
-    /// How far the tip sinks from hold to rest.
-    pub static_drop: f64,
+    /// How far the tip sinks from hold to rest; none where the recording begins in mid-swing and shows no hold.
+    pub static_drop: Option<f64>,
     /// What was taken off the tip as its offset from the rod.
     pub offset: [f64; 2],
     /// Drift of the tip over the last 0.3 s of the hold in the way from hold to rest.
@@ -190,12 +191,33 @@ impl Cleaned {
     }
 }
 
+impl CleanRecording {
+    /// Whether all its swings are as even as swings are.
+    pub fn is_even(&self) -> bool {
+        let seen = self.tip.iter().zip(&self.masked).map(|(at, masked)| at.filter(|_| !masked));
+        let seen: Vec<_> = seen.collect();
+        self.cuts.iter().all(|cut| cut.is_even(&self.recording.time, &seen))
+    }
+}
+
 impl CleanRelease {
     /// The case of this release, with the pressure over its time; nothing if the experiment has no model.
     /// # Errors
     /// [`ExperimentError`] for what the muscle or the model refuses.
     pub fn case(&self, experiment: &Experiment) -> Result<Option<Case>, ExperimentError> {
-        experiment.case_at(self.recording, self.angle, None, Some(self.instant))
+        experiment.case_at(self.recording, self.angle, None, Under::Since(self.instant))
+    }
+
+    /// The case under the pressure at which the tip comes to rest, with another angle and number of nodes; likewise.
+    /// # Errors
+    /// [`ExperimentError`] for what the muscle or the model refuses.
+    pub fn case_at_rest(
+        &self,
+        experiment: &Experiment,
+        angle: Option<f64>,
+        nodes: Option<usize>,
+    ) -> Result<Option<Case>, ExperimentError> {
+        experiment.case_at(self.recording, angle, nodes, Under::At(self.instant + self.swings_until))
     }
 
     /// The model of this release; nothing if the experiment has none.

@@ -11,11 +11,15 @@ pub struct Motion {
     pub noise: f64,
 }
 
-/// Least half width of the window, s, or in periods if that is less.
+/// Half width of the window, s; at most and at least so many periods, so that it is shorter for fast rods and longer for those
+/// whose period is above 2.5 s: these are so slow that noise would hide their speed.
 const HALF_WIDTH: f64 = 0.03;
 const HALF_PERIODS: f64 = 0.1;
-/// A window that is too wide hides how fast a point is, and so is made narrower step by step: at most so often.
+const SLOW_PERIODS: f64 = 0.012;
+/// Its width and the period are found in turn: at most so often.
 const MOST_STEPS: usize = 20;
+/// By how much a window is made wider at least.
+const WIDER: f64 = 1.05;
 /// Least half width in samples.
 const LEAST_SAMPLES: f64 = 2.5;
 /// Times its noise, by which a speed is none of noise.
@@ -27,17 +31,20 @@ impl Motion {
         Self::within(HALF_WIDTH, time, path, step, sigma)
     }
 
-    /// The same with a window that is short beside the period of the motion, and that period, s.
+    /// The same with a window that belongs to the period of the motion, and that period, s.
     pub fn paced(time: &[f64], path: &[Option<[f64; 3]>], step: f64, sigma: f64) -> (Motion, f64) {
         let mut half = HALF_WIDTH;
         let mut motion = Self::new(time, path, step, sigma);
         for _ in 0..MOST_STEPS {
-            let narrower = HALF_PERIODS * motion.period(path);
-            // Noise alone has no period.
-            if narrower >= half || half < LEAST_SAMPLES * step || motion.fastest() < NOISE * motion.noise {
+            let period = motion.period(path);
+            let due = HALF_WIDTH.min(HALF_PERIODS * period).max(SLOW_PERIODS * period);
+            // Noise alone has no period, and a short one.
+            let is_shortest = || half < LEAST_SAMPLES * step || motion.fastest() < NOISE * motion.noise;
+            let is_narrower = due < half && half <= HALF_WIDTH && !is_shortest();
+            if !is_narrower && due < WIDER * half {
                 break;
             }
-            half = narrower;
+            half = due;
             motion = Self::within(half, time, path, step, sigma);
         }
         let period = motion.period(path);

@@ -10,7 +10,7 @@ use super::decision::{Log, mm};
 use super::points::{ByName, Seen, see};
 use super::release::{Context, LEAST_NOISE, Rod};
 use super::{
-    BasePose, CleanRecording, CleanRelease, CleaningError, Decision, distance, frame, noise, release,
+    BasePose, CleanRecording, CleanRelease, CleaningError, Decision, distance, frame, noise, release, steps,
 };
 use crate::experiment::{At, Entry, Experiment, ExperimentError, HeldOut, Offset, Start};
 use crate::scenario::ScenarioProblem;
@@ -226,8 +226,11 @@ fn cut(
         .into());
     }
     let sigma = entry.noise.or_else(|| noise::of_path(time, &tip.path, step)).unwrap_or(LEAST_NOISE);
-    let cuts = match entry.start {
-        Some(Start::InMotion) => cycles::cut_in_motion(time, &tip.path, step, sigma, entry.instant_of(1)),
+    let cuts = match (entry.start, entry.steps()) {
+        (Some(Start::InMotion), _) => {
+            cycles::cut_in_motion(time, &tip.path, step, sigma, entry.instant_of(1))
+        }
+        (_, Some(pressures)) => steps::cut(time, &tip.path, step, sigma, pressures),
         _ => cycles::cut(time, &tip.path, step, sigma, entry.instants.as_deref()),
     };
     let no_release = |why| CleaningError::NoRelease { file: entry.name.clone(), why, key: entry.key.clone() };

@@ -79,7 +79,7 @@ impl Context<'_> {
             hold_angle: held[1].atan2(held[0]),
             hold: off(held),
             rest: off(rest),
-            static_drop: held[1] - rest[1],
+            static_drop: (entry.start_of(number) != Start::InMotion).then_some(held[1] - rest[1]),
             offset,
             hold_drift_share: self.hold_drift(cut),
             out_of_plane,
@@ -135,6 +135,12 @@ impl Context<'_> {
         }
         if let Some(instant) = self.entry.instant_of(number) {
             log.say("instants", format!("released at {instant} s, as the experiment says"));
+            let uncertainty = self.entry.instant_error.unwrap_or(0.5 * self.step);
+            return Onset { instant, uncertainty, acceleration: None, push: None };
+        }
+        if self.entry.steps().is_some() {
+            let instant = self.time[cut.hold.end - 1];
+            log.say("instants", format!("at rest until {instant:.4} s, where its pressure steps"));
             let uncertainty = self.entry.instant_error.unwrap_or(0.5 * self.step);
             return Onset { instant, uncertainty, acceleration: None, push: None };
         }

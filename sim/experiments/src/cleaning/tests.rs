@@ -183,3 +183,13 @@ mod whole {
         );
     }
 }
+
+/// A period of 8 s at 100 Hz, in noise of 0.3 mm that hides the speed in a window of 60 ms; and no turn of it is a hold.
+#[test]
+fn a_slow_rod_is_let_go_once() {
+    let (time, mut path) = falling_swing(3.0, 60.0, 0.2, 0.785, 0.01);
+    Noise::new(5).disturb(&mut path, 3e-4);
+    let cuts = super::cycles::cut(&time, &path, 0.01, 3e-4, None).unwrap_or_else(|why| panic!("{why}"));
+    assert_eq!(cuts.len(), 1, "{cuts:?}");
+    assert!((time[cuts[0].hold.end] - 3.0).abs() < 0.4, "{cuts:?}");
+}

@@ -97,7 +97,7 @@ impl Known<'_> {
 
     /// By the first fall, which gravity begins.
     fn fall(&self) -> Option<Candidate> {
-        if self.is_in_motion() {
+        if self.shows_no_fall() {
             return None;
         }
         let falls = self.cuts.iter().filter_map(|cut| first_fall(self.path, cut));
@@ -124,9 +124,9 @@ impl Known<'_> {
         sum / self.cuts.len().max(1) as f64
     }
 
-    /// Whether the recording begins in mid-swing, so that it shows no fall.
-    fn is_in_motion(&self) -> bool {
-        self.entry.start == Some(Start::InMotion)
+    /// Whether the recording begins in mid-swing, or a pressure moves the rod from its rest, up or down.
+    fn shows_no_fall(&self) -> bool {
+        matches!(self.entry.start, Some(Start::InMotion | Start::Rest))
     }
 
     /// Whether the file has x and z alone.
@@ -146,7 +146,7 @@ impl Known<'_> {
         if let Some(own) = hanging.filter(|own| own.off < HANGING).filter(along_z).or(fall.filter(along_z)) {
             return Some((own.up, true, format!("{named}, and {}", own.why)));
         }
-        if self.is_in_motion() {
+        if self.shows_no_fall() {
             return Some((Direction::Axis(2, 1.0), false, named.to_owned()));
         }
         let sinks: f64 = self.cuts.iter().map(|cut| cut.held[2] - cut.rest[2]).sum();

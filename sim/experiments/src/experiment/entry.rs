@@ -10,6 +10,7 @@ use super::direction::{AXES, Direction};
 use super::payload::{Payload, payload};
 use super::pressure::{Pressures, pressure};
 use crate::scenario::document::{Document, Keys};
+use crate::scenario::plan::Plan;
 use crate::scenario::{ScenarioError, ScenarioProblem};
 
 /// A recording, and what is known of it beside its file.
@@ -165,7 +166,11 @@ const KEYS: [&str; 26] = [
 ];
 
 impl Entry {
-    pub(super) fn read(document: &Document, keys: &Keys, has_muscle: bool) -> Result<Entry, ScenarioError> {
+    pub(super) fn read(
+        document: &Document,
+        keys: &Keys,
+        plan: Option<&Plan>,
+    ) -> Result<Entry, ScenarioError> {
         keys.only(&KEYS)?;
         let Some((file, place)) = keys.text("file")? else {
             return Err(keys.missing("file", "file = \"15psi.csv\", relative to this file"));
@@ -174,11 +179,11 @@ impl Entry {
         // It goes into tables, files and commands.
         let name =
             file.file_name().map_or(String::new(), |name| escaped(&name.to_string_lossy()).into_owned());
-        if has_muscle && !keys.has("pressure") {
+        if plan.is_some_and(|plan| plan.muscle.is_some()) && !keys.has("pressure") {
             return Err(keys.missing("pressure", "pressure = \"15 psi\", which the muscle needs"));
         }
         keys.text("note")?;
-        let (pressure, pressures) = pressure(document, keys, &file, has_muscle)?;
+        let (pressure, pressures) = pressure(document, keys, &file, plan)?;
         let (start, overrides) = (start(keys)?, overrides(keys)?);
         let is_bent = start.is_some_and(|start| start != Start::Straight);
         if let (true, Some(own)) = (is_bent, overrides.iter().find(|own| own.angle.is_some())) {
@@ -214,7 +219,7 @@ impl Entry {
                 }
                 list => list,
             },
-            instant_error: instant_error(keys)?,
+            instant_error: instant_error(keys, start == Some(Start::Rest))?,
             keep: whole("keep")?,
             drop: whole("drop")?.unwrap_or_default(),
             held_out: match keys.is_list("held_out") {
@@ -242,6 +247,12 @@ impl Entry {
             (None, Some(_)) => Start::Straight,
             (None, None) => Start::Held,
         }
+    }
+
+    /// The pressure whose steps are the releases, unless their instants are given: that of a rod which starts at rest.
+    pub fn steps(&self) -> Option<&Pressures> {
+        let is_found = self.start == Some(Start::Rest) && self.instants.is_none();
+        self.pressures.as_ref().filter(|_| is_found)
     }
 
     /// Instant of a release, from one, if it is given.
@@ -357,9 +368,10 @@ fn start(keys: &Keys) -> Result<Option<Start>, ScenarioError> {
     Ok(start)
 }
 
-/// Nobody knows beforehand how well an instant will be found, so that only a given one has an error.
-fn instant_error(keys: &Keys) -> Result<Option<f64>, ScenarioError> {
-    if keys.has("instant_error") && !keys.has("instants") && !keys.has("release") {
+/// Nobody knows beforehand how well an instant will be found, so that only a given one has an error, and that of a step of pressure.
+fn instant_error(keys: &Keys, is_at_rest: bool) -> Result<Option<f64>, ScenarioError> {
+    let is_free = !keys.has("instants") && !keys.has("release") && !is_at_rest;
+    if keys.has("instant_error") && is_free {
         let message = "belongs to instants that are given; give them too, or leave it out".to_owned();
         return Err(keys.wrong("instant_error", ScenarioProblem::Other { message }));
     }

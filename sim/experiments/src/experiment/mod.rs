@@ -82,6 +82,17 @@ pub struct Experiment {
     held: Vec<(PathBuf, Arc<Recording>)>,
 }
 
+/// Which of the pressures of a recording that changes; of another one they are the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Under {
+    /// Their mean over the recording.
+    Mean,
+    /// That at an instant of the recording's clock, s.
+    At(f64),
+    /// All from an instant on, s, as they change.
+    Since(f64),
+}
+
 impl Experiment {
     /// Reads an experiment and sets `overrides` over it, each as `path=value`.
     /// # Errors
@@ -121,7 +132,6 @@ impl Experiment {
         let keys = document.keys();
         keys.only(&EXPERIMENT)?;
         let plan = Plan::of_experiment(&document)?;
-        let has_muscle = plan.as_ref().is_some_and(|plan| plan.muscle.is_some());
         let tables = keys.tables("recording")?;
         if tables.is_empty() {
             let example = "[[recording]] with file = \"15psi.csv\" and tip = \"Tip\" under it";
@@ -129,7 +139,7 @@ impl Experiment {
         }
         let recordings = tables
             .iter()
-            .map(|table| Entry::read(&document, table, has_muscle))
+            .map(|table| Entry::read(&document, table, plan.as_ref()))
             .collect::<Result<Vec<_>, _>>()?;
         let name = plan::name(&document, path, "experiment")?;
         let text = document.text().to_owned();
@@ -192,22 +202,10 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError::Document`] for what the muscle or the model refuses.
     pub fn case(&self, recording: usize, angle: Option<f64>) -> Result<Option<Case>, ExperimentError> {
-        self.case_at(recording, angle, None, None)
+        self.case_at(recording, angle, None, Under::Mean)
     }
 
-    /// The same with another number of nodes.
-    /// # Errors
-    /// As [`Self::case`].
-    pub fn case_with(
-        &self,
-        recording: usize,
-        angle: Option<f64>,
-        nodes: Option<usize>,
-    ) -> Result<Option<Case>, ExperimentError> {
-        self.case_at(recording, angle, nodes, None)
-    }
-
-    /// The same, with the pressure over time that the recording has, from an instant on its clock on, s.
+    /// The same with another number of nodes, under one of the pressures that the recording has over time.
     /// # Errors
     /// As [`Self::case`].
     pub fn case_at(
@@ -215,7 +213,7 @@ impl Experiment {
         recording: usize,
         angle: Option<f64>,
         nodes: Option<usize>,
-        instant: Option<f64>,
+        under: Under,
     ) -> Result<Option<Case>, ExperimentError> {
         let Some(plan) = &self.plan else { return Ok(None) };
         let entry = &self.recordings[recording];
@@ -234,11 +232,15 @@ impl Experiment {
             None => plan.effects.push(payload),
         }
         let key = format!("{}.pressure", entry.key);
-        let rows = entry.pressures.as_ref().zip(instant).map(|(all, instant)| all.since(instant));
-        if let (Some(rows), Some(muscle)) = (rows, &mut plan.muscle) {
-            muscle.pressure = Pressure::Schedule(rows);
+        let mut pressure = entry.pressure;
+        match (under, &entry.pressures, &mut plan.muscle) {
+            (Under::Since(instant), Some(all), Some(muscle)) => {
+                muscle.pressure = Pressure::Schedule(all.since(instant));
+            }
+            (Under::At(instant), Some(all), _) => pressure = Some(all.at(instant)),
+            _ => {}
         }
-        let pressure = plan.muscle.is_some().then_some(entry.pressure).flatten();
+        let pressure = pressure.filter(|_| plan.muscle.is_some());
         let case = case::at_pressure(&self.document, &Arc::new(plan), entry.name.clone(), pressure, &key)?;
         Ok(Some(case))
     }

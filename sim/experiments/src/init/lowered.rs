@@ -11,6 +11,9 @@ use crate::cleaning::CleanRelease;
 /// silicone trunk that hangs and was pulled aside 1.4 times.
 const LATE: f64 = 1.5;
 
+/// Longest gap before the second turn, in half swings: a turn that is not seen lies in no shorter one.
+const GAP: f64 = 0.3;
+
 /// When the rod was let go, s on the recording's clock, if that is later than it left the hold.
 pub(super) fn let_go(of: &CleanRelease) -> Option<f64> {
     let (path, rest) = (&of.release.tracks[of.release.leading_track()].position, of.statistics.rest);
@@ -18,8 +21,15 @@ pub(super) fn let_go(of: &CleanRelease) -> Option<f64> {
         let [x, z] = (*at)?;
         (0.0..of.swings_until).contains(time).then_some((*time, [x - rest[0], z - rest[1]]))
     });
-    let [first, second] = turns(&along(&off.collect::<Vec<_>>()))?;
+    let off: Vec<_> = off.collect();
+    let [first, second] = turns(&along(&off))?;
     let half_swing = second - first;
+    // The first turn may be in a gap.
+    let begun = off.iter().map(|(time, _)| *time).take_while(|time| *time < second);
+    let longest = begun.fold((0.0, 0.0f64), |(last, longest), time| (time, longest.max(time - last))).1;
+    if longest > GAP * half_swing {
+        return None;
+    }
     (first > LATE * half_swing).then_some(of.instant + first - half_swing)
 }
 

@@ -159,7 +159,7 @@ fn numbers(page: &mut Page, analysed: &[Analysed]) {
         let mut row = vec![
             one.of.release.name.clone(),
             one.of.release.pressure.map_or("-".to_owned(), |pressure| significant(1e-3 * pressure, 4)),
-            significant(1e3 * one.static_drop(), 4),
+            one.static_drop().map_or("-".to_owned(), |drop| significant(1e3 * drop, 4)),
         ];
         match &one.measured {
             Err(error) => row.extend([error.to_string()].into_iter().chain(vec!["-".to_owned(); 4])),

@@ -39,7 +39,7 @@ pub fn table(out: &mut impl Write, cleaned: &Cleaned) -> io::Result<()> {
             pressure,
             instant,
             format!("{:.1}", s.hold_angle.to_degrees()),
-            format!("{:.2}", 1e3 * s.static_drop),
+            s.static_drop.map_or("-".to_owned(), |drop| format!("{:.2}", 1e3 * drop)),
             s.samples.to_string(),
             format!("{:.2}", 1e2 * s.masked_share),
             out_of_plane,
@@ -79,9 +79,10 @@ pub fn analysed_table(out: &mut impl Write, one: &Analysed) -> io::Result<()> {
     writeln!(out, "\n{}", one.of.release.name)?;
     let mut facts = Aligned::new(&[("", Side::Name), ("", Side::Words)]).indented(2);
     let mut line = |name: &str, text: String| facts.row([name, &text]);
-    let drop = 1e3 * one.static_drop();
-    let drop = one.rest.map_or_else(|| fixed(drop, 2), |rest| with_error(drop, 1e3 * rest.error[1]));
-    line("static drop", format!("{drop} mm"));
+    if let Some(drop) = one.static_drop().map(|drop| 1e3 * drop) {
+        let drop = one.rest.map_or_else(|| fixed(drop, 2), |rest| with_error(drop, 1e3 * rest.error[1]));
+        line("static drop", format!("{drop} mm"));
+    }
     if let Some(warning) = one.rest_warning() {
         line("  warning", warning);
     }
