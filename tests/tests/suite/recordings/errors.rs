@@ -139,7 +139,7 @@ fn cells_and_columns() {
     assert_eq!(
         message("time_s,pressure_psi\n0,15\n1,15\n", "a.csv"),
         "a.csv: names no marker; expected columns such as tip_x_m, tip_y_m, tip_z_m (accelerations, rates and angles \
-         are no positions), met `time_s`, `pressure_psi`"
+         are no positions), met `time_s`, `pressure_psi`; or say what they hold, such as --columns t_s,z_mm"
     );
 }
 
