@@ -269,7 +269,7 @@ def diagnose(
     """Finds which effect the model of an experiment lacks, as `efam diagnose` does.
 
     `budget` is a number of node steps (nodes times steps of the integrator), after which no further part of the search
-    begins. The answer then lists what was left out. It depends on no clock, load or number of threads.
+    begins. The answer then says in which round. It depends on no clock, load or number of threads.
     """
     data = data_of(experiment, options)
     with bar("diagnose", " stages", progress) as tell:
