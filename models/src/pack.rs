@@ -9,6 +9,9 @@ use crate::number::{Number, Plain};
 /// for results of substitutions, twice as much leaves the nearest cache.
 pub const RODS: usize = 8;
 
+/// Whether models are simulated in packs: a page for a browser would carry every law twice, and runs one rod.
+pub const HAS_PACKS: bool = !cfg!(target_family = "wasm");
+
 /// A number of each of [`RODS`] rods. Each operation is that of `f64` on every rod: a rod has the same bits as alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]

@@ -14,7 +14,7 @@ use crate::coupled::Coupled;
 use crate::effects::BendTangent;
 use crate::kinematics::Fields;
 use crate::model::Model;
-use crate::pack::{Laid, Pack, RODS};
+use crate::pack::{HAS_PACKS, Laid, Pack, RODS};
 use crate::system::System;
 use crate::tangent::Tangent;
 
@@ -51,7 +51,7 @@ pub fn are_alike(a: &Model, b: &Model) -> bool {
 
 /// Whether a model can be in a pack: its laws and its rod do not change with time.
 pub fn can_be_packed(model: &Model) -> bool {
-    !model.is_timed()
+    HAS_PACKS && !model.is_timed()
 }
 
 impl Rods {

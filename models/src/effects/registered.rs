@@ -13,7 +13,7 @@ use super::law::{Bend, Body, Edge, Flow, LineMass, Mass, MassLoad, Release, Sigh
 use super::packed;
 use crate::context::Context;
 use crate::kinematics::Fields;
-use crate::pack::{Laid, Pack};
+use crate::pack::{HAS_PACKS, Laid, Pack};
 use crate::real::Real;
 use crate::rod::Rod;
 
@@ -229,19 +229,19 @@ impl<L: Instance> Effect for Registered<L> {
         z: &[Pack],
         z_rate: &mut [Pack],
     ) {
-        if const { acts::<L>(Place::Bend) } {
+        if const { HAS_PACKS && acts::<L>(Place::Bend) } {
             packed::moments(&self.law, rods, theta, f, z, z_rate);
         }
     }
 
     fn add_tensions_of(&self, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>) {
-        if const { acts::<L>(Place::Edge) } {
+        if const { HAS_PACKS && acts::<L>(Place::Edge) } {
             packed::tensions(&self.law, rods, theta, f);
         }
     }
 
     fn add_flows_of(&self, rods: &Laid, theta: Range<usize>, f: &mut Fields<Pack>) {
-        if const { acts::<L>(Place::Flow) } {
+        if const { HAS_PACKS && acts::<L>(Place::Flow) } {
             packed::flows(&self.law, rods, theta, f);
         }
     }

@@ -31,7 +31,7 @@ pub(super) fn answer(found: &Found, settings: &DiagnosisSettings, gap: Vec<Gap>)
     };
     let hypothesis = &last.fit.hypothesis;
     Diagnosis {
-        verdict: verdict(found, &gap),
+        verdict: verdict(found),
         effects: effects(last, data.plans.len(), accepted.iter().map(|own| own.name.as_str())),
         freed: hypothesis.freed.map(str::to_owned),
         members: members.iter().map(name).collect(),
@@ -55,26 +55,29 @@ pub(super) fn answer(found: &Found, settings: &DiagnosisSettings, gap: Vec<Gap>)
     }
 }
 
+/// Whether held-out releases, which take part in no fit of what releases share, are met worse with an answer than without.
+pub(super) fn is_contradicted(gap: &[Gap]) -> bool {
+    let held_out = |of: fn(&Gap) -> f64| -> f64 {
+        gap.iter().filter(|gap| gap.held_out).map(|gap| of(gap).powi(2)).sum()
+    };
+    held_out(|gap| gap.after) > held_out(|gap| gap.before)
+}
+
 /// The rules.
-fn verdict(found: &Found, gap: &[Gap]) -> Verdict {
+fn verdict(found: &Found) -> Verdict {
     let Found { data, baseline, accepted, members, .. } = found;
     let Some(last) = accepted.last() else {
         // What was not compared may be what is missing. What is far beyond noise and what repeats is there, whatever explains it.
         let is_cut_short = found.cut_short.is_some();
-        let is_nothing = baseline.may_be_noise(data.repeats()) && !is_cut_short;
+        let is_nothing = baseline.may_be_noise(data.repeats()) && !is_cut_short && !found.has_more;
         return if is_nothing { Verdict::NothingMissing } else { Verdict::Unknown };
     };
     let after = &last.sampled;
     let saved = 0.5 * (baseline.fit.at.z.norm_squared() - after.fit.at.z.norm_squared()).max(0.0);
     let numbers: f64 = data.plans.iter().map(numbers).sum();
     let explained = numbers * (baseline.misfit() / after.misfit()).ln() + saved;
-    // What takes part in no fit must not contradict it.
-    let held_out = |of: fn(&Gap) -> f64| -> f64 {
-        gap.iter().filter(|gap| gap.held_out).map(|gap| of(gap).powi(2)).sum()
-    };
-    let is_contradicted = held_out(|gap| gap.after) > held_out(|gap| gap.before);
     let is_half = explained >= -0.5 * numbers * LEFT.ln() || after.may_be_noise(data.stated_repeats());
-    if !is_half || is_contradicted {
+    if !is_half {
         return Verdict::Unknown;
     }
     match (&accepted[..], members.is_empty(), after.may_be_noise(data.known_repeats())) {

@@ -121,7 +121,22 @@ struct Found {
     /// What would do as well as one that was accepted, with its place.
     members: Vec<(usize, Accepted)>,
     rounds: Vec<Round>,
+    /// Whether the last round has an answer that may not be added.
+    has_more: bool,
     cut_short: Option<CutShort>,
+}
+
+impl Found {
+    /// Takes the last answer back, for held-out releases contradict it.
+    fn refuse_last(&mut self) {
+        self.accepted.pop();
+        let left = self.accepted.len();
+        self.members.retain(|(place, _)| *place < left);
+        let candidates = self.rounds.iter_mut().skip(left).flat_map(|round| &mut round.candidates);
+        candidates
+            .filter(|own| own.rejected.is_none())
+            .for_each(|own| own.rejected = Some("held-out releases contradict it".to_owned()));
+    }
 }
 
 /// Finds what is missing.
@@ -195,7 +210,8 @@ impl<'a> Search<'a> {
         // A setup that is found where it is stated is one origin, not two.
         let is_far = (&baseline.fit.at.z - &at_means.z).amax() > FAR;
         let (accepted, members, rounds) = (Vec::new(), Vec::new(), Vec::new());
-        let found = Found { data, places, baseline, accepted, members, rounds, cut_short: None };
+        let found =
+            Found { data, places, baseline, accepted, members, rounds, has_more: false, cut_short: None };
         Ok(Self { settings, listener, work, means: is_far.then_some(at_means), found })
     }
 
@@ -223,7 +239,7 @@ impl<'a> Search<'a> {
 
     /// One round; whether another one is worth it.
     fn add(&mut self, number: usize) -> bool {
-        let Found { data, baseline, accepted, members, rounds, .. } = &mut self.found;
+        let Found { data, baseline, accepted, members, rounds, has_more, .. } = &mut self.found;
         let others = if accepted.is_empty() { self.means.as_slice() } else { &[] };
         let base = accepted.last_mut().map_or(baseline, |last| &mut last.sampled);
         let extensions = extensions(&base.fit, self.settings);
@@ -243,6 +259,7 @@ impl<'a> Search<'a> {
         rounds.push(round);
         let is_interrupted = self.listener.stop().is_requested();
         let may_add = accepted.len() < self.settings.most_effects;
+        *has_more = best.is_some() && !may_add;
         let mut taken = |k: usize| {
             let (own, odds) = (tried[k].extension, tried[k].all);
             let sampled = tried[k].sampled.take()?;

@@ -7,7 +7,7 @@ use efam_experiments::release::Point as Place;
 use models::error::ModelError;
 use models::muscle::{self, CalibratedParameter, Marker};
 
-use super::answer::answer;
+use super::answer::{answer, is_contradicted};
 use super::curve::{curves, gaps};
 use super::data::Data;
 use super::hypothesis::{Hypothesis, Settled};
@@ -35,9 +35,20 @@ pub(super) fn outcome(
     work: &Work,
 ) -> Result<DiagnosisOutcome, CalibrateError> {
     listener.doing("what remains, and held-out releases");
+    let before = settled(&found.data, &found.baseline.fit);
+    let met = |found: &Found| {
+        let last = found.accepted.last().map_or(&found.baseline, |own| &own.sampled);
+        let after = settled(&found.data, &last.fit);
+        let curves = curves(&before.iter().zip(&after).collect::<Vec<_>>());
+        (after, gaps(&curves), curves)
+    };
+    let (mut after, mut gaps, mut curves) = met(&found);
+    // What held-out releases contradict is no answer.
+    while !found.accepted.is_empty() && is_contradicted(&gaps) {
+        found.refuse_last();
+        (after, gaps, curves) = met(&found);
+    }
     let last = found.accepted.last().map_or(&found.baseline, |own| &own.sampled);
-    let [before, after] = [&found.baseline, last].map(|own| settled(&found.data, &own.fit));
-    let curves = curves(&before.iter().zip(&after).collect::<Vec<_>>());
     let of = |settled: &[Settled], hypothesis: &Hypothesis| {
         let name = || problem.trials.first().map_or(String::new(), |trial| trial.release.name.clone());
         posed(problem, &found.places, settled, hypothesis)
@@ -46,7 +57,7 @@ pub(super) fn outcome(
     let baseline = of(&before, &found.baseline.fit.hypothesis)?;
     let repaired = of(&after, &last.fit.hypothesis)?;
     let errors = known(&found.data, last);
-    let mut diagnosis = answer(&found, settings, gaps(&curves));
+    let mut diagnosis = answer(&found, settings, gaps);
     if !diagnosis.members.is_empty() {
         // The search is over: what is left out of the answer changes no name.
         let by = match (listener.stop().is_requested(), work.is_spent()) {

@@ -45,7 +45,7 @@ fn threads_and_load_change_no_bit_of_an_answer() {
     assert!(!whole.rounds.is_empty(), "{}", whole.summary);
     assert!(whole.cut_short.is_none() && whole.node_steps > 0, "{:?}", whole.cut_short);
     // Nothing but the baseline; a part of the search; all of it.
-    let [none, some] = [0.0, 0.6].map(|share| (share * whole.node_steps as f64) as u64);
+    let [none, some] = [0.0, 0.4].map(|share| (share * whole.node_steps as f64) as u64);
     let cut = [none, some].map(|budget| answer(budget, 2, false));
     for (budget, first) in [(none, &cut[0]), (some, &cut[1]), (usual, &whole)] {
         for (threads, is_slowed) in [(1, false), (2, true)] {
