@@ -107,23 +107,15 @@ fn asked_of_setup(hidden: (&'static str, f64), seed: u64) -> setup::Answer {
     setup::ask(hidden, seed, &folder).expect("it is read and asked")
 }
 
-/// A clamp that stands a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a
-/// diagnosis fits by itself can do that, and the nearest effect was named instead.
+/// A clamp that stands a few degrees off while the rod is held at the stated angle: the angle between both is wrong, and no effect of
+/// the material takes the blame.
 #[test]
 #[ignore = "long; .ci/thorough runs it"]
-fn a_clamp_that_stands_otherwise_than_stated_is_named() {
-    let hidden = ("clamp_tilt", 40.0);
-    let answer = asked_of_setup(hidden, 904);
-    assert!(answer.is_right(), "{}", answer.diagnosis.summary);
-    let truth = Hidden::named(hidden.0, hidden.1).expect("it is known").strength();
-    let off = answer.diagnosis.contradictions.iter().map(|own| (own.value / truth - 1.0).abs());
-    assert!(off.fold(0.0, f64::max) < 0.2, "{}", answer.diagnosis.summary);
-    // So does the clamp of every model that is given back, of held-out releases as well.
-    let stated = [0.0, -25.0f64.to_radians()];
-    for (k, trial) in answer.repaired.trials.iter().enumerate() {
-        let clamp = trial.model.theta[trial.model.index("rod.base_angle").expect("a rod has one")];
-        assert!((clamp - stated[k % 2] - truth).abs() < 0.2 * truth.abs(), "{clamp} rad of release {k}");
-    }
+fn a_clamp_that_stands_otherwise_than_stated_is_said() {
+    let answer = asked_of_setup(("clamp_tilt", 40.0), 904).diagnosis;
+    assert_eq!(answer.verdict, Verdict::Misstated, "{}", answer.summary);
+    let word = answer.freed.as_deref().unwrap_or_default();
+    assert!(answer.effects.is_empty() && ["clamp", "hold"].contains(&word), "{}", answer.summary);
 }
 
 /// Without the tilt the baseline misses far more than the camera's noise. Held-out releases are then weighed as those that were
