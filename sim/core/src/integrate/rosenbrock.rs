@@ -7,9 +7,9 @@ use models::system::{System, TimePass};
 
 use super::span::Span;
 use super::stages::{Equations, Stages};
-use super::stride::{Attempt, Stride, memory_error};
+use super::stride::{Attempt, Stepping, Stride, memory_error};
 use super::tableau::Tableau;
-use super::{Control, Effort, IntegrateError, Integrator, Reached, State};
+use super::{Control, IntegrateError, Integrator, State};
 
 /// A run of a Rosenbrock method.
 pub struct Rosenbrock {
@@ -152,29 +152,13 @@ impl Integrator for Rosenbrock {
     }
 }
 
-impl Reached for Rosenbrock {
-    fn state(&self) -> &State {
-        &self.span.end
+impl Stepping for Rosenbrock {
+    fn span(&self) -> &Span {
+        &self.span
     }
 
-    fn step_start(&self) -> f64 {
-        self.span.start.time
-    }
-
-    fn interpolate(&mut self, time: f64, into: &mut State) {
-        self.span.interpolate(time, into);
-    }
-
-    fn interpolate_end(&mut self, time: f64, into: &mut State) {
-        self.span.interpolate_from(into.q.len() - 3, time, into);
-    }
-
-    fn next_step(&self) -> f64 {
-        self.stride.step
-    }
-
-    fn effort(&self) -> Effort {
-        self.stride.effort
+    fn stride(&self) -> &Stride {
+        &self.stride
     }
 }
 

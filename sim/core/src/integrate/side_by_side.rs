@@ -11,9 +11,9 @@ use multiversion::multiversion;
 
 use super::span::Span;
 use super::stages::{Coordinates, Equations, Stages};
-use super::stride::{Attempt, Stride, memory_error};
+use super::stride::{Attempt, Stepping, Stride, memory_error};
 use super::tableau::Tableau;
-use super::{Control, Effort, IntegrateError, Reached, State};
+use super::{Control, IntegrateError, State};
 
 /// Runs of a Rosenbrock method side by side.
 pub(crate) struct SideBySide {
@@ -195,29 +195,13 @@ impl Lane {
     }
 }
 
-impl Reached for Lane {
-    fn state(&self) -> &State {
-        &self.span.end
+impl Stepping for Lane {
+    fn span(&self) -> &Span {
+        &self.span
     }
 
-    fn step_start(&self) -> f64 {
-        self.span.start.time
-    }
-
-    fn interpolate(&mut self, time: f64, into: &mut State) {
-        self.span.interpolate(time, into);
-    }
-
-    fn interpolate_end(&mut self, time: f64, into: &mut State) {
-        self.span.interpolate_from(into.q.len() - 3, time, into);
-    }
-
-    fn next_step(&self) -> f64 {
-        self.stride.step
-    }
-
-    fn effort(&self) -> Effort {
-        self.stride.effort
+    fn stride(&self) -> &Stride {
+        &self.stride
     }
 }
 

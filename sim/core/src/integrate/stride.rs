@@ -1,7 +1,8 @@
 //! The size of one rod's steps, from their errors.
 
+use super::span::Span;
 use super::tableau::Tableau;
-use super::{Control, Effort, IntegrateError, Steps, Stiff};
+use super::{Control, Effort, IntegrateError, Reached, State, Steps, Stiff};
 
 /// Error, over what is admitted, from on a given step is halved, and the same of
 /// the memory as a share of its largest value.
@@ -176,13 +177,47 @@ impl Stride {
     }
 }
 
+/// A rod that makes its steps by a [`Stride`], wherever these are computed.
+pub(super) trait Stepping {
+    /// Its last step.
+    fn span(&self) -> &Span;
+    /// How it chose its size, and chooses the next.
+    fn stride(&self) -> &Stride;
+}
+
+impl<T: Stepping> Reached for T {
+    fn state(&self) -> &State {
+        &self.span().end
+    }
+
+    fn step_start(&self) -> f64 {
+        self.span().start.time
+    }
+
+    fn interpolate(&mut self, time: f64, into: &mut State) {
+        self.span().interpolate(time, into);
+    }
+
+    fn interpolate_end(&mut self, time: f64, into: &mut State) {
+        self.span().interpolate_from(into.q.len() - 3, time, into);
+    }
+
+    fn next_step(&self) -> f64 {
+        self.stride().step
+    }
+
+    fn effort(&self) -> Effort {
+        self.stride().effort
+    }
+}
+
 /// Error of the memory in a step, as a share of its largest value, from the last stage's, and the values before and after.
 pub(super) fn memory_error(last: &[f64], before: &[f64], after: &[f64]) -> f64 {
     let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
     largest(last) / largest(before).max(largest(after)).max(f64::MIN_POSITIVE)
 }
 
-/// The size of the first step, s; a given step ends where it is told to.
+/// The size of the first step, s; the end of a given step limits it.
 fn first_step(control: &Control) -> f64 {
     match control.steps {
         Steps::Adaptive => control.first_step.unwrap_or(FIRST_STEP),
