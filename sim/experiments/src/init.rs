@@ -47,7 +47,7 @@ pub fn draft(name: &str, recordings: &[(String, Recording)], options: &ReadOptio
     // The recordings at hand are read already.
     let mut cleaned = clean(&text(name, recordings, "", &starts, &found), recordings);
     if cleaned.is_err() {
-        starts = recordings.iter().map(Guessed::of).collect();
+        starts = recordings.iter().zip(starts).map(|(own, stepped)| Guessed::of(own, &stepped)).collect();
         cleaned = clean(&text(name, recordings, "", &starts, &found), recordings);
     }
     match cleaned {
@@ -171,15 +171,14 @@ struct Guessed {
 
 impl Guessed {
     /// The first sample, if the file has no release that can be found without it, and has one with it, or swings from it on. Where it
-    /// does not show which way is up, the start is known all the same.
-    fn of(recording: &(String, Recording)) -> Self {
+    /// does not show which way is up, the start is known all the same. `stepped` is what [`Self::stepped`] gives for it.
+    fn of(recording: &(String, Recording), stepped: &Self) -> Self {
         let at_once = Guessed {
             instants: recording.1.time.first().copied().into_iter().collect(),
             why: "the file has no hold, so the rod is let go at its first sample",
             ..Guessed::default()
         };
         let in_motion = Guessed { in_motion: true, ..Guessed::default() };
-        let stepped = Guessed::stepped(recording);
         let is_found = |start: &&Guessed| {
             let has_hold = start.instants.is_empty() && !start.in_motion;
             let is_even =
@@ -191,7 +190,7 @@ impl Guessed {
             let why = format!("{}{IS_UP}{SURELY}: it is tried", axis.text());
             Guessed { up: Some((axis, why)), ..in_motion.clone() }
         });
-        let all = [&stepped, &Guessed::default(), &at_once, &in_motion];
+        let all = [stepped, &Guessed::default(), &at_once, &in_motion];
         let found = all.into_iter().chain(&upright).find(is_found).cloned().unwrap_or_default();
         Guessed { up: None, ..found }
     }

@@ -9,7 +9,7 @@ use crate::cleaning::distance;
 const STILL: f64 = 0.04;
 /// The same of markers that are named like a base.
 const STILL_BY_NAME: f64 = 0.25;
-/// Names of what stands still.
+/// Names of markers that do not move.
 const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
 /// Motion of tip markers, likewise, at least.
 const TIP: f64 = 0.8;
