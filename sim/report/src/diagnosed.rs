@@ -19,7 +19,7 @@ use efam_core::work::written;
 use efam_experiments::scenario::resolved::plain;
 use efam_inference::calibrate::problem::is_of_pressure;
 use efam_inference::diagnose::plan::Prospect;
-use efam_inference::diagnose::verdict::{Gap, Round, Seen};
+use efam_inference::diagnose::verdict::{Gap, Odds, Round, Seen};
 use efam_inference::diagnose::{Diagnosis, DiagnosisOutcome};
 use efam_store::StoreError;
 use efam_store::folder::Folder;
@@ -127,19 +127,31 @@ fn round_table(number: usize, round: &Round) -> String {
     let heads = [&[("candidate", Side::Words)], &numbers[..], &[("", Side::Name)]].concat();
     let mut candidates = Aligned::new(&heads).indented(2);
     for own in round.candidates.iter().take(SHOWN) {
-        let number = |value: Option<f64>, digits: usize| {
-            value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
-        };
-        candidates.row([
-            own.name.clone(),
-            number(Some(own.features), 1),
-            number(own.all, 1),
-            number(own.rms_mm, 3),
-            own.rejected.clone().unwrap_or_else(|| "in the answer".to_owned()),
-        ]);
+        candidates.row(odds_cells(own, "-"));
     }
     let _ = write!(out, "{candidates}");
     out
+}
+
+/// A candidate with its odds: name, by features, by samples, what is left, mm, and why it is not the answer; `none` where it was not
+/// fitted.
+fn odds_cells(own: &Odds, none: &str) -> [String; 5] {
+    let number = |value: Option<f64>, digits: usize| {
+        value.map_or(none.to_owned(), |value| format!("{value:.digits$}"))
+    };
+    [
+        own.name.clone(),
+        number(Some(own.features), 1),
+        number(own.all, 1),
+        number(own.rms_mm, 3),
+        own.reason().to_owned(),
+    ]
+}
+
+/// A feature with its release, as recorded, and as the model has it before and after, with its unit.
+fn seen_cells(own: &Seen) -> [String; 6] {
+    let [recorded, before, after] = [own.recorded, own.before, own.after].map(|value| significant(value, 4));
+    [own.what.clone(), own.release.clone(), recorded, before, after, own.unit.clone()]
 }
 
 /// What the recordings show, and what the model has before and after.
@@ -148,15 +160,7 @@ fn seen_table(seen: &[Seen]) -> String {
     let heads = [&[("seen", Side::Words), ("of", Side::Words)], &numbers[..], &[("", Side::Name)]].concat();
     let mut table = Aligned::new(&heads);
     for own in seen {
-        let number = |value: f64| significant(value, 4);
-        table.row([
-            own.what.clone(),
-            own.release.clone(),
-            number(own.recorded),
-            number(own.before),
-            number(own.after),
-            own.unit.clone(),
-        ]);
+        table.row(seen_cells(own));
     }
     table.to_string()
 }

@@ -247,3 +247,76 @@ fn what_the_catalogue_does_not_hold_is_unknown() {
     assert!(found.summary.contains("that no effect of the catalogue explains"), "{}", found.summary);
     assert!(found.seen.iter().any(|own| own.deviations[1].abs() > 3.0), "{:?}", found.seen);
 }
+
+/// Right answers of the method of scores that the present one does not give. Each moves to the tests above when it does.
+mod not_met {
+    use super::*;
+
+    /// A mass at the tip, seen in releases of one condition that differ in EI by more than their noise: what does not
+    /// repeat is few numbers a release, however many samples show it.
+    #[test]
+    #[ignore = "not met: docs/src/validation/evidence.md, What is not right"]
+    fn an_interval_holds_what_does_not_repeat() {
+        const MASS: f64 = 0.015;
+        let priors = Priors { bending_stiffness: 0.003, ..Priors::default() };
+        let hidden = [Hidden::TipMass { mass: MASS }];
+        let (pressures, angles) = (vec![40.0; 3], vec![0.0]);
+        let plan = Plan { pressures, angles, duration: 4.0, priors, ..Plan::usual(&hidden) };
+        let settings = only(&["tip_mass", "air_drag", "clamp_compliance"]);
+        let found = diagnose(&all_fitted(&plan.draw(911)), &settings, &|_: &str| ())
+            .expect("it can be diagnosed")
+            .diagnosis;
+        let first = &found.effects[0];
+        assert_eq!(first.effect, "tip_mass", "{}", found.summary);
+        let [low, high] = first.parameters[0].interval_95.expect("it was fitted");
+        assert!((low..=high).contains(&MASS) && low >= 0.0 && high - low > 0.2 * MASS, "{}", found.summary);
+    }
+
+    /// A pressure that rises with bending explains nearly all of a cubic stiffness. The rest is within the error of a law, and more
+    /// than noise: the answer is incomplete.
+    #[test]
+    #[ignore = "not met: docs/src/validation/evidence.md, What is not right"]
+    fn a_similar_law_is_called_incomplete() {
+        let hidden = Hidden::named("cubic_stiffness", 0.3).expect("it is known");
+        let problem = problem(&Plan { duration: 4.0, ..Plan::of_two_angles(&[hidden]) }.draw(909));
+        let found =
+            diagnose(&problem, &only(&["pressure_volume"]), &|_: &str| ()).expect("it can be diagnosed");
+        let found = found.diagnosis;
+        assert_eq!(found.verdict, Verdict::Incomplete, "{}", found.summary);
+        assert!(found.summary.contains("More than noise remains"), "{}", found.summary);
+    }
+
+    /// A clamp that stands a few degrees off, in recordings that are read and cleaned as a laboratory's: nothing that a
+    /// diagnosis fits by itself can do that, and the nearest effect was named instead.
+    #[test]
+    #[ignore = "not met: docs/src/validation/evidence.md, What is not right"]
+    fn a_clamp_that_stands_otherwise_than_stated_is_named() {
+        let hidden = ("clamp_tilt", 20.0);
+        let answer = asked_of_setup(hidden, 904);
+        assert!(answer.is_right(), "{}", answer.diagnosis.summary);
+        let truth = Hidden::named(hidden.0, hidden.1).expect("it is known").strength();
+        let off = answer.diagnosis.contradictions.iter().map(|own| (own.value / truth - 1.0).abs());
+        assert!(off.fold(0.0, f64::max) < 0.2, "{}", answer.diagnosis.summary);
+        // So does the clamp of every model that is given back, of held-out releases as well.
+        let stated = [0.0, -25.0f64.to_radians()];
+        for (k, trial) in answer.repaired.trials.iter().enumerate() {
+            let clamp = trial.model.theta[trial.model.index("rod.base_angle").expect("a rod has one")];
+            assert!((clamp - stated[k % 2] - truth).abs() < 0.2 * truth.abs(), "{clamp} rad of release {k}");
+        }
+    }
+
+    /// The same where no candidate could do it: nothing is named for want of a better.
+    #[test]
+    #[ignore = "not met: docs/src/validation/evidence.md, What is not right"]
+    fn what_misses_the_first_swings_with_every_effect_is_unknown() {
+        let found = with_stiffness_of_statics(&["damping_over_pressure", "tip_mass"], 908);
+        assert_eq!((found.verdict, found.effects.len()), (Verdict::Unknown, 0), "{}", found.summary);
+    }
+
+    /// With nothing to choose from, what is hidden is described, and not called nothing.
+    #[test]
+    #[ignore = "not met: docs/src/validation/evidence.md, What is not right"]
+    fn what_the_catalogue_does_not_hold_is_unknown() {
+        robbed(Hidden::named("viscoelastic", 1.0).expect("it is known"), 903);
+    }
+}

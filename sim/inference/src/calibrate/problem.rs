@@ -8,6 +8,8 @@ use models::error::ModelError;
 use models::model::Model;
 use schemars::JsonSchema;
 
+use super::error::CalibrateError;
+
 /// Several measured releases and the parameters that they share or have of their own.
 #[derive(Clone)]
 pub struct Problem {
@@ -118,6 +120,16 @@ impl Problem {
     /// The trials, each to be changed: one that another problem has as well becomes this one's own.
     pub fn trials_mut(&mut self) -> impl Iterator<Item = &mut Trial> {
         self.trials.iter_mut().map(Arc::make_mut)
+    }
+
+    /// Name of its first release; empty where there is none.
+    pub(crate) fn first_name(&self) -> String {
+        self.trials.first().map_or(String::new(), |trial| trial.release.name.clone())
+    }
+
+    /// That a model of it is refused.
+    pub(crate) fn refused(&self, error: ModelError) -> CalibrateError {
+        CalibrateError::Model { release: self.first_name(), error }
     }
 
     /// Whether the model of a trial has an effect.

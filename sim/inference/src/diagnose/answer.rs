@@ -4,10 +4,10 @@ use super::data::Data;
 use super::likelihood::Fit;
 use super::samples::{Sampled, numbers};
 use super::setup::FREED;
-use super::unknown::Role;
+use super::unknown::{Role, Unknown};
 use super::verdict::{Added, Contradiction, Diagnosis, Gap, Member, ParameterValue, Seen, Total, Verdict};
 use super::words::words;
-use super::{DiagnosisSettings, Found};
+use super::{Accepted, DiagnosisSettings, Found};
 use crate::normal::NORMAL_95;
 
 /// Share of the mean square of the misfit that an answer may leave: odds do not know that the truth is absent, so it must explain
@@ -24,7 +24,7 @@ const REPORTED: usize = 8;
 pub(super) fn answer(found: &Found, settings: &DiagnosisSettings, gap: Vec<Gap>) -> Diagnosis {
     let Found { data, baseline, accepted, members, rounds, .. } = found;
     let last = accepted.last().map_or(baseline, |own| &own.sampled);
-    let name = |(place, own): &(usize, super::Accepted)| Member {
+    let name = |(place, own): &(usize, Accepted)| Member {
         effect: own.name.clone(),
         behind: accepted[*place].odds - own.odds,
         distance: None,
@@ -145,7 +145,7 @@ fn contradictions(sampled: &Sampled) -> Vec<Contradiction> {
         let own = hypothesis.freed.filter(|freed| *freed == word)?;
         FREED.iter().find(|(freed, _)| *freed == own).map(|(_, factor)| *factor)
     };
-    let of = |(u, unknown): (usize, &super::unknown::Unknown)| {
+    let of = |(u, unknown): (usize, &Unknown)| {
         let Role::Setup(word) = unknown.role else { return None };
         let deviations = sampled.fit.at.z[u] * wider(word).unwrap_or(1.0);
         let (value, interval_95) = value(sampled, u);

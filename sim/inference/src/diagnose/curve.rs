@@ -42,7 +42,7 @@ pub struct Sample {
     pub phase: f64,
 }
 
-/// Where a prediction stands in a sample.
+/// The predicted position of a sample.
 pub type Predicted = fn(&Sample) -> [f64; 2];
 
 /// The two predictions, before an effect is added and after.

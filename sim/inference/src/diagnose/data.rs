@@ -60,10 +60,17 @@ impl Data {
         let (held_out, fitted): (Vec<usize>, Vec<usize>) = shown.partition(is_held_out);
         let of = |places: &[usize]| places.iter().filter_map(|r| found[*r].clone()).collect::<Vec<_>>();
         let plans = of(&fitted);
-        let weights =
-            plans.par_iter().map(|plan| Weights::of(plan, &covariance(plan, colour(plan)))).collect();
+        let weights = plans.par_iter().map(weights).collect();
         let data = Self { plans, weights, held_out: of(&held_out), repeatability, runs: AtomicUsize::new(0) };
         (data, [fitted, held_out].concat())
+    }
+
+    /// Of the held-out releases alone; none where there are none.
+    pub fn apart(&self) -> Option<Self> {
+        let plans = self.held_out.clone();
+        let weights = plans.par_iter().map(weights).collect();
+        let (held_out, runs) = (Vec::new(), AtomicUsize::new(0));
+        (!plans.is_empty()).then_some(Self { plans, weights, held_out, repeatability: None, runs })
     }
 
     /// Releases simulated so far, with slopes or without.
@@ -174,6 +181,11 @@ impl Data {
         };
         self.plans.par_iter().enumerate().map(one).collect::<Vec<_>>().into_iter().collect()
     }
+}
+
+/// What the features of a release are weighed by.
+fn weights(plan: &Plan) -> Weights {
+    Weights::of(plan, &covariance(plan, colour(plan)))
 }
 
 /// Differences of features, over their scales, and of all samples, m.

@@ -46,34 +46,33 @@ const STATEMENT_ODDS: f64 = -3.0;
 /// What the name of an effect of the rod's material is followed by where it has a strength for each pressure.
 const OF_EACH: &str = ", by pressure";
 
-/// All effects that a hypothesis has not, each with each of its tries; those of the rod's material also with a strength for each
-/// pressure, which changes the material.
-pub fn effects(of: &Hypothesis, settings: &DiagnosisSettings) -> Vec<Extension> {
-    let all = candidates(&of.trials, settings);
+/// All effects that a hypothesis has not, each with each of its tries. One of the rod's material is there twice, the second time with
+/// a strength for each pressure, which changes the material: at equal strengths both are one model.
+pub fn effects(of: &Hypothesis, settings: &DiagnosisSettings) -> Vec<Vec<Extension>> {
     let is_varied = has_several_pressures(&of.trials);
-    let of_each = all.iter().filter(|_| is_varied).filter_map(Candidate::of_each_pressure);
-    let of_each = of_each.filter_map(|candidate| {
-        let own = extension(of, &candidate).ok()?;
-        Some(Extension { name: format!("{}{OF_EACH}", own.name), odds: -LN_2, ..own })
-    });
-    // Both have a half of an effect's prior odds.
-    let shared = all.iter().filter_map(|candidate| {
-        let has_both = is_varied && candidate.of_each_pressure().is_some();
-        Some(Extension { odds: if has_both { -LN_2 } else { 0.0 }, ..extension(of, candidate).ok()? })
-    });
-    shared.chain(of_each).collect()
+    let both = |candidate: &Candidate| {
+        let shared = extension(of, candidate).ok()?;
+        let of_each = candidate.of_each_pressure().filter(|_| is_varied);
+        let Some(of_each) = of_each.and_then(|own| extension(of, &own).ok()) else {
+            return Some(vec![shared]);
+        };
+        // Both have a half of an effect's prior odds.
+        let of_each = Extension { name: format!("{}{OF_EACH}", of_each.name), odds: -LN_2, ..of_each };
+        Some(vec![Extension { odds: -LN_2, ..shared }, of_each])
+    };
+    candidates(&of.trials, settings).iter().filter_map(both).collect()
 }
 
 /// All statements that may be freed.
-pub fn statements(of: &Hypothesis) -> Vec<Extension> {
+pub fn statements(of: &Hypothesis) -> Vec<Vec<Extension>> {
     let extension = |(name, factor): (&'static str, f64)| {
-        Some(Extension {
+        Some(vec![Extension {
             name: name.to_owned(),
             hypothesis: freed(of, name, factor)?,
             strengths: Vec::new(),
             wider: factor,
             odds: STATEMENT_ODDS,
-        })
+        }])
     };
     FREED.into_iter().filter_map(extension).collect()
 }

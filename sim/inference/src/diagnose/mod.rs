@@ -101,7 +101,7 @@ pub struct DiagnosisOutcome {
     pub curves: Vec<Curve>,
 }
 
-/// A hypothesis that was accepted, or that would do as well.
+/// A hypothesis that was accepted, or that explains as much.
 struct Accepted {
     name: String,
     /// Places of its strengths; none of a statement.
@@ -118,7 +118,7 @@ struct Found {
     places: Vec<usize>,
     baseline: Sampled,
     accepted: Vec<Accepted>,
-    /// What would do as well as one that was accepted, with its place.
+    /// What explains as much as one that was accepted, with its place.
     members: Vec<(usize, Accepted)>,
     rounds: Vec<Round>,
     /// Whether the last round has an answer that may not be added.
@@ -171,10 +171,8 @@ impl<'a> Search<'a> {
         listener: &'a dyn Listener,
         work: &'a Work,
     ) -> Result<Self, CalibrateError> {
-        let name = problem.trials.first().map_or(String::new(), |trial| trial.release.name.clone());
-        let of_model = |error| CalibrateError::Model { release: name.clone(), error };
         let trials = |is_coarse: bool| {
-            let mut trials = setup::trials(problem, is_coarse).map_err(of_model)?;
+            let mut trials = setup::trials(problem, is_coarse).map_err(|error| problem.refused(error))?;
             for trial in &mut trials {
                 (trial.run.work, trial.run.cancel) = (work.clone(), listener.stop());
             }
@@ -188,11 +186,12 @@ impl<'a> Search<'a> {
         listener.doing("features of the recordings");
         let (data, places) = Data::of(&trials, settings.repeatability);
         if data.plans.is_empty() {
-            return Err(CalibrateError::NoFit { release: name });
+            return Err(CalibrateError::NoFit { release: problem.first_name() });
         }
         let nothing = |trials: Vec<Trial>| {
             let trials = places.iter().map(|r| trials[*r].clone()).collect();
-            Ok(Arc::new(setup::nothing(problem, trials, &data.all()).map_err(of_model)?))
+            let nothing = setup::nothing(problem, trials, &data.all());
+            Ok(Arc::new(nothing.map_err(|error| problem.refused(error))?))
         };
         listener.doing("the model as it is");
         let (mut nothing, fine) = (nothing(trials)?, nothing(own_mesh)?);
@@ -228,11 +227,7 @@ impl<'a> Search<'a> {
     /// Whether the search ends before or in a round. Between rounds no run is in progress, so the count of the work is that of
     /// any machine.
     fn is_cut_short(&mut self, round: usize) -> bool {
-        let by = match (self.listener.stop().is_requested(), self.work.is_spent()) {
-            (true, _) => CutBy::Interruption,
-            (_, true) => CutBy::Budget,
-            _ => return false,
-        };
+        let Some(by) = cut_by(self.listener, self.work) else { return false };
         self.found.cut_short.get_or_insert(CutShort { round: Some(round), by });
         true
     }
@@ -243,7 +238,7 @@ impl<'a> Search<'a> {
         let others = if accepted.is_empty() { self.means.as_slice() } else { &[] };
         let base = accepted.last_mut().map_or(baseline, |last| &mut last.sampled);
         let extensions = extensions(&base.fit, self.settings);
-        let mut names: Vec<&str> = extensions.iter().map(Extension::effect).collect();
+        let mut names: Vec<&str> = extensions.iter().flatten().map(Extension::effect).collect();
         names.sort_unstable();
         names.dedup();
         // That nothing is missing is as probable beforehand as that something is, and then each candidate alike. By Markov's
@@ -281,8 +276,16 @@ impl<'a> Search<'a> {
     }
 }
 
+/// What ends a search, if something does.
+fn cut_by(listener: &dyn Listener, work: &Work) -> Option<CutBy> {
+    if listener.stop().is_requested() {
+        return Some(CutBy::Interruption);
+    }
+    work.is_spent().then_some(CutBy::Budget)
+}
+
 /// Everything that may be missing or wrong beside a model.
-fn extensions(base: &Fit, settings: &DiagnosisSettings) -> Vec<Extension> {
+fn extensions(base: &Fit, settings: &DiagnosisSettings) -> Vec<Vec<Extension>> {
     let mut all = effects(&base.hypothesis, settings);
     all.extend(statements(&base.hypothesis));
     all

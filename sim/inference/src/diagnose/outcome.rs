@@ -18,9 +18,9 @@ use super::search::Point;
 use super::setup::NODES;
 use super::summary_text::summary;
 use super::unknown::{Act, Role, Unknown};
-use super::verdict::{CutBy, CutShort};
+use super::verdict::CutShort;
 use super::warnings::warnings;
-use super::{DiagnosisOutcome, DiagnosisSettings, Found, Listener};
+use super::{DiagnosisOutcome, DiagnosisSettings, Found, Listener, cut_by};
 use crate::calibrate::{CalibrateError, FittedParameter, Problem, Scope};
 use crate::features::Plan;
 
@@ -35,10 +35,12 @@ pub(super) fn outcome(
     work: &Work,
 ) -> Result<DiagnosisOutcome, CalibrateError> {
     listener.doing("what remains, and held-out releases");
-    let before = settled(&found.data, &found.baseline.fit);
+    let apart = found.data.apart();
+    let settled = |found: &Found, fit: &Fit| settled(&found.data, apart.as_ref(), fit);
+    let before = settled(&found, &found.baseline.fit);
     let met = |found: &Found| {
         let last = found.accepted.last().map_or(&found.baseline, |own| &own.sampled);
-        let after = settled(&found.data, &last.fit);
+        let after = settled(found, &last.fit);
         let curves = curves(&before.iter().zip(&after).collect::<Vec<_>>());
         (after, gaps(&curves), curves)
     };
@@ -50,9 +52,7 @@ pub(super) fn outcome(
     }
     let last = found.accepted.last().map_or(&found.baseline, |own| &own.sampled);
     let of = |settled: &[Settled], hypothesis: &Hypothesis| {
-        let name = || problem.trials.first().map_or(String::new(), |trial| trial.release.name.clone());
-        posed(problem, &found.places, settled, hypothesis)
-            .map_err(|error| CalibrateError::Model { release: name(), error })
+        posed(problem, &found.places, settled, hypothesis).map_err(|error| problem.refused(error))
     };
     let baseline = of(&before, &found.baseline.fit.hypothesis)?;
     let repaired = of(&after, &last.fit.hypothesis)?;
@@ -60,12 +60,7 @@ pub(super) fn outcome(
     let mut diagnosis = answer(&found, settings, gaps);
     if !diagnosis.members.is_empty() {
         // The search is over: what is left out of the answer changes no name.
-        let by = match (listener.stop().is_requested(), work.is_spent()) {
-            (true, _) => Some(CutBy::Interruption),
-            (_, true) => Some(CutBy::Budget),
-            _ => None,
-        };
-        match by {
+        match cut_by(listener, work) {
             Some(by) => _ = found.cut_short.get_or_insert(CutShort { round: None, by }),
             None => {
                 listener.doing("recordings that separate the candidates");
@@ -80,29 +75,25 @@ pub(super) fn outcome(
     Ok(DiagnosisOutcome { diagnosis, baseline, repaired, errors, curves })
 }
 
-/// All releases as a fit has them. Of those that are held out, what they share with the others is that of the fit, and what is
-/// their own is fitted to them.
-fn settled(data: &Data, fit: &Fit) -> Vec<Settled> {
+/// All releases as a fit has them. Of those that are held out, which are those of `apart`, what they share with the others is that
+/// of the fit, and what is their own is fitted to them.
+fn settled(data: &Data, apart: Option<&Data>, fit: &Fit) -> Vec<Settled> {
     let (fitted, plans) = (data.plans.len(), data.all());
     let of = |r: usize| fit.hypothesis.settled(r, &plans[r].tracks, &fit.at.z);
     let mut all: Vec<Settled> = (0..plans.len()).map(of).collect();
-    if let Some(own) = held_out(fit, fitted, &plans) {
+    if let Some(own) = apart.and_then(|apart| held_out(apart, fit, fitted, &plans)) {
         all.splice(fitted.., own);
     }
     all
 }
 
-/// The releases that are held out, fitted; none where there are none, or where they cannot be.
-fn held_out(fit: &Fit, fitted: usize, plans: &[&Plan]) -> Option<Vec<Settled>> {
+/// The releases that are held out, fitted; none where they cannot be.
+fn held_out(data: &Data, fit: &Fit, fitted: usize, plans: &[&Plan]) -> Option<Vec<Settled>> {
     let mut own = fit.hypothesis.apart(fitted, plans, &fit.at.z);
     own.trials.iter_mut().for_each(|trial| trial.release.held_out = false);
-    let (data, places) = Data::of(&own.trials, None);
-    if places.is_empty() || places.len() < own.trials.len() {
-        return None;
-    }
     let own = Arc::new(own);
-    let start = Point::of(&data, &own, own.start())?;
-    let found = Sampled::from(&data, &Fit::at(&data, &own, start, fit.share))?;
+    let start = Point::of(data, &own, own.start())?;
+    let found = Sampled::from(data, &Fit::at(data, &own, start, fit.share))?;
     let of = |(r, plan): (usize, &Plan)| {
         let mut settled = own.settled(r, &plan.tracks, &found.fit.at.z);
         settled.trial.release.held_out = true;
@@ -145,11 +136,11 @@ fn known(data: &Data, sampled: &Sampled) -> muscle::Known {
         Role::Strength | Role::Shape => true,
         Role::Setup(word) => ["stiffness", "parameter"].contains(&word),
     };
-    let is_told = |u: &usize| {
+    let is_shared = |u: &usize| {
         let own = &unknowns[*u];
         is_parameter(own) && !own.is_own && own.is_of_any(data.plans.len()) && own.path(trials).is_some()
     };
-    let told: Vec<usize> = (0..unknowns.len()).filter(is_told).collect();
+    let shared: Vec<usize> = (0..unknowns.len()).filter(is_shared).collect();
     let deviation = |u: usize| sampled.covariance[(u, u)].max(0.0).sqrt();
     let correlation = |u: usize, v: usize| match deviation(u) * deviation(v) {
         _ if u == v => 1.0,
@@ -162,7 +153,7 @@ fn known(data: &Data, sampled: &Sampled) -> muscle::Known {
         pressure_pa: unknowns[*u].pressure,
         value: unknowns[*u].value(unknowns[*u].own(trials), z[*u]),
         standard_error: Some(error(*u)).filter(|error| error.is_finite()),
-        correlations: told.iter().map(|v| correlation(*u, *v)).collect(),
+        correlations: shared.iter().map(|v| correlation(*u, *v)).collect(),
     };
     let fitted = || trials[..data.plans.len()].iter().map(|trial| &trial.release);
     let offset = |r: usize, axis: usize| {
@@ -176,7 +167,7 @@ fn known(data: &Data, sampled: &Sampled) -> muscle::Known {
         releases: data.plans.len(),
         pressure_pa: muscle::Known::span(fitted().filter_map(|release| release.pressure)),
         payload_kg: muscle::Known::span(fitted().map(|release| release.payload)),
-        parameter: told.iter().map(parameter).collect(),
+        parameter: shared.iter().map(parameter).collect(),
         marker: tip.and_then(|track| Marker::of(&track.marker, &offsets)),
         ..muscle::Known::default()
     }

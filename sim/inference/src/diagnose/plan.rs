@@ -1,7 +1,7 @@
 //! What an experiment that is not made yet could show: from which size on each effect of the catalogue is
-//! seen, and from which it is told from all others.
+//! seen, and from which it is separated from all others.
 //!
-//! Releases are simulated and looked at as if they had been recorded; an effect is seen, and told from another, from five
+//! Releases are simulated and looked at as if they had been recorded; an effect is seen, and separated from another, from five
 //! standard deviations on (`traces.rs`). Both are of small effects, with white noise, what does not repeat where it is stated,
 //! and a model that is right otherwise.
 
@@ -95,8 +95,7 @@ pub fn plan(
     repeatability: Option<f64>,
     tell: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Prospect>, CalibrateError> {
-    let name = || problem.trials.first().map_or(String::new(), |trial| trial.release.name.clone());
-    let of_model = |error| CalibrateError::Model { release: name(), error };
+    let of_model = |error| problem.refused(error);
     tell("the planned releases");
     let mut trials = setup::trials(problem, true).map_err(of_model)?;
     trials.retain(|trial| !trial.release.held_out);
@@ -107,7 +106,7 @@ pub fn plan(
     let trials = trials.into_iter().map(alone).collect::<Result<Vec<_>, _>>()?;
     let (data, places) = Data::of(&trials, repeatability);
     if places.is_empty() {
-        return Err(CalibrateError::NoFit { release: name() });
+        return Err(CalibrateError::NoFit { release: problem.first_name() });
     }
     let trials: Vec<Trial> = places.iter().map(|r| trials[*r].clone()).collect();
     let base = setup::nothing(problem, trials, &data.all()).map_err(of_model)?;

@@ -1,5 +1,5 @@
 //! Experiments that were not made: the releases at hand with one thing more, simulated at what is known and looked at as if they
-//! had been recorded, to say which of them would tell two effects apart.
+//! had been recorded, to say which of them would separate two effects.
 
 use nalgebra::DVector;
 
@@ -19,7 +19,7 @@ use crate::listed::listed;
 /// Times that releases are recorded at most: an afternoon's work.
 const MOST_TIMES: u32 = 10;
 
-/// Fills in how far each member of a class is from the answer, and says which recordings would tell the nearest one apart; none
+/// Fills in how far each member of a class is from the answer, and says which recordings would separate the nearest one; none
 /// where none would, and for statements.
 pub(super) fn separation(found: &Found, members: &mut [Member]) -> Option<Separation> {
     let mut nearest: Option<(f64, Pair)> = None;
@@ -70,29 +70,30 @@ impl Pair<'_> {
         z
     }
 
-    /// The experiment that tells them apart best, of those that could be made: several things together only where one is not
+    /// The experiment that separates them best, of those that could be made: several things together only where one is not
     /// enough, and the best more than once only where that is not.
     fn separation(&self, now: f64) -> Option<Separation> {
-        let mut best: Option<(f64, &[Extra])> = None;
+        let mut best: Option<(f64, &[Extra], Experiment)> = None;
         for all in [&ONE_MORE[..], &TWO_MORE, &ALL_MORE] {
             for extras in all {
-                let is_better = |distance: &f64| best.is_none_or(|(before, _)| *distance > before);
-                if let Some(distance) = self.distance(extras, 1).filter(is_better) {
-                    best = Some((distance, extras));
+                let Some(made) = self.experiment(extras) else { continue };
+                let Some(distance) = made.distance(1, self.misfit()) else { continue };
+                if best.as_ref().is_none_or(|(before, ..)| distance > *before) {
+                    best = Some((distance, extras, made));
                 }
             }
-            if best.is_some_and(|(distance, _)| distance >= APART) {
+            if best.as_ref().is_some_and(|(distance, ..)| *distance >= APART) {
                 break;
             }
         }
-        let (mut distance, extras) = best?;
+        let (mut distance, extras, made) = best?;
         let words: Vec<String> = extras.iter().map(|extra| extra.words().to_owned()).collect();
         let mut what = format!("the same releases {}", listed(&words));
         if distance < APART {
             let needed = (APART / distance).powi(2).ceil().min(f64::from(MOST_TIMES) + 1.0) as u32;
-            let several =
-                (needed..=MOST_TIMES).filter_map(|times| Some((times, self.distance(extras, times)?)));
-            if let Some((times, enough)) = several.into_iter().find(|(_, distance)| *distance >= APART) {
+            let mut several =
+                (needed..=MOST_TIMES).filter_map(|times| Some((times, made.distance(times, self.misfit())?)));
+            if let Some((times, enough)) = several.find(|(_, distance)| *distance >= APART) {
                 what += &format!(", each recorded {times} times");
                 distance = enough;
             }
@@ -100,13 +101,11 @@ impl Pair<'_> {
         (distance > now).then_some(Separation { what, distance, distance_now: now })
     }
 
-    /// How far apart they would be with something more, recorded some times; none where there is nothing more in it, or where
-    /// it cannot be run.
-    fn distance(&self, extras: &[Extra], times: u32) -> Option<f64> {
+    /// The experiment with something more; none where there is nothing more in it, or where it cannot be run.
+    fn experiment(&self, extras: &[Extra]) -> Option<Experiment> {
         let fit = &self.base.fit;
-        let fitted = self.found.data.plans.len();
-        let trials = &fit.hypothesis.trials[..fitted];
-        // Releases of one condition differ by noise alone: one of them stands for all.
+        let trials = &fit.hypothesis.trials[..self.found.data.plans.len()];
+        // Releases of one condition differ by noise alone: one of them counts for all.
         let groups = grouped_trials(trials.iter(), |_| true, is_one_condition);
         let (mut like, mut counts): (Vec<usize>, Vec<usize>) =
             groups.iter().map(|group| (group[0], group.len())).unzip();
@@ -133,11 +132,10 @@ impl Pair<'_> {
             };
             like.iter().zip(&planned).map(one).collect()
         };
-        let tracks = |of: &[Trial]| of.iter().map(|trial| trial.release.tracks.len()).sum::<usize>();
         let at_hand = changed(&fit.hypothesis)?;
-        let is_same = extras == [BodyMarkers]
-            && tracks(&at_hand) == like.iter().map(|r| trials[*r].release.tracks.len()).sum::<usize>();
-        if is_same {
+        let tracks = |trial: &Trial| trial.release.tracks.len();
+        let has_more = at_hand.iter().zip(&like).any(|(made, r)| tracks(made) > tracks(&trials[*r]));
+        if extras == [BodyMarkers] && !has_more {
             return None;
         }
         let (base, z) = fit.hypothesis.planned(&fit.at.z, &like, at_hand)?;
@@ -154,6 +152,24 @@ impl Pair<'_> {
             trace(&data, &at, &hypothesis, &z, 1.0)
         };
         let traces = [own(self.of[0])?, own(self.of[1])?];
-        Some(Traces::of(&data, &at, &base, &traces, (&counts, times), self.misfit())?.apart(0, 1))
+        Some(Experiment { data, at, base, traces, counts })
+    }
+}
+
+/// An experiment that was not made, as it was simulated.
+struct Experiment {
+    data: Data,
+    at: Point,
+    base: Hypothesis,
+    traces: [Vec<DVector<f64>>; 2],
+    /// Releases for which each of the simulated ones counts.
+    counts: Vec<usize>,
+}
+
+impl Experiment {
+    /// How far apart the traces are where each release is recorded some times; `misfit` is a mean square, m².
+    fn distance(&self, times: u32, misfit: f64) -> Option<f64> {
+        let Self { data, at, base, traces, counts } = self;
+        Some(Traces::of(data, at, base, traces, (counts, times), misfit)?.apart(0, 1))
     }
 }

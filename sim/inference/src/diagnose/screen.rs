@@ -72,13 +72,44 @@ struct Try {
     normals: Vec<Normal>,
 }
 
-/// Screens extensions of a fit; tries begin at the fit and at other origins.
-pub fn screen(data: &Data, base: &Sampled, others: &[Point], extensions: Vec<Extension>) -> Vec<Screened> {
-    let screened = |extension: Extension| {
-        let mut best = Screened { extension, by_features: None, by_samples: None };
-        for origin in std::iter::once(&base.fit.at).chain(others) {
+/// Runs of one model at several strengths, each from one of the origins.
+#[derive(Default)]
+struct Runs(Vec<(usize, f64, Comparison)>);
+
+impl Runs {
+    /// How the model compares at a strength from an origin; it is run where it was not yet.
+    fn at(
+        &mut self,
+        origin: usize,
+        strength: f64,
+        run: impl FnOnce() -> Option<Comparison>,
+    ) -> Option<Comparison> {
+        if let Some((.., own)) = self.0.iter().find(|(from, at, _)| (*from, *at) == (origin, strength)) {
+            return Some(own.clone());
+        }
+        let own = run()?;
+        self.0.push((origin, strength, own.clone()));
+        Some(own)
+    }
+}
+
+/// Screens extensions of a fit, of which those of a group are one model at equal strengths; tries begin at the fit and at other
+/// origins.
+pub fn screen(data: &Data, base: &Sampled, others: &[Point], groups: Vec<Vec<Extension>>) -> Vec<Screened> {
+    let screened = |group: Vec<Extension>| {
+        let mut runs = Runs::default();
+        let each = group.into_iter().map(|own| Screened::of(own, data, base, others, &mut runs));
+        each.collect::<Vec<_>>()
+    };
+    groups.into_par_iter().flat_map_iter(screened).collect()
+}
+
+impl Screened {
+    fn of(extension: Extension, data: &Data, base: &Sampled, others: &[Point], runs: &mut Runs) -> Self {
+        let mut best = Self { extension, by_features: None, by_samples: None };
+        for origin in std::iter::once(&base.fit.at).chain(others).enumerate() {
             if best.extension.strengths.is_empty() {
-                best.improve(data, base, origin, 0.0);
+                best.improve(data, base, origin, 0.0, runs);
                 continue;
             }
             // The next are where features or samples lead to, unless one was there.
@@ -86,19 +117,23 @@ pub fn screen(data: &Data, base: &Sampled, others: &[Point], extensions: Vec<Ext
             while let Some(next) = wanted.pop_front().filter(|_| made.len() < TRIES) {
                 if !made.iter().any(|own| (1.0 / SAME..SAME).contains(&(next / own))) {
                     made.push(next);
-                    wanted.extend(best.improve(data, base, origin, next).into_iter().flatten());
+                    wanted.extend(best.improve(data, base, origin, next, runs).into_iter().flatten());
                 }
             }
         }
         best
-    };
-    extensions.into_par_iter().map(screened).collect()
-}
+    }
 
-impl Screened {
     /// Tries a strength, and keeps what is better; the strengths that features and samples want then.
-    fn improve(&mut self, data: &Data, base: &Sampled, origin: &Point, strength: f64) -> [Option<f64>; 2] {
-        let Some(tried) = Try::of(data, base, origin, &self.extension, strength) else {
+    fn improve(
+        &mut self,
+        data: &Data,
+        base: &Sampled,
+        origin: (usize, &Point),
+        strength: f64,
+        runs: &mut Runs,
+    ) -> [Option<f64>; 2] {
+        let Some(tried) = Try::of(data, base, origin, &self.extension, strength, runs) else {
             return [(strength >= TRIED[0]).then_some(strength / FACTOR), None];
         };
         let (tried, extension) = (Arc::new(tried), &self.extension);
@@ -129,7 +164,14 @@ impl Promise {
 }
 
 impl Try {
-    fn of(data: &Data, base: &Sampled, origin: &Point, extension: &Extension, strength: f64) -> Option<Self> {
+    fn of(
+        data: &Data,
+        base: &Sampled,
+        (number, origin): (usize, &Point),
+        extension: &Extension,
+        strength: f64,
+        runs: &mut Runs,
+    ) -> Option<Self> {
         let mut z = beside(base, &origin.z, extension);
         extension.strengths.iter().for_each(|place| z[*place] = strength);
         let has_strength = !extension.strengths.is_empty();
@@ -138,7 +180,8 @@ impl Try {
         let place = |r: usize| extension.strengths.iter().copied().find(|u| acts_on(u, r));
         let places: Vec<_> = (0..data.plans.len()).map(place).collect();
         let mut here = if has_strength {
-            data.compare_with(&extension.hypothesis, &z, &origin.seen)?
+            let run = || data.compare_with(&extension.hypothesis, &z, &origin.seen);
+            runs.at(number, strength, run)?
         } else {
             Comparison::clone(&origin.seen)
         };

@@ -8,8 +8,8 @@ use crate::listed::listed;
 
 /// Features that are said in a sentence.
 const SAID: usize = 2;
-/// Values of an effect that are told in a sentence, at most.
-const TOLD: usize = 3;
+/// Values of an effect that a sentence gives, at most.
+const GIVEN: usize = 3;
 
 /// Lines for a person: the answer with the gap before and after, then the evidence. A line is there only if it has numbers.
 pub(super) fn summary(diagnosis: &Diagnosis) -> String {
@@ -68,7 +68,7 @@ fn capitalised(words: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// What is missing, with its values, and what cannot be told from it.
+/// What is missing, with its values, and what cannot be separated from it.
 fn named(diagnosis: &Diagnosis) -> String {
     let names = listed(&diagnosis.effects.iter().map(with_sizes).collect::<Vec<_>>());
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
@@ -101,7 +101,7 @@ fn with_sizes(added: &Added) -> String {
     format!("{}{of_each}", called(&added.effect))
 }
 
-/// A statement that is wrong, and what cannot be told from it.
+/// A statement that is wrong, and what cannot be separated from it.
 fn misstated(diagnosis: &Diagnosis) -> String {
     let word = diagnosis.freed.as_deref().unwrap_or("setup");
     let others: Vec<_> = diagnosis.members.iter().map(|member| called(&member.effect)).collect();
@@ -118,7 +118,7 @@ fn misstated(diagnosis: &Diagnosis) -> String {
 
 /// The values of a statement that is wrong, after a colon.
 fn of_freed(diagnosis: &Diagnosis) -> String {
-    let values: Vec<String> = diagnosis.contradictions.iter().take(SAID).map(Contradiction::told).collect();
+    let values: Vec<String> = diagnosis.contradictions.iter().take(SAID).map(Contradiction::words).collect();
     if values.is_empty() { String::new() } else { format!(": {}", listed(&values)) }
 }
 
@@ -137,7 +137,7 @@ fn unknown(diagnosis: &Diagnosis) -> String {
 
 /// The values of an effect; nothing where there are too many for a sentence.
 fn values(added: &Added) -> Option<String> {
-    let told = |value: &ParameterValue| {
+    let words = |value: &ParameterValue| {
         let of = value.of.as_ref().map_or(String::new(), |of| format!(" of {of}"));
         let number = format!("{} {}", short(value.value), value.unit);
         let interval = match value.interval_95 {
@@ -148,8 +148,8 @@ fn values(added: &Added) -> Option<String> {
         };
         format!("{}{of} {}{interval}", value.name.replace('_', " "), number.trim_end())
     };
-    let few = (1..=TOLD).contains(&added.parameters.len());
-    few.then(|| listed(&added.parameters.iter().map(told).collect::<Vec<_>>()))
+    let few = (1..=GIVEN).contains(&added.parameters.len());
+    few.then(|| listed(&added.parameters.iter().map(words).collect::<Vec<_>>()))
 }
 
 /// What is seen in the recordings, and what the model has instead.
@@ -215,13 +215,13 @@ fn remains(diagnosis: &Diagnosis) -> Option<String> {
 
 /// What of the setup a fit moved far.
 fn contradicted(diagnosis: &Diagnosis) -> Option<String> {
-    let far: Vec<String> = diagnosis.contradictions.iter().map(Contradiction::told).take(SAID).collect();
+    let far: Vec<String> = diagnosis.contradictions.iter().map(Contradiction::words).take(SAID).collect();
     (!far.is_empty()).then(|| format!("Check the setup: {}.", listed(&far)))
 }
 
 impl Contradiction {
     /// In words.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn words(&self) -> String {
         let stated = |value: f64| match self.unit.as_str() {
             "rad" => format!("{} deg", significant(value.to_degrees(), 3)),
             unit => format!("{} {unit}", significant(value, 3)).trim_end().to_owned(),

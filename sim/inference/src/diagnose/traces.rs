@@ -1,7 +1,7 @@
 //! Traces of effects: how far each would move what is recorded, beside all that the model without it may still adjust.
 //!
 //! In units of the noise, with slopes J of the model by its unknowns, which have standard normal priors, and columns C, what is
-//! left of the columns is `S = CᵀC − CᵀJ (I + JᵀJ)⁻¹ JᵀC`. An effect is seen from `√S_kk` standard deviations on, and told
+//! left of the columns is `S = CᵀC − CᵀJ (I + JᵀJ)⁻¹ JᵀC`. An effect is seen from `√S_kk` standard deviations on, and separated
 //! from another, whose strength is free, by `√(S_kk − S_kj² / S_jj)`.
 //! Source: Silvey (1980), Optimal design, chapter 2.
 
@@ -32,7 +32,7 @@ pub fn trace(
 pub struct Traces(DMatrix<f64>);
 
 impl Traces {
-    /// Of traces beside a model, in releases each of which stands for some alike, all recorded some `times`. `misfit` is the mean
+    /// Of traces beside a model, in releases each of which counts for some alike, all recorded some `times`. `misfit` is the mean
     /// square of each coordinate that does not repeat, m². None where the model's own slopes are none.
     pub fn of(
         data: &Data,
@@ -43,7 +43,7 @@ impl Traces {
         misfit: f64,
     ) -> Option<Self> {
         let (n, m) = (at.z.len(), columns.len());
-        // One release stands for some alike, each with a setup of its own; what all share is shared by all times.
+        // One release counts for some alike, each with a setup of its own; what all share is shared by all times.
         let prior = |u: usize| {
             let unknown = &of.unknowns[u];
             let count = || unknown.acts.first().and_then(|(r, _)| counts.get(*r));

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// One effect, or several, each told from all others.
+    /// One effect, or several, each separated from all others.
     Named,
     /// The same, and more than noise and repeatability remains: a similar effect may act instead, or another one as well.
     Incomplete,
@@ -33,7 +33,7 @@ pub struct Diagnosis {
     pub effects: Vec<Added>,
     /// A statement that was freed because it explains more than any effect: its word, such as `stiffness`; none where none was.
     pub freed: Option<String>,
-    /// Effects and statements that would do as well as one that was added; empty where each stands alone.
+    /// Effects and statements that explain the recordings as well as one that was added.
     pub members: Vec<Member>,
     /// Recordings that separate the members.
     pub separating_experiment: Option<Separation>,
@@ -185,6 +185,11 @@ impl Odds {
     /// By all samples, or else by features.
     pub fn best(&self) -> f64 {
         self.all.unwrap_or(self.features)
+    }
+
+    /// That it is in the answer, or why it is not.
+    pub fn reason(&self) -> &str {
+        self.rejected.as_deref().unwrap_or("in the answer")
     }
 }
 

@@ -14,7 +14,7 @@ const LEAST_PERIODS: f64 = 3.0;
 /// Samples in a cycle below which turns are known badly: the quadratic through three of them is off by a per cent.
 const LEAST_SAMPLES: f64 = 10.0;
 
-/// All that concern a diagnosis as it stands, its problem, and what was found.
+/// All that concern a diagnosis, its problem, and what was found.
 pub(super) fn warnings(diagnosis: &Diagnosis, problem: &Problem, found: &Found) -> Vec<String> {
     let mut words: Vec<String> = several(diagnosis).into_iter().collect();
     words.extend(cut_short(diagnosis));

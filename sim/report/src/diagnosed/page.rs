@@ -1,10 +1,11 @@
 //! A diagnosis as a page.
 
 use efam_core::work::written;
-use efam_inference::diagnose::verdict::{Added, Contradiction, Odds, ParameterValue, Seen};
+use efam_inference::diagnose::verdict::{Added, Contradiction, Odds, ParameterValue};
 use efam_inference::diagnose::{Curve, Diagnosis, DiagnosisOutcome, Verdict};
 use models::effects::Catalogue;
 
+use super::{odds_cells, seen_cells};
 use crate::page::{BeforeUse, Masked, Page, Table};
 use crate::picture::{Picture, of_diagnosis};
 use crate::report::{short, significant};
@@ -174,31 +175,17 @@ fn gaps(page: &mut Page, diagnosis: &Diagnosis) {
 }
 
 fn seen(page: &mut Page, diagnosis: &Diagnosis) {
-    let row = |own: &Seen| {
-        let number = |value: f64| significant(value, 4);
-        let [recorded, before, after] = [own.recorded, own.before, own.after].map(number);
-        vec![own.what.clone(), own.release.clone(), recorded, before, after, own.unit.clone()]
-    };
     page.table(&Table {
         caption: "Features that the answer changes most, as recorded and as the model has them before and after",
         heads: &["feature", "release", "recorded", "before", "after", "unit"],
-        rows: diagnosis.seen.iter().map(row).collect(),
+        rows: diagnosis.seen.iter().map(|own| seen_cells(own).to_vec()).collect(),
     });
 }
 
 fn odds(page: &mut Page, diagnosis: &Diagnosis) {
     let row = |(number, own): (usize, &Odds)| {
-        let number_of = |value: Option<f64>, digits: usize| {
-            value.map_or(String::new(), |value| format!("{value:.digits$}"))
-        };
-        vec![
-            own.name.clone(),
-            number.to_string(),
-            number_of(Some(own.features), 1),
-            number_of(own.all, 1),
-            number_of(own.rms_mm, 3),
-            own.rejected.clone().unwrap_or_else(|| "in the answer".to_owned()),
-        ]
+        let [name, rest @ ..] = odds_cells(own, "");
+        [name, number.to_string()].into_iter().chain(rest).collect()
     };
     let rounds = diagnosis.rounds.iter().enumerate();
     let fitted = rounds.flat_map(|(k, round)| round.candidates.iter().map(move |own| (k + 1, own)));
@@ -246,7 +233,7 @@ mod tests {
 
     use efam_inference::calibrate::{FittedParameter, Nuisances, Problem, Scope};
     use efam_inference::diagnose::curve::Sample;
-    use efam_inference::diagnose::verdict::{Gap, Member, Round, Separation};
+    use efam_inference::diagnose::verdict::{Gap, Member, Round, Seen, Separation};
 
     use super::*;
     use crate::page::stripped;

@@ -134,13 +134,8 @@ fn features(seen: &[Seen]) -> Picture {
 /// Candidates of a round by their odds.
 fn ranking(number: usize, round: &Round) -> Picture {
     let all: Vec<&Odds> = round.candidates.iter().take(SHOWN).collect();
-    let rows: Vec<Row> = all
-        .iter()
-        .map(|own| Row {
-            name: own.name.clone(),
-            note: own.rejected.clone().unwrap_or_else(|| "in the answer".to_owned()),
-        })
-        .collect();
+    let rows: Vec<Row> =
+        all.iter().map(|own| Row { name: own.name.clone(), note: own.reason().to_owned() }).collect();
     // Odds are of tens and of thousands: their square root shows both.
     let root = |odds: f64| odds.signum() * odds.abs().sqrt();
     let odds = || all.iter().flat_map(|own| [Some(own.features), own.all]).flatten().map(root);

@@ -130,8 +130,8 @@ fn ranking(rounds: &BTreeMap<usize, Round>) -> String {
         for own in round.candidates.iter().take(SHOWN) {
             let bar = "•".repeat((LONGEST * own.best().max(0.0) / most).min(LONGEST).round() as usize);
             let all = own.all.map_or(String::new(), |all| format!("{all:.1}"));
-            let why = own.rejected.as_deref().unwrap_or("in the answer");
-            let _ = writeln!(text, "| {} | {:.1} | {all} | {bar} | {why} |", own.name, own.features);
+            let _ =
+                writeln!(text, "| {} | {:.1} | {all} | {bar} | {} |", own.name, own.features, own.reason());
         }
         text.push('\n');
     }
