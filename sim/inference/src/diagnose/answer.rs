@@ -44,7 +44,7 @@ pub(super) fn answer(found: &Found, settings: &DiagnosisSettings, gap: Vec<Gap>)
             before_mm: 1e3 * baseline.rms,
             after_mm: 1e3 * last.rms,
             noise_mm: 1e3 * last.noise,
-            repeats_mm: 1e3 * data.repeats(),
+            repeats_mm: 1e3 * data.repeats().max(last.unrepeated),
         },
         false_alarm: settings.false_alarm,
         nodes: hypothesis.trials[0].model.edges + 1,

@@ -10,8 +10,9 @@ use super::hypothesis::{Hypothesis, Simulated};
 use super::likelihood::Weights;
 use super::search::Point;
 use crate::calibrate::Trial;
-use crate::features::Plan;
-use crate::features::covariance::{colour, covariance};
+use crate::calibrate::repeats::{grouped_trials, is_one_condition};
+use crate::features::covariance::covariance;
+use crate::features::{Noise, Plan};
 
 /// Error of a mesh that the noise hides, over the noise: it adds a ninth to the mean square.
 const MESH: f64 = 1.0 / 3.0;
@@ -29,6 +30,8 @@ pub struct Data {
     pub held_out: Vec<Plan>,
     /// How well releases repeat, as stated, m.
     repeatability: Option<f64>,
+    /// Whether releases of one condition tell it.
+    is_repeated: bool,
     runs: AtomicUsize,
 }
 
@@ -51,17 +54,29 @@ pub struct Comparison {
 }
 
 impl Data {
-    /// Of the releases of trials that show a swing, with the places of these: the fitted ones first.
-    pub fn of(trials: &[Trial], repeatability: Option<f64>) -> (Self, Vec<usize>) {
-        let found: Vec<_> =
+    /// Of the releases of trials that show a swing, with the places of these: the fitted ones first. `slow_noise` is
+    /// [`Noise::slow`] where these were not recorded.
+    pub fn of(trials: &[Trial], repeatability: Option<f64>, slow_noise: Option<f64>) -> (Self, Vec<usize>) {
+        let mut found: Vec<_> =
             trials.par_iter().map(|trial| Plan::of(&trial.release, trial.is_held())).collect();
+        // One camera sees all: each release tells a little of its colour.
+        let slow_noise = slow_noise.unwrap_or_else(|| slow(found.iter().flatten().map(|plan| plan.noise)));
+        found.iter_mut().flatten().for_each(|plan| plan.noise.slow = slow_noise);
         let is_held_out = |r: &usize| trials[*r].release.held_out;
         let shown = (0..trials.len()).filter(|r| found[*r].is_some());
         let (held_out, fitted): (Vec<usize>, Vec<usize>) = shown.partition(is_held_out);
         let of = |places: &[usize]| places.iter().filter_map(|r| found[*r].clone()).collect::<Vec<_>>();
         let plans = of(&fitted);
         let weights = plans.par_iter().map(weights).collect();
-        let data = Self { plans, weights, held_out: of(&held_out), repeatability, runs: AtomicUsize::new(0) };
+        let groups = grouped_trials(fitted.iter().map(|r| &trials[*r]), |_| true, is_one_condition);
+        let data = Self {
+            plans,
+            weights,
+            held_out: of(&held_out),
+            repeatability,
+            is_repeated: groups.iter().any(|group| group.len() > 1),
+            runs: AtomicUsize::new(0),
+        };
         (data, [fitted, held_out].concat())
     }
 
@@ -70,7 +85,8 @@ impl Data {
         let plans = self.held_out.clone();
         let weights = plans.par_iter().map(weights).collect();
         let (held_out, runs) = (Vec::new(), AtomicUsize::new(0));
-        (!plans.is_empty()).then_some(Self { plans, weights, held_out, repeatability: None, runs })
+        let (repeatability, is_repeated) = (None, false);
+        (!plans.is_empty()).then_some(Self { plans, weights, held_out, repeatability, is_repeated, runs })
     }
 
     /// Releases simulated so far, with slopes or without.
@@ -83,10 +99,17 @@ impl Data {
         self.plans.iter().chain(&self.held_out).collect()
     }
 
-    /// How well releases repeat, m: as stated, or else as releases by hand do.
+    /// Spectral density of the slow noise of its recordings over the mean one.
+    pub fn slow_noise(&self) -> f64 {
+        slow(self.plans.iter().map(|plan| plan.noise))
+    }
+
+    /// How well releases repeat, m: as stated, or else as releases by hand do. Releases of one condition tell it: what they have in
+    /// common repeats.
     pub fn repeats(&self) -> f64 {
         let first_swing = self.plans.iter().map(|plan| plan.first_swing).fold(0.0, f64::max);
-        self.repeatability.unwrap_or(REPEATS * first_swing)
+        let usual = if self.is_repeated { 0.0 } else { REPEATS * first_swing };
+        self.repeatability.unwrap_or(usual)
     }
 
     /// The same as far as it is known, m: several releases tell it by what they have in common.
@@ -161,7 +184,7 @@ impl Data {
         let there = self.compare_with(other, &at.z, &at.seen)?;
         let both = at.seen.samples.differences.iter().zip(&there.samples.differences);
         let is_little = |((here, there), plan): ((&DVector<f64>, &DVector<f64>), &Plan)| {
-            (here - there).norm_squared() <= here.len() as f64 * (MESH * plan.noise).powi(2)
+            (here - there).norm_squared() <= here.len() as f64 * (MESH * plan.noise.deviation).powi(2)
         };
         Some(both.zip(&self.plans).all(is_little))
     }
@@ -183,9 +206,18 @@ impl Data {
     }
 }
 
+/// Spectral density of the slow noise of all recordings over the mean one.
+fn slow(all: impl Iterator<Item = Noise>) -> f64 {
+    let (slow, variance) = all.fold((0.0, 0.0), |(slow, sum), own| {
+        let variance = own.deviation.powi(2);
+        (slow + own.slow * variance, sum + variance)
+    });
+    if variance > 0.0 { slow / variance } else { 1.0 }
+}
+
 /// What the features of a release are weighed by.
 fn weights(plan: &Plan) -> Weights {
-    Weights::of(plan, &covariance(plan, colour(plan)))
+    Weights::of(plan, &covariance(plan))
 }
 
 /// Differences of features, over their scales, and of all samples, m.

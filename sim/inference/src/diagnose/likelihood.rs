@@ -229,16 +229,27 @@ fn best_share(near: f64, reach: f64, of: &dyn Fn(f64) -> f64) -> (f64, f64) {
 }
 
 /// Laplace's approximation of `ln ∫ exp(−exponent) dz` over `(2π)^(n/2)`, twice that for each half-normal unknown, from the
-/// expansion of the exponent at `z`. Very low where the curvature is no maximum.
+/// expansion of the exponent at `z`. An unknown that is held at its bound has an integral of its own, given the others. Very low where
+/// the curvature is no maximum.
 pub fn laplace(at: &Expanded, z: &DVector<f64>, is_half: &[bool]) -> f64 {
-    let Some(factors) = at.hessian.clone().cholesky() else { return f64::NEG_INFINITY };
-    let step = factors.solve(&at.gradient);
+    let is_held = |k: &usize| is_half[*k] && z[*k] <= 0.0 && at.gradient[*k] > 0.0;
+    let (held, free): (Vec<usize>, Vec<usize>) = (0..z.len()).partition(is_held);
+    let columns = at.hessian.select_columns(&free);
+    let Some(factors) = columns.select_rows(&free).cholesky() else { return f64::NEG_INFINITY };
+    let gradient = at.gradient.select_rows(&free);
+    let step = factors.solve(&gradient);
     let half_logarithm: f64 = factors.l_dirty().diagonal().iter().map(|x| x.ln()).sum();
-    let mut value = -at.cost + 0.5 * at.gradient.dot(&step) - half_logarithm;
-    if is_half.iter().any(|half| *half) {
+    let mut value = -at.cost + 0.5 * gradient.dot(&step) - half_logarithm;
+    for k in held {
+        let coupled = columns.row(k).transpose();
+        let bend = at.hessian[(k, k)] - coupled.dot(&factors.solve(&coupled));
+        let slope = at.gradient[k] - coupled.dot(&step);
+        value += 2f64.ln() - 0.5 * bend.ln() + 0.5 * slope * slope / bend + ln_normal(-slope / bend.sqrt());
+    }
+    if free.iter().any(|k| is_half[*k]) {
         let covariance = factors.inverse();
-        for k in (0..z.len()).filter(|k| is_half[*k]) {
-            let deviations = (z[k] - step[k]) / covariance[(k, k)].sqrt();
+        for (place, k) in free.iter().enumerate().filter(|(_, k)| is_half[**k]) {
+            let deviations = (z[*k] - step[place]) / covariance[(place, place)].sqrt();
             value += 2f64.ln() + ln_normal(deviations);
         }
     }
@@ -292,8 +303,8 @@ mod tests {
                 }
             }
             let due = (sum / std::f64::consts::TAU * if is_half[1] { 2.0 } else { 1.0 }).ln();
-            // From a point that is not the optimum, the expansion of a quadratic is the same.
-            for z in [[0.1, 0.0], [0.5, 0.4]] {
+            // From a point that is not the optimum, the expansion of a quadratic is the same; at a bound as well.
+            for z in [[0.1, 0.0], [2.0, 0.0], [0.5, 0.4]] {
                 let jacobian = DMatrix::from_fn(3, 2, |r, c| slopes[r][c]);
                 let at = DVector::from_column_slice(&z);
                 let miss = &jacobian * &at - DVector::from_column_slice(&data);

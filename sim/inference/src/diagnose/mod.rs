@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
             return Err(CalibrateError::NoTrials);
         }
         listener.doing("features of the recordings");
-        let (data, places) = Data::of(&trials, settings.repeatability);
+        let (data, places) = Data::of(&trials, settings.repeatability, None);
         if data.plans.is_empty() {
             return Err(CalibrateError::NoFit { release: problem.first_name() });
         }
@@ -261,7 +261,7 @@ impl<'a> Search<'a> {
             Some(Accepted { name: own.effect().to_owned(), strengths: own.strengths.clone(), odds, sampled })
         };
         let best = best.filter(|_| may_add).and_then(&mut taken);
-        let is_next = best.as_ref().is_some_and(|own| !own.sampled.is_little(data.known_repeats()));
+        let is_next = best.as_ref().is_some_and(|own| !own.sampled.may_be_noise(data.known_repeats()));
         if let Some(best) = best {
             let place = accepted.len();
             members.retain(|(_, own)| own.name != best.name);

@@ -104,7 +104,7 @@ pub fn plan(
         settled.recorded().ok_or_else(|| refusal(&trial))
     };
     let trials = trials.into_iter().map(alone).collect::<Result<Vec<_>, _>>()?;
-    let (data, places) = Data::of(&trials, repeatability);
+    let (data, places) = Data::of(&trials, repeatability, Some(1.0));
     if places.is_empty() {
         return Err(CalibrateError::NoFit { release: problem.first_name() });
     }

@@ -141,7 +141,7 @@ impl Pair<'_> {
         let (base, z) = fit.hypothesis.planned(&fit.at.z, &like, at_hand)?;
         let recorded = (0..like.len()).map(|p| base.settled(p, &[], &z).recorded());
         let recorded: Vec<Trial> = recorded.collect::<Option<_>>()?;
-        let (data, places) = Data::of(&recorded, None);
+        let (data, places) = Data::of(&recorded, None, Some(self.found.data.slow_noise()));
         if places.len() < like.len() {
             return None;
         }

@@ -16,7 +16,7 @@ use super::verdict::{Odds, Round};
 use crate::calibrate::repeats::quantile_of_f;
 
 /// Candidates of a round that are fitted at least and at most, and how far behind the best by the screen one may be. The promise of a
-/// linearised model is rough where the misfit is large.
+/// linearised model is rough where the misfit is large. Where it is noise, one is fitted that promises anything.
 const LEAST_FITTED: usize = 8;
 const MOST_FITTED: usize = 12;
 const BEHIND: f64 = 15.0;
@@ -50,7 +50,8 @@ pub fn round<'a>(
     listener: &dyn Listener,
 ) -> Vec<Tried<'a>> {
     listener.doing(&format!("round {}: fits by features", number + 1));
-    let mut tried: Vec<Tried> = leaders(screened, |own| own.by_features.as_ref(), MOST_FITTED)
+    let least = if base.may_be_noise(data.stated_repeats()) { 0 } else { LEAST_FITTED };
+    let mut tried: Vec<Tried> = leaders(screened, |own| own.by_features.as_ref(), least, MOST_FITTED)
         .into_par_iter()
         .filter_map(|(own, promise)| {
             Some(Tried::of(base, &own.extension, first_steps(data, base, own, promise)?))
@@ -73,14 +74,14 @@ pub fn round<'a>(
     let direct = |(own, promise): (&'a Screened, &Promise)| {
         let hypothesis = Arc::new(own.extension.hypothesis.clone());
         let (start, slopes) = (&promise.start, promise.slopes());
-        let misfits = Samples::misfits(data, &base.fit.at.seen);
-        let near = steps(&Samples, data, &hypothesis, start, &slopes, &misfits, FIRST_STEPS)?;
+        let variances = Samples::variances(data, &base.fit.at.seen);
+        let near = steps(&Samples, data, &hypothesis, start, &slopes, &variances, FIRST_STEPS)?;
         let fit = Fit::at(data, &hypothesis, Point::of(data, &hypothesis, near.z)?, promise.share);
         let sampled = Sampled::from(data, &fit)?;
         let tried = Tried::of(base, &own.extension, sampled.fit.clone());
         Some(Tried { sampled: Some(sampled), ..tried })
     };
-    let by_samples = leaders(screened, |own| own.by_samples.as_ref(), MOST_SAMPLED);
+    let by_samples = leaders(screened, |own| own.by_samples.as_ref(), least, MOST_SAMPLED);
     let is_hopeful = |(_, promise): &(&Screened, &Promise)| promise.odds > 0.0;
     // What came to more than was promised is there already.
     let is_new = |(own, promise): &(&Screened, &Promise)| {
@@ -143,6 +144,7 @@ fn again(data: &Data, base: &mut Sampled, tried: &[Tried]) {
 fn leaders(
     screened: &[Screened],
     promise: impl Fn(&Screened) -> Option<&Promise>,
+    least: usize,
     most: usize,
 ) -> Vec<(&Screened, &Promise)> {
     let mut all: Vec<_> = screened.iter().filter_map(|own| Some((own, promise(own)?))).collect();
@@ -151,7 +153,7 @@ fn leaders(
     let mut chosen: Vec<(&Screened, &Promise)> = Vec::new();
     for own in all {
         let tries = chosen.iter().filter(|other| other.0.extension.name == own.0.extension.name).count();
-        let is_near = top - own.1.odds < BEHIND || chosen.len() < LEAST_FITTED;
+        let is_near = own.1.odds > 0.0 && top - own.1.odds < BEHIND || chosen.len() < least;
         if tries < TRIES && chosen.len() < most && is_near {
             chosen.push(own);
         }

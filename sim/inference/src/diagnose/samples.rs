@@ -1,8 +1,11 @@
 //! The fit to all samples, from the optimum of the features: values, intervals, and what is left.
 //!
-//! White noise σ of the camera in all N samples of a release, and beside it a misfit of root mean square m, of which a release shows
-//! only n independent numbers. Each of these has the variance `σ² + m² N / n`. With the m that is most probable the logarithm
-//! of the likelihood is `−n/2 ln(σ² + m² N / n)` and what all models share. So a model without misfit has the intervals of
+//! Noise σ of the camera in all N samples of a release, whose density at the frequencies of a swing is κ times the mean, and beside it
+//! a misfit of root mean square m, of which a release shows only n independent numbers. Each of these has the variance
+//! `v = κ σ² + m² N / n`. With d the differences of all samples the squares of the independent numbers add up to
+//! `q = |d|² − (N − n κ) σ²`, and the logarithm of the likelihood is `−n/2 ln v − q / 2v` and what all models share. The v of each
+//! release is the one for which the evidence is largest. With C the covariance of the unknowns and J the slopes it is
+//! `(q + tr C JᵀJ) / n`, and κ σ² at least: what the unknowns take up is no sign of a small misfit. So a model without misfit has the intervals of
 //! its noise, and another one those of what it misses.
 
 use nalgebra::{DMatrix, DVector};
@@ -17,12 +20,9 @@ use crate::features::Plan;
 
 /// Misfit beside the noise, over it, that is not worth another effect: the noise itself is known to a tenth.
 const NOISE: f64 = 0.5;
-/// Misfit beside the noise, over it, that may be noise as well: noise is measured from neighbours, which see little of what is slow
-/// in it. Both together are then at most twice what was measured.
-const SLOW: f64 = 1.732_050_807_568_877_2;
-/// Change of the misfit, as a logarithm, that is worth another round.
+/// Change of a deviation, as a logarithm, that is worth another round.
 const SETTLED: f64 = 0.05;
-/// Rounds in which the misfit of a linearised model follows its optimum.
+/// Rounds in which the deviations of a linearised model follows its optimum.
 const LINEAR_ROUNDS: usize = 8;
 
 /// A fit to all samples.
@@ -38,17 +38,14 @@ pub struct Sampled {
     pub evidence: f64,
     /// Root mean square distance, m, beside the noise, of what repeats in the releases of each condition.
     misfit: f64,
+    /// The same of what does not repeat in them; zero where each is made once.
+    pub unrepeated: f64,
 }
 
 impl Sampled {
-    /// Whether what is left is small beside the noise, or beside what does not repeat, m, so that another round is worth nothing.
-    pub fn is_little(&self, repeats: f64) -> bool {
-        self.misfit() <= (NOISE * self.noise).max(repeats)
-    }
-
-    /// Whether what is left may be noise, or what does not repeat, m.
+    /// Whether what is left may be noise, or what does not repeat, m: then another round is worth nothing.
     pub fn may_be_noise(&self, repeats: f64) -> bool {
-        self.misfit() <= (SLOW * self.noise).max(repeats)
+        self.misfit() <= (NOISE * self.noise).max(repeats)
     }
 
     /// Root mean square misfit beside the noise, m. An effect acts in all releases of a condition: where there are several, this
@@ -60,17 +57,24 @@ impl Sampled {
     /// The optimum of all samples, from a fit that has its own slopes; none where the model cannot be run.
     pub fn from(data: &Data, start: &Fit) -> Option<Self> {
         let hypothesis = &start.hypothesis;
-        let misfits = Samples::misfits(data, &start.at.seen);
-        let (at, misfits) = search(&Samples, data, hypothesis, start.at.clone(), misfits, EFFORT)?;
+        let variances = Samples::variances(data, &start.at.seen);
+        let (at, variances) = search(&Samples, data, hypothesis, start.at.clone(), variances, EFFORT)?;
         let (z, seen) = (&at.z, &at.seen);
-        let expansion = expanded(&data.plans, &normals(seen), z, &misfits);
+        let expansion = expanded(&normals(seen), z, &variances);
         let covariance = expansion.hessian.clone().cholesky()?.inverse();
-        let cost = 0.5 * z.norm_squared() - likelihood(&data.plans, &misfits);
-        let evidence = laplace(&Expanded { cost, ..expansion }, z, &halves(&hypothesis.unknowns));
         let differences = &seen.samples.differences;
-        let misfit = misfit(data, hypothesis, differences, &misfits);
+        let squares = squares(differences);
+        let cost = 0.5 * z.norm_squared() - likelihood(&data.plans, &squares, &variances);
+        let is_half = halves(&hypothesis.unknowns);
+        // What a search that was cut short has not found is no evidence; at a bound the cost rises.
+        let is_held = |u: usize, slope: f64| is_half[u] && z[u] <= 0.0 && slope > 0.0;
+        let held =
+            |u: usize, _| Some(expansion.gradient[u]).filter(|slope| is_held(u, *slope)).unwrap_or(0.0);
+        let gradient = DVector::from_fn(z.len(), held);
+        let evidence = laplace(&Expanded { cost, gradient, ..expansion }, z, &is_half);
+        let (misfit, unrepeated) = misfit(data, hypothesis, differences, &squares);
         let count: f64 = data.plans.iter().map(|plan| sampled(plan) as f64).sum();
-        let of = |plan: &Plan| sampled(plan) as f64 * plan.noise.powi(2);
+        let of = |plan: &Plan| sampled(plan) as f64 * plan.noise.deviation.powi(2);
         let noise = (2.0 * data.plans.iter().map(of).sum::<f64>() / count).sqrt();
         let rms = rms(differences);
         Some(Self {
@@ -80,19 +84,20 @@ impl Sampled {
             noise,
             evidence,
             misfit,
+            unrepeated,
         })
     }
 }
 
-/// All samples as what a search compares; the scale is the mean square of the misfit of each release.
+/// All samples as what a search compares; the scale is the variance of the independent numbers of each release.
 pub struct Samples;
 
 impl Likelihood for Samples {
     type Scale = Vec<f64>;
     const LONGEST: f64 = 1.0;
 
-    fn expanded(&self, data: &Data, seen: &Comparison, z: &DVector<f64>, misfits: &Vec<f64>) -> Expanded {
-        expanded(&data.plans, &normals(seen), z, misfits)
+    fn expanded(&self, _: &Data, seen: &Comparison, z: &DVector<f64>, variances: &Vec<f64>) -> Expanded {
+        expanded(&normals(seen), z, variances)
     }
 
     fn scale(
@@ -100,10 +105,12 @@ impl Likelihood for Samples {
         data: &Data,
         _: &Hypothesis,
         seen: &Comparison,
-        _: &DVector<f64>,
-        _: &Vec<f64>,
+        z: &DVector<f64>,
+        near: &Vec<f64>,
     ) -> Vec<f64> {
-        Self::misfits(data, seen)
+        let (normals, squares) = (normals(seen), squares(&seen.samples.differences));
+        let covariance = expanded(&normals, z, near).hessian.cholesky().map(|factors| factors.inverse());
+        variances(&data.plans, &normals, &squares, covariance.as_ref())
     }
 
     fn is_settled(&self, before: &Vec<f64>, after: &Vec<f64>) -> bool {
@@ -112,9 +119,9 @@ impl Likelihood for Samples {
 }
 
 impl Samples {
-    /// The misfits at a point.
-    pub fn misfits(data: &Data, seen: &Comparison) -> Vec<f64> {
-        misfits_of(&data.plans, &squares(&seen.samples.differences))
+    /// The variances at a point where all unknowns are known.
+    pub fn variances(data: &Data, seen: &Comparison) -> Vec<f64> {
+        variances(&data.plans, &normals(seen), &squares(&seen.samples.differences), None)
     }
 }
 
@@ -150,15 +157,16 @@ pub fn linearised(
     };
     let mut step = DVector::zeros(z.len());
     let mut covariance = None;
-    let mut misfits = misfits_of(plans, &squares(&step));
+    let mut variances = variances(plans, normals, &squares(&step), None);
     for _ in 0..LINEAR_ROUNDS {
-        let at = expanded(plans, normals, z, &misfits);
+        let at = expanded(normals, z, &variances);
         let factors = at.hessian.cholesky()?;
         step = -factors.solve(&at.gradient);
-        covariance = Some(factors.inverse());
-        let next = misfits_of(plans, &squares(&step));
-        let is_settled = Samples.is_settled(&misfits, &next);
-        misfits = next;
+        let own = factors.inverse();
+        let next = self::variances(plans, normals, &squares(&step), Some(&own));
+        covariance = Some(own);
+        let is_settled = Samples.is_settled(&variances, &next);
+        variances = next;
         if is_settled {
             break;
         }
@@ -167,8 +175,8 @@ pub fn linearised(
     let rest =
         |(own, dd): (&Normal, &f64)| Normal { jj: own.jj.clone(), jd: &own.jd + &own.jj * &step, dd: *dd };
     let there: Vec<Normal> = normals.iter().zip(&rests).map(rest).collect();
-    let at = expanded(plans, &there, &optimum, &misfits);
-    let cost = 0.5 * optimum.norm_squared() - likelihood(plans, &misfits);
+    let at = expanded(&there, &optimum, &variances);
+    let cost = 0.5 * optimum.norm_squared() - likelihood(plans, &rests, &variances);
     let evidence = laplace(&Expanded { cost, ..at }, &optimum, &halves(unknowns));
     Some((optimum, covariance?, evidence))
 }
@@ -196,19 +204,37 @@ fn squares(differences: &[DVector<f64>]) -> Vec<f64> {
     differences.iter().map(DVector::norm_squared).collect()
 }
 
-/// Mean square misfit of each release beside its noise, a little of that at least, from the sums of its squares.
-fn misfits_of(plans: &[Plan], squares: &[f64]) -> Vec<f64> {
-    let of = |(square, plan): (&f64, &Plan)| {
-        (square / coordinates(plan) - plan.noise.powi(2)).max(1e-3 * plan.noise.powi(2))
-    };
-    squares.iter().zip(plans).map(of).collect()
+/// Mean square misfit of a release beside its noise, m², from the sum of its squares.
+fn beside_noise(plan: &Plan, square: f64) -> f64 {
+    (square / coordinates(plan) - plan.noise.deviation.powi(2)).max(0.0)
 }
 
-fn expanded(plans: &[Plan], normals: &[Normal], z: &DVector<f64>, misfits: &[f64]) -> Expanded {
+/// Sum of the squares of the independent numbers of a release, from that of all its samples.
+fn of_numbers(plan: &Plan, square: f64) -> f64 {
+    square - (coordinates(plan) - numbers(plan) * plan.noise.slow) * plan.noise.deviation.powi(2)
+}
+
+/// The variance of the independent numbers of each release for which the evidence is largest, from the sums of its squares and the
+/// covariance of the unknowns; none where these are known.
+/// Source: MacKay (1992), Neural Computation 4, 415-447.
+fn variances(
+    plans: &[Plan],
+    normals: &[Normal],
+    squares: &[f64],
+    covariance: Option<&DMatrix<f64>>,
+) -> Vec<f64> {
+    let of = |((plan, own), square): ((&Plan, &Normal), &f64)| {
+        let taken = covariance.map_or(0.0, |covariance| covariance.dot(&own.jj));
+        ((of_numbers(plan, *square) + taken) / numbers(plan)).max(variance(plan, 0.0))
+    };
+    plans.iter().zip(normals).zip(squares).map(of).collect()
+}
+
+fn expanded(normals: &[Normal], z: &DVector<f64>, variances: &[f64]) -> Expanded {
     let n = z.len();
     let (mut cost, mut gradient, mut hessian) = (0.5 * z.norm_squared(), z.clone(), DMatrix::identity(n, n));
-    for ((own, plan), misfit) in normals.iter().zip(plans).zip(misfits) {
-        let weight = variance(plan, *misfit).recip();
+    for (own, variance) in normals.iter().zip(variances) {
+        let weight = variance.recip();
         cost += 0.5 * weight * own.dd;
         gradient += weight * &own.jd;
         hessian += weight * &own.jj;
@@ -216,31 +242,40 @@ fn expanded(plans: &[Plan], normals: &[Normal], z: &DVector<f64>, misfits: &[f64
     Expanded { cost, gradient, hessian }
 }
 
-/// Logarithm of the likelihood at the most probable misfits, up to what all models share.
-fn likelihood(plans: &[Plan], misfits: &[f64]) -> f64 {
-    let of = |(plan, misfit): (&Plan, &f64)| -0.5 * numbers(plan) * variance(plan, *misfit).ln();
-    plans.iter().zip(misfits).map(of).sum()
+/// Logarithm of the likelihood of sums of squares, up to what all models share.
+fn likelihood(plans: &[Plan], squares: &[f64], variances: &[f64]) -> f64 {
+    let of = |((plan, square), variance): ((&Plan, &f64), &f64)| {
+        -0.5 * (numbers(plan) * variance.ln() + of_numbers(plan, *square) / variance)
+    };
+    plans.iter().zip(squares).zip(variances).map(of).sum()
 }
 
 /// Variance of each of the independent numbers of a release, m²; `misfit` is a mean square beside the noise.
 pub fn variance(plan: &Plan, misfit: f64) -> f64 {
-    plan.noise.powi(2) + misfit * (coordinates(plan) / numbers(plan)).max(1.0)
+    plan.noise.slow * plan.noise.deviation.powi(2) + misfit * (coordinates(plan) / numbers(plan)).max(1.0)
 }
 
 /// Root mean square distance beside the noise, m, of what releases of one condition have in common: the mean product of the
-/// residuals of two of them, in which noise and what does not repeat cancel. Of a release alone it is all beside the noise.
-fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[DVector<f64>], misfits: &[f64]) -> f64 {
-    let mut square = 0.0;
-    for group in grouped_trials(hypothesis.trials.iter(), |trial| !trial.release.held_out, is_one_condition) {
+/// residuals of two of them, in which noise and what does not repeat cancel. A release alone has as much beside its first swing that
+/// does not repeat as those have, or none where there are none. The same of what does not repeat comes second.
+fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[DVector<f64>], squares: &[f64]) -> (f64, f64) {
+    let groups = grouped_trials(hypothesis.trials.iter(), |trial| !trial.release.held_out, is_one_condition);
+    let swing = |r: usize| data.plans[r].first_swing.powi(2);
+    let beside_noise = |r: usize| beside_noise(&data.plans[r], squares[r]);
+    let (mut common, mut unrepeated, mut swings) = (0.0, 0.0, 0.0);
+    for group in groups.iter().filter(|group| group.len() > 1) {
         let pairs = group.iter().enumerate().flat_map(|(k, a)| group[k + 1..].iter().map(move |b| (*a, *b)));
         let products: Vec<f64> = pairs.map(|(a, b)| product(data, seen, a, b)).collect();
-        let own = match products.len() {
-            0 => misfits[group[0]],
-            count => (products.iter().sum::<f64>() / count as f64).max(0.0),
-        };
-        square += own * group.len() as f64;
+        let own = (products.iter().sum::<f64>() / products.len() as f64).max(0.0);
+        common += own * group.len() as f64;
+        unrepeated += group.iter().map(|r| beside_noise(*r) - own).sum::<f64>();
+        swings += group.iter().map(|r| swing(*r)).sum::<f64>();
     }
-    (2.0 * square / seen.len().max(1) as f64).sqrt()
+    let share = if swings > 0.0 { (unrepeated / swings).max(0.0) } else { 0.0 };
+    let alone = groups.iter().filter(|group| group.len() == 1).map(|group| group[0]);
+    common += alone.map(|r| (beside_noise(r) - share * swing(r)).max(0.0)).sum::<f64>();
+    let all = (0..seen.len()).map(swing).sum::<f64>();
+    [common, share * all].map(|square| (2.0 * square / seen.len().max(1) as f64).sqrt()).into()
 }
 
 /// Mean product of the residuals of two releases at the same times, m².
@@ -308,9 +343,54 @@ mod tests {
         assert!((&optimum - &other).norm() < 0.01, "{optimum} {other}");
         assert!((evidence - value).abs() < 0.01, "{evidence} {value}");
         let there = [own(&optimum)];
-        let misfits = misfits_of(&plans, &[there[0].dd]);
-        let gradient = expanded(&plans, &there, &optimum, &misfits).gradient;
+        let covariance = |variances: &[f64]| expanded(&there, &optimum, variances).hessian.try_inverse();
+        let first = variances(&plans, &there, &[there[0].dd], None);
+        let settled =
+            (0..9).fold(first, |own, _| variances(&plans, &there, &[there[0].dd], covariance(&own).as_ref()));
+        let gradient = expanded(&there, &optimum, &settled).gradient;
         assert!(gradient.norm() < 0.01 && optimum.norm() > 0.1, "{gradient} {optimum}");
+    }
+
+    /// Below the noise two sums of squares differ by `Δ / 2κσ²`, as for noise of that density; far above it by `n/2` times the
+    /// logarithm of their misfits.
+    #[test]
+    fn the_likelihood_is_that_of_noise_and_of_misfit() {
+        let plans = [Plan::of(&swing(1.4, 0.3, |_| [0.0; 2]), false).unwrap()];
+        let plan = &plans[0];
+        let noise = plan.noise.deviation.powi(2);
+        let none = || Normal { jj: DMatrix::zeros(0, 0), jd: DVector::zeros(0), dd: 0.0 };
+        let of = |square: f64| likelihood(&plans, &[square], &variances(&plans, &[none()], &[square], None));
+        let all = noise * coordinates(plan);
+        let due = 0.05 * all / (2.0 * plan.noise.slow * noise);
+        assert!(((of(0.9 * all) - of(0.95 * all)) / due - 1.0).abs() < 1e-9);
+        let due = 0.5 * numbers(plan) * 4f64.ln();
+        assert!(((of(1e4 * all) - of(4e4 * all)) / due - 1.0).abs() < 1e-3);
+        // There is no jump between.
+        assert!((of((1.0 - 1e-9) * all) - of((1.0 + 1e-9) * all)).abs() < 1e-4);
+    }
+
+    /// The variance is the one for which the evidence is largest: with one number a release of which most is misfit, a little more or
+    /// less of it lowers `−n/2 ln v − q / 2v − ln|H| / 2`.
+    #[test]
+    fn the_variance_has_the_largest_evidence() {
+        let plans = [Plan::of(&swing(1.4, 0.3, |_| [0.0; 2]), false).unwrap()];
+        let plan = &plans[0];
+        let own = Normal { jj: DMatrix::identity(3, 3) * 1e-3, jd: DVector::zeros(3), dd: 0.0 };
+        let square = 100.0 * coordinates(plan) * plan.noise.deviation.powi(2);
+        let z = DVector::zeros(3);
+        let normals = [own];
+        let mut settled = variances(&plans, &normals, &[square], None);
+        for _ in 0..50 {
+            let covariance = expanded(&normals, &z, &settled).hessian.try_inverse();
+            settled = variances(&plans, &normals, &[square], covariance.as_ref());
+        }
+        let evidence = |factor: f64| {
+            let own = [factor * settled[0]];
+            likelihood(&plans, &[square], &own)
+                - 0.5 * expanded(&normals, &z, &own).hessian.determinant().ln()
+        };
+        assert!(settled[0] > 1.05 * variances(&plans, &normals, &[square], None)[0]);
+        assert!(evidence(1.0) > evidence(1.02) && evidence(1.0) > evidence(0.98));
     }
 
     /// What two releases have in common has the mean square of a sine, at other times as well; what only one of them has

@@ -240,7 +240,7 @@ pub struct Total {
     pub after_mm: f64,
     /// Of noise alone.
     pub noise_mm: f64,
-    /// How well releases repeat, mm: as stated, or else 1.7 % of the first swing.
+    /// How well releases repeat, mm: as stated, or as releases of one condition tell it, or else 1.7 % of the first swing.
     pub repeats_mm: f64,
 }
 

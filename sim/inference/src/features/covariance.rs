@@ -8,63 +8,27 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
 use super::Plan;
-use super::window::{Span, fit};
 use crate::normal::normal;
 
 /// Draws of the noise: standard errors of the features are known to 6 %.
 const DRAWS: usize = 128;
-/// Correlation of neighbouring samples that is assumed where the recording does not show it: filters of cameras leave some.
-const USUAL_COLOUR: f64 = 0.5;
-/// Largest correlation of neighbours that counts as noise; beyond it is motion.
-const MOST_COLOUR: f64 = 0.95;
-/// Residuals at the end of a record of more than this many times the stated noise are motion.
-const MOTION: f64 = 3.0;
 const SEED: u64 = 0x6665_6174;
 
-/// Correlation of neighbouring samples of the noise: from what the end of the record is off a decaying swing.
-pub fn colour(plan: &Plan) -> f64 {
-    let samples = plan.samples.len();
-    let from = samples * 7 / 10;
-    let (time, q) = (&plan.time[from..samples], &plan.recorded[0][from..]);
-    let (Some(begin), Some(end)) = (time.first(), time.last()) else { return USUAL_COLOUR };
-    // Weights are even over the record: the ramps lie outside.
-    let half_period = 0.5 / plan.frequency;
-    let span = Span { begin: begin - half_period, end: end + half_period, half_period };
-    let Some(found) = fit(time, &[q.to_vec()], &span, (plan.frequency, 0.0)) else { return USUAL_COLOUR };
-    let middle = 0.5 * (begin + end);
-    let residual: Vec<f64> = (time.iter().zip(q))
-        .map(|(t, q)| {
-            let from = t - middle;
-            let (sin, cos) = (std::f64::consts::TAU * found.frequency * from).sin_cos();
-            let decay = (-found.loss * from).exp();
-            let [c, a, b, a2, b2] = found.coefficients[0];
-            let second = a2 * (cos * cos - sin * sin) + b2 * 2.0 * sin * cos;
-            q - c - decay * (a * cos + b * sin) - decay * decay * second
-        })
-        .collect();
-    let square: f64 = residual.iter().map(|r| r * r).sum();
-    let lag: f64 = residual.windows(2).map(|two| two[0] * two[1]).sum();
-    let size = (square / residual.len() as f64).sqrt();
-    if !(size > 0.0 && size < MOTION * plan.noise) {
-        return USUAL_COLOUR;
-    }
-    (lag / square).clamp(0.0, MOST_COLOUR)
-}
-
-/// Covariance of the features of a plan, in their own units, with the noise's variance at each sample and neighbours correlated
-/// by `colour`. Correlations are shrunk towards none, as so few draws leave them uncertain.
-pub fn covariance(plan: &Plan, colour: f64) -> DMatrix<f64> {
+/// Covariance of the features of a plan, in their own units, by the noise of its recording as a process of first order.
+/// Correlations are shrunk towards none, as so few draws leave them uncertain.
+pub fn covariance(plan: &Plan) -> DMatrix<f64> {
     let features = plan.features.len();
     let near = plan.of_recording();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
-    let fresh = (1.0 - colour * colour).sqrt();
+    let (deviation, correlation) = (plan.noise.deviation, plan.noise.correlation());
+    let fresh = (1.0 - correlation * correlation).sqrt();
     let draw = |random: &mut Xoshiro256PlusPlus| {
         let mut moved = plan.recorded.clone();
         for q in &mut moved {
             let mut noise = normal(random);
             for q in q.iter_mut() {
-                *q += plan.noise * noise;
-                noise = colour * noise + fresh * normal(random);
+                *q += deviation * noise;
+                noise = correlation * noise + fresh * normal(random);
             }
         }
         plan.disturbed(&moved, &near).values
@@ -87,7 +51,7 @@ pub fn covariance(plan: &Plan, colour: f64) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::swing;
-    use super::super::{Plan, What};
+    use super::super::{Noise, Plan, What};
     use super::*;
 
     /// Of white noise the variance of a weighted mean is `σ² Σw² / (Σw)²`, of a `sin²` window three halves of that of a plain
@@ -96,36 +60,21 @@ mod tests {
     #[test]
     fn variances_are_those_of_closed_forms() {
         let plan = Plan::of(&swing(1.4, 0.02, |_| [0.0; 2]), false).unwrap();
-        let covariance = covariance(&plan, 0.0);
+        assert_eq!(plan.noise, Noise { deviation: 1e-4, slow: 1.0 });
+        let covariance = covariance(&plan);
         let place = |what: What| plan.features.iter().position(|own| *own == what).unwrap();
         let rest = place(What::Rest { coordinate: 0 });
         let samples = 0.3 * plan.samples.len() as f64;
-        let due = plan.noise.powi(2) * 1.5 / samples;
+        let due = plan.noise.deviation.powi(2) * 1.5 / samples;
         assert!((covariance[(rest, rest)] / due - 1.0).abs() < 0.4, "{} {due}", covariance[(rest, rest)]);
         let window = place(What::Frequency { window: 2 });
         // Four cycles of 1.4 Hz at 100 Hz; amplitude 0.1 m, along q.
         let span = 4.0 / 1.4;
         let count = 100.0 * span;
-        let rate = 24.0 * plan.noise.powi(2) / (0.1f64.powi(2) * count * span * span);
+        let rate = 24.0 * plan.noise.deviation.powi(2) / (0.1f64.powi(2) * count * span * span);
         let due = rate / (std::f64::consts::TAU * 1.4).powi(2);
         let found = covariance[(window, window)];
         // Ramps at both ends take half of a half period each.
         assert!(found > 0.6 * due && found < 2.0 * due, "{found}, due {due}");
-    }
-
-    /// AR(1) noise of 0.6 is seen as such, to the error of 240 samples.
-    #[test]
-    fn the_colour_of_noise_is_seen() {
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
-        let mut state = [0.0; 2];
-        let noise: Vec<[f64; 2]> = (0..800)
-            .map(|_| {
-                state = state.map(|x: f64| 0.6 * x + 0.8 * normal(&mut random));
-                state.map(|x| 1e-4 * x)
-            })
-            .collect();
-        let plan = Plan::of(&swing(1.4, 0.5, |k| noise[k]), false).unwrap();
-        let found = colour(&plan);
-        assert!((found - 0.6).abs() < 0.2, "{found}");
     }
 }

@@ -7,11 +7,13 @@
 //! Coordinates are q along the first principal axis of the leading marker's path and p across it, of every marker.
 
 pub mod covariance;
+mod noise;
 mod track;
 pub mod turns;
 pub mod window;
 
 use efam_experiments::release::Release;
+pub use noise::Noise;
 use track::{axes, range, seen, turned};
 use window::{Fitted, Span};
 
@@ -79,8 +81,8 @@ pub struct Plan {
     /// Size of the first swing, m; frequency of the recorded swing, Hz.
     pub first_swing: f64,
     pub frequency: f64,
-    /// Noise of a coordinate, m.
-    pub noise: f64,
+    /// Noise of its coordinates.
+    pub noise: Noise,
     axes: [[f64; 2]; 2],
     hysteresis: f64,
     windows: Vec<(usize, usize)>,
@@ -126,7 +128,7 @@ impl Plan {
             scales: Vec::new(),
             first_swing: 0.5 * range,
             frequency: 0.0,
-            noise,
+            noise: Noise { deviation: noise, slow: 1.0 },
             axes,
             windows: Vec::new(),
             count: usize::MAX,
@@ -143,6 +145,7 @@ impl Plan {
         }
         plan.first_swing = 0.5 * (plan.recorded[0][0] - plan.recorded[0][found[0]]).abs();
         plan.frequency = 0.5 * (turns.len() - 1) as f64 / (turns[turns.len() - 1] - turns[0]);
+        plan.noise = Noise::of(&plan.time, &plan.recorded, plan.frequency, noise);
         plan.windows = windows(turns.len());
         // Turns beyond the last window are not needed, of a model neither.
         plan.count = plan.windows.last().map_or(turns.len(), |(_, last)| last + 2).min(turns.len());

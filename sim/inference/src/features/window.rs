@@ -49,7 +49,7 @@ impl Span {
 }
 
 /// The form and its rates at one time.
-fn basis(from: f64, frequency: f64, loss: f64) -> [f64; 5] {
+pub fn basis(from: f64, frequency: f64, loss: f64) -> [f64; 5] {
     let decay = (-loss * from).exp();
     let (sin, cos) = (std::f64::consts::TAU * frequency * from).sin_cos();
     let (first, second) = (decay, decay * decay);
