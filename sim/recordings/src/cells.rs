@@ -294,6 +294,11 @@ pub(super) fn in_header(text: &str) -> Option<f64> {
     text.replace(',', ".").parse().ok()
 }
 
+/// Whether a cell names what follows it in its row.
+pub(super) fn is_label(cell: &str) -> bool {
+    cell.starts_with(char::is_alphabetic) && Numbers::default().read(cell, 0).is_err()
+}
+
 /// Reads cells as numbers, and watches their decimal signs.
 #[derive(Default)]
 pub(super) struct Numbers {

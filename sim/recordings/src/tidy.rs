@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
 use super::Recording;
-use super::cells::{Rows, is_word};
+use super::cells::{Rows, is_label};
 use super::column::{AXES, Column, body, column};
 use super::draft::{Draft, ReadOptions, Unit};
 use super::error::{RecordingError, RecordingProblem};
@@ -83,7 +83,7 @@ fn above(rows: &mut Rows) -> Result<(Vec<Line>, Vec<Line>), RecordingProblem> {
             notes.push((rows.line(), cells));
         } else if !rows.is_data() {
             lines.push((rows.line(), cells));
-        } else if is_word(rows.cell(0)) && !lines.iter().any(names_columns) {
+        } else if is_label(rows.cell(0)) && !lines.iter().any(names_columns) {
             // A setting, such as `Samples,800`. What is above it names no columns.
             lines.clear();
         } else {

@@ -292,7 +292,7 @@ fn names_are_found_below_settings_and_beside_units() {
     for head in [
         "t / s,tip x / mm,tip z / mm\n",
         "time in s,tip x in mm,tip z in mm\n",
-        "Model,IL-1000\nDate,2026/03/02 14:11:32\nSamples,3,3\nt_s,tip_x_mm,tip_z_mm\n",
+        "Model,IL-1000\nDate,2026/03/02 14:11:32\nSamples,3,3\nX0,0.0,0.0\nt_s,tip_x_mm,tip_z_mm\n",
         "POSITION_T,POSITION_X,POSITION_Z\nT,X,Z\n(sec),(mm),(mm)\n",
         "Time - s,Tip X - mm,Tip Z - mm\n",
         ",tip,tip\n,x_mm,z_mm\nt_s,,\n",
