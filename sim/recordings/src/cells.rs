@@ -10,20 +10,28 @@ const SAMPLE: usize = 16;
 const SHOWN: usize = 60;
 /// What programs write in place of a number that is not there.
 const LOST: [&str; 9] = ["na", "n/a", "#n/a", "null", "none", "-", "--", "#value!", "missing"];
+/// Bytes at the start of a text in which UTF-16 without a mark shows.
+const WIDE_SAMPLE: usize = 64;
 
 /// Bytes as text; with what is to be said about its encoding.
 pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), RecordingProblem> {
-    let wide = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
-        let words: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| from([pair[0], pair[1]])).collect();
-        (String::from_utf16_lossy(&words), Some("encoding: UTF-16, as its first bytes say".to_owned()))
-    };
-    match bytes[..] {
-        [0xff, 0xfe, ..] => return Ok(wide(&bytes, u16::from_le_bytes)),
-        [0xfe, 0xff, ..] => return Ok(wide(&bytes, u16::from_be_bytes)),
-        _ => {}
+    if let Some(from) = wide(&bytes) {
+        let words = bytes.chunks_exact(2).map(|pair| from([pair[0], pair[1]]));
+        let text = char::decode_utf16(words.skip_while(|word| *word == 0xfeff));
+        let text = text.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+        return Ok((text, Some("encoding: UTF-16, as its first bytes say".to_owned())));
     }
     if bytes.starts_with(b"\xef\xbb\xbf") {
         bytes.drain(..3);
+    }
+    let end = bytes.iter().rposition(|byte| *byte != 0).map_or(bytes.len(), |last| last + 1);
+    if end < bytes.len() {
+        bytes.truncate(end);
+        let zeros = format!(
+            "from byte {end} on the file has zeros, as a program leaves them that was cut off; what follows was not read"
+        );
+        let (text, encoding) = decode(bytes)?;
+        return Ok((text, Some(encoding.map_or(zeros.clone(), |own| format!("{zeros}; {own}")))));
     }
     if let Some(offset) = no_letter(&bytes) {
         return Err(RecordingProblem::NotText { offset, byte: bytes[offset] });
@@ -38,9 +46,23 @@ pub(super) fn decode(mut bytes: Vec<u8>) -> Result<(String, Option<String>), Rec
     }
 }
 
-/// Whether a text is in UTF-16, as its first bytes say.
+/// How two bytes are a word, if a text is in UTF-16: as its mark says, or zeros beside the letters of ASCII.
+fn wide(bytes: &[u8]) -> Option<fn([u8; 2]) -> u16> {
+    let is_beside = |zero: usize| {
+        let mut pairs = bytes[..bytes.len().min(WIDE_SAMPLE)].chunks_exact(2);
+        pairs.len() > 1 && pairs.all(|pair| pair[zero] == 0 && pair[1 - zero] != 0)
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => Some(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => Some(u16::from_be_bytes),
+        _ if is_beside(1) => Some(u16::from_le_bytes),
+        _ => is_beside(0).then_some(u16::from_be_bytes),
+    }
+}
+
+/// Whether a text is in UTF-16.
 pub(super) fn is_wide(bytes: &[u8]) -> bool {
-    matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..])
+    wide(bytes).is_some()
 }
 
 /// The first byte that no text has, in an encoding of bytes.
@@ -194,6 +216,11 @@ impl<'t> Rows<'t> {
         matches!(Numbers::default().read(self.cell(0), 0), Ok(Some(_)))
     }
 
+    /// Whether the text ends in this row without the end of a line.
+    pub(super) fn is_open(&self) -> bool {
+        self.reader.position().byte() as usize == self.text.len() && !self.text.ends_with(['\n', '\r'])
+    }
+
     /// Line of the row, from 1; after the end, that of the last row.
     pub(super) fn line(&self) -> u64 {
         self.line
@@ -267,6 +294,11 @@ pub(super) fn in_header(text: &str) -> Option<f64> {
     text.replace(',', ".").parse().ok()
 }
 
+/// Whether a cell names what follows it in its row.
+pub(super) fn is_label(cell: &str) -> bool {
+    cell.starts_with(char::is_alphabetic) && Numbers::default().read(cell, 0).is_err()
+}
+
 /// Reads cells as numbers, and watches their decimal signs.
 #[derive(Default)]
 pub(super) struct Numbers {
@@ -277,6 +309,12 @@ pub(super) struct Numbers {
 /// A cell that is no number.
 #[derive(Debug)]
 pub(super) struct NotANumber;
+
+/// Whether a cell says in a word that there is no number, such as `lost`, `?`, `-nan(ind)`, `1.#QNAN` or `#DIV/0!`.
+pub(super) fn is_word(cell: &str) -> bool {
+    let has_digit = !cell.contains('#') && cell.contains(|c: char| c.is_ascii_digit());
+    !has_digit && Numbers::default().read(cell, 0).is_err()
+}
 
 impl Numbers {
     /// The number in a cell; nothing where it is blank or says that there is none.
@@ -299,7 +337,15 @@ impl Numbers {
             }
             return Ok(Some(number));
         }
-        if LOST.iter().any(|word| cell.eq_ignore_ascii_case(word)) { Ok(None) } else { Err(NotANumber) }
+        if LOST.iter().any(|word| cell.eq_ignore_ascii_case(word)) {
+            return Ok(None);
+        }
+        // A minus sign as word processors write it, and Fortran's D before an exponent.
+        let plain = cell.replace('\u{2212}', "-").replace(['d', 'D'], "e");
+        if plain == cell || !plain.contains(|c: char| c.is_ascii_digit()) {
+            return Err(NotANumber);
+        }
+        self.read(&plain, line)
     }
 
     /// What is to be said about decimal signs.

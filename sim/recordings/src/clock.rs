@@ -1,5 +1,7 @@
 //! When samples were taken: from times, from frame numbers, or from the rate alone.
 
+use std::ops::Range;
+
 use efam_core::quantile::quantile;
 
 use super::error::RecordingProblem;
@@ -189,6 +191,23 @@ pub(super) fn over_midnight(times: &mut [f64]) {
 
 /// s
 const DAY: f64 = 86_400.0;
+
+/// Turns times into seconds that are so many ms, µs or ns since 1970 that they are of no other time; says so.
+pub(super) fn since_1970(times: &mut [f64], column: &str) -> Option<String> {
+    let (unit, second) = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
+        .into_iter()
+        .find(|(_, second)| times.iter().all(|time| THESE_YEARS.contains(&(time * second))))?;
+    times.iter_mut().for_each(|time| *time *= second);
+    Some(format!(
+        "time: `{column}` states no unit; it is {unit} since 1970, in the year {:.0}",
+        1970.0 + (times[0] / YEAR).floor()
+    ))
+}
+
+/// 2000 to 2065, s since 1970.
+const THESE_YEARS: Range<f64> = 30.0 * YEAR..95.0 * YEAR;
+/// s
+const YEAR: f64 = 365.2425 * DAY;
 
 /// Whether each value is more than the one before.
 pub(super) fn ascends(values: &[f64]) -> bool {

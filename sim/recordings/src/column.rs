@@ -105,12 +105,14 @@ const ASIDE: [&str; 14] = [
 const JOINTS: [char; 6] = ['_', '.', ':', ' ', '/', '-'];
 
 /// What a time is called, in the languages of spreadsheets.
-const TIMES: [&str; 9] = ["t", "time", "timestamp", "zeit", "temps", "tiempo", "tempo", "tijd", "tid"];
+const TIMES: [&str; 10] =
+    ["t", "time", "timestamp", "elapsed", "zeit", "temps", "tiempo", "tempo", "tijd", "tid"];
 
 /// What a column's name says.
 pub(super) fn column(name: &str) -> Column {
     // Programs put the name of a run before it, such as `Data Set 1:Time(s)`.
-    let own = words(name.rsplit_once(':').map_or(name, |(_, own)| own));
+    let mut own = words(name.rsplit_once(':').map_or(name, |(_, own)| own));
+    own.retain(|word| word != "in");
     match own.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["elapsed", word] | [word] if TIMES.contains(&word) => return Column::Time(1.0, false),
         ["elapsed", word, unit] | [word, unit] if TIMES.contains(&word) && second(unit).is_some() => {
@@ -147,12 +149,14 @@ fn second(unit: &str) -> Option<f64> {
         "us" | "µs" | "microsecond" | "microseconds" => Some(1e-6),
         "ns" | "nanosecond" | "nanoseconds" => Some(1e-9),
         "min" | "minute" | "minutes" => Some(60.0),
+        "h" | "hour" | "hours" => Some(3600.0),
+        "d" | "day" | "days" => Some(86_400.0),
         _ => None,
     }
 }
 
 /// The words of a name, in small letters: `FreeAcc_X` is of three.
-fn words(name: &str) -> Vec<String> {
+pub(super) fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_small = false;
     for letter in name.chars() {
@@ -181,8 +185,12 @@ fn position(name: &str) -> Option<Column> {
             let (stem, unit) = rest.rsplit_once(['(', '['])?;
             (stem.trim_end_matches([' ', '_']), Some(Length::named(unit)?))
         }
-        None => match name.rsplit_once(['_', ' ']).map(|(stem, unit)| (stem, Length::named(unit))) {
-            Some((stem, Some(unit))) => (stem, Some(unit)),
+        None => match name.rsplit_once(['_', ' ', '/']).map(|(stem, unit)| (stem, Length::named(unit))) {
+            // `x / mm`, `x, mm`, `x - mm` and `x in mm`.
+            Some((stem, Some(unit))) => {
+                let stem = stem.trim_end_matches([' ', '/', ',', '-']);
+                (stem.strip_suffix(" in").unwrap_or(stem), Some(unit))
+            }
             _ => (name, None),
         },
     };
@@ -273,6 +281,16 @@ mod tests {
             ("force_x_mm", at("force", 0, Some(Length::Millimetre))),
             ("x_px", at("point", 0, Some(Length::Pixel))),
             ("Tip 1 - X (cm)", at("Tip 1", 0, Some(Length::Centimetre))),
+            ("tip x / mm", at("tip", 0, Some(Length::Millimetre))),
+            ("tip_x/mm", at("tip", 0, Some(Length::Millimetre))),
+            ("tip z in mm", at("tip", 2, Some(Length::Millimetre))),
+            ("tip y, cm", at("tip", 1, Some(Length::Centimetre))),
+            ("pose/x", at("pose", 0, None)),
+            ("Tip X - mm", at("Tip", 0, Some(Length::Millimetre))),
+            ("t / s", Column::Time(1.0, true)),
+            ("time in ms", Column::Time(1e-3, true)),
+            ("Elapsed", Column::Time(1.0, false)),
+            ("t_days", Column::Time(86_400.0, true)),
         ] {
             assert_eq!(column(name), expected, "{name}");
         }

@@ -1,5 +1,6 @@
 //! A file as it was parsed, and what makes a recording of it: unit, clock, checks, findings.
 
+use std::ops::Range;
 use std::path::Path;
 
 use efam_store::escape::{escaped, is_hidden};
@@ -10,7 +11,7 @@ use super::error::RecordingProblem;
 use super::format::Format;
 use super::length::{Length, TOO_FAR, UnknownUnit};
 use super::names::distinct;
-use super::{Marker, Recording, lost, quality, repeats};
+use super::{Marker, Recording, lost, order, quality, repeats};
 
 /// What the person knows better than the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,8 +67,9 @@ pub(super) enum Unit {
 /// Extents beyond which a unit is doubtful, m.
 const DOUBTFUL_EXTENT: (f64, f64) = (1e-3, 30.0);
 
-/// Steps of a time without a unit from which on it is probably not in seconds: milliseconds and frames are whole numbers.
-const LONG_STEP: f64 = 1.0;
+/// Steps of a time without a unit that may be seconds. Milliseconds and frames are whole numbers; spreadsheets count days, of
+/// which a hundredth of a second is 1e-7, and no camera takes a hundred thousand pictures a second.
+const SECONDS: Range<f64> = 1e-5..1.0;
 
 impl Draft {
     pub(super) fn new(format: Format, unit: Unit, place: &'static str) -> Self {
@@ -90,8 +92,14 @@ impl Draft {
 
     /// Makes the recording.
     pub(super) fn finish(self, source: &Path, options: &ReadOptions) -> Result<Recording, RecordingProblem> {
-        let Draft { format, unit, mut rate, places, place, mut markers, findings: met, .. } = self;
+        let Draft { format, unit, mut rate, mut places, place, mut markers, findings: met, .. } = self;
         let (mut frames, mut times) = (self.frames, self.times);
+        let met = if options.rate_hz.is_none() {
+            let done = order::put(&mut times, &mut frames, &mut markers, &mut places, place);
+            [done, met].concat()
+        } else {
+            met
+        };
         clock::over_midnight(&mut times);
         if places.len() < 2 {
             return Err(RecordingProblem::OneSample);
@@ -111,10 +119,14 @@ impl Draft {
             Some(problem) => findings.push(format!("the file's own clock is set aside: {problem}")),
             None => {}
         }
-        let step = (times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0))
-            / (places.len() - 1) as f64;
-        if let Some(column) = self.assumed_second.filter(|_| options.rate_hz.is_none() && step >= LONG_STEP) {
-            return Err(RecordingProblem::TimeUnit { column, step: clock::plain(step) });
+        if let Some(column) = self.assumed_second.filter(|_| options.rate_hz.is_none()) {
+            let assumed = || format!("time: s is assumed, for column `{column}` states no unit");
+            findings.push(clock::since_1970(&mut times, &column).unwrap_or_else(assumed));
+            let step = (times[places.len() - 1] - times[0]) / (places.len() - 1) as f64;
+            if !SECONDS.contains(&step.abs()) {
+                let is = if step.abs() < SECONDS.start { "short" } else { "long" };
+                return Err(RecordingProblem::TimeUnit { column, step: clock::plain(step), is });
+            }
         }
         if options.rate_hz.is_some() && !clock::ascends(&frames) {
             findings.push("frame numbers do not ascend; samples are counted instead".to_owned());
@@ -125,8 +137,8 @@ impl Draft {
         findings.extend(met);
 
         findings.extend(lost::mask_zeros(&mut markers));
-        if let Some(fresh) = repeats::find(&markers, &mut findings) {
-            findings.push(repeats::leave_out(&fresh, &mut time, &mut markers));
+        if let Some((fresh, others)) = repeats::find(&markers, &mut findings) {
+            findings.push(repeats::leave_out(&fresh, others, &mut time, &mut markers));
             rate_hz = clock::rate_of(&time);
         }
         findings.extend(lost::mask_repeated(&mut markers));

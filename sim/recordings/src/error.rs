@@ -173,14 +173,16 @@ pub enum RecordingProblem {
     },
     /// A time without a unit whose steps are long for seconds.
     #[error(
-        "column `{column}` states no unit of time, and its steps are {step}, which is long for seconds; name it, such as t_s, \
-         t_ms, t_us or t_ns, or say --rate"
+        "column `{column}` states no unit of time, and its steps are {step}, which is {is} for seconds; name it, such as t_s, \
+         t_ms, t_us, t_ns or t_days (as spreadsheets count), or say --rate"
     )]
     TimeUnit {
         /// Name of the column.
         column: String,
         /// Mean step, in the column's own unit.
         step: String,
+        /// `long` or `short`.
+        is: &'static str,
     },
     /// No clock at all.
     #[error("states neither times nor a sampling rate; add a column t_s, or say --rate with the rate in Hz")]

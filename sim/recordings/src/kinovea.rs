@@ -19,7 +19,7 @@ use super::draft::Draft;
 use super::names::{distinct, some};
 
 /// Trajectories that are read at most.
-const MOST: usize = 50;
+pub(super) const MOST: usize = 50;
 
 /// One of them: its name, if the export has names, and a text of the lines above the first one and its own, each in its place.
 pub(super) struct Trajectory {
@@ -53,39 +53,44 @@ pub(super) fn trajectories(text: &str) -> impl Iterator<Item = Trajectory> {
 /// Trajectories of a text of so many bytes as one draft, over all times that one of them has; nothing if there are too many,
 /// or the times of one do not ascend.
 pub(super) fn merged(drafts: Vec<Draft>, bytes: usize) -> Option<Draft> {
-    let is_clear = |draft: &Draft| {
-        let ascends = draft.times.windows(2).all(|pair| pair[0] < pair[1]);
-        let first = draft.times.first().is_some_and(|time| *time >= 0.0);
+    let has_times = drafts.iter().all(|draft| !draft.times.is_empty());
+    let clock = |draft: &Draft| if has_times { draft.times.clone() } else { draft.frames.clone() };
+    let clocks: Vec<Vec<f64>> = drafts.iter().map(clock).collect();
+    let is_clear = |(draft, clock): (&Draft, &Vec<f64>)| {
+        let ascends = clock.windows(2).all(|pair| pair[0] < pair[1]);
+        let first = clock.first().is_some_and(|time| *time >= 0.0);
         draft.wrong_clock.is_none() && ascends && first
     };
     // The bits of numbers that are not negative ascend as they do.
     let bits = |time: &f64| (time + 0.0).to_bits();
     let mut places: BTreeMap<u64, u64> = BTreeMap::new();
-    for draft in &drafts {
-        draft.times.iter().zip(&draft.places).for_each(|(time, place)| {
+    for (draft, clock) in drafts.iter().zip(&clocks) {
+        clock.iter().zip(&draft.places).for_each(|(time, place)| {
             places.entry(bits(time)).or_insert(*place);
         });
     }
     let count = drafts.len();
     // A whole row has a byte or more for each point; so memory follows from the file's length.
-    if count > MOST || count * places.len() > bytes || !drafts.iter().all(is_clear) {
+    if count > MOST || count * places.len() > bytes || !drafts.iter().zip(&clocks).all(is_clear) {
         return None;
     }
     let of_one = |draft: &Draft| draft.markers.iter().map(|own| own.name.clone()).collect::<Vec<_>>();
     let names = distinct(drafts.iter().flat_map(of_one), &mut Vec::new());
-    let marker = |(name, (draft, own)): (String, (&Draft, &Marker))| {
-        let mut seen = draft.times.iter().zip(&own.position).peekable();
+    let marker = |(name, (clock, own)): (String, (&Vec<f64>, &Marker))| {
+        let mut seen = clock.iter().zip(&own.position).peekable();
         let at = |time: &u64| seen.next_if(|(own, _)| bits(own) == *time).and_then(|(_, at)| *at);
         Marker { name, position: places.keys().map(at).collect(), orientation: None }
     };
-    let all = drafts.iter().flat_map(|draft| draft.markers.iter().map(move |own| (draft, own)));
+    let all = drafts.iter().zip(&clocks);
+    let all = all.flat_map(|(draft, clock)| draft.markers.iter().map(move |own| (clock, own)));
     let markers: Vec<Marker> = names.into_iter().zip(all).map(marker).collect();
     let names: Vec<String> = markers.iter().map(|own| own.name.clone()).collect();
-    let times = places.keys().map(|time| f64::from_bits(*time)).collect();
+    let clock: Vec<f64> = places.keys().map(|time| f64::from_bits(*time)).collect();
+    let (times, frames) = if has_times { (clock, Vec::new()) } else { (Vec::new(), clock) };
     let mut merged = drafts.into_iter().next()?;
     merged.findings.push(format!(
-        "{count} trajectories, one below the other, a marker each: {}; one that is not seen at a time counts as lost there",
+        "{count} trajectories in the same columns, a marker each: {}; one that is not seen at a time counts as lost there",
         some(&names)
     ));
-    Some(Draft { times, places: places.into_values().collect(), markers, ..merged })
+    Some(Draft { times, frames, places: places.into_values().collect(), markers, ..merged })
 }

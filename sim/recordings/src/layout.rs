@@ -1,7 +1,7 @@
 //! What a header says about the rows below it, and the reading of those rows: the same for all text.
 
 use super::Marker;
-use super::cells::{NotANumber, Numbers, Rows, in_header, short};
+use super::cells::{NotANumber, Numbers, Rows, in_header, is_word, short};
 use super::draft::{Draft, Unit};
 use super::error::RecordingProblem;
 use super::format::Format;
@@ -59,6 +59,12 @@ struct Tally {
     first_short: u64,
     off_unit: usize,
     unlikely: usize,
+    words: usize,
+    /// The first of them, and its line.
+    first_word: Option<(String, u64)>,
+    /// Rows that are no samples, the first of them, and its line.
+    passed_over: usize,
+    first_passed_over: Option<(String, u64)>,
 }
 
 impl Layout {
@@ -105,12 +111,31 @@ impl Layout {
         let mut draft = self.draft("line");
         draft.wrong_clock = self.wrong_clock.take();
         let width = 1 + self.columns().max().unwrap_or(0);
+        // Cells of the row before, and the fewest decimals of a last cell.
+        let mut last: Option<(usize, usize)> = None;
+        let mut has_clock = None;
         while rows.read_filled()? {
             let line = rows.line();
             if let Some(title) = rows.title().filter(|_| self.sections) {
                 draft.findings.push(format!("section `{title}` from line {line} on was passed over"));
                 break;
             }
+            let is_word = self.has_word_for_time(rows);
+            let has_clock = *has_clock.get_or_insert(!is_word);
+            if rows.cell(0).starts_with('#') || has_clock && is_word {
+                tally.passed_over += 1;
+                tally.first_passed_over.get_or_insert_with(|| (rows.start(), line));
+                continue;
+            }
+            let decimals = decimals(rows);
+            if rows.is_open() && last.is_some_and(|(width, least)| rows.width() < width || decimals < least) {
+                draft.findings.push(format!(
+                    "line {line}, the last, is cut off in `{}`; it was left out",
+                    rows.start()
+                ));
+                break;
+            }
+            last = Some((rows.width(), last.map_or(decimals, |(_, least)| least.min(decimals))));
             let (cells, names) = (rows.filled(), self.width.unwrap_or(usize::MAX));
             if cells > names || rows.is_strict && cells < names {
                 return Err(RecordingProblem::Cells { line, cells, header: header_line, names });
@@ -204,15 +229,23 @@ impl Layout {
                 f64::NAN
             }));
         }
+        let (words, first_word) = (&mut tally.words, &mut tally.first_word);
         let mut number = |column: usize, name: &dyn Fn() -> String| {
             let cell = rows.cell(column);
-            let wrong = |NotANumber| RecordingProblem::NotANumber {
-                line,
-                column: column + 1,
-                name: name(),
-                value: short(cell),
-            };
-            numbers.read(cell, line).map_err(wrong)
+            match numbers.read(cell, line) {
+                Ok(number) => Ok(number),
+                Err(NotANumber) if is_word(cell) => {
+                    *words += 1;
+                    first_word.get_or_insert_with(|| (short(cell), line));
+                    Ok(None)
+                }
+                Err(NotANumber) => Err(RecordingProblem::NotANumber {
+                    line,
+                    column: column + 1,
+                    name: name(),
+                    value: short(cell),
+                }),
+            }
         };
         for (columns, marker) in self.points.iter().zip(&mut draft.markers) {
             let mut position = [0.0; 3];
@@ -255,6 +288,11 @@ impl Layout {
         Ok(())
     }
 
+    /// Whether a row has a word where its time is due, as names that come once more, or a mean at the foot.
+    fn has_word_for_time(&self, rows: &Rows) -> bool {
+        self.time.map(|time| time.0).or(self.frame).is_some_and(|column| is_word(rows.cell(column)))
+    }
+
     /// A place as it is kept: with z upwards, and nothing where it is unlikely.
     fn place(&self, seen: Option<[f64; 3]>, likely: Option<f64>) -> Option<[f64; 3]> {
         let [x, y, z] = seen.filter(|_| likely.is_none_or(|likely| likely >= LEAST_LIKELY))?;
@@ -276,7 +314,24 @@ impl Layout {
         if let Some(stated) = self.samples.filter(|stated| *stated != samples as f64) {
             findings.push(format!("the header states {stated} samples, the file has {samples}: an excerpt?"));
         }
+        let at = |first: &Option<(String, u64)>| {
+            first.as_ref().map_or(String::new(), |(text, line)| format!("`{text}` in line {line}"))
+        };
         let counted = [
+            (
+                tally.words,
+                format!(
+                    "cells have a word in place of a number, the first {}; they count as lost",
+                    at(&tally.first_word)
+                ),
+            ),
+            (
+                tally.passed_over,
+                format!(
+                    "rows are no samples and were passed over, the first {}",
+                    at(&tally.first_passed_over)
+                ),
+            ),
             (
                 tally.short,
                 format!(
@@ -327,6 +382,12 @@ impl Columns {
 pub(super) fn unit_quaternion(q: [f64; 4]) -> Option<[f64; 4]> {
     let norm = q.iter().map(|value| value * value).sum::<f64>().sqrt();
     ((norm - 1.0).abs() < 0.1).then(|| q.map(|value| value / norm))
+}
+
+/// Digits after the decimal sign of the last cell of a row.
+fn decimals(rows: &Rows) -> usize {
+    let last = rows.cell(rows.width().saturating_sub(1));
+    last.rsplit_once(['.', ',']).map_or(0, |(_, decimals)| decimals.len())
 }
 
 fn wrong_clock(rows: &Rows, line: u64, column: usize, name: &str) -> RecordingProblem {

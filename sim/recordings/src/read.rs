@@ -11,7 +11,7 @@ use super::draft::{Draft, ReadOptions};
 use super::error::{RecordingError, RecordingProblem};
 use super::format::{self, Format};
 use super::kinovea::Trajectory;
-use super::{Recording, c3d, columnar, kinovea, motive, qualisys, tidy, trc, vicon};
+use super::{Recording, c3d, columnar, kinovea, long, motive, qualisys, tidy, trc, vicon};
 
 /// The longest file that is read, bytes: three days of one marker at 100 Hz, or an hour of sixty.
 const MOST_BYTES: u64 = 2 << 30;
@@ -156,12 +156,14 @@ fn text(bytes: Vec<u8>, options: &ReadOptions) -> Result<Draft, RecordingProblem
         }
         Ok(draft)
     };
-    let mut drafts = kinovea::trajectories(&text).map(read).collect::<Result<Vec<Draft>, _>>()?;
+    let of_markers = options.columns.is_none().then(|| long::trajectories(&text)).into_iter().flatten();
+    let mut drafts =
+        kinovea::trajectories(&text).chain(of_markers).map(read).collect::<Result<Vec<Draft>, _>>()?;
     if drafts.len() < 2 {
         return drafts.pop().map_or_else(|| one_text(text, finding, options), Ok);
     }
     kinovea::merged(drafts, text.len()).ok_or_else(|| RecordingProblem::NotRead {
-        what: "an export of Kinovea with too many trajectories, or some whose times do not ascend".to_owned(),
+        what: "too many trajectories in the same columns, or some whose times do not ascend".to_owned(),
         remedy: "export each into a file of its own, or all as one table with columns for each",
     })
 }

@@ -1,4 +1,5 @@
-//! Samples that only repeat the one before, as a program writes that logs faster than its source delivers.
+//! Samples that were not taken: they repeat the one before, or lie on the line between two others, as programs write them that
+//! log faster than their source delivers.
 //!
 //! A new sample then comes every few rows, at a steady pace. What is rounded coarsely and moves slowly changes at
 //! steps of its last digit and at no steady pace.
@@ -7,6 +8,7 @@ use efam_core::quantile::quantile;
 
 use super::Marker;
 use super::clock::{plain, rate_of};
+use super::order::retain;
 
 /// Changes that show a pace.
 const LEAST: usize = 20;
@@ -16,30 +18,38 @@ const STEADY: f64 = 0.9;
 const MORE_THAN_DIGITS: f64 = 2.5;
 /// Share of repetitions here and there that is worth saying.
 const WORTH: f64 = 0.01;
+/// Bend of a line whose three points are rounded, in steps of the last digit, at most.
+const BEND_OF_DIGITS: f64 = 2.001;
 
-/// Which samples to keep if all are repeated at a steady pace.
-pub(super) fn find(markers: &[Marker], findings: &mut Vec<String>) -> Option<Vec<bool>> {
+/// Which samples to keep if the others repeat them, or lie between them, at a steady pace; and what the others do.
+pub(super) fn find(markers: &[Marker], findings: &mut Vec<String>) -> Option<(Vec<bool>, &'static str)> {
     let samples = markers.first().map_or(0, |marker| marker.position.len());
     let sizes: Vec<f64> = (1..samples).map(|i| change(markers, i)).collect();
+    let finite = || sizes.iter().copied().filter(|size| *size > 0.0 && size.is_finite());
+    let least = finite().fold(f64::INFINITY, f64::min);
+    if quantile(finite().collect(), STEADY)? < MORE_THAN_DIGITS * least {
+        return None;
+    }
     let changes: Vec<usize> = (1..samples).filter(|i| sizes[i - 1] > 0.0).collect();
-    let finite =
-        || sizes.iter().copied().filter(|size| *size > 0.0 && size.is_finite()).collect::<Vec<f64>>();
-    let least = finite().into_iter().fold(f64::INFINITY, f64::min);
-    if changes.len() <= LEAST || quantile(finite(), STEADY)? < MORE_THAN_DIGITS * least {
-        return None;
+    if let Some(keep) = paced(samples, &changes) {
+        return Some((keep, "each sample is repeated"));
     }
+    let moves = |i: usize| sizes.get(i).is_some_and(|size| *size > MORE_THAN_DIGITS * least);
+    let single = (1..sizes.len()).filter(|&i| sizes[i] == 0.0 && moves(i - 1) && moves(i + 1)).count();
+    if single as f64 > WORTH * samples as f64 {
+        findings.push(format!(
+            "{single} samples repeat the one before while all around them move: were frames dropped and filled in?"
+        ));
+    }
+    let digit = BEND_OF_DIGITS * least_change(markers);
+    let bends: Vec<usize> = (1..samples.saturating_sub(1)).filter(|&i| bend(markers, i) > digit).collect();
+    Some((paced(samples, &bends)?, "each sample is followed by points on the line to the next"))
+}
+
+/// Which samples to keep if fresh ones come at a steady pace, and more than one sample apart.
+fn paced(samples: usize, changes: &[usize]) -> Option<Vec<bool>> {
     let gaps: Vec<f64> = changes.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
-    let usual = quantile(gaps.clone(), 0.5)?;
-    if usual < 2.0 {
-        let moves = |i: usize| sizes.get(i).is_some_and(|size| *size > MORE_THAN_DIGITS * least);
-        let single = (1..sizes.len()).filter(|&i| sizes[i] == 0.0 && moves(i - 1) && moves(i + 1)).count();
-        if single as f64 > WORTH * samples as f64 {
-            findings.push(format!(
-                "{single} samples repeat the one before while all around them move: were frames dropped and filled in?"
-            ));
-        }
-        return None;
-    }
+    let usual = quantile(gaps.clone(), 0.5).filter(|usual| *usual >= 2.0 && changes.len() > LEAST)?;
     let single: Vec<f64> = gaps.iter().copied().filter(|gap| *gap < 1.5 * usual).collect();
     let pace = single.iter().sum::<f64>() / single.len() as f64;
     let is_steady = |gap: &&f64| {
@@ -50,7 +60,7 @@ pub(super) fn find(markers: &[Marker], findings: &mut Vec<String>) -> Option<Vec
         return None;
     }
     let mut keep = vec![false; samples];
-    let edges: Vec<usize> = [0].into_iter().chain(changes).chain([samples]).collect();
+    let edges: Vec<usize> = [0].into_iter().chain(changes.iter().copied()).chain([samples]).collect();
     for pair in edges.windows(2) {
         // Equal samples in a row that are more than a repetition: a marker at rest.
         let length = (pair[1] - pair[0]) as f64;
@@ -70,24 +80,33 @@ fn change(markers: &[Marker], i: usize) -> f64 {
     markers.iter().map(of_marker).fold(0.0, f64::max)
 }
 
-/// Leaves out the other samples, and says so.
-pub(super) fn leave_out(keep: &[bool], time: &mut Vec<f64>, markers: &mut [Marker]) -> String {
-    let logged = rate_of(time);
-    let kept = |i: &mut usize| {
-        *i += 1;
-        keep[*i - 1]
+/// Smallest change of any coordinate from one sample to the next: a step of the last digit, or less.
+fn least_change(markers: &[Marker]) -> f64 {
+    let steps = markers.iter().flat_map(|marker| marker.position.windows(2));
+    let pairs = steps.filter_map(|pair| Some((pair[0]?, pair[1]?)));
+    let pairs = pairs.flat_map(|(a, b)| (0..3).map(move |k| (a[k], b[k])));
+    // The last bits of a number are no step.
+    let is_step = |(a, b): &(f64, f64)| (b - a).abs() > 1e-12 * a.abs();
+    pairs.filter(is_step).map(|(a, b)| (b - a).abs()).fold(f64::INFINITY, f64::min)
+}
+
+/// Largest distance of a coordinate from the line through the samples on both sides, twice; infinite beside a loss.
+fn bend(markers: &[Marker], i: usize) -> f64 {
+    let of_marker = |marker: &Marker| match marker.position[i - 1..i + 2] {
+        [Some(a), Some(b), Some(c)] => (0..3).map(|k| (a[k] - 2.0 * b[k] + c[k]).abs()).fold(0.0, f64::max),
+        [None, None, None] => 0.0,
+        _ => f64::INFINITY,
     };
-    let mut i = 0;
-    time.retain(|_| kept(&mut i));
-    for marker in markers {
-        let mut i = 0;
-        marker.position.retain(|_| kept(&mut i));
-        let mut i = 0;
-        marker.orientation.iter_mut().for_each(|turns| turns.retain(|_| kept(&mut i)));
-    }
+    markers.iter().map(of_marker).fold(0.0, f64::max)
+}
+
+/// Leaves out the other samples, and says so.
+pub(super) fn leave_out(keep: &[bool], what: &str, time: &mut Vec<f64>, markers: &mut [Marker]) -> String {
+    let logged = rate_of(time);
+    retain(keep, time);
+    markers.iter_mut().for_each(|marker| marker.retain(keep));
     format!(
-        "each sample is repeated, {} times on the whole: what is logged at {} Hz was taken at {} Hz; the repetitions \
-         are left out",
+        "{what}, {} times on the whole: what is logged at {} Hz was taken at {} Hz; the others are left out",
         plain(keep.len() as f64 / time.len() as f64),
         plain(logged),
         plain(rate_of(time))
@@ -109,7 +128,7 @@ mod tests {
         let found = |markers: &[Marker]| {
             let mut findings = Vec::new();
             let keep = find(markers, &mut findings);
-            keep.map(|keep| keep.iter().filter(|keep| **keep).count())
+            keep.map(|(keep, _)| keep.iter().filter(|keep| **keep).count())
         };
         // Each six times; at 120 Hz in 1000 Hz; twice.
         assert_eq!(found(&marker(|i| swing((i / 6) as f64 * 0.02))), Some(200));
@@ -122,5 +141,13 @@ mod tests {
             assert_eq!(found(&marker(|i| (1e3 * swing(i as f64 * pace)).round() / 1e3)), None, "{pace}");
         }
         assert_eq!(found(&marker(|i| (i as f64 / 7.0).floor() * 1e-3)), None);
+        // On lines between samples of 50 Hz, whole numbers and in steps of a micrometre.
+        let noise = |k: usize| 1e-4 * ((k * k * 7 % 19) as f64 / 18.0 - 0.5);
+        let taken = |k: usize| swing(k as f64 * 0.02) + noise(k);
+        let between = |i: usize| taken(i / 10) + (i % 10) as f64 / 10.0 * (taken(i / 10 + 1) - taken(i / 10));
+        assert_eq!(found(&marker(between)), Some(120));
+        assert_eq!(found(&marker(|i| (1e6 * between(i)).round() / 1e6)), Some(120));
+        // A triangle that is seen as it is.
+        assert_eq!(found(&marker(|i| 1e-3 * (i % 400).min(400 - i % 400) as f64)), None);
     }
 }

@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
 use super::Recording;
-use super::cells::Rows;
+use super::cells::{Rows, is_label};
 use super::column::{AXES, Column, body, column};
 use super::draft::{Draft, ReadOptions, Unit};
 use super::error::{RecordingError, RecordingProblem};
@@ -81,11 +81,14 @@ fn above(rows: &mut Rows) -> Result<(Vec<Line>, Vec<Line>), RecordingProblem> {
                 cells.remove(0);
             }
             notes.push((rows.line(), cells));
-        } else if rows.is_data() {
+        } else if !rows.is_data() {
+            lines.push((rows.line(), cells));
+        } else if is_label(rows.cell(0)) && !lines.iter().any(names_columns) {
+            // A setting, such as `Samples,800`. What is above it names no columns.
+            lines.clear();
+        } else {
             rows.hold();
             break;
-        } else {
-            lines.push((rows.line(), cells));
         }
     }
     Ok((lines, notes))
@@ -94,21 +97,32 @@ fn above(rows: &mut Rows) -> Result<(Vec<Line>, Vec<Line>), RecordingProblem> {
 /// The names that lines above the samples give; nothing if none of them names a time or a position.
 fn head(mut lines: Vec<Line>, notes: Vec<Line>, rows: &Rows) -> Option<Head> {
     let mut findings = Vec::new();
-    let names_columns = |line: &Line| {
-        let is_known =
-            |column| matches!(column, Column::Time(..) | Column::Position { .. } | Column::Perhaps { .. });
-        line.1.iter().any(|name| is_known(column(name)))
-    };
-    if !lines.iter().any(names_columns) {
+    let is_wide = |line: &&Line| line.1.len() >= rows.filled();
+    let mut is_named = lines.iter().any(names_columns);
+    if !is_named {
         // Programs that write numbers alone put the names behind a sign of comment.
-        let note =
-            notes.into_iter().rev().find(|line| names_columns(line) && line.1.len() >= rows.filled())?;
-        findings.push(format!("names of columns are taken from line {}, which begins with #", note.0));
-        lines.push(note);
+        if let Some(note) = notes.into_iter().rev().find(|line| names_columns(line) && is_wide(&line)) {
+            findings.push(format!("names of columns are taken from line {}, which begins with #", note.0));
+            lines.push(note);
+            is_named = true;
+        } else if !rows.is_data() || lines.last().filter(is_wide).is_none() {
+            return None;
+        }
     }
     let units = lines.last().filter(|line| lines.len() > 1 && is_of_units(&line.1)).cloned();
     lines.truncate(lines.len() - usize::from(units.is_some()));
-    let (line, mut names) = lines.pop().filter(names_columns)?;
+    // Names of other things are said when no marker is found in them.
+    let (line, mut names) = lines.pop().filter(|line| !is_named || names_columns(line))?;
+    // A table with an index names it in a line of its own, below the others.
+    let is_apart = |above: &Line| {
+        names_columns(above)
+            && above.1.iter().zip(&names).all(|(above, own)| above.is_empty() || own.is_empty())
+    };
+    if let Some((_, above)) = lines.pop_if(|above| is_apart(above)) {
+        for (own, above) in names.iter_mut().zip(above).filter(|(own, _)| own.is_empty()) {
+            *own = above;
+        }
+    }
     name_by_groups(&mut names, lines, &mut findings);
     if let Some((_, units)) = units {
         for (name, unit) in names.iter_mut().zip(units) {
@@ -119,6 +133,13 @@ fn head(mut lines: Vec<Line>, notes: Vec<Line>, rows: &Rows) -> Option<Head> {
         }
     }
     Some(Head { names, line, findings })
+}
+
+/// Whether a line has the name of a time or of a position.
+fn names_columns(line: &Line) -> bool {
+    let is_known =
+        |column| matches!(column, Column::Time(..) | Column::Position { .. } | Column::Perhaps { .. });
+    line.1.iter().any(|name| is_known(column(name)))
 }
 
 /// Whether a line holds units below names.
@@ -151,7 +172,9 @@ fn name_by_groups(names: &mut [String], lines: Vec<Line>, findings: &mut Vec<Str
         let first = above.first().and_then(|at| over(*at));
         let says_one =
             above.len() == places.len() && above.iter().all(|at| over(*at) == first) && places.len() > 3;
-        if above.is_empty() && !is_title || says_one {
+        // Programs may give their columns two names.
+        let is_axes = cells.iter().any(|cell| matches!(column(cell), Column::Position { .. }));
+        if above.is_empty() && !is_title || says_one || is_axes {
             passed_over += 1;
             continue;
         }
@@ -226,12 +249,15 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Recordi
     let (mut points, mut index) = (Vec::<Columns>::new(), HashMap::new());
     let (mut time, mut frame, mut passed_over, mut bodies) = (None, None, Vec::new(), Vec::new());
     let (mut silent, mut findings, mut likely, mut assumed_second) = (None, Vec::new(), Vec::new(), None);
+    // Of several times the first that states its unit, or the first.
+    let is_time =
+        |is_sure: bool| move |own: &Column| matches!(own, Column::Time(_, sure) if *sure || !is_sure);
+    let clock = columns.iter().position(is_time(true)).or_else(|| columns.iter().position(is_time(false)));
     for (at, (column, name)) in columns.into_iter().zip(names).enumerate() {
         match column {
-            Column::Time(second, is_stated) if time.is_none() => {
+            Column::Time(second, is_stated) if clock == Some(at) => {
                 time = Some((at, second));
                 if !is_stated {
-                    findings.push(format!("time: s is assumed, for column `{name}` states no unit"));
                     assumed_second = Some(name.clone());
                 }
             }
@@ -286,11 +312,16 @@ pub(super) fn layout(names: &[String], format: Format) -> Result<Layout, Recordi
     Ok(Layout { frame, time, assumed_second, is_picture, ..Layout::new(format, unit, points, findings) })
 }
 
-/// Takes x, y and z beside a w of the same name for a quaternion, unless they are lengths.
+/// Takes x, y and z beside a w of the same name for a quaternion, unless they are lengths. Beside x and y alone it is the width
+/// of a box.
 fn quaternions(columns: &mut [Column]) {
+    let has = |body: &String, axis: usize| {
+        let is_axis = |own: &Column| matches!(own, Column::Position { marker, axis: of, unit: None } if marker == body && *of == axis);
+        columns.iter().any(is_axis)
+    };
     let bodies: Vec<String> = (columns.iter())
         .filter_map(|column| match column {
-            Column::W { body } => Some(body.clone()),
+            Column::W { body } => Some(body.clone()).filter(|body| (0..3).all(|axis| has(body, axis))),
             _ => None,
         })
         .collect();

@@ -295,7 +295,7 @@ impl Folder {
             match exchange(new, &self.target) {
                 Ok(()) => return self.remove(new, || exchange(new, &self.target)),
                 // Nothing is there, unless another was faster.
-                Err(error) if error.kind() == ErrorKind::NotFound => match self.rename_to(&self.target) {
+                Err(_) if !self.target.exists() => match self.rename_to(&self.target) {
                     Ok(()) => return Ok(()),
                     Err(_) if self.target.exists() => {}
                     Err(error) => return Err(failed()(error)),

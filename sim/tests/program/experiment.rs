@@ -327,3 +327,84 @@ fn an_analysis_says_what_has_not_settled_and_where_the_beam_means_nothing() {
     let page = bench.text("out/report.html");
     assert!(page.contains("not settled: the tip swings by") && page.contains("Euler-Bernoulli: not fitted"));
 }
+
+/// A table of a tip at 0.4 m that swings at 1.6 Hz about a rest which changes at some instants, and a pressure beside it.
+fn stepped(pressure: &str, steps: &[(f64, f64)], of_pressure: impl Fn(f64) -> f64) -> String {
+    let mut noise = Noise::new(7);
+    let mut text = format!("t_s,valve_V,tip_x_m,tip_z_m,{pressure}\n");
+    for time in (0..1800).map(|k| 0.01 * f64::from(k)) {
+        let change = |(at, by): &(f64, f64)| {
+            let since = (time - at).max(0.0);
+            by * (1.0 - (-0.4 * since).exp() * (std::f64::consts::TAU * 1.6 * since).cos())
+        };
+        let z = -0.12 + steps.iter().map(change).sum::<f64>() + 2e-5 * noise.normal();
+        text += &format!("{time:.2},0.5,{:.7},{z:.7},{:.1}\n", (0.16 - z * z).sqrt(), of_pressure(time));
+    }
+    text
+}
+
+/// `init` takes the column with a unit of pressure whose steps begin swings; a pressure that stays, or a column of another unit,
+/// leaves the key to the person.
+#[test]
+fn a_column_of_pressure_whose_steps_begin_swings_is_found() {
+    let bench = Bench::new("stepped");
+    let draft = |text: &str| {
+        bench.file("a.csv", text);
+        bench.json(&["experiment", "init", "a.csv", "--overwrite", "--json"]);
+        bench.text("experiment.toml")
+    };
+    let steps = [(2.0, 0.05), (10.0, -0.05)];
+    let held = |time: f64| if (2.0..10.0).contains(&time) { 350.0 } else { 0.0 };
+    for name in ["p_mbar", "Druck [mbar]"] {
+        let found = draft(&stepped(name, &steps, held));
+        assert!(found.contains(&format!("\npressure = {{ column = \"{name}\" }}")), "{found}");
+        assert!(found.contains("\nstart = \"rest\""), "{found}");
+        for at in ["release 1 at 1.9", "release 2 at 9.9"] {
+            assert!(found.contains(at), "{at}: {found}");
+        }
+    }
+    for (name, pressure) in [("p_mbar", 350.0), ("p_V", 3.0)] {
+        let alone = draft(&stepped(name, &[(2.0, -0.1)], |_| pressure));
+        assert!(!alone.contains("\npressure") && !alone.contains("start = \"rest\""), "{alone}");
+        assert!(alone.contains("\n# found: release 1 at 2."), "{alone}");
+    }
+}
+
+/// Two rods in one file: the draft takes one of them, with its own base, and names the markers of the other.
+#[test]
+fn markers_of_another_rod_are_named() {
+    let bench = Bench::new("two-rods");
+    let mut noise = Noise::new(5);
+    let markers = ["A_base", "A_tip", "B_base", "B_mid", "B_tip"];
+    let names: Vec<String> =
+        markers.iter().flat_map(|name| ["x", "y", "z"].map(|axis| format!("{name}_{axis}_m"))).collect();
+    let mut text = format!("t_s,{}\n", names.join(","));
+    for time in (0..900).map(|k| 0.01 * f64::from(k)) {
+        let swing = |from: f64, by: f64, hertz: f64| {
+            let since = (time - from).max(0.0);
+            -by * (1.0 - (-0.5 * since).exp() * (std::f64::consts::TAU * hertz * since).cos())
+        };
+        let (a, b) = (swing(1.0, 0.1, 1.65), swing(1.5, 0.18, 1.2));
+        let arc = |z: f64| (0.16 - z * z).sqrt();
+        let places = [
+            [0.0, 0.0, 0.0],
+            [arc(a), 0.0, a],
+            [0.0, 0.5, 0.0],
+            [0.5 * arc(b), 0.5, 0.3 * b],
+            [arc(b), 0.5, b],
+        ];
+        let cells = places.into_iter().flatten().map(|at| format!(",{:.7}", at + 2e-5 * noise.normal()));
+        text += &format!("{time:.2}{}\n", cells.collect::<String>());
+    }
+    bench.file("a.csv", &text);
+    bench.json(&["experiment", "init", "a.csv", "--json"]);
+    let draft = bench.text("experiment.toml");
+    for line in [
+        "\ntip = \"B_tip\"",
+        "\nbase = \"B_base\"",
+        "{ marker = \"B_mid\"",
+        "\n# not used: [\"A_base\", \"A_tip\"]   # GUESS, perhaps of another rod",
+    ] {
+        assert!(draft.contains(line), "{line}: {draft}");
+    }
+}

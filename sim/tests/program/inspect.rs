@@ -163,9 +163,9 @@ fn a_broken_file_is_said_and_hides_none_of_the_others() {
     let bench = Bench::new("inspect-broken");
     let [tidy, nexus, ..] = files();
     bench.file(nexus.name, &nexus.text);
-    bench.file("word.csv", &tidy.text.replacen("10.00000", "ten", 1));
+    bench.file("word.csv", &tidy.text.replacen("10.00000", "1o.0", 1));
     let arguments = ["inspect", "word.csv", "absent.csv", nexus.name];
-    let expected = "error: word.csv: line 2, column 2 (Tip x): `ten` is no number; correct it, or leave it blank \
+    let expected = "error: word.csv: line 2, column 2 (Tip x): `1o.0` is no number; correct it, or leave it blank \
                     if it was lost\nerror: absent.csv: cannot be read: ";
     let (code, stdout, stderr) = bench.run(&arguments);
     assert_eq!(code, 3);

@@ -13,6 +13,9 @@ use crate::experiment::Pressures;
 /// clock may be off that of the recording.
 const STEP_PERIODS: f64 = 0.5;
 
+/// Times the fastest speed in the period before, from which on the tip moves by a step: a swing that is left decays.
+const LEFT: f64 = 1.5;
+
 /// The swings after steps of a pressure, or why there is none.
 pub fn cut(
     time: &[f64],
@@ -34,7 +37,10 @@ pub fn cut(
     // The last sample before the pressure changes or the tip moves, whichever is first.
     let rests: Vec<Option<Range<usize>>> = (parts.iter().zip(&near))
         .map(|(part, at)| {
-            let quiet = quiet(&motion, part.clone())?;
+            // What is left of the swing before does not begin this one.
+            let before = sample(time[part.start] - period)..part.start;
+            let left = before.filter_map(|i| motion.speed(i)).fold(0.0, f64::max);
+            let quiet = quiet(&motion, part.clone())?.max(LEFT * left);
             let is_moving = |i: &usize| motion.speed(*i).is_some_and(|speed| speed >= quiet);
             let moves = part.clone().find(is_moving)?;
             let from = (0..moves).rev().find(is_moving).map_or(0, |last| last + 1);
@@ -99,6 +105,19 @@ mod tests {
             assert!(distance(cut.rest, [0.3, 0.0, rest]) < 3e-3, "{cut:?}");
         }
         assert!((time[cuts[0].swing.end - 1] - vent).abs() < 0.1);
+        // Vented while the swing before has a tenth of its size left.
+        let swing = |since: f64| 1.0 - (-0.4 * since.max(0.0)).exp() * (10.0 * since.max(0.0)).cos();
+        let left = |t: f64| -0.12 + 0.05 * swing(t - on) - 0.05 * swing(t - vent);
+        let mut again: Vec<_> = time.iter().map(|t| Some([0.3, 0.0, left(*t)])).collect();
+        Noise::new(3).disturb(&mut again, 2e-5);
+        let row = |t: f64| (t, 3.5e4 * (ramp(t, on, 0.01) - ramp(t, vent, 0.01)));
+        let own = Pressures::of(&time.iter().map(|t| row(*t)).collect::<Vec<_>>());
+        let begins: Vec<f64> =
+            cut(&time, &again, 0.01, 2e-5, &own).unwrap().iter().map(|cut| time[cut.hold.end - 1]).collect();
+        assert!(
+            begins.len() == 2 && begins.iter().zip([on, vent]).all(|(b, at)| (at - b).abs() < 0.05),
+            "{begins:?}"
+        );
         // A pressure that rises over seconds bends the rod, and is no event; nor is one that stays.
         let slow = Pressures::of(&time.iter().map(|t| (*t, 3.5e4 * ramp(*t, 2.0, 9.0))).collect::<Vec<_>>());
         assert!(cut(&time, &path, 0.01, 1e-4, &slow).unwrap_err().contains("does not step"));

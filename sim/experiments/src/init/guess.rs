@@ -1,7 +1,11 @@
 //! Which markers of a recording are its tip, its base and its body, by how far they move.
 
+use std::fmt::Write;
+
 use efam_core::quantile::quantile;
 use efam_recordings::Recording;
+use efam_store::escape::{escaped, toml_string};
+use nalgebra::{Matrix3, Vector3};
 
 use crate::cleaning::distance;
 
@@ -15,6 +19,9 @@ const BASES: [&str; 6] = ["base", "clamp", "root", "ground", "fixed", "wall"];
 const TIP: f64 = 0.8;
 /// By how much the distance of two markers of one body may vary, in the motion of the tip.
 const RIGID: f64 = 0.1;
+/// Share of a marker's motion that follows that of the tip, at least, on one rod. In its second mode a rod moves less than that
+/// for part of the time only.
+const FOLLOWS: f64 = 0.5;
 
 /// What the markers of a recording seem to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +32,8 @@ pub struct Guess {
     pub base: Vec<String>,
     /// All between, with their share of the way from base to tip.
     pub body: Vec<(String, f64)>,
+    /// Those that move otherwise than the tip does, as those of another rod, and what is still beside them.
+    pub others: Vec<String>,
     /// How far each marker moves, m, in the order of the recording.
     pub moves: Vec<(String, f64)>,
 }
@@ -44,7 +53,21 @@ pub fn guess(recording: &Recording) -> Option<Guess> {
         let limit = if BASES.iter().any(|base| name.contains(base)) { STILL_BY_NAME } else { STILL };
         !is_tip[k] && moves[k] >= 0.0 && moves[k] < limit * moves[most]
     };
-    let is_base: Vec<bool> = (0..moves.len()).map(is_base).collect();
+    let middles: Vec<[f64; 3]> = (0..moves.len()).map(|k| middle(path(k))).collect();
+    let is_apart: Vec<bool> = (0..moves.len())
+        .map(|k| {
+            let moves = !is_tip[k] && !is_base(k) && moves[k] > STILL * moves[most];
+            moves && follows(path(k), path(most)) < FOLLOWS
+        })
+        .collect();
+    // What is still belongs to the rod whose marker is nearest.
+    let is_beside = |k: usize| {
+        let apart = (0..moves.len()).filter(|&j| is_apart[j]);
+        apart.fold(f64::INFINITY, |near, j| near.min(distance(middles[k], middles[j])))
+            < distance(middles[k], middles[most])
+    };
+    let is_other: Vec<bool> = (0..moves.len()).map(|k| is_apart[k] || is_base(k) && is_beside(k)).collect();
+    let is_base: Vec<bool> = (0..moves.len()).map(|k| is_base(k) && !is_other[k]).collect();
     let those = |is: &[bool]| -> Vec<usize> { (0..moves.len()).filter(|&k| is[k]).collect() };
     let (tip, base) = (those(&is_tip), those(&is_base));
     let place = |of: &[usize]| -> [f64; 3] {
@@ -54,7 +77,7 @@ pub fn guess(recording: &Recording) -> Option<Guess> {
     };
     let (from, to) = (place(&base), place(&tip));
     let share = |k: usize| (distance(place(&[k]), from) / distance(to, from).max(1e-9)).clamp(0.0, 1.0);
-    let is_body = |k: &usize| moves[*k] >= 0.0 && !is_tip[*k] && !is_base[*k];
+    let is_body = |k: &usize| moves[*k] >= 0.0 && !is_tip[*k] && !is_base[*k] && !is_other[*k];
     let mut body: Vec<(usize, f64)> = (0..moves.len()).filter(is_body).map(|k| (k, share(k))).collect();
     body.sort_by(|a, b| a.1.total_cmp(&b.1));
     let name = |k: usize| recording.markers[k].name.clone();
@@ -62,15 +85,79 @@ pub fn guess(recording: &Recording) -> Option<Guess> {
         tip: tip.iter().map(|&k| name(k)).collect(),
         base: base.iter().map(|&k| name(k)).collect(),
         body: body.into_iter().map(|(k, share)| (name(k), share)).collect(),
+        others: those(&is_other).into_iter().map(name).collect(),
         moves: (0..moves.len()).map(|k| (name(k), moves[k])).collect(),
     })
 }
 
+/// Writes the keys of the markers, as they seem to be.
+pub(super) fn write(out: &mut String, recording: &Recording) {
+    let list = |names: &[String]| match names {
+        [only] => toml_string(only),
+        all => format!("[{}]", all.iter().map(|name| toml_string(name)).collect::<Vec<_>>().join(", ")),
+    };
+    let Some(guess) = guess(recording) else {
+        *out += "tip = \"?\"   # FILL IN: no marker is seen in this file\n";
+        return;
+    };
+    let moves: Vec<_> =
+        guess.moves.iter().map(|(name, m)| format!("{} {:.1}", escaped(name), 1e3 * m)).collect();
+    let _ = writeln!(out, "# how far each marker moves, mm: {}", moves.join(", "));
+    let _ = writeln!(out, "tip = {}   # GUESS: what moves most, as one body", list(&guess.tip));
+    if !guess.others.is_empty() {
+        let _ = writeln!(
+            out,
+            "# not used: {}   # GUESS, perhaps of another rod: it moves otherwise than the tip, and needs a\n\
+             \x20                 # [[recording]] of its own, with its own tip, base and body",
+            list(&guess.others)
+        );
+    }
+    if !guess.base.is_empty() {
+        let _ = writeln!(out, "base = {}   # GUESS: what hardly moves", list(&guess.base));
+    } else {
+        *out += "# base = [\"…\"]   # none found: that it stands still is assumed, and the clamp at the file's origin\n"
+    }
+    for (k, (name, share)) in guess.body.iter().enumerate() {
+        let open = if k == 0 {
+            "body = [   # GUESS: by what they move; `at` by distance, FILL IN, such as \"120 mm\"\n"
+        } else {
+            ""
+        };
+        let close = if k + 1 == guess.body.len() { "]\n" } else { "" };
+        let _ = write!(out, "{open}  {{ marker = {}, at = {share:.2} }},\n{close}", toml_string(name));
+    }
+}
+
 /// Distance from its median place within which a marker is 98 % of the time, m; −1 if it is never seen.
 fn reach(path: &[Option<[f64; 3]>]) -> f64 {
-    let seen = || path.iter().flatten();
-    let middle = std::array::from_fn(|c| quantile(seen().map(|at| at[c]).collect(), 0.5).unwrap_or_default());
-    quantile(seen().map(|at| distance(*at, middle)).collect(), 0.98).unwrap_or(-1.0)
+    let middle = middle(path);
+    quantile(path.iter().flatten().map(|at| distance(*at, middle)).collect(), 0.98).unwrap_or(-1.0)
+}
+
+/// Median place of a marker, m.
+fn middle(path: &[Option<[f64; 3]>]) -> [f64; 3] {
+    let of = |c: usize| path.iter().flatten().map(|at| at[c]).collect();
+    std::array::from_fn(|c| quantile(of(c), 0.5).unwrap_or_default())
+}
+
+/// Share of a marker's motion that is linear in the place of the tip; 1 where they are never seen together.
+fn follows(path: &[Option<[f64; 3]>], tip: &[Option<[f64; 3]>]) -> f64 {
+    let both =
+        path.iter().zip(tip).filter_map(|(own, tip)| Some((Vector3::from((*own)?), Vector3::from((*tip)?))));
+    let both: Vec<_> = both.collect();
+    let count = both.len().max(1) as f64;
+    let mean =
+        both.iter().fold([Vector3::zeros(); 2], |[own, tip], at| [own + at.0 / count, tip + at.1 / count]);
+    let (mut all, mut by_tip, mut of_tip) = (0.0, Matrix3::zeros(), Matrix3::zeros());
+    for (own, tip) in &both {
+        let (own, tip) = (own - mean[0], tip - mean[1]);
+        all += own.norm_squared();
+        by_tip += tip * own.transpose();
+        of_tip += tip * tip.transpose();
+    }
+    // What does not move along an axis explains nothing there.
+    let Ok(inverse) = of_tip.pseudo_inverse(1e-6 * of_tip.norm()) else { return 1.0 };
+    if all > 0.0 { (by_tip.transpose() * inverse * by_tip).trace() / all } else { 1.0 }
 }
 
 /// By how much the distance of two markers varies, 96 % of the time, m.

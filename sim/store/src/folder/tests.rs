@@ -305,6 +305,11 @@ fn whichever_call_fails_nothing_is_torn_and_nothing_is_lost() {
         made.write(MARK, b"dated")?;
         made.finish().map(drop)
     };
+    let free: Work = |root| {
+        let made = Folder::begin(Target::Given { folder: &root.join("free"), overwrite: true })?;
+        made.write(MARK, b"first mark")?;
+        made.finish().map(drop)
+    };
     let whole: Work = |root| write_whole(&root.join("run.mat"), |file| file.write_all(b"new file"));
     let new: Work = |root| write_new(&root.join("new.mat"), |file| file.write_all(b"first file"));
     let add: Work = |root| {
@@ -312,7 +317,9 @@ fn whichever_call_fails_nothing_is_torn_and_nothing_is_lost() {
         added::replace(&root.join("run/shard=1"), "part", |file| file.write_all(b"added part"))
     };
     let (mut struck, scratch) = (0, Scratch::new("struck"));
-    for (name, work) in [("folder", folder), ("dated", dated), ("whole", whole), ("new", new), ("add", add)] {
+    for (name, work) in
+        [("folder", folder), ("free", free), ("dated", dated), ("whole", whole), ("new", new), ("add", add)]
+    {
         let prepared = |k: u64| {
             let root = scratch.0.join(format!("{name}-{k}"));
             fs::create_dir(&root).unwrap();
@@ -358,6 +365,10 @@ fn whichever_call_fails_nothing_is_torn_and_nothing_is_lost() {
             );
             match done {
                 Ok(()) => assert!(new.keys().all(|path| all.contains_key(path)), "{name} {k}"),
+                // What has the name that was asked for is no remainder.
+                Err(StoreError::Kept { kept, .. }) => {
+                    assert!(kept.ends_with("run_2"), "{name} {k}: {kept:?}")
+                }
                 Err(error) => assert!(error.to_string().contains(&root.display().to_string()), "{error}"),
             }
             if is_over {
