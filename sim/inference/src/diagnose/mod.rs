@@ -261,7 +261,7 @@ impl<'a> Search<'a> {
             Some(Accepted { name: own.effect().to_owned(), strengths: own.strengths.clone(), odds, sampled })
         };
         let best = best.filter(|_| may_add).and_then(&mut taken);
-        let is_next = best.as_ref().is_some_and(|own| !own.sampled.may_be_noise(data.known_repeats()));
+        let is_next = best.as_ref().is_some_and(|own| own.sampled.misfit() > data.known_repeats());
         if let Some(best) = best {
             let place = accepted.len();
             members.retain(|(_, own)| own.name != best.name);

@@ -39,6 +39,10 @@ const INSTANT: f64 = 0.01;
 const INSTANT_SAMPLES: f64 = 0.3;
 /// Angular velocity that a hand gives, over that of a free fall.
 const PUSH: f64 = 0.01;
+/// By how much the stiffness and the losses of a release differ from those of the others, logarithmic deviations: a regulator holds a
+/// pressure to half a per cent, and a rubber remembers the release before.
+const REPEATED_STIFFNESS: f64 = 0.005;
+const REPEATED_LOSS: f64 = 0.03;
 /// Nodes at least, and where their mesh errors are lost in the noise: those of sixteen edges are a twentieth of a millimetre on
 /// the paper's muscle.
 pub const NODES: usize = 17;
@@ -249,6 +253,18 @@ impl Making<'_> {
                 let mut offset = Unknown::setup("offset", &name, "m", Scaled::Normal(0.0, deviation));
                 offset.acts.push((r, Act::Offset(axis)));
                 self.unknowns.push(offset);
+            }
+        }
+        for (name, path, deviation) in [
+            ("EI", EI, REPEATED_STIFFNESS),
+            ("mass damping", ALPHA, REPEATED_LOSS),
+            ("stiffness damping", BETA, REPEATED_LOSS),
+        ] {
+            let own = trial.model.index(path).ok().filter(|k| trial.model.theta[*k] > 0.0);
+            if let Some(k) = own.filter(|_| self.trials.len() > 1) {
+                let unit = trial.model.parameters[k].unit;
+                let unknown = Unknown::setup("repeat", &label(name), unit, Scaled::Factor(deviation));
+                self.acting(unknown, &[path], |own| own == r)?;
             }
         }
         for (place, track) in plan.tracks.iter().enumerate() {
