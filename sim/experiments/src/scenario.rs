@@ -59,7 +59,7 @@ use efam_core::linear::{Linear, LinearError, linearise};
 use efam_core::pace::Pace;
 use efam_core::rest::rest;
 use models::model::Model;
-use models::muscle::{Known, Muscle};
+use models::muscle::{Known, Muscle, RodSlopes};
 
 use document::Document;
 pub use error::{At, ScenarioError, ScenarioProblem};
@@ -151,6 +151,13 @@ impl Case {
         Self { model, ..self }
     }
 
+    /// How its rod follows the pressure, if it is a muscle at a pressure.
+    pub fn rod_slopes(&self) -> Option<RodSlopes> {
+        let (plan, pressure) = self.plan.muscle.as_ref().zip(self.pressure)?;
+        let found = plan.muscle.rod_slopes(pressure, &plan.stiffness, plan.extrapolation);
+        Some(found.expect("the case has been built at this pressure"))
+    }
+
     /// The linear model about its rest; without inputs by the pressure, or the force along z of a rod that is no muscle.
     /// # Errors
     /// [`LinearError`].
@@ -159,10 +166,7 @@ impl Case {
         inputs: &[impl AsRef<str>],
         outputs: &[impl AsRef<str>],
     ) -> Result<Linear, LinearError> {
-        let muscle = self.plan.muscle.as_ref().zip(self.pressure).map(|(plan, pressure)| {
-            let found = plan.muscle.rod_slopes(pressure, &plan.stiffness, plan.extrapolation);
-            found.expect("the case has been built at this pressure")
-        });
+        let muscle = self.rod_slopes();
         let usual = if muscle.is_some() { "pressure" } else { "force_z" };
         let inputs: Vec<&str> = inputs.iter().map(AsRef::as_ref).collect();
         let inputs = if inputs.is_empty() { vec![usual] } else { inputs };
