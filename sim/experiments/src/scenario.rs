@@ -58,7 +58,7 @@ use efam_core::forward::{Run, uniform};
 use efam_core::linear::{Linear, LinearError, linearise};
 use efam_core::pace::Pace;
 use efam_core::rest::rest;
-use models::model::Model;
+use models::model::{Model, Schedule};
 use models::muscle::{Known, Muscle, RodSlopes};
 
 use document::Document;
@@ -270,6 +270,18 @@ impl Scenario {
     /// part of reading a scenario. None where the scenario has no constant pressure, or refuses this one.
     pub fn model_at(&self, pressure: f64) -> Option<Model> {
         case::model_at(self, pressure)
+    }
+
+    /// The pressure over time of the same muscle behind a pressure line: commands, each held from its time, s, to the next, Pa;
+    /// the line goes on at a time from a pressure, of a rod that was let go at the pressure `release`. None as for
+    /// [`model_at`](Self::model_at).
+    pub fn steered(
+        &self,
+        release: f64,
+        resumes: (f64, f64),
+        commands: &[(f64, f64)],
+    ) -> Option<Arc<dyn Schedule>> {
+        Some(Arc::new(case::steered(self, release, resumes, commands)?))
     }
 }
 

@@ -12,6 +12,7 @@ use efam_inference::predict::linear::{calibrated, linear_intervals};
 use efam_report::Request;
 use efam_report::linear::{LinearAnswer, Wanted, linear_table, write_linear};
 use efam_store::Folder;
+use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -29,8 +30,8 @@ const HELP: &str = "Examples:
   efam linearise scenarios/release-15psi.toml --input pressure,force_z
     --sample 10ms --reduce 6 --out outputs/controller
   efam linearise scenarios/steel-ruler.toml --input base_acceleration_z --json
-
   efam linearise outputs/beam/rod.toml --pressure 40psi --payload 80g --draws 400
+
 Inputs: pressure, force_x, force_z, moment (at the end of the rod),
 base_acceleration_x, base_acceleration_z, or a parameter such as
 effects.set_curvature.natural_curvature. Outputs: tip_x, tip_z, tip_angle, or
@@ -68,13 +69,13 @@ pub struct Linearise {
     /// Number of poles to print, slowest first.
     #[arg(long, default_value_t = 3, value_name = "N")]
     count: usize,
-    #[command(flatten)]
     /// Number of draws from the errors of the calibration, if the rod has one.
     #[arg(long, value_name = "COUNT", default_value_t = PredictionSettings::default().draws)]
     draws: usize,
     /// Of the random numbers.
     #[arg(long, default_value_t = PredictionSettings::default().seed)]
     seed: u64,
+    #[command(flatten)]
     results: Output,
 }
 
@@ -109,6 +110,12 @@ pub fn run(args: &Linearise, console: &Console) -> Result<ExitCode, Failure> {
     more.extend(left_out::warnings(&case.model, case.muscle().is_some(), args.count));
     if case.model.slipping().is_some() {
         more.push(STICKS.to_owned());
+    }
+    if linear.dead_time > 0.0 {
+        let time = format_si(linear.dead_time, "s");
+        more.push(format!(
+            "the dead time of the pressure line, {time}, is not in the matrices: add it to the input"
+        ));
     }
     if !linear.is_stable {
         more.push("the rest is not stable: a motion about it grows".to_owned());

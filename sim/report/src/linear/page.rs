@@ -11,7 +11,7 @@ use crate::report::{readable, significant};
 /// What any linear model takes for granted.
 const ASSUMED: [&str; 3] = [
     "Motions are small. An error grows with the square of the swing, and with the change of pressure.",
-    "The pressure follows its command at once, and the muscle its table.",
+    "The muscle follows its table, and the pressure its command: at once, or behind a pressure line without its rate limit.",
     "Friction holds as a spring in motions this small.",
 ];
 
