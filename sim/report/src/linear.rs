@@ -348,11 +348,12 @@ pub fn write_linear(folder: &Folder, request: &Request, answer: &LinearAnswer) -
 
 /// The answer for a terminal: poles, static gains, errors of the reduction.
 pub fn linear_table(answer: &LinearAnswer, count: usize) -> String {
-    // Narrow enough for 80 columns with intervals.
-    let heads = ["", "frequency, Hz", "damping ratio", "settling to 5 %, s"];
+    // Without their number, so that 80 columns hold the intervals.
+    let heads = ["frequency, Hz", "damping ratio", "settling to 5 %, s"];
     let mut poles = Aligned::new(&heads.map(|head| (head, Side::Number)));
     for (k, pole) in answer.vibrations().take(count).enumerate() {
-        poles.row(pole_cells(k, pole, "", ""));
+        let [_, frequency, ratio, settling] = pole_cells(k, pole, "", "");
+        poles.row([frequency, ratio, settling]);
     }
     let table = |head: &str, gains: &[Vec<f64>], intervals| {
         let inputs = answer.inputs.iter().map(|input| (input.name.as_str(), Side::Number));
