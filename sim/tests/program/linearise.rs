@@ -118,7 +118,7 @@ fn what_cannot_be_is_refused_before_anything_is_written() {
 /// A muscle that was calibrated at 30 and 50 psi, on 8 nodes; standard errors of EI and of the damping over their values, and
 /// the correlation of the two stiffnesses.
 fn calibrated(stiffness: f64, damping: f64, correlation: f64) -> String {
-    let pressures = [30.0, 50.0].map(|psi| psi * 6894.757_293_168);
+    let pressures = [30.0, 50.0].map(|psi| psi * 6_894.757_293_168);
     let parameter = |path: &str, pressure: Option<f64>, value: f64, error: f64, correlations: [f64; 3]| {
         let pressure = pressure.map_or(String::new(), |pressure| format!("pressure_pa = {pressure}\n"));
         format!(
@@ -198,7 +198,7 @@ fn the_gain_has_the_error_of_the_slope_over_pressure() {
     assert!(high / low - 1.0 < 1e-6, "{low} to {high}");
     let [low, high] = ends(&linear["static_gain_95"][0][0]);
     let stiffness = number(&linear["inputs"][1]["at_rest"]);
-    let slope = 0.02 / (10.0 * 6894.757_293_168);
+    let slope = 0.02 / (10.0 * 6_894.757_293_168);
     let due = 1.96 * slope * stiffness * number(&linear["static_gain"][0][1]).abs();
     // The ends of 800 draws are known to a twentieth of the width.
     assert!((0.5 * (high - low) / due - 1.0).abs() < 0.1, "{low} to {high}, due {due}");
