@@ -3,6 +3,7 @@
 use crate::context::Context;
 use crate::effects::{Body, Effect, Kind, LineMass, Mass, MassLoad, Place, Rod, Scalar, Tip};
 use crate::kinematics::Fields;
+use crate::line::Through;
 use crate::model::{
     AXIAL_STIFFNESS, Active, BASE_ANGLE, BENDING_STIFFNESS, DIAMETER, LENGTH, MASS, Model, PRESSURE,
 };
@@ -48,6 +49,7 @@ impl<T: Scalar> Context<T> {
             per_rest_length: zero,
             per_voronoi: vec![zero; edges + 1],
             stencil,
+            line: Through::new(model, &theta),
             theta,
         };
         context.set_time(model, zero, None);
@@ -62,17 +64,27 @@ impl<T: Scalar> Context<T> {
             let now = time.re();
             let piece = since.unwrap_or(now);
             let factors = schedule.factors(now, piece);
-            let [length, bending, axial, diameter] =
-                factors.map(|[value, rate, _]| T::from(value) + (time - now) * rate);
+            let along = |[value, rate, _]: [f64; 3]| T::from(value) + (time - now) * rate;
+            let (change, rate) = schedule.pressure_change(now, piece);
+            let mut change = (time - now) * rate + change;
+            let [mut length, mut bending, mut axial, mut diameter] = factors.map(along);
+            let [_, first, second] = factors[0];
+            let mut length_rate = (time - now) * second + first;
+            if let Some(line) = &self.line {
+                let [pressure, rate] = line.at(model, &self.theta, time, piece);
+                let off = pressure - pressure.re();
+                let relative = schedule.relative(pressure.re()).expect("a line has a command");
+                [length, bending, axial, diameter] = relative.map(|[value, slope, _]| off * slope + value);
+                let [_, slope, curve] = relative[0];
+                (change, length_rate) = (pressure, (off * curve + slope) * rate);
+            }
             self.rod.length = self.theta[LENGTH] * length;
             self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * bending;
             self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * axial;
             self.rod.diameter = self.theta[DIAMETER] * diameter;
-            let (change, rate) = schedule.pressure_change(now, piece);
-            self.rod.pressure = self.theta[PRESSURE] + change + (time - now) * rate;
+            self.rod.pressure = self.theta[PRESSURE] + change;
             if since.is_some() {
-                let [_, first, second] = factors[0];
-                self.rest_rate = ((time - now) * second + first) / length;
+                self.rest_rate = length_rate / length;
             }
         }
         self.rest_length = self.rod.length * self.per_edges;

@@ -3,10 +3,13 @@
 
 mod derivatives;
 
+use std::sync::Arc;
+
 use crate::effects::{Catalogue, Effect, Kind, LANES, Parameter, Place, Real, Sight};
 use crate::lanes::{seeded, slopes};
 use crate::model::{Model, ModelSpec};
 use crate::muscle::{Extrapolation, Muscle};
+use crate::pressure::PressureSchedule;
 use crate::sensor::Sensor;
 use crate::system::{System, TimePass};
 pub use derivatives::{State, force_is_gradient, parameters_match_differences, tangents_match_differences};
@@ -55,7 +58,15 @@ fn base(effect: &'static dyn Effect) -> Result<ModelSpec, String> {
     }
     // Nothing else may lose energy, or it would hide what the effect feeds.
     let lossless = [("rayleigh_mass.alpha", 0.0), ("rayleigh_stiffness.beta", 0.0)];
-    Ok(ModelSpec { nodes: 8, catalogue, ..muscle.spec(&at) }.with(&lossless))
+    let spec = ModelSpec { nodes: 8, catalogue, ..muscle.spec(&at) }.with(&lossless);
+    if !effect.about().places.contains(&Place::Line) {
+        return Ok(spec);
+    }
+    // A line needs a command: 4 psi more within half a second.
+    let rows = [(0.05, PRESSURE), (0.55, 1.1 * PRESSURE)];
+    let schedule = PressureSchedule::new(muscle, "pder_32", Extrapolation::Refused, &rows);
+    let schedule = schedule.map_err(|error| error.to_string())?;
+    Ok(ModelSpec { schedule: Some(Arc::new(schedule)), ..spec })
 }
 
 /// A model in which the effect acts, each parameter [turned on](turned_on) but for those at `off`.
@@ -288,7 +299,8 @@ fn feeds_no_energy(effect: &'static dyn Effect) -> Result<Outcome, String> {
                 -lost
             )
         })?;
-        ensure(about.timed || supplied == 0.0, || "it depends on time unsaid".to_owned())?;
+        let is_timed = about.timed || about.places.contains(&Place::Line);
+        ensure(is_timed || supplied == 0.0, || "it depends on time unsaid".to_owned())?;
     }
     Ok(Outcome::Holds)
 }

@@ -1,6 +1,7 @@
 //! The rod and its end body at one time, as laws and stencil see them.
 
 use crate::effects::law::Body;
+use crate::line::Through;
 use crate::number::Number;
 use crate::pack::{Pack, RODS};
 use crate::rod::Rod;
@@ -42,6 +43,8 @@ pub struct Context<T> {
     pub per_voronoi: Vec<T>,
     /// From turning angles to curvatures.
     pub stencil: Stencil<T>,
+    /// The pressure behind a line, of a rod whose pressure is commanded over time.
+    pub(crate) line: Option<Through<T>>,
 }
 
 impl<T: Number> Context<T> {
@@ -88,6 +91,7 @@ impl Context<Pack> {
             per_rest_length: each(&|rod| rod.per_rest_length),
             per_voronoi: (0..=first.edges).map(|bend| each(&|rod| rod.per_voronoi[bend])).collect(),
             stencil: Stencil::of(rods.map(|rod| &rod.stencil)),
+            line: None,
         }
     }
 }

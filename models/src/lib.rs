@@ -16,6 +16,7 @@ pub mod history;
 pub mod interpolate;
 pub mod kinematics;
 pub mod lanes;
+pub mod line;
 mod linearise;
 pub mod model;
 pub mod muscle;

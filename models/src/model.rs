@@ -54,6 +54,15 @@ pub trait Schedule: Send + Sync {
     fn pressure_change(&self, _time: f64, _since: f64) -> (f64, f64) {
         (0.0, 0.0)
     }
+    /// What [`factors`](Self::factors) has at a change of the pressure, Pa, with its first and second derivative by that, 1/Pa
+    /// and 1/Pa²; none where it is no pressure that is commanded, which no line delays.
+    fn relative(&self, _change: f64) -> Option<[[f64; 3]; 4]> {
+        None
+    }
+    /// When a pressure line goes on, s, and at which change of the pressure, Pa; none for one that has settled at the release.
+    fn resumes(&self) -> Option<(f64, f64)> {
+        None
+    }
     /// Times at which a rate jumps, s, ascending.
     fn breakpoints(&self) -> &[f64];
 }
@@ -400,7 +409,10 @@ impl Model {
 
     /// Whether a parameter, as an index into `theta`, changes what one effect's law says, and nothing else.
     pub fn is_of_law(&self, parameter: usize) -> bool {
-        !self.is_geometric(parameter) && self.effects.iter().any(|active| active.theta.contains(&parameter))
+        let is_own = |active: &Active| {
+            active.theta.contains(&parameter) && !active.effect.about().places.contains(&Place::Line)
+        };
+        !self.is_geometric(parameter) && self.effects.iter().any(is_own)
     }
 
     /// Whether a parameter, as an index into `theta`, changes only what is observed.

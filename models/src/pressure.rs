@@ -1,5 +1,5 @@
 //! A pressure that changes while the rod moves: its length, stiffnesses and diameter follow the
-//! muscle's table at the pressure of the moment.
+//! muscle's table at the pressure of the moment. The effect [`pressure_line`](crate::effects::pressure_line) delays it.
 //!
 //! Assumed: the muscle has no inertia of its own in filling, so the table of slow pressures holds;
 //! distributed mass stays with the material, and that of the air inside is the one at release; the
@@ -20,6 +20,7 @@ pub struct PressureSchedule {
     times: Vec<f64>,
     pressures: Vec<f64>,
     at_release: AtPressure,
+    resumes: Option<(f64, f64)>,
 }
 
 impl PressureSchedule {
@@ -36,19 +37,76 @@ impl PressureSchedule {
             rows.windows(2).all(|w| w[0].0 < w[1].0),
             "the reader of the scenario sees to ascending times"
         );
+        let (times, pressures): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
+        let initial = pressure_at(&times, &pressures, 0.0, 0.0).0;
+        Self::of(muscle, stiffness_source, extrapolation, initial, rows)
+    }
+
+    /// Commands of a regulator while a rod at the pressure `release`, Pa, swings: each is held from its time, s, to the next. The
+    /// pressure line goes on at a time, s, from a pressure in the rod, Pa.
+    /// # Errors
+    /// [`MuscleError`] if a pressure lies outside the muscle's table.
+    pub fn steered(
+        muscle: Muscle,
+        stiffness_source: &str,
+        extrapolation: Extrapolation,
+        release: f64,
+        (time, pressure): (f64, f64),
+        commands: &[(f64, f64)],
+    ) -> Result<Self, MuscleError> {
+        let before = commands.iter().zip(commands.iter().skip(1)).map(|(held, next)| (next.0, held.1));
+        let rows: Vec<_> = commands
+            .iter()
+            .zip([None].into_iter().chain(before.map(Some)))
+            .flat_map(|(command, before)| before.into_iter().chain([*command]))
+            .collect();
+        let own = Self::of(muscle, stiffness_source, extrapolation, release, &rows)?;
+        Ok(Self { resumes: Some((time, pressure - release)), ..own })
+    }
+
+    fn of(
+        muscle: Muscle,
+        stiffness_source: &str,
+        extrapolation: Extrapolation,
+        release: f64,
+        rows: &[(f64, f64)],
+    ) -> Result<Self, MuscleError> {
         for (_, pressure) in rows {
             muscle.at(*pressure, stiffness_source, extrapolation)?;
         }
-        let (times, pressures): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
-        let initial = pressure_at(&times, &pressures, 0.0, 0.0).0;
-        let at_release = muscle.at(initial, stiffness_source, extrapolation)?;
+        let (times, pressures) = rows.iter().copied().unzip();
+        let at_release = muscle.at(release, stiffness_source, extrapolation)?;
         let stiffness_source = stiffness_source.to_owned();
-        Ok(Self { muscle, stiffness_source, extrapolation, times, pressures, at_release })
+        Ok(Self { muscle, stiffness_source, extrapolation, times, pressures, at_release, resumes: None })
     }
 
     /// Pressure, Pa, and its rate, Pa/s; of the straight line on which the time `since` lies.
     pub fn pressure(&self, time: f64, since: f64) -> (f64, f64) {
         pressure_at(&self.times, &self.pressures, time, since)
+    }
+
+    /// Length, bending stiffness, axial stiffness and diameter at a pressure, Pa, over those at release, with their first and
+    /// second derivatives by it.
+    fn at(&self, pressure: f64) -> [[f64; 3]; 4] {
+        let (now, first, second) = self
+            .muscle
+            .derivatives(pressure, &self.stiffness_source, self.extrapolation)
+            .expect("all pressures lie between those that were checked");
+        let reference = &self.at_release;
+        let of = |value: f64, first: f64, second: f64, reference: f64| {
+            [value, first, second].map(|x| x / reference)
+        };
+        [
+            of(now.length, first.length, second.length, reference.length),
+            of(
+                now.bending_stiffness,
+                first.bending_stiffness,
+                second.bending_stiffness,
+                reference.bending_stiffness,
+            ),
+            of(now.axial_stiffness, first.axial_stiffness, second.axial_stiffness, reference.axial_stiffness),
+            of(now.outer_diameter, first.outer_diameter, second.outer_diameter, reference.outer_diameter),
+        ]
     }
 
     /// The muscle at release.
@@ -72,31 +130,21 @@ fn pressure_at(times: &[f64], pressures: &[f64], time: f64, since: f64) -> (f64,
 impl Schedule for PressureSchedule {
     fn factors(&self, time: f64, since: f64) -> [[f64; 3]; 4] {
         let (pressure, rate) = self.pressure(time, since);
-        let (now, first, second) = self
-            .muscle
-            .derivatives(pressure, &self.stiffness_source, self.extrapolation)
-            .expect("all pressures lie between those that were checked");
-        let reference = &self.at_release;
         // The pressure follows a straight line, so only the table is curved.
-        let of = |value: f64, first: f64, second: f64, reference: f64| {
-            [value, first * rate, second * rate * rate].map(|x| x / reference)
-        };
-        [
-            of(now.length, first.length, second.length, reference.length),
-            of(
-                now.bending_stiffness,
-                first.bending_stiffness,
-                second.bending_stiffness,
-                reference.bending_stiffness,
-            ),
-            of(now.axial_stiffness, first.axial_stiffness, second.axial_stiffness, reference.axial_stiffness),
-            of(now.outer_diameter, first.outer_diameter, second.outer_diameter, reference.outer_diameter),
-        ]
+        self.at(pressure).map(|[value, first, second]| [value, first * rate, second * rate * rate])
+    }
+
+    fn relative(&self, change: f64) -> Option<[[f64; 3]; 4]> {
+        Some(self.at(self.at_release.pressure + change))
     }
 
     fn pressure_change(&self, time: f64, since: f64) -> (f64, f64) {
         let (pressure, rate) = self.pressure(time, since);
         (pressure - self.at_release.pressure, rate)
+    }
+
+    fn resumes(&self) -> Option<(f64, f64)> {
+        self.resumes
     }
 
     fn breakpoints(&self) -> &[f64] {

@@ -52,6 +52,9 @@ pub enum Place {
     Inertia,
     /// The clamp: gives a rotational compliance in series with the root bend.
     Clamp,
+    /// What brings a commanded pressure to the rod: gives the pressure behind a command that moves steadily, its rate, and a
+    /// dead time.
+    Line,
     /// The instant of release: gives a turn about the clamp and an angular velocity about it, on top
     /// of those of the start, whatever that is.
     Release,

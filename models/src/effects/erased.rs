@@ -6,7 +6,7 @@ use std::ops::Range;
 use num_dual::{Dual64, DualSVec64};
 
 use super::about::About;
-use super::law::{Body, Flow, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
+use super::law::{Body, Flow, Line, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
 use crate::context::Context;
 use crate::kinematics::Fields;
 use crate::pack::{Laid, Pack};
@@ -48,6 +48,10 @@ pub trait EffectFor<T: Real>: Sync {
     fn sensor(&self, at: &Sight<T>, theta: &[T]) -> [T; 2];
     /// Time since release at a time of the recording, s.
     fn clock(&self, recorded: T, theta: &[T]) -> T;
+    /// Pressure in the rod, Pa, and its rate, Pa/s.
+    fn line(&self, at: &Line<T>, theta: &[T]) -> [T; 2];
+    /// Time after which it begins to follow its command, s.
+    fn dead_time(&self, theta: &[T]) -> T;
     /// What is added to the start.
     fn release(&self, theta: &[T]) -> Release<T>;
     /// Stored energy in bends, edges and tip load, J.

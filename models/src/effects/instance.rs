@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use super::about::{About, Place};
 use super::law::{
-    Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Moment, Release, Sight, Tip, TipLoad,
+    Bend, Body, Edge, Flow, Law, Line, LineMass, Mass, MassLoad, Moment, Release, Sight, Tip, TipLoad,
 };
 use crate::real::Real;
 use crate::rod::Rod;
@@ -68,6 +68,14 @@ pub trait Instance: Sync + 'static {
     /// Time since release of an instant of the recording, s.
     fn clock<T: Real>(&self, recorded: T, _theta: &[T]) -> T {
         recorded
+    }
+    /// Pressure in the rod, Pa, and its rate, Pa/s.
+    fn line<T: Real>(&self, at: &Line<T>, _theta: &[T]) -> [T; 2] {
+        [at.command + at.command_rate * at.time, at.command_rate]
+    }
+    /// Time after which it begins to follow its command, s.
+    fn dead_time<T: Real>(&self, _theta: &[T]) -> T {
+        T::from(0.0)
     }
     /// What is added to the start.
     fn release<T: Real>(&self, _theta: &[T]) -> Release<T> {
@@ -141,6 +149,12 @@ impl<L: Law> Instance for Fixed<L> {
     }
     fn clock<T: Real>(&self, recorded: T, theta: &[T]) -> T {
         L::clock(recorded, theta)
+    }
+    fn line<T: Real>(&self, at: &Line<T>, theta: &[T]) -> [T; 2] {
+        L::line(at, theta)
+    }
+    fn dead_time<T: Real>(&self, theta: &[T]) -> T {
+        L::dead_time(theta)
     }
     fn release<T: Real>(&self, theta: &[T]) -> Release<T> {
         L::release(theta)

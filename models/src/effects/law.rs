@@ -190,6 +190,19 @@ pub struct LineMass<T> {
     pub heavy: T,
 }
 
+/// A pressure line while its command moves at a steady rate, as a law sees it; pressures from that at the release.
+#[derive(Clone, Copy, Debug)]
+pub struct Line<T> {
+    /// Pressure in the rod when this begins, Pa.
+    pub pressure: T,
+    /// Commanded pressure then, Pa.
+    pub command: T,
+    /// Its rate, Pa/s.
+    pub command_rate: T,
+    /// Time since then, s.
+    pub time: T,
+}
+
 /// What an effect adds to the posture and the velocities with which the rod is let go.
 #[derive(Clone, Copy, Debug)]
 pub struct Release<T> {
@@ -314,6 +327,14 @@ pub trait Law: Sync + 'static {
     /// place; it rises with it.
     fn clock<T: Real>(recorded: T, _theta: &[T]) -> T {
         recorded
+    }
+    /// Pressure in the rod, Pa, and its rate, Pa/s, behind a command that [moves steadily](Line).
+    fn line<T: Real>(at: &Line<T>, _theta: &[T]) -> [T; 2] {
+        [at.command + at.command_rate * at.time, at.command_rate]
+    }
+    /// Time after which the line begins to follow its command, s.
+    fn dead_time<T: Real>(_theta: &[T]) -> T {
+        T::from(0.0)
     }
     /// What is added to the start.
     fn release<T: Real>(_theta: &[T]) -> Release<T> {

@@ -20,8 +20,8 @@ pub use catalogue::{Catalogue, NameTaken};
 pub use erased::{BendTangent, Effect, EffectFor, LANES, Lanes, MOST_PARAMETERS, Scalar};
 pub use instance::{Fixed, Instance};
 pub use law::{
-    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, LineMass, Mass, MassLoad, Moment, Release, Sight, Tip,
-    TipLoad,
+    BODY_PARAMETERS, Bend, Body, Edge, Flow, Law, Line, LineMass, Mass, MassLoad, Moment, Release, Sight,
+    Tip, TipLoad,
 };
 pub use registered::Registered;
 pub(crate) use registered::{bend_at, edge_at, flow_at};
@@ -80,6 +80,7 @@ catalogue! {
     enclosed_air::EnclosedAir,
     pressure_volume::PressureVolume,
     latent_moment::LatentMoment,
+    pressure_line::PressureLine,
     // In the order in which they stand between a point of the rod and its place in a recording.
     marker_offset::MarkerOffset,
     out_of_plane::OutOfPlane,

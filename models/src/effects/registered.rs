@@ -9,7 +9,7 @@ use num_dual::{Derivative, Dual64, DualSVec64};
 use super::about::{About, Place};
 use super::erased::{BendTangent, Effect, EffectFor, MOST_PARAMETERS};
 use super::instance::Instance;
-use super::law::{Bend, Body, Edge, Flow, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
+use super::law::{Bend, Body, Edge, Flow, Line, LineMass, Mass, MassLoad, Release, Sight, Tip, TipLoad};
 use super::packed;
 use crate::context::Context;
 use crate::kinematics::Fields;
@@ -160,6 +160,14 @@ impl<L: Instance, T: Real> EffectFor<T> for Registered<L> {
 
     fn clock(&self, recorded: T, theta: &[T]) -> T {
         self.law.clock(recorded, theta)
+    }
+
+    fn line(&self, at: &Line<T>, theta: &[T]) -> [T; 2] {
+        self.law.line(at, theta)
+    }
+
+    fn dead_time(&self, theta: &[T]) -> T {
+        self.law.dead_time(theta)
     }
 
     fn release(&self, theta: &[T]) -> Release<T> {

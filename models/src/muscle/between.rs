@@ -21,7 +21,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CalibratedParameter, Extrapolation, Known, Muscle, MuscleError};
+use super::{CalibratedParameter, Extrapolation, Here, Known, Muscle, MuscleError};
 use crate::interpolate::Pchip;
 
 /// How one parameter is interpolated between calibrated pressures, and how far that may be off.
@@ -155,6 +155,39 @@ impl Known {
         own
     }
 
+    /// Whether a pressure, Pa, was not calibrated and a parameter is interpolated there without a statement of how far
+    /// that may be off: files by hand, and those of earlier versions, have none.
+    pub fn is_silent_at(&self, pressure: f64) -> bool {
+        self.paths().into_iter().any(|path| {
+            let places: Vec<f64> = self.over_pressure(path).iter().map(|(place, _)| *place).collect();
+            // Pressures in two units differ by rounding.
+            let is_apart = places.iter().all(|place| (place - pressure).abs() > 1e-3 * place.abs());
+            !places.is_empty() && is_apart && self.interpolation.iter().all(|own| own.path != path)
+        })
+    }
+
+    /// How the slope over pressure of the logarithm of the bending stiffness, 1/Pa, moves with each number: by that of the
+    /// weights between neighbours, at a calibrated pressure by the mean of both sides, and beyond the last as at it. The published shape is taken to be
+    /// known, and a process without slopes of its own adds nothing.
+    pub(super) fn slope_weights(&self, pressure: f64, here: &dyn Fn(&str) -> Here) -> Vec<f64> {
+        let places: Vec<f64> =
+            self.over_pressure(BENDING_STIFFNESS).iter().map(|(place, _)| *place).collect();
+        let by_ratio = self.interpolation_of(BENDING_STIFFNESS).is_some_and(|own| own.shape.is_some());
+        let (Some(first), Some(last)) = (places.first(), places.last()) else {
+            return vec![0.0; self.parameter.len()];
+        };
+        let [low, high] =
+            [-0.5, 0.5].map(|beside| (pressure.clamp(*first, *last) + beside).clamp(*first, *last));
+        let [below, above] = [low, high].map(|place| weights(&places, place));
+        let slope = |own: &CalibratedParameter| {
+            let place = places.iter().position(|place| own.pressure_pa == Some(*place));
+            let value = if by_ratio { own.value } else { here(BENDING_STIFFNESS).value };
+            let of = |place: usize| (above[place] - below[place]) / (high - low) / value;
+            place.filter(|_| own.path == BENDING_STIFFNESS && high > low).map_or(0.0, of)
+        };
+        self.parameter.iter().map(slope).collect()
+    }
+
     fn correlation(&self, a: &CalibratedParameter, b: &CalibratedParameter) -> f64 {
         let place = self.parameter.iter().position(|parameter| std::ptr::eq(parameter, b));
         place.and_then(|place| a.correlations.get(place)).copied().unwrap_or(0.0)
@@ -207,6 +240,36 @@ mod tests {
             (explained - (2f64.ln().powi(2) - 0.02) / (20.0 * PSI)).abs() < 1e-9 * calibrated,
             "{explained}"
         );
+    }
+
+    /// Half way between two pressures 100 kPa apart, whose values are known to a per cent each, the mean slope between them is
+    /// known to √2 % over 100 kPa; at both ends and beyond as well. It goes with a number that goes with one of the two.
+    /// Beside a single pressure there is none.
+    #[test]
+    fn the_slope_over_pressure_has_an_error() {
+        let parameter = |path: &str, pressure_pa, value: f64, correlations: [f64; 3]| CalibratedParameter {
+            path: path.to_owned(),
+            pressure_pa,
+            value,
+            standard_error: Some(0.01 * value),
+            correlations: correlations.to_vec(),
+        };
+        let shape = Some("pder_32".to_owned());
+        let own = Interpolation { path: BENDING_STIFFNESS.to_owned(), shape, variance_per_pa: 4e-8 };
+        let parameter = vec![
+            parameter(BENDING_STIFFNESS, Some(1e5), 0.01, [1.0, 0.0, 0.5]),
+            parameter(BENDING_STIFFNESS, Some(2e5), 0.02, [0.0, 1.0, 0.0]),
+            parameter("alpha", None, 0.5, [0.5, 0.0, 1.0]),
+        ];
+        let known = Known { interpolation: vec![own], parameter, ..Known::default() };
+        let slope =
+            |known: &Known, pressure| known.at(pressure, &|_| Here { value: 0.015, scale: 0.5 }).slope;
+        for pressure in [1e5, 1.5e5, 2e5, 9e5] {
+            let own = slope(&known, pressure);
+            assert!((own[2].sqrt() / (0.01 * 2f64.sqrt() / 1e5) - 1.0).abs() < 1e-9, "{pressure}: {own:?}");
+            assert!((own[1] / (-0.01 / 1e5 * 0.5 * 0.005) - 1.0).abs() < 1e-9, "{pressure}: {own:?}");
+        }
+        assert_eq!(slope(&known.of(|own| own.value != 0.02), 1.5e5), [0.0; 3]);
     }
 
     #[test]

@@ -108,6 +108,9 @@ pub struct KnownAt {
     /// Standard deviation of each that interpolation over pressure adds, in the parameter's SI unit; zero at a
     /// calibrated pressure.
     pub interpolated: Vec<f64>,
+    /// Covariances with each of them of the slope over pressure of the logarithm of the bending stiffness, 1/Pa, then its
+    /// variance: of the mean slope between the calibrated pressures beside this one. Zero beside fewer than two.
+    pub slope: Vec<f64>,
     /// Those that the data did not determine: without a standard error, or with a 95 % interval that includes zero.
     pub undetermined: Vec<CalibratedParameter>,
 }
@@ -144,6 +147,7 @@ impl Known {
         let paths = self.paths();
         let weights: Vec<Vec<f64>> =
             paths.iter().map(|path| self.weights(path, pressure, here(path))).collect();
+        let slope = self.slope_weights(pressure, here);
         // Most do not move this one: with many numbers all pairs of all would take minutes.
         let moves = |weights: &[f64], k: usize| weights[k] != 0.0;
         let deviation = |parameter: &CalibratedParameter| {
@@ -160,6 +164,7 @@ impl Known {
         };
         let mut of_all: Vec<Vec<f64>> =
             weights.iter().map(|a| weights.iter().map(|b| covariance(a, b)).collect()).collect();
+        let of_slope = weights.iter().chain([&slope]).map(|own| covariance(own, &slope)).collect();
         let interpolated: Vec<f64> =
             paths.iter().map(|path| self.interpolated(path, pressure, here(path))).collect();
         for (k, deviation) in interpolated.iter().enumerate() {
@@ -175,21 +180,11 @@ impl Known {
             paths: paths.into_iter().map(str::to_owned).collect(),
             covariance: of_all,
             interpolated,
+            slope: of_slope,
         }
     }
 
-    /// Whether a pressure, Pa, was not calibrated and a parameter is interpolated there without a statement of how far
-    /// that may be off: files by hand, and those of earlier versions, have none.
-    pub fn is_silent_at(&self, pressure: f64) -> bool {
-        self.paths().into_iter().any(|path| {
-            let places: Vec<f64> = self.over_pressure(path).iter().map(|(place, _)| *place).collect();
-            // Pressures in two units differ by rounding.
-            let is_apart = places.iter().all(|place| (place - pressure).abs() > 1e-3 * place.abs());
-            !places.is_empty() && is_apart && self.interpolation.iter().all(|own| own.path != path)
-        })
-    }
-
-    fn interpolation_of(&self, path: &str) -> Option<&Interpolation> {
+    pub(super) fn interpolation_of(&self, path: &str) -> Option<&Interpolation> {
         self.interpolation.iter().find(|own| own.path == path)
     }
 

@@ -3,12 +3,13 @@
 //! States are the coordinates of nodes and end body, their rates, and what laws remember; all states, inputs and outputs
 //! count from the rest. All of it comes from the exact tangents of [`SmallMotion`]. A pressure jumps no coordinate, but the
 //! rates that damping sees: rates and memories of a model with the input `pressure` are those less
-//! the jump, which no output shows.
+//! the jump, which no output shows. With a pressure line the input is its command, and the pressure in the rod the last state.
 
 mod balanced;
 mod modal;
 
 use models::error::ModelError;
+use models::line::SmallLine;
 use models::model::Model;
 use models::muscle::RodSlopes;
 use models::nearest::{alike, offer};
@@ -19,6 +20,9 @@ use thiserror::Error;
 pub use balanced::Reduced;
 pub use modal::{Complex, Modal, Pole};
 pub use nalgebra::{DMatrix, DVector};
+
+/// The input that a regulator moves; behind a pressure line its command.
+const PRESSURE: &str = "pressure";
 
 /// Matrices of `ẋ = A x + B u`, `y = C x + D u`; of one with samples, `x⁺ = A x + B u`.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +63,23 @@ pub struct Linear {
     pub modal: Modal,
     /// Whether the rod comes back when it is pushed.
     pub is_stable: bool,
+    /// Time by which a pressure line delays the input `pressure`, s: no part of the matrices.
+    pub dead_time: f64,
+}
+
+impl StateSpace {
+    /// The same with an input that comes through a pressure line, whose pressure is one more state.
+    fn behind(self, input: usize, line: SmallLine) -> Self {
+        let Self { a, mut b, c, d } = self;
+        let last = a.nrows();
+        let mut a = a.resize(last + 1, last + 1, 0.0);
+        a.view_mut((0, last), (last, 1)).copy_from(&b.column(input));
+        a[(last, last)] = line.by_pressure;
+        b.column_mut(input).fill(0.0);
+        let mut b = b.insert_row(last, 0.0);
+        b[(last, input)] = line.by_command;
+        Self { a, b, c: c.insert_column(last, 0.0), d }
+    }
 }
 
 /// Why there is no linear model.
@@ -184,11 +205,19 @@ pub fn linearise(
         d: DMatrix::zeros(rows.len(), columns.len()),
         a,
     };
+    let mut states = states(&model, &rest, &motion);
+    let inputs: Vec<Signal> = columns.into_iter().map(|own| own.0).collect();
+    let line = inputs.iter().position(|input| input.name == PRESSURE).zip(SmallLine::of(&model));
+    let matrices = line.map_or(matrices.clone(), |(input, line)| {
+        states.push(Signal { name: "rod_pressure".to_owned(), ..inputs[input].clone() });
+        matrices.behind(input, line)
+    });
     let mut modal = matrices.modal()?;
     modal.mark(|pole, shape| motion.is_along(pole, shape));
     Ok(Linear {
-        states: states(&model, &rest, &motion),
-        inputs: columns.into_iter().map(|own| own.0).collect(),
+        states,
+        dead_time: line.map_or(0.0, |(_, line)| line.dead_time),
+        inputs,
         outputs: rows.into_iter().map(|own| own.0).collect(),
         matrices,
         modal,
@@ -206,7 +235,7 @@ fn column(
 ) -> Result<(Signal, DVector<f64>), LinearError> {
     let signal = |unit: &str, at_rest| Signal { name: name.to_owned(), unit: unit.to_owned(), at_rest };
     let (signal, column) = match name {
-        "pressure" => {
+        PRESSURE => {
             let [by_value, by_rate] = motion.by_pressure(muscle.ok_or(LinearError::NoMuscle)?);
             (signal("Pa", model.rod().pressure), by_value + a * by_rate)
         }

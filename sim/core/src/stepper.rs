@@ -1,8 +1,10 @@
 //! A rod that is steered while it swings: one step after another, parameters and state changed between them.
 
+use std::sync::Arc;
+
 use models::effects::Rod;
 use models::error::ModelError;
-use models::model::Model;
+use models::model::{Model, Schedule};
 use models::snapshot::{Energy, Snapshot};
 use models::system::System;
 use thiserror::Error;
@@ -47,6 +49,8 @@ pub struct Stepper {
     integrator: Box<dyn Integrator + Send>,
     /// The same equations, to be read between steps.
     system: System,
+    /// Times at which a rate of the pressure jumps, s.
+    kinks: Vec<f64>,
     method: Method,
     control: Control,
     /// What it cost before the integrator was last set up.
@@ -95,7 +99,8 @@ impl Stepper {
         control: Control,
     ) -> Result<Self, IntegrateError> {
         let integrator = integrator(model, state, method, &control)?;
-        Ok(Self { integrator, system: System::new(model), method, control, before: Effort::default() })
+        let (system, kinks) = (System::new(model), model.kinks());
+        Ok(Self { integrator, system, kinks, method, control, before: Effort::default() })
     }
 
     /// Goes on for a duration, s; see [`step_to`](Self::step_to).
@@ -135,8 +140,7 @@ impl Stepper {
 
     /// The next time at which a rate of the pressure jumps, or the end.
     fn stop_after(&self, time: f64, end: f64) -> f64 {
-        let Some(schedule) = &self.system.model.schedule else { return end };
-        let kinks = schedule.breakpoints();
+        let kinks = &self.kinks;
         kinks.get(kinks.partition_point(|kink| *kink <= time)).map_or(end, |kink| kink.min(end))
     }
 
@@ -208,6 +212,17 @@ impl Stepper {
         ])
     }
 
+    /// Gives the rod a pressure over time, such as the commands of a regulator before a
+    /// [pressure line](models::pressure::PressureSchedule::steered). It keeps its place and velocity.
+    /// # Errors
+    /// [`ChangeError`].
+    pub fn set_schedule(&mut self, schedule: Arc<dyn Schedule>) -> Result<(), ChangeError> {
+        let mut model = self.system.model.clone();
+        model.schedule = Some(schedule);
+        let state = self.integrator.state().clone();
+        Ok(self.restart(&model, state)?)
+    }
+
     fn restart(&mut self, model: &Model, state: State) -> Result<(), IntegrateError> {
         let mut control = self.control.clone();
         if control.steps == Steps::Adaptive {
@@ -215,7 +230,7 @@ impl Stepper {
         }
         let before = self.effort();
         self.integrator = integrator(model, state, self.method, &control)?;
-        self.system = System::new(model);
+        (self.system, self.kinks) = (System::new(model), model.kinks());
         self.before = before;
         Ok(())
     }

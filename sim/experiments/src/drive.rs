@@ -2,6 +2,7 @@
 
 use efam_core::trajectory::Trajectory;
 use models::effects::Kind;
+use models::line::RodPressure;
 use models::model::Model;
 use models::system::System;
 
@@ -64,12 +65,6 @@ impl Drive {
     }
 }
 
-/// Pressure of a model at a time, Pa.
-pub fn pressure(model: &Model, time: f64) -> f64 {
-    let change = model.schedule.as_ref().map_or(0.0, |schedule| schedule.pressure_change(time, time).0);
-    model.rod().pressure + change
-}
-
 /// Indices of the effects of a model that are loads which depend on time.
 pub fn timed_loads(model: &Model) -> Vec<usize> {
     let is_timed_load = |k: &usize| {
@@ -80,12 +75,12 @@ pub fn timed_loads(model: &Model) -> Vec<usize> {
 }
 
 fn pressure_changes(model: &Model, end: f64) -> Vec<Change> {
-    let Some(schedule) = &model.schedule else { return Vec::new() };
-    let inner = schedule.breakpoints().iter().copied().filter(|time| *time > 0.0 && *time < end);
+    let inner = model.kinks().into_iter().filter(|time| *time > 0.0 && *time < end);
     let times: Vec<f64> = [0.0].into_iter().chain(inner).chain([end]).collect();
+    let pressure = RodPressure::of(model);
     let mut changes: Vec<Change> = Vec::new();
     for pair in times.windows(2) {
-        let [from, to] = [pair[0], pair[1]].map(|time| pressure(model, time));
+        let [from, to] = [pair[0], pair[1]].map(|time| pressure.at(time));
         if (to - from).abs() <= STILL * from.abs().max(1.0) {
             continue;
         }

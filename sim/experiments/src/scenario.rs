@@ -58,8 +58,8 @@ use efam_core::forward::{Run, uniform};
 use efam_core::linear::{Linear, LinearError, linearise};
 use efam_core::pace::Pace;
 use efam_core::rest::rest;
-use models::model::Model;
-use models::muscle::{Known, Muscle};
+use models::model::{Model, Schedule};
+use models::muscle::{Known, Muscle, RodSlopes};
 
 use document::Document;
 pub use error::{At, ScenarioError, ScenarioProblem};
@@ -151,6 +151,13 @@ impl Case {
         Self { model, ..self }
     }
 
+    /// How its rod follows the pressure, if it is a muscle at a pressure.
+    pub fn rod_slopes(&self) -> Option<RodSlopes> {
+        let (plan, pressure) = self.plan.muscle.as_ref().zip(self.pressure)?;
+        let found = plan.muscle.rod_slopes(pressure, &plan.stiffness, plan.extrapolation);
+        Some(found.expect("the case has been built at this pressure"))
+    }
+
     /// The linear model about its rest; without inputs by the pressure, or the force along z of a rod that is no muscle.
     /// # Errors
     /// [`LinearError`].
@@ -159,10 +166,7 @@ impl Case {
         inputs: &[impl AsRef<str>],
         outputs: &[impl AsRef<str>],
     ) -> Result<Linear, LinearError> {
-        let muscle = self.plan.muscle.as_ref().zip(self.pressure).map(|(plan, pressure)| {
-            let found = plan.muscle.rod_slopes(pressure, &plan.stiffness, plan.extrapolation);
-            found.expect("the case has been built at this pressure")
-        });
+        let muscle = self.rod_slopes();
         let usual = if muscle.is_some() { "pressure" } else { "force_z" };
         let inputs: Vec<&str> = inputs.iter().map(AsRef::as_ref).collect();
         let inputs = if inputs.is_empty() { vec![usual] } else { inputs };
@@ -266,6 +270,18 @@ impl Scenario {
     /// part of reading a scenario. None where the scenario has no constant pressure, or refuses this one.
     pub fn model_at(&self, pressure: f64) -> Option<Model> {
         case::model_at(self, pressure)
+    }
+
+    /// The pressure over time of the same muscle behind a pressure line: commands, each held from its time, s, to the next, Pa;
+    /// the line goes on at a time from a pressure, of a rod that was let go at the pressure `release`. None as for
+    /// [`model_at`](Self::model_at).
+    pub fn steered(
+        &self,
+        release: f64,
+        resumes: (f64, f64),
+        commands: &[(f64, f64)],
+    ) -> Option<Arc<dyn Schedule>> {
+        Some(Arc::new(case::steered(self, release, resumes, commands)?))
     }
 }
 

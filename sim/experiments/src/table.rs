@@ -15,11 +15,12 @@ use std::io::{self, Write};
 
 use efam_core::trajectory::Trajectory;
 use efam_store::columns::{Cells, Column, CsvFile, Holds, ParquetFile};
+use models::line::RodPressure;
 use models::model::Model;
 use models::system::System;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use crate::drive::{pressure, timed_loads};
+use crate::drive::timed_loads;
 
 /// Numbers held at once while writing; a row group has as many.
 const MOST_CELLS: usize = 1 << 22;
@@ -43,6 +44,7 @@ impl Serialize for Series {
 /// A trajectory, row by row.
 pub struct Table<'a> {
     model: &'a Model,
+    pressure: RodPressure<'a>,
     trajectory: &'a Trajectory,
     energy_followed: bool,
     /// Indices of the loads that depend on time.
@@ -56,7 +58,7 @@ impl<'a> Table<'a> {
     pub fn new(model: &'a Model, trajectory: &'a Trajectory, energy_followed: bool) -> Self {
         let loads = timed_loads(model);
         let columns = columns(model, &loads, energy_followed);
-        Self { model, trajectory, energy_followed, loads, columns }
+        Self { model, pressure: RodPressure::of(model), trajectory, energy_followed, loads, columns }
     }
 
     /// What stands in it.
@@ -143,7 +145,7 @@ impl<'a> Table<'a> {
         row.extend([energy.kinetic, energy.elastic, energy.potential, energy.dissipated, energy.supplied]);
         row.push(energy.total());
         if self.model.schedule.is_some() {
-            row.push(pressure(self.model, state.time));
+            row.push(self.pressure.at(state.time));
         }
         for load in &self.loads {
             let nodes = system.forces_of(*load, state.time, &state.q, &state.v, &state.z).unwrap_or_default();

@@ -12,10 +12,13 @@
 
 mod header;
 mod page;
+mod responses;
 
+use std::fmt::Debug;
 use std::time::SystemTime;
 
-use efam_core::linear::{DMatrix, Linear, LinearError, Modal, Signal, StateSpace};
+use efam_core::linear::{DMatrix, Linear, LinearError, Modal, Pole, Signal, StateSpace};
+use efam_inference::predict::linear::{Ends, LinearIntervals};
 use efam_store::StoreError;
 use efam_store::folder::Folder;
 use models::digits::short;
@@ -25,9 +28,10 @@ use serde_json::json;
 
 use crate::aligned::{Aligned, Side};
 use crate::export::linear_mat;
+use crate::interval::with_interval;
 use crate::page::REPORT;
 use crate::picture::{PASCAL_PER_PSI, linear_pictures};
-use crate::report::{readable, significant};
+use crate::report::readable;
 use crate::{Request, SCENARIO, write_mark};
 
 /// The numbers.
@@ -60,6 +64,12 @@ pub struct LinearAnswer {
     pub settling_5_percent_s: Option<f64>,
     /// Outputs after long by inputs that stay, a row for each output.
     pub static_gain: Vec<Vec<f64>>,
+    /// Their 95 % intervals, likewise; none without a calibration.
+    pub static_gain_95: Option<Vec<Vec<[f64; 2]>>>,
+    /// What a Bode plot and a step show of each output by each input.
+    pub responses: Vec<ResponseAnswer>,
+    /// Draws from the errors of the calibration that the intervals come from; none without a calibration.
+    pub draws: usize,
     /// Time between samples, if it is given.
     pub sample_s: Option<f64>,
     /// `x' = A x + B u`, `y = C x + D u`.
@@ -92,10 +102,41 @@ pub struct PoleAnswer {
     pub imaginary_per_s: f64,
     /// Undamped frequency.
     pub frequency_hz: f64,
+    /// Its 95 % interval, of a bending vibration of a calibrated rod.
+    pub frequency_hz_95: Option<[f64; 2]>,
     /// Share of critical damping.
     pub damping_ratio: f64,
+    /// Its 95 % interval, likewise.
+    pub damping_ratio_95: Option<[f64; 2]>,
+    /// The same of the time in which it decays to 5 %.
+    pub settling_5_percent_s_95: Option<[f64; 2]>,
     /// Whether it is a vibration along the rod.
     pub along_the_rod: bool,
+}
+
+/// One output by one input, in SI units; intervals hold 95 % at each frequency or time, and are empty without a calibration.
+#[derive(Serialize, JsonSchema)]
+pub struct ResponseAnswer {
+    /// Name of the input.
+    pub input: String,
+    /// Name of the output.
+    pub output: String,
+    /// Frequencies of the input.
+    pub frequency_hz: Vec<f64>,
+    /// Amplitude of the output over that of the input.
+    pub gain: Vec<f64>,
+    /// Its intervals.
+    pub gain_95: Vec<[f64; 2]>,
+    /// Phase of the output before the input, without jumps by a turn.
+    pub phase_rad: Vec<f64>,
+    /// Its intervals.
+    pub phase_rad_95: Vec<[f64; 2]>,
+    /// Times after the input jumps by one unit.
+    pub time_s: Vec<f64>,
+    /// The output at these.
+    pub step: Vec<f64>,
+    /// Its intervals.
+    pub step_95: Vec<[f64; 2]>,
 }
 
 /// Matrices of a linear model, row by row.
@@ -151,8 +192,8 @@ impl LinearAnswer {
     ) -> Result<Self, LinearError> {
         let Wanted { sample, order } = wanted;
         let poles = linear.modal.poles();
-        let mut bending = poles.iter().filter(|pole| pole.at.im > 0.0 && !pole.is_along);
-        let first = bending.next();
+        let vibrations = linear.modal.vibrations();
+        let first = vibrations.first();
         let sampled = |modal: &Modal| sample.map(|sample| Matrices::of(&modal.discrete(sample)));
         let reduced = |order: usize| -> Result<ReducedAnswer, LinearError> {
             let reduced = linear.modal.reduced(order)?;
@@ -175,26 +216,57 @@ impl LinearAnswer {
             inputs: signals(&linear.inputs),
             outputs: signals(&linear.outputs),
             states: signals(&linear.states),
-            settling_5_percent_s: first
-                .filter(|pole| pole.at.re < 0.0)
-                .map(|pole| 20.0_f64.ln() / -pole.at.re),
+            settling_5_percent_s: first.map(Pole::settling).filter(|settling| settling.is_finite()),
             poles: poles
                 .iter()
                 .map(|pole| PoleAnswer {
                     real_per_s: pole.at.re,
                     imaginary_per_s: pole.at.im,
                     frequency_hz: pole.frequency,
+                    frequency_hz_95: None,
                     damping_ratio: pole.damping_ratio,
+                    damping_ratio_95: None,
+                    settling_5_percent_s_95: None,
                     along_the_rod: pole.is_along,
                 })
                 .collect(),
             static_gain: rows(&linear.modal.static_gain()),
+            static_gain_95: None,
+            responses: responses::of(linear),
+            draws: 0,
             sample_s: sample,
             continuous: Matrices::of(&linear.matrices),
             discrete: sampled(&linear.modal),
             reduced: order.map(reduced).transpose()?,
             warnings: Vec::new(),
         })
+    }
+
+    /// Frequencies, Hz, and times, s, of the responses.
+    pub fn grid(&self) -> (&[f64], &[f64]) {
+        self.responses.first().map_or((&[], &[]), |own| (&own.frequency_hz, &own.time_s))
+    }
+
+    /// Takes the intervals of a calibration.
+    pub fn set_intervals(&mut self, intervals: &LinearIntervals) {
+        if intervals.draws == 0 {
+            return;
+        }
+        let is_vibration = |pole: &&mut PoleAnswer| pole.imaginary_per_s > 0.0 && !pole.along_the_rod;
+        for (pole, own) in self.poles.iter_mut().filter(is_vibration).zip(&intervals.vibrations) {
+            let is_finite = |ends: &[f64; 2]| ends.iter().all(|end| end.is_finite());
+            [pole.frequency_hz_95, pole.damping_ratio_95, pole.settling_5_percent_s_95] =
+                own.map(|ends| ends.filter(is_finite));
+        }
+        self.static_gain_95 = Some(rows(&intervals.static_gain));
+        for (k, own) in self.responses.iter_mut().enumerate() {
+            let at = (k / self.inputs.len(), k % self.inputs.len());
+            let of = |all: &[Ends]| all.iter().map(|ends| ends[at]).collect::<Vec<_>>();
+            (own.gain_95, own.step_95) = (of(&intervals.gain), of(&intervals.step));
+            let phases = own.phase_rad.iter().zip(of(&intervals.phase));
+            own.phase_rad_95 = phases.map(|(phase, ends)| ends.map(|end| phase + end)).collect();
+        }
+        self.draws = intervals.draws;
     }
 
     /// Bending vibrations, slowest first.
@@ -216,16 +288,16 @@ impl LinearAnswer {
     }
 
     /// Gains as cells, a row for each output: its name, then a number with unit for each input.
-    fn gains(&self, gains: &[Vec<f64>]) -> Vec<Vec<String>> {
-        let row = |(output, gains): (&SignalAnswer, &Vec<f64>)| {
-            let cell = |(input, gain): (&SignalAnswer, &f64)| {
+    fn gains(&self, gains: &[Vec<f64>], intervals: Option<&Vec<Vec<[f64; 2]>>>) -> Vec<Vec<String>> {
+        let row = |(k, output): (usize, &SignalAnswer)| {
+            let cell = |(l, input): (usize, &SignalAnswer)| {
                 let (factor, unit) = gain_unit(output, input);
-                format!("{} {unit}", significant(factor * gain, 4))
+                with_interval(gains[k][l], intervals.map(|all| all[k][l]), factor, &unit)
             };
-            let cells = self.inputs.iter().zip(gains).map(cell);
+            let cells = self.inputs.iter().enumerate().map(cell);
             std::iter::once(output.name.clone()).chain(cells).collect()
         };
-        self.outputs.iter().zip(gains).map(row).collect()
+        self.outputs.iter().enumerate().map(row).collect()
     }
 }
 
@@ -248,7 +320,7 @@ fn signals(all: &[Signal]) -> Vec<SignalAnswer> {
     all.iter().map(one).collect()
 }
 
-fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+fn rows<T: Copy + PartialEq + Debug + 'static>(matrix: &DMatrix<T>) -> Vec<Vec<T>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
@@ -261,19 +333,14 @@ impl Matrices {
 /// Writes a linear model into an open folder.
 /// # Errors
 /// [`StoreError::Write`].
-pub fn write_linear(
-    folder: &Folder,
-    request: &Request,
-    answer: &LinearAnswer,
-    modal: &Modal,
-) -> Result<(), StoreError> {
+pub fn write_linear(folder: &Folder, request: &Request, answer: &LinearAnswer) -> Result<(), StoreError> {
     let text = serde_json::to_string(answer).expect("a linear model has nothing that JSON has not");
     folder.write(LINEAR, text.as_bytes())?;
     folder.write_with(LINEAR_MAT, |file| linear_mat(answer, file))?;
     if let Some(header) = header::of(answer) {
         folder.write(LINEAR_HEADER, header.as_bytes())?;
     }
-    let (pictures, written) = (linear_pictures(answer, modal), SystemTime::now());
+    let (pictures, written) = (linear_pictures(answer), SystemTime::now());
     folder.write(REPORT, page::of(request, answer, &pictures, written).as_bytes())?;
     folder.write(SCENARIO, request.resolved_scenario.as_bytes())?;
     write_mark(folder, request, "linear model", written, json!({}))
@@ -281,29 +348,31 @@ pub fn write_linear(
 
 /// The answer for a terminal: poles, static gains, errors of the reduction.
 pub fn linear_table(answer: &LinearAnswer, count: usize) -> String {
-    let mut poles = Aligned::new(&[
-        ("pole", Side::Number),
-        ("frequency", Side::Number),
-        ("damping ratio", Side::Number),
-        ("settling (5 %)", Side::Number),
-    ]);
+    // Without their number, so that 80 columns hold the intervals.
+    let heads = ["frequency, Hz", "damping ratio", "settling to 5 %, s"];
+    let mut poles = Aligned::new(&heads.map(|head| (head, Side::Number)));
     for (k, pole) in answer.vibrations().take(count).enumerate() {
-        poles.row(pole_cells(k, pole, " Hz", " s"));
+        let [_, frequency, ratio, settling] = pole_cells(k, pole, "", "");
+        poles.row([frequency, ratio, settling]);
     }
-    let table = |head: &str, gains: &[Vec<f64>]| {
+    let table = |head: &str, gains: &[Vec<f64>], intervals| {
         let inputs = answer.inputs.iter().map(|input| (input.name.as_str(), Side::Number));
         let heads: Vec<_> = [(head, Side::Name)].into_iter().chain(inputs).collect();
         let mut table = Aligned::new(&heads);
-        answer.gains(gains).into_iter().for_each(|row| table.row(row));
+        answer.gains(gains, intervals).into_iter().for_each(|row| table.row(row));
         table.to_string()
     };
     let mut text = poles.to_string();
     text.extend(answer.decays().map(|decays| decays + "\n"));
-    text += &format!("\n{}", table("static gain", &answer.static_gain));
+    text += &format!("\n{}", table("static gain", &answer.static_gain, answer.static_gain_95.as_ref()));
     if let Some(reduced) = &answer.reduced {
-        let found = table(&format!("error up to {} Hz", short(reduced.band_hz)), &reduced.error_found);
-        let bound = table("bound, any frequency", &reduced.error_bound);
+        let head = format!("error up to {} Hz", short(reduced.band_hz));
+        let found = table(&head, &reduced.error_found, None);
+        let bound = table("bound, any frequency", &reduced.error_bound, None);
         text += &format!("\nreduced to {} states\n{found}{bound}", reduced.states);
+    }
+    if answer.draws > 0 {
+        text += &format!("\n95 % intervals: {} draws from the errors of the calibration\n", answer.draws);
     }
     text
 }
@@ -311,12 +380,15 @@ pub fn linear_table(answer: &LinearAnswer, count: usize) -> String {
 /// Number, frequency, damping ratio and settling time of a vibration.
 fn pole_cells(k: usize, pole: &PoleAnswer, hertz: &str, seconds: &str) -> [String; 4] {
     let settling = -(20.0_f64.ln()) / pole.real_per_s;
-    let settling =
-        if pole.real_per_s < 0.0 { significant(settling, 3) + seconds } else { "never".to_owned() };
+    let settling = if pole.real_per_s < 0.0 {
+        with_interval(settling, pole.settling_5_percent_s_95, 1.0, seconds)
+    } else {
+        "never".to_owned()
+    };
     [
         (k + 1).to_string(),
-        significant(pole.frequency_hz, 5) + hertz,
-        significant(pole.damping_ratio, 4),
+        with_interval(pole.frequency_hz, pole.frequency_hz_95, 1.0, hertz),
+        with_interval(pole.damping_ratio, pole.damping_ratio_95, 1.0, ""),
         settling,
     ]
 }

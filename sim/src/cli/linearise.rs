@@ -7,9 +7,12 @@ use std::time::Instant;
 
 use clap::Args;
 use efam_core::left_out;
+use efam_inference::predict::PredictionSettings;
+use efam_inference::predict::linear::{calibrated, linear_intervals};
 use efam_report::Request;
 use efam_report::linear::{LinearAnswer, Wanted, linear_table, write_linear};
 use efam_store::Folder;
+use models::quantity::format_si;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -27,11 +30,13 @@ const HELP: &str = "Examples:
   efam linearise scenarios/release-15psi.toml --input pressure,force_z
     --sample 10ms --reduce 6 --out outputs/controller
   efam linearise scenarios/steel-ruler.toml --input base_acceleration_z --json
+  efam linearise outputs/beam/rod.toml --pressure 40psi --payload 80g --draws 400
 
 Inputs: pressure, force_x, force_z, moment (at the end of the rod),
 base_acceleration_x, base_acceleration_z, or a parameter such as
 effects.set_curvature.natural_curvature. Outputs: tip_x, tip_z, tip_angle, or
-points such as point_0.5_z. All count from the rest.
+points such as point_0.5_z. All count from the rest. A rod or a muscle that
+efam calibrate wrote has 95 % intervals.
 
 Exit codes: 4 if no rest posture is found.";
 
@@ -64,6 +69,12 @@ pub struct Linearise {
     /// Number of poles to print, slowest first.
     #[arg(long, default_value_t = 3, value_name = "N")]
     count: usize,
+    /// Number of draws from the errors of the calibration, if the rod has one.
+    #[arg(long, value_name = "COUNT", default_value_t = PredictionSettings::default().draws)]
+    draws: usize,
+    /// Of the random numbers.
+    #[arg(long, default_value_t = PredictionSettings::default().seed)]
+    seed: u64,
     #[command(flatten)]
     results: Output,
 }
@@ -89,14 +100,22 @@ pub fn run(args: &Linearise, console: &Console) -> Result<ExitCode, Failure> {
         let message = "a linear model is of one pressure; choose it, such as --pressure 40psi";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let case = all.swap_remove(0);
-    let case = if args.slipping { case.slipping() } else { case };
+    let read = all.swap_remove(0);
+    let read = if args.slipping { read.slipping() } else { read };
+    let known = scenario.known();
+    let (case, mut more) = known.map_or((read.clone(), Vec::new()), |known| calibrated(&read, known));
     let linear = case.linearise(&args.input, &args.output)?;
     let wanted = Wanted { sample, order: args.reduce };
     let mut answer = LinearAnswer::new(&case.name, case.pressure, &linear, wanted)?;
-    let mut more = left_out::warnings(&case.model, case.muscle().is_some(), args.count);
+    more.extend(left_out::warnings(&case.model, case.muscle().is_some(), args.count));
     if case.model.slipping().is_some() {
         more.push(STICKS.to_owned());
+    }
+    if linear.dead_time > 0.0 {
+        let time = format_si(linear.dead_time, "s");
+        more.push(format!(
+            "the dead time of the pressure line, {time}, is not in the matrices: add it to the input"
+        ));
     }
     if !linear.is_stable {
         more.push("the rest is not stable: a motion about it grows".to_owned());
@@ -116,8 +135,18 @@ pub fn run(args: &Linearise, console: &Console) -> Result<ExitCode, Failure> {
         ..Request::default()
     };
     super::signals::listen();
-    let folder = efam_report::begin(&request)?;
-    let written = |folder: &Folder| write_linear(folder, &request, &answer, &linear.modal);
+    let mut folder = efam_report::begin(&request)?;
+    if let Some(known) = known {
+        let settings = PredictionSettings { draws: args.draws, seed: args.seed };
+        let stages = console.steps(args.draws, "draws");
+        let step = || stages.step();
+        let work = || linear_intervals((&read, known), &linear, answer.grid(), &settings, &step);
+        let intervals;
+        (folder, intervals) = interrupt::during(folder, &stages, work);
+        stages.clear();
+        answer.set_intervals(&intervals);
+    }
+    let written = |folder: &Folder| write_linear(folder, &request, &answer);
     let folder = interrupt::finished(folder, &console.stages(), written)?;
     if args.results.form.json {
         print(&Printed { folder: &folder, linear: &answer })?;

@@ -64,7 +64,7 @@ fn a_table_answers_in_the_units_of_the_user() {
         "4",
     ]);
     assert_eq!((code, stderr.as_str()), (0, ""));
-    for holds in ["pole  frequency", "mm/psi", "mm/N", "reduced to 4 states", "results in outputs/"] {
+    for holds in ["frequency, Hz  damping ratio", "mm/psi", "mm/N", "reduced to 4 states", "results in outputs/"] {
         assert!(table.contains(holds), "{holds} in\n{table}");
     }
     assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
@@ -113,4 +113,93 @@ fn what_cannot_be_is_refused_before_anything_is_written() {
         assert!(stderr.starts_with(&format!("error: {message}")), "{arguments:?}: {stderr}");
         assert!(!bench.0.join("out").exists());
     }
+}
+
+/// A muscle that was calibrated at 30 and 50 psi, on 8 nodes; standard errors of EI and of the damping over their values, and
+/// the correlation of the two stiffnesses.
+fn calibrated(stiffness: f64, damping: f64, correlation: f64) -> String {
+    let pressures = [30.0, 50.0].map(|psi| psi * 6_894.757_293_168);
+    let parameter = |path: &str, pressure: Option<f64>, value: f64, error: f64, correlations: [f64; 3]| {
+        let pressure = pressure.map_or(String::new(), |pressure| format!("pressure_pa = {pressure}\n"));
+        format!(
+            "[[calibration.parameter]]\npath = \"{path}\"\n{pressure}value = {value}\nstandard_error = {}\n\
+             correlations = {correlations:?}\n",
+            error * value
+        )
+    };
+    [
+        MUSCLE.replace("30 psi", "40 psi").replace("nodes = 8\n", ""),
+        format!(
+            "[calibration]\nreleases = 4\npressure_pa = {pressures:?}\npayload_kg = [0.0, 0.1]\nexcursion_m = 0.5\n\
+             nodes = 8\n[[calibration.interpolation]]\npath = \"rod.bending_stiffness\"\nshape = \"pder_32\"\n\
+             variance_per_pa = 0.0\n"
+        ),
+        parameter("rod.bending_stiffness", Some(pressures[0]), 6e-3, stiffness, [1.0, correlation, 0.0]),
+        parameter("rod.bending_stiffness", Some(pressures[1]), 8e-3, stiffness, [correlation, 1.0, 0.0]),
+        parameter("effects.rayleigh_mass.alpha", None, 2.0, damping, [0.0, 0.0, 1.0]),
+    ]
+    .concat()
+}
+
+fn ends(value: &Value) -> [f64; 2] {
+    [number(&value[0]), number(&value[1])]
+}
+
+/// The intervals are those of `efam predict` at a pressure that was not calibrated and with a payload, and stand in the table,
+/// on the page and in the file.
+#[test]
+fn a_calibrated_rod_has_intervals() {
+    let bench = Bench::new("linear-intervals");
+    bench.file("rod.toml", &calibrated(0.02, 0.1, 0.3));
+    let command = ["linearise", "rod.toml", "--payload", "80g", "--out", "out"];
+    let value = bench.json(&[&command[..], &["--json"]].concat());
+    let linear = &value["linear"];
+    let predicted = bench.json(&["predict", "rod.toml", "--payload", "80g", "--json"]);
+    let predicted = predicted["prediction"]["quantities"].as_array().expect("quantities");
+    for (key, name) in [("frequency_hz", "small_frequency_hz"), ("damping_ratio", "small_damping_ratio")] {
+        let due = predicted.iter().find(|own| own["name"] == name).expect("predicted");
+        let (own, own_due) = (number(&linear["poles"][0][key]), number(&due["value"]));
+        assert!((own / own_due - 1.0).abs() < 1e-6, "{key}: {own}, due {own_due}");
+        let (found, due) = (ends(&linear["poles"][0][&format!("{key}_95")]), ends(&due["interval_95"]));
+        assert!(
+            found.iter().zip(due).all(|(end, due)| (end / due - 1.0).abs() < 1e-6),
+            "{key}: {found:?}, {due:?}"
+        );
+        assert!(found[0] < own && own < found[1] && found[1] / found[0] > 1.005, "{key}: {found:?}");
+    }
+    let gain = &linear["static_gain_95"][1][0];
+    let response = &linear["responses"][1];
+    assert_eq!((&response["output"], number(&linear["draws"])), (&Value::from("tip_z"), 200.0));
+    let (first, last) = (&response["gain_95"][0], &response["step_95"][599]);
+    for (ends, due) in [(first, number(&response["gain"][0])), (last, number(&response["step"][599]))] {
+        let [low, high] = [number(&ends[0]), number(&ends[1])];
+        assert!(low < due && due < high, "{low} {due} {high}");
+    }
+    // At a twentieth of the first frequency the gain is that at rest, but for a four-hundredth.
+    assert!((number(&first[1]) / number(&gain[0]).abs() - 1.0).abs() < 0.01, "{first} {gain}");
+    let page = bench.text("out/report.html");
+    assert!(page.contains("Bands hold 95 %") && page.contains("draws from the errors"), "{page}");
+    let (code, table, _) = bench.run(&[&command[..], &["--overwrite"]].concat());
+    assert_eq!(code, 0);
+    assert!(table.contains("95 % intervals: 200 draws") && table.contains(" to "), "{table}");
+    assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+}
+
+/// Two stiffnesses with opposite errors leave the one between them as it is, and turn its slope over pressure: poles have no
+/// width, and the gain has that of the slope times what the tip does by EI.
+#[test]
+fn the_gain_has_the_error_of_the_slope_over_pressure() {
+    let bench = Bench::new("linear-slope");
+    bench.file("rod.toml", &calibrated(0.02, 0.0, -1.0));
+    let inputs = ["--input", "pressure,rod.bending_stiffness", "--output", "tip_z", "--draws", "800"];
+    let value = bench.json(&[&["linearise", "rod.toml", "--json"], &inputs[..]].concat());
+    let linear = &value["linear"];
+    let [low, high] = ends(&linear["poles"][0]["frequency_hz_95"]);
+    assert!(high / low - 1.0 < 1e-6, "{low} to {high}");
+    let [low, high] = ends(&linear["static_gain_95"][0][0]);
+    let stiffness = number(&linear["inputs"][1]["at_rest"]);
+    let slope = 0.02 / (10.0 * 6_894.757_293_168);
+    let due = 1.96 * slope * stiffness * number(&linear["static_gain"][0][1]).abs();
+    // The ends of 800 draws are known to a twentieth of the width.
+    assert!((0.5 * (high - low) / due - 1.0).abs() < 0.1, "{low} to {high}, due {due}");
 }

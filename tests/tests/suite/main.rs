@@ -17,6 +17,7 @@ mod dynamics {
     mod methods_agree;
     mod numbers_of_motions;
     mod pressure_changes;
+    mod pressure_line;
     mod ring_down;
     mod starts;
 }

@@ -49,8 +49,8 @@ impl<'a> Course<'a> {
         let state = run.initial.state_of(&mut system, run.history)?;
         let observer = Observer::new(model, run);
         let duration = run.duration.max(observer.end());
-        let breakpoints = model.schedule.as_ref().map_or(&[][..], |schedule| schedule.breakpoints());
-        let mut stops: Vec<f64> = breakpoints.iter().copied().filter(|t| *t > 0.0 && *t < duration).collect();
+        let mut stops = model.kinks();
+        stops.retain(|time| *time > 0.0 && *time < duration);
         // What is seen later changes no step before the end of the run.
         stops.extend([run.duration, duration]);
         stops.sort_by(f64::total_cmp);

@@ -27,6 +27,13 @@ pub struct Pole {
     pub is_along: bool,
 }
 
+impl Pole {
+    /// Time in which its motion decays to 5 %, s; infinite if it does not.
+    pub fn settling(&self) -> f64 {
+        if self.at.re < 0.0 { 20.0_f64.ln() / -self.at.re } else { f64::INFINITY }
+    }
+}
+
 /// A linear model as a sum over its poles.
 #[derive(Clone, Debug)]
 pub struct Modal {
@@ -112,6 +119,11 @@ impl Modal {
         let mut all: Vec<Pole> = (0..self.poles.len()).filter_map(|k| self.pole(k)).collect();
         all.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
         all
+    }
+
+    /// Bending vibrations, slowest first.
+    pub fn vibrations(&self) -> Vec<Pole> {
+        self.poles().into_iter().filter(|pole| pole.at.im > 0.0 && !pole.is_along).collect()
     }
 
     fn pole(&self, k: usize) -> Option<Pole> {

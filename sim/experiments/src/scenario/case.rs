@@ -54,6 +54,20 @@ pub(super) fn model_at(scenario: &Scenario, pressure: f64) -> Option<Model> {
     Some(case.ok()?.with_loss(plan).model)
 }
 
+/// Commands of a regulator for a rod of a scenario whose pressure is constant; see [`PressureSchedule::steered`].
+pub(super) fn steered(
+    scenario: &Scenario,
+    release: f64,
+    resumes: (f64, f64),
+    commands: &[(f64, f64)],
+) -> Option<PressureSchedule> {
+    let muscle = scenario.plan.muscle.as_ref()?;
+    matches!(muscle.pressure, Pressure::Constant(_)).then_some(())?;
+    let (stiffness, extrapolation) = (&muscle.stiffness, muscle.extrapolation);
+    PressureSchedule::steered(muscle.muscle.clone(), stiffness, extrapolation, release, resumes, commands)
+        .ok()
+}
+
 /// The case of an experiment's plan at a pressure, Pa, that stands at `pressure_key`.
 pub(crate) fn at_pressure(
     document: &Document,

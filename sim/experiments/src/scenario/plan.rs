@@ -97,6 +97,8 @@ impl Plan {
             let known = Known::read(document.text());
             plan.known = known.map_err(|error| keys.wrong(CALIBRATION, ScenarioProblem::Muscle(error)))?;
         }
+        // Numbers that belong to a mesh are taken with it.
+        plan.nodes = plan.nodes.or(plan.known.as_ref().and_then(|known| known.nodes));
         Ok(plan)
     }
 

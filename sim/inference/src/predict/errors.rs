@@ -4,7 +4,7 @@ use efam_core::left_out::{Compact, MEASURE};
 use efam_experiments::scenario::Case;
 use efam_experiments::scenario::loss::{Loss, POWER};
 use models::model::Model;
-use models::muscle::{CalibratedParameter, Here, Known};
+use models::muscle::{CalibratedParameter, Here, Known, RodSlopes};
 use models::quantity::format_si;
 use nalgebra::{DMatrix, DVector};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -14,6 +14,8 @@ use crate::normal::{NORMAL_95, normal, root};
 
 /// Draws after which one that is not admitted is put on its bounds.
 const TRIES: usize = 10_000;
+/// Singular values of correlations below this are rounding.
+const ROUNDING: f64 = 1e-7;
 /// Share of a standard deviation below which a step along a direction says nothing.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -34,6 +36,9 @@ pub struct Errors {
     /// Takes independent normal numbers to errors; its columns are those of a standard deviation along each direction.
     /// The last error is that of the logarithm of the loss, where that is known at another frequency.
     root: DMatrix<f64>,
+    /// Takes the normal numbers of a draw, and one more, to the error of the slope over pressure of the logarithm of the bending
+    /// stiffness, 1/Pa.
+    slope: (DVector<f64>, f64),
     /// Those that the data did not determine.
     pub undetermined: Vec<CalibratedParameter>,
     /// Of each parameter that was interpolated over pressure its path, and half the 95 % interval that this alone
@@ -97,6 +102,8 @@ impl Errors {
         };
         let covariance = DMatrix::from_fn(own.len(), own.len(), |a, b| at.covariance[own[a]][own[b]]);
         let mut root = root(&covariance);
+        let slope =
+            beside(&root, &own.iter().map(|k| at.slope[*k]).collect::<Vec<_>>(), at.slope[at.paths.len()]);
         let mut drawn: Vec<Drawn> = own.iter().map(drawn).collect();
         let mut model = case.model.clone();
         let payload = Compact::of(&model);
@@ -130,7 +137,8 @@ impl Errors {
             at.undetermined.into_iter().filter(is_own).collect(),
         );
         let is_said = case.loss.is_some();
-        let mut errors = Self { model, drawn, loss, is_said, payload, root, interpolated, undetermined };
+        let mut errors =
+            Self { model, drawn, loss, is_said, payload, root, slope, interpolated, undetermined };
         if (errors.loss.is_some() || errors.payload.is_some())
             && let Some(model) = errors.model(&DVector::zeros(errors.root.nrows()))
         {
@@ -165,6 +173,19 @@ impl Errors {
         self.model(&self.errors(seed, draw))
     }
 
+    /// Whether anything is known of the slope of the bending stiffness over pressure.
+    pub fn has_slope(&self) -> bool {
+        self.slope.1 > 0.0 || self.slope.0.iter().any(|by_normal| *by_normal != 0.0)
+    }
+
+    /// How the rod of the same draw follows the pressure, from how the table says that it does.
+    pub fn slopes(&self, seed: u64, draw: usize, [length, bending, axial, diameter]: RodSlopes) -> RodSlopes {
+        let (by_normals, deviation) = &self.slope;
+        let (normals, one_more) = self.normals(seed, draw);
+        let error = by_normals.dot(&normals.rows(0, by_normals.len())) + deviation * one_more;
+        [length, bending + error, axial, diameter]
+    }
+
     /// What the model of a draw has of its own: paths and values.
     pub fn values(&self, seed: u64, draw: usize) -> Vec<(String, f64)> {
         let errors = self.errors(seed, draw);
@@ -182,16 +203,21 @@ impl Errors {
     }
 
     fn errors(&self, seed: u64, draw: usize) -> DVector<f64> {
+        &self.root * self.normals(seed, draw).0
+    }
+
+    /// Independent normal numbers whose errors are admitted, and one more.
+    fn normals(&self, seed: u64, draw: usize) -> (DVector<f64>, f64) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.wrapping_add((draw as u64) << 20));
-        let mut draw = || &self.root * DVector::from_fn(self.directions(), |_, _| normal(&mut random));
-        let mut errors = draw();
+        let mut draw = || DVector::from_fn(self.directions(), |_, _| normal(&mut random));
+        let mut normals = draw();
         for _ in 0..TRIES {
-            if self.admits(&errors) {
+            if self.admits(&(&self.root * &normals)) {
                 break;
             }
-            errors = draw();
+            normals = draw();
         }
-        errors
+        (normals, normal(&mut random))
     }
 
     /// SI unit of a parameter; empty if it has none.
@@ -231,6 +257,19 @@ impl Errors {
         }
         Some(model)
     }
+}
+
+/// How a number with these covariances with others and this variance follows from the normal numbers that a root takes to
+/// those, and from one more.
+fn beside(root: &DMatrix<f64>, covariances: &[f64], variance: f64) -> (DVector<f64>, f64) {
+    let scale = |k: usize| root.row(k).norm().max(f64::MIN_POSITIVE).recip();
+    let scaled = DMatrix::from_fn(root.nrows(), root.ncols(), |k, l| scale(k) * root[(k, l)]);
+    let covariances = DVector::from_fn(covariances.len(), |k, _| scale(k) * covariances[k]);
+    // Of numbers that are known to follow from one another, any share does.
+    let inverse = scaled.pseudo_inverse(ROUNDING).expect("the bound is positive");
+    let by_normals = inverse * covariances;
+    let left = (variance - by_normals.norm_squared()).max(0.0).sqrt();
+    (by_normals, left)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ pub mod ensemble;
 pub mod errors;
 pub mod grid;
 mod interval;
+pub mod linear;
 mod model_error;
 pub mod quantity;
 pub mod request;

@@ -92,8 +92,9 @@ impl CaseRequest {
         for path in paths.filter(|path| kept.iter().any(|key| path.starts_with(&format!("{key}.")))) {
             remove(&mut tables, path);
         }
-        if let Some(nodes) = of_mesh(known.as_ref()) {
-            set.insert(0, nodes);
+        // Numbers that belong to a mesh are taken with it.
+        if let Some(nodes) = known.as_ref().and_then(|known| known.nodes) {
+            set.insert(0, format!("rod.nodes={nodes}"));
         }
         Ok((parse(&tables, &set)?.holding(held), known, left_out))
     }
@@ -111,11 +112,7 @@ impl CaseRequest {
         let release = ReleaseOptions { payload: payload.or(self.release.payload), ..self.release.clone() };
         let mut set: Vec<String> = pressure.into_iter().chain(release.overrides()).collect();
         set.extend(self.set.iter().cloned());
-        let mut scenario = Scenario::parse(&self.path, &self.text, &set)?;
-        if let Some(nodes) = of_mesh(scenario.known()) {
-            set.insert(0, nodes);
-            scenario = Scenario::parse(&self.path, &self.text, &set)?;
-        }
+        let scenario = Scenario::parse(&self.path, &self.text, &set)?;
         let mut cases = scenario.cases()?;
         let case = cases.swap_remove(0).begun();
         Ok((case, scenario.known().cloned()))
@@ -125,11 +122,6 @@ impl CaseRequest {
 /// The names of the effects in a file.
 fn effects(tables: &Table) -> impl Iterator<Item = &String> {
     tables.get("effects").and_then(Value::as_table).into_iter().flat_map(Table::keys)
-}
-
-/// Numbers that belong to a mesh are taken with it: what has to be set for that.
-fn of_mesh(known: Option<&Known>) -> Option<String> {
-    known?.nodes.map(|nodes| format!("rod.nodes={nodes}"))
 }
 
 /// Takes the key at a path such as `effects.rayleigh_mass.alpha` out of its table.

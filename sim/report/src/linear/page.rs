@@ -11,7 +11,7 @@ use crate::report::{readable, significant};
 /// What any linear model takes for granted.
 const ASSUMED: [&str; 3] = [
     "Motions are small. An error grows with the square of the swing, and with the change of pressure.",
-    "The pressure follows its command at once, and the muscle its table.",
+    "The muscle follows its table, and the pressure its command: at once, or behind a pressure line without its rate limit.",
     "Friction holds as a spring in motions this small.",
 ];
 
@@ -26,8 +26,12 @@ pub(super) fn of(
 ) -> String {
     let mut page = Page::new(&format!("Linear model: {}", answer.name), "Linear", &lead(answer));
     page.section("Poles");
+    let intervals = match answer.draws {
+        0 => String::new(),
+        draws => format!("; 95 % intervals of {draws} draws from the errors of the calibration"),
+    };
     page.table(&Table {
-        caption: "Bending vibrations about the rest, slowest first",
+        caption: &format!("Bending vibrations about the rest, slowest first{intervals}"),
         heads: &["pole", "frequency, Hz", "damping ratio", "settling to 5 %, s"],
         rows: answer
             .vibrations()
@@ -40,15 +44,16 @@ pub(super) fn of(
     page.section("Gains");
     let inputs = answer.inputs.iter().map(|input| input.name.as_str());
     let heads: Vec<&str> = [""].into_iter().chain(inputs).collect();
-    let mut gains = |caption: &str, gains: &[Vec<f64>]| {
-        page.table(&Table { caption, heads: &heads, rows: answer.gains(gains) });
+    let mut gains = |caption: &str, gains: &[Vec<f64>], intervals: Option<_>| {
+        page.table(&Table { caption, heads: &heads, rows: answer.gains(gains, intervals) });
     };
-    gains("Static gain: change of an output at rest over that of an input", &answer.static_gain);
+    let caption = "Static gain: change of an output at rest over that of an input";
+    gains(caption, &answer.static_gain, answer.static_gain_95.as_ref());
     if let Some(reduced) = &answer.reduced {
         let (states, band) = (reduced.states, significant(reduced.band_hz, 3));
         let found = format!("Largest error up to {band} Hz of the model reduced to {states} states");
-        gains(&found, &reduced.error_found);
-        gains("Bound of its error at any frequency", &reduced.error_bound);
+        gains(&found, &reduced.error_found, None);
+        gains("Bound of its error at any frequency", &reduced.error_bound, None);
     }
     page.section("Responses");
     pictures.iter().for_each(|picture| page.figure(picture));
@@ -73,10 +78,10 @@ pub(super) fn of(
 
 fn lead(answer: &LinearAnswer) -> String {
     let slowest = answer.vibrations().next().map(|pole| {
-        let [_, frequency, ratio, settling] = pole_cells(0, pole, " Hz", " s");
+        let [_, frequency, ratio, settling] = pole_cells(0, pole, "Hz", "s");
         format!("first vibration {frequency}, damping ratio {ratio}, settling to 5 % in {settling}; ")
     });
-    let gains = answer.gains(&answer.static_gain);
+    let gains = answer.gains(&answer.static_gain, answer.static_gain_95.as_ref());
     let gain = format!("{} to {}: {}", answer.inputs[0].name, gains[0][0], gains[0][1]);
     format!("{}static gain from {gain}.", slowest.unwrap_or_default())
 }

@@ -1,6 +1,6 @@
 //! What drives a run, and the tip's answer: pressure and forces over time, x(t) and z(t).
 
-use efam_experiments::drive::pressure;
+use models::line::RodPressure;
 
 use crate::picture::panel::{Axis, Drawn, Key, Panel, Stroke, padded};
 use crate::picture::released::{SIZE, stride};
@@ -35,13 +35,20 @@ pub(super) fn driven(of: &ReleasePicture) -> Vec<Picture> {
 fn over_time(of: &ReleasePicture, area: &Area) -> Drawn {
     let times = &of.trajectory.times;
     let every = stride(times.len());
-    let points: Vec<(f64, f64)> =
-        times.iter().step_by(every).map(|time| (*time, 1e-3 * pressure(of.model, *time))).collect();
-    let line = Stroke::new(BLUE, 1.6);
-    let y = padded(points.iter().map(|point| point.1), 0.1);
+    let pressure = RodPressure::of(of.model);
+    let over = |at: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
+        times.iter().step_by(every).map(|time| (*time, 1e-3 * at(*time))).collect()
+    };
+    let mut lines = vec![("pressure", Stroke::new(BLUE, 1.6), over(&|time| pressure.at(time)))];
+    if pressure.is_behind() {
+        let look = Stroke::dashed(VERMILION, 1.4, 6.0, 4.0);
+        lines.push(("command", look, over(&|time| pressure.command(time))));
+    }
+    let y = padded(lines.iter().flat_map(|line| &line.2).map(|point| point.1), 0.1);
     let (x, y) = (Axis(0.0..of.summary.simulated_s, "time, s"), Axis(y, "pressure, kPa"));
-    let mut panel = Panel::new(area, "Pressure over time", &x, &y, &[Key::line(line, "pressure")])?;
-    panel.line(points.into_iter(), &line)
+    let keys: Vec<Key> = lines.iter().map(|(name, look, _)| Key::line(*look, *name)).collect();
+    let mut panel = Panel::new(area, "Pressure over time", &x, &y, &keys)?;
+    lines.into_iter().try_for_each(|(_, look, points)| panel.line(points.into_iter(), &look))
 }
 
 fn forces(of: &ReleasePicture, area: &Area) -> Drawn {

@@ -1,78 +1,63 @@
 //! Responses of a linear model: what a Bode plot shows, and steps.
 
-use std::f64::consts::{PI, TAU};
-
-use efam_core::linear::{Complex, Modal};
-
-use crate::linear::{LinearAnswer, SignalAnswer, gain_unit};
+use crate::linear::{LinearAnswer, ResponseAnswer, SignalAnswer, gain_unit};
 use crate::picture::Picture;
 use crate::picture::drawing::drawn;
-use crate::picture::lines::{Lines, Named};
+use crate::picture::lines::{Band, Lines, Named};
 use crate::picture::panel::{heading, px};
 
-/// Frequencies of a Bode plot, over that of the first vibration.
-const REACH: (f64, f64) = (0.05, 30.0);
-const POINTS: usize = 600;
-/// Time of a step response, in settling times of the first vibration.
-const SETTLED_TIMES: f64 = 1.5;
-
 /// A picture for each input, with a line for each output.
-pub fn linear_pictures(answer: &LinearAnswer, modal: &Modal) -> Vec<Picture> {
-    (0..answer.inputs.len()).map(|input| of_input(answer, modal, input)).collect()
+pub fn linear_pictures(answer: &LinearAnswer) -> Vec<Picture> {
+    (0..answer.inputs.len()).map(|input| of_input(answer, input)).collect()
 }
 
-fn of_input(answer: &LinearAnswer, modal: &Modal, input: usize) -> Picture {
+/// What is drawn over x, with its intervals.
+type Drawn<'a> = (&'a [f64], &'a [f64], &'a [[f64; 2]]);
+
+fn of_input(answer: &LinearAnswer, input: usize) -> Picture {
     let own = &answer.inputs[input];
-    let slowest = answer.poles.iter().find(|pole| pole.imaginary_per_s > 0.0);
-    let first = slowest.map_or(1.0, |pole| pole.frequency_hz);
-    let end = answer.settling_5_percent_s.unwrap_or(5.0 / first) * SETTLED_TIMES;
-    let share = |k: usize| k as f64 / (POINTS - 1) as f64;
-    let frequencies = (0..POINTS).map(|k| first * REACH.0 * (REACH.1 / REACH.0).powf(share(k)));
-    let response: Vec<_> =
-        frequencies.map(|f| (f.log10(), modal.response(Complex::new(0.0, TAU * f)))).collect();
-    let steps: Vec<_> = (0..POINTS).map(|k| (end * share(k), modal.step(end * share(k)))).collect();
-    let lines = |has_unit: bool, of: &dyn Fn(usize, f64) -> Vec<(f64, f64)>| -> Vec<Named> {
-        let line = |(output, signal): (usize, &SignalAnswer)| {
+    let responses =
+        || answer.outputs.iter().zip(answer.responses.iter().skip(input).step_by(answer.inputs.len()));
+    type At<'a> = &'a dyn Fn(f64, f64) -> f64;
+    let panel = |has_unit: bool, of: fn(&ResponseAnswer) -> Drawn<'_>, x: &dyn Fn(f64) -> f64, y: At| {
+        let one = |(signal, response): (&SignalAnswer, &ResponseAnswer)| -> (Named, Band) {
             let (factor, unit) = gain_unit(signal, own);
             let unit = if has_unit { format!(", {unit}") } else { String::new() };
-            (format!("{}{unit}", signal.name), of(output, factor))
+            let (places, values, ends) = of(response);
+            let line = places.iter().zip(values).map(|(place, value)| (x(*place), y(factor, *value)));
+            let band =
+                places.iter().zip(ends).map(|(place, ends)| (x(*place), ends.map(|end| y(factor, end))));
+            ((format!("{}{unit}", signal.name), line.collect()), band.collect())
         };
-        answer.outputs.iter().enumerate().map(line).collect()
+        responses().map(one).unzip::<_, _, Vec<_>, Vec<_>>()
     };
-    let gains = lines(true, &|output, factor| {
-        response.iter().map(|(f, gain)| (*f, (factor * gain[(output, input)].norm()).log10())).collect()
-    });
-    let phases = lines(false, &|output, _| {
-        continued(response.iter().map(|(f, gain)| (*f, gain[(output, input)].arg())))
-    });
-    let jumps = lines(true, &|output, factor| {
-        steps.iter().map(|(t, step)| (*t, factor * step[(output, input)])).collect()
-    });
+    let (gains, of_gains) =
+        panel(true, |own| (&own.frequency_hz, &own.gain, &own.gain_95), &f64::log10, &|by, x| {
+            (by * x).log10()
+        });
+    let (phases, of_phases) =
+        panel(false, |own| (&own.frequency_hz, &own.phase_rad, &own.phase_rad_95), &f64::log10, &|_, x| {
+            x.to_degrees()
+        });
+    let (jumps, of_jumps) =
+        panel(true, |own| (&own.time_s, &own.step, &own.step_95), &|time| time, &|by, x| by * x);
     let drawing = drawn((1200, 840), |page| {
         heading(page, &format!("Responses to {}", own.name))?;
         let panels = page.below(px(34.0)).split_evenly((2, 2));
         let panel = |title, x, y| Lines { title, x, y, marks: false, from_zero: false, why: "no outputs" };
         let frequency = "log10 of frequency, Hz";
-        panel("Gain", frequency, "log10 of gain").draw(&panels[0], &gains)?;
-        panel("Step response", "time, s", "output by input").draw(&panels[1], &jumps)?;
-        panel("Phase", frequency, "phase, deg").draw(&panels[2], &phases)
+        panel("Gain", frequency, "log10 of gain").draw_in(&panels[0], &gains, &of_gains)?;
+        panel("Step response", "time, s", "output by input").draw_in(&panels[1], &jumps, &of_jumps)?;
+        panel("Phase", frequency, "phase, deg").draw_in(&panels[2], &phases, &of_phases)
     });
+    let bands =
+        if answer.draws > 0 { " Bands hold 95 % of what the errors of the calibration admit." } else { "" };
     Picture {
         name: format!("linear-{}", input + 1),
         title: format!("Responses to {}", own.name),
-        caption: "Gain and phase over frequency, and the output after the input has jumped by one unit."
-            .to_owned(),
+        caption: format!(
+            "Gain and phase over frequency, and the output after the input has jumped by one unit.{bands}"
+        ),
         drawing,
     }
-}
-
-/// Phases in degrees, without jumps by a turn.
-fn continued(phases: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
-    let mut last = None;
-    let unwrapped = phases.map(|(f, phase)| {
-        let phase = last.map_or(phase, |last: f64| phase - TAU * ((phase - last) / TAU).round());
-        last = Some(phase);
-        (f, phase * 180.0 / PI)
-    });
-    unwrapped.collect()
 }

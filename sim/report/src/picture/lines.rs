@@ -10,6 +10,9 @@ pub(super) const MOST_LINES: usize = 8;
 /// A line with its name.
 pub type Named = (String, Vec<(f64, f64)>);
 
+/// A band about a line: x, lower and upper end.
+pub type Band = Vec<(f64, [f64; 2])>;
+
 /// Looks of lines that are told apart by dash and width alone.
 pub(super) fn looks() -> [Stroke; MOST_LINES] {
     [
@@ -55,8 +58,13 @@ pub(super) struct Lines<'a> {
 impl Lines<'_> {
     /// The first [`MOST_LINES`] lines that have points.
     pub fn draw(&self, area: &Area, lines: &[Named]) -> Drawn {
+        self.draw_in(area, lines, &[])
+    }
+
+    /// The same, each in its band.
+    pub fn draw_in(&self, area: &Area, lines: &[Named], bands: &[Band]) -> Drawn {
         let lines: Vec<_> = lines.iter().map(|line| (None, line.clone())).collect();
-        self.draw_cases(area, &lines, &[])
+        self.draw_all(area, &lines, &[], bands)
     }
 
     /// The same, each with the case of the page's family that it stands for; `others` only while they are chosen.
@@ -65,6 +73,16 @@ impl Lines<'_> {
         area: &Area,
         lines: &[(Option<usize>, Named)],
         others: &[(usize, Named)],
+    ) -> Drawn {
+        self.draw_all(area, lines, others, &[])
+    }
+
+    fn draw_all(
+        &self,
+        area: &Area,
+        lines: &[(Option<usize>, Named)],
+        others: &[(usize, Named)],
+        bands: &[Band],
     ) -> Drawn {
         let (cases, lines): (Vec<Option<usize>>, Vec<&Named>) = (lines.iter())
             .filter(|(_, line)| !line.1.is_empty())
@@ -80,9 +98,13 @@ impl Lines<'_> {
             (lines.iter().zip(looks)).map(|(line, look)| Key::line(look, line.0.clone())).collect();
         let all = || lines.iter().flat_map(|line| &line.1).chain(others.iter().flat_map(|(_, line)| &line.1));
         let x = padded(all().map(|point| point.0), 0.04);
-        let y = padded(all().map(|point| point.1), 0.08);
+        let ends = bands.iter().flatten().flat_map(|(_, ends)| *ends).filter(|end| end.is_finite());
+        let y = padded(all().map(|point| point.1).chain(ends), 0.08);
         let y = if self.from_zero && y.end > 0.0 { y.start.min(0.0).max(-0.02 * y.end)..y.end } else { y };
         let mut panel = Panel::new(area, self.title, &Axis(x, self.x), &Axis(y, self.y), &keys)?;
+        for (band, look) in bands.iter().zip(looks) {
+            panel.band(band.iter().copied(), &Stroke { alpha: 0.25, dash: None, ..look })?;
+        }
         for (k, (line, look)) in lines.iter().zip(looks).enumerate() {
             panel.of_cases(cases[k].map(Cases::One)).line(means(&line.1).into_iter(), &look)?;
             match (self.marks, is_ringed(k)) {

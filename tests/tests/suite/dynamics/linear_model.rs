@@ -18,20 +18,21 @@ use models::statics::{equilibrium, equilibrium_at, modes};
 use models::system::System;
 use tests::{PSI, paper, paper_spec, simulate};
 
-const NODES: usize = 16;
+pub(super) const NODES: usize = 16;
 /// So that a transient is gone after 10 s.
-const DAMPING: [(&str, f64); 2] = [("rayleigh_mass.alpha", 2.0), ("rayleigh_stiffness.beta", 2e-3)];
-const VISCOELASTIC: [(&str, f64); 2] =
+pub(super) const DAMPING: [(&str, f64); 2] =
+    [("rayleigh_mass.alpha", 2.0), ("rayleigh_stiffness.beta", 2e-3)];
+pub(super) const VISCOELASTIC: [(&str, f64); 2] =
     [("viscoelastic.branch_stiffness", 0.2), ("viscoelastic.relaxation_time", 0.1)];
 
-fn linear(model: &Model, psi: f64, inputs: &[&str], outputs: &[&str]) -> Linear {
+pub(super) fn linear(model: &Model, psi: f64, inputs: &[&str], outputs: &[&str]) -> Linear {
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
     let slopes = muscle.rod_slopes(psi * PSI, "pder_32", Extrapolation::Refused).expect("in the table");
     linearise(model, Some(slopes), inputs, outputs).expect("it hangs")
 }
 
 /// The muscle under a pressure over time.
-fn under(rows: &[(f64, f64)], effects: &[(&str, f64)]) -> Model {
+pub(super) fn under(rows: &[(f64, f64)], effects: &[(&str, f64)]) -> Model {
     let muscle = Muscle::built_in("garbulinski-2022").expect("built in");
     let schedule =
         PressureSchedule::new(muscle, "pder_32", Extrapolation::Refused, rows).expect("in the table");
@@ -172,7 +173,7 @@ fn a_swept_pressure_gives_the_response() {
 }
 
 /// Height of the tip of a model that starts at the rest of another, at a frequency, in the last of 14 s.
-fn swept(model: &Model, hold: &Model, frequency: f64) -> Complex {
+pub(super) fn swept(model: &Model, hold: &Model, frequency: f64) -> Complex {
     let rest = equilibrium(hold, None).expect("it hangs");
     let posture = System::new(hold).assembly.posture(&rest.q, &vec![0.0; rest.q.len()]);
     let run = Run { initial: Initial::Posture(posture), tolerance: 1e-8, ..Run::release(14.0, 500.0) };
