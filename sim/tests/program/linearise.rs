@@ -64,7 +64,9 @@ fn a_table_answers_in_the_units_of_the_user() {
         "4",
     ]);
     assert_eq!((code, stderr.as_str()), (0, ""));
-    for holds in ["frequency, Hz  damping ratio", "mm/psi", "mm/N", "reduced to 4 states", "results in outputs/"] {
+    for holds in
+        ["frequency, Hz  damping ratio", "mm/psi", "mm/N", "reduced to 4 states", "results in outputs/"]
+    {
         assert!(table.contains(holds), "{holds} in\n{table}");
     }
     assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");

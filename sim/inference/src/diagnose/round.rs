@@ -207,8 +207,12 @@ pub fn weighed(
         };
         best.is_some_and(is_near)
     };
-    let members: Vec<usize> =
-        (0..tried.len()).filter(|k| is_member(k) && tried[*k].is_significant()).collect();
+    let mut members: Vec<usize> = Vec::new();
+    for k in (0..tried.len()).filter(|k| is_member(k) && tried[*k].is_significant()) {
+        if members.iter().all(|own| tried[*own].extension.effect() != tried[k].extension.effect()) {
+            members.push(k);
+        }
+    }
     let rejected = |(k, own): (usize, &Tried)| {
         let why = match best {
             Some(best) if k == best => return own.odds(None),
