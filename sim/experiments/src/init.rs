@@ -379,7 +379,7 @@ mod tests {
             assert!(still.contains("NOT YET USABLE") && !still.contains("\ninstants"), "{still}");
             assert!(!still.contains("\nstart"), "{still}");
         }
-        let swing = draft(tip(|t| 0.3 + 0.1 * (-0.4 * t).exp() * (10.0 * t + 1.2).cos()));
+        let swing = draft(tip(|t| -0.14 + 0.1 * (-0.4 * t).exp() * (10.0 * t + 1.2).cos()));
         assert!(swing.contains("\nstart = \"in motion\"") && swing.contains("which way is up"), "{swing}");
     }
 

@@ -328,7 +328,7 @@ mod tests {
         Ok((axis.to_owned(), why.split(':').next().expect("how sure").to_owned()))
     }
 
-    /// The sag at its pace tells which way is up; a swing about a rest that no weight explains tells nothing.
+    /// The sag at its pace tells which way is up; swings across gravity, and about a rest that no weight explains, tell nothing.
     #[test]
     fn in_mid_swing_the_sag_tells_which_way_is_up() {
         for (names, sign, up) in [
@@ -339,7 +339,9 @@ mod tests {
         ] {
             assert_eq!(in_motion(1.25, names, sign), Ok((up.to_owned(), "surely".to_owned())), "{names:?}");
         }
-        let refused = in_motion(3.5, ["z", "x", "y"], -1.0).expect_err("nothing tells");
-        assert!(refused.contains("say it, such as recording[1].up = \"+z\""), "{refused}");
+        for sags in [0.0, 0.3, 3.5] {
+            let refused = in_motion(sags, ["z", "x", "y"], -1.0).expect_err("nothing tells");
+            assert!(refused.contains("say it, such as recording[1].up = \"+z\""), "{refused}");
+        }
     }
 }
