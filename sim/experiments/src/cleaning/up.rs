@@ -3,8 +3,7 @@
 //! A rod that is held up falls along gravity. One that hangs and is pulled aside begins across it, and rests below its
 //! clamp. Where both point along an axis, they are told apart by the pace of the swing: a level rod that swings with ω
 //! has sagged by `g/ω²` at least (1.0 of that with all mass at its end, 1.5 with none), so its end rests below the
-//! level by `g/(ω² L)`. A recording that begins in mid-swing shows no fall: its end then rests below the level along the
-//! direction in which it swings, by that sag.
+//! level by `g/(ω² L)`.
 
 use std::ops::RangeInclusive;
 
@@ -12,7 +11,7 @@ use nalgebra::Vector3;
 
 use super::CleaningError;
 use super::cycles::Cut;
-use super::decision::{Log, mm};
+use super::decision::Log;
 use super::onset::first_fall;
 use crate::experiment::{Direction, Entry, Start};
 
@@ -68,7 +67,7 @@ impl Known<'_> {
         if let Some(up) = self.entry.up {
             return Ok(up);
         }
-        let (fall, hanging) = (self.fall().or_else(|| self.sag()), self.hanging());
+        let (fall, hanging) = (self.fall(), self.hanging());
         let near =
             |candidate: &Option<Candidate>, limit| candidate.as_ref().is_some_and(|own| own.off < limit);
         let (falls, hangs) = (near(&fall, FALL), near(&hanging, HANGING));
@@ -109,25 +108,6 @@ impl Known<'_> {
         Some(Candidate { up, off, why })
     }
 
-    /// By the sag of a level rod that swings along gravity, where no fall is seen.
-    fn sag(&self) -> Option<Candidate> {
-        let is_level = self.base_angle.is_none_or(|angle| angle.abs() < -STEEP);
-        let cut = self.cuts.first().filter(|_| self.shows_no_fall() && is_level)?;
-        let swings = Vector3::from(cut.held) - Vector3::from(cut.rest);
-        let (axis, off) = Direction::nearest(swings.try_normalize(0.0)?.into());
-        let below = -self.rest().dot(&Vector3::from(axis.unit()));
-        let up = if below > 0.0 { axis } else { opposite(axis) };
-        let sag = self.square()? * below.abs() / GRAVITY;
-        let why = format!(
-            "the tip swings {:.1} deg from {}, and rests {} along {} of the level, {sag:.1} times g/ω²",
-            off / DEGREE,
-            up.text(),
-            mm(below.abs()),
-            opposite(up).text()
-        );
-        SAG.contains(&sag).then_some(Candidate { up, off, why })
-    }
-
     /// By where the tip rests.
     fn hanging(&self) -> Option<Candidate> {
         let (down, off) = Direction::nearest(self.rest().try_normalize(0.0)?.into());
@@ -161,8 +141,6 @@ impl Known<'_> {
         fall: Option<&Candidate>,
         hanging: Option<&Candidate>,
     ) -> Option<(Direction, bool, String)> {
-        // The sag of a rod whose clamp is not known may be any distance.
-        let fall = fall.filter(|_| self.has_base || !self.shows_no_fall());
         let along_z = |own: &&Candidate| matches!(own.up, Direction::Axis(2, _));
         let named = "the file has x and z alone";
         if let Some(own) = hanging.filter(|own| own.off < HANGING).filter(along_z).or(fall.filter(along_z)) {
@@ -205,11 +183,8 @@ impl Known<'_> {
         Some((up, is_sure, why))
     }
 
-    /// Whether the way down from hold to rest is that of gravity at the pace of the swing. Without a hold that is known of the sag.
+    /// Whether the way down from hold to rest is that of gravity at the pace of the swing.
     fn is_by_gravity(&self, up: Direction) -> bool {
-        if self.shows_no_fall() {
-            return matches!(self.entry.start, Some(Start::InMotion));
-        }
         let ways = self.cuts.iter().map(|cut| Vector3::from(cut.held) - Vector3::from(cut.rest));
         let way = ways.sum::<Vector3<f64>>() / self.cuts.len().max(1) as f64;
         let sag = |square: f64| square * way.dot(&Vector3::from(up.unit())) / GRAVITY;
@@ -305,43 +280,5 @@ mod tests {
         assert_eq!(up(hangs, 10.0, 4.0, ["x", "y", "z"]), "+x surely");
         // A stiff one does not show gravity in its pace.
         assert!(up("", 10.0, 4.0, ["x", "y", "z"]).ends_with("perhaps"));
-    }
-
-    /// A level rod of 0.4 m that a recording meets in mid-swing, its end `sags` times g/ω² below the clamp. `names` are the axes
-    /// down, along and across; a negative `sign` counts heights upwards.
-    fn in_motion(sags: f64, names: [&str; 3], sign: f64) -> Result<(String, String), String> {
-        let mut text = format!("t_s,A_{}_m,A_{}_m,A_{}_m\n", names[0], names[1], names[2]);
-        for k in 0..700 {
-            let (time, pace) = (0.01 * f64::from(k), std::f64::consts::TAU * 1.6);
-            let below = sags * 9.81 / pace.powi(2) + 0.06 * (-0.3 * time).exp() * (pace * time + 1.0).cos();
-            let along = (0.16 - below * below).sqrt();
-            text += &format!("{time:.2},{:.9},{along:.9},{:.9}\n", sign * below, 0.002 * (3.0 * time).sin());
-        }
-        let recording =
-            parse(text.into_bytes(), Path::new("a.csv"), &ReadOptions::default()).expect("a table");
-        let text = "[[recording]]\nfile = \"a.csv\"\ntip = \"A\"\nclamp = [\"0 m\", \"0 m\", \"0 m\"]\nstart = \"in motion\"\n";
-        let experiment = Experiment::parse(Path::new("e.toml"), text, &[]).expect("an experiment");
-        let cleaned = clean_all(&experiment, vec![recording]).map_err(|error| error.to_string())?;
-        let said =
-            cleaned.decisions.into_iter().find(|decision| decision.key == "up").expect("it is found").what;
-        let (axis, why) = said.split_once(IS_UP).expect("an axis");
-        Ok((axis.to_owned(), why.split(':').next().expect("how sure").to_owned()))
-    }
-
-    /// The sag at its pace tells which way is up; swings across gravity, and about a rest that no weight explains, tell nothing.
-    #[test]
-    fn in_mid_swing_the_sag_tells_which_way_is_up() {
-        for (names, sign, up) in [
-            (["z", "x", "y"], -1.0, "+z"),
-            (["y", "x", "z"], -1.0, "+y"),
-            (["x", "z", "y"], 1.0, "-x"),
-            (["y", "z", "x"], 1.0, "-y"),
-        ] {
-            assert_eq!(in_motion(1.25, names, sign), Ok((up.to_owned(), "surely".to_owned())), "{names:?}");
-        }
-        for sags in [0.0, 0.3, 3.5] {
-            let refused = in_motion(sags, ["z", "x", "y"], -1.0).expect_err("nothing tells");
-            assert!(refused.contains("say it, such as recording[1].up = \"+z\""), "{refused}");
-        }
     }
 }
