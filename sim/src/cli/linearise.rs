@@ -35,8 +35,8 @@ const HELP: &str = "Examples:
 Inputs: pressure, force_x, force_z, moment (at the end of the rod),
 base_acceleration_x, base_acceleration_z, or a parameter such as
 effects.set_curvature.natural_curvature. Outputs: tip_x, tip_z, tip_angle, or
-points such as point_0.5_z. All count from the rest. A rod or a muscle that
-efam calibrate wrote has 95 % intervals.
+points such as point_0.5_z. All count from the rest. The rod or muscle of a
+calibration has 95 % intervals.
 
 Exit codes: 4 if no rest posture is found.";
 

@@ -248,8 +248,12 @@ impl Folder {
             }
             Err(why) => {
                 let Ok(kept) = self.take_free_name(&self.partial.path) else { return Err(why) };
-                self.finished = true;
-                return Err(StoreError::Kept { why: why.into(), kept });
+                if kept != self.target {
+                    self.finished = true;
+                    return Err(StoreError::Kept { why: why.into(), kept });
+                }
+                // The name was free after all.
+                kept
             }
         };
         self.finished = true;

@@ -75,8 +75,7 @@ const DOORS: [(&str, &[&str]); 34] = [
         "rand_xoshiro",
         &[
             "sim/inference/src/normal.rs",
-            "sim/inference/src/diagnose/threshold.rs",
-            "sim/inference/src/features/covariance.rs",
+            "sim/inference/src/features/",
             "sim/inference/src/predict/errors.rs",
             "sim/inference/src/calibrate/",
             "sim/sweeps/src/design.rs",

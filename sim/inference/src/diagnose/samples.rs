@@ -325,7 +325,7 @@ mod tests {
         let size = 1e-3;
         let slopes = DMatrix::from_fn(rows, 2, |k, u| size * (0.03 * (k as f64) * (1.0 + u as f64)).sin());
         let own = |z: &DVector<f64>| {
-            let aside = DVector::from_fn(rows, |k, _| 2.0 * size * (0.011 * k as f64).cos());
+            let aside = DVector::from_fn(rows, |k, _| 0.2 * size * (0.011 * k as f64).cos());
             let difference = aside + &slopes * (z - DVector::from_vec(vec![0.7, -0.4]));
             Normal {
                 jj: slopes.tr_mul(&slopes),
