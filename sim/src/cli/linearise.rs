@@ -30,7 +30,7 @@ const HELP: &str = "Examples:
   efam linearise scenarios/release-15psi.toml --input pressure,force_z
     --sample 10ms --reduce 6 --out outputs/controller
   efam linearise scenarios/steel-ruler.toml --input base_acceleration_z --json
-  efam linearise outputs/beam/rod.toml --pressure 40psi --payload 80g --draws 400
+  efam linearise outputs/beam/rod.toml --payload 80g --draws 400
 
 Inputs: pressure, force_x, force_z, moment (at the end of the rod),
 base_acceleration_x, base_acceleration_z, or a parameter such as

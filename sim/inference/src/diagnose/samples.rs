@@ -348,7 +348,11 @@ mod tests {
         let settled =
             (0..9).fold(first, |own, _| variances(&plans, &there, &[there[0].dd], covariance(&own).as_ref()));
         let gradient = expanded(&there, &optimum, &settled).gradient;
-        assert!(gradient.norm() < 0.01 && optimum.norm() > 0.1, "{gradient} {optimum}");
+        // The variances are settled within twice that of their roots.
+        assert!(
+            gradient.norm() < 2.0 * SETTLED * optimum.norm() && optimum.norm() > 0.1,
+            "{gradient} {optimum}"
+        );
     }
 
     /// Below the noise two sums of squares differ by `Δ / 2κσ²`, as for noise of that density; far above it by `n/2` times the

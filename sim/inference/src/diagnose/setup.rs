@@ -39,7 +39,7 @@ const INSTANT: f64 = 0.01;
 const INSTANT_SAMPLES: f64 = 0.3;
 /// Angular velocity that a hand gives, over that of a free fall.
 const PUSH: f64 = 0.01;
-/// By how much the stiffness and the losses of a release differ from those of the others, logarithmic deviations: a regulator holds a
+/// By how much the stiffness and the losses of a release differ from those of others, logarithmic deviations. A regulator holds a
 /// pressure to half a per cent, and a rubber remembers the release before.
 const REPEATED_STIFFNESS: f64 = 0.005;
 const REPEATED_LOSS: f64 = 0.03;

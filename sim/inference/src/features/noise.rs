@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 
 use super::window::{Span, basis, fit};
 
-/// Share of the record at its end that is looked at: two time constants after the release of a swing that a recording follows to its
-/// rest, with enough samples to know a deviation to some per cent.
+/// Share of the record at its end that is looked at. A swing that is followed to its rest is small there, and there are enough
+/// samples to know a deviation to some per cent.
 const END: f64 = 0.3;
 /// Cycles of a window there: over more of them a frequency that depends on the amplitude is seen, over fewer the form takes all that
 /// is slow.
