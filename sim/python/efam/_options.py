@@ -147,6 +147,9 @@ Options = TypedDict(
         "effects.latent_moment.rate_sign": Quantity,  # 1/m
         "effects.latent_moment.square_rate": Quantity,  # m^2 s
         "effects.latent_moment.drift": Quantity,  # 1/(m s)
+        "effects.pressure_line.time_constant": Quantity,  # s
+        "effects.pressure_line.dead_time": Quantity,  # s
+        "effects.pressure_line.rate_limit": Quantity,  # Pa/s
         "effects.marker_offset.across": Quantity,  # m
         "effects.marker_offset.along": Quantity,  # m
         "effects.out_of_plane.lost_share": Quantity,  # dimensionless
