@@ -302,6 +302,44 @@ def predict(
             return Answer(_efam.predict(rod, draws, seed, tell, **options))
 
 
+def predict_grid(
+    of: Union[Path, Answer],
+    /,
+    *,
+    pressures: Sequence[Union[float, str]] = (),
+    payloads: Sequence[Union[float, str]] = (0.0,),
+    progress: Optional[bool] = None,
+    **options: Unpack[Options],
+) -> Answer:
+    """Predicts every pressure with every payload, as `efam predict` does of several.
+
+    `of` and the options are those of `predict`; pressures in Pa and payloads in kg, or with a unit. Without pressures it is at that of
+    the scenario. Intervals follow from the principal directions of the calibration's errors instead of draws.
+    """
+    with tempfile.TemporaryDirectory(prefix="efam-") as folder:
+        rod = _rod(of, FilePath(folder))
+        assert rod is not None
+        with bar("predict", " cases", progress) as tell:
+            return Answer(_efam.predict_grid(rod, list(pressures), list(payloads), tell, **options))
+
+
+def plan(
+    *scenarios: Scenario,
+    noise: Union[float, str] = "0.3 mm",
+    markers: Sequence[float] = (),
+    repeatability: Union[float, str, None] = None,
+    progress: Optional[bool] = None,
+) -> Answer:
+    """What releases that are not recorded yet could show of each effect, as `efam diagnose --plan` says it.
+
+    `noise` is that of the camera, `markers` are shares of the length on the body, and `repeatability` is the root mean square
+    distance between two releases of one condition; lengths in m or with a unit.
+    """
+    models = [model_of(scenario) for scenario in scenarios]
+    with bar("plan", " steps", progress) as tell:
+        return Answer(_efam.plan(models, noise, list(markers), repeatability, tell))
+
+
 def statics(scenario: Scenario, /, **options: Unpack[Options]) -> Answer:
     """Finds the rest posture of a model, as `efam statics` does."""
     return Answer(_efam.statics(model_of(scenario, **options)))

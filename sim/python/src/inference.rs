@@ -12,13 +12,15 @@ use efam_inference::diagnose as diagnosis;
 use efam_inference::predict as prediction;
 use efam_inference::predict::PredictionSettings;
 use efam_inference::predict::check::{check, fitted_files};
+use efam_inference::predict::grid::grid;
 use efam_inference::predict::request::CaseRequest;
 use efam_report::Request;
 use efam_report::calibrated::{models, table, write_calibration};
 use efam_report::checked::{check_table, write_check};
-use efam_report::diagnosed::{diagnosis_table, write_diagnosis};
+use efam_report::diagnosed::{diagnosis_table, plan_table, write_diagnosis};
 use efam_report::experiment as releases;
 use efam_report::experiment::Row;
+use efam_report::grid::{grid_table, write_grid};
 use efam_report::predicted::{prediction_table, write_prediction};
 use models::muscle::BUILT_IN;
 use pyo3::prelude::*;
@@ -29,7 +31,8 @@ use sim::failure::Failure;
 use crate::answer::{AnswerData, request_of};
 use crate::experiment::ExperimentData;
 use crate::failure::exception;
-use crate::overrides::{Laws, overrides};
+use crate::model::Model;
+use crate::overrides::{Laws, overrides, quantity};
 use crate::watch::{Progress, followed};
 
 /// Says on the thread of the call what a search does, and can end it.
@@ -226,6 +229,78 @@ pub fn predict(
         let (answer, text) = (json!(found), prediction_table(found));
         let write = move |folder: &_, request: &Request| write_prediction(folder, request, &outcome);
         Ok(AnswerData::of(&answer, text, request, write))
+    };
+    followed(py, tell, work)?.map_err(exception)
+}
+
+/// The same of every pressure, Pa, with every payload, kg; without pressures at the scenario's own.
+#[pyfunction]
+#[pyo3(signature = (of, pressures, payloads, tell, **options))]
+pub fn predict_grid(
+    py: Python<'_>,
+    of: String,
+    pressures: Vec<Bound<'_, PyAny>>,
+    payloads: Vec<Bound<'_, PyAny>>,
+    tell: Option<Py<PyAny>>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<AnswerData> {
+    let set = overrides(options, &Laws::default())?;
+    let all = |name: &str, values: &[Bound<'_, PyAny>], unit: &str| -> PyResult<Vec<f64>> {
+        let mut all = values.iter().map(|value| quantity(name, value, unit)).collect::<PyResult<Vec<_>>>()?;
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        Ok(all)
+    };
+    let pressures = all("pressures", &pressures, "Pa")?;
+    let payloads = all("payloads", &payloads, "kg")?;
+    let work = |_: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
+        let begin = Instant::now();
+        let mut request = request(&of)?;
+        request.set = set;
+        let (case, known) = request.case(pressures.first().copied(), payloads.first().copied())?;
+        progress.expect(pressures.len().max(1) * payloads.len());
+        let make = |pressure, payload| Ok(request.case(pressure, Some(payload))?.0);
+        let name = case.name.replace([',', ':', '/'], " ");
+        let tell = || progress.step();
+        let grid = grid(&name, (&pressures, &payloads), &make, known.as_ref(), &tell)?;
+        let request = Request {
+            name,
+            resolved_scenario: case.resolved(),
+            warnings: grid.warnings.clone(),
+            wall_time_s: begin.elapsed().as_secs_f64(),
+            ..Request::default()
+        };
+        let (answer, text) = (json!(grid), grid_table(&grid));
+        Ok(AnswerData::of(&answer, text, request, move |folder, request| write_grid(folder, request, &grid)))
+    };
+    followed(py, tell, work)?.map_err(exception)
+}
+
+/// What releases that are not recorded yet could show of each effect; lengths in m, markers as shares of the length.
+#[pyfunction]
+pub fn plan(
+    py: Python<'_>,
+    scenarios: Vec<Py<Model>>,
+    noise: &Bound<'_, PyAny>,
+    markers: Vec<f64>,
+    repeatability: Option<Bound<'_, PyAny>>,
+    tell: Option<Py<PyAny>>,
+) -> PyResult<AnswerData> {
+    let noise = quantity("noise", noise, "m")?;
+    let repeatability = repeatability.map(|length| quantity("repeatability", &length, "m")).transpose()?;
+    let is_length = |length: &f64| *length > 0.0 && length.is_finite();
+    let is_share = |share: &f64| *share > 0.0 && *share < 1.0;
+    if ![Some(noise), repeatability].iter().flatten().all(is_length) || !markers.iter().all(is_share) {
+        let message = "plan: noise and repeatability must be more than nothing, markers lie between 0 and 1";
+        return Err(exception(Failure::Usage(message.to_owned())));
+    }
+    let cases: Vec<_> = scenarios.iter().map(|model| model.get().case.clone()).collect();
+    let work = |_: Cancel, progress: &Progress| -> Result<AnswerData, Failure> {
+        let problem = diagnosis::plan::problem(&cases, noise, &markers);
+        let found = diagnosis::plan::plan(&problem, repeatability, &|what| progress.say(what))?;
+        let prospects = diagnosis::plan::best_seen(found);
+        let answer = json!({ "releases": cases.len(), "prospects": prospects });
+        Ok(AnswerData::printed(&answer, plan_table(&prospects, cases.len())))
     };
     followed(py, tell, work)?.map_err(exception)
 }

@@ -41,7 +41,9 @@ fn _efam(py: Python<'_>, module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(inference::calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(inference::compare, module)?)?;
     module.add_function(wrap_pyfunction!(inference::diagnose, module)?)?;
+    module.add_function(wrap_pyfunction!(inference::plan, module)?)?;
     module.add_function(wrap_pyfunction!(inference::predict, module)?)?;
+    module.add_function(wrap_pyfunction!(inference::predict_grid, module)?)?;
     module.add_function(wrap_pyfunction!(many::numbers_of_many, module)?)?;
     module.add_function(wrap_pyfunction!(overrides::option_keys, module)?)?;
     module.add_function(wrap_pyfunction!(rest::effects, module)?)?;
@@ -52,6 +54,7 @@ fn _efam(py: Python<'_>, module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(stored::compare_runs, module)?)?;
     module.add_function(wrap_pyfunction!(stored::loaded, module)?)?;
     module.add_function(wrap_pyfunction!(stored::write_files, module)?)?;
+    module.add_function(wrap_pyfunction!(swing::step_many, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(program::main, module)?)?;
     Ok(())

@@ -1,15 +1,18 @@
 //! A model in the middle of its motion: one step after another, pressure and payload changed between them.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use efam_core::integrate::State;
-use efam_core::stepper::Stepper;
+use efam_core::stepper::{ChangeError, Stepper};
 use efam_experiments::scenario::Scenario;
 use models::effects::by_name;
+use models::line::RodPressure;
+use models::model::Schedule;
 use models::quantity::Quantity;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::prelude::*;
 use sim::failure::Failure;
 
 use crate::failure::exception;
@@ -31,13 +34,26 @@ struct Inner {
     source: Source,
     /// The same as it was read, without what was set since by [`Inner::quickly`].
     scenario: Scenario,
+    /// With a pressure line: commands, s and Pa, that the pressure in the rod has still to follow, from the last that it does.
+    commands: Vec<(f64, f64)>,
+}
+
+/// What is set without reading a scenario again.
+#[derive(Default)]
+struct Changes {
+    /// Values of the model by their paths.
+    values: Vec<(String, f64)>,
+    /// The pressure over time, behind a pressure line.
+    schedule: Option<Arc<dyn Schedule>>,
+    /// The commands of which it is made.
+    commands: Vec<(f64, f64)>,
 }
 
 impl Inner {
     /// Values of a load at the tip and of the pressure, on which nothing else of a scenario depends: they are set without
     /// reading it again. None where there is more to set, or something is refused.
-    fn quickly(&self, set: &[String]) -> Option<Vec<(String, f64)>> {
-        let mut values = Vec::new();
+    fn quickly(&self, set: &[String]) -> Option<Changes> {
+        let mut changes = Changes::default();
         for own in set {
             let (path, text) = own.split_once('=')?;
             let quantity = |unit: &str| Quantity::parse(text.trim_matches('"')).ok()?.to(unit).ok();
@@ -46,16 +62,46 @@ impl Inner {
                 let parameter =
                     by_name("tip_load")?.about().parameters.iter().find(|own| own.name == name)?;
                 let is_admitted = |value: &f64| (parameter.range.0..=parameter.range.1).contains(value);
-                values.push((path.to_owned(), quantity(parameter.unit).filter(is_admitted)?));
+                changes.values.push((path.to_owned(), quantity(parameter.unit).filter(is_admitted)?));
             } else if path == "muscle.pressure" {
-                let model = self.scenario.model_at(quantity("Pa")?)?;
-                let all = model.parameters.iter().map(|parameter| parameter.path.clone()).zip(model.theta);
-                values.extend(all.filter(|(path, _)| !path.starts_with(LOAD)));
+                let at = self.at_pressure(quantity("Pa")?)?;
+                changes.values.extend(at.values);
+                (changes.schedule, changes.commands) = (at.schedule, at.commands);
             } else {
                 return None;
             }
         }
-        Some(values)
+        Some(changes)
+    }
+
+    /// All values at a pressure, Pa, but those of the load at the tip; behind a pressure line the pressure is its command.
+    fn at_pressure(&self, pressure: f64) -> Option<Changes> {
+        let model = self.stepper.model();
+        let Some(dead_time) = model.dead_time() else {
+            let model = self.scenario.model_at(pressure)?;
+            let all = model.parameters.iter().map(|parameter| parameter.path.clone()).zip(model.theta);
+            let values = all.filter(|(path, _)| !path.starts_with(LOAD)).collect();
+            return Some(Changes { values, ..Changes::default() });
+        };
+        let (now, release) = (self.stepper.state().time, model.rod().pressure);
+        let mut commands = self.commands.clone();
+        commands.push((now, pressure));
+        // The line has still to follow what was sent within its dead time, and what was sent last before that.
+        let passed = commands.iter().filter(|(sent, _)| *sent <= now - dead_time).count();
+        commands.drain(..passed.saturating_sub(1));
+        let resumes = (now, RodPressure::of(model).at(now));
+        let schedule = self.scenario.steered(release, resumes, &commands)?;
+        Some(Changes { schedule: Some(schedule), commands, ..Changes::default() })
+    }
+
+    fn apply(&mut self, changes: Changes) -> PyResult<()> {
+        let wrong = |error: ChangeError| exception(Failure::Usage(error.to_string()));
+        if let Some(schedule) = changes.schedule {
+            self.stepper.set_schedule(schedule).map_err(wrong)?;
+            self.commands = changes.commands;
+        }
+        let values: Vec<_> = changes.values.iter().map(|(path, value)| (path.as_str(), *value)).collect();
+        self.stepper.set_all(&values).map_err(wrong)
     }
 }
 
@@ -77,7 +123,9 @@ impl Swing {
         };
         let stepper = Stepper::with(&case.model, state, case.run.method, control);
         let stepper = stepper.map_err(|error| wrong(&error))?;
-        Ok(Self { inner: Mutex::new(Inner { stepper, source, scenario }) })
+        // The line has settled when the rod is let go.
+        let commands = vec![(0.0, case.model.rod().pressure)];
+        Ok(Self { inner: Mutex::new(Inner { stepper, source, scenario, commands }) })
     }
 
     /// A panic leaves a rod that `set_state` makes whole again.
@@ -110,9 +158,8 @@ impl Swing {
         py.detach(|| {
             let mut inner = self.inner();
             let wrong = |error: &dyn std::fmt::Display| exception(Failure::Usage(error.to_string()));
-            if let Some(values) = inner.quickly(&more) {
-                let values: Vec<_> = values.iter().map(|(path, value)| (path.as_str(), *value)).collect();
-                inner.stepper.set_all(&values).map_err(|error| wrong(&error))?;
+            if let Some(changes) = inner.quickly(&more) {
+                inner.apply(changes)?;
                 inner.source = inner.source.with(more);
                 return Ok(());
             }
@@ -200,4 +247,37 @@ impl Swing {
             .map(|k| model.theta[k])
             .map_err(|error| pyo3::exceptions::PyKeyError::new_err(error.to_string()))
     }
+}
+
+/// Sets the pressure of each swing, Pa, and steps it by `dt`, s, on all cores: tips as x, z and their velocities in m and m/s,
+/// shape `[swings, 4]`, not a number where a swing cannot go on.
+#[pyfunction]
+pub fn step_many<'py>(
+    py: Python<'py>,
+    swings: Vec<Py<Swing>>,
+    pressures: Vec<f64>,
+    dt: f64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    if swings.len() != pressures.len() || !(dt >= 0.0 && dt.is_finite()) {
+        let message = format!("{} swings, {} pressures, dt = {dt} s", swings.len(), pressures.len());
+        return Err(exception(Failure::Usage(format!("{message}: one pressure each, and no negative time"))));
+    }
+    let step = |(swing, pressure): (&Py<Swing>, f64)| -> PyResult<[f64; 4]> {
+        let inner = &mut *swing.get().inner();
+        let refused = || {
+            let message =
+                format!("pressure {pressure} Pa: the muscle has no constant pressure, or not this one");
+            exception(Failure::Usage(message))
+        };
+        let changes = inner.at_pressure(pressure).ok_or_else(refused)?;
+        inner.apply(changes)?;
+        if inner.stepper.step(dt).is_err() {
+            return Ok([f64::NAN; 4]);
+        }
+        let tip = inner.stepper.tip();
+        Ok([tip.position[0], tip.position[1], tip.velocity[0], tip.velocity[1]])
+    };
+    let all: Vec<[f64; 4]> =
+        py.detach(|| swings.par_iter().zip(pressures).map(step).collect::<PyResult<_>>())?;
+    PyArray1::from_slice(py, all.as_flattened()).reshape([all.len(), 4])
 }

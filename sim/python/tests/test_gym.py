@@ -1,5 +1,6 @@
 """The environment of Gymnasium."""
 
+import os
 import time
 import warnings
 
@@ -9,7 +10,7 @@ import pytest
 gymnasium = pytest.importorskip("gymnasium")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
-from efam.gym import TipControl  # noqa: E402
+from efam.gym import TipControl, TipControls  # noqa: E402
 
 
 def episode(environment, act, **options):
@@ -30,7 +31,7 @@ def test_it_is_an_environment(scenario):
 
 def test_a_regulator_earns_more_than_the_final_pressure(scenario):
     environment = TipControl(scenario, steps=400)
-    place = environment._scaled(2e5)
+    place = environment._task.scaled(2e5)
     # The pressure at which it rests, and with it one that rises with the tip, which brakes it.
     seen, held = episode(environment, lambda seen: place, target=2e5)
     _, braked = episode(environment, lambda seen: place + 0.3 * seen[3], target=2e5)
@@ -43,11 +44,40 @@ def test_a_regulator_earns_more_than_the_final_pressure(scenario):
 
 
 def test_many_step_at_once(scenario):
+    """Each is what it is alone, and begins anew in the step after its end."""
+    many = TipControls(scenario, 3, steps=20)
+    seen, info = many.reset(seed=1)
+    assert seen.shape == (3, 7) and len(set(info["target_pressure_pa"])) == 3
+    alone = [TipControl(scenario, steps=20) for _ in range(3)]
+    for environment, pressure in zip(alone, info["target_pressure_pa"]):
+        environment.reset(options={"target": pressure})
+    for k in range(20):
+        action = np.array([[-0.5], [0.1 * k % 1], [0.9]])
+        seen, rewards, is_broken, is_over, _ = many.step(action)
+        for own, reward, environment, act in zip(seen, rewards, alone, action):
+            due, earned, *_ = environment.step(act)
+            assert np.array_equal(own, due) and reward == pytest.approx(earned)
+        assert not is_broken.any() and is_over.all() == (k == 19)
+    begun, rewards, *_, is_over, _ = many.step(many.action_space.sample())
+    assert np.all(rewards == 0) and not is_over.any() and np.all(begun[:, 3] == 0)
+    assert not np.array_equal(begun[:, 5:], seen[:, 5:])
+
+
+def test_gymnasium_steps_many_as_well(scenario):
     many = gymnasium.vector.SyncVectorEnv([lambda: TipControl(scenario)] * 4)
     seen, _ = many.reset(seed=1)
     assert seen.shape == (4, 7) and len(set(seen[:, 6])) == 4
-    begin = time.perf_counter()
-    for _ in range(250):
-        many.step(many.action_space.sample())
-    print(f"{1000 / (time.perf_counter() - begin):.0f} steps a second on one core")
     many.close()
+
+
+def test_steps_a_second(scenario, capsys):
+    """Printed alone: other work shares the cores. EFAM_BATCH=1000 gives the figure of the guide."""
+    count = int(os.environ.get("EFAM_BATCH", 16))
+    many = TipControls(scenario, count)
+    many.reset(seed=1)
+    many.action_space.seed(1)
+    begin = time.perf_counter()
+    for _ in range(50):
+        many.step(many.action_space.sample())
+    with capsys.disabled():
+        print(f"\n{50 * count / (time.perf_counter() - begin):.0f} steps a second, {count} rods, {os.cpu_count()} cores")

@@ -14,6 +14,27 @@ from conftest import EFAM, ROOT
 EXPERIMENT = ROOT / "scenarios" / "diagnosis" / "nothing" / "experiment.toml"
 
 
+def printed(tmp_path, *command):
+    done = subprocess.run([*EFAM, *command, "--json"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
+def test_a_grid_and_a_plan_are_those_of_the_program(scenario, tmp_path):
+    grid = efam.predict_grid(scenario, pressures=["30 psi", "15 psi"], payloads=[0, "20 g"], **{"rod.nodes": 8})
+    command = ["predict", str(scenario), "--pressure", "15psi,30psi", "--payload", "0g,20g", "--set", "rod.nodes=8"]
+    due = printed(tmp_path, *command)["grid"]
+    assert len(grid["cells"]) == 4 and grid["cells"] == due["cells"]
+    assert "psi" in str(grid)
+
+    short = efam.Model(scenario, duration="1 s", **{"rod.nodes": 8})
+    plan = efam.plan(short, noise="0.1 mm")
+    command = ["diagnose", "--plan", str(scenario), "--noise", "0.1 mm", "--set", "run.duration=1 s",
+               "--set", "rod.nodes=8"]
+    assert plan["prospects"] == printed(tmp_path, *command)["prospects"] and plan["releases"] == 1
+    with pytest.raises(efam.ScenarioError, match="more than nothing"):
+        efam.plan(short, noise=0.0)
+
+
 def test_a_prediction_is_that_of_the_program(tmp_path):
     command = [*EFAM, "predict", "--muscle", "garbulinski-2022", "--pressure", "15psi", "--payload", "20g", "--json",
                "--draws", "8", "--out", str(tmp_path / "prediction")]

@@ -135,6 +135,33 @@ def test_what_is_set_quickly_is_what_the_scenario_says(scenario):
         swing.set(**{force: 1e7})
 
 
+def test_behind_a_pressure_line_a_swing_follows_its_commands(scenario, tmp_path):
+    """Three commands, two of them within the dead time: the run under them as a table of pressures."""
+    line = {"effects.pressure_line.time_constant": "60 ms", "effects.pressure_line.dead_time": "30 ms"}
+    commands = [(0.1, 20), (0.12, 18), (0.3, 25)]
+    rows = [["0 s", "15 psi"], ["0.1 s", "15 psi"]]
+    swing, last, tips = efam.Model(scenario, **line).start(), 0.0, []
+    for time, psi in commands:
+        swing.step(time - last)
+        swing.set(pressure=f"{psi} psi")
+        last = time
+        if len(rows) > 2:
+            rows.append([f"{time} s", rows[-1][1]])
+        rows.append([f"{time + 1e-6:.6f} s", f"{psi} psi"])
+    for _ in range(10):
+        swing.step(0.05)
+        tips.append(swing.tip[0])
+    table = tmp_path / "table.toml"
+    table.write_text(open(scenario).read().replace('"15 psi"', str(rows).replace("'", '"')))
+    fine = {"run.rate": "1000 Hz", "run.duration": "1 s"}
+    run = efam.simulate(table, error_estimate=False, **fine, **line)
+    due = [run.tip[np.argmin(np.abs(run.t - 0.3 - 0.05 * (k + 1)))] for k in range(10)]
+    # Both hold to the tolerance of their steps.
+    assert np.abs(np.array(tips) - due).max() < 1e-4
+    at_once = efam.simulate(table, error_estimate=False, **fine)
+    assert np.abs(at_once.tip[-1] - run.tip[-1]).max() < np.abs(at_once.tip[350] - run.tip[350]).max() > 1e-3
+
+
 def test_pressure_damps_a_swing(scenario):
     """The controller of the guide: at a higher pressure the tip rests lower, so pressure rises with the tip."""
 
