@@ -100,7 +100,7 @@ class TipControl(Env[Floats, Floats]):
         return self._seen.copy(), -1e3 * distance, is_broken, self._left <= 0, {}
 
 
-class TipControls(VectorEnv[Floats, Floats, Floats]):
+class TipControls(VectorEnv[Floats, Floats, NDArray[Any]]):
     """Many of them, stepped on all cores in one call. After its end an episode begins anew in the next step."""
 
     metadata = {"autoreset_mode": AutoresetMode.NEXT_STEP}
