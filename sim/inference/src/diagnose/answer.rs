@@ -44,7 +44,7 @@ pub(super) fn answer(found: &Found, settings: &DiagnosisSettings, gap: Vec<Gap>)
             before_mm: 1e3 * baseline.rms,
             after_mm: 1e3 * last.rms,
             noise_mm: 1e3 * last.noise,
-            repeats_mm: 1e3 * data.repeats().max(last.unrepeated),
+            repeats_mm: 1e3 * last.repeated_within(data),
         },
         false_alarm: settings.false_alarm,
         nodes: hypothesis.trials[0].model.edges + 1,
@@ -69,7 +69,7 @@ fn verdict(found: &Found) -> Verdict {
     let Some(last) = accepted.last() else {
         // What was not compared may be what is missing. What is far beyond noise and what repeats is there, whatever explains it.
         let is_cut_short = found.cut_short.is_some();
-        let is_nothing = baseline.may_be_noise(data.repeats()) && !is_cut_short && !found.has_more;
+        let is_nothing = baseline.may_be_noise(baseline.repeats(data)) && !is_cut_short && !found.has_more;
         return if is_nothing { Verdict::NothingMissing } else { Verdict::Unknown };
     };
     let after = &last.sampled;

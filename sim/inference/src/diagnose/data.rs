@@ -10,7 +10,6 @@ use super::hypothesis::{Hypothesis, Simulated};
 use super::likelihood::Weights;
 use super::search::Point;
 use crate::calibrate::Trial;
-use crate::calibrate::repeats::{grouped_trials, is_one_condition};
 use crate::features::covariance::covariance;
 use crate::features::{Noise, Plan};
 
@@ -30,8 +29,6 @@ pub struct Data {
     pub held_out: Vec<Plan>,
     /// How well releases repeat, as stated, m.
     repeatability: Option<f64>,
-    /// Whether releases of one condition tell it.
-    is_repeated: bool,
     runs: AtomicUsize,
 }
 
@@ -68,15 +65,7 @@ impl Data {
         let of = |places: &[usize]| places.iter().filter_map(|r| found[*r].clone()).collect::<Vec<_>>();
         let plans = of(&fitted);
         let weights = plans.par_iter().map(weights).collect();
-        let groups = grouped_trials(fitted.iter().map(|r| &trials[*r]), |_| true, is_one_condition);
-        let data = Self {
-            plans,
-            weights,
-            held_out: of(&held_out),
-            repeatability,
-            is_repeated: groups.iter().any(|group| group.len() > 1),
-            runs: AtomicUsize::new(0),
-        };
+        let data = Self { plans, weights, held_out: of(&held_out), repeatability, runs: AtomicUsize::new(0) };
         (data, [fitted, held_out].concat())
     }
 
@@ -85,8 +74,7 @@ impl Data {
         let plans = self.held_out.clone();
         let weights = plans.par_iter().map(weights).collect();
         let (held_out, runs) = (Vec::new(), AtomicUsize::new(0));
-        let (repeatability, is_repeated) = (None, false);
-        (!plans.is_empty()).then_some(Self { plans, weights, held_out, repeatability, is_repeated, runs })
+        (!plans.is_empty()).then_some(Self { plans, weights, held_out, repeatability: None, runs })
     }
 
     /// Releases simulated so far, with slopes or without.
@@ -99,17 +87,15 @@ impl Data {
         self.plans.iter().chain(&self.held_out).collect()
     }
 
-    /// Spectral density of the slow noise of its recordings over the mean one.
+    /// [`Noise::slow`], which is that of all recordings.
     pub fn slow_noise(&self) -> f64 {
-        slow(self.plans.iter().map(|plan| plan.noise))
+        self.plans[0].noise.slow
     }
 
-    /// How well releases repeat, m: as stated, or else as releases by hand do. Releases of one condition tell it: what they have in
-    /// common repeats.
+    /// How well releases repeat, m: as stated, or else as releases by hand do.
     pub fn repeats(&self) -> f64 {
         let first_swing = self.plans.iter().map(|plan| plan.first_swing).fold(0.0, f64::max);
-        let usual = if self.is_repeated { 0.0 } else { REPEATS * first_swing };
-        self.repeatability.unwrap_or(usual)
+        self.repeatability.unwrap_or(REPEATS * first_swing)
     }
 
     /// The same as far as it is known, m: several releases tell it by what they have in common.

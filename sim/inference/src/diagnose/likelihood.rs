@@ -229,12 +229,18 @@ fn best_share(near: f64, reach: f64, of: &dyn Fn(f64) -> f64) -> (f64, f64) {
     (b - 0.25 * (a - c) * aside, at(k as f64 + aside))
 }
 
+impl Expanded {
+    /// Whether an unknown of one sign is held at zero, where the exponent rises.
+    pub fn is_held(&self, k: usize, z: &DVector<f64>, is_half: &[bool]) -> bool {
+        is_half[k] && z[k] <= 0.0 && self.gradient[k] > 0.0
+    }
+}
+
 /// Laplace's approximation of `ln ∫ exp(−exponent) dz` over `(2π)^(n/2)`, twice that for each half-normal unknown, from the
 /// expansion of the exponent at `z`. An unknown that is held at its bound has an integral of its own, given the others. Very low where
 /// the curvature is no maximum.
 pub fn laplace(at: &Expanded, z: &DVector<f64>, is_half: &[bool]) -> f64 {
-    let is_held = |k: &usize| is_half[*k] && z[*k] <= 0.0 && at.gradient[*k] > 0.0;
-    let (held, free): (Vec<usize>, Vec<usize>) = (0..z.len()).partition(is_held);
+    let (held, free): (Vec<usize>, Vec<usize>) = (0..z.len()).partition(|k| at.is_held(*k, z, is_half));
     let columns = at.hessian.select_columns(&free);
     let Some(factors) = columns.select_rows(&free).cholesky() else { return f64::NEG_INFINITY };
     let gradient = at.gradient.select_rows(&free);

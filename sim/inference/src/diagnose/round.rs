@@ -71,10 +71,10 @@ pub fn round<'a>(
     tried.par_iter_mut().take(MOST_SAMPLED).filter(|own| own.features > 0.0).for_each(|own| {
         own.sampled = Sampled::from(data, &own.fit);
     });
+    let variances = Samples::variances(data, &base.fit.at.seen);
     let direct = |(own, promise): (&'a Screened, &Promise)| {
         let hypothesis = Arc::new(own.extension.hypothesis.clone());
         let (start, slopes) = (&promise.start, promise.slopes());
-        let variances = Samples::variances(data, &base.fit.at.seen);
         let near = steps(&Samples, data, &hypothesis, start, &slopes, &variances, FIRST_STEPS)?;
         let fit = Fit::at(data, &hypothesis, Point::of(data, &hypothesis, near.z)?, promise.share);
         let sampled = Sampled::from(data, &fit)?;

@@ -18,11 +18,11 @@ use super::unknown::Unknown;
 use crate::calibrate::repeats::{grouped_trials, is_one_condition};
 use crate::features::Plan;
 
-/// Misfit beside the noise, over it, that is not worth another effect: the noise itself is known to a tenth.
+/// Misfit beside the noise, over it, that may be noise: the noise itself is known to a tenth.
 const NOISE: f64 = 0.5;
 /// Change of a deviation, as a logarithm, that is worth another round.
 const SETTLED: f64 = 0.05;
-/// Rounds in which the deviations of a linearised model follows its optimum.
+/// Rounds in which the deviations of a linearised model follow its optimum.
 const LINEAR_ROUNDS: usize = 8;
 
 /// A fit to all samples.
@@ -38,14 +38,24 @@ pub struct Sampled {
     pub evidence: f64,
     /// Root mean square distance, m, beside the noise, of what repeats in the releases of each condition.
     misfit: f64,
-    /// The same of what does not repeat in them; zero where each is made once.
-    pub unrepeated: f64,
+    /// The same of what does not repeat in them; none where each is made once.
+    unrepeated: Option<f64>,
 }
 
 impl Sampled {
-    /// Whether what is left may be noise, or what does not repeat, m: then another round is worth nothing.
+    /// Whether what is left may be noise, or what does not repeat, m.
     pub fn may_be_noise(&self, repeats: f64) -> bool {
         self.misfit() <= (NOISE * self.noise).max(repeats)
+    }
+
+    /// How well releases repeat, m, as far as their misfit does not tell it: as stated, or else as releases by hand do.
+    pub fn repeats(&self, data: &Data) -> f64 {
+        if self.unrepeated.is_some() { data.stated_repeats() } else { data.repeats() }
+    }
+
+    /// How well they repeat, m: the same, or what those of one condition do not have in common, if that is more.
+    pub fn repeated_within(&self, data: &Data) -> f64 {
+        self.repeats(data).max(self.unrepeated.unwrap_or(0.0))
     }
 
     /// Root mean square misfit beside the noise, m. An effect acts in all releases of a condition: where there are several, this
@@ -67,9 +77,7 @@ impl Sampled {
         let cost = 0.5 * z.norm_squared() - likelihood(&data.plans, &squares, &variances);
         let is_half = halves(&hypothesis.unknowns);
         // What a search that was cut short has not found is no evidence; at a bound the cost rises.
-        let is_held = |u: usize, slope: f64| is_half[u] && z[u] <= 0.0 && slope > 0.0;
-        let held =
-            |u: usize, _| Some(expansion.gradient[u]).filter(|slope| is_held(u, *slope)).unwrap_or(0.0);
+        let held = |u: usize, _| if expansion.is_held(u, z, &is_half) { expansion.gradient[u] } else { 0.0 };
         let gradient = DVector::from_fn(z.len(), held);
         let evidence = laplace(&Expanded { cost, gradient, ..expansion }, z, &is_half);
         let (misfit, unrepeated) = misfit(data, hypothesis, differences, &squares);
@@ -110,7 +118,8 @@ impl Likelihood for Samples {
     ) -> Vec<f64> {
         let (normals, squares) = (normals(seen), squares(&seen.samples.differences));
         let covariance = expanded(&normals, z, near).hessian.cholesky().map(|factors| factors.inverse());
-        variances(&data.plans, &normals, &squares, covariance.as_ref())
+        let taken = |r: usize| covariance.as_ref().map_or(0.0, |covariance| covariance.dot(&normals[r].jj));
+        variances(&data.plans, &squares, taken)
     }
 
     fn is_settled(&self, before: &Vec<f64>, after: &Vec<f64>) -> bool {
@@ -121,7 +130,7 @@ impl Likelihood for Samples {
 impl Samples {
     /// The variances at a point where all unknowns are known.
     pub fn variances(data: &Data, seen: &Comparison) -> Vec<f64> {
-        variances(&data.plans, &normals(seen), &squares(&seen.samples.differences), None)
+        variances(&data.plans, &squares(&seen.samples.differences), |_| 0.0)
     }
 }
 
@@ -157,13 +166,13 @@ pub fn linearised(
     };
     let mut step = DVector::zeros(z.len());
     let mut covariance = None;
-    let mut variances = variances(plans, normals, &squares(&step), None);
+    let mut variances = variances(plans, &squares(&step), |_| 0.0);
     for _ in 0..LINEAR_ROUNDS {
         let at = expanded(normals, z, &variances);
         let factors = at.hessian.cholesky()?;
         step = -factors.solve(&at.gradient);
         let own = factors.inverse();
-        let next = self::variances(plans, normals, &squares(&step), Some(&own));
+        let next = self::variances(plans, &squares(&step), |r| own.dot(&normals[r].jj));
         covariance = Some(own);
         let is_settled = Samples.is_settled(&variances, &next);
         variances = next;
@@ -214,20 +223,14 @@ fn of_numbers(plan: &Plan, square: f64) -> f64 {
     square - (coordinates(plan) - numbers(plan) * plan.noise.slow) * plan.noise.deviation.powi(2)
 }
 
-/// The variance of the independent numbers of each release for which the evidence is largest, from the sums of its squares and the
-/// covariance of the unknowns; none where these are known.
+/// The variance of the independent numbers of each release for which the evidence is largest, from the sums of its squares and what
+/// the unknowns take up of them: `tr C JᵀJ`, with their covariance C and the slopes J of the release.
 /// Source: MacKay (1992), Neural Computation 4, 415-447.
-fn variances(
-    plans: &[Plan],
-    normals: &[Normal],
-    squares: &[f64],
-    covariance: Option<&DMatrix<f64>>,
-) -> Vec<f64> {
-    let of = |((plan, own), square): ((&Plan, &Normal), &f64)| {
-        let taken = covariance.map_or(0.0, |covariance| covariance.dot(&own.jj));
-        ((of_numbers(plan, *square) + taken) / numbers(plan)).max(variance(plan, 0.0))
+fn variances(plans: &[Plan], squares: &[f64], taken: impl Fn(usize) -> f64) -> Vec<f64> {
+    let of = |(r, (plan, square)): (usize, (&Plan, &f64))| {
+        ((of_numbers(plan, *square) + taken(r)) / numbers(plan)).max(variance(plan, 0.0))
     };
-    plans.iter().zip(normals).zip(squares).map(of).collect()
+    plans.iter().zip(squares).enumerate().map(of).collect()
 }
 
 fn expanded(normals: &[Normal], z: &DVector<f64>, variances: &[f64]) -> Expanded {
@@ -258,7 +261,12 @@ pub fn variance(plan: &Plan, misfit: f64) -> f64 {
 /// Root mean square distance beside the noise, m, of what releases of one condition have in common: the mean product of the
 /// residuals of two of them, in which noise and what does not repeat cancel. A release alone has as much beside its first swing that
 /// does not repeat as those have, or none where there are none. The same of what does not repeat comes second.
-fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[DVector<f64>], squares: &[f64]) -> (f64, f64) {
+fn misfit(
+    data: &Data,
+    hypothesis: &Hypothesis,
+    seen: &[DVector<f64>],
+    squares: &[f64],
+) -> (f64, Option<f64>) {
     let groups = grouped_trials(hypothesis.trials.iter(), |trial| !trial.release.held_out, is_one_condition);
     let swing = |r: usize| data.plans[r].first_swing.powi(2);
     let beside_noise = |r: usize| beside_noise(&data.plans[r], squares[r]);
@@ -275,7 +283,8 @@ fn misfit(data: &Data, hypothesis: &Hypothesis, seen: &[DVector<f64>], squares: 
     let alone = groups.iter().filter(|group| group.len() == 1).map(|group| group[0]);
     common += alone.map(|r| (beside_noise(r) - share * swing(r)).max(0.0)).sum::<f64>();
     let all = (0..seen.len()).map(swing).sum::<f64>();
-    [common, share * all].map(|square| (2.0 * square / seen.len().max(1) as f64).sqrt()).into()
+    let mean = |square: f64| (2.0 * square / seen.len().max(1) as f64).sqrt();
+    (mean(common), (swings > 0.0).then(|| mean(share * all)))
 }
 
 /// Mean product of the residuals of two releases at the same times, m².
@@ -325,7 +334,7 @@ mod tests {
         let size = 1e-3;
         let slopes = DMatrix::from_fn(rows, 2, |k, u| size * (0.03 * (k as f64) * (1.0 + u as f64)).sin());
         let own = |z: &DVector<f64>| {
-            let aside = DVector::from_fn(rows, |k, _| 0.2 * size * (0.011 * k as f64).cos());
+            let aside = DVector::from_fn(rows, |k, _| 2.0 * size * (0.011 * k as f64).cos());
             let difference = aside + &slopes * (z - DVector::from_vec(vec![0.7, -0.4]));
             Normal {
                 jj: slopes.tr_mul(&slopes),
@@ -339,20 +348,15 @@ mod tests {
             let z = DVector::from_column_slice(&z);
             linearised(&plans, &unknowns, &[own(&z)], &z).unwrap()
         };
-        let ((optimum, _, evidence), (other, _, value)) = (from([0.0, 0.0]), from([-2.0, 1.5]));
+        let ((optimum, covariance, evidence), (other, _, value)) = (from([0.0, 0.0]), from([-2.0, 1.5]));
         assert!((&optimum - &other).norm() < 0.01, "{optimum} {other}");
         assert!((evidence - value).abs() < 0.01, "{evidence} {value}");
         let there = [own(&optimum)];
-        let covariance = |variances: &[f64]| expanded(&there, &optimum, variances).hessian.try_inverse();
-        let first = variances(&plans, &there, &[there[0].dd], None);
-        let settled =
-            (0..9).fold(first, |own, _| variances(&plans, &there, &[there[0].dd], covariance(&own).as_ref()));
-        let gradient = expanded(&there, &optimum, &settled).gradient;
-        // The variances are settled within twice that of their roots.
-        assert!(
-            gradient.norm() < 2.0 * SETTLED * optimum.norm() && optimum.norm() > 0.1,
-            "{gradient} {optimum}"
-        );
+        // The variance that belongs to the covariance: `C⁻¹ = I + JᵀJ / v`.
+        let curvature = covariance.try_inverse().unwrap();
+        let variance = there[0].jj[(0, 0)] / (curvature[(0, 0)] - 1.0);
+        let gradient = expanded(&there, &optimum, &[variance]).gradient;
+        assert!(gradient.norm() < 0.01 && optimum.norm() > 0.1, "{gradient} {optimum}");
     }
 
     /// Below the noise two sums of squares differ by `Δ / 2κσ²`, as for noise of that density; far above it by `n/2` times the
@@ -362,8 +366,7 @@ mod tests {
         let plans = [Plan::of(&swing(1.4, 0.3, |_| [0.0; 2]), false).unwrap()];
         let plan = &plans[0];
         let noise = plan.noise.deviation.powi(2);
-        let none = || Normal { jj: DMatrix::zeros(0, 0), jd: DVector::zeros(0), dd: 0.0 };
-        let of = |square: f64| likelihood(&plans, &[square], &variances(&plans, &[none()], &[square], None));
+        let of = |square: f64| likelihood(&plans, &[square], &variances(&plans, &[square], |_| 0.0));
         let all = noise * coordinates(plan);
         let due = 0.05 * all / (2.0 * plan.noise.slow * noise);
         assert!(((of(0.9 * all) - of(0.95 * all)) / due - 1.0).abs() < 1e-9);
@@ -383,17 +386,18 @@ mod tests {
         let square = 100.0 * coordinates(plan) * plan.noise.deviation.powi(2);
         let z = DVector::zeros(3);
         let normals = [own];
-        let mut settled = variances(&plans, &normals, &[square], None);
-        for _ in 0..50 {
-            let covariance = expanded(&normals, &z, &settled).hessian.try_inverse();
-            settled = variances(&plans, &normals, &[square], covariance.as_ref());
-        }
+        let known = variances(&plans, &[square], |_| 0.0);
+        let next = |own: Vec<f64>, _| {
+            let covariance = expanded(&normals, &z, &own).hessian.try_inverse().unwrap();
+            variances(&plans, &[square], |r| covariance.dot(&normals[r].jj))
+        };
+        let settled = (0..50).fold(known.clone(), next);
         let evidence = |factor: f64| {
             let own = [factor * settled[0]];
             likelihood(&plans, &[square], &own)
                 - 0.5 * expanded(&normals, &z, &own).hessian.determinant().ln()
         };
-        assert!(settled[0] > 1.05 * variances(&plans, &normals, &[square], None)[0]);
+        assert!(settled[0] > 1.05 * known[0]);
         assert!(evidence(1.0) > evidence(1.02) && evidence(1.0) > evidence(0.98));
     }
 

@@ -63,7 +63,7 @@ impl Noise {
         // The last window always, and those that lie in the end.
         while last >= window + 2 && (last == samples || last - window >= end) {
             let first = last - window;
-            let own: Vec<&[f64]> = coordinates.iter().map(|q| &q[first..last]).collect();
+            let own: Vec<Vec<f64>> = coordinates.iter().map(|q| q[first..last].to_vec()).collect();
             seen.add(&time[first..last], &own, frequency);
             last = first;
         }
@@ -88,30 +88,28 @@ struct Seen {
 
 impl Seen {
     /// Adds a window, unless it shows no swing.
-    fn add(&mut self, time: &[f64], coordinates: &[&[f64]], frequency: f64) {
+    fn add(&mut self, time: &[f64], coordinates: &[Vec<f64>], frequency: f64) {
         let (begin, end) = (time[0], time[time.len() - 1]);
         // Weights are even over the window: the ramps lie outside.
         let half_period = 0.5 / frequency;
         let span = Span { begin: begin - half_period, end: end + half_period, half_period };
-        let own: Vec<Vec<f64>> = coordinates.iter().map(|q| q.to_vec()).collect();
-        let Some(found) = fit(time, &own, &span, (frequency, 0.0)) else { return };
+        let Some(found) = fit(time, coordinates, &span, (frequency, 0.0)) else { return };
         // Cosines and sines of whole cycles over the window, up to the slow ones.
         let harmonics = (SLOW * frequency * (end - begin)).ceil();
         let numbers = 2.0 * harmonics + 1.0;
         if time.len() as f64 <= numbers {
             return;
         }
-        for (q, coefficients) in own.iter().zip(&found.coefficients) {
-            let value = |t: f64| -> f64 {
-                let basis = basis(t - 0.5 * (begin + end), found.frequency, found.loss);
-                basis.iter().zip(coefficients).map(|(b, c)| b * c).sum()
-            };
-            let residual: Vec<f64> = time.iter().zip(q).map(|(t, q)| q - value(*t)).collect();
+        let form = |t: &f64| basis(t - 0.5 * (begin + end), found.frequency, found.loss);
+        let form: Vec<[f64; 5]> = time.iter().map(form).collect();
+        for (q, coefficients) in coordinates.iter().zip(&found.coefficients) {
+            let value = |row: &[f64; 5]| row.iter().zip(coefficients).map(|(b, c)| b * c).sum::<f64>();
+            let residual: Vec<f64> = form.iter().zip(q).map(|(row, q)| q - value(row)).collect();
             let slow = power(time, &residual, harmonics as usize);
             self.slow += slow;
             self.fast += (residual.iter().map(|r| r * r).sum::<f64>() - slow).max(0.0);
         }
-        let count = own.len() as f64;
+        let count = coordinates.len() as f64;
         // Five coefficients of each coordinate; frequency and loss.
         let taken = 5.0 * count + 2.0;
         self.taken += taken;
