@@ -18,7 +18,7 @@ use models::statics::{Equilibrium, SmallMotion, equilibrium};
 use thiserror::Error;
 
 pub use balanced::Reduced;
-pub use modal::{Complex, Modal, Pole};
+pub use modal::{Complex, Modal, Pole, settling};
 pub use nalgebra::{DMatrix, DVector};
 
 /// The input that a regulator moves; behind a pressure line its command.
@@ -208,10 +208,13 @@ pub fn linearise(
     let mut states = states(&model, &rest, &motion);
     let inputs: Vec<Signal> = columns.into_iter().map(|own| own.0).collect();
     let line = inputs.iter().position(|input| input.name == PRESSURE).zip(SmallLine::of(&model));
-    let matrices = line.map_or(matrices.clone(), |(input, line)| {
-        states.push(Signal { name: "rod_pressure".to_owned(), ..inputs[input].clone() });
-        matrices.behind(input, line)
-    });
+    let matrices = match line {
+        Some((input, line)) => {
+            states.push(Signal { name: "rod_pressure".to_owned(), ..inputs[input].clone() });
+            matrices.behind(input, line)
+        }
+        None => matrices,
+    };
     let mut modal = matrices.modal()?;
     modal.mark(|pole, shape| motion.is_along(pole, shape));
     Ok(Linear {

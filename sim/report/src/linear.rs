@@ -17,7 +17,7 @@ mod responses;
 use std::fmt::Debug;
 use std::time::SystemTime;
 
-use efam_core::linear::{DMatrix, Linear, LinearError, Modal, Pole, Signal, StateSpace};
+use efam_core::linear::{DMatrix, Linear, LinearError, Modal, Pole, Signal, StateSpace, settling};
 use efam_inference::predict::linear::{Ends, LinearIntervals};
 use efam_store::StoreError;
 use efam_store::folder::Folder;
@@ -379,11 +379,9 @@ pub fn linear_table(answer: &LinearAnswer, count: usize) -> String {
 
 /// Number, frequency, damping ratio and settling time of a vibration.
 fn pole_cells(k: usize, pole: &PoleAnswer, hertz: &str, seconds: &str) -> [String; 4] {
-    let settling = -(20.0_f64.ln()) / pole.real_per_s;
-    let settling = if pole.real_per_s < 0.0 {
-        with_interval(settling, pole.settling_5_percent_s_95, 1.0, seconds)
-    } else {
-        "never".to_owned()
+    let settling = match settling(pole.real_per_s) {
+        time if time.is_finite() => with_interval(time, pole.settling_5_percent_s_95, 1.0, seconds),
+        _ => "never".to_owned(),
     };
     [
         (k + 1).to_string(),

@@ -8,7 +8,7 @@ use std::time::Instant;
 use clap::Args;
 use efam_core::left_out;
 use efam_inference::predict::PredictionSettings;
-use efam_inference::predict::linear::{calibrated, linear_intervals};
+use efam_inference::predict::linear::Calibrated;
 use efam_report::Request;
 use efam_report::linear::{LinearAnswer, Wanted, linear_table, write_linear};
 use efam_store::Folder;
@@ -102,8 +102,9 @@ pub fn run(args: &Linearise, console: &Console) -> Result<ExitCode, Failure> {
     }
     let read = all.swap_remove(0);
     let read = if args.slipping { read.slipping() } else { read };
-    let known = scenario.known();
-    let (case, mut more) = known.map_or((read.clone(), Vec::new()), |known| calibrated(&read, known));
+    let calibrated = scenario.known().map(|known| Calibrated::of(&read, known));
+    let case = calibrated.as_ref().map_or(&read, |own| &own.case);
+    let mut more = calibrated.as_ref().map_or(Vec::new(), |own| own.warnings.clone());
     let linear = case.linearise(&args.input, &args.output)?;
     let wanted = Wanted { sample, order: args.reduce };
     let mut answer = LinearAnswer::new(&case.name, case.pressure, &linear, wanted)?;
@@ -136,11 +137,11 @@ pub fn run(args: &Linearise, console: &Console) -> Result<ExitCode, Failure> {
     };
     super::signals::listen();
     let mut folder = efam_report::begin(&request)?;
-    if let Some(known) = known {
+    if let Some(calibrated) = &calibrated {
         let settings = PredictionSettings { draws: args.draws, seed: args.seed };
         let stages = console.steps(args.draws, "draws");
         let step = || stages.step();
-        let work = || linear_intervals((&read, known), &linear, answer.grid(), &settings, &step);
+        let work = || calibrated.intervals(&linear, answer.grid(), &settings, &step);
         let intervals;
         (folder, intervals) = interrupt::during(folder, &stages, work);
         stages.clear();

@@ -30,8 +30,13 @@ pub struct Pole {
 impl Pole {
     /// Time in which its motion decays to 5 %, s; infinite if it does not.
     pub fn settling(&self) -> f64 {
-        if self.at.re < 0.0 { 20.0_f64.ln() / -self.at.re } else { f64::INFINITY }
+        settling(self.at.re)
     }
+}
+
+/// Time in which a motion decays to 5 %, s, by the real part of its pole, 1/s; infinite if it does not.
+pub fn settling(real: f64) -> f64 {
+    if real < 0.0 { 20.0_f64.ln() / -real } else { f64::INFINITY }
 }
 
 /// A linear model as a sum over its poles.

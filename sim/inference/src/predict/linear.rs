@@ -59,77 +59,88 @@ impl Seen {
     }
 }
 
-/// A case as its calibration says that it is, and what to know before its linear model is used: its loss at its own
-/// frequency, and a payload without a size as a compact body, as in a prediction.
-pub fn calibrated(case: &Case, known: &Known) -> (Case, Vec<String>) {
-    let errors = Errors::new(known, case);
-    let payload = super::simulated::value(&case.model, "effects.payload.mass");
-    // Small motions go nowhere.
-    let extent = Extent { pressures: case.pressure.as_slice(), payloads: &[payload], excursion: 0.0 };
-    let mut words = warnings(&extent, Some(known), std::slice::from_ref(&errors));
-    if case.rod_slopes().is_some() && !errors.has_slope() {
-        words.push(PUBLISHED_SLOPE.to_owned());
-    }
-    (case.run_as(&errors.model, &case.run), words)
+/// A case as its calibration says that it is: its loss at its own frequency, and a payload without a size as a compact body, as in a
+/// prediction.
+pub struct Calibrated {
+    /// The case.
+    pub case: Case,
+    /// What to know before its linear model is used.
+    pub warnings: Vec<String>,
+    errors: Errors,
+    model_error: Option<ModelError>,
 }
 
-/// The intervals of a linear model that [`calibrated`] led to, at frequencies, Hz, and times, s. Frequency and damping ratio of
-/// the first vibration have the error of the model in them, as in a prediction. The slope of EI over pressure is drawn
-/// with EI.
-pub fn linear_intervals(
-    (case, known): (&Case, &Known),
-    own: &Linear,
-    (frequencies, times): (&[f64], &[f64]),
-    settings: &PredictionSettings,
-    tell: &(dyn Fn() + Sync),
-) -> LinearIntervals {
-    let errors = Errors::new(known, case);
-    let names = |signals: &[efam_core::linear::Signal]| -> Vec<String> {
-        signals.iter().map(|signal| signal.name.clone()).collect()
-    };
-    let (inputs, outputs) = (names(&own.inputs), names(&own.outputs));
-    let seen = |draw: usize| {
-        let slopes = case.rod_slopes().map(|slopes| errors.slopes(settings.seed, draw, slopes));
-        let linear = linearise(&errors.drawn(settings.seed, draw)?, slopes, &inputs, &outputs).ok();
-        tell();
-        Some(Seen::of(&linear?, frequencies, times))
-    };
-    let all: Vec<Seen> = (0..settings.draws).into_par_iter().filter_map(seen).collect();
-    let own = Seen::of(own, frequencies, times);
-    // Half of the draws have each number of the response: they have all of it or nothing.
-    let ends = |value: &dyn Fn(&Seen, (usize, usize)) -> f64| {
-        Ends::from_fn(outputs.len(), inputs.len(), |output, input| {
-            let at = |seen: &Seen| value(seen, (output, input));
-            of_draws(at(&own), all.iter().map(at).collect(), all.len()).unwrap_or([at(&own); 2])
-        })
-    };
-    let model_error = known.misfit.map(|misfit| ModelError { misfit, excursion: 0.0, length: 1.0 });
-    let vibration = |k: usize, off: Off, of: fn(&Pole) -> f64| {
-        let value = of(&own.vibrations[k]);
-        let drawn = all.iter().filter_map(|seen| seen.vibrations.get(k).map(of)).collect();
-        let interval = of_draws(value, drawn, all.len())?;
-        let widened = |error: &ModelError| error.widened(off, value, interval);
-        Some(model_error.as_ref().filter(|_| k == 0).map_or(interval, widened))
-    };
-    let phase = |k: usize| {
-        let from_own = |seen: &Seen, at: (usize, usize)| (seen.response[k][at] / own.response[k][at]).arg();
-        ends(&from_own)
-    };
-    LinearIntervals {
-        draws: all.len(),
-        failed_draws: settings.draws - all.len(),
-        vibrations: (0..own.vibrations.len())
-            .map(|k| {
-                [
-                    vibration(k, Off::Frequency, |pole| pole.frequency),
-                    vibration(k, Off::Damping, |pole| pole.damping_ratio),
-                    vibration(k, Off::Damping, Pole::settling),
-                ]
+impl Calibrated {
+    /// Of what a calibration knows.
+    pub fn of(case: &Case, known: &Known) -> Self {
+        let errors = Errors::new(known, case);
+        let payload = super::simulated::value(&case.model, "effects.payload.mass");
+        // Small motions go nowhere.
+        let extent = Extent { pressures: case.pressure.as_slice(), payloads: &[payload], excursion: 0.0 };
+        let mut warnings = warnings(&extent, Some(known), std::slice::from_ref(&errors));
+        if case.rod_slopes().is_some() && !errors.has_slope() {
+            warnings.push(PUBLISHED_SLOPE.to_owned());
+        }
+        let model_error = known.misfit.map(|misfit| ModelError { misfit, excursion: 0.0, length: 1.0 });
+        Self { case: case.run_as(&errors.model, &case.run), warnings, errors, model_error }
+    }
+
+    /// The intervals of its linear model, at frequencies, Hz, and times, s. Frequency and damping ratio of the first vibration have the
+    /// error of the model in them, as in a prediction. The slope of EI over pressure is drawn with EI.
+    pub fn intervals(
+        &self,
+        own: &Linear,
+        (frequencies, times): (&[f64], &[f64]),
+        settings: &PredictionSettings,
+        tell: &(dyn Fn() + Sync),
+    ) -> LinearIntervals {
+        let names = |signals: &[efam_core::linear::Signal]| -> Vec<String> {
+            signals.iter().map(|signal| signal.name.clone()).collect()
+        };
+        let (inputs, outputs) = (names(&own.inputs), names(&own.outputs));
+        let seen = |draw: usize| {
+            let slopes = self.case.rod_slopes().map(|slopes| self.errors.slopes(settings.seed, draw, slopes));
+            let linear = linearise(&self.errors.drawn(settings.seed, draw)?, slopes, &inputs, &outputs).ok();
+            tell();
+            Some(Seen::of(&linear?, frequencies, times))
+        };
+        let all: Vec<Seen> = (0..settings.draws).into_par_iter().filter_map(seen).collect();
+        let own = Seen::of(own, frequencies, times);
+        // Half of the draws have each number of the response: they have all of it or nothing.
+        let ends = |value: &dyn Fn(&Seen, (usize, usize)) -> f64| {
+            Ends::from_fn(outputs.len(), inputs.len(), |output, input| {
+                let at = |seen: &Seen| value(seen, (output, input));
+                of_draws(at(&own), all.iter().map(at).collect(), all.len()).unwrap_or([at(&own); 2])
             })
-            .collect(),
-        static_gain: ends(&|seen, at| seen.static_gain[at]),
-        gain: (0..frequencies.len()).map(|k| ends(&|seen, at| seen.response[k][at].norm())).collect(),
-        phase: (0..frequencies.len()).map(phase).collect(),
-        step: (0..times.len()).map(|k| ends(&|seen, at| seen.step[k][at])).collect(),
+        };
+        let vibration = |k: usize, off: Off, of: fn(&Pole) -> f64| {
+            let value = of(&own.vibrations[k]);
+            let drawn = all.iter().filter_map(|seen| seen.vibrations.get(k).map(of)).collect();
+            let interval = of_draws(value, drawn, all.len())?;
+            let widened = |error: &ModelError| error.widened(off, value, interval);
+            Some(self.model_error.as_ref().filter(|_| k == 0).map_or(interval, widened))
+        };
+        let phase = |k: usize| {
+            let from_own =
+                |seen: &Seen, at: (usize, usize)| (seen.response[k][at] / own.response[k][at]).arg();
+            ends(&from_own)
+        };
+        LinearIntervals {
+            draws: all.len(),
+            failed_draws: settings.draws - all.len(),
+            vibrations: (0..own.vibrations.len())
+                .map(|k| {
+                    [
+                        vibration(k, Off::Frequency, |pole| pole.frequency),
+                        vibration(k, Off::Damping, |pole| pole.damping_ratio),
+                        vibration(k, Off::Damping, Pole::settling),
+                    ]
+                })
+                .collect(),
+            static_gain: ends(&|seen, at| seen.static_gain[at]),
+            gain: (0..frequencies.len()).map(|k| ends(&|seen, at| seen.response[k][at].norm())).collect(),
+            phase: (0..frequencies.len()).map(phase).collect(),
+            step: (0..times.len()).map(|k| ends(&|seen, at| seen.step[k][at])).collect(),
+        }
     }
 }
