@@ -94,14 +94,17 @@ impl Inner {
         Some(Changes { schedule: Some(schedule), commands, ..Changes::default() })
     }
 
-    fn apply(&mut self, changes: Changes) -> PyResult<()> {
+    /// Takes changes that came of what was `set`.
+    fn apply(&mut self, changes: Changes, set: Vec<String>) -> PyResult<()> {
         let wrong = |error: ChangeError| exception(Failure::Usage(error.to_string()));
         if let Some(schedule) = changes.schedule {
             self.stepper.set_schedule(schedule).map_err(wrong)?;
             self.commands = changes.commands;
         }
         let values: Vec<_> = changes.values.iter().map(|(path, value)| (path.as_str(), *value)).collect();
-        self.stepper.set_all(&values).map_err(wrong)
+        self.stepper.set_all(&values).map_err(wrong)?;
+        self.source = self.source.with(set);
+        Ok(())
     }
 }
 
@@ -159,9 +162,7 @@ impl Swing {
             let mut inner = self.inner();
             let wrong = |error: &dyn std::fmt::Display| exception(Failure::Usage(error.to_string()));
             if let Some(changes) = inner.quickly(&more) {
-                inner.apply(changes)?;
-                inner.source = inner.source.with(more);
-                return Ok(());
+                return inner.apply(changes, more);
             }
             let source = inner.source.with(more);
             let (case, scenario) = source.case()?;
@@ -270,7 +271,7 @@ pub fn step_many<'py>(
             exception(Failure::Usage(message))
         };
         let changes = inner.at_pressure(pressure).ok_or_else(refused)?;
-        inner.apply(changes)?;
+        inner.apply(changes, vec![format!("muscle.pressure=\"{pressure} Pa\"")])?;
         if inner.stepper.step(dt).is_err() {
             return Ok([f64::NAN; 4]);
         }

@@ -10,6 +10,8 @@ import pytest
 gymnasium = pytest.importorskip("gymnasium")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
+import efam  # noqa: E402
+from efam._efam import step_many  # noqa: E402
 from efam.gym import TipControl, TipControls  # noqa: E402
 
 
@@ -41,6 +43,14 @@ def test_a_regulator_earns_more_than_the_final_pressure(scenario):
     assert abs(seen[1] - seen[6]) < 0.1
     heavy, _ = episode(environment, lambda seen: place, target=2e5, payload="50 g")
     assert heavy[6] < seen[6] - 0.01
+
+
+def test_what_is_set_for_many_stays_set(scenario):
+    """What is set after that is set beside the pressure, not over it."""
+    swing = efam.Model(scenario).start()
+    step_many([swing], [2e5], 0.01)
+    swing.set(**{"effects.rayleigh_mass.alpha": 0.7})
+    assert swing["rod.pressure"] == pytest.approx(2e5) and swing["effects.rayleigh_mass.alpha"] == 0.7
 
 
 def test_many_step_at_once(scenario):
