@@ -63,21 +63,20 @@ impl<T: Scalar> Context<T> {
         if let Some(schedule) = &model.schedule {
             let now = time.re();
             let piece = since.unwrap_or(now);
-            let factors = schedule.factors(now, piece);
-            let along = |[value, rate, _]: [f64; 3]| T::from(value) + (time - now) * rate;
-            let (change, rate) = schedule.pressure_change(now, piece);
-            let mut change = (time - now) * rate + change;
-            let [mut length, mut bending, mut axial, mut diameter] = factors.map(along);
-            let [_, first, second] = factors[0];
-            let mut length_rate = (time - now) * second + first;
-            if let Some(line) = &self.line {
+            let ([length, bending, axial, diameter], length_rate, change) = if let Some(line) = &self.line {
                 let [pressure, rate] = line.at(model, &self.theta, time, piece);
                 let off = pressure - pressure.re();
                 let relative = schedule.relative(pressure.re()).expect("a line has a command");
-                [length, bending, axial, diameter] = relative.map(|[value, slope, _]| off * slope + value);
                 let [_, slope, curve] = relative[0];
-                (change, length_rate) = (pressure, (off * curve + slope) * rate);
-            }
+                let along = |[value, slope, _]: [f64; 3]| off * slope + value;
+                (relative.map(along), (off * curve + slope) * rate, pressure)
+            } else {
+                let factors = schedule.factors(now, piece);
+                let (change, rate) = schedule.pressure_change(now, piece);
+                let [_, first, second] = factors[0];
+                let along = |[value, rate, _]: [f64; 3]| T::from(value) + (time - now) * rate;
+                (factors.map(along), (time - now) * second + first, (time - now) * rate + change)
+            };
             self.rod.length = self.theta[LENGTH] * length;
             self.rod.bending_stiffness = self.theta[BENDING_STIFFNESS] * bending;
             self.rod.axial_stiffness = self.theta[AXIAL_STIFFNESS] * axial;

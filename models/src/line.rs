@@ -12,7 +12,7 @@ use crate::model::{Active, Model, Schedule};
 #[derive(Clone, Debug)]
 pub(crate) struct Through<T> {
     dead_time: T,
-    /// When the command begins a straight piece, s, and how the line stands then; pressures from that at the release.
+    /// When the command begins a straight piece, s, and the state of the line then; pressures from that at the release.
     pieces: Vec<(f64, Line<T>)>,
     /// When each arrives, s: to the last bit the [kinks](Model::kinks) at which steps end.
     arrivals: Vec<f64>,
