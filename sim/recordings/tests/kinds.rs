@@ -312,9 +312,9 @@ fn names_are_found_below_settings_and_beside_units() {
     let laser = read("Model,IL-1000\nNo.,Time[s],OUT1[mm]\n1,0.00,12.1\n2,0.01,12.2\n").unwrap_err();
     assert!(laser.contains("names no marker") && laser.contains("`OUT1[mm]`"), "{laser}");
     let columns = Some(["-", "t_s", "z_mm"].map(str::to_owned).to_vec());
-    let told = ReadOptions { columns, ..ReadOptions::default() };
+    let named = ReadOptions { columns, ..ReadOptions::default() };
     let laser =
-        read_with("Model,IL-1000\nSamples,2\nNo.,Time[s],OUT1[mm]\n1,0.00,12.5\n2,0.01,12.25\n", &told);
+        read_with("Model,IL-1000\nSamples,2\nNo.,Time[s],OUT1[mm]\n1,0.00,12.5\n2,0.01,12.25\n", &named);
     assert_eq!(laser.unwrap().markers[0].position[1], Some([0.0, 0.0, 0.01225]));
 }
 

@@ -155,7 +155,7 @@ fn base_pose(
     log: &mut Log,
 ) -> Result<Option<BasePose>, ExperimentError> {
     if entry.base.is_empty() {
-        log.say("base", "no base is given: that it stands still is assumed");
+        log.say("base", "no base is given: one at rest is assumed");
         return Ok(None);
     }
     let found = markers.find(experiment, &format!("{}.base", entry.key), &entry.base)?;
@@ -175,8 +175,9 @@ fn base_pose(
         pose.follow(time, &moving, step, distance(tip, pose.position));
     }
     match &pose {
-        None => log
-            .say("base", "the base is never seen whole: it is left out, and that it stands still is assumed"),
+        None => {
+            log.say("base", "the base is never seen whole: it is left out, and a base at rest is assumed")
+        }
         Some(pose) => {
             let turn = match found.len() {
                 1 if pose.orientation.is_none() => "; its turns are not seen with one marker".to_owned(),

@@ -115,7 +115,8 @@ pub(super) fn write(out: &mut String, recording: &Recording) {
     if !guess.base.is_empty() {
         let _ = writeln!(out, "base = {}   # GUESS: what hardly moves", list(&guess.base));
     } else {
-        *out += "# base = [\"…\"]   # none found: that it stands still is assumed, and the clamp at the file's origin\n"
+        *out +=
+            "# base = [\"…\"]   # none found: a base at rest is assumed, and the clamp at the file's origin\n"
     }
     for (k, (name, share)) in guess.body.iter().enumerate() {
         let open = if k == 0 {

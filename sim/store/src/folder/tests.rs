@@ -365,7 +365,7 @@ fn whichever_call_fails_nothing_is_torn_and_nothing_is_lost() {
             );
             match done {
                 Ok(()) => assert!(new.keys().all(|path| all.contains_key(path)), "{name} {k}"),
-                // What has the name that was asked for is no remainder.
+                // Results that have their own name are not kept beside it.
                 Err(StoreError::Kept { kept, .. }) => {
                     assert!(kept.ends_with("run_2"), "{name} {k}: {kept:?}")
                 }
